@@ -1,0 +1,210 @@
+//! What a client says to the server: one file a command, with its reading and its writing side by side.
+
+mod drive;
+mod get;
+mod init;
+mod set;
+
+pub use drive::{Drive, WheelSpeed};
+pub use get::{GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
+pub use init::Init;
+pub use set::Set;
+
+use crate::{Line, Problem};
+
+/// A command that can be read from a line and written to one.
+pub trait ReadWrite: Sized {
+    /// Reads the blocks; whatever is missing takes its default, whatever is wrong is noted in `problems`.
+    fn read(line: &Line, problems: &mut Vec<Problem>) -> Self;
+    /// Writes the command as a client would.
+    fn write(&self) -> Line;
+}
+
+macro_rules! commands {
+    ($($(#[$doc:meta])* $verb:literal => $name:ident,)*) => {
+        /// Every command that this server acts on.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum Command { $($(#[$doc])* $name($name),)* }
+
+        impl Command {
+            /// The verbs, upper case, in the order of the list.
+            pub const VERBS: &'static [&'static str] = &[$($verb),*];
+
+            /// Reads a line. An unknown verb gives `None` and a [`Problem::UnknownVerb`].
+            pub fn read(line: &Line, problems: &mut Vec<Problem>) -> Option<Self> {
+                if line.truncated {
+                    problems.push(Problem::TooManyBlocks { limit: crate::MAX_BLOCKS });
+                }
+                $(if line.verb.eq_ignore_ascii_case($verb) {
+                    return Some(Self::$name($name::read(line, problems)));
+                })*
+                let got = line.verb.chars().take(60).collect();
+                problems.push(Problem::UnknownVerb { got, expected: Self::VERBS.join(", ") });
+                None
+            }
+
+            /// Writes the command as a line, without its end.
+            pub fn write(&self) -> Line {
+                match self { $(Self::$name(command) => command.write(),)* }
+            }
+        }
+    };
+}
+
+commands! {
+    /// Puts a robot into the world.
+    "INIT" => Init,
+    /// Sets the speeds of the robot.
+    "DRIVE" => Drive,
+    /// Changes a sensor.
+    "SET" => Set,
+    /// Asks for the configuration of the robot or of its parts.
+    "GETCONF" => GetConf,
+    /// Asks for the geometry of the robot or of its parts.
+    "GETGEO" => GetGeo,
+    /// Asks for the start poses of the map.
+    "GETSTARTPOSES" => GetStartPoses,
+    /// Asks for the path nodes of the map.
+    "GETPATHNODES" => GetPathNodes,
+    /// Asks for the path node next to a place.
+    "GETCLOSESTPATHNODE" => GetClosestPathNode,
+}
+
+/// Adds a block unless the text is empty: on the wire the two cannot be told apart.
+fn with_text(line: Line, key: &str, text: &str) -> Line {
+    if text.is_empty() { line } else { line.with(key, text) }
+}
+
+fn with_vector(line: Line, key: &str, [x, y, z]: [f64; 3]) -> Line {
+    line.with(key, format_args!("{x},{y},{z}"))
+}
+
+/// A copy of the text of a block; empty where the block is missing.
+fn text(line: &Line, key: &str) -> String {
+    line.get(key).unwrap_or_default().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Golden lines: what a client sends, and the same written back.
+    #[test]
+    fn golden_lines() {
+        for (sent, written) in [
+            (
+                "INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}",
+                "INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}",
+            ),
+            (
+                "init {Classname USARBot.P3AT} {Name R} {Location 1,0000, 2,0000, 0,4000} {Rotation 0 0 1.5}",
+                "INIT {ClassName USARBot.P3AT} {Name R} {Location 1,2,0.4} {Rotation 0,0,1.5}",
+            ),
+            ("Drive {Left 3.000000} {Right 3,00}", "DRIVE {Left 3} {Right 3}"),
+            (
+                "DRIVE {Front-Left 1,00}{Front-Right 1,00}{Back-Left 1,00}{Back-Right 1,00}",
+                "DRIVE {Front-Left 1} {Front-Right 1} {Back-Left 1} {Back-Right 1}",
+            ),
+            ("DRIVE {Light} {Left 1}{Right 1} {Light true}", "DRIVE {Left 1} {Right 1}"),
+            ("DRIVE {Light True} {Normalized false}", "DRIVE {Normalized false} {Light true}"),
+            (
+                "DRIVE {WheelNumber 0} {WheelSpeed 1} {WheelSteer 0} {WheelNumber 3} {WheelSpeed -2}",
+                "DRIVE {WheelNumber 0} {WheelSpeed 1} {WheelNumber 3} {WheelSpeed -2}",
+            ),
+            (
+                "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1} ",
+                "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1}",
+            ),
+            ("GETCONF {Type Robot}", "GETCONF {Type Robot}"),
+            ("GETGEO {Type Sonar} {Name F1}", "GETGEO {Type Sonar} {Name F1}"),
+            ("getstartposes {x y}", "GETSTARTPOSES"),
+            ("GETPATHNODES", "GETPATHNODES"),
+            ("GETCLOSESTPATHNODE {Location 1 2 3}", "GETCLOSESTPATHNODE {Location 1,2,3}"),
+            ("GETCLOSESTPATHNODE", "GETCLOSESTPATHNODE"),
+        ] {
+            let mut problems = Vec::new();
+            let command = Command::read(&Line::parse(sent), &mut problems).unwrap();
+            assert_eq!(command.write().to_string(), written, "{sent}");
+            assert_eq!(problems, [], "{sent}");
+        }
+    }
+
+    #[test]
+    fn every_verb_has_a_golden_line_and_unknown_ones_are_named() {
+        for verb in Command::VERBS {
+            assert!(Command::read(&Line::new(verb), &mut Vec::new()).is_some(), "{verb}");
+        }
+        let mut problems = Vec::new();
+        assert_eq!(Command::read(&Line::parse("FOO {a b}"), &mut problems), None);
+        assert!(problems[0].to_string().starts_with("unknown verb `FOO`; expected one of INIT, DRIVE"));
+    }
+
+    fn number() -> impl Strategy<Value = f64> {
+        -1e6f64..1e6
+    }
+
+    /// A word that survives the wire: no braces, no white space.
+    fn word() -> impl Strategy<Value = String> {
+        "[A-Za-z0-9_.-]{0,12}"
+    }
+
+    fn any_command() -> impl Strategy<Value = Command> {
+        let vector = || [number(), number(), number()];
+        let some = || proptest::option::of(number());
+        prop_oneof![
+            (word(), word(), word(), vector(), vector()).prop_map(|(class_name, name, start, location, rotation)| {
+                // `Start` replaces the pose, and is written instead of it.
+                let pose = if start.is_empty() { [location, rotation] } else { [[0.0; 3]; 2] };
+                Command::Init(Init { class_name, name, start, location: pose[0], rotation: pose[1] })
+            }),
+            (
+                (some(), some(), some(), some(), some(), some()),
+                (some(), some(), some()),
+                (proptest::option::of(any::<bool>()), proptest::option::of(any::<bool>())),
+                proptest::collection::vec((0u32..8, number()), 0..5),
+            )
+                .prop_map(|(wheels, velocities, flags, numbered)| {
+                    Command::Drive(Drive {
+                        left: wheels.0,
+                        right: wheels.1,
+                        front_left: wheels.2,
+                        front_right: wheels.3,
+                        back_left: wheels.4,
+                        back_right: wheels.5,
+                        linear_velocity: velocities.0,
+                        lateral_velocity: velocities.1,
+                        rotational_velocity: velocities.2,
+                        normalized: flags.0,
+                        light: flags.1,
+                        wheels: numbered.into_iter().map(|(number, speed)| WheelSpeed { number, speed }).collect(),
+                    })
+                }),
+            (word(), word(), word(), word()).prop_map(|(type_name, name, opcode, params)| {
+                Command::Set(Set { type_name, name, opcode, params })
+            }),
+            (word(), word()).prop_map(|(type_name, name)| Command::GetConf(GetConf { type_name, name })),
+            (word(), word()).prop_map(|(type_name, name)| Command::GetGeo(GetGeo { type_name, name })),
+            Just(Command::GetStartPoses(GetStartPoses)),
+            Just(Command::GetPathNodes(GetPathNodes)),
+            proptest::option::of(vector())
+                .prop_map(|location| Command::GetClosestPathNode(GetClosestPathNode { location })),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn reading_gives_back_what_was_written(command in any_command()) {
+            let text = command.write().to_string();
+            let mut problems = Vec::new();
+            prop_assert_eq!(Command::read(&Line::parse(&text), &mut problems), Some(command));
+            prop_assert_eq!(problems, []);
+        }
+
+        #[test]
+        fn any_text_is_read_without_a_panic(text in ".*", verb in 0..Command::VERBS.len()) {
+            Command::read(&Line::parse(&text), &mut Vec::new());
+            Command::read(&Line::parse(&format!("{} {{{text}}} {{Left {text}}}", Command::VERBS[verb])), &mut Vec::new());
+        }
+    }
+}

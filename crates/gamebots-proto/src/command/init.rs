@@ -1,0 +1,48 @@
+//! `INIT {ClassName pkg.Class} {Name s} {Location x,y,z} {Rotation r,p,y} {Start tag}` (protocol.md 3.1).
+
+use super::{ReadWrite, text, with_text, with_vector};
+use crate::{Line, Problem, value};
+
+/// Puts a robot into the world. No reply.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Init {
+    /// `USARBot.P3AT`; without a package, `USARBot` is meant.
+    pub class_name: String,
+    /// Name of the robot; may be empty.
+    pub name: String,
+    /// Name of a start pose. Not empty: [`Self::location`] and [`Self::rotation`] are ignored.
+    pub start: String,
+    /// Position, m, world frame (z down).
+    pub location: [f64; 3],
+    /// Roll, pitch, yaw, rad.
+    pub rotation: [f64; 3],
+}
+
+impl Init {
+    /// The class without its package: `P3AT` of `USARBot.P3AT`.
+    pub fn class(&self) -> &str {
+        self.class_name.rsplit('.').next().unwrap_or_default()
+    }
+}
+
+impl ReadWrite for Init {
+    fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        let start = text(line, "Start");
+        let [location, rotation] = if start.is_empty() {
+            ["Location", "Rotation"].map(|key| value::vector(line, key, problems))
+        } else {
+            [[0.0; 3]; 2]
+        };
+        Self { class_name: text(line, "ClassName"), name: text(line, "Name"), start, location, rotation }
+    }
+
+    fn write(&self) -> Line {
+        let line = with_text(Line::new("INIT"), "ClassName", &self.class_name);
+        let line = with_text(line, "Name", &self.name);
+        if self.start.is_empty() {
+            with_vector(with_vector(line, "Location", self.location), "Rotation", self.rotation)
+        } else {
+            line.with("Start", &self.start)
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! `SET {Type t} {Name n} {Opcode o} {Params p}` (protocol.md 3.1). No reply.
+
+use super::{ReadWrite, text, with_text};
+use crate::{Line, Problem};
+
+/// Sends an opcode to every item of a type, or to the one of that name.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Set {
+    /// Type of the item, any case.
+    pub type_name: String,
+    /// Its name, any case; empty means all of the type.
+    pub name: String,
+    /// What to do, any case.
+    pub opcode: String,
+    /// Argument of the opcode, as sent.
+    pub params: String,
+}
+
+impl Set {
+    /// The parameters as numbers, split at commas or white space; `None` if any is not a number.
+    pub fn numbers(&self) -> Option<Vec<f64>> {
+        self.params
+            .split(|c: char| c == ',' || c.is_whitespace())
+            .filter(|part| !part.is_empty())
+            .map(|part| part.parse().ok().filter(|number: &f64| number.is_finite()))
+            .collect()
+    }
+}
+
+impl ReadWrite for Set {
+    fn read(line: &Line, _problems: &mut Vec<Problem>) -> Self {
+        Self {
+            type_name: text(line, "Type"),
+            name: text(line, "Name"),
+            opcode: text(line, "Opcode"),
+            params: text(line, "Params"),
+        }
+    }
+
+    fn write(&self) -> Line {
+        let line = with_text(Line::new("SET"), "Type", &self.type_name);
+        let line = with_text(line, "Name", &self.name);
+        with_text(with_text(line, "Opcode", &self.opcode), "Params", &self.params)
+    }
+}

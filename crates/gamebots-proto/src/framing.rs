@@ -1,0 +1,132 @@
+//! Bytes in, lines out.
+//!
+//! CR, LF, CR LF and LF CR all end a line, runs of them collapse and empty lines vanish. A line longer
+//! than [`MAX_LINE_BYTES`] is discarded up to its end and the connection lives on.
+
+use crate::Problem;
+
+/// Longest line that is kept, in bytes without its terminator. USARSim had no limit; a stranger needs one.
+pub const MAX_LINE_BYTES: usize = 64 * 1024;
+
+/// Splits a stream of bytes into lines; holds the part of a line that has not ended yet.
+#[derive(Debug, Default)]
+pub struct Framing {
+    partial: Vec<u8>,
+    /// Bytes thrown away so far of a line that is over the limit.
+    discarded: usize,
+}
+
+impl Framing {
+    /// Takes the next bytes of the stream and returns the lines that they complete, in order.
+    ///
+    /// An over-long line gives one [`Problem::LineTooLong`] when its end arrives.
+    pub fn push(&mut self, bytes: &[u8]) -> Vec<Result<String, Problem>> {
+        let mut lines = Vec::new();
+        for part in bytes.split_inclusive(|&byte| is_end(byte)) {
+            match part.split_last() {
+                Some((&last, text)) if is_end(last) => {
+                    self.keep(text);
+                    lines.extend(self.finish());
+                }
+                _ => self.keep(part),
+            }
+        }
+        lines
+    }
+
+    /// Ends the stream: the last fragment counts as a line.
+    pub fn finish(&mut self) -> Option<Result<String, Problem>> {
+        let bytes = std::mem::take(&mut self.partial);
+        let discarded = std::mem::take(&mut self.discarded);
+        if discarded > 0 {
+            return Some(Err(Problem::LineTooLong { got: discarded, limit: MAX_LINE_BYTES }));
+        }
+        (!bytes.is_empty()).then(|| Ok(decode(bytes)))
+    }
+
+    fn keep(&mut self, text: &[u8]) {
+        if self.discarded > 0 || self.partial.len() + text.len() > MAX_LINE_BYTES {
+            self.discarded += self.partial.len() + text.len();
+            self.partial = Vec::new();
+        } else {
+            self.partial.extend_from_slice(text);
+        }
+    }
+}
+
+fn is_end(byte: u8) -> bool {
+    byte == b'\r' || byte == b'\n'
+}
+
+/// USARSim's text is 8-bit: what is not UTF-8 is read as Latin-1, so that no byte is lost.
+fn decode(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().iter().map(|&byte| char::from(byte)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn check(chunks: &[&str], expected: &[&str]) {
+        let mut framing = Framing::default();
+        let mut got: Vec<String> = Vec::new();
+        for chunk in chunks {
+            got.extend(framing.push(chunk.as_bytes()).into_iter().map(|line| line.unwrap()));
+        }
+        got.extend(framing.finish().map(|line| line.unwrap()));
+        assert_eq!(got, expected, "chunks {chunks:?}");
+    }
+
+    #[test]
+    fn lines_end_as_clients_end_them() {
+        check(&["A\r\nB\r\n"], &["A", "B"]);
+        check(&["A\nB\n"], &["A", "B"]);
+        check(&["A\rB\r"], &["A", "B"]);
+        check(&["A\n\rB\n\r"], &["A", "B"]);
+        check(&["A\r\n\nB\r\n\n"], &["A", "B"]);
+        check(&["\r\n\r\n\n\r"], &[]);
+        check(&["GETSTART", "POSES\r", "\nB"], &["GETSTARTPOSES", "B"]);
+        check(&["no end"], &["no end"]);
+    }
+
+    #[test]
+    fn an_over_long_line_is_dropped_whole_and_the_next_one_is_read() {
+        let mut framing = Framing::default();
+        assert!(framing.push(&vec![b'x'; 1 << 20]).is_empty());
+        assert!(framing.partial.capacity() <= MAX_LINE_BYTES);
+        let lines = framing.push(b"tail\r\nGETSTARTPOSES\r\n");
+        assert_eq!(
+            lines,
+            [Err(Problem::LineTooLong { got: (1 << 20) + 4, limit: MAX_LINE_BYTES }), Ok("GETSTARTPOSES".to_owned())]
+        );
+    }
+
+    #[test]
+    fn a_line_of_just_the_limit_is_kept() {
+        let mut bytes = vec![b'x'; MAX_LINE_BYTES];
+        bytes.push(b'\n');
+        assert_eq!(Framing::default().push(&bytes)[0].as_ref().map(String::len), Ok(MAX_LINE_BYTES));
+    }
+
+    #[test]
+    fn bytes_that_are_not_utf8_are_read_as_latin_1() {
+        assert_eq!(Framing::default().push(b"caf\xe9\n"), [Ok("café".to_owned())]);
+    }
+
+    proptest! {
+        #[test]
+        fn arbitrary_bytes_never_panic_and_chunks_do_not_matter(
+            bytes in proptest::collection::vec(any::<u8>(), 0..400), cut in 0usize..400,
+        ) {
+            let cut = cut.min(bytes.len());
+            let mut whole = Framing::default();
+            let mut parts = Framing::default();
+            let expected = whole.push(&bytes);
+            let mut got = parts.push(&bytes[..cut]);
+            got.extend(parts.push(&bytes[cut..]));
+            prop_assert_eq!(got, expected);
+            prop_assert_eq!(parts.finish(), whole.finish());
+        }
+    }
+}

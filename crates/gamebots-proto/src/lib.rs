@@ -1,0 +1,21 @@
+//! The language that controllers and USARSim speak over TCP.
+//!
+//! Bytes become a [`Line`] in [`framing`], a line becomes a [`Command`] (client to server) or a
+//! [`Message`] (server to client). Input is read leniently, as real controllers write it; output is
+//! byte for byte what USARSim (UDK) sends. Nothing here knows a socket, a clock or the physics.
+//!
+//! Frame and units on the wire: x forward, y right, z down, metres, radians, seconds; angles are roll, pitch, yaw.
+
+pub mod command;
+pub mod framing;
+mod line;
+pub mod message;
+pub mod number;
+mod problem;
+mod value;
+
+pub use command::Command;
+pub use framing::Framing;
+pub use line::{Block, Line, MAX_BLOCKS};
+pub use message::Message;
+pub use problem::Problem;

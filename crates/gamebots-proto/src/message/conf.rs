@@ -1,0 +1,227 @@
+//! `CONF`: configuration of the robot or of its items (protocol.md 4.7).
+
+use super::{boolean, number, read_boolean};
+use crate::number::{engine_float, fixed};
+use crate::{Block, Line};
+
+/// One `CONF` line.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Conf {
+    /// Answer to `GETCONF {Type Robot}`.
+    Robot(RobotConf),
+    /// Answer to any other type: every item of that type in one line.
+    Items {
+        /// The type as the client typed it.
+        type_name: String,
+        /// The items in mounting order; none for `MisPkg` on a robot without actuators.
+        items: Vec<ItemConf>,
+    },
+}
+
+/// Configuration of a ground vehicle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotConf {
+    /// The class, or the robot's own name if the client asked by it.
+    pub name: String,
+    /// `SkidSteered` or `OmniDrive`.
+    pub steering_type: String,
+    /// Mass of all parts, kg.
+    pub mass: f32,
+    /// Smallest speed limit of the wheels, rad/s.
+    pub max_speed: f32,
+    /// Smallest torque limit of the wheels in USARSim's unit (5 to 1 N m).
+    pub max_torque: f32,
+}
+
+/// Configuration of one item, by the form that its type has.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the fields are named after the keys")]
+pub enum ItemConf {
+    /// Items of which only the name is known.
+    Plain { name: String },
+    /// GroundTruth, INS, Odometry, Tachometer: seconds between two readings.
+    Timed { name: String, scan_interval: f32 },
+    /// Angle of one tick, rad.
+    Encoder { name: String, resolution: f32 },
+    /// Ranges in metres, angles in radians.
+    RangeScanner {
+        name: String,
+        max_range: f32,
+        min_range: f32,
+        resolution: f32,
+        fov: f32,
+        panning: bool,
+        tilting: bool,
+    },
+    /// Ranges in metres, seconds, radians.
+    Sonar {
+        name: String,
+        max_range: f32,
+        min_range: f32,
+        scan_interval: f32,
+        beam_angle: f32,
+        max_angle_of_incidence: f32,
+        traces_per_cone: u32,
+        number_of_cones: u32,
+    },
+    /// Place in the picture in pixels, angles in degrees.
+    Camera {
+        name: String,
+        offset: [i32; 2],
+        resolution: [i32; 2],
+        default_fov: f32,
+        min_fov: f32,
+        max_fov: f32,
+        fov: f32,
+    },
+}
+
+impl Conf {
+    pub(super) fn write(&self) -> String {
+        match self {
+            Self::Robot(robot) => robot.write(),
+            Self::Items { type_name, items } => {
+                let items: String = items.iter().map(|item| format!(" {}", item.write())).collect();
+                format!("CONF {{Type {type_name}}}{items}")
+            }
+        }
+    }
+
+    pub(super) fn read(line: &Line) -> Option<Self> {
+        let first = line.blocks.first()?;
+        if first.key == "Name" {
+            return RobotConf::read(line).map(Self::Robot);
+        }
+        let items: Option<_> =
+            split_items(&line.blocks[1..]).iter().map(|item| ItemConf::read(&first.value, item)).collect();
+        Some(Self::Items { type_name: first.value.clone(), items: items? })
+    }
+}
+
+impl RobotConf {
+    fn write(&self) -> String {
+        format!(
+            "CONF {{Name {}}} {{Type GroundVehicle}} {{SteeringType {}}} {{Mass {}}} {{MaxSpeed {}}} {{MaxTorque {}}} \
+             {{MaxFrontSteer 0}} {{MaxRearSteer 0}}",
+            self.name,
+            self.steering_type,
+            fixed(self.mass, 4),
+            fixed(self.max_speed, 4),
+            fixed(self.max_torque, 4),
+        )
+    }
+
+    fn read(line: &Line) -> Option<Self> {
+        Some(Self {
+            name: line.get("Name")?.to_owned(),
+            steering_type: line.get("SteeringType")?.to_owned(),
+            mass: number(line, "Mass")?,
+            max_speed: number(line, "MaxSpeed")?,
+            max_torque: number(line, "MaxTorque")?,
+        })
+    }
+}
+
+impl ItemConf {
+    fn write(&self) -> String {
+        match self {
+            Self::Plain { name } => format!("{{Name {name}}}"),
+            Self::Timed { name, scan_interval } => {
+                format!("{{Name {name}}} {{ScanInterval {}}}", engine_float(*scan_interval))
+            }
+            Self::Encoder { name, resolution } => format!("{{Name {name}}} {{Resolution {}}}", fixed(*resolution, 4)),
+            Self::RangeScanner { name, max_range, min_range, resolution, fov, panning, tilting } => format!(
+                "{{Name {name}}} {{MaxRange {}}} {{MinRange {}}} {{Resolution {}}} {{Fov {}}} {{Panning {}}} {{Tilting {}}}",
+                fixed(*max_range, 4),
+                fixed(*min_range, 4),
+                fixed(*resolution, 4),
+                fixed(*fov, 4),
+                boolean(*panning),
+                boolean(*tilting),
+            ),
+            Self::Sonar {
+                name,
+                max_range,
+                min_range,
+                scan_interval,
+                beam_angle,
+                max_angle_of_incidence,
+                traces_per_cone,
+                number_of_cones,
+            } => format!(
+                "{{Name {name}}} {{MaxRange {}}} {{MinRange {}}} {{ScanInterval {}}} {{beamAngle {}}} \
+                 {{maxAngleOfIncidence {}}} {{tracesPerCone {traces_per_cone}}} {{numberOfCones {number_of_cones}}}",
+                fixed(*max_range, 4),
+                fixed(*min_range, 4),
+                fixed(*scan_interval, 4),
+                fixed(*beam_angle, 4),
+                fixed(*max_angle_of_incidence, 4),
+            ),
+            Self::Camera { name, offset, resolution, default_fov, min_fov, max_fov, fov } => format!(
+                "{{Name {name}}}{{TextureOffsetX {}}}{{TextureOffsetY {}}}{{TextureResolutionX {}}}{{TextureResolutionY {}}}\
+                 {{CameraDefFov {}}}{{CameraMinFov {}}}{{CameraMaxFov {}}}{{CameraFov {}}}",
+                offset[0],
+                offset[1],
+                resolution[0],
+                resolution[1],
+                engine_float(*default_fov),
+                engine_float(*min_fov),
+                engine_float(*max_fov),
+                engine_float(*fov),
+            ),
+        }
+    }
+
+    fn read(type_name: &str, item: &Line) -> Option<Self> {
+        let name = item.get("Name")?.to_owned();
+        Some(match type_name.to_ascii_lowercase().as_str() {
+            "groundtruth" | "ins" | "odometry" | "tachometer" => {
+                Self::Timed { name, scan_interval: number(item, "ScanInterval")? }
+            }
+            "encoder" => Self::Encoder { name, resolution: number(item, "Resolution")? },
+            "rangescanner" => Self::RangeScanner {
+                name,
+                max_range: number(item, "MaxRange")?,
+                min_range: number(item, "MinRange")?,
+                resolution: number(item, "Resolution")?,
+                fov: number(item, "Fov")?,
+                panning: read_boolean(item, "Panning")?,
+                tilting: read_boolean(item, "Tilting")?,
+            },
+            "sonar" => Self::Sonar {
+                name,
+                max_range: number(item, "MaxRange")?,
+                min_range: number(item, "MinRange")?,
+                scan_interval: number(item, "ScanInterval")?,
+                beam_angle: number(item, "beamAngle")?,
+                max_angle_of_incidence: number(item, "maxAngleOfIncidence")?,
+                traces_per_cone: number(item, "tracesPerCone")?,
+                number_of_cones: number(item, "numberOfCones")?,
+            },
+            "camera" => Self::Camera {
+                name,
+                offset: [number(item, "TextureOffsetX")?, number(item, "TextureOffsetY")?],
+                resolution: [number(item, "TextureResolutionX")?, number(item, "TextureResolutionY")?],
+                default_fov: number(item, "CameraDefFov")?,
+                min_fov: number(item, "CameraMinFov")?,
+                max_fov: number(item, "CameraMaxFov")?,
+                fov: number(item, "CameraFov")?,
+            },
+            _ => Self::Plain { name },
+        })
+    }
+}
+
+/// Groups blocks by item: each starts with its `{Name ..}`.
+pub(super) fn split_items(blocks: &[Block]) -> Vec<Line> {
+    let mut items: Vec<Line> = Vec::new();
+    for block in blocks {
+        if block.key == "Name" || items.is_empty() {
+            items.push(Line::default());
+        }
+        if let Some(item) = items.last_mut() {
+            item.blocks.push(block.clone());
+        }
+    }
+    items
+}

@@ -1,0 +1,109 @@
+//! `GEO`: geometry of the robot or of its items (protocol.md 4.7).
+
+use super::conf::split_items;
+use super::{float_array, number};
+use crate::Line;
+use crate::number::{engine_vector, fixed, fixed_vector};
+
+/// One `GEO` line.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Geo {
+    /// Answer to `GETGEO {Type Robot}`.
+    Robot(RobotGeo),
+    /// Answer to any other type: every item of that type in one line.
+    Items {
+        /// The type as the client typed it.
+        type_name: String,
+        /// The items in mounting order.
+        items: Vec<ItemGeo>,
+    },
+}
+
+/// Geometry of a ground vehicle, metres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotGeo {
+    /// The class, or the robot's own name if the client asked by it.
+    pub name: String,
+    /// Wheel base, track and 0: axle to axle, not the outline.
+    pub dimensions: [f32; 3],
+    /// Centre of gravity in the robot frame.
+    pub centre_of_gravity: [f32; 3],
+    /// Radius of the wheels.
+    pub wheel_radius: f32,
+    /// Distance of left and right wheels.
+    pub wheel_separation: f32,
+    /// Distance of front and rear wheels.
+    pub wheel_base: f32,
+}
+
+/// Where an item is mounted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ItemGeo {
+    /// Name of the item.
+    pub name: String,
+    /// Position in the robot frame, m. USARSim gives the world-axis difference, which is the same at zero rotation.
+    pub location: [f32; 3],
+    /// Roll, pitch, yaw in the robot frame, rad.
+    pub orientation: [f32; 3],
+    /// Class of the robot that carries it.
+    pub mount: String,
+}
+
+impl Geo {
+    pub(super) fn write(&self) -> String {
+        match self {
+            Self::Robot(robot) => format!(
+                "GEO {{Type GroundVehicle}} {{Name {}}} {{Dimensions {}}} {{COG {}}} {{WheelRadius {}}} \
+                 {{WheelSeparation {}}} {{WheelBase {}}}",
+                robot.name,
+                fixed_vector(robot.dimensions, 4),
+                fixed_vector(robot.centre_of_gravity, 4),
+                fixed(robot.wheel_radius, 4),
+                fixed(robot.wheel_separation, 4),
+                fixed(robot.wheel_base, 4),
+            ),
+            Self::Items { type_name, items } => {
+                let items: String = items.iter().map(ItemGeo::write).collect();
+                format!("GEO {{Type {type_name}}}{items}")
+            }
+        }
+    }
+
+    pub(super) fn read(line: &Line) -> Option<Self> {
+        let type_name = line.get("Type")?.to_owned();
+        if line.get("WheelRadius").is_some() {
+            return Some(Self::Robot(RobotGeo {
+                name: line.get("Name")?.to_owned(),
+                dimensions: float_array(line.get("Dimensions")?)?,
+                centre_of_gravity: float_array(line.get("COG")?)?,
+                wheel_radius: number(line, "WheelRadius")?,
+                wheel_separation: number(line, "WheelSeparation")?,
+                wheel_base: number(line, "WheelBase")?,
+            }));
+        }
+        let items = split_items(line.blocks.get(1..)?).iter().map(ItemGeo::read).collect::<Option<_>>()?;
+        Some(Self::Items { type_name, items })
+    }
+}
+
+impl ItemGeo {
+    /// No space before `{Mount`, as in Sensor.uc:40-68.
+    fn write(&self) -> String {
+        format!(
+            " {{Name {}}} {{Location {}}} {{Orientation {}}}{{Mount {}}}",
+            self.name,
+            engine_vector(self.location),
+            engine_vector(self.orientation),
+            self.mount,
+        )
+    }
+
+    fn read(item: &Line) -> Option<Self> {
+        Some(Self {
+            name: item.get("Name")?.to_owned(),
+            location: float_array(item.get("Location")?)?,
+            orientation: float_array(item.get("Orientation")?)?,
+            mount: item.get("Mount")?.to_owned(),
+        })
+    }
+}

@@ -1,0 +1,103 @@
+//! The two number formats of the wire, in 32-bit floats. Nothing else formats a number for a client.
+//!
+//! USARSim's own formatter ([`fixed`], UnitsConverter.uc:46-71) truncates; the Unreal engine's
+//! ([`engine_float`], [`engine_vector`]) rounds. Which message uses which is part of its format.
+//! A number that is not finite is written as 0: no client can read `NaN`.
+
+/// Engine rotation units per radian: 65536 a turn (DefaultUSAR.ini:39).
+const ROTATION_UNITS_PER_RADIAN: f32 = 10430.378;
+
+/// `%Fn`: fixed point with `decimals` digits, truncated toward zero; `-` whenever the value is below zero.
+pub fn fixed(value: f32, decimals: u32) -> String {
+    let value = finite(value);
+    let sign = if value < 0.0 { "-" } else { "" };
+    let value = value.abs();
+    let whole = value.trunc();
+    let fraction = ((value - whole) * 10f32.powi(decimals as i32)).trunc();
+    format!("{sign}{whole:.0}.{fraction:0width$.0}", width = decimals as usize)
+}
+
+/// Three [`fixed`] numbers with commas between and no spaces.
+pub fn fixed_vector(value: [f32; 3], decimals: u32) -> String {
+    value.map(|component| fixed(component, decimals)).join(",")
+}
+
+/// `%f`: four decimals, rounded.
+pub fn engine_float(value: f32) -> String {
+    format!("{:.4}", finite(value))
+}
+
+/// `%v`: three numbers of two decimals, rounded; may print `-0.00`, as the engine does.
+pub fn engine_vector(value: [f32; 3]) -> String {
+    value.map(|component| format!("{:.2}", finite(component))).join(",")
+}
+
+/// Three [`engine_float`] numbers with commas between.
+pub fn engine_floats(values: &[f32]) -> String {
+    values.iter().map(|&value| engine_float(value)).collect::<Vec<_>>().join(",")
+}
+
+/// Radians to whole engine rotation units, truncated: the resolution of every angle of a USARSim scan.
+pub fn rotation_units(radians: f64) -> i32 {
+    (radians * 10430.3783505) as i32
+}
+
+/// Engine rotation units to radians.
+pub fn radians(rotation_units: i32) -> f32 {
+    rotation_units as f32 / ROTATION_UNITS_PER_RADIAN
+}
+
+fn finite(value: f32) -> f32 {
+    if value.is_finite() { value } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fixed_truncates_in_32_bits() {
+        for (value, decimals, expected) in [
+            (1.3, 4, "1.2999"),
+            (-1.25, 4, "-1.2500"),
+            (-0.00001, 4, "-0.0000"),
+            (-0.0, 4, "0.0000"),
+            (0.99999, 4, "0.9999"),
+            (123.456, 2, "123.45"),
+            (3.14159, 3, "3.141"),
+            (20.0, 2, "20.00"),
+            (0.098, 4, "0.0980"),
+            (0.29, 2, "0.29"),
+            (2.0, 4, "2.0000"),
+            (-0.0004, 3, "-0.000"),
+            (0.01745, 4, "0.0174"),
+            (1.5707964, 3, "1.570"),
+            (0.01, 4, "0.0100"),
+            (8.0273, 4, "8.0272"),
+            (1.571, 4, "1.5710"),
+            (f32::NAN, 2, "0.00"),
+            (f32::INFINITY, 2, "0.00"),
+        ] {
+            assert_eq!(fixed(value, decimals), expected, "fixed({value}, {decimals})");
+        }
+    }
+
+    #[test]
+    fn the_engine_rounds() {
+        assert_eq!(engine_float(44.5467), "44.5467");
+        assert_eq!(engine_float(std::f32::consts::TAU), "6.2832");
+        assert_eq!(engine_vector([-5.468, 27.82, 1.27]), "-5.47,27.82,1.27");
+        assert_eq!(engine_vector([-0.001, 0.0, 0.0]), "-0.00,0.00,0.00");
+    }
+
+    #[test]
+    fn angles_pass_through_rotation_units() {
+        for (angle, units) in [(3.14159, 32767), (0.01745, 182), (4.189, 43692), (1.5707963, 16383), (6.2832, 65536)] {
+            assert_eq!(rotation_units(angle), units, "{angle}");
+        }
+        for (units, expected) in [(16384, "1.5707"), (182, "0.0174"), (32767, "3.1414"), (65536, "6.2831")] {
+            assert_eq!(fixed(radians(units), 4), expected, "{units}");
+        }
+        assert_eq!(engine_float(radians(16384)), "1.5708");
+    }
+}

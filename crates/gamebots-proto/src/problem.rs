@@ -1,0 +1,67 @@
+//! What can be wrong with a line that a client sent.
+
+/// One thing wrong with a line. The line is still read as far as it makes sense; nothing of this goes on
+/// the wire unless the server is told to report errors.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// The line is over the length limit.
+    #[error("line of {got} bytes discarded; the limit is {limit}")]
+    LineTooLong {
+        /// Length of the line, bytes.
+        got: usize,
+        /// The limit, bytes.
+        limit: usize,
+    },
+    /// The line has more blocks than are read.
+    #[error("line has more than {limit} blocks; the rest is ignored")]
+    TooManyBlocks {
+        /// The limit.
+        limit: usize,
+    },
+    /// Not a verb of USARSim.
+    #[error("unknown verb `{got}`; expected one of {expected}")]
+    UnknownVerb {
+        /// What stood there.
+        got: String,
+        /// The verbs that are known, separated by commas.
+        expected: String,
+    },
+    /// A value that is not a number where one is needed.
+    #[error("{{{key} {got}}}: expected a number; read as {read_as}")]
+    NotANumber {
+        /// The key of the block.
+        key: String,
+        /// Its value.
+        got: String,
+        /// The value used instead.
+        read_as: f64,
+    },
+    /// A number outside of the range that makes sense.
+    #[error("{{{key} {got}}}: expected a number within ±{limit}; read as {read_as}")]
+    OutOfRange {
+        /// The key of the block.
+        key: String,
+        /// Its value.
+        got: String,
+        /// Largest magnitude accepted, in the unit of the key.
+        limit: f64,
+        /// The value used instead.
+        read_as: f64,
+    },
+    /// A value that is neither true nor false.
+    #[error("{{{key} {got}}}: expected true or false; read as false")]
+    NotABool {
+        /// The key of the block.
+        key: String,
+        /// Its value.
+        got: String,
+    },
+    /// A block that the command cannot do without.
+    #[error("{verb} needs {{{key} ..}}")]
+    MissingKey {
+        /// The verb.
+        verb: &'static str,
+        /// The missing key or keys.
+        key: &'static str,
+    },
+}

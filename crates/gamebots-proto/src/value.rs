@@ -1,0 +1,186 @@
+//! Reading the values of a client's blocks: lenient, always with a result, and with a note of what was wrong.
+
+use crate::{Line, Problem};
+
+/// Largest magnitude of a number that a client can send; 32-bit physics has no use for more.
+const LIMIT: f64 = 1e6;
+
+/// The scalar of a block, or `None` where the block is missing or empty.
+pub(crate) fn scalar(line: &Line, key: &str, problems: &mut Vec<Problem>) -> Option<f64> {
+    let text = line.get(key).filter(|text| !text.is_empty())?;
+    Some(scalar_of(key, text, problems))
+}
+
+/// Reads a scalar: the longest numeric prefix, as C's atof does, where a comma may stand for the point.
+pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f64 {
+    let Some(value) = number_prefix(&text.replacen(',', ".", 1)) else {
+        problems.push(Problem::NotANumber { key: key.to_owned(), got: shorten(text), read_as: 0.0 });
+        return 0.0;
+    };
+    limited(key, text, value, problems)
+}
+
+/// A vector, or zeros where the block is missing.
+pub(crate) fn vector(line: &Line, key: &str, problems: &mut Vec<Problem>) -> [f64; 3] {
+    let Some(text) = line.get(key).filter(|text| !text.is_empty()) else { return [0.0; 3] };
+    vector_parts(text).map(|part| {
+        if part.is_empty() {
+            return 0.0;
+        }
+        let Some(value) = number_prefix(&part) else {
+            problems.push(Problem::NotANumber { key: key.to_owned(), got: shorten(text), read_as: 0.0 });
+            return 0.0;
+        };
+        limited(key, text, value, problems)
+    })
+}
+
+/// `true` and `True` are true; everything else is false (`TRUE` too: protocol.md case 79).
+pub(crate) fn boolean(line: &Line, key: &str, problems: &mut Vec<Problem>) -> Option<bool> {
+    let text = line.get(key).filter(|text| !text.is_empty())?;
+    if !["true", "false"].iter().any(|word| text.eq_ignore_ascii_case(word)) {
+        problems.push(Problem::NotABool { key: key.to_owned(), got: shorten(text) });
+    }
+    Some(text == "true" || text == "True")
+}
+
+/// Splits a vector. Three pieces set apart by white space are the components, commas at their ends dropped
+/// and commas inside them decimal: `1 2 3`, `1, 2, 3`, `1,0000, 2,0000, -0,5000`. Anything else is USARSim's
+/// rule (Utilities.uc:92-108): x before the first comma, y before the second, z the rest; without a comma z alone.
+fn vector_parts(text: &str) -> [String; 3] {
+    let pieces: Vec<&str> =
+        text.split_whitespace().map(|piece| piece.trim_matches(',')).filter(|piece| !piece.is_empty()).collect();
+    if let [x, y, z] = pieces[..] {
+        return [x, y, z].map(|piece| piece.replacen(',', ".", 1));
+    }
+    let parts: Vec<&str> = text.splitn(3, ',').map(str::trim).collect();
+    let [x, y, z] = match parts[..] {
+        [z] => ["", "", z],
+        [x, z] => [x, "", z],
+        [x, y, z] => [x, y, z],
+        _ => ["", "", ""],
+    };
+    [x, y, z].map(str::to_owned)
+}
+
+fn limited(key: &str, text: &str, value: f64, problems: &mut Vec<Problem>) -> f64 {
+    if value.abs() <= LIMIT {
+        return value;
+    }
+    let read_as = LIMIT.copysign(value);
+    problems.push(Problem::OutOfRange { key: key.to_owned(), got: shorten(text), limit: LIMIT, read_as });
+    read_as
+}
+
+/// The longest prefix that is a decimal number; infinite when it is too large. `inf` and `nan` are no numbers.
+fn number_prefix(text: &str) -> Option<f64> {
+    let text = text.trim_start();
+    let bytes = text.as_bytes();
+    let digits = |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
+    let whole = digits(sign);
+    let mut end = sign + whole;
+    let mut fraction = 0;
+    if bytes.get(end) == Some(&b'.') {
+        fraction = digits(end + 1);
+        if whole + fraction > 0 {
+            end += 1 + fraction;
+        }
+    }
+    if whole + fraction == 0 {
+        return None;
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let exponent_sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+        let exponent = digits(end + 1 + exponent_sign);
+        if exponent > 0 {
+            end += 1 + exponent_sign + exponent;
+        }
+    }
+    text[..end].parse().ok()
+}
+
+/// At most 60 characters of a value, for an error message.
+fn shorten(text: &str) -> String {
+    text.chars().take(60).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn check_scalar(text: &str, expected: f64, problems_expected: usize) {
+        let mut problems = Vec::new();
+        assert_eq!(scalar_of("K", text, &mut problems), expected, "{text}");
+        assert_eq!(problems.len(), problems_expected, "{text}: {problems:?}");
+    }
+
+    #[test]
+    fn scalars() {
+        for (text, expected) in [
+            ("1", 1.0),
+            ("1.5", 1.5),
+            ("1,00", 1.0),
+            ("1,50", 1.5),
+            ("+1,00", 1.0),
+            ("-0,25", -0.25),
+            (".5", 0.5),
+            ("5e-1", 0.5),
+            ("5e", 5.0),
+            ("20.0abc", 20.0),
+            ("3.", 3.0),
+        ] {
+            check_scalar(text, expected, 0);
+        }
+        for text in ["abc", "", "-", ".", "NaN", "inf", "-infinity", "e5"] {
+            check_scalar(text, 0.0, 1);
+        }
+        check_scalar("1e999", LIMIT, 1);
+        check_scalar("-99999999999999", -LIMIT, 1);
+    }
+
+    #[test]
+    fn vectors() {
+        for (text, expected) in [
+            ("1,2,-0.5", [1.0, 2.0, -0.5]),
+            ("1, 2, -0.5", [1.0, 2.0, -0.5]),
+            ("1 2 -0.5", [1.0, 2.0, -0.5]),
+            ("1 , 2 , -0.5", [1.0, 2.0, -0.5]),
+            ("5", [0.0, 0.0, 5.0]),
+            ("1,2", [1.0, 0.0, 2.0]),
+            ("1,2,-3,9", [1.0, 2.0, -3.0]),
+            ("1,0000, 2,0000, 0,4000", [1.0, 2.0, 0.4]),
+            ("1,500000 -2,250000 0,400000", [1.5, -2.25, 0.4]),
+            (".4, .4, 1.8", [0.4, 0.4, 1.8]),
+            ("1, 2,3", [1.0, 2.0, 3.0]),
+            ("1,,3", [1.0, 0.0, 3.0]),
+        ] {
+            let mut problems = Vec::new();
+            let line = Line::new("INIT").with("Location", text);
+            assert_eq!(vector(&line, "Location", &mut problems), expected, "{text}");
+            assert_eq!(problems, [], "{text}");
+        }
+        let mut problems = Vec::new();
+        let line = Line::new("INIT").with("Location", "NaN,inf,1e30");
+        assert_eq!(vector(&line, "Location", &mut problems), [0.0, 0.0, LIMIT]);
+        assert_eq!(problems.len(), 3);
+    }
+
+    #[test]
+    fn booleans() {
+        for (text, expected) in [("true", true), ("True", true), ("TRUE", false), ("False", false), ("1", false)] {
+            let line = Line::new("DRIVE").with("Light", text);
+            assert_eq!(boolean(&line, "Light", &mut Vec::new()), Some(expected), "{text}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_gives_a_finite_number(text in ".*") {
+            prop_assert!(scalar_of("K", &text, &mut Vec::new()).is_finite());
+            let line = Line::new("V").with("K", &text);
+            prop_assert!(vector(&line, "K", &mut Vec::new()).iter().all(|value| value.is_finite()));
+        }
+    }
+}
