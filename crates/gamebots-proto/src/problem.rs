@@ -64,4 +64,28 @@ pub enum Problem {
         /// The missing key or keys.
         key: &'static str,
     },
+    /// A name that is not known.
+    #[error("{{{key} {got}}} is unknown; expected one of {expected}; {instead}")]
+    UnknownName {
+        /// The key of the block.
+        key: &'static str,
+        /// Its value.
+        got: String,
+        /// The names that are known, separated by commas.
+        expected: String,
+        /// What happens instead.
+        instead: &'static str,
+    },
+    /// The world is full.
+    #[error("INIT refused: the world holds {limit} robots already")]
+    TooManyRobots {
+        /// The limit.
+        limit: usize,
+    },
+    /// A command for a robot on a connection that has none.
+    #[error("{verb} ignored: there is no robot on this connection; send INIT first")]
+    NoRobot {
+        /// The verb.
+        verb: String,
+    },
 }

@@ -1,1 +1,45 @@
-//! x
+//! Kinematics of wheeled bases: twist of the base to wheel speeds and back.
+//!
+//! Frame: x forward, y right, z down, so a positive yaw rate is clockwise seen from above. SI units, radians.
+//! A wheel speed is positive when the wheel rolls the base forward.
+
+mod mecanum;
+mod skid;
+
+pub use mecanum::Mecanum;
+pub use skid::Skid;
+
+/// Velocity of a base in the plane, in its own frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Twist {
+    /// Forward velocity, m/s.
+    pub forward: f64,
+    /// Velocity to the right, m/s.
+    pub right: f64,
+    /// Yaw rate, rad/s, clockwise seen from above.
+    pub clockwise: f64,
+}
+
+/// Position and heading in the plane, in the frame of the start.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlanarPose {
+    /// Metres forward.
+    pub x: f64,
+    /// Metres to the right.
+    pub y: f64,
+    /// Heading, rad, clockwise seen from above, not wrapped.
+    pub theta: f64,
+}
+
+impl PlanarPose {
+    /// Moves by a twist held for `dt` seconds, with the heading of the beginning (Odometry.uc:99-135).
+    #[must_use]
+    pub fn moved(self, twist: Twist, dt: f64) -> Self {
+        let (sin, cos) = self.theta.sin_cos();
+        Self {
+            x: self.x + (twist.forward * cos - twist.right * sin) * dt,
+            y: self.y + (twist.forward * sin + twist.right * cos) * dt,
+            theta: self.theta + twist.clockwise * dt,
+        }
+    }
+}

@@ -1,1 +1,16 @@
-//! x
+//! The simulated world.
+//!
+//! A [`World`] is made of plain definitions ([`scene`]) and a seed, takes commands and gives messages. It knows
+//! no socket, clock, file, environment or thread: time is the number of steps taken, and the same scene, seed
+//! and commands by step give the same bits.
+//!
+//! World frame = the wire's: x forward, y right, z down, right-handed; metres, kilograms, seconds, radians.
+
+pub mod drive;
+mod physics;
+pub mod scene;
+pub mod sensor;
+mod world;
+
+pub use physics::{BodyState, WheelState};
+pub use world::{Options, RobotId, TIME_STEP, World};

@@ -1,0 +1,16 @@
+//! Skid steering: `{Left f} {Right f}`, both needed (SkidSteeredVehicle.uc:17-61).
+
+use gamebots_proto::Problem;
+use gamebots_proto::command::Drive;
+
+use super::of_side;
+use crate::scene::RobotDef;
+
+/// Speed of each driven wheel in the unit of the command; `None` leaves it as it is.
+pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {
+    let both = drive.left.is_some() && drive.right.is_some();
+    if !both && (drive.left.is_some() || drive.right.is_some()) {
+        problems.push(Problem::MissingKey { verb: "DRIVE", key: "Left and Right together" });
+    }
+    robot.driven().iter().map(|wheel| of_side(drive, wheel.side).filter(|_| both)).collect()
+}

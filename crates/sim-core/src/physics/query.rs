@@ -1,0 +1,120 @@
+//! Questions about the geometry: rays for sensors, and where a robot can stand.
+
+use nalgebra::{Point3, Vector3};
+use rapier3d::parry::query::Ray;
+use rapier3d::prelude::*;
+
+use super::{Physics, RobotBodies, convert};
+use crate::scene::{Pose, RobotDef};
+
+/// A clear gap left under a robot that is put on a surface, m: it settles by this in a few steps.
+const CLEARANCE: f64 = 0.001;
+/// Surfaces are looked for from this far above the wanted place, m.
+const SKY: f64 = 1000.0;
+/// Most surfaces above each other that are looked at.
+const MAX_LAYERS: usize = 64;
+
+/// What a ray meets first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RayHit {
+    /// Distance from the origin of the ray, m.
+    pub(crate) distance: f64,
+    /// Outward normal of the surface, world axes.
+    pub(crate) normal: Vector3<f64>,
+}
+
+impl Physics {
+    /// Casts a ray from a sensor; it does not see the robot that carries it, and from inside a solid it reads 0.
+    pub(crate) fn cast_ray(
+        &self,
+        origin: &Point3<f64>,
+        direction: &Vector3<f64>,
+        max_distance: f64,
+        bodies: &RobotBodies,
+    ) -> Option<RayHit> {
+        let not_own = |_: ColliderHandle, collider: &Collider| {
+            !collider.parent().is_some_and(|body| bodies.contains(body))
+        };
+        let filter = QueryFilter::default().predicate(&not_own);
+        let ray = Ray::new(convert::vector(origin.coords), convert::vector(*direction));
+        let query = self.world.query_pipeline_with_filter(filter);
+        let (_, hit) = query.cast_ray_and_get_normal(&ray, max_distance as Real, true)?;
+        Some(RayHit { distance: f64::from(hit.time_of_impact), normal: convert::from_vector(hit.normal) })
+    }
+
+    /// The pose at which a robot asked for at `pose` is put: where it is if it stands free above a surface,
+    /// otherwise lifted (or lowered into the world from below) onto the surface next above it.
+    ///
+    /// Other robots count as surfaces: the second of two at one place stands on the first.
+    pub(crate) fn standing_pose(&self, robot: &RobotDef, pose: &Pose) -> Pose {
+        let lifts = robot.wheels.iter().filter_map(|wheel| {
+            let centre = pose * Point3::from(wheel.position);
+            let surface = self.surface_to_stand_on(&centre, pose.translation.z)?;
+            Some(centre.z + wheel.radius - surface)
+        });
+        let lift = lifts.fold(0.0, f64::max);
+        let mut standing = *pose;
+        if lift > 0.0 {
+            standing.translation.z -= lift + CLEARANCE;
+        }
+        standing
+    }
+
+    /// Height (z) of the surface that something at a place belongs on: the first one below the reference height
+    /// if there is any and the place is not inside its solid, otherwise the nearest one above.
+    fn surface_to_stand_on(&self, place: &Point3<f64>, reference: f64) -> Option<f64> {
+        let layers = self.layers(place, reference);
+        let inside = layers.iter().any(|layer| layer.top < reference && reference < layer.bottom);
+        let below = layers.iter().find(|layer| layer.top >= reference);
+        let above = layers.iter().rev().find(|layer| layer.top < reference);
+        match (inside, below, above) {
+            (false, Some(below), _) => Some(below.top),
+            (_, _, above) => above.map(|layer| layer.top),
+        }
+    }
+
+    /// The solids crossed by the vertical line through a place, from above to below.
+    fn layers(&self, place: &Point3<f64>, reference: f64) -> Vec<Layer> {
+        let query = self.world.query_pipeline();
+        let ray = Ray::new(convert::vector([place.x, place.y, reference - SKY]), Vector::Z);
+        let mut layers: Vec<Layer> = query
+            .intersect_ray(ray, 2.0 * SKY as Real, true)
+            .flat_map(|(_, collider, _)| layers_of(collider, ray))
+            .collect();
+        layers.sort_by(|a, b| a.top.total_cmp(&b.top));
+        layers
+    }
+}
+
+/// The layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh.
+fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
+    let cast = |ray: &Ray| {
+        collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY as Real, false)
+    };
+    let mut layers = Vec::new();
+    let mesh = collider.shape().as_trimesh().map(|mesh| mesh.num_triangles() as u32);
+    while layers.len() < MAX_LAYERS
+        && let Some(hit) = cast(&ray)
+    {
+        let top = f64::from(ray.point_at(hit.time_of_impact).z);
+        ray.origin = ray.point_at(hit.time_of_impact + 1e-3);
+        match (mesh, hit.feature) {
+            // A face hit from behind has a number beyond those of the faces.
+            (Some(faces), FeatureId::Face(face)) if face >= faces => {}
+            (Some(_), _) => layers.push(Layer { top, bottom: top }),
+            (None, _) => {
+                let bottom = cast(&ray).map_or(f64::INFINITY, |exit| f64::from(ray.point_at(exit.time_of_impact).z));
+                return vec![Layer { top, bottom }];
+            }
+        }
+    }
+    layers
+}
+
+/// One solid on a vertical line.
+struct Layer {
+    /// z where the line enters it from above.
+    top: f64,
+    /// z where it leaves it; `top` for a surface without volume.
+    bottom: f64,
+}

@@ -1,0 +1,353 @@
+//! What a world is made of: plain data in SI units, in the world frame (x forward, y right, z down).
+//!
+//! The crate `scene-loader` makes these from files; nothing here reads anything.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+
+use crate::sensor;
+
+/// Position and orientation in f64.
+pub type Pose = Isometry3<f64>;
+
+/// A pose from a position in metres and roll, pitch, yaw in radians (yaw first, then pitch, then roll).
+pub fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
+    Pose::from_parts(Translation3::from(position), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+}
+
+/// Position in metres and roll, pitch, yaw in radians of a pose; the inverse of [`pose`].
+pub fn position_and_rotation(pose: &Pose) -> ([f64; 3], [f64; 3]) {
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    (pose.translation.vector.into(), [roll, pitch, yaw])
+}
+
+/// A physical material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Its name in `materials.toml`.
+    pub name: String,
+    /// Coulomb friction, one number for static and sliding.
+    pub friction: f64,
+    /// Restitution, 0 to 1.
+    pub restitution: f64,
+    /// Rolling resistance: force over normal force. Kept with the material, not yet applied by the physics.
+    pub rolling_resistance: f64,
+    /// Damping of the linear velocity of a body made of it, 1/s.
+    pub linear_damping: f64,
+    /// Damping of its angular velocity, 1/s.
+    pub angular_damping: f64,
+    /// Where the numbers come from.
+    pub source: String,
+}
+
+impl Material {
+    /// Friction and restitution between two materials: the mean of each, PhysX's rule and rapier's default.
+    ///
+    /// So the thesis's roller (0.9) on Unreal's default material (0.7) has 0.8.
+    pub fn pair(&self, other: &Self) -> (f64, f64) {
+        ((self.friction + other.friction) / 2.0, (self.restitution + other.restitution) / 2.0)
+    }
+}
+
+/// Geometry of a solid, in its own frame.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// Everything on the far side of the plane z = 0: up (negative z) is free.
+    HalfSpace,
+    /// A box around the origin, by its edge lengths, m.
+    Box {
+        /// Edge lengths along x, y, z.
+        size: [f64; 3],
+    },
+    /// A cylinder around the z axis, centred on the origin, m.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Length along z.
+        length: f64,
+    },
+    /// A ball around the origin, m.
+    Ball {
+        /// Radius.
+        radius: f64,
+    },
+    /// The convex hull of points, m.
+    Hull {
+        /// At least four points that are not in one plane.
+        points: Vec<[f64; 3]>,
+    },
+    /// A surface of triangles, m.
+    Mesh {
+        /// Corners.
+        vertices: Vec<[f64; 3]>,
+        /// Indices of three corners each.
+        triangles: Vec<[u32; 3]>,
+    },
+}
+
+/// A shape at a place, of a material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solid {
+    /// Its name, for messages and viewers.
+    pub name: String,
+    /// Geometry.
+    pub shape: Shape,
+    /// Place in the frame of the map or of the robot.
+    pub pose: Pose,
+    /// What its surface is made of.
+    pub material: Material,
+}
+
+/// A named place of a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedPose {
+    /// Name without white space or braces.
+    pub name: String,
+    /// Position, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw, rad.
+    pub rotation: [f64; 3],
+}
+
+/// A map: everything that does not move, and where robots start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapDef {
+    /// Name, sent as `{Level ..}`.
+    pub name: String,
+    /// One sentence.
+    pub description: String,
+    /// Gravity, m/s², along +z.
+    pub gravity: f64,
+    /// Time limit sent in the greeting, minutes; nothing ends by it.
+    pub time_limit: u32,
+    /// The solids.
+    pub solids: Vec<Solid>,
+    /// Start poses, in the order of the file.
+    pub starts: Vec<NamedPose>,
+    /// Path nodes, in the order of the file.
+    pub path_nodes: Vec<NamedPose>,
+}
+
+/// How a robot is steered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Steering {
+    /// Left and right wheels turn by side.
+    Skid,
+    /// Four Mecanum wheels, in the order front left, front right, back left, back right.
+    Omni,
+}
+
+impl Steering {
+    /// The word in `{SteeringType ..}` of CONF, as clients know it.
+    pub fn wire_name(self) -> &'static str {
+        match self {
+            Self::Skid => "SkidSteered",
+            Self::Omni => "OmniDrive",
+        }
+    }
+}
+
+/// The side of a wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Driven by `{Left ..}`.
+    Left,
+    /// Driven by `{Right ..}`.
+    Right,
+}
+
+/// A class of robots.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotDef {
+    /// Class name as in `USARBot.<class>`; the name of its folder.
+    pub class: String,
+    /// One sentence.
+    pub description: String,
+    /// How it is steered.
+    pub steering: Steering,
+    /// Parts that make up the body, all fixed to each other.
+    pub parts: Vec<Part>,
+    /// Shapes of the body that touch the world, in the robot frame.
+    pub solids: Vec<Solid>,
+    /// Driven wheels first, in the order that encoders and tachometers number them, then casters.
+    pub wheels: Vec<Wheel>,
+    /// What it carries, in mounting order.
+    pub sensors: Vec<SensorDef>,
+    /// Its battery; without one STA reports 99999.
+    pub battery: Option<Battery>,
+    /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).
+    pub reported_max_torque: f64,
+}
+
+impl RobotDef {
+    /// The driven wheels.
+    pub fn driven(&self) -> &[Wheel] {
+        let driven = self.wheels.iter().take_while(|wheel| wheel.drive.is_some()).count();
+        &self.wheels[..driven]
+    }
+
+    /// Mass of every part, wheel and roller in kg, summed in 32 bits in file order, as USARSim reports it.
+    pub fn mass(&self) -> f32 {
+        let rollers = |wheel: &Wheel| wheel.rollers.as_ref().map_or(Vec::new(), |r| vec![r.mass; r.count as usize]);
+        let wheels = self.wheels.iter().flat_map(|wheel| std::iter::once(wheel.mass).chain(rollers(wheel)));
+        self.parts.iter().map(|part| part.mass).chain(wheels).fold(0.0, |sum, mass| sum + mass as f32)
+    }
+
+    /// Wheel radius, track and wheel base, m: of the foremost left and the rearmost right driven wheel
+    /// (WheeledVehicle.uc:19-66).
+    pub fn wheel_geometry(&self) -> WheelGeometry {
+        let on = |side| self.driven().iter().filter(move |wheel| wheel.side == side);
+        let front_left = on(Side::Left).max_by(|a, b| a.position[0].total_cmp(&b.position[0]));
+        let rear_right = on(Side::Right).min_by(|a, b| a.position[0].total_cmp(&b.position[0]));
+        match (front_left, rear_right) {
+            (Some(left), Some(right)) => WheelGeometry {
+                radius: left.radius,
+                track: right.position[1] - left.position[1],
+                wheel_base: left.position[0] - right.position[0],
+            },
+            _ => WheelGeometry::default(),
+        }
+    }
+}
+
+/// The numbers of a base that odometry and clients use, m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WheelGeometry {
+    /// Radius of the wheels.
+    pub radius: f64,
+    /// Distance between left and right wheels.
+    pub track: f64,
+    /// Distance between front and rear wheels.
+    pub wheel_base: f64,
+}
+
+/// One part of the body: what it weighs and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Its name.
+    pub name: String,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass in the robot frame, m.
+    pub centre: Vector3<f64>,
+    /// Inertia about the centre of mass, robot axes, kg m².
+    pub inertia: Matrix3<f64>,
+}
+
+/// A wheel about the robot's y axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wheel {
+    /// Its name.
+    pub name: String,
+    /// Which side it is on.
+    pub side: Side,
+    /// Centre in the robot frame, m.
+    pub position: [f64; 3],
+    /// Outer radius, m.
+    pub radius: f64,
+    /// Width along its axle, m.
+    pub width: f64,
+    /// Mass without rollers, kg.
+    pub mass: f64,
+    /// What its tread is made of.
+    pub material: Material,
+    /// Its motor; `None` makes it a caster, a ball free to turn about every axis.
+    pub drive: Option<Motor>,
+    /// Rollers of a Mecanum wheel.
+    pub rollers: Option<Rollers>,
+}
+
+/// A velocity servo: torque = gain x (target - actual), limited.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motor {
+    /// Speed limit, rad/s.
+    pub max_speed: f64,
+    /// Servo gain, N m s/rad.
+    pub gain: f64,
+    /// Torque limit, N m.
+    pub max_torque: f64,
+}
+
+/// The free rollers of a Mecanum wheel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rollers {
+    /// How many.
+    pub count: u32,
+    /// Distance of a roller's axis from the wheel's axis, m.
+    pub axis_circle: f64,
+    /// Angle between the two axes, rad; positive where the roller at the ground points forward-right.
+    pub angle: f64,
+    /// Mass of one roller, kg.
+    pub mass: f64,
+    /// Viscous friction of its bearing, N m s/rad.
+    pub damping: f64,
+    /// How many spheres approximate its profile.
+    pub spheres: u32,
+    /// What it is made of.
+    pub material: Material,
+}
+
+/// A battery that falls linearly, whatever the robot does (Battery.uc:44-129).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Battery {
+    /// Energy at the start, J.
+    pub max_energy: f64,
+    /// Seconds from full to empty.
+    pub life: f64,
+}
+
+/// A sensor on a robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorDef {
+    /// Name on the wire.
+    pub name: String,
+    /// Position in the robot frame, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw in the robot frame, rad.
+    pub direction: [f64; 3],
+    /// Seconds between two readings; 0 for none.
+    pub scan_interval: f64,
+    /// What it is and its numbers.
+    pub config: sensor::Config,
+}
+
+/// Everything that a world needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldDef {
+    /// The map.
+    pub map: MapDef,
+    /// The classes that clients can ask for, by name.
+    pub robots: BTreeMap<String, RobotDef>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn material(friction: f64, restitution: f64) -> Material {
+        Material {
+            name: String::new(),
+            friction,
+            restitution,
+            rolling_resistance: 0.0,
+            linear_damping: 0.0,
+            angular_damping: 0.0,
+            source: String::new(),
+        }
+    }
+
+    #[test]
+    fn a_pair_of_materials_has_the_mean_of_both() {
+        let (friction, restitution) = material(0.9, 0.0).pair(&material(0.7, 0.3));
+        assert!((friction - 0.8).abs() < 1e-12);
+        assert!((restitution - 0.15).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_pose_gives_back_its_numbers() {
+        let (position, rotation) = position_and_rotation(&pose([1.0, 2.0, 3.0], [0.1, -0.2, 2.5]));
+        assert!(position.iter().zip([1.0, 2.0, 3.0]).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-12));
+        assert!(rotation.iter().zip([0.1, -0.2, 2.5]).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-12));
+    }
+}

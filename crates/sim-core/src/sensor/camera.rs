@@ -1,0 +1,78 @@
+//! A camera as USARSim shows it on the control connection: an empty line ten times a second and its zoom
+//! (USARCamera.uc). Its pictures belong to the image server.
+
+use gamebots_proto::command::Set;
+use gamebots_proto::message::{Camera, ItemConf, Reading};
+use serde::Deserialize;
+
+use super::{Effect, Mount, Sensor, View};
+
+/// Numbers of a camera.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Field of view at the start, rad.
+    pub field_of_view: f64,
+    /// Narrowest, rad.
+    pub min_field_of_view: f64,
+    /// Widest, rad.
+    pub max_field_of_view: f64,
+}
+
+impl Default for Config {
+    /// DefaultUSAR.ini:82-87.
+    fn default() -> Self {
+        Self { field_of_view: 1.3963, min_field_of_view: 0.3491, max_field_of_view: 2.0944 }
+    }
+}
+
+pub(super) struct Mounted {
+    name: String,
+    /// Default, narrowest and widest field of view, whole degrees.
+    default: f64,
+    min: f64,
+    max: f64,
+    now: f64,
+}
+
+impl Config {
+    pub(super) fn build(&self, mount: Mount) -> Mounted {
+        let [default, min, max] =
+            [self.field_of_view, self.min_field_of_view, self.max_field_of_view].map(|angle| angle.to_degrees().round());
+        Mounted { name: mount.name.to_owned(), default, min, max, now: default }
+    }
+}
+
+impl Sensor for Mounted {
+    fn type_name(&self) -> &'static str {
+        "Camera"
+    }
+
+    fn sense(&mut self, _view: &View) -> Option<Reading> {
+        Some(Camera.into())
+    }
+
+    /// `ZOOM` or `FOV` in radians, truncated to whole degrees; 0 is the default.
+    fn set(&mut self, opcode: &str, set: &Set, _view: &View) -> Effect {
+        if (opcode == "ZOOM" || opcode == "FOV")
+            && let Some([angle]) = set.numbers().as_deref()
+        {
+            let degrees = angle.to_degrees().trunc();
+            self.now = if degrees == 0.0 { self.default } else { degrees.clamp(self.min, self.max) };
+        }
+        Effect::None
+    }
+
+    fn conf(&self) -> ItemConf {
+        let [default_fov, min_fov, max_fov, fov] = [self.default, self.min, self.max, self.now].map(|angle| angle as f32);
+        ItemConf::Camera {
+            name: self.name.clone(),
+            offset: [0, 0],
+            resolution: [320, 240],
+            default_fov,
+            min_fov,
+            max_fov,
+            fov,
+        }
+    }
+}

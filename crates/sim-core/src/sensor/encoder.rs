@@ -1,0 +1,91 @@
+//! Ticks of wheel encoders (Encoder.uc:29-60): `trunc(((1 + u) spin mod 2 pi) / resolution)`, where `u` is drawn
+//! anew for each reading, so the scatter grows with the angle turned.
+
+use std::f64::consts::TAU;
+
+use gamebots_proto::command::Set;
+use gamebots_proto::message::{Encoder, ItemConf, Reading};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+
+use super::{Effect, Mount, Sensor, View};
+
+/// Numbers of an encoder.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Angle of one tick, rad.
+    pub resolution: f64,
+    /// Half width of the uniform noise, as a part of the angle turned.
+    pub noise: f64,
+    /// The driven wheel that it reads, from 0. Without: every wheel i for which the name contains `W<i>`, as USARSim.
+    pub wheel: Option<usize>,
+}
+
+impl Default for Config {
+    /// DefaultUSAR.ini:89-92.
+    fn default() -> Self {
+        Self { resolution: 0.01745, noise: 0.005, wheel: None }
+    }
+}
+
+pub(super) struct Mounted {
+    name: String,
+    resolution: f64,
+    noise: f64,
+    /// Name on the wire, index of the wheel, its angle at the last reset.
+    wheels: Vec<(String, usize, f64)>,
+    rng: ChaCha8Rng,
+}
+
+impl Config {
+    pub(super) fn build(&self, mount: Mount) -> Mounted {
+        let states = mount.view.wheels;
+        let wheels = match self.wheel {
+            Some(wheel) => vec![(mount.name.to_owned(), wheel)],
+            None => {
+                let named = (0..states.len()).map(|wheel| (format!("W{wheel}"), wheel));
+                named.filter(|(label, _)| mount.name.contains(label)).collect()
+            }
+        };
+        let wheels = wheels.into_iter().filter_map(|(label, wheel)| Some((label, wheel, states.get(wheel)?.angle)));
+        Mounted {
+            name: mount.name.to_owned(),
+            resolution: self.resolution,
+            noise: self.noise,
+            wheels: wheels.collect(),
+            rng: mount.rng,
+        }
+    }
+}
+
+impl Sensor for Mounted {
+    fn type_name(&self) -> &'static str {
+        "Encoder"
+    }
+
+    fn sense(&mut self, view: &View) -> Option<Reading> {
+        let (noise, resolution, rng) = (self.noise, self.resolution, &mut self.rng);
+        let ticks = self.wheels.iter().map(|(label, wheel, reference)| {
+            let factor = 1.0 + if noise > 0.0 { rng.random_range(-noise..noise) } else { 0.0 };
+            let spin = (view.wheels[*wheel].angle - reference) * factor;
+            (label.clone(), ((spin % TAU) / resolution) as i32)
+        });
+        Some(Encoder { ticks: ticks.collect() }.into())
+    }
+
+    /// `RESET`: the angle of now counts as zero.
+    fn set(&mut self, opcode: &str, _set: &Set, view: &View) -> Effect {
+        if opcode == "RESET" {
+            for (_, wheel, reference) in &mut self.wheels {
+                *reference = view.wheels[*wheel].angle;
+            }
+        }
+        Effect::None
+    }
+
+    fn conf(&self) -> ItemConf {
+        ItemConf::Encoder { name: self.name.clone(), resolution: self.resolution as f32 }
+    }
+}

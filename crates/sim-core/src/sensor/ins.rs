@@ -1,0 +1,139 @@
+//! Inertial navigation: integrates noisy increments of the true pose (INS.uc:59-147).
+//!
+//! Each reading adds `change x (1 + G(bias, sigma))` to every angle and `change + distance x G(bias, sigma)` to
+//! every coordinate, so a sideways axis drifts as much as the one travelled along. It starts integrating after
+//! the first reading at which the robot did not turn.
+
+use std::f64::consts::{PI, TAU};
+
+use gamebots_proto::command::Set;
+use gamebots_proto::message::{Ins, ItemConf, Reading};
+use nalgebra::Vector3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Deserialize;
+
+use super::{Effect, Mount, Sensor, View, floats};
+use crate::scene::{Pose, position_and_rotation};
+
+/// A change of angle below USARSim's resolution counts as none, rad: 65536 a turn.
+const ANGLE_RESOLUTION: f64 = TAU / 65536.0;
+
+/// Numbers of an inertial navigation.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// Whether increments are biased, by numbers drawn once.
+    pub drifting: bool,
+    /// Linear biases are within ±0.5 / precision, angular ones within ±0.5 / precision².
+    pub precision: f64,
+    /// Standard deviation of the noise of one increment, as a part of it.
+    pub sigma: f64,
+}
+
+impl Default for Config {
+    /// DefaultUSAR.ini:51-59; the sigma of its section has no effect, the one of Sensor.uc:18 counts.
+    fn default() -> Self {
+        Self { drifting: true, precision: 1000.0, sigma: 0.05 }
+    }
+}
+
+pub(super) struct Mounted {
+    name: String,
+    scan_interval: f64,
+    sigma: f64,
+    position: Vector3<f64>,
+    angles: [f64; 3],
+    angle_bias: [f64; 3],
+    position_bias: [f64; 3],
+    last: Pose,
+    integrating: bool,
+    rng: ChaCha8Rng,
+}
+
+impl Config {
+    pub(super) fn build(&self, mut mount: Mount) -> Mounted {
+        let mut bias = |range: f64| {
+            [(); 3].map(|()| if self.drifting { mount.rng.random_range(-0.5..0.5) / range } else { 0.0 })
+        };
+        let (angle_bias, position_bias) = (bias(self.precision.powi(2)), bias(self.precision));
+        let (position, angles) = position_and_rotation(&(mount.view.body.pose * mount.pose));
+        Mounted {
+            name: mount.name.to_owned(),
+            scan_interval: mount.scan_interval,
+            sigma: self.sigma,
+            position: position.into(),
+            angles: angles.map(|angle| angle.rem_euclid(TAU)),
+            angle_bias,
+            position_bias,
+            last: mount.view.body.pose,
+            integrating: false,
+            rng: mount.rng,
+        }
+    }
+}
+
+impl Mounted {
+    fn noise(&mut self, bias: f64) -> f64 {
+        let normal: f64 = StandardNormal.sample(&mut self.rng);
+        bias + self.sigma * normal
+    }
+
+    fn integrate(&mut self, pose: &Pose) {
+        let ((now, angles), (before, last_angles)) = (position_and_rotation(pose), position_and_rotation(&self.last));
+        let turned: [f64; 3] = std::array::from_fn(|axis| {
+            let change = angles[axis] - last_angles[axis];
+            let change = change - TAU * (change / TAU).round();
+            if change.abs() < ANGLE_RESOLUTION { 0.0 } else { change.clamp(-PI, PI) }
+        });
+        if self.integrating {
+            for (axis, change) in turned.iter().enumerate() {
+                let factor = 1.0 + self.noise(self.angle_bias[axis]);
+                self.angles[axis] = (self.angles[axis] + change * factor).rem_euclid(TAU);
+            }
+            let moved = Vector3::from(now) - Vector3::from(before);
+            for axis in 0..3 {
+                let error = moved.norm() * self.noise(self.position_bias[axis]);
+                self.position[axis] += moved[axis] + error;
+            }
+        }
+        self.integrating |= turned == [0.0; 3];
+        self.last = *pose;
+    }
+}
+
+impl Sensor for Mounted {
+    fn type_name(&self) -> &'static str {
+        "INS"
+    }
+
+    fn sense(&mut self, view: &View) -> Option<Reading> {
+        self.integrate(&view.body.pose);
+        let reading = Ins {
+            name: self.name.clone(),
+            location: floats(self.position.into()),
+            orientation: floats(self.angles),
+        };
+        Some(reading.into())
+    }
+
+    /// `POSE` with exactly six numbers x, y, z, roll, pitch, yaw: sets the estimate and clears the drift.
+    fn set(&mut self, opcode: &str, set: &Set, view: &View) -> Effect {
+        if opcode == "POSE"
+            && let Some([x, y, z, roll, pitch, yaw]) = set.numbers().as_deref()
+        {
+            self.position = Vector3::new(*x, *y, *z);
+            self.angles = [*roll, *pitch, *yaw].map(|angle| angle.rem_euclid(TAU));
+            self.angle_bias = [0.0; 3];
+            self.position_bias = [0.0; 3];
+            self.last = view.body.pose;
+            self.integrating = true;
+        }
+        Effect::None
+    }
+
+    fn conf(&self) -> ItemConf {
+        ItemConf::Timed { name: self.name.clone(), scan_interval: self.scan_interval as f32 }
+    }
+}

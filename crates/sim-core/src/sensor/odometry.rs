@@ -1,0 +1,97 @@
+//! Pose from the wheels' angles, without noise: slip is its only error (Odometry.uc:40-135).
+//!
+//! Skid robots use the foremost left and right wheels as USARSim does; omni robots, which USARSim left silent,
+//! the textbook Mecanum kinematics.
+
+use gamebots_proto::command::Set;
+use gamebots_proto::message::{ItemConf, Odometry, Reading};
+use kinematics::{Mecanum, PlanarPose, Skid, Twist};
+use serde::Deserialize;
+
+use super::{Effect, Mount, Sensor, View};
+use crate::scene::{RobotDef, Side, Steering};
+use crate::{WheelState, drive};
+
+/// An odometry has no numbers of its own.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {}
+
+enum Base {
+    Skid { kinematics: Skid, left: usize, right: usize },
+    Omni(Mecanum),
+    /// A robot without wheels to read.
+    None,
+}
+
+pub(super) struct Mounted {
+    name: String,
+    scan_interval: f64,
+    base: Base,
+    pose: PlanarPose,
+    last_angles: Vec<f64>,
+}
+
+impl Config {
+    pub(super) fn build(&self, mount: Mount) -> Mounted {
+        Mounted {
+            name: mount.name.to_owned(),
+            scan_interval: mount.scan_interval,
+            base: base(mount.view.robot),
+            pose: PlanarPose::default(),
+            last_angles: angles(mount.view.wheels),
+        }
+    }
+}
+
+fn base(robot: &RobotDef) -> Base {
+    match robot.steering {
+        Steering::Omni => drive::mecanum(robot).map_or(Base::None, Base::Omni),
+        Steering::Skid => {
+            let foremost = |side| {
+                let on_side = robot.driven().iter().enumerate().filter(|(_, wheel)| wheel.side == side);
+                on_side.max_by(|a, b| a.1.position[0].total_cmp(&b.1.position[0])).map(|(index, _)| index)
+            };
+            let (Some(left), Some(right)) = (foremost(Side::Left), foremost(Side::Right)) else { return Base::None };
+            let wheel = &robot.driven()[right];
+            Base::Skid { kinematics: Skid { wheel_radius: wheel.radius, track: 2.0 * wheel.position[1] }, left, right }
+        }
+    }
+}
+
+fn angles(wheels: &[WheelState]) -> Vec<f64> {
+    wheels.iter().map(|wheel| wheel.angle).collect()
+}
+
+impl Sensor for Mounted {
+    fn type_name(&self) -> &'static str {
+        "Odometry"
+    }
+
+    fn sense(&mut self, view: &View) -> Option<Reading> {
+        let angles = angles(view.wheels);
+        let turned: Vec<f64> = angles.iter().zip(&self.last_angles).map(|(now, before)| now - before).collect();
+        self.last_angles = angles;
+        // Turned angles in place of speeds give a displacement in place of a twist: time cancels out.
+        let displacement = match &self.base {
+            Base::Skid { kinematics, left, right } => kinematics.forward([turned[*left], turned[*right]]),
+            Base::Omni(kinematics) => kinematics.forward(std::array::from_fn(|wheel| turned[wheel])),
+            Base::None => Twist::default(),
+        };
+        self.pose = self.pose.moved(displacement, 1.0);
+        let pose = [self.pose.x, self.pose.y, self.pose.theta].map(|number| number as f32);
+        Some(Odometry { name: self.name.clone(), pose }.into())
+    }
+
+    /// `RESET` puts the pose to zero; the references of the wheels stay.
+    fn set(&mut self, opcode: &str, _set: &Set, _view: &View) -> Effect {
+        if opcode == "RESET" {
+            self.pose = PlanarPose::default();
+        }
+        Effect::None
+    }
+
+    fn conf(&self) -> ItemConf {
+        ItemConf::Timed { name: self.name.clone(), scan_interval: self.scan_interval as f32 }
+    }
+}

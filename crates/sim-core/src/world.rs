@@ -1,0 +1,231 @@
+//! The world: robots on a map, advanced step by step.
+
+mod answer;
+mod robot;
+mod seed;
+
+use std::collections::BTreeMap;
+
+use gamebots_proto::command::{Command, Init};
+use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
+use gamebots_proto::Problem;
+use nalgebra::Vector3;
+
+use crate::physics::Physics;
+use crate::scene::{self, NamedPose, Pose, WorldDef};
+use crate::{BodyState, WheelState};
+use robot::Robot;
+
+/// Length of a step, s: 500 Hz, where free rollers are within 1 % of their exact kinematics.
+pub const TIME_STEP: f64 = 0.002;
+
+/// Most robots in one world; further ones are refused.
+const MAX_ROBOTS: usize = 256;
+
+/// Identifies a robot for as long as the world lives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RobotId(pub u64);
+
+/// How a world runs, beside what it is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// What one wheel-speed unit of the wire is in rad/s: 1 for rad/s, 2 pi for revolutions a second.
+    pub speed_unit: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { seed: 0, speed_unit: 1.0 }
+    }
+}
+
+/// A deterministic function of (definition, options, commands by step).
+pub struct World {
+    def: WorldDef,
+    options: Options,
+    physics: Physics,
+    steps: u64,
+    robots: BTreeMap<RobotId, Robot>,
+    next_id: u64,
+}
+
+impl World {
+    /// A world without robots at time zero.
+    pub fn new(def: WorldDef, options: Options) -> Self {
+        let physics = Physics::new(&def.map, TIME_STEP);
+        Self { def, options, physics, steps: 0, robots: BTreeMap::new(), next_id: 0 }
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * TIME_STEP
+    }
+
+    /// What the world is made of.
+    pub fn def(&self) -> &WorldDef {
+        &self.def
+    }
+
+    /// The greeting of a connection.
+    pub fn greeting(&self) -> Message {
+        let map = &self.def.map;
+        Message::Nfo(Nfo::Greeting { level: map.name.clone(), time_limit: map.time_limit })
+    }
+
+    /// Puts a robot into the world. `None`, with the reason in `problems`, for an unknown class.
+    ///
+    /// A pose inside or below the ground is lifted onto it; one above it falls. An unknown start is the origin,
+    /// as in USARSim (BotConnection.uc:452-473).
+    pub fn init(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<RobotId> {
+        let def = self.class(init, problems)?;
+        if self.robots.len() >= MAX_ROBOTS {
+            problems.push(Problem::TooManyRobots { limit: MAX_ROBOTS });
+            return None;
+        }
+        let pose = self.start_pose(init, problems);
+        let pose = self.physics.standing_pose(&def, &pose);
+        let id = RobotId(self.next_id);
+        self.next_id += 1;
+        let robot = Robot::spawn(&mut self.physics, def, init.name.clone(), &pose, id, self.steps, self.options);
+        self.robots.insert(id, robot);
+        Some(id)
+    }
+
+    /// Takes a robot out of the world.
+    pub fn remove(&mut self, id: RobotId) {
+        if let Some(robot) = self.robots.remove(&id) {
+            self.physics.remove(robot.bodies());
+        }
+    }
+
+    /// The answer to a question about the map, which needs no robot; `None` for every other command.
+    pub fn ask(&self, command: &Command) -> Option<Message> {
+        let map = &self.def.map;
+        match command {
+            Command::GetStartPoses(_) => Some(Nfo::StartPoses(map.starts.iter().map(wire_pose).collect())),
+            Command::GetPathNodes(_) => Some(Nfo::PathNodes(map.path_nodes.iter().map(wire_pose).collect())),
+            Command::GetClosestPathNode(ask) => ask.location.map(|place| closest(&map.path_nodes, place)),
+            _ => None,
+        }
+        .map(Message::Nfo)
+    }
+
+    /// Gives a robot a command and returns what it answers. With a flat battery it ignores everything.
+    pub fn apply(&mut self, id: RobotId, command: &Command, problems: &mut Vec<Problem>) -> Vec<Message> {
+        let time = self.time();
+        let Some(robot) = self.robots.get_mut(&id).filter(|robot| robot.battery_left(time) > 0) else {
+            return Vec::new();
+        };
+        match command {
+            Command::Drive(drive) => {
+                robot.drive(drive, &mut self.physics, problems);
+                Vec::new()
+            }
+            Command::Set(set) => robot.set(set, &self.physics, time),
+            Command::GetConf(ask) => answer::conf(robot, ask).map(Message::Conf).into_iter().collect(),
+            Command::GetGeo(ask) => answer::geo(robot, ask).map(Message::Geo).into_iter().collect(),
+            Command::Init(_)
+            | Command::GetStartPoses(_)
+            | Command::GetPathNodes(_)
+            | Command::GetClosestPathNode(_) => Vec::new(),
+        }
+    }
+
+    /// One time step: physics first, then the wheels are read, then whatever is due reports, robot by robot.
+    pub fn step(&mut self) -> Vec<(RobotId, Message)> {
+        self.physics.step();
+        self.steps += 1;
+        let (time, steps) = (self.time(), self.steps);
+        let mut messages = Vec::new();
+        for (&id, robot) in &mut self.robots {
+            robot.after_step(&self.physics);
+            robot.report(&self.physics, time, steps, |message| messages.push((id, message)));
+        }
+        messages
+    }
+
+    /// The robots with their class and their name, in the order that they came.
+    pub fn robots(&self) -> impl Iterator<Item = (RobotId, &str, &str)> {
+        self.robots.iter().map(|(&id, robot)| (id, robot.def().class.as_str(), robot.name()))
+    }
+
+    /// Pose and velocity of a robot, and its wheels.
+    pub fn state(&self, id: RobotId) -> Option<(BodyState, Vec<WheelState>)> {
+        let robot = self.robots.get(&id)?;
+        Some((self.physics.body(robot.bodies()), self.physics.wheels(robot.bodies())))
+    }
+
+    /// A number that two worlds share only if every body has the same bits in the same step.
+    pub fn digest(&self) -> u64 {
+        let mut hash = seed::Fnv::default();
+        hash.mix(&self.steps.to_le_bytes());
+        self.physics.digest(|bits| hash.mix(&bits.to_le_bytes()));
+        hash.value()
+    }
+
+    /// The definition of the class asked for: of the package USARBot, which may be left out; any case.
+    fn class(&self, init: &Init, problems: &mut Vec<Problem>) -> Option<scene::RobotDef> {
+        if init.class_name.is_empty() {
+            problems.push(Problem::MissingKey { verb: "INIT", key: "ClassName" });
+            return None;
+        }
+        let package = init.class_name.rsplit_once('.').map_or("USARBot", |(package, _)| package);
+        let known = self.def.robots.iter().find(|(class, _)| class.eq_ignore_ascii_case(init.class()));
+        if let Some((_, def)) = known.filter(|_| package.eq_ignore_ascii_case("USARBot")) {
+            return Some(def.clone());
+        }
+        let classes: Vec<String> = self.def.robots.keys().map(|class| format!("USARBot.{class}")).collect();
+        problems.push(Problem::UnknownName {
+            key: "ClassName",
+            got: init.class_name.chars().take(60).collect(),
+            expected: classes.join(", "),
+            instead: "no robot is made",
+        });
+        None
+    }
+
+    fn start_pose(&self, init: &Init, problems: &mut Vec<Problem>) -> Pose {
+        if init.start.is_empty() {
+            return scene::pose(init.location, init.rotation);
+        }
+        let starts = &self.def.map.starts;
+        if let Some(start) = starts.iter().find(|start| start.name.eq_ignore_ascii_case(&init.start)) {
+            return scene::pose(start.position, start.rotation);
+        }
+        problems.push(Problem::UnknownName {
+            key: "Start",
+            got: init.start.chars().take(60).collect(),
+            expected: starts.iter().map(|start| start.name.as_str()).collect::<Vec<_>>().join(", "),
+            instead: "the origin is used",
+        });
+        Pose::identity()
+    }
+}
+
+fn wire_pose(pose: &NamedPose) -> WirePose {
+    let floats = |vector: [f64; 3]| vector.map(|component| component as f32);
+    WirePose { name: pose.name.clone(), location: floats(pose.position), rotation: floats(pose.rotation) }
+}
+
+/// The node nearest in the plane (BotConnection.uc:394-432).
+fn closest(nodes: &[NamedPose], place: [f64; 3]) -> Nfo {
+    let distance = |node: &NamedPose| (node.position[0] - place[0]).hypot(node.position[1] - place[1]);
+    let nearest = nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.map_or(Nfo::PathNode { name: "None".to_owned(), location: [0.0; 3] }, |node| {
+        let WirePose { name, location, .. } = wire_pose(node);
+        Nfo::PathNode { name, location }
+    })
+}
+
+/// Centre of mass of a robot in its own frame, m.
+fn centre_of_mass(def: &scene::RobotDef) -> Vector3<f64> {
+    let rollers = |wheel: &scene::Wheel| wheel.rollers.as_ref().map_or(0.0, |r| f64::from(r.count) * r.mass);
+    let wheels = def.wheels.iter().map(|wheel| (wheel.mass + rollers(wheel), Vector3::from(wheel.position)));
+    let parts = def.parts.iter().map(|part| (part.mass, part.centre));
+    let (mass, moment) = parts
+        .chain(wheels)
+        .fold((0.0, Vector3::zeros()), |(mass, moment), (m, centre)| (mass + m, moment + centre * m));
+    if mass > 0.0 { moment / mass } else { Vector3::zeros() }
+}

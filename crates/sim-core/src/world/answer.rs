@@ -1,0 +1,76 @@
+//! What GETCONF and GETGEO answer (protocol.md 4.7).
+
+use gamebots_proto::command::{GetConf, GetGeo};
+use gamebots_proto::message::{Conf, Geo, ItemGeo, RobotConf, RobotGeo};
+
+use super::centre_of_mass;
+use super::robot::Robot;
+
+/// The robot's configuration, or that of every matching item; `None` where nothing matches.
+pub(super) fn conf(robot: &Robot, ask: &GetConf) -> Option<Conf> {
+    if ask.type_name == "Robot" {
+        return Some(Conf::Robot(robot_conf(robot, &ask.name)));
+    }
+    let items: Vec<_> = matching(robot, &ask.type_name, &ask.name).map(|item| item.sensor.conf()).collect();
+    // The deprecated mission packages are always answered, here with none.
+    let answered = !items.is_empty() || ask.type_name == "MisPkg";
+    answered.then(|| Conf::Items { type_name: ask.type_name.clone(), items })
+}
+
+/// The robot's geometry, or that of every matching item; `None` where nothing matches.
+pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
+    if ask.type_name == "Robot" {
+        return Some(Geo::Robot(robot_geo(robot, &ask.name)));
+    }
+    let items: Vec<_> = matching(robot, &ask.type_name, &ask.name)
+        .map(|item| ItemGeo {
+            name: item.def.name.clone(),
+            location: floats(item.def.position),
+            orientation: floats(item.def.direction),
+            mount: robot.def().class.clone(),
+        })
+        .collect();
+    (!items.is_empty()).then(|| Geo::Items { type_name: ask.type_name.clone(), items })
+}
+
+fn robot_conf(robot: &Robot, asked: &str) -> RobotConf {
+    let def = robot.def();
+    let speeds = def.driven().iter().filter_map(|wheel| wheel.drive.as_ref()).map(|motor| motor.max_speed);
+    // USARSim takes the smallest limit of the wheels, starting from 100 (WheeledVehicle.uc:69-97).
+    let max_speed = speeds.fold(100.0, f64::min) / robot.speed_unit();
+    RobotConf {
+        name: wire_name(robot, asked),
+        steering_type: def.steering.wire_name().to_owned(),
+        mass: def.mass(),
+        max_speed: max_speed as f32,
+        max_torque: def.reported_max_torque as f32,
+    }
+}
+
+fn robot_geo(robot: &Robot, asked: &str) -> RobotGeo {
+    let def = robot.def();
+    let geometry = def.wheel_geometry();
+    RobotGeo {
+        name: wire_name(robot, asked),
+        dimensions: floats([geometry.wheel_base, geometry.track, 0.0]),
+        centre_of_gravity: floats(centre_of_mass(def).into()),
+        wheel_radius: geometry.radius as f32,
+        wheel_separation: geometry.track as f32,
+        wheel_base: geometry.wheel_base as f32,
+    }
+}
+
+/// USARSim answers with the class, whatever name was asked for. The NIST ROS bridge asks by the robot's own name
+/// and again for ever unless that very name comes back; so it does.
+fn wire_name(robot: &Robot, asked: &str) -> String {
+    let own = !asked.is_empty() && asked.eq_ignore_ascii_case(robot.name());
+    if own { asked.to_owned() } else { robot.def().class.clone() }
+}
+
+fn matching<'a>(robot: &'a Robot, type_name: &'a str, name: &'a str) -> impl Iterator<Item = &'a super::robot::Item> {
+    robot.items().iter().filter(move |item| item.matches(type_name, name))
+}
+
+fn floats(vector: [f64; 3]) -> [f32; 3] {
+    vector.map(|component| component as f32)
+}

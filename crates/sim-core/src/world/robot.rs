@@ -1,0 +1,177 @@
+//! One robot in the world: its bodies, its drive, its sensors and their timers.
+
+use gamebots_proto::Problem;
+use gamebots_proto::command::{Drive, Set};
+use gamebots_proto::message::{Message, Sta};
+
+use super::{Options, RobotId, TIME_STEP, seed};
+use crate::WheelState;
+use crate::drive::DriveState;
+use crate::physics::{Physics, RobotBodies};
+use crate::scene::{Pose, RobotDef, SensorDef};
+use crate::sensor::{self, Effect, Sensor, View};
+
+/// Seconds between two STA lines (USARVehicle.uc:264).
+const STATUS_INTERVAL: f64 = 0.1;
+/// What STA reports without a battery (BaseVehicle.uc:106-109).
+const NO_BATTERY: i32 = 99999;
+
+pub(super) struct Robot {
+    def: RobotDef,
+    name: String,
+    bodies: RobotBodies,
+    drive: DriveState,
+    items: Vec<Item>,
+    spawned: u64,
+    options: Options,
+}
+
+/// A mounted sensor and its definition.
+pub(super) struct Item {
+    pub(super) def: SensorDef,
+    pub(super) sensor: Box<dyn Sensor>,
+}
+
+impl Robot {
+    pub(super) fn spawn(
+        physics: &mut Physics,
+        def: RobotDef,
+        name: String,
+        pose: &Pose,
+        id: RobotId,
+        spawned: u64,
+        options: Options,
+    ) -> Self {
+        let bodies = physics.spawn(&def, pose);
+        let drive = DriveState::new(&def);
+        let mut robot = Self { def, name, bodies, drive, items: Vec::new(), spawned, options };
+        let wheels = physics.wheels(&robot.bodies);
+        let view = view(&robot.def, &robot.bodies, options, physics, spawned as f64 * TIME_STEP, &wheels);
+        let mount = |(index, def): (usize, &SensorDef)| {
+            let rng = seed::stream(options.seed, id.0, &def.name, index);
+            Item { def: def.clone(), sensor: sensor::mount(def, rng, &view) }
+        };
+        robot.items = robot.def.sensors.iter().enumerate().map(mount).collect();
+        robot
+    }
+
+    pub(super) fn def(&self) -> &RobotDef {
+        &self.def
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(super) fn bodies(&self) -> &RobotBodies {
+        &self.bodies
+    }
+
+    pub(super) fn items(&self) -> &[Item] {
+        &self.items
+    }
+
+    pub(super) fn speed_unit(&self) -> f64 {
+        self.options.speed_unit
+    }
+
+    /// Whole seconds left. It falls linearly from the second tenth of a second on, and counts as flat when less
+    /// than one second is left (Battery.uc:45-135).
+    pub(super) fn battery_left(&self, time: f64) -> i32 {
+        let age = time - self.spawned as f64 * TIME_STEP;
+        self.def.battery.map_or(NO_BATTERY, |battery| (battery.life - (age - 0.1).max(0.0)).max(0.0) as i32)
+    }
+
+    pub(super) fn drive(&mut self, drive: &Drive, physics: &mut Physics, problems: &mut Vec<Problem>) {
+        self.drive.apply(&self.def, drive, self.options.speed_unit, problems);
+        physics.set_wheel_speeds(&self.def, &self.bodies, &self.drive.targets);
+    }
+
+    /// Delivers a SET to every item that it names; a scan asked for goes out at once.
+    pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> Vec<Message> {
+        let wheels = physics.wheels(&self.bodies);
+        let (items, view) = self.items_and_view(physics, time, &wheels);
+        let opcode = set.opcode.to_ascii_uppercase();
+        let mut messages = Vec::new();
+        for item in items.iter_mut().filter(|item| item.matches(&set.type_name, &set.name)) {
+            if item.sensor.set(&opcode, set, &view) == Effect::Scan {
+                messages.extend(item.sensor.sense(&view).map(|reading| Message::Sen(reading.at(time as f32))));
+            }
+        }
+        messages
+    }
+
+    /// The sensors, to be changed, beside what they see, which is not.
+    fn items_and_view<'a>(
+        &'a mut self,
+        physics: &'a Physics,
+        time: f64,
+        wheels: &'a [WheelState],
+    ) -> (&'a mut [Item], View<'a>) {
+        let Self { items, def, bodies, options, .. } = self;
+        (items, view(def, bodies, *options, physics, time, wheels))
+    }
+
+    pub(super) fn after_step(&mut self, physics: &Physics) {
+        physics.update_wheels(&mut self.bodies, TIME_STEP);
+    }
+
+    /// Sends what is due at a step: the status, then the sensors in mounting order unless the battery is flat.
+    pub(super) fn report(&mut self, physics: &Physics, time: f64, step: u64, mut send: impl FnMut(Message)) {
+        let age = step - self.spawned;
+        let battery = self.battery_left(time);
+        if is_due(age, STATUS_INTERVAL) {
+            send(Message::Sta(Sta { time: time as f32, battery, light: self.drive.light }));
+        }
+        let due = |item: &Item| is_due(age, item.def.scan_interval);
+        if battery <= 0 || !self.items.iter().any(due) {
+            return;
+        }
+        let wheels = physics.wheels(&self.bodies);
+        let (items, view) = self.items_and_view(physics, time, &wheels);
+        for item in items.iter_mut().filter(|item| due(item)) {
+            if let Some(reading) = item.sensor.sense(&view) {
+                send(Message::Sen(reading.at(time as f32)));
+            }
+        }
+    }
+}
+
+impl Item {
+    /// Type and name in any case; an empty name is every item of the type.
+    pub(super) fn matches(&self, type_name: &str, name: &str) -> bool {
+        self.sensor.type_name().eq_ignore_ascii_case(type_name)
+            && (name.is_empty() || self.def.name.eq_ignore_ascii_case(name))
+    }
+}
+
+fn view<'a>(
+    robot: &'a RobotDef,
+    bodies: &'a RobotBodies,
+    options: Options,
+    physics: &'a Physics,
+    time: f64,
+    wheels: &'a [WheelState],
+) -> View<'a> {
+    View { time, body: physics.body(bodies), wheels, robot, speed_unit: options.speed_unit, physics, bodies }
+}
+
+/// True at the step in which another whole interval since the spawn has passed.
+fn is_due(age: u64, interval: f64) -> bool {
+    let passed = |age: u64| (age as f64 * TIME_STEP / interval + 1e-9).floor();
+    interval > 0.0 && age > 0 && passed(age) > passed(age - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn timers_keep_their_average_rate() {
+        for (interval, expected) in [(0.1, 100), (0.2, 50), (0.3, 33), (0.05, 200), (0.0, 0), (0.0015, 5000)] {
+            let count = (0..=5000).filter(|&age| is_due(age, interval)).count();
+            assert_eq!(count, expected, "{interval}");
+        }
+        assert!(is_due(50, 0.1) && !is_due(49, 0.1) && !is_due(51, 0.1));
+    }
+}
