@@ -1,1 +1,43 @@
-//! x
+//! Helpers of the system tests: worlds in this process.
+
+use gamebots_proto::message::Message;
+use gamebots_proto::{Command, Line};
+use sim_core::{Options, RobotId, TIME_STEP, World};
+
+/// A world on a built-in map.
+///
+/// # Panics
+/// If the map or a built-in robot does not load.
+pub fn world(map: &str, seed: u64) -> World {
+    let def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
+    World::new(def, Options { seed, ..Options::default() })
+}
+
+/// Reads a line that is a command.
+///
+/// # Panics
+/// If it is none.
+pub fn command(text: &str) -> Command {
+    Command::read(&Line::parse(text), &mut Vec::new()).unwrap_or_else(|| panic!("not a command: {text}"))
+}
+
+/// Puts a robot into a world.
+///
+/// # Panics
+/// If the world refuses it.
+pub fn init(world: &mut World, text: &str) -> RobotId {
+    let Command::Init(init) = command(text) else { panic!("not INIT: {text}") };
+    let mut problems = Vec::new();
+    world.init(&init, &mut problems).unwrap_or_else(|| panic!("{problems:?}"))
+}
+
+/// Gives a robot a line and returns the lines that it answers.
+pub fn apply(world: &mut World, robot: RobotId, text: &str) -> Vec<String> {
+    world.apply(robot, &command(text), &mut Vec::new()).iter().map(Message::write).collect()
+}
+
+/// Lets time pass and returns every message.
+pub fn run(world: &mut World, seconds: f64) -> Vec<Message> {
+    let steps = (seconds / TIME_STEP).round() as u64;
+    (0..steps).flat_map(|_| world.step()).map(|(_, message)| message).collect()
+}

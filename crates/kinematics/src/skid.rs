@@ -37,7 +37,9 @@ mod tests {
 
     #[test]
     fn forward_of_the_p3at() {
-        for (speeds, forward, clockwise) in [([1.0, 1.0], 0.098, 0.0), ([1.0, -1.0], 0.0, 0.5444), ([1.0, 0.0], 0.049, 0.2722)] {
+        for (speeds, forward, clockwise) in
+            [([1.0, 1.0], 0.098, 0.0), ([1.0, -1.0], 0.0, 0.5444), ([1.0, 0.0], 0.049, 0.2722)]
+        {
             let twist = P3AT.forward(speeds);
             assert!((twist.forward - forward).abs() < 1e-9, "{speeds:?}: {twist:?}");
             assert!((twist.clockwise - clockwise).abs() < 1e-4, "{speeds:?}: {twist:?}");

@@ -1,1 +1,60 @@
-//! x
+//! Robots, maps and materials: files in, plain definitions of `sim_core::scene` out. Every file is read here.
+//!
+//! The robots, maps and materials of this repository are built into the program; others are named by their path.
+//! Files are in SI units and in the world frame (x forward, y right, z down), but for URDF and meshes, which are
+//! z up as everywhere else and are turned here.
+
+mod catalogue;
+mod document;
+mod map;
+mod materials;
+mod mesh;
+mod problem;
+mod robot;
+mod source;
+mod urdf;
+
+pub use catalogue::{load, map, map_names, robot, robot_names};
+pub use problem::{FileProblem, LoadError};
+
+use std::path::Path;
+
+use problem::Problems;
+use source::Source;
+
+/// Checks a robot.toml, a map.toml, a materials.toml or a URDF and returns everything wrong with it.
+///
+/// # Errors
+/// When the file cannot be read or its kind is not known.
+pub fn check(path: &Path) -> Result<(), LoadError> {
+    let source = Source::of_file(path);
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let problems = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("urdf") => {
+            let mut problems = Problems::default();
+            let text = source.text(name)?;
+            urdf::read(&source, name, &text, &catalogue::built_in_materials()?, None, &mut problems);
+            problems
+        }
+        Some("toml") => check_toml(&source, name)?,
+        _ => return Err(LoadError::UnknownKind { file: path.display().to_string() }),
+    };
+    problems.into_result(()).map(|_| ())
+}
+
+/// The kind of a TOML file is told by its name, or else by what is in it.
+fn check_toml(source: &Source, name: &str) -> Result<Problems, LoadError> {
+    let text = source.text(name)?;
+    let materials = catalogue::built_in_materials()?;
+    let mut problems = Problems::default();
+    let looks_like =
+        |word: &str| name.contains(word) || (!name.contains("map") && text.contains(&format!("[[{word}]]")));
+    if name.contains("materials") {
+        materials::read(&source.display(name), &text, &mut problems);
+    } else if looks_like("robot") || text.contains("[[wheel]]") || text.contains("steering") {
+        robot::read(source, name, "Checked", &text, &materials, &mut problems);
+    } else {
+        map::read(source, name, "checked", &text, &materials, &mut problems);
+    }
+    Ok(problems)
+}

@@ -267,6 +267,10 @@ pub struct Motor {
     pub gain: f64,
     /// Torque limit, N m.
     pub max_torque: f64,
+    /// Inertia of the rotor as felt at the wheel, kg m². The engine's sliding friction leans toward the direction
+    /// in which a contact is heavier; on a skid robot, whose wheels slide sideways in every turn, this has to be
+    /// of the order of (mass / 4) radius², or the robot hardly turns.
+    pub armature: f64,
 }
 
 /// The free rollers of a Mecanum wheel.

@@ -138,8 +138,31 @@ sensors! {
     "Battery", 0.1 => Battery(battery::Config),
 }
 
-
 /// A vector for a message.
 fn floats(vector: [f64; 3]) -> [f32; 3] {
     vector.map(|component| component as f32)
+}
+
+impl Config {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// What was expected, in words.
+    pub fn validate(&self) -> Result<(), &'static str> {
+        match self {
+            Self::RangeScanner(config) => {
+                range_scanner::validate(config.max_range, config.resolution, config.field_of_view)
+            }
+            Self::Sick(config) => range_scanner::validate(config.max_range, config.resolution, config.field_of_view),
+            Self::HokuyoUrg04Lx(config) => {
+                range_scanner::validate(config.max_range, config.resolution, config.field_of_view)
+            }
+            Self::Sonar(config) => config.validate(),
+            Self::Encoder(config) => config.validate(),
+            Self::Ins(config) => config.validate(),
+            Self::GroundTruth(_) | Self::Odometry(_) | Self::Tachometer(_) | Self::Camera(_) | Self::Battery(_) => {
+                Ok(())
+            }
+        }
+    }
 }

@@ -6,9 +6,9 @@ mod seed;
 
 use std::collections::BTreeMap;
 
+use gamebots_proto::Problem;
 use gamebots_proto::command::{Command, Init};
 use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
-use gamebots_proto::Problem;
 use nalgebra::Vector3;
 
 use crate::physics::Physics;

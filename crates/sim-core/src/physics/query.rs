@@ -32,9 +32,8 @@ impl Physics {
         max_distance: f64,
         bodies: &RobotBodies,
     ) -> Option<RayHit> {
-        let not_own = |_: ColliderHandle, collider: &Collider| {
-            !collider.parent().is_some_and(|body| bodies.contains(body))
-        };
+        let not_own =
+            |_: ColliderHandle, collider: &Collider| !collider.parent().is_some_and(|body| bodies.contains(body));
         let filter = QueryFilter::default().predicate(&not_own);
         let ray = Ray::new(convert::vector(origin.coords), convert::vector(*direction));
         let query = self.world.query_pipeline_with_filter(filter);
@@ -88,9 +87,7 @@ impl Physics {
 
 /// The layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh.
 fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
-    let cast = |ray: &Ray| {
-        collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY as Real, false)
-    };
+    let cast = |ray: &Ray| collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY as Real, false);
     let mut layers = Vec::new();
     let mesh = collider.shape().as_trimesh().map(|mesh| mesh.num_triangles() as u32);
     while layers.len() < MAX_LAYERS

@@ -43,7 +43,7 @@ impl Physics {
         }
         bodies.angles = vec![0.0; bodies.driven.len()];
         bodies.speeds = vec![0.0; bodies.driven.len()];
-        self.set_multibody_damping(robot, &bodies, &roller_damping);
+        self.set_joint_parameters(robot, &bodies, &roller_damping);
         bodies
     }
 
@@ -164,12 +164,23 @@ impl Physics {
     /// The robot does not collide with itself (the thesis lists 81 disabled pairs, all within one robot;
     /// collision groups could not tell 64 robots apart). Damping: by default the engine brakes every turning
     /// joint with 0.1 N m s/rad, far too much for a roller, so each is set: 0 for wheels, theirs for rollers.
-    fn set_multibody_damping(&mut self, robot: &RobotDef, bodies: &RobotBodies, roller_damping: &[Real]) {
+    fn set_joint_parameters(&mut self, robot: &RobotDef, bodies: &RobotBodies, roller_damping: &[Real]) {
         let Some(&first) = bodies.driven.first() else { return };
         let Some((multibody, _)) = self.world.multibody_joints.get_mut(first) else { return };
         multibody.set_self_contacts_enabled(false);
-        let rollers: Vec<usize> =
-            multibody.links().filter(|link| is_roller(multibody, link)).map(|link| link.assembly_id()).collect();
+        let driven = robot.driven().len();
+        let (mut wheels, mut rollers) = (Vec::new(), Vec::new());
+        for link in multibody.links() {
+            match link.parent_id().and_then(|parent| multibody.link(parent)) {
+                Some(parent) if parent.is_root() => wheels.push(link.assembly_id()),
+                Some(_) => rollers.push(link.assembly_id()),
+                None => {}
+            }
+        }
+        for (&degree_of_freedom, wheel) in wheels.iter().take(driven).zip(robot.driven()) {
+            let armature = wheel.drive.as_ref().map_or(0.0, |motor| motor.armature);
+            multibody.armature_mut()[degree_of_freedom] = armature as Real;
+        }
         let damping = multibody.damping_mut();
         damping.fill(0.0);
         if let Some(solid) = robot.solids.first() {
@@ -183,15 +194,13 @@ impl Physics {
     }
 }
 
-/// A roller hangs on a wheel, a wheel on the root.
-fn is_roller(multibody: &Multibody, link: &MultibodyLink) -> bool {
-    let parent = link.parent_id().and_then(|parent| multibody.link(parent));
-    parent.is_some_and(|parent| !parent.is_root())
-}
-
 fn part_mass(part: &Part) -> MassProperties {
     let columns: [f32; 9] = std::array::from_fn(|index| part.inertia.as_slice()[index] as f32);
-    MassProperties::with_inertia_matrix(convert::vector(part.centre), part.mass as Real, Mat3::from_cols_array(&columns))
+    MassProperties::with_inertia_matrix(
+        convert::vector(part.centre),
+        part.mass as Real,
+        Mat3::from_cols_array(&columns),
+    )
 }
 
 /// A plain wheel as a solid disc; the hub of a Mecanum wheel as a disc out to the roller axes.

@@ -9,6 +9,11 @@ use rapier3d::prelude::*;
 use super::{convert, with_material};
 use crate::scene::{self, Material, Rollers};
 
+/// Width of the crown of a plain wheel, m.
+const CROWN_WIDTH: f64 = 0.004;
+/// How far the crown stands out, m.
+const CROWN_HEIGHT: f64 = 0.002;
+
 /// A collider at a place of its parent, without mass of its own.
 pub(super) fn collider(shape: &scene::Shape, pose: &scene::Pose, material: &Material) -> ColliderBuilder {
     let shape = shared_shape(shape);
@@ -26,9 +31,7 @@ fn shared_shape(shape: &scene::Shape) -> SharedShape {
         }
         scene::Shape::Cylinder { radius, length } => cylinder(*radius, *length, Quat::from_rotation_x(PI as f32 / 2.0)),
         scene::Shape::Ball { radius } => SharedShape::ball(*radius as Real),
-        scene::Shape::Hull { points: corners } => {
-            SharedShape::convex_hull(&points(corners)).unwrap_or_else(dot)
-        }
+        scene::Shape::Hull { points: corners } => SharedShape::convex_hull(&points(corners)).unwrap_or_else(dot),
         scene::Shape::Mesh { vertices, triangles } => {
             let flags = TriMeshFlags::MERGE_DUPLICATE_VERTICES | TriMeshFlags::FIX_INTERNAL_EDGES;
             SharedShape::trimesh_with_flags(points(vertices), triangles.clone(), flags).unwrap_or_else(|_| dot())
@@ -42,9 +45,12 @@ fn cylinder(radius: f64, length: f64, rotation: Quat) -> SharedShape {
     SharedShape::compound(vec![(Pose3::from_rotation(rotation), cylinder)])
 }
 
-/// The tread of a plain wheel: a cylinder about the robot's y axis.
+/// A plain wheel about the robot's y axis: a narrow crown that carries the load, so that it stands in the middle
+/// of the wheel and not on either edge, and the whole width a little below it, for walls and kerbs.
 pub(super) fn tread(radius: f64, width: f64) -> SharedShape {
-    SharedShape::cylinder((width / 2.0) as Real, radius as Real)
+    let cylinder =
+        |radius: f64, width: f64| (Pose3::IDENTITY, SharedShape::cylinder((width / 2.0) as Real, radius as Real));
+    SharedShape::compound(vec![cylinder(radius, CROWN_WIDTH.min(width)), cylinder(radius - CROWN_HEIGHT, width)])
 }
 
 /// A roller along the x axis as a chain of spheres inscribed in the exact profile: the sphere at `s` on the
@@ -95,10 +101,10 @@ impl Profile {
 
     /// Place on the axis and radius of the outline at a phase of the contact.
     fn at(&self, phase: f64) -> (f64, f64) {
-        let along = self.wheel_radius * phase.sin() * self.sin
-            + self.axis_circle * phase.tan() * self.cos.powi(2) / self.sin;
-        let radius = (self.wheel_radius * phase.cos() - self.axis_circle)
-            * (1.0 + (self.cos * phase.tan()).powi(2)).sqrt();
+        let along =
+            self.wheel_radius * phase.sin() * self.sin + self.axis_circle * phase.tan() * self.cos.powi(2) / self.sin;
+        let radius =
+            (self.wheel_radius * phase.cos() - self.axis_circle) * (1.0 + (self.cos * phase.tan()).powi(2)).sqrt();
         (along, radius)
     }
 
@@ -142,7 +148,9 @@ mod tests {
         let (end, end_radius) = profile.at(profile.last_phase);
         assert!((2.0 * end - 0.06475).abs() < 1e-5, "length {end}");
         assert!((end_radius - 0.00789).abs() < 1e-5, "end radius {end_radius}");
-        for (along, radius) in [(0.0, 0.014), (0.00735, 0.01363), (0.0147, 0.01253), (0.02205, 0.01077), (0.02939, 0.00843)] {
+        for (along, radius) in
+            [(0.0, 0.014), (0.00735, 0.01363), (0.0147, 0.01253), (0.02205, 0.01077), (0.02939, 0.00843)]
+        {
             assert!((profile.inscribed(along) - radius).abs() < 1e-5, "sphere at {along}");
         }
         let (axial, transverse) = profile.inertia_per_mass();

@@ -37,8 +37,8 @@ pub(super) struct Mounted {
 
 impl Config {
     pub(super) fn build(&self, mount: Mount) -> Mounted {
-        let [default, min, max] =
-            [self.field_of_view, self.min_field_of_view, self.max_field_of_view].map(|angle| angle.to_degrees().round());
+        let [default, min, max] = [self.field_of_view, self.min_field_of_view, self.max_field_of_view]
+            .map(|angle| angle.to_degrees().round());
         Mounted { name: mount.name.to_owned(), default, min, max, now: default }
     }
 }
@@ -64,7 +64,8 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        let [default_fov, min_fov, max_fov, fov] = [self.default, self.min, self.max, self.now].map(|angle| angle as f32);
+        let [default_fov, min_fov, max_fov, fov] =
+            [self.default, self.min, self.max, self.now].map(|angle| angle as f32);
         ItemConf::Camera {
             name: self.name.clone(),
             offset: [0, 0],

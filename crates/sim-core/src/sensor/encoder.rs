@@ -40,6 +40,14 @@ pub(super) struct Mounted {
 }
 
 impl Config {
+    /// Numbers that ticks can be counted with.
+    pub(super) fn validate(&self) -> Result<(), &'static str> {
+        let good = self.resolution > 0.0 && (0.0..1.0).contains(&self.noise);
+        if good { Ok(()) } else { Err("resolution more than 0, noise 0 to 1") }
+    }
+}
+
+impl Config {
     pub(super) fn build(&self, mount: Mount) -> Mounted {
         let states = mount.view.wheels;
         let wheels = match self.wheel {

@@ -53,10 +53,17 @@ pub(super) struct Mounted {
 }
 
 impl Config {
+    /// Numbers that noise can be drawn with.
+    pub(super) fn validate(&self) -> Result<(), &'static str> {
+        let good = self.precision > 0.0 && (0.0..=10.0).contains(&self.sigma);
+        if good { Ok(()) } else { Err("precision more than 0, sigma 0 to 10") }
+    }
+}
+
+impl Config {
     pub(super) fn build(&self, mut mount: Mount) -> Mounted {
-        let mut bias = |range: f64| {
-            [(); 3].map(|()| if self.drifting { mount.rng.random_range(-0.5..0.5) / range } else { 0.0 })
-        };
+        let mut bias =
+            |range: f64| [(); 3].map(|()| if self.drifting { mount.rng.random_range(-0.5..0.5) / range } else { 0.0 });
         let (angle_bias, position_bias) = (bias(self.precision.powi(2)), bias(self.precision));
         let (position, angles) = position_and_rotation(&(mount.view.body.pose * mount.pose));
         Mounted {
@@ -110,11 +117,8 @@ impl Sensor for Mounted {
 
     fn sense(&mut self, view: &View) -> Option<Reading> {
         self.integrate(&view.body.pose);
-        let reading = Ins {
-            name: self.name.clone(),
-            location: floats(self.position.into()),
-            orientation: floats(self.angles),
-        };
+        let reading =
+            Ins { name: self.name.clone(), location: floats(self.position.into()), orientation: floats(self.angles) };
         Some(reading.into())
     }
 

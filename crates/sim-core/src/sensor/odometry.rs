@@ -18,7 +18,11 @@ use crate::{WheelState, drive};
 pub struct Config {}
 
 enum Base {
-    Skid { kinematics: Skid, left: usize, right: usize },
+    Skid {
+        kinematics: Skid,
+        left: usize,
+        right: usize,
+    },
     Omni(Mecanum),
     /// A robot without wheels to read.
     None,

@@ -56,6 +56,19 @@ pub(super) struct Mounted {
 }
 
 impl Config {
+    /// Numbers that a cone can be made with.
+    pub(super) fn validate(&self) -> Result<(), &'static str> {
+        let good = 0.0 <= self.min_range
+            && self.min_range < self.max_range
+            && self.max_range <= 10_000.0
+            && (0.0..=std::f64::consts::PI).contains(&self.beam_angle)
+            && self.number_of_cones <= 100
+            && self.traces_per_cone <= 1000;
+        if good { Ok(()) } else { Err("min_range < max_range, beam_angle 0 to pi, at most 100 cones of 1000 traces") }
+    }
+}
+
+impl Config {
     pub(super) fn build(&self, mount: Mount) -> Mounted {
         let step = radians(rotation_units(self.beam_angle / 2.0 / f64::from(self.number_of_cones.max(1))));
         let cone_beams = (1..=self.number_of_cones).flat_map(|cone| {

@@ -45,7 +45,8 @@ impl Sensor for Mounted {
         let (velocities, positions) = if elapsed < 1e-6 {
             (Vec::new(), Vec::new())
         } else {
-            let speed = |(now, before): (&crate::WheelState, &f64)| ((now.angle - before) / elapsed / view.speed_unit) as f32;
+            let speed =
+                |(now, before): (&crate::WheelState, &f64)| ((now.angle - before) / elapsed / view.speed_unit) as f32;
             let positions = self.last.iter().zip(&self.reference).map(|(angle, reference)| (angle - reference) as f32);
             (view.wheels.iter().zip(&self.last).map(speed).collect(), positions.collect())
         };

@@ -1,0 +1,112 @@
+//! The robots, maps and materials built into the program, and the way from a name to a definition.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use include_dir::{Dir, include_dir};
+use sim_core::scene::{MapDef, RobotDef, WorldDef};
+
+use crate::materials::{self, Materials};
+use crate::problem::Problems;
+use crate::source::Source;
+use crate::{LoadError, map as map_file, robot as robot_file};
+
+static ASSETS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../assets");
+static MAPS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../maps");
+
+/// The maps built in, by name.
+pub fn map_names() -> Vec<String> {
+    folders(&MAPS)
+}
+
+/// The robot classes built in, by name.
+pub fn robot_names() -> Vec<String> {
+    ASSETS.get_dir("robots").map_or_else(Vec::new, folders)
+}
+
+/// A world on a map, built in or a file, with every robot built in and those of further robot.toml files.
+///
+/// # Errors
+/// An unknown name, an unreadable file, or everything wrong with the files.
+pub fn load(map_name: &str, robot_files: &[&Path]) -> Result<WorldDef, LoadError> {
+    let mut robots = BTreeMap::new();
+    for name in robot_names() {
+        robots.insert(name.clone(), robot(&name)?);
+    }
+    for file in robot_files {
+        let definition = robot_of_file(file)?;
+        robots.insert(definition.class.clone(), definition);
+    }
+    Ok(WorldDef { map: map(map_name)?, robots })
+}
+
+/// A map by its name, or by the path of its file.
+///
+/// # Errors
+/// As [`load`].
+pub fn map(name: &str) -> Result<MapDef, LoadError> {
+    let materials = built_in_materials()?;
+    let path = Path::new(name);
+    let (source, file, name) = match MAPS.get_dir(name) {
+        Some(dir) => (Source::BuiltIn(dir), "map.toml".to_owned(), name.to_owned()),
+        None if path.is_file() => (Source::of_file(path), file_name(path), name_of(path, "map")),
+        None => return Err(unknown("map", name, &map_names())),
+    };
+    let mut problems = Problems::default();
+    let text = source.text(&file)?;
+    let map = map_file::read(&source, &file, &name, &text, &materials, &mut problems);
+    problems.into_result(map)?.ok_or_else(|| unknown("map", &name, &map_names()))
+}
+
+/// A robot class by its name, in any case.
+///
+/// # Errors
+/// As [`load`].
+pub fn robot(class: &str) -> Result<RobotDef, LoadError> {
+    let names = robot_names();
+    let class =
+        names.iter().find(|name| name.eq_ignore_ascii_case(class)).ok_or_else(|| unknown("robot", class, &names))?;
+    let dir = ASSETS.get_dir(format!("robots/{class}")).ok_or_else(|| unknown("robot", class, &names))?;
+    read_robot(&Source::BuiltIn(dir), "robot.toml", class)
+}
+
+fn robot_of_file(path: &Path) -> Result<RobotDef, LoadError> {
+    read_robot(&Source::of_file(path), &file_name(path), &name_of(path, "robot"))
+}
+
+fn read_robot(source: &Source, file: &str, class: &str) -> Result<RobotDef, LoadError> {
+    let mut problems = Problems::default();
+    let text = source.text(file)?;
+    let robot = robot_file::read(source, file, class, &text, &built_in_materials()?, &mut problems);
+    problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
+}
+
+pub(crate) fn built_in_materials() -> Result<Materials, LoadError> {
+    let source = Source::BuiltIn(&ASSETS);
+    let mut problems = Problems::default();
+    let materials = materials::read("assets/materials.toml", &source.text("materials.toml")?, &mut problems);
+    problems.into_result(materials)
+}
+
+/// `foo` of `foo/map.toml` and of `foo.toml`.
+fn name_of(path: &Path, kind: &str) -> String {
+    let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(kind);
+    let folder = path.parent().and_then(Path::file_name).and_then(|name| name.to_str());
+    let name = if stem == kind { folder.unwrap_or(stem) } else { stem };
+    name.replace(|c: char| c.is_whitespace() || c == '{' || c == '}', "_")
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+fn folders(dir: &'static Dir) -> Vec<String> {
+    let name = |dir: &'static Dir| dir.path().file_name().map(|name| name.to_string_lossy().into_owned());
+    let mut names: Vec<String> = dir.dirs().filter_map(name).collect();
+    names.sort();
+    names
+}
+
+fn unknown(kind: &'static str, got: &str, names: &[String]) -> LoadError {
+    LoadError::UnknownName { kind, got: got.to_owned(), expected: names.join(", ") }
+}

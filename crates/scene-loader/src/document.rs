@@ -1,0 +1,192 @@
+//! A TOML file that is read piece by piece, so that one mistake does not hide the next.
+
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+use sim_core::scene::Material;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, ValueDeserializer};
+
+use crate::materials::Materials;
+use crate::problem::Problems;
+
+/// Largest coordinate or length in a file, m.
+const MAX_LENGTH: f64 = 1e5;
+
+/// A file, its text, and the problems found in it.
+pub(crate) struct Document<'a> {
+    file: &'a str,
+    text: &'a str,
+    problems: &'a mut Problems,
+}
+
+/// A table of the file with its place.
+pub(crate) struct Table<'a> {
+    span: Range<usize>,
+    entries: DeTable<'a>,
+}
+
+impl<'a> Document<'a> {
+    /// Reads the syntax; mistakes in it are noted and the rest is kept.
+    pub(crate) fn parse(file: &'a str, text: &'a str, problems: &'a mut Problems) -> (Self, Table<'a>) {
+        let (root, errors) = DeTable::parse_recoverable(text);
+        for error in errors {
+            problems.at(file, text, error.span().map_or(0, |span| span.start), error.message());
+        }
+        (Self { file, text, problems }, Table { span: 0..0, entries: root.into_inner() })
+    }
+
+    /// Notes a problem at a place.
+    pub(crate) fn problem(&mut self, span: &Range<usize>, message: impl std::fmt::Display) {
+        self.problems.at(self.file, self.text, span.start, message);
+    }
+
+    /// The problems, for what is read from other files.
+    pub(crate) fn problems(&mut self) -> &mut Problems {
+        self.problems
+    }
+
+    /// Takes a value out of a table; `None` where it is missing or, with a note, of the wrong type.
+    pub(crate) fn optional<T: DeserializeOwned>(&mut self, table: &mut Table<'a>, key: &str) -> Option<T> {
+        let value = table.entries.remove(key)?;
+        self.read(value).map(|(_, value)| value)
+    }
+
+    /// Takes a value that has to be there.
+    pub(crate) fn required<T: DeserializeOwned>(&mut self, table: &mut Table<'a>, key: &str, what: &str) -> Option<T> {
+        if !table.entries.contains_key(key) {
+            self.problem(&table.span, format_args!("missing `{key}`: expected {what}"));
+        }
+        self.optional(table, key)
+    }
+
+    /// Takes an array of tables, each read by itself. Those with a mistake are left out.
+    pub(crate) fn list<T: DeserializeOwned>(&mut self, table: &mut Table<'a>, key: &str) -> Vec<(Range<usize>, T)> {
+        let elements = self.elements(table, key);
+        elements.into_iter().filter_map(|element| self.read(element)).collect()
+    }
+
+    /// Takes an array of tables to be read key by key.
+    pub(crate) fn tables(&mut self, table: &mut Table<'a>, key: &str) -> Vec<Table<'a>> {
+        let mut tables = Vec::new();
+        for element in self.elements(table, key) {
+            let span = element.span();
+            match element.into_inner() {
+                DeValue::Table(entries) => tables.push(Table { span, entries }),
+                other => self.problem(&span, format_args!("expected a table, got {}", other.type_str())),
+            }
+        }
+        tables
+    }
+
+    /// Takes one table.
+    pub(crate) fn section<T: DeserializeOwned>(
+        &mut self,
+        table: &mut Table<'a>,
+        key: &str,
+    ) -> Option<(Range<usize>, T)> {
+        let value = table.entries.remove(key)?;
+        self.read(value)
+    }
+
+    /// Takes every entry that is left as a table by name.
+    pub(crate) fn named<T: DeserializeOwned>(&mut self, table: &mut Table<'a>) -> Vec<(Range<usize>, String, T)> {
+        let entries = std::mem::take(&mut table.entries);
+        let read = |(key, value): (Spanned<_>, _)| {
+            let span = key.span();
+            let name: toml::de::DeString = key.into_inner();
+            self.read(value).map(|(_, value)| (span, name.into_owned(), value))
+        };
+        entries.into_iter().filter_map(read).collect()
+    }
+
+    /// Notes every key that nobody took.
+    pub(crate) fn finish(&mut self, table: Table<'a>, expected: &str) {
+        for key in table.entries.keys() {
+            self.problem(&key.span(), format_args!("unknown key `{}`: expected one of {expected}", key.get_ref()));
+        }
+    }
+
+    /// Reads what is left of a table as a whole.
+    pub(crate) fn rest<T>(
+        &mut self,
+        table: Table<'a>,
+        read: impl FnOnce(ValueDeserializer<'a>) -> Result<T, toml::de::Error>,
+    ) -> Option<T> {
+        let Table { span, entries } = table;
+        let value = Spanned::new(span.clone(), DeValue::Table(entries));
+        self.result(&span, read(ValueDeserializer::from(value)))
+    }
+
+    /// Notes a problem unless a number is finite and greater than zero.
+    pub(crate) fn positive(&mut self, span: &Range<usize>, key: &str, value: f64) -> bool {
+        let good = value.is_finite() && value > 0.0 && value <= MAX_LENGTH;
+        if !good {
+            self.problem(span, format_args!("`{key}` is {value}: expected more than 0 and at most {MAX_LENGTH}"));
+        }
+        good
+    }
+
+    /// Notes a problem unless every coordinate is finite and within reason.
+    pub(crate) fn within_reason(&mut self, span: &Range<usize>, key: &str, values: &[f64]) {
+        if !values.iter().all(|value| value.abs() <= MAX_LENGTH) {
+            self.problem(span, format_args!("`{key}` is {values:?}: expected numbers within ±{MAX_LENGTH}"));
+        }
+    }
+
+    /// Notes a problem unless a name can be sent on the wire.
+    pub(crate) fn wire_name(&mut self, span: &Range<usize>, name: &str) {
+        if name.is_empty() || name.contains(|c: char| c.is_whitespace() || c == '{' || c == '}') {
+            self.problem(span, format_args!("name `{name}`: expected a name without spaces and braces"));
+        }
+    }
+
+    /// Looks a material up.
+    pub(crate) fn material(&mut self, span: &Range<usize>, name: &str, materials: &Materials) -> Option<Material> {
+        let material = materials.get(name).cloned();
+        if material.is_none() {
+            let names: Vec<&str> = materials.keys().map(String::as_str).collect();
+            self.problem(span, format_args!("unknown material `{name}`: expected one of {}", names.join(", ")));
+        }
+        material
+    }
+
+    fn elements(&mut self, table: &mut Table<'a>, key: &str) -> Vec<Spanned<DeValue<'a>>> {
+        let Some(value) = table.entries.remove(key) else { return Vec::new() };
+        let span = value.span();
+        match value.into_inner() {
+            DeValue::Array(array) => array.into_iter().collect(),
+            other => {
+                self.problem(&span, format_args!("expected [[{key}]] tables, got {}", other.type_str()));
+                Vec::new()
+            }
+        }
+    }
+
+    fn read<T: DeserializeOwned>(&mut self, value: Spanned<DeValue<'a>>) -> Option<(Range<usize>, T)> {
+        let span = value.span();
+        let result = T::deserialize(ValueDeserializer::from(value));
+        self.result(&span, result).map(|value| (span, value))
+    }
+
+    fn result<T>(&mut self, span: &Range<usize>, result: Result<T, toml::de::Error>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(error) => {
+                let place = error.span().unwrap_or_else(|| span.clone());
+                self.problem(&place, error.message());
+                None
+            }
+        }
+    }
+}
+
+impl Table<'_> {
+    /// Where the table is.
+    pub(crate) fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+}
+
+/// A vector of three numbers.
+pub(crate) type Vector = [f64; 3];

@@ -1,0 +1,119 @@
+//! `map.toml`: what stands on a map, of what material, and where robots start.
+
+use sim_core::scene::{self, MapDef, NamedPose, Shape, Solid};
+
+use crate::document::{Document, Table, Vector};
+use crate::materials::Materials;
+use crate::mesh;
+use crate::problem::Problems;
+use crate::source::Source;
+
+const KEYS: &str = "description, gravity, time_limit, half_space, box, ramp, cylinder, mesh, start, path_node";
+
+pub(crate) fn read(
+    source: &Source,
+    file: &str,
+    name: &str,
+    text: &str,
+    materials: &Materials,
+    problems: &mut Problems,
+) -> Option<MapDef> {
+    let shown = source.display(file);
+    let (mut document, mut root) = Document::parse(&shown, text, problems);
+    let description = document.required(&mut root, "description", "one sentence about the map");
+    let gravity = document.optional(&mut root, "gravity").unwrap_or(9.81);
+    let time_limit = document.optional(&mut root, "time_limit").unwrap_or(20);
+    if !(0.0..=100.0).contains(&gravity) {
+        document.problem(&(0..0), format_args!("`gravity` is {gravity}: expected 0 to 100 m/s²"));
+    }
+    let mut solids = Vec::new();
+    for kind in ["half_space", "box", "ramp", "cylinder", "mesh"] {
+        for table in document.tables(&mut root, kind) {
+            solids.extend(read_solid(source, &mut document, kind, table, materials));
+        }
+    }
+    let starts = read_poses(&mut document, &mut root, "start");
+    if starts.is_empty() {
+        document.problem(&(0..0), "no [[start]]: expected at least one start pose");
+    }
+    let path_nodes = read_poses(&mut document, &mut root, "path_node");
+    document.finish(root, KEYS);
+    Some(MapDef { name: name.to_owned(), description: description?, gravity, time_limit, solids, starts, path_nodes })
+}
+
+fn read_solid<'a>(
+    source: &Source,
+    document: &mut Document<'a>,
+    kind: &str,
+    mut table: Table<'a>,
+    materials: &Materials,
+) -> Option<Solid> {
+    let span = table.span();
+    let name: Option<String> = document.required(&mut table, "name", "a name for the solid");
+    let material: Option<String> = document.required(&mut table, "material", "the name of a material");
+    let position: Vector = document.optional(&mut table, "position").unwrap_or_default();
+    let rotation: Vector = document.optional(&mut table, "rotation").unwrap_or_default();
+    let mut length = |document: &mut Document<'a>, key: &str| {
+        let value: Option<f64> = document.required(&mut table, key, "a length in metres");
+        value.filter(|&value| document.positive(&span, key, value))
+    };
+    let (shape, keys) = match kind {
+        "half_space" => (Some(Shape::HalfSpace), ""),
+        "box" => {
+            let size: Option<Vector> = document.required(&mut table, "size", "edge lengths [x, y, z] in metres");
+            let good = size.filter(|size| size.iter().all(|&edge| document.positive(&span, "size", edge)));
+            (good.map(|size| Shape::Box { size }), ", size")
+        }
+        "ramp" => {
+            let edges = ["length", "width", "height"].map(|key| length(document, key));
+            let shape = match edges {
+                [Some(length), Some(width), Some(height)] => Some(ramp(length, width, height)),
+                _ => None,
+            };
+            (shape, ", length, width, height")
+        }
+        "cylinder" => {
+            let (radius, length) = (length(document, "radius"), length(document, "length"));
+            (radius.zip(length).map(|(radius, length)| Shape::Cylinder { radius, length }), ", radius, length")
+        }
+        _ => {
+            let file: Option<String> = document.required(&mut table, "file", "an .stl or .obj file beside the map");
+            let scale = document.optional(&mut table, "scale").unwrap_or(1.0);
+            let mesh =
+                file.filter(|_| document.positive(&span, "scale", scale)).map(|file| mesh::read(source, &file, scale));
+            let mesh = mesh.and_then(|mesh| mesh.map_err(|reason| document.problem(&span, reason)).ok());
+            (mesh, ", file, scale")
+        }
+    };
+    document.finish(table, &format!("name, material, position, rotation{keys}"));
+    document.within_reason(&span, "position", &position);
+    document.within_reason(&span, "rotation", &rotation);
+    let (name, material) = (name?, material?);
+    document.wire_name(&span, &name);
+    let material = document.material(&span, &material, materials)?;
+    Some(Solid { name, shape: shape?, pose: scene::pose(position, rotation), material })
+}
+
+/// A wedge: its low edge lies on the y axis, it rises along x to `height` and ends in an upright face.
+fn ramp(length: f64, width: f64, height: f64) -> Shape {
+    let side = |y: f64| [[0.0, y, 0.0], [length, y, 0.0], [length, y, -height]];
+    Shape::Hull { points: [side(-width / 2.0), side(width / 2.0)].concat() }
+}
+
+fn read_poses<'a>(document: &mut Document<'a>, root: &mut Table<'a>, key: &str) -> Vec<NamedPose> {
+    let mut poses = Vec::new();
+    for mut table in document.tables(root, key) {
+        let span = table.span();
+        let name: Option<String> = document.required(&mut table, "name", "a name without spaces");
+        let position: Option<Vector> = document.required(&mut table, "position", "[x, y, z] in metres");
+        let rotation: Vector = document.optional(&mut table, "rotation").unwrap_or_default();
+        document.finish(table, "name, position, rotation");
+        if let (Some(name), Some(position)) = (name, position) {
+            document.wire_name(&span, &name);
+            document.within_reason(&span, "position", &position);
+            document.within_reason(&span, "rotation", &rotation);
+            poses.push(NamedPose { name, position, rotation });
+        }
+    }
+    poses
+}

@@ -1,0 +1,82 @@
+//! What can be wrong with a file.
+
+use std::fmt;
+
+/// One mistake in a file, with its place. Written as compilers do: `file:line:column: message`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileProblem {
+    /// The file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column, from 1, in characters.
+    pub column: usize,
+    /// What is wrong and what was expected.
+    pub message: String,
+}
+
+impl fmt::Display for FileProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)
+    }
+}
+
+/// Why a robot, map or material could not be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// A file that cannot be read.
+    #[error("{file}: cannot be read: {reason}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// What the operating system says.
+        reason: String,
+    },
+    /// Neither a name that is built in nor a file.
+    #[error("unknown {kind} `{got}`: expected a file or one of {expected}")]
+    UnknownName {
+        /// `map` or `robot`.
+        kind: &'static str,
+        /// What was asked for.
+        got: String,
+        /// The names there are.
+        expected: String,
+    },
+    /// A file of which the kind cannot be told.
+    #[error("{file}: expected a .toml (robot, map or materials) or a .urdf file")]
+    UnknownKind {
+        /// The file.
+        file: String,
+    },
+    /// Mistakes in a file, one a line.
+    #[error("{}", list(.0))]
+    Bad(Vec<FileProblem>),
+}
+
+fn list(problems: &[FileProblem]) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+/// Problems as they are found; reading goes on to find the next.
+#[derive(Debug, Default)]
+pub(crate) struct Problems(Vec<FileProblem>);
+
+impl Problems {
+    /// Notes a problem at a byte offset of a text.
+    pub(crate) fn at(&mut self, file: &str, text: &str, offset: usize, message: impl fmt::Display) {
+        let before = text.get(..offset).unwrap_or(text);
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        self.0.push(FileProblem {
+            file: file.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            message: message.to_string(),
+        });
+    }
+
+    /// The value if nothing is wrong, otherwise every problem in the order of the lines.
+    pub(crate) fn into_result<T>(mut self, value: T) -> Result<T, LoadError> {
+        self.0.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
+        if self.0.is_empty() { Ok(value) } else { Err(LoadError::Bad(self.0)) }
+    }
+}
