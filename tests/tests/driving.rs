@@ -5,7 +5,7 @@ use system_tests::{apply, init, run, world};
 
 /// Position, yaw and wheel angles of a robot.
 fn place(world: &World, robot: RobotId) -> ([f64; 3], f64, Vec<f64>) {
-    let (body, wheels) = world.state(robot).unwrap();
+    let (body, wheels) = world.state(robot).expect("the robot is in the world");
     let (_, _, yaw) = body.pose.rotation.euler_angles();
     (body.pose.translation.vector.into(), yaw, wheels.iter().map(|wheel| wheel.angle).collect())
 }

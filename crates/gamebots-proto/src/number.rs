@@ -52,6 +52,7 @@ fn finite(value: f32) -> f32 {
 }
 
 #[cfg(test)]
+#[expect(clippy::approx_constant, reason = "the numbers are what USARSim's files and clients say")]
 mod tests {
     use super::*;
 

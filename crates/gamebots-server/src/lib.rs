@@ -1,1 +1,101 @@
-//! x
+//! Serves a world to Gamebots clients: the only crate with sockets and a clock.
+//!
+//! ```text
+//! socket -> connection (framing) --Event--> [bounded channel] --> world thread (sessions, pacing, steps)
+//!                ^                                                       |
+//!                +------------------- outbox (bounded) <-----------------+
+//! ```
+//!
+//! One thread owns the world and everything in it; connections are tasks that only move bytes. Nothing a client does
+//! or fails to do can hold up the world or another client.
+
+mod connection;
+mod listener;
+mod outbox;
+mod pace;
+mod session;
+mod world_thread;
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use sim_core::Options;
+use sim_core::scene::WorldDef;
+
+/// What to serve and how.
+#[derive(Debug, Clone)]
+pub struct Config {
+    /// The world.
+    pub world: WorldDef,
+    /// Seed and units.
+    pub options: Options,
+    /// Address to listen on.
+    pub host: String,
+    /// Port to listen on; 0 takes a free one.
+    pub port: u16,
+    /// Simulated seconds a real second; 0 is as fast as possible.
+    pub real_time_factor: f64,
+    /// Listening pauses while there are more connections than this.
+    pub max_connections: usize,
+    /// Tell clients what was wrong with their lines, which USARSim does not.
+    pub report_errors: bool,
+    /// File of the log.
+    pub log: Option<PathBuf>,
+    /// A client that takes nothing for this long is disconnected.
+    pub stall_timeout: Duration,
+}
+
+impl Config {
+    /// A world with the defaults of USARSim: port 3000 on this machine, real time, 64 connections.
+    pub fn new(world: WorldDef) -> Self {
+        Self {
+            world,
+            options: Options::default(),
+            host: "127.0.0.1".to_owned(),
+            port: 3000,
+            real_time_factor: 1.0,
+            max_connections: 64,
+            report_errors: false,
+            log: None,
+            stall_timeout: Duration::from_secs(30),
+        }
+    }
+}
+
+/// Why serving did not start, or stopped by itself.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The address cannot be listened on.
+    #[error("cannot listen on {host}:{port}: {reason}; is another server running? --port 0 takes a free port")]
+    Listen {
+        /// The address.
+        host: String,
+        /// The port.
+        port: u16,
+        /// What the operating system says.
+        reason: std::io::Error,
+    },
+    /// The log cannot be written.
+    #[error(transparent)]
+    Log(#[from] recorder::RecordError),
+    /// The runtime or a thread cannot be started.
+    #[error("cannot start: {0}")]
+    Start(std::io::Error),
+    /// The world's thread is gone; it has said why.
+    #[error("the world stopped unexpectedly")]
+    WorldStopped,
+}
+
+/// Serves until `shutdown` completes. `ready` is called once with the address, when clients can connect.
+///
+/// # Errors
+/// When serving cannot start, or the world stops by itself.
+pub fn run(
+    config: Config,
+    ready: impl FnOnce(SocketAddr),
+    shutdown: impl Future<Output = ()>,
+) -> Result<(), ServeError> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
+    runtime.block_on(listener::serve(config, ready, shutdown))
+}

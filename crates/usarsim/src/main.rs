@@ -1,1 +1,103 @@
-fn main() {}
+//! The program `usarsim`: arguments, dispatch, and the one place where exit codes are made.
+
+mod check;
+mod list;
+mod serve;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Exit codes, after sysexits.h.
+mod exit {
+    pub(crate) const FAILURE: u8 = 1;
+    pub(crate) const BAD_DATA: u8 = 65;
+    pub(crate) const UNAVAILABLE: u8 = 69;
+    pub(crate) const BAD_CONFIGURATION: u8 = 78;
+}
+
+/// A server that takes the place of USARSim: controllers written for it connect to port 3000 and drive.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Examples:\n  usarsim serve\n  usarsim serve --map arena --log run.mcap\n  \
+    usarsim check maps/rough/map.toml\n\nExit codes: 0 done, 1 failure, 2 usage, 65 bad file, 69 address in use, \
+    78 bad map or robot"
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    /// Say more on stderr; twice for everything.
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+    /// Say only errors on stderr.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Serve a world to controllers until Ctrl-C or SIGTERM.
+    Serve(serve::Arguments),
+    /// List the maps.
+    Maps(list::Arguments),
+    /// List the robot classes with what they carry.
+    Robots(list::Arguments),
+    /// Check robot.toml, map.toml, materials.toml and URDF files: every mistake with its line.
+    Check(check::Arguments),
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    start_logging(&arguments);
+    let result = match arguments.command {
+        Command::Serve(arguments) => serve::run(arguments),
+        Command::Maps(arguments) => list::maps(&arguments),
+        Command::Robots(arguments) => list::robots(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure { code, message }) => {
+            eprintln!("usarsim: {message}");
+            ExitCode::from(code)
+        }
+    }
+}
+
+/// Why the program ends with an exit code other than 0.
+struct Failure {
+    code: u8,
+    message: String,
+}
+
+impl Failure {
+    fn new(code: u8, message: impl std::fmt::Display) -> Self {
+        Self { code, message: message.to_string() }
+    }
+}
+
+fn start_logging(arguments: &Arguments) {
+    use std::io::IsTerminal;
+    use tracing_subscriber::filter::LevelFilter;
+    let level = match (arguments.quiet, arguments.verbose) {
+        (true, _) => LevelFilter::ERROR,
+        (false, 0) => LevelFilter::INFO,
+        (false, 1) => LevelFilter::DEBUG,
+        (false, _) => LevelFilter::TRACE,
+    };
+    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_ansi(colour)
+        .with_target(false)
+        .with_max_level(level)
+        .init();
+}
+
+/// Prints to stdout; a reader that has gone away is not an error.
+fn print(text: impl std::fmt::Display) {
+    use std::io::Write;
+    let mut stdout = std::io::stdout().lock();
+    let _ = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
+}

@@ -3,6 +3,8 @@
 //! Angles go through USARSim's whole rotation units, which fixes the number of beams: 21, 181 and 228.
 //! No noise and no minimum range, as there; a miss reads the maximum range.
 
+#![expect(clippy::approx_constant, reason = "the numbers are those of USARSim's files")]
+
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, RangeScanner as Scan, Reading};
 use gamebots_proto::number::{radians, rotation_units};

@@ -1,0 +1,105 @@
+//! One client: bytes in, events to the world; lines out of its outbox.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use gamebots_proto::{Framing, Problem};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
+use tokio::sync::mpsc::Sender;
+use tracing::{info, warn};
+
+use crate::outbox::Outbox;
+
+/// Bytes read at once: bounds what one event can hold.
+const READ_BYTES: usize = 16 * 1024;
+
+/// Number of a connection, from 1.
+pub(crate) type ConnectionId = u64;
+
+/// Everything that a connection tells the world.
+pub(crate) enum Event {
+    /// A client is here.
+    Opened(ConnectionId, Arc<Outbox>),
+    /// The lines of one segment, together: what a client sends in one piece is handled before time goes on.
+    Lines(ConnectionId, Vec<Result<String, Problem>>),
+    /// It is gone.
+    Closed(ConnectionId),
+}
+
+/// Serves a client until it leaves, or is thrown out because it takes nothing.
+pub(crate) async fn serve(id: ConnectionId, stream: TcpStream, events: Sender<Event>, stall_timeout: Duration) {
+    if let Err(error) = stream.set_nodelay(true) {
+        warn!(connection = id, %error, "cannot turn off delayed sending");
+    }
+    let (read, write) = stream.into_split();
+    let outbox = Arc::new(Outbox::default());
+    if events.send(Event::Opened(id, outbox.clone())).await.is_err() {
+        return;
+    }
+    let writer = write_lines(write, &outbox, stall_timeout);
+    tokio::pin!(writer);
+    let reader = read_lines(id, read, &outbox, &events);
+    let end = tokio::select! {
+        end = reader => Some(end),
+        end = &mut writer => {
+            info!(connection = id, reason = end, "client disconnected");
+            None
+        }
+    };
+    // The world closes the outbox when it has seen this, so that the last answers are still sent.
+    let told = events.send(Event::Closed(id)).await.is_ok();
+    if let Some(end) = end {
+        if told {
+            writer.await;
+        }
+        info!(connection = id, reason = end, "client disconnected");
+    }
+}
+
+/// Reads until the client ends the stream; its last fragment counts as a line.
+async fn read_lines(
+    id: ConnectionId,
+    mut read: OwnedReadHalf,
+    outbox: &Outbox,
+    events: &Sender<Event>,
+) -> &'static str {
+    let mut framing = Framing::default();
+    let mut buffer = vec![0; READ_BYTES];
+    loop {
+        outbox.ready_for_answers().await;
+        let end = match read.read(&mut buffer).await {
+            Ok(0) => Some("closed by the client"),
+            Err(_) => Some("reset by the client"),
+            Ok(count) => {
+                let lines = framing.push(&buffer[..count]);
+                if !lines.is_empty() && events.send(Event::Lines(id, lines)).await.is_err() {
+                    return "the server stops";
+                }
+                None
+            }
+        };
+        if let Some(end) = end {
+            if let Some(line) = framing.finish() {
+                // If the world is gone there is nobody to tell.
+                let _ = events.send(Event::Lines(id, vec![line])).await;
+            }
+            return end;
+        }
+    }
+}
+
+async fn write_lines(mut write: OwnedWriteHalf, outbox: &Outbox, stall_timeout: Duration) -> &'static str {
+    while let Some(text) = outbox.take().await {
+        let mut rest = text.as_bytes();
+        while !rest.is_empty() {
+            match tokio::time::timeout(stall_timeout, write.write(rest)).await {
+                Ok(Ok(count)) if count > 0 => rest = &rest[count..],
+                Ok(_) => return "reset by the client",
+                Err(_) => return "thrown out: it takes nothing",
+            }
+        }
+    }
+    "all sent"
+}

@@ -1,0 +1,143 @@
+//! What the world knows of one connection: its robots, its outbox, its mistakes.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use gamebots_proto::message::{Message, Nfo};
+use gamebots_proto::{Command, Line, Problem};
+use sim_core::{RobotId, World};
+use tracing::warn;
+
+use crate::connection::ConnectionId;
+use crate::outbox::Outbox;
+
+/// Problems of one connection that are logged in a second; the rest is counted.
+const MAX_WARNINGS: u64 = 20;
+/// Characters of a bad line that are logged.
+const SHOWN_CHARS: usize = 200;
+
+/// One connection.
+pub(crate) struct Session {
+    id: ConnectionId,
+    outbox: Arc<Outbox>,
+    /// The robots that report here, the newest last. Commands go to the newest, and only the newest leaves with
+    /// the connection (BotConnection.uc:37-47, 765-787).
+    robots: Vec<RobotId>,
+    lines: u64,
+    warnings: Budget,
+    report_errors: bool,
+}
+
+impl Session {
+    pub(crate) fn new(id: ConnectionId, outbox: Arc<Outbox>, report_errors: bool) -> Self {
+        Self { id, outbox, robots: Vec::new(), lines: 0, warnings: Budget::default(), report_errors }
+    }
+
+    pub(crate) fn robots(&self) -> &[RobotId] {
+        &self.robots
+    }
+
+    pub(crate) fn outbox(&self) -> &Outbox {
+        &self.outbox
+    }
+
+    /// Handles one line and returns what it answers.
+    pub(crate) fn handle(&mut self, line: Result<&str, Problem>, world: &mut World, now: Instant) -> Vec<Message> {
+        self.lines += 1;
+        let mut problems = Vec::new();
+        let mut answers = Vec::new();
+        let text = match line {
+            Ok(text) => {
+                answers = self.execute(text, world, &mut problems);
+                text
+            }
+            Err(problem) => {
+                problems.push(problem);
+                ""
+            }
+        };
+        for problem in problems {
+            self.warn(text, &problem, now);
+            if self.report_errors {
+                answers.push(Message::Nfo(Nfo::Error(problem.to_string())));
+            }
+        }
+        answers
+    }
+
+    /// Removes the newest robot, and lets the client have what still waits for it.
+    pub(crate) fn end(self, world: &mut World) {
+        if let Some(&newest) = self.robots.last() {
+            world.remove(newest);
+        }
+        self.outbox.close();
+    }
+
+    /// Logs the periodic lines that were dropped since the last call.
+    pub(crate) fn report_dropped(&self) {
+        let dropped = self.outbox.take_dropped();
+        if dropped > 0 {
+            warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
+        }
+    }
+
+    fn execute(&mut self, text: &str, world: &mut World, problems: &mut Vec<Problem>) -> Vec<Message> {
+        let line = Line::parse(text);
+        let Some(command) = Command::read(&line, problems) else { return Vec::new() };
+        if let Command::Init(init) = &command {
+            self.robots.extend(world.init(init, problems));
+            return Vec::new();
+        }
+        if let Some(answer) = world.ask(&command) {
+            return vec![answer];
+        }
+        match (self.robots.last(), &command) {
+            (Some(&robot), _) => world.apply(robot, &command, problems),
+            (None, Command::Drive(_) | Command::Set(_) | Command::GetConf(_) | Command::GetGeo(_)) => {
+                problems.push(Problem::NoRobot { verb: line.verb.to_ascii_uppercase() });
+                Vec::new()
+            }
+            (None, _) => Vec::new(),
+        }
+    }
+
+    fn warn(&mut self, text: &str, problem: &Problem, now: Instant) {
+        match self.warnings.spend(now) {
+            Spent::Granted { suppressed: 0 } => {}
+            Spent::Granted { suppressed } => {
+                warn!(connection = self.id, suppressed, "further problems were not logged")
+            }
+            Spent::Refused => return,
+        }
+        let shown: String = text.chars().take(SHOWN_CHARS).collect();
+        warn!(connection = self.id, line = self.lines, text = shown, "{problem}");
+    }
+}
+
+/// A number of warnings a second, so that a client cannot fill the disk.
+#[derive(Default)]
+struct Budget {
+    second: Option<Instant>,
+    spent: u64,
+}
+
+enum Spent {
+    /// Go on; so many were refused in the second before.
+    Granted {
+        suppressed: u64,
+    },
+    Refused,
+}
+
+impl Budget {
+    fn spend(&mut self, now: Instant) -> Spent {
+        let fresh = self.second.is_none_or(|second| now.duration_since(second) >= Duration::from_secs(1));
+        let mut suppressed = 0;
+        if fresh {
+            suppressed = self.spent.saturating_sub(MAX_WARNINGS);
+            (self.second, self.spent) = (Some(now), 0);
+        }
+        self.spent += 1;
+        if self.spent > MAX_WARNINGS { Spent::Refused } else { Spent::Granted { suppressed } }
+    }
+}

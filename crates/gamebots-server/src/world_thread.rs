@@ -1,0 +1,165 @@
+//! The thread that owns the world: takes events, steps at its pace, hands messages to the connections.
+
+use std::collections::BTreeMap;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use gamebots_proto::Problem;
+use gamebots_proto::message::Message;
+use recorder::{Record, Recorder, RobotState, WireLine};
+use sim_core::{RobotId, TIME_STEP, World};
+use tokio::sync::mpsc::Receiver;
+use tokio::sync::mpsc::error::TryRecvError;
+use tokio::sync::oneshot;
+use tracing::warn;
+
+use crate::connection::{ConnectionId, Event};
+use crate::pace::Pace;
+use crate::session::Session;
+use crate::{Config, ServeError};
+
+/// Longest sleep, so that commands are taken soon even when simulated time crawls.
+const MAX_SLEEP: Duration = Duration::from_millis(2);
+/// Events taken between two steps, so that a flood of them cannot stop time.
+const MAX_EVENTS_A_STEP: usize = 256;
+/// Steps between two recorded states of the robots: 50 Hz.
+const STEPS_A_STATE: u64 = (0.02 / TIME_STEP) as u64;
+/// How often dropped lines are reported.
+const DROP_REPORT_INTERVAL: Duration = Duration::from_secs(5);
+
+/// Starts the thread. It ends when every sender of events is gone; `gone` is dropped when it ends, however it does.
+pub(crate) fn spawn(
+    config: Config,
+    events: Receiver<Event>,
+    gone: oneshot::Sender<()>,
+) -> Result<JoinHandle<()>, ServeError> {
+    let recorder = config.log.as_ref().map(|path| Recorder::create(path, description(&config))).transpose()?;
+    let thread = std::thread::Builder::new().name("world".to_owned());
+    let run = move || {
+        let _gone = gone;
+        let Config { world, options, real_time_factor, report_errors, .. } = config;
+        let world = World::new(world, options);
+        let pace = Pace::new(real_time_factor, Instant::now(), world.time());
+        Server { world, recorder, report_errors, sessions: BTreeMap::new(), owners: BTreeMap::new() }.run(events, pace);
+    };
+    thread.spawn(run).map_err(ServeError::Start)
+}
+
+fn description(config: &Config) -> BTreeMap<String, String> {
+    let entry = |key: &str, value: &dyn std::fmt::Display| (key.to_owned(), value.to_string());
+    BTreeMap::from([
+        entry("map", &config.world.map.name),
+        entry("seed", &config.options.seed),
+        entry("time_step", &TIME_STEP),
+        entry("real_time_factor", &config.real_time_factor),
+        entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
+    ])
+}
+
+struct Server {
+    world: World,
+    recorder: Option<Recorder>,
+    report_errors: bool,
+    sessions: BTreeMap<ConnectionId, Session>,
+    /// The connection that each robot reports to.
+    owners: BTreeMap<RobotId, ConnectionId>,
+}
+
+impl Server {
+    fn run(mut self, mut events: Receiver<Event>, mut pace: Pace) {
+        let mut drop_report = Instant::now();
+        let mut step = 0u64;
+        loop {
+            if !self.take_events(&mut events) {
+                return;
+            }
+            let now = Instant::now();
+            if let Some(reached) = pace.lag_report(now, self.world.time()) {
+                warn!(reached = format!("{reached:.2}"), "behind its pace: the real-time factor of the last 5 s");
+            }
+            if now.duration_since(drop_report) >= DROP_REPORT_INTERVAL {
+                self.sessions.values().for_each(Session::report_dropped);
+                drop_report = now;
+            }
+            let wait = pace.wait(now, self.world.time());
+            if !wait.is_zero() {
+                std::thread::sleep(wait.min(MAX_SLEEP));
+                continue;
+            }
+            for (robot, message) in self.world.step() {
+                if let Some(&owner) = self.owners.get(&robot) {
+                    self.send(owner, &message);
+                }
+            }
+            step += 1;
+            if step.is_multiple_of(STEPS_A_STATE) {
+                self.record_states();
+            }
+        }
+    }
+
+    /// Handles what has come; false when nobody can send anything any more.
+    fn take_events(&mut self, events: &mut Receiver<Event>) -> bool {
+        for _ in 0..MAX_EVENTS_A_STEP {
+            match events.try_recv() {
+                Ok(event) => self.handle(event),
+                Err(TryRecvError::Empty) => return true,
+                Err(TryRecvError::Disconnected) => return false,
+            }
+        }
+        true
+    }
+
+    fn handle(&mut self, event: Event) {
+        match event {
+            Event::Opened(id, outbox) => {
+                self.sessions.insert(id, Session::new(id, outbox, self.report_errors));
+                let greeting = self.world.greeting();
+                self.send(id, &greeting);
+            }
+            Event::Lines(id, lines) => lines.into_iter().for_each(|line| self.handle_line(id, line)),
+            Event::Closed(id) => {
+                if let Some(session) = self.sessions.remove(&id) {
+                    session.report_dropped();
+                    session.robots().iter().for_each(|robot| {
+                        self.owners.remove(robot);
+                    });
+                    session.end(&mut self.world);
+                }
+            }
+        }
+    }
+
+    fn handle_line(&mut self, id: ConnectionId, line: Result<String, Problem>) {
+        if let Ok(text) = &line {
+            self.record(|| Record::In(WireLine { connection: id, line: text.clone() }));
+        }
+        let Some(session) = self.sessions.get_mut(&id) else { return };
+        let answers = session.handle(line.as_deref().map_err(Clone::clone), &mut self.world, Instant::now());
+        self.owners.extend(session.robots().last().map(|&robot| (robot, id)));
+        answers.iter().for_each(|answer| self.send(id, answer));
+    }
+
+    fn send(&mut self, id: ConnectionId, message: &Message) {
+        let text = message.write();
+        self.record(|| Record::Out(WireLine { connection: id, line: text.clone() }));
+        if let Some(session) = self.sessions.get(&id) {
+            session.outbox().push(text, message.is_periodic());
+        }
+    }
+
+    fn record_states(&mut self) {
+        let Some(recorder) = &mut self.recorder else { return };
+        for (id, class, name) in self.world.robots() {
+            if let Some((body, wheels)) = self.world.state(id) {
+                recorder.record(self.world.time(), Record::State(RobotState::new(id, class, name, &body, &wheels)));
+            }
+        }
+    }
+
+    fn record(&mut self, record: impl FnOnce() -> Record) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.record(self.world.time(), record());
+        }
+    }
+}

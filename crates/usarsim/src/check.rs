@@ -1,0 +1,51 @@
+//! `usarsim check FILE...`.
+
+use std::path::PathBuf;
+
+use scene_loader::LoadError;
+use serde_json::json;
+
+use crate::{Failure, exit, print};
+
+/// Options of `check`.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  usarsim check assets/robots/*/robot.toml maps/*/map.toml\n  \
+    usarsim check my-robot.urdf --json")]
+pub(crate) struct Arguments {
+    /// robot.toml, map.toml, materials.toml or .urdf files.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Print the mistakes as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut problems = Vec::new();
+    let mut unreadable = Vec::new();
+    for file in &arguments.files {
+        match scene_loader::check(file) {
+            Ok(()) => {}
+            Err(LoadError::Bad(found)) => problems.extend(found),
+            Err(error) => unreadable.push(error.to_string()),
+        }
+    }
+    if arguments.json {
+        let found = problems.iter().map(|problem| {
+            json!({"file": problem.file, "line": problem.line, "column": problem.column, "message": problem.message})
+        });
+        let all = found.chain(unreadable.iter().map(|message| json!({"message": message})));
+        print(serde_json::Value::from_iter(all));
+    } else {
+        problems.iter().for_each(print);
+        unreadable.iter().for_each(print);
+    }
+    let count = problems.len() + unreadable.len();
+    if count == 0 {
+        if !arguments.json {
+            print(format_args!("{} file(s) good", arguments.files.len()));
+        }
+        return Ok(());
+    }
+    Err(Failure::new(exit::BAD_DATA, format_args!("{count} mistake(s) in {} file(s)", arguments.files.len())))
+}

@@ -1,0 +1,120 @@
+//! `usarsim serve`.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use gamebots_server::{Config, ServeError};
+use sim_core::Options;
+
+use crate::{Failure, exit, print};
+
+/// Options of `serve`.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  usarsim serve                          # carpet, 127.0.0.1:3000, real time\n  \
+    usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n\n\
+    Clients are served until Ctrl-C or SIGTERM, which end the server with exit code 0.")]
+pub(crate) struct Arguments {
+    /// A map by name (see `usarsim maps`) or the path of a map.toml.
+    #[arg(long, env = "USARSIM_MAP", default_value = "rough", value_name = "NAME|FILE")]
+    map: String,
+    /// A further robot class from a robot.toml; its class is the name of the folder. May be given several times.
+    #[arg(long, env = "USARSIM_ROBOT", value_name = "FILE")]
+    robot: Vec<PathBuf>,
+    /// Address to listen on.
+    #[arg(long, env = "USARSIM_HOST", default_value = "127.0.0.1")]
+    host: String,
+    /// Port to listen on; 0 takes a free one.
+    #[arg(long, env = "USARSIM_PORT", default_value_t = 3000)]
+    port: u16,
+    /// Real-time factor: simulated seconds a second; 0 is as fast as possible.
+    #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
+    rtf: f64,
+    /// Seed of all randomness: the same seed and commands give the same run.
+    #[arg(long, env = "USARSIM_SEED", default_value_t = 0)]
+    seed: u64,
+    /// Write every line and every pose to an MCAP file.
+    #[arg(long, env = "USARSIM_LOG", value_name = "FILE.mcap")]
+    log: Option<PathBuf>,
+    /// Listening pauses while there are more connections than this, as in USARSim.
+    #[arg(long, env = "USARSIM_MAX_CONNECTIONS", default_value_t = 64)]
+    max_connections: usize,
+    /// Tell clients what is wrong with their lines by `NFO {Error ..}`, which USARSim does not.
+    #[arg(long, env = "USARSIM_REPORT_ERRORS")]
+    report_errors: bool,
+    /// Unit of wheel speeds on the wire: radians or revolutions a second.
+    #[arg(long, env = "USARSIM_WHEEL_SPEEDS", default_value = "rad")]
+    wheel_speeds: WheelSpeeds,
+    /// Print the line that says the server is ready as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum WheelSpeeds {
+    Rad,
+    Rev,
+}
+
+fn real_time_factor(text: &str) -> Result<f64, String> {
+    let factor: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    if (0.0..=10_000.0).contains(&factor) { Ok(factor) } else { Err("expected 0 to 10000".to_owned()) }
+}
+
+pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
+    let robots: Vec<&std::path::Path> = arguments.robot.iter().map(PathBuf::as_path).collect();
+    let world = scene_loader::load(&arguments.map, &robots)
+        .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{error}")))?;
+    let speed_unit = match arguments.wheel_speeds {
+        WheelSpeeds::Rad => 1.0,
+        WheelSpeeds::Rev => std::f64::consts::TAU,
+    };
+    let config = Config {
+        options: Options { seed: arguments.seed, speed_unit },
+        host: arguments.host,
+        port: arguments.port,
+        real_time_factor: arguments.rtf,
+        max_connections: arguments.max_connections,
+        report_errors: arguments.report_errors,
+        log: arguments.log,
+        ..Config::new(world)
+    };
+    let map = config.world.map.name.clone();
+    let classes: Vec<String> = config.world.robots.keys().cloned().collect();
+    let json = arguments.json;
+    let ready = move |address: SocketAddr| print(ready_line(address, &map, &classes, json));
+    gamebots_server::run(config, ready, stop_signal()).map_err(|error| match error {
+        ServeError::Listen { .. } => Failure::new(exit::UNAVAILABLE, error),
+        _ => Failure::new(exit::FAILURE, error),
+    })
+}
+
+fn ready_line(address: SocketAddr, map: &str, classes: &[String], json: bool) -> String {
+    if json {
+        let (host, port) = (address.ip().to_string(), address.port());
+        serde_json::json!({"event": "ready", "host": host, "port": port, "map": map, "robots": classes}).to_string()
+    } else {
+        format!("usarsim ready on {address}, map {map}, robots {}", classes.join(", "))
+    }
+}
+
+/// Completes at Ctrl-C or SIGTERM; a signal that cannot be watched keeps its default effect.
+async fn stop_signal() {
+    let terminated = async {
+        #[cfg(unix)]
+        if let Ok(mut signal) = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
+            signal.recv().await;
+            return;
+        }
+        std::future::pending().await
+    };
+    let interrupted = async {
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    };
+    tokio::select! {
+        () = terminated => {}
+        () = interrupted => {}
+    }
+}
