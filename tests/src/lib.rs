@@ -1,4 +1,10 @@
-//! Helpers of the system tests: worlds in this process.
+//! Helpers of the system tests: worlds in this process, servers on a socket, transcripts.
+
+mod server;
+mod transcript;
+
+pub use server::{Peer, Server};
+pub use transcript::{Transcript, run_transcript};
 
 use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Line};

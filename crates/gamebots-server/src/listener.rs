@@ -28,19 +28,22 @@ pub(crate) async fn serve(
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
     let world = world_thread::spawn(config, receiver, gone)?;
     ready(address);
-    let accepting = accept_clients(listener, address, max_connections, stall_timeout, events);
+    let mut clients = JoinSet::new();
+    let accepting = accept_clients(&mut clients, listener, address, max_connections, stall_timeout, events);
     let result = tokio::select! {
         () = accepting => Ok(()),
         () = shutdown => Ok(()),
         _ = world_gone => Err(ServeError::WorldStopped),
     };
-    // The accept loop and every connection are dropped with their senders: the world sees its channel close.
+    // With the last connection goes the last sender of events, and with that the world's thread.
+    clients.shutdown().await;
     world.join().map_err(|_| ServeError::WorldStopped).and(result)
 }
 
 /// As in USARSim the limit is passed by one: listening stops when there are more than `max` connections, and the
 /// operating system refuses clients until one leaves (BotServer.uc:46-72).
 async fn accept_clients(
+    clients: &mut JoinSet<()>,
     listener: TcpListener,
     address: SocketAddr,
     max: usize,
@@ -48,7 +51,6 @@ async fn accept_clients(
     events: mpsc::Sender<connection::Event>,
 ) {
     let mut listener = Some(listener);
-    let mut clients = JoinSet::new();
     let mut next_id = 0;
     loop {
         if clients.len() > max {

@@ -4,7 +4,7 @@
 //! speed and torque limit that the URDF gives them. Shape, rollers and servo of a wheel stand in robot.toml.
 //! URDF is x forward, y left, z up; here it is turned into the robot frame, z down, once.
 
-use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::Node;
 use sim_core::scene::{Material, Part, Pose, Shape, Solid};
 use urdf_rs::{Geometry, JointType};
@@ -91,9 +91,9 @@ pub(crate) fn read(
     Some(urdf)
 }
 
-/// From the URDF's axes to the robot frame: half a turn about x.
+/// From the URDF's axes to the robot frame: half a turn about x, exactly.
 fn z_down() -> UnitQuaternion<f64> {
-    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+    UnitQuaternion::new_unchecked(Quaternion::new(0.0, 1.0, 0.0, 0.0))
 }
 
 fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {

@@ -1,0 +1,212 @@
+//! A server in this process and clients that talk to it over a real socket.
+
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::mpsc::channel;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use gamebots_client::Client;
+use gamebots_proto::Line;
+use gamebots_server::{Config, ServeError};
+use tokio::sync::oneshot;
+
+/// Longest that a test waits for what has to come.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A running server; it stops when it is dropped.
+pub struct Server {
+    /// Where it listens.
+    pub address: SocketAddr,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<Result<(), ServeError>>>,
+}
+
+impl Server {
+    /// Starts a server on a free port, on a built-in map and with further robots; `change` edits its configuration.
+    ///
+    /// # Panics
+    /// If it does not start.
+    pub fn start(map: &str, robots: &[&Path], change: impl FnOnce(&mut Config)) -> Self {
+        let world = scene_loader::load(map, robots).unwrap_or_else(|error| panic!("{error}"));
+        let mut config = Config { port: 0, ..Config::new(world) };
+        change(&mut config);
+        let (stop, stopped) = oneshot::channel::<()>();
+        let (ready, address) = channel();
+        let run = move || {
+            let shutdown = async {
+                // A dropped sender stops the server as well.
+                let _ = stopped.await;
+            };
+            gamebots_server::run(
+                config,
+                |address| assert!(ready.send(address).is_ok(), "nobody waits for the server"),
+                shutdown,
+            )
+        };
+        let thread = std::thread::spawn(run);
+        let address = address.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the server does not start"));
+        Self { address, stop: Some(stop), thread: Some(thread) }
+    }
+
+    /// Connects a client and reads its greeting.
+    ///
+    /// # Panics
+    /// If it is not greeted.
+    pub fn client(&self) -> Peer {
+        let mut peer = Peer::connect(self.address).unwrap_or_else(|error| panic!("cannot connect: {error}"));
+        let greeting = peer.line();
+        assert!(greeting.starts_with("NFO {Gametype BotDeathMatch} {Level "), "greeting: {greeting}");
+        peer
+    }
+
+    /// Stops the server and returns how it ended.
+    ///
+    /// # Panics
+    /// If it panicked.
+    pub fn stop(mut self) -> Result<(), ServeError> {
+        self.stop = None;
+        let thread = self.thread.take().unwrap_or_else(|| panic!("stopped twice"));
+        thread.join().unwrap_or_else(|_| panic!("the server panicked"))
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.stop = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A client that fails the test when what has to come does not.
+pub struct Peer {
+    client: Client,
+}
+
+impl Peer {
+    /// Connects without reading the greeting.
+    ///
+    /// # Errors
+    /// As the operating system says.
+    pub fn connect(address: SocketAddr) -> std::io::Result<Self> {
+        Ok(Self { client: Client::connect(address)? })
+    }
+
+    /// Sends a line.
+    ///
+    /// # Panics
+    /// If the connection is gone.
+    pub fn send(&mut self, line: &str) {
+        self.client.send(line).unwrap_or_else(|error| panic!("sending {line}: {error}"));
+    }
+
+    /// Sends bytes.
+    ///
+    /// # Panics
+    /// If the connection is gone.
+    pub fn send_bytes(&mut self, bytes: &[u8]) {
+        self.client.send_bytes(bytes).unwrap_or_else(|error| panic!("sending: {error}"));
+    }
+
+    /// Ends the sending side.
+    ///
+    /// # Panics
+    /// If the connection is gone.
+    pub fn finish(&mut self) {
+        self.client.finish().unwrap_or_else(|error| panic!("ending: {error}"));
+    }
+
+    /// The next line, whatever it is. No session ever has the lines that only older versions sent.
+    ///
+    /// # Panics
+    /// If none comes.
+    pub fn line(&mut self) -> String {
+        let line = self.client.next_line(PATIENCE);
+        let line = line.unwrap_or_else(|error| panic!("reading: {error}")).unwrap_or_else(|| panic!("no line comes"));
+        assert!(!["RES", "MISSTA", "DIE"].iter().any(|verb| line.starts_with(verb)), "{line}");
+        line
+    }
+
+    /// The next line, or `None` when the server closes the connection.
+    pub fn line_or_end(&mut self) -> Option<String> {
+        self.client.next_line(PATIENCE).ok().flatten()
+    }
+
+    /// The next line that is not on a timer.
+    pub fn reply(&mut self) -> String {
+        let periodic = |line: &str| line.starts_with("SEN ") || line.starts_with("STA ");
+        std::iter::repeat_with(|| self.line()).find(|line| !periodic(line)).unwrap_or_default()
+    }
+
+    /// Checks that nothing was answered to what was sent before: the answer to a question asked now comes next.
+    ///
+    /// # Panics
+    /// If there was an answer.
+    pub fn nothing(&mut self) {
+        self.send("GETSTARTPOSES");
+        let reply = self.reply();
+        assert!(reply.starts_with("NFO {StartPoses "), "expected no answer, got: {reply}");
+    }
+
+    /// The first line that fits, within [`PATIENCE`].
+    ///
+    /// # Panics
+    /// If none comes.
+    pub fn wait_for(&mut self, what: &str, fits: impl Fn(&str) -> bool) -> String {
+        let end = Instant::now() + PATIENCE;
+        let mut last = String::new();
+        while Instant::now() < end {
+            last = self.line();
+            if fits(&last) {
+                return last;
+            }
+        }
+        panic!("never came: {what}; last line: {last}");
+    }
+
+    /// The next reading of a type, or with `STA` the next status.
+    pub fn next_of(&mut self, kind: &str) -> String {
+        let head = format!("{{Type {kind}}}");
+        let fits = |line: &str| {
+            if kind == "STA" { line.starts_with("STA ") } else { line.starts_with("SEN ") && line.contains(&head) }
+        };
+        self.wait_for(kind, fits)
+    }
+
+    /// Reads until the simulated time of the lines has advanced; returns what came.
+    pub fn lines_for(&mut self, seconds: f64) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut start = None;
+        loop {
+            let line = self.line();
+            if let Some(time) = time_of(&line) {
+                if time >= *start.get_or_insert(time) + seconds {
+                    return lines;
+                }
+            }
+            lines.push(line);
+        }
+    }
+
+    /// The next ground truth: position and roll, pitch, yaw.
+    ///
+    /// # Panics
+    /// If it cannot be read.
+    pub fn ground_truth(&mut self) -> ([f64; 3], [f64; 3]) {
+        let line = self.next_of("GroundTruth");
+        let parsed = Line::parse(&line);
+        let vector = |key: &str| -> [f64; 3] {
+            let numbers: Vec<f64> =
+                parsed.get(key).unwrap_or_default().split(',').filter_map(|number| number.parse().ok()).collect();
+            numbers.try_into().unwrap_or_else(|_| panic!("no {key} in {line}"))
+        };
+        (vector("Location"), vector("Orientation"))
+    }
+}
+
+/// The simulated time that a line carries.
+pub(crate) fn time_of(line: &str) -> Option<f64> {
+    line.split_once("{Time ")?.1.split('}').next()?.parse().ok()
+}
