@@ -134,6 +134,12 @@ impl Peer {
         self.client.next_line(PATIENCE).ok().flatten()
     }
 
+    /// Every line that comes until a moment of the clock, or until the server ends.
+    pub fn lines_until(&mut self, end: Instant) -> Vec<String> {
+        let next = || self.client.next_line(end.saturating_duration_since(Instant::now())).ok().flatten();
+        std::iter::from_fn(next).collect()
+    }
+
     /// The next line that is not on a timer.
     pub fn reply(&mut self) -> String {
         let periodic = |line: &str| line.starts_with("SEN ") || line.starts_with("STA ");

@@ -44,6 +44,11 @@ impl Framing {
         (!bytes.is_empty()).then(|| Ok(decode(bytes)))
     }
 
+    /// True when a fragment waits that could be a whole line: its last block is closed.
+    pub fn ends_with_block(&self) -> bool {
+        self.discarded == 0 && self.partial.trim_ascii_end().ends_with(b"}")
+    }
+
     fn keep(&mut self, text: &[u8]) {
         if self.discarded > 0 || self.partial.len() + text.len() > MAX_LINE_BYTES {
             self.discarded += self.partial.len() + text.len();

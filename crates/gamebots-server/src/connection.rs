@@ -15,6 +15,10 @@ use crate::outbox::Outbox;
 /// Bytes read at once: bounds what one event can hold.
 const READ_BYTES: usize = 16 * 1024;
 
+/// A fragment that ends with a whole block counts as a line when nothing has followed it for this long: one known
+/// controller never ends its lines (tamsl/swe-thaf).
+const UNENDED_LINE: Duration = Duration::from_millis(500);
+
 /// Number of a connection, from 1.
 pub(crate) type ConnectionId = u64;
 
@@ -69,22 +73,22 @@ async fn read_lines(
     let mut buffer = vec![0; READ_BYTES];
     loop {
         outbox.ready_for_answers().await;
-        let end = match read.read(&mut buffer).await {
-            Ok(0) => Some("closed by the client"),
-            Err(_) => Some("reset by the client"),
-            Ok(count) => {
-                let lines = framing.push(&buffer[..count]);
-                if !lines.is_empty() && events.send(Event::Lines(id, lines)).await.is_err() {
-                    return "the server stops";
-                }
-                None
-            }
+        let read = read.read(&mut buffer);
+        let result = if framing.ends_with_block() {
+            tokio::time::timeout(UNENDED_LINE, read).await.ok()
+        } else {
+            Some(read.await)
         };
+        let (lines, end) = match result {
+            Some(Ok(count)) if count > 0 => (framing.push(&buffer[..count]), None),
+            Some(Ok(_)) => (framing.finish().into_iter().collect(), Some("closed by the client")),
+            Some(Err(_)) => (framing.finish().into_iter().collect(), Some("reset by the client")),
+            None => (framing.finish().into_iter().collect(), None),
+        };
+        if !lines.is_empty() && events.send(Event::Lines(id, lines)).await.is_err() {
+            return "the server stops";
+        }
         if let Some(end) = end {
-            if let Some(line) = framing.finish() {
-                // If the world is gone there is nobody to tell.
-                let _ = events.send(Event::Lines(id, vec![line])).await;
-            }
             return end;
         }
     }

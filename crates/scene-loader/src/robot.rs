@@ -13,7 +13,7 @@ use crate::problem::Problems;
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
-const KEYS: &str = "description, steering, reported_max_torque, urdf, urdf_material, part, wheels, rollers, wheel, \
+const KEYS: &str = "description, steering, one_side_drives, reported_max_torque, urdf, urdf_material, part, wheels, rollers, wheel, \
                     caster, sensor, battery";
 
 #[derive(Clone, Copy, Deserialize)]
@@ -109,6 +109,7 @@ pub(crate) fn read(
     let (mut document, mut root) = Document::parse(&shown, text, problems);
     let description = document.required(&mut root, "description", "one sentence about the robot");
     let steering: Option<SteeringEntry> = document.required(&mut root, "steering", "\"skid\" or \"omni\"");
+    let one_side_drives = document.optional(&mut root, "one_side_drives").unwrap_or(false);
     let reported_max_torque = document.optional(&mut root, "reported_max_torque").unwrap_or(50000.0);
     let urdf = read_urdf(source, &mut document, &mut root, materials);
     let (mut parts, mut solids) =
@@ -134,6 +135,7 @@ pub(crate) fn read(
         class: class.to_owned(),
         description: description?,
         steering: steering?,
+        one_side_drives,
         parts,
         solids,
         wheels,

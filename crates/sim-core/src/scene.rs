@@ -166,6 +166,9 @@ pub struct RobotDef {
     pub description: String,
     /// How it is steered.
     pub steering: Steering,
+    /// Whether `{Left ..}` or `{Right ..}` alone moves its side. USARSim (UDK) wants both; controllers of UT2004's
+    /// robots send one.
+    pub one_side_drives: bool,
     /// Parts that make up the body, all fixed to each other.
     pub parts: Vec<Part>,
     /// Shapes of the body that touch the world, in the robot frame.

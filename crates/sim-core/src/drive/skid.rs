@@ -1,4 +1,4 @@
-//! Skid steering: `{Left f} {Right f}`, both needed (SkidSteeredVehicle.uc:17-61).
+//! Skid steering: `{Left f} {Right f}`, both needed (SkidSteeredVehicle.uc:17-61) unless the robot takes one alone.
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
@@ -8,9 +8,9 @@ use crate::scene::RobotDef;
 
 /// Speed of each driven wheel in the unit of the command; `None` leaves it as it is.
 pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {
-    let both = drive.left.is_some() && drive.right.is_some();
-    if !both && (drive.left.is_some() || drive.right.is_some()) {
+    let enough = robot.one_side_drives || drive.left.is_some() && drive.right.is_some();
+    if !enough && (drive.left.is_some() || drive.right.is_some()) {
         problems.push(Problem::MissingKey { verb: "DRIVE", key: "Left and Right together" });
     }
-    robot.driven().iter().map(|wheel| of_side(drive, wheel.side).filter(|_| both)).collect()
+    robot.driven().iter().map(|wheel| of_side(drive, wheel.side).filter(|_| enough)).collect()
 }

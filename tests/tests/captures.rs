@@ -1,0 +1,202 @@
+//! Recorded streams of real controllers, replayed: the robot moves, Stop! stops it, questions are answered.
+//!
+//! The recordings are not part of this repository: `USARSIM_CAPTURES` names their folder. Without it these tests
+//! say that they are skipped.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use gamebots_proto::Line;
+use serde_json::Value;
+use system_tests::{Peer, Server};
+
+/// Simulated and replayed seconds a second.
+const SPEED: f64 = 4.0;
+
+/// One connection of a recording, with everything that the server sent.
+#[derive(Default)]
+struct Exchange {
+    lines: Vec<String>,
+    /// How many lines had come when Stop! was sent.
+    stopped_at: Option<usize>,
+}
+
+impl Exchange {
+    fn positions(&self) -> Vec<[f64; 3]> {
+        let truths = self.lines.iter().filter(|line| line.contains("{Type GroundTruth}") && line.starts_with("SEN"));
+        truths.filter_map(|line| position(line)).collect()
+    }
+
+    fn travelled(&self) -> f64 {
+        let positions = self.positions();
+        let (Some(first), Some(last)) = (positions.first(), positions.last()) else { return 0.0 };
+        distance(first, last)
+    }
+
+    fn has(&self, start: &str) -> bool {
+        self.lines.iter().any(|line| line.starts_with(start))
+    }
+}
+
+fn position(line: &str) -> Option<[f64; 3]> {
+    let numbers =
+        Line::parse(line).get("Location")?.split(',').map(|n| n.parse().ok()).collect::<Option<Vec<f64>>>()?;
+    numbers.try_into().ok()
+}
+
+fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Replays a recording on the default map; `None` without the recordings.
+fn replay(name: &str) -> Option<Vec<Exchange>> {
+    let Some(folder) = std::env::var_os("USARSIM_CAPTURES") else {
+        println!("skipped: USARSIM_CAPTURES does not name the folder of the recordings");
+        return None;
+    };
+    let path = PathBuf::from(folder).join("clients").join(format!("{name}.jsonl"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let server = Server::start("rough", &[], |config| config.real_time_factor = SPEED);
+    let start = Instant::now();
+    let mut peers: BTreeMap<u64, Peer> = BTreeMap::new();
+    let mut exchanges: BTreeMap<u64, Exchange> = BTreeMap::new();
+    for event in text.lines().map(|line| serde_json::from_str::<Value>(line).expect("a JSON object")) {
+        let at = start + Duration::from_secs_f64(event["t"].as_f64().expect("t") / SPEED);
+        let connection = event["connection"].as_u64().expect("connection");
+        for (id, peer) in &mut peers {
+            exchanges.entry(*id).or_default().lines.extend(peer.lines_until(at));
+        }
+        let exchange = exchanges.entry(connection).or_default();
+        if event["open"].as_bool() == Some(true) {
+            peers.insert(connection, Peer::connect(server.address).expect("a connection"));
+        } else if let (Some(bytes), Some(peer)) = (event["send"].as_str(), peers.get_mut(&connection)) {
+            peer.send_bytes(bytes.as_bytes());
+            if bytes.contains("{Speed 0}") {
+                exchange.stopped_at = Some(exchange.lines.len());
+            }
+        } else if let Some(mut peer) = peers.remove(&connection) {
+            // What was asked just before is still answered, then the server closes.
+            peer.finish();
+            exchange.lines.extend(peer.lines_until(Instant::now() + Duration::from_secs(30)));
+        }
+    }
+    // Recordings that end without a close: what was asked last is still answered.
+    for (id, mut peer) in peers {
+        let lines = peer.lines_until(Instant::now() + Duration::from_millis(500));
+        exchanges.entry(id).or_default().lines.extend(lines);
+    }
+    server.stop().expect("the server ends well");
+    let exchanges: Vec<Exchange> = exchanges.into_values().collect();
+    for exchange in &exchanges {
+        assert!(exchange.lines.first().is_some_and(|line| line.starts_with("NFO {Gametype BotDeathMatch}")), "{name}");
+    }
+    Some(exchanges)
+}
+
+#[track_caller]
+fn assert_moves(name: &str, at_least: f64) -> Option<Vec<Exchange>> {
+    let exchanges = replay(name)?;
+    let travelled = exchanges.iter().map(Exchange::travelled).fold(0.0, f64::max);
+    assert!(travelled > at_least, "{name}: travelled {travelled:.3} m");
+    Some(exchanges)
+}
+
+/// After Stop! and half a second to come to rest, the robot is where it stays.
+#[track_caller]
+fn assert_stops(exchange: &Exchange) {
+    let stopped_at = exchange.stopped_at.expect("Stop! was sent");
+    let after = Exchange { lines: exchange.lines[stopped_at..].to_vec(), stopped_at: None }.positions();
+    assert!(after.len() > 10, "{} positions after Stop!", after.len());
+    let drift = distance(&after[7], &after[after.len() - 1]);
+    assert!(drift < 0.003, "moved {drift:.4} m after Stop!");
+}
+
+#[test]
+fn iridium_drives_the_p3at_and_stops_it() {
+    let Some(exchanges) = assert_moves("iridium", 0.5) else { return };
+    assert_stops(&exchanges[0]);
+    for start in ["NFO {StartPoses 3} {PlayerStart_0 ", "GEO {Type GroundVehicle} {Name P3AT}", "CONF {Name P3AT}"] {
+        assert!(exchanges[0].has(start), "{start}");
+    }
+}
+
+#[test]
+fn iridium_drives_the_youbot_by_the_thesis_command_and_stops_it() {
+    let Some(exchanges) = assert_moves("iridium-youbot-raw", 0.14) else { return };
+    assert_stops(&exchanges[0]);
+    assert!(exchanges[0].has("CONF {Name KUKA_YouBot} {Type GroundVehicle} {SteeringType OmniDrive}"));
+}
+
+#[test]
+fn iridium_drives_the_youbot_from_its_aerial_panel_and_stops_it() {
+    let Some(exchanges) = assert_moves("iridium-youbot-aerial", 0.15) else { return };
+    assert_stops(&exchanges[0]);
+    let positions = exchanges[0].positions();
+    let (first, last) = (positions[0], positions[positions.len() - 1]);
+    assert!(last[0] > first[0] && last[1] > first[1], "forward and to the right: {first:?} to {last:?}");
+}
+
+#[test]
+fn iridiumse_asks_on_one_connection_and_drives_on_another() {
+    let Some(exchanges) = assert_moves("iridiumse", 0.5) else { return };
+    assert!(exchanges[0].has("NFO {StartPoses 3}"));
+    assert!(exchanges[1].has("CONF {Type GroundTruth} {Name GndTruth} {ScanInterval 0.1000}"));
+}
+
+#[test]
+fn the_nist_ros_bridge_gets_the_names_it_asks_for() {
+    let Some(exchanges) = assert_moves("usarsim_inf", 0.3) else { return };
+    for start in [
+        "NFO {StartPoses 3}",
+        "CONF {Name ROSbot} {Type GroundVehicle} {SteeringType SkidSteered}",
+        "GEO {Type GroundVehicle} {Name ROSbot}",
+        "GEO {Type GroundTruth} {Name GndTruth}",
+        "CONF {Type INS} {Name InsTest}",
+        "GEO {Type INS} {Name InsTest}",
+    ] {
+        assert!(exchanges[0].has(start), "{start}");
+    }
+}
+
+#[test]
+fn usarsimcontroller_drives_the_p2at_with_spaces_in_its_vectors() {
+    let Some(exchanges) = assert_moves("usarsimcontroller", 0.5) else { return };
+    assert!(exchanges[0].has("CONF {Name P2AT} {Type GroundVehicle}"));
+    let first = exchanges[0].positions()[0];
+    assert!((first[0] - 1.5).abs() < 0.05 && (first[1] + 2.25).abs() < 0.05, "{first:?}");
+}
+
+#[test]
+fn aut_toolbox_gets_ground_truth_without_a_gap() {
+    assert_moves("aut-toolbox", 0.5);
+}
+
+#[test]
+fn onomasticon_starts_at_its_start() {
+    assert_moves("onomasticon", 0.5);
+}
+
+#[test]
+fn ap2dx_drives_the_p2dx_by_percent() {
+    // Recorded until just after its DRIVE: in the half second that follows it is under way.
+    let Some(exchanges) = assert_moves("ap2dx", 0.1) else { return };
+    assert!(exchanges[0].lines.iter().any(|line| line.contains("{Type Sonar} {Name F8}")));
+}
+
+#[test]
+fn swe_thaf_drives_the_p2dx() {
+    // It names one side only, so the robot swings about its other wheel.
+    assert_moves("swe-thaf", 0.2);
+}
+
+#[test]
+fn swe_thaf_avoid_drives_the_p2dx() {
+    assert_moves("swe-thaf-avoid", 0.3);
+}
+
+/// Its robot, an arm on a platform, waits for later work; until then its stream harms nobody.
+#[test]
+fn slider_is_served_without_its_robot() {
+    replay("slider");
+}
