@@ -182,6 +182,11 @@ impl<'a> Document<'a> {
 }
 
 impl Table<'_> {
+    /// Whether a key is still there.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.entries.contains_key(key)
+    }
+
     /// Where the table is.
     pub(crate) fn span(&self) -> Range<usize> {
         self.span.clone()

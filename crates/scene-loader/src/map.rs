@@ -32,10 +32,10 @@ pub(crate) fn read(
             solids.extend(read_solid(source, &mut document, kind, table, materials));
         }
     }
-    let starts = read_poses(&mut document, &mut root, "start");
-    if starts.is_empty() {
+    if !root.has("start") {
         document.problem(&(0..0), "no [[start]]: expected at least one start pose");
     }
+    let starts = read_poses(&mut document, &mut root, "start");
     let path_nodes = read_poses(&mut document, &mut root, "path_node");
     document.finish(root, KEYS);
     Some(MapDef { name: name.to_owned(), description: description?, gravity, time_limit, solids, starts, path_nodes })

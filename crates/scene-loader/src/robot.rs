@@ -200,10 +200,10 @@ fn read_wheels<'a>(
 ) -> Vec<Wheel> {
     let common = document.section::<WheelEntry>(root, "wheels").map(|(_, common)| common).unwrap_or_default();
     let rollers = document.section::<RollersEntry>(root, "rollers");
-    let entries = document.list::<WheelEntry>(root, "wheel");
-    if entries.is_empty() {
+    if !root.has("wheel") {
         document.problem(&(0..0), "no [[wheel]]: expected at least one driven wheel");
     }
+    let entries = document.list::<WheelEntry>(root, "wheel");
     let wheel = |(span, entry)| read_wheel(document, &span, entry, &common, rollers.as_ref(), urdf, materials);
     entries.into_iter().filter_map(wheel).collect()
 }

@@ -63,7 +63,7 @@ impl Physics {
     /// if there is any and the place is not inside its solid, otherwise the nearest one above.
     fn surface_to_stand_on(&self, place: &Point3<f64>, reference: f64) -> Option<f64> {
         let layers = self.layers(place, reference);
-        let inside = layers.iter().any(|layer| layer.top < reference && reference < layer.bottom);
+        let inside = layers.iter().any(|layer| layer.top < reference && reference <= layer.bottom);
         let below = layers.iter().find(|layer| layer.top >= reference);
         let above = layers.iter().rev().find(|layer| layer.top < reference);
         match (inside, below, above) {
@@ -81,6 +81,14 @@ impl Physics {
             .flat_map(|(_, collider, _)| layers_of(collider, ray))
             .collect();
         layers.sort_by(|a, b| a.top.total_cmp(&b.top));
+        // What touches or overlaps is one: a box on the floor goes on in the floor.
+        layers.dedup_by(|lower, upper| {
+            let joined = lower.top <= upper.bottom + CLEARANCE;
+            if joined {
+                upper.bottom = upper.bottom.max(lower.bottom);
+            }
+            joined
+        });
         layers
     }
 }

@@ -1,0 +1,143 @@
+//! What a server costs, measured on the program itself: `cargo bench -p usarsim --bench budget` (Linux).
+//!
+//! Each row starts a server of its own on a free port and reads its processor time and memory from /proc.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use gamebots_client::Client;
+
+/// Seconds of each measurement.
+const SECONDS: f64 = 10.0;
+/// Clock ticks a second in /proc/PID/stat; fixed on Linux.
+const TICKS: f64 = 100.0;
+
+fn main() {
+    // `cargo test --benches` and the like only want to know that it runs.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    println!("| measured | got | wanted |");
+    println!("|---|---|---|");
+    let mut starts: Vec<f64> = (0..5).map(|_| Server::start("rough").started_in).collect();
+    starts.sort_by(f64::total_cmp);
+    println!("| start to ready, median of 5 | {:.0} ms | under 1000 ms |", 1e3 * starts[2]);
+    drive("one youBot driving", "KUKA_YouBot", 1, "at most 80 % of a core");
+    drive("10 P3ATs with laser driving", "P3AT", 10, "real time");
+    listen(64);
+}
+
+/// Robots drive in real time in the arena; how busy is the server, and does it keep its pace?
+fn drive(what: &str, class: &str, count: usize, wanted: &str) {
+    let server = Server::start(if count == 1 { "rough" } else { "arena" });
+    let mut clients: Vec<Client> = (0..count)
+        .map(|index| {
+            let mut client = server.connect();
+            let (x, y) = (index as f64 % 5.0 - 2.0, (index / 5) as f64 - 1.0);
+            send(&mut client, &format!("INIT {{ClassName USARBot.{class}}} {{Location {x},{y},0}}"));
+            send(&mut client, "DRIVE {Left 1} {Right 0.8}");
+            client
+        })
+        .collect();
+    let (start, busy) = (Instant::now(), server.processor_seconds());
+    let readers: Vec<_> = clients.drain(..).map(|client| std::thread::spawn(move || read(client, SECONDS))).collect();
+    let lines: Vec<Vec<String>> = readers.into_iter().filter_map(|reader| reader.join().ok()).collect();
+    let wall = start.elapsed().as_secs_f64();
+    let share = (server.processor_seconds() - busy) / wall;
+    let times: Vec<f64> = lines[0].iter().filter_map(|line| time_of(line)).collect();
+    let simulated = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
+    let scans: usize = lines.iter().flatten().filter(|line| line.contains("{Type RangeScanner}")).count();
+    println!(
+        "| {what} | real-time factor {:.3}, {:.0} % of a core, {scans} scans, {:.0} MB | {wanted}, under 300 MB |",
+        simulated / SECONDS,
+        100.0 * share,
+        server.peak_megabytes(),
+    );
+}
+
+/// Clients that only listen beside one that has a robot: does that one lose a line?
+fn listen(count: usize) {
+    let server = Server::start("rough");
+    let idle: Vec<Client> = (0..count).map(|_| server.connect()).collect();
+    let mut client = server.connect();
+    send(&mut client, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}");
+    let lines = read(client, SECONDS);
+    let truths: Vec<f64> =
+        lines.iter().filter(|line| line.contains("{Type GroundTruth}")).filter_map(|line| time_of(line)).collect();
+    let gaps = truths.windows(2).filter(|pair| (pair[1] - pair[0] - 0.1).abs() > 1e-3).count();
+    println!(
+        "| {} listening clients beside a youBot | {} ground truths in {SECONDS} s, {gaps} gaps, {:.0} MB | no line lost, under 300 MB |",
+        idle.len(),
+        truths.len(),
+        server.peak_megabytes(),
+    );
+}
+
+fn read(mut client: Client, seconds: f64) -> Vec<String> {
+    let end = Instant::now() + Duration::from_secs_f64(seconds);
+    let next = || client.next_line(end.saturating_duration_since(Instant::now())).ok().flatten();
+    std::iter::from_fn(next).collect()
+}
+
+fn send(client: &mut Client, line: &str) {
+    client.send(line).unwrap_or_else(|error| panic!("{line}: {error}"));
+}
+
+fn time_of(line: &str) -> Option<f64> {
+    line.split_once("{Time ")?.1.split('}').next()?.parse().ok()
+}
+
+struct Server {
+    child: Child,
+    port: u16,
+    started_in: f64,
+}
+
+impl Server {
+    fn start(map: &str) -> Self {
+        let start = Instant::now();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_usarsim"))
+            .args(["--quiet", "serve", "--port", "0", "--json", "--map", map])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap_or_else(|error| panic!("usarsim does not start: {error}"));
+        let mut line = String::new();
+        let stdout = child.stdout.take().map(BufReader::new);
+        stdout.map(|mut stdout| stdout.read_line(&mut line));
+        let started_in = start.elapsed().as_secs_f64();
+        let ready: serde_json::Value = serde_json::from_str(&line).unwrap_or_else(|error| panic!("{line}: {error}"));
+        let port = ready["port"].as_u64().unwrap_or_default() as u16;
+        Self { child, port, started_in }
+    }
+
+    fn connect(&self) -> Client {
+        Client::connect(("127.0.0.1", self.port)).unwrap_or_else(|error| panic!("cannot connect: {error}"))
+    }
+
+    /// User and system time of the process, fields 14 and 15 of /proc/PID/stat.
+    fn processor_seconds(&self) -> f64 {
+        let stat = self.proc("stat");
+        let after_name = stat.rsplit(')').next().unwrap_or_default();
+        let fields = after_name.split_whitespace().skip(11).take(2);
+        fields.filter_map(|field| field.parse::<f64>().ok()).sum::<f64>() / TICKS
+    }
+
+    /// Largest resident memory so far.
+    fn peak_megabytes(&self) -> f64 {
+        let status = self.proc("status");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        line.and_then(|line| line.trim().split(' ').next()?.parse::<f64>().ok()).unwrap_or(f64::NAN) / 1024.0
+    }
+
+    fn proc(&self, file: &str) -> String {
+        std::fs::read_to_string(format!("/proc/{}/{file}", self.child.id())).unwrap_or_default()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

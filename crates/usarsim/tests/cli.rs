@@ -1,0 +1,301 @@
+//! The program as a process: ready line, signals, exit codes, logs.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn usarsim() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_usarsim"))
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A server process; it is killed when the test ends.
+struct Serving {
+    child: Child,
+    ready: serde_json::Value,
+}
+
+impl Serving {
+    fn start(arguments: &[&str]) -> Self {
+        let mut child = usarsim()
+            .args(["serve", "--port", "0", "--json"])
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("usarsim starts");
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().expect("stdout")).read_line(&mut line).expect("a ready line");
+        let ready = serde_json::from_str(&line).unwrap_or_else(|error| panic!("{line}: {error}"));
+        Self { child, ready }
+    }
+
+    fn connect(&self) -> TcpStream {
+        let port = self.ready["port"].as_u64().expect("a port") as u16;
+        TcpStream::connect(("127.0.0.1", port)).expect("a connection")
+    }
+
+    fn signal(&self, name: &str) {
+        let status = Command::new("kill").args([&format!("-{name}"), &self.child.id().to_string()]).status();
+        assert!(status.expect("kill runs").success());
+    }
+
+    fn wait(&mut self) -> std::process::ExitStatus {
+        self.child.wait().expect("it ends")
+    }
+}
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn run(arguments: &[&str]) -> Output {
+    usarsim().args(arguments).current_dir(repository()).output().expect("usarsim runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn serve_says_in_one_line_of_json_that_it_is_ready() {
+    let server = Serving::start(&["--map", "arena"]);
+    assert_eq!(server.ready["event"], "ready");
+    assert_eq!(server.ready["host"], "127.0.0.1");
+    assert_eq!(server.ready["map"], "arena");
+    let mut greeting = String::new();
+    BufReader::new(server.connect()).read_line(&mut greeting).expect("a greeting");
+    assert_eq!(greeting, "NFO {Gametype BotDeathMatch} {Level arena} {TimeLimit 20}\r\n");
+}
+
+#[test]
+fn both_signals_end_it_within_a_second_with_clients_connected() {
+    for signal in ["INT", "TERM"] {
+        let mut server = Serving::start(&[]);
+        let mut client = server.connect();
+        client.write_all(b"INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}\r\n").expect("INIT is taken");
+        client.read_exact(&mut [0; 200]).expect("lines come");
+        let start = Instant::now();
+        server.signal(signal);
+        let status = server.wait();
+        assert_eq!(status.code(), Some(0), "{signal}");
+        assert!(start.elapsed() < Duration::from_secs(1), "{signal}: {:?}", start.elapsed());
+    }
+}
+
+#[test]
+fn an_address_in_use_is_exit_code_69() {
+    let server = Serving::start(&[]);
+    let output = run(&["serve", "--port", &server.ready["port"].to_string()]);
+    assert_eq!(output.status.code(), Some(69));
+    assert!(text(&output.stderr).contains("is another server running? --port 0 takes a free port"));
+}
+
+#[test]
+fn an_unknown_map_is_exit_code_78_and_names_those_there_are() {
+    let output = run(&["serve", "--map", "mars"]);
+    assert_eq!(output.status.code(), Some(78));
+    assert!(text(&output.stderr).contains("unknown map `mars`: expected a file or one of arena, rough, slope-1.5,"));
+}
+
+#[test]
+fn a_bad_argument_is_exit_code_2() {
+    for arguments in [&["serve", "--rtf", "-1"][..], &["serve", "--port", "99999"], &["fly"], &["check"]] {
+        assert_eq!(run(arguments).status.code(), Some(2), "{arguments:?}");
+    }
+}
+
+/// Every mistake of a file with its line, in one go.
+const BROKEN_MAP: &str = r#"description = "broken"
+gravity = "down"
+colour = "red"
+
+[[half_space]]
+name = "floor"
+material = "velvet"
+
+[[box]]
+name = "a box"
+material = "carpet"
+size = [1.0, 0.0, 1.0]
+
+[[start]]
+name = "Here"
+"#;
+
+const BROKEN_ROBOT: &str = r#"description = "broken"
+steering = "omni"
+
+[[part]]
+name = "Body"
+mass = -1.0
+size = [1, 1, 1]
+material = "aluminium"
+
+[wheels]
+radius = 0.1
+width = 0.05
+mass = 0.4
+material = "rubber-tyre"
+max_speed = 10.0
+gain = 10.0
+max_torque = 10.0
+
+[[wheel]]
+name = "Left"
+side = "port"
+position = [0.0, -0.2, 0.0]
+
+[[sensor]]
+class = "SICK"
+name = "laser"
+max_rnge = 10.0
+
+[[sensor]]
+class = "Radar"
+name = "radar"
+"#;
+
+const BROKEN_URDF: &str = r#"<robot name="broken">
+  <link name="base"/>
+  <link>
+  </link>
+  <joint name="wheel" type="rolling">
+    <origin xyz="0 zero 0"/>
+    <parent link="base"/><child link="nowhere"/>
+  </joint>
+</robot>
+"#;
+
+#[test]
+fn check_names_every_mistake_with_its_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, content, expected) in [
+        (
+            "map.toml",
+            BROKEN_MAP,
+            &[
+                "map.toml:2:11: invalid type: string \"down\", expected f64",
+                "map.toml:3:1: unknown key `colour`: expected one of description, gravity",
+                "map.toml:5:1: unknown material `velvet`: expected one of aluminium, carpet",
+                "map.toml:9:1: `size` is 0: expected more than 0",
+                "map.toml:9:1: name `a box`: expected a name without spaces and braces",
+                "map.toml:14:1: missing `position`: expected [x, y, z] in metres",
+            ][..],
+        ),
+        (
+            "robot.toml",
+            BROKEN_ROBOT,
+            &[
+                "robot.toml:4:1: `mass` is -1: expected more than 0",
+                "robot.toml:21:8: unknown variant `port`, expected `left` or `right`",
+                "robot.toml:1:1: steering \"omni\": expected four wheels",
+                "robot.toml:27:1: unknown field `max_rnge`, expected one of `max_range`",
+                "robot.toml:29:1: unknown sensor class `Radar`: expected one of GroundTruth",
+            ],
+        ),
+        (
+            "robot.urdf",
+            BROKEN_URDF,
+            &[
+                "robot.urdf:3:3: <link> without `name`",
+                "robot.urdf:5:3: joint type `rolling`: expected one of fixed, continuous",
+                "robot.urdf:6:5: xyz=\"0 zero 0\": expected 3 finite number(s)",
+                "robot.urdf:7:26: unknown link `nowhere`: expected one of base",
+            ],
+        ),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).expect("a file");
+        let output = run(&["check", path.to_str().expect("a path")]);
+        let found = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(65), "{found}");
+        for line in expected {
+            assert!(found.contains(line), "{name}: missing `{line}` in\n{found}");
+        }
+        assert_eq!(found.lines().count(), expected.len(), "{found}");
+    }
+}
+
+#[test]
+fn a_broken_map_or_robot_is_refused_at_start() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (map, robot) = (folder.path().join("map.toml"), folder.path().join("robot.toml"));
+    std::fs::write(&map, BROKEN_MAP).expect("a file");
+    std::fs::write(&robot, BROKEN_ROBOT).expect("a file");
+    for arguments in
+        [["serve", "--map", map.to_str().expect("a path")], ["serve", "--robot", robot.to_str().expect("a path")]]
+    {
+        let output = run(&arguments);
+        assert_eq!(output.status.code(), Some(78), "{arguments:?}");
+        assert!(text(&output.stderr).contains(".toml:"), "{arguments:?}");
+    }
+}
+
+#[test]
+fn what_is_shipped_is_good() {
+    let mut files = vec!["assets/materials.toml".to_owned(), "assets/robots/KUKA_YouBot/robot.urdf".to_owned()];
+    files.extend(["arena", "rough", "slope-1.5", "slope-4.5", "smooth"].map(|map| format!("maps/{map}/map.toml")));
+    for robot in ["BasicSkidRobot", "CasterSkidRobot", "KUKA_YouBot", "P2AT", "P2DX", "P3AT"] {
+        files.push(format!("assets/robots/{robot}/robot.toml"));
+    }
+    let mut arguments = vec!["check"];
+    arguments.extend(files.iter().map(String::as_str));
+    let output = run(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+}
+
+#[test]
+fn the_lists_name_maps_and_robots() {
+    for (command, names) in [("maps", ["rough", "arena"]), ("robots", ["USARBot.KUKA_YouBot", "USARBot.P3AT"])] {
+        let plain = text(&run(&[command]).stdout);
+        let json: serde_json::Value = serde_json::from_slice(&run(&[command, "--json"]).stdout).expect("JSON");
+        for name in names {
+            assert!(plain.contains(name), "{plain}");
+            assert!(json.to_string().contains(name), "{json}");
+        }
+    }
+}
+
+#[test]
+fn a_killed_server_leaves_a_log_that_reads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("run.mcap");
+    let mut server = Serving::start(&["--log", log.to_str().expect("a path")]);
+    let mut client = BufReader::new(server.connect());
+    client
+        .get_mut()
+        .write_all(b"INIT {ClassName USARBot.P3AT} {Name Ann} {Location 0,0,0}\r\n")
+        .expect("INIT is taken");
+    client.get_mut().write_all(b"DRIVE {Left 1} {Right 1}\r\n").expect("DRIVE is taken");
+    // Once a status of two seconds later is here, the log holds what came a second before it.
+    let mut line = String::new();
+    while !line.contains("{Battery 1197}") {
+        line.clear();
+        client.read_line(&mut line).expect("a line");
+    }
+    server.signal("KILL");
+    server.wait();
+    let entries = recorder::read(&log).expect("the log reads");
+    let drive = recorder::Record::In(recorder::WireLine { connection: 1, line: "DRIVE {Left 1} {Right 1}".to_owned() });
+    assert!(entries.iter().any(|entry| entry.record == drive));
+    let states: Vec<_> = entries
+        .iter()
+        .filter_map(|entry| match &entry.record {
+            recorder::Record::State(state) => Some((entry.time, state)),
+            _ => None,
+        })
+        .collect();
+    assert!(states.len() > 50, "{} states", states.len());
+    let steps = states.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    assert!(steps.into_iter().all(|step| (step - 0.02).abs() < 1e-9), "50 Hz of simulated time");
+    assert_eq!((states[0].1.name.as_str(), states[0].1.wheel_angles.len()), ("Ann", 4));
+}

@@ -1,0 +1,192 @@
+//! What strangers send: nobody else is disturbed, nothing panics, and only what USARSim would send comes back.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use system_tests::{Peer, Server};
+
+/// A client with a robot that must not notice anything.
+fn bystander(server: &Server) -> Peer {
+    let mut peer = server.client();
+    peer.send("INIT {ClassName USARBot.P3AT} {Name Bystander} {Location 10,10,0}");
+    peer.ground_truth();
+    peer
+}
+
+fn check_undisturbed(bystander: &mut Peer) {
+    let lines = bystander.lines_for(1.0);
+    let truths = lines.iter().filter(|line| line.contains("{Type GroundTruth}")).count();
+    assert!((9..=11).contains(&truths), "{truths} ground truths in a second");
+    bystander.nothing();
+}
+
+#[test]
+fn bad_lines_get_no_answer_and_leave_the_connection_working() {
+    let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
+    let mut bystander = bystander(&server);
+    let mut peer = server.client();
+    peer.send("INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}");
+    for line in [
+        "FOO {a b}",
+        "DRIVE",
+        "DRIVE {Left NaN} {Right inf}",
+        "DRIVE {Left 1e999} {Right -1e999}",
+        "DRIVE {Left 99999999999999999999999999} {Right 0}",
+        "DRIVE {WheelNumber 99999999999} {WheelSpeed x} {WheelNumber -1} {WheelSpeed 1}",
+        "INIT {ClassName }",
+        "INIT",
+        "INIT {ClassName USARBot.NoSuch}",
+        "INIT {ClassName ../../etc/passwd}",
+        "SET {Type INS} {Opcode POSE} {Params NaN,NaN,NaN,NaN,NaN,NaN}",
+        "SET {Type Camera} {Opcode FOV} {Params 1e308}",
+        "SET",
+        "GETCONF {Type Lidar}",
+        "GETGEO",
+        "}{}{}{}{}}}}{{{{",
+        "ACT {Name nobody} {Link 0} {Value 1}",
+        "CONTROL {Type KillAll}",
+        "\u{0}\u{1}\u{7f}",
+        "DRIVE {Left 0} {Right 0}",
+    ] {
+        peer.send(line);
+    }
+    peer.nothing();
+    check_undisturbed(&mut bystander);
+    peer.ground_truth();
+}
+
+#[test]
+fn places_that_make_no_sense_do_not_break_the_world() {
+    let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
+    let mut bystander = bystander(&server);
+    for place in ["{Location NaN,inf,1e30}", "{Location 1e30,-1e30,0} {Rotation 1e9,1e9,1e9}", "{Location 0,0,1e9}"] {
+        let mut peer = server.client();
+        peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {place}"));
+        peer.send("DRIVE {Left 1} {Right 1}");
+        peer.next_of("STA");
+    }
+    check_undisturbed(&mut bystander);
+}
+
+#[test]
+fn a_megabyte_without_a_line_end_is_discarded_and_the_next_line_works() {
+    let server = Server::start("rough", &[], |_| {});
+    let mut bystander = bystander(&server);
+    let mut peer = server.client();
+    peer.send_bytes(&vec![b'x'; 1 << 20]);
+    peer.send_bytes(b"\r\n");
+    peer.nothing();
+    check_undisturbed(&mut bystander);
+}
+
+#[test]
+fn binary_is_no_line_and_harms_nobody() {
+    let server = Server::start("rough", &[], |_| {});
+    let mut bystander = bystander(&server);
+    let mut peer = server.client();
+    // A fixed stream of every byte value, in an order that is no text.
+    let bytes: Vec<u8> = (0u32..200_000).map(|index| (index.wrapping_mul(2_654_435_761) >> 23) as u8).collect();
+    peer.send_bytes(&bytes);
+    peer.send_bytes(b"\r\n");
+    peer.nothing();
+    check_undisturbed(&mut bystander);
+}
+
+#[test]
+fn clients_that_vanish_take_their_robot_with_them() {
+    let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
+    let mut bystander = bystander(&server);
+    for _ in 0..5 {
+        let mut peer = server.client();
+        peer.send("INIT {ClassName USARBot.P3AT} {Name Gone} {Location 0,0,0}");
+        peer.next_of("STA");
+        // Leaves with bytes unread, which resets the connection, in the middle of a line.
+        peer.send_bytes(b"DRIVE {Left 1} {Rig");
+    }
+    // The place is free again: a robot stands on the floor, not on those before it.
+    let mut peer = server.client();
+    let mut stands = || {
+        peer.send("INIT {ClassName USARBot.P3AT} {Name Last} {Location 0,0,0}");
+        peer.ground_truth().0[2]
+    };
+    let height = stands();
+    assert!((height + 0.147).abs() < 0.01, "{height}");
+    check_undisturbed(&mut bystander);
+}
+
+#[test]
+fn what_was_asked_before_leaving_is_answered() {
+    let server = Server::start("rough", &[], |_| {});
+    let mut peer = server.client();
+    // No line end either.
+    peer.send_bytes(b"GETSTARTPOSES");
+    peer.finish();
+    assert!(peer.reply().starts_with("NFO {StartPoses 3}"));
+    assert_eq!(peer.line_or_end(), None);
+}
+
+#[test]
+fn answers_are_never_lost_however_late_they_are_read() {
+    const QUESTIONS: usize = 20_000;
+    let server = Server::start("rough", &[], |_| {});
+    let mut bystander = bystander(&server);
+    let mut stream = TcpStream::connect(server.address).expect("a connection");
+    let mut sender = stream.try_clone().expect("a second handle");
+    let thread = std::thread::spawn(move || {
+        let questions = "GETSTARTPOSES\r\n".repeat(QUESTIONS);
+        sender.write_all(questions.as_bytes()).expect("all is taken");
+        sender.shutdown(std::net::Shutdown::Write).expect("the end is taken");
+    });
+    // Not a byte is read while the other is served.
+    check_undisturbed(&mut bystander);
+    let mut text = String::new();
+    stream.read_to_string(&mut text).expect("the answers");
+    thread.join().expect("the sender");
+    assert_eq!(text.matches("NFO {StartPoses 3}").count(), QUESTIONS);
+}
+
+#[test]
+fn a_client_that_never_reads_loses_sensor_lines_and_is_thrown_out() {
+    let server = Server::start("rough", &[], |config| {
+        config.real_time_factor = 0.0;
+        config.stall_timeout = Duration::from_secs(1);
+    });
+    let mut silent = TcpStream::connect(server.address).expect("a connection");
+    silent.write_all(b"INIT {ClassName USARBot.P2AT} {Location 0,0,0}\r\n").expect("INIT is taken");
+    let mut other = server.client();
+    // As long as its robot is there, one put at the same place stands on it.
+    let mut tries = 0;
+    loop {
+        let mut probe = server.client();
+        probe.send("INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
+        if probe.ground_truth().0[2] > -0.2 {
+            break;
+        }
+        tries += 1;
+        assert!(tries < 3000, "never thrown out");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    other.nothing();
+}
+
+#[test]
+fn problems_are_reported_on_the_wire_only_when_asked_for() {
+    let server = Server::start("rough", &[], |config| config.report_errors = true);
+    let mut peer = server.client();
+    peer.send("FOO {a b}");
+    assert!(peer.reply().starts_with("NFO {Error unknown verb `FOO`; expected one of INIT, DRIVE,"));
+    peer.send("DRIVE {Left 1} {Right 1}");
+    assert_eq!(peer.reply(), "NFO {Error DRIVE ignored: there is no robot on this connection; send INIT first}");
+    peer.send("INIT {ClassName USARBot.P3AT} {Start nowhere}");
+    assert!(peer.reply().starts_with("NFO {Error 'Start nowhere' is unknown; expected one of PlayerStart_0,"));
+}
+
+#[test]
+fn robots_without_number_are_refused_at_a_limit() {
+    let server = Server::start("rough", &[], |config| config.report_errors = true);
+    let mut peer = server.client();
+    let init = |index: u32| format!("INIT {{ClassName USARBot.CasterSkidRobot}} {{Location {},0,-0.2}}\r\n", 3 * index);
+    peer.send_bytes((0..257).map(init).collect::<String>().as_bytes());
+    assert_eq!(peer.reply(), "NFO {Error INIT refused: the world holds 256 robots already}");
+}

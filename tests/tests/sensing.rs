@@ -1,0 +1,212 @@
+//! Sensors measure what is there: numbers worked out by hand for simple scenes.
+
+use gamebots_proto::message::{Message, Reading};
+use sim_core::scene::{NamedPose, Shape, Solid, WorldDef, pose};
+use sim_core::{Options, RobotId, World};
+use system_tests::{apply, init, run};
+
+/// The floor and boxes on it, given by name, centre and edge lengths.
+fn scene(boxes: &[([f64; 3], [f64; 3])], seed: u64) -> World {
+    let WorldDef { mut map, robots } = scene_loader::load("rough", &[]).expect("a built-in map");
+    let material = map.solids[0].material.clone();
+    map.solids.extend(boxes.iter().map(|&(centre, size)| Solid {
+        name: "box".to_owned(),
+        shape: Shape::Box { size },
+        pose: pose(centre, [0.0; 3]),
+        material: material.clone(),
+    }));
+    map.path_nodes = vec![NamedPose { name: "Far".to_owned(), position: [9.0, 9.0, 0.0], rotation: [0.0; 3] }];
+    World::new(WorldDef { map, robots }, Options { seed, ..Options::default() })
+}
+
+fn readings(messages: Vec<Message>) -> impl Iterator<Item = Reading> {
+    messages.into_iter().filter_map(|message| match message {
+        Message::Sen(sen) => Some(sen.reading),
+        _ => None,
+    })
+}
+
+fn last<T>(messages: Vec<Message>, pick: impl Fn(Reading) -> Option<T>) -> T {
+    readings(messages).filter_map(pick).last().expect("a reading")
+}
+
+fn scan(world: &mut World) -> Vec<f32> {
+    last(run(world, 0.5), |reading| match reading {
+        Reading::RangeScanner(scan) => Some(scan.ranges),
+        _ => None,
+    })
+}
+
+#[track_caller]
+fn assert_ranges(ranges: &[f32], expected: &[(usize, f32)]) {
+    for &(beam, range) in expected {
+        assert!((ranges[beam] - range).abs() < 0.02, "beam {beam}: {} instead of {range}", ranges[beam]);
+    }
+}
+
+fn p3at(world: &mut World) -> RobotId {
+    init(world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}")
+}
+
+/// The SICK of a P3AT is at x = 0.2085. Beam 90 looks ahead, 0 to the right.
+#[test]
+fn a_laser_sees_a_wall_ahead() {
+    let mut world = scene(&[([0.2085 + 2.5, 0.0, -0.5], [1.0, 100.0, 3.0])], 0);
+    p3at(&mut world);
+    let ranges = scan(&mut world);
+    assert_eq!(ranges.len(), 181);
+    assert_ranges(
+        &ranges,
+        &[(90, 2.0), (45, 2.83), (135, 2.83), (30, 4.0), (60, 2.31), (120, 2.31), (0, 20.0), (180, 20.0)],
+    );
+}
+
+#[test]
+fn a_laser_scans_from_right_to_left() {
+    let mut world = scene(&[([0.0, 1.5, -0.5], [100.0, 1.0, 3.0])], 0);
+    p3at(&mut world);
+    assert_ranges(&scan(&mut world), &[(0, 1.0), (90, 20.0), (180, 20.0)]);
+}
+
+#[test]
+fn a_laser_reads_its_maximum_in_the_open_and_less_than_its_minimum_up_close() {
+    let mut world = scene(&[], 0);
+    p3at(&mut world);
+    assert!(scan(&mut world).iter().all(|&range| range == 20.0));
+    // Above the robot's bumpers, 5 cm before the laser.
+    let mut world = scene(&[([0.2085 + 0.55, 0.0, -0.8], [1.0, 1.0, 1.0])], 0);
+    p3at(&mut world);
+    assert_ranges(&scan(&mut world), &[(90, 0.05)]);
+}
+
+#[test]
+fn a_laser_sees_other_robots_and_not_its_own() {
+    let mut world = scene(&[], 0);
+    let youbot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}");
+    init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 2,0,0}");
+    let of_youbot = |messages: Vec<Message>| {
+        last(messages, |reading| match reading {
+            Reading::RangeScanner(scan) if scan.name == "Hokuyo" => Some(scan.ranges),
+            _ => None,
+        })
+    };
+    let ranges = of_youbot(run(&mut world, 0.7));
+    assert_eq!(ranges.len(), 228);
+    // At the laser's height, 8 cm, is the P3AT's lower chassis, 0.46 m long and 0.012 m ahead of its middle.
+    assert_ranges(&ranges, &[(114, 2.0 + 0.012 - 0.23 - 0.3), (0, 4.0), (227, 4.0)]);
+    assert!(world.state(youbot).is_some());
+}
+
+fn front_sonar(boxes: &[([f64; 3], [f64; 3])]) -> f32 {
+    let mut world = scene(boxes, 0);
+    init(&mut world, "INIT {ClassName USARBot.P2DX} {Location 0,0,0} {Rotation 0,0,0.174533}");
+    last(run(&mut world, 0.5), |reading| match reading {
+        // F4 looks 10 degrees to the left: with the robot turned 10 degrees to the right, along x.
+        Reading::Sonar(sonar) if sonar.name == "F4" => Some(sonar.range),
+        _ => None,
+    })
+}
+
+#[test]
+fn a_sonar_reads_the_nearest_echo_within_its_cone() {
+    // F4 is at (0.170, -0.025) on the robot: in the world at x = 0.1718.
+    let x = 0.170 * 10f64.to_radians().cos() + 0.025 * 10f64.to_radians().sin();
+    let wall = |distance: f64| [([x + distance + 0.5, 0.0, -0.5], [1.0, 20.0, 3.0])];
+    assert!((front_sonar(&wall(2.0)) - 2.0).abs() < 0.01);
+    assert_eq!(front_sonar(&wall(0.05)), 0.1);
+    assert_eq!(front_sonar(&[]), 5.0);
+    // A post 5 degrees off the axis: its face is square to the axis, and 5 degrees are within the 10 it echoes at.
+    let post = [([x + 1.0 + 0.02, 0.0875, -0.5], [0.04, 0.04, 3.0])];
+    assert!((front_sonar(&post) - 1.0).abs() < 0.02, "{}", front_sonar(&post));
+}
+
+#[test]
+fn odometry_follows_the_wheels() {
+    let mut world = scene(&[], 0);
+    let robot = init(&mut world, "INIT {ClassName USARBot.P2DX} {Location 0,0,0}");
+    run(&mut world, 0.5);
+    apply(&mut world, robot, "DRIVE {Left 1} {Right 1}");
+    let pose = |messages| {
+        last(messages, |reading| match reading {
+            Reading::Odometry(odometry) => Some(odometry.pose),
+            _ => None,
+        })
+    };
+    let straight = pose(run(&mut world, 10.0));
+    assert!(
+        (straight[0] - 0.825).abs() < 0.003 && straight[1].abs() < 1e-3 && straight[2].abs() < 1e-3,
+        "{straight:?}"
+    );
+    apply(&mut world, robot, "SET {Type Odometry} {Opcode RESET}");
+    apply(&mut world, robot, "DRIVE {Left 1} {Right 0}");
+    let turned = pose(run(&mut world, 1.0));
+    assert!((turned[2] - 0.25).abs() < 0.01 && turned[1] > 0.0, "clockwise: {turned:?}");
+}
+
+#[test]
+fn odometry_of_the_youbot_follows_its_ground_truth_forward_and_turning() {
+    let mut world = scene(&[], 0);
+    let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}");
+    apply(&mut world, robot, "DRIVE {Left 2} {Right 2}");
+    let pose = last(run(&mut world, 5.0), |reading| match reading {
+        Reading::Odometry(odometry) => Some(odometry.pose),
+        _ => None,
+    });
+    let (body, _) = world.state(robot).expect("the robot");
+    assert!((f64::from(pose[0]) - body.pose.translation.x).abs() < 0.01, "{pose:?} {:?}", body.pose.translation);
+}
+
+#[test]
+fn encoders_and_tachometers_agree_with_the_wheels() {
+    let mut world = scene(&[], 0);
+    let robot = p3at(&mut world);
+    apply(&mut world, robot, "DRIVE {Left 1} {Right -1}");
+    let messages = run(&mut world, 2.0);
+    let (_, wheels) = world.state(robot).expect("the robot");
+    let ticks: Vec<(String, i32)> = readings(messages.clone())
+        .filter_map(|reading| match reading {
+            Reading::Encoder(encoder) => encoder.ticks.into_iter().next(),
+            _ => None,
+        })
+        .collect();
+    // W1 is the front left wheel, W2 the back right one; noise is half a percent of the angle.
+    for (name, wheel) in [("W1", 1), ("W2", 2)] {
+        let tick = ticks.iter().rev().find(|(label, _)| label == name).expect("a tick").1;
+        let expected = wheels[wheel].angle / 0.01745;
+        assert!((f64::from(tick) - expected).abs() < 2.0, "{name}: {tick} instead of {expected:.1}");
+    }
+    let (velocities, positions) = last(messages, |reading| match reading {
+        Reading::Tachometer(tachometer) => Some((tachometer.velocities, tachometer.positions)),
+        _ => None,
+    });
+    let signs: Vec<f32> = velocities.iter().map(|velocity| velocity.signum()).collect();
+    assert_eq!(signs, [-1.0, 1.0, -1.0, 1.0]);
+    // One interval late.
+    assert!((f64::from(positions[1]) - (wheels[1].angle - 0.2 * wheels[1].speed)).abs() < 0.05, "{positions:?}");
+}
+
+/// Standing still the estimate stands still; driving 5 m in 50 readings its error has a standard deviation of
+/// 0.05 x 0.1 x sqrt(50) = 0.035 m on each axis.
+#[test]
+fn inertial_navigation_drifts_with_the_distance() {
+    let ins = |messages| {
+        last(messages, |reading| match reading {
+            Reading::Ins(ins) => Some(ins.location),
+            _ => None,
+        })
+    };
+    let mut errors = Vec::new();
+    for seed in 0..12 {
+        let mut world = scene(&[], seed);
+        let robot = p3at(&mut world);
+        let (start, later) = (ins(run(&mut world, 1.0)), ins(run(&mut world, 1.0)));
+        assert!(start.iter().zip(later).all(|(a, b)| (a - b).abs() < 1e-5), "at rest: {start:?} {later:?}");
+        apply(&mut world, robot, "DRIVE {Left 5.1} {Right 5.1}");
+        let estimate = ins(run(&mut world, 10.0));
+        let (body, _) = world.state(robot).expect("the robot");
+        let mount = body.pose * nalgebra::Point3::new(0.0, 0.0, -0.2);
+        errors.extend((0..2).map(|axis| f64::from(estimate[axis]) - mount[axis]));
+    }
+    let spread = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+    assert!((0.015..0.07).contains(&spread), "standard deviation {spread:.4}: {errors:.3?}");
+}
