@@ -1,7 +1,7 @@
 //! Robots go where their wheels take them.
 
 use sim_core::{RobotId, World};
-use system_tests::{apply, init, run, world};
+use system_tests::{Server, apply, init, run, world};
 
 /// Position, yaw and wheel angles of a robot.
 fn place(world: &World, robot: RobotId) -> ([f64; 3], f64, Vec<f64>) {
@@ -47,6 +47,22 @@ fn the_youbot_drives_straight_strafes_and_turns_on_every_kind_of_floor() {
 }
 
 #[test]
+fn a_robot_at_rest_stays_where_it_is_and_its_wheels_too() {
+    for class in ["KUKA_YouBot", "P3AT", "P2DX"] {
+        let mut world = world("rough", 1);
+        let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start RobotStart1}}"));
+        run(&mut world, 2.0);
+        let (from, _, wheels_from) = place(&world, robot);
+        run(&mut world, 20.0);
+        let (to, _, wheels_to) = place(&world, robot);
+        let moved = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let turned = wheels_to.iter().zip(wheels_from).map(|(to, from)| (to - from).abs()).fold(0.0, f64::max);
+        println!("{class} at rest: moved {:.2} mm, wheels {turned:.4} rad in 20 s", 1e3 * moved);
+        assert!(moved < 0.003 && turned < 0.06, "{class} moved {moved:.4} m, its wheels {turned:.4} rad");
+    }
+}
+
+#[test]
 fn skid_robots_go_straight_by_wheel_speed_times_radius() {
     for (class, radius) in
         [("P3AT", 0.098), ("P2AT", 0.1075), ("P2DX", 0.0825), ("BasicSkidRobot", 0.128), ("CasterSkidRobot", 0.128)]
@@ -80,4 +96,51 @@ fn robots_with_four_wheels_turn_as_coulomb_friction_says() {
             assert_near(got[2], 2.0 * radius / (ly + lx * lx / ly), 0.15);
         }
     }
+}
+
+/// Displacement between two ground truths ten simulated seconds apart, after spin-up, over a real socket.
+fn drive_over_the_socket(class: &str, line: &str) -> [f64; 3] {
+    let server = Server::start("rough", &[], |config| config.real_time_factor = 3.0);
+    let mut peer = server.client();
+    peer.send(&format!("INIT {{ClassName USARBot.{class}}} {{Name R1}} {{Start PlayerStart_0}}"));
+    peer.lines_for(1.0);
+    peer.send(line);
+    peer.lines_for(1.0);
+    let (from, from_angles) = peer.ground_truth();
+    // The reading just before the window's end and the one after it are 0.1 s apart: 99 go by, the next counts.
+    for _ in 0..99 {
+        peer.next_of("GroundTruth");
+    }
+    let (to, to_angles) = peer.ground_truth();
+    let got = [to[0] - from[0], to[1] - from[1], to_angles[2] - from_angles[2]];
+    println!("socket {class} {line}: {got:.3?}");
+    got
+}
+
+/// The bars of the thesis's command: 1 rad/s for ten seconds.
+#[test]
+fn over_the_socket_the_youbot_goes_where_a_finite_roller_wheel_goes() {
+    let forward = drive_over_the_socket(
+        "KUKA_YouBot",
+        "DRIVE {Front-Left 1,00}{Front-Right 1,00}{Back-Left 1,00}{Back-Right 1,00}",
+    );
+    assert_near(forward[0], 0.5, 0.03);
+    assert!(forward[2].abs() < 5f64.to_radians(), "{forward:?}");
+    let right = drive_over_the_socket(
+        "KUKA_YouBot",
+        "DRIVE {Front-Left 1,00}{Front-Right -1,00}{Back-Left -1,00}{Back-Right 1,00}",
+    );
+    assert_near(right[1], 0.477, 0.08);
+    assert!(right[2].abs() < 5f64.to_radians(), "{right:?}");
+    let turn = drive_over_the_socket(
+        "KUKA_YouBot",
+        "DRIVE {Front-Left 1,00}{Front-Right -1,00}{Back-Left 1,00}{Back-Right -1,00}",
+    );
+    assert_near(turn[2], 1.26, 0.08);
+}
+
+#[test]
+fn over_the_socket_the_p3at_goes_by_wheel_speed_times_radius() {
+    let got = drive_over_the_socket("P3AT", "DRIVE {Left 3.000000} {Right 3.000000}");
+    assert_near(got[0], 10.0 * 3.0 * 0.098, 0.02);
 }

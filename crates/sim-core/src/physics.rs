@@ -51,6 +51,9 @@ impl Physics {
         parameters.friction_in_bias_pass = true;
         parameters.friction_model = FrictionModel::Coulomb;
         parameters.contact_recycling = false;
+        // Contacts that are about to happen, from here on. More than this, and the spheres of a roller beside the one
+        // that touches disturb it: a resting youBot's wheels jitter by 0.1 rad/s at 5 mm and not at all below 3 mm.
+        parameters.normalized_prediction_distance = 0.002;
         let ground = world.insert_body(RigidBodyBuilder::fixed());
         for solid in &map.solids {
             let collider = shape::collider(&solid.shape, &solid.pose, &solid.material);
