@@ -76,6 +76,16 @@ pub enum Problem {
         /// What happens instead.
         instead: &'static str,
     },
+    /// A name that is too long to keep.
+    #[error("{{{key} ..}} has {got} characters; the first {limit} are kept")]
+    NameTooLong {
+        /// The key of the block.
+        key: &'static str,
+        /// Its length.
+        got: usize,
+        /// The limit.
+        limit: usize,
+    },
     /// The world is full.
     #[error("INIT refused: the world holds {limit} robots already")]
     TooManyRobots {

@@ -19,6 +19,9 @@ use robot::Robot;
 /// Length of a step, s: 500 Hz, where free rollers are within 1 % of their exact kinematics.
 pub const TIME_STEP: f64 = 0.002;
 
+/// Most characters of a robot's name that are kept.
+const MAX_NAME_CHARS: usize = 256;
+
 /// Most robots in one world; further ones are refused.
 const MAX_ROBOTS: usize = 256;
 
@@ -88,7 +91,12 @@ impl World {
         let pose = self.physics.standing_pose(&def, &pose);
         let id = RobotId(self.next_id);
         self.next_id += 1;
-        let robot = Robot::spawn(&mut self.physics, def, init.name.clone(), &pose, id, self.steps, self.options);
+        let name: String = init.name.chars().take(MAX_NAME_CHARS).collect();
+        if name.len() < init.name.len() {
+            let got = init.name.chars().count();
+            problems.push(Problem::NameTooLong { key: "Name", got, limit: MAX_NAME_CHARS });
+        }
+        let robot = Robot::spawn(&mut self.physics, def, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
         Some(id)
     }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Vector3;
-use rapier3d::glamx::{Mat3, Quat};
+use nalgebra::{UnitQuaternion, Vector3};
+use rapier3d::glamx::Mat3;
 use rapier3d::prelude::*;
 
 use super::{BodyState, Physics, WheelState, convert, shape, with_material};
@@ -131,8 +131,6 @@ impl Physics {
         }
     }
 
-    /// Roller k sits at the angle `k 2 pi / count` from the front downward; its axis leans by the roller angle
-    /// from the wheel's axis toward the direction of turning (thesis Appendix A, lines 741 to 762).
     fn insert_rollers(
         &mut self,
         wheel: &Pose,
@@ -142,15 +140,8 @@ impl Physics {
         bodies: &mut RobotBodies,
     ) {
         let (mass, roller_shape) = (shape::roller_mass(rollers, wheel_radius), shape::roller(rollers, wheel_radius));
-        let (sin_angle, cos_angle) = rollers.angle.abs().sin_cos();
         for index in 0..rollers.count {
-            let (sin, cos) = (TAU * f64::from(index) / f64::from(rollers.count)).sin_cos();
-            let centre = Vector3::new(cos, 0.0, sin) * rollers.axis_circle;
-            let tangent = Vector3::new(-sin, 0.0, cos);
-            let axis = tangent * sin_angle - Vector3::y() * cos_angle * rollers.angle.signum();
-            let turn = Quat::from_rotation_arc(Vector::X, convert::vector(axis).normalize());
-            let turn = convert::from_pose(&rapier3d::glamx::Pose3::from_rotation(turn)).rotation;
-            let local = Pose::from_parts(centre.into(), turn);
+            let local = roller_pose(rollers, index);
             let body = self.insert_body(&(wheel * local), mass);
             bodies.all.push(body);
             let collider = with_material(ColliderBuilder::new(roller_shape.clone()), &rollers.material);
@@ -194,6 +185,19 @@ impl Physics {
     }
 }
 
+/// Pose of a roller in the frame of its wheel, its axis along x. Roller k sits at the angle `k 2 pi / count` from the
+/// front downward; its axis leans by the roller angle from the wheel's axis toward the direction of turning (thesis
+/// Appendix A, lines 741 to 762).
+fn roller_pose(rollers: &Rollers, index: u32) -> Pose {
+    let (sin_angle, cos_angle) = rollers.angle.abs().sin_cos();
+    let (sin, cos) = (TAU * f64::from(index) / f64::from(rollers.count)).sin_cos();
+    let centre = Vector3::new(cos, 0.0, sin) * rollers.axis_circle;
+    let tangent = Vector3::new(-sin, 0.0, cos);
+    let axis = tangent * sin_angle - Vector3::y() * cos_angle * rollers.angle.signum();
+    let turn = UnitQuaternion::rotation_between(&Vector3::x(), &axis);
+    Pose::from_parts(centre.into(), turn.unwrap_or_default())
+}
+
 fn part_mass(part: &Part) -> MassProperties {
     let columns: [f32; 9] = std::array::from_fn(|index| part.inertia.as_slice()[index] as f32);
     MassProperties::with_inertia_matrix(
@@ -210,4 +214,45 @@ fn wheel_mass(wheel: &Wheel) -> MassProperties {
     let tilt = wheel.mass * (3.0 * radius * radius + wheel.width * wheel.width) / 12.0;
     let inertia = if wheel.drive.is_some() { [tilt, spin, tilt] } else { [0.4 * wheel.mass * radius * radius; 3] };
     MassProperties::new(Vector::ZERO, wheel.mass as Real, convert::vector(inertia))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Material;
+
+    /// Places and axes of the six rollers of either handedness, worked out from the thesis's Appendix A by the rules
+    /// of Unreal's rotators. Its ring has a radius of 0.0475 m.
+    #[test]
+    fn rollers_sit_and_point_as_in_the_thesis() {
+        let material = Material {
+            name: String::new(),
+            friction: 0.0,
+            restitution: 0.0,
+            rolling_resistance: 0.0,
+            linear_damping: 0.0,
+            angular_damping: 0.0,
+            source: String::new(),
+        };
+        let table = [
+            ([0.0475, 0.0], [0.0, -0.7071, 0.7071]),
+            ([0.02375, 0.04114], [-0.6124, -0.7071, 0.3536]),
+            ([-0.02375, 0.04114], [-0.6124, -0.7071, -0.3536]),
+            ([-0.0475, 0.0], [0.0, -0.7071, -0.7071]),
+            ([-0.02375, -0.04114], [0.6124, -0.7071, -0.3536]),
+            ([0.02375, -0.04114], [0.6124, -0.7071, 0.3536]),
+        ];
+        for sign in [1.0, -1.0] {
+            let angle = sign * std::f64::consts::FRAC_PI_4;
+            let material = material.clone();
+            let rollers =
+                Rollers { count: 6, axis_circle: 0.0475, angle, mass: 0.1, damping: 0.0, spheres: 9, material };
+            for (index, ([x, z], axis)) in (0..).zip(table) {
+                let pose = roller_pose(&rollers, index);
+                let place = pose.translation.vector - Vector3::new(x, 0.0, z);
+                let direction = pose.rotation * Vector3::x() - Vector3::new(axis[0], sign * axis[1], axis[2]);
+                assert!(place.norm() < 1e-4 && direction.norm() < 1e-3, "roller {index}, {sign}: {pose}");
+            }
+        }
+    }
 }

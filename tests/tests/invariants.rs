@@ -1,0 +1,97 @@
+//! What is absent, by ARCHITECTURE.md, is absent.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Every file below a folder with one of the extensions.
+fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            found.extend(files(&path, extensions));
+        } else if path.extension().is_some_and(|extension| extensions.iter().any(|known| extension == *known)) {
+            found.push(path);
+        }
+    }
+    found
+}
+
+fn text(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+const PURE: [&str; 3] = ["gamebots-proto", "kinematics", "sim-core"];
+
+/// The dependencies as a list: negating an inverted tree would take a dev-dependency for a dependency.
+#[test]
+fn the_core_depends_on_no_runtime_and_no_file_format() {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    for package in PURE {
+        let output = Command::new(&cargo)
+            .args(["tree", "--offline", "--package", package, "--edges", "normal", "--prefix", "none"])
+            .current_dir(repository())
+            .output()
+            .expect("cargo tree runs");
+        let tree = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success() && tree.starts_with(package), "{}", String::from_utf8_lossy(&output.stderr));
+        for absent in ["tokio", "mio", "tracing-subscriber", "toml", "mcap", "scene-loader", "recorder"] {
+            assert!(!tree.lines().any(|line| line.starts_with(&format!("{absent} "))), "{package} depends on {absent}");
+        }
+    }
+}
+
+#[test]
+fn the_core_names_no_clock_file_socket_environment_or_thread() {
+    let absent = ["std::time", "std::fs", "std::net", "std::env", "std::thread", "std::process", "HashMap", "HashSet"];
+    for package in PURE {
+        for path in files(&repository().join("crates").join(package).join("src"), &["rs"]) {
+            let source = text(&path);
+            for word in absent {
+                assert!(!source.contains(word), "{} names {word}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_physics_engine_is_named_in_the_physics_module_alone() {
+    for path in files(&repository().join("crates"), &["rs"]) {
+        let shown = path.display().to_string();
+        if shown.contains("sim-core/src/physics") {
+            continue;
+        }
+        let code =
+            text(&path).lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+        assert!(!code.contains("rapier") && !code.contains("parry"), "{shown} names the physics engine");
+    }
+}
+
+#[test]
+fn paths_in_the_documents_exist() {
+    let root = repository();
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let content = text(&root.join(document));
+        for word in content.split('`').skip(1).step_by(2) {
+            let is_path =
+                ["crates/", "assets/", "maps/", "tests/", "docs/", ".ci/"].iter().any(|top| word.starts_with(top));
+            if is_path && !word.contains(['<', '*', ' ']) {
+                assert!(root.join(word).exists(), "{document} names {word}, which does not exist");
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_is_left_undone_in_the_code() {
+    for path in files(&repository().join("crates"), &["rs"]) {
+        let source = text(&path);
+        for word in ["todo!(", "unimplemented!(", "#[ignore", "dbg!("] {
+            assert!(!source.contains(word), "{} has {word}", path.display());
+        }
+    }
+}
