@@ -12,13 +12,13 @@ const MAX_TRIANGLES: usize = 2_000_000;
 
 /// Reads a mesh and scales it. Files are z up, as is usual; the result is in the frame of the solid, z down.
 pub(crate) fn read(source: &Source, name: &str, scale: f64) -> Result<Shape, String> {
+    let parse = match name.rsplit('.').next().map(str::to_ascii_lowercase).as_deref() {
+        Some("stl") => stl,
+        Some("obj") => obj,
+        _ => return Err(format!("mesh `{name}`: expected a file that ends in .stl or .obj")),
+    };
     let bytes = source.bytes(name).map_err(|error: LoadError| error.to_string())?;
-    let (vertices, triangles) = match name.rsplit('.').next().map(str::to_ascii_lowercase).as_deref() {
-        Some("stl") => stl(&bytes),
-        Some("obj") => obj(&bytes),
-        _ => Err("expected a file that ends in .stl or .obj".to_owned()),
-    }
-    .map_err(|reason| format!("mesh `{name}`: {reason}"))?;
+    let (vertices, triangles) = parse(&bytes).map_err(|reason| format!("mesh `{name}`: {reason}"))?;
     if triangles.is_empty() || triangles.len() > MAX_TRIANGLES {
         return Err(format!("mesh `{name}` has {} triangles: expected 1 to {MAX_TRIANGLES}", triangles.len()));
     }
