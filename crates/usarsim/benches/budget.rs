@@ -42,15 +42,18 @@ fn drive(what: &str, class: &str, count: usize, wanted: &str) {
         .collect();
     let (start, busy) = (Instant::now(), server.processor_seconds());
     let readers: Vec<_> = clients.drain(..).map(|client| std::thread::spawn(move || read(client, SECONDS))).collect();
-    let lines: Vec<Vec<String>> = readers.into_iter().filter_map(|reader| reader.join().ok()).collect();
+    let lines: Vec<Vec<(Instant, String)>> = readers.into_iter().filter_map(|reader| reader.join().ok()).collect();
     let wall = start.elapsed().as_secs_f64();
     let share = (server.processor_seconds() - busy) / wall;
-    let times: Vec<f64> = lines[0].iter().filter_map(|line| time_of(line)).collect();
-    let simulated = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
-    let scans: usize = lines.iter().flatten().filter(|line| line.contains("{Type RangeScanner}")).count();
+    let timed: Vec<(Instant, f64)> = lines[0].iter().filter_map(|(at, line)| Some((*at, time_of(line)?))).collect();
+    let factor = timed
+        .last()
+        .zip(timed.first())
+        .map_or(0.0, |(last, first)| (last.1 - first.1) / last.0.duration_since(first.0).as_secs_f64());
+    let scans: usize = lines.iter().flatten().filter(|(_, line)| line.contains("{Type RangeScanner}")).count();
     println!(
         "| {what} | real-time factor {:.3}, {:.0} % of a core, {scans} scans, {:.0} MB | {wanted}, under 300 MB |",
-        simulated / SECONDS,
+        factor,
         100.0 * share,
         server.peak_megabytes(),
     );
@@ -63,8 +66,11 @@ fn listen(count: usize) {
     let mut client = server.connect();
     send(&mut client, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}");
     let lines = read(client, SECONDS);
-    let truths: Vec<f64> =
-        lines.iter().filter(|line| line.contains("{Type GroundTruth}")).filter_map(|line| time_of(line)).collect();
+    let truths: Vec<f64> = lines
+        .iter()
+        .filter(|(_, line)| line.contains("{Type GroundTruth}"))
+        .filter_map(|(_, line)| time_of(line))
+        .collect();
     let gaps = truths.windows(2).filter(|pair| (pair[1] - pair[0] - 0.1).abs() > 1e-3).count();
     println!(
         "| {} listening clients beside a youBot | {} ground truths in {SECONDS} s, {gaps} gaps, {:.0} MB | no line lost, under 300 MB |",
@@ -74,10 +80,11 @@ fn listen(count: usize) {
     );
 }
 
-fn read(mut client: Client, seconds: f64) -> Vec<String> {
+/// Every line that comes, with the moment it came.
+fn read(mut client: Client, seconds: f64) -> Vec<(Instant, String)> {
     let end = Instant::now() + Duration::from_secs_f64(seconds);
     let next = || client.next_line(end.saturating_duration_since(Instant::now())).ok().flatten();
-    std::iter::from_fn(next).collect()
+    std::iter::from_fn(next).map(|line| (Instant::now(), line)).collect()
 }
 
 fn send(client: &mut Client, line: &str) {
