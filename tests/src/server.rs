@@ -156,7 +156,7 @@ impl Peer {
         assert!(reply.starts_with("NFO {StartPoses "), "expected no answer, got: {reply}");
     }
 
-    /// The first line that fits, within [`PATIENCE`].
+    /// The first line that fits, within half a minute.
     ///
     /// # Panics
     /// If none comes.
@@ -187,10 +187,10 @@ impl Peer {
         let mut start = None;
         loop {
             let line = self.line();
-            if let Some(time) = time_of(&line) {
-                if time >= *start.get_or_insert(time) + seconds {
-                    return lines;
-                }
+            if let Some(time) = time_of(&line)
+                && time >= *start.get_or_insert(time) + seconds
+            {
+                return lines;
             }
             lines.push(line);
         }
