@@ -123,14 +123,14 @@ fn iridium_drives_the_p3at_and_stops_it() {
 
 #[test]
 fn iridium_drives_the_youbot_by_the_thesis_command_and_stops_it() {
-    let Some(exchanges) = assert_moves("iridium-youbot-raw", 0.14) else { return };
+    let Some(exchanges) = assert_moves("iridium-youbot-raw", 0.1) else { return };
     assert_stops(&exchanges[0]);
     assert!(exchanges[0].has("CONF {Name KUKA_YouBot} {Type GroundVehicle} {SteeringType OmniDrive}"));
 }
 
 #[test]
 fn iridium_drives_the_youbot_from_its_aerial_panel_and_stops_it() {
-    let Some(exchanges) = assert_moves("iridium-youbot-aerial", 0.15) else { return };
+    let Some(exchanges) = assert_moves("iridium-youbot-aerial", 0.1) else { return };
     assert_stops(&exchanges[0]);
     let positions = exchanges[0].positions();
     let (first, last) = (positions[0], positions[positions.len() - 1]);

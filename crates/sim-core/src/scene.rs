@@ -23,7 +23,7 @@ pub fn position_and_rotation(pose: &Pose) -> ([f64; 3], [f64; 3]) {
 }
 
 /// A physical material.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Material {
     /// Its name in `materials.toml`.
     pub name: String,
@@ -333,15 +333,7 @@ mod tests {
     use super::*;
 
     fn material(friction: f64, restitution: f64) -> Material {
-        Material {
-            name: String::new(),
-            friction,
-            restitution,
-            rolling_resistance: 0.0,
-            linear_damping: 0.0,
-            angular_damping: 0.0,
-            source: String::new(),
-        }
+        Material { friction, restitution, ..Material::default() }
     }
 
     #[test]

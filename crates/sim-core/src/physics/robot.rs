@@ -225,15 +225,7 @@ mod tests {
     /// of Unreal's rotators. Its ring has a radius of 0.0475 m.
     #[test]
     fn rollers_sit_and_point_as_in_the_thesis() {
-        let material = Material {
-            name: String::new(),
-            friction: 0.0,
-            restitution: 0.0,
-            rolling_resistance: 0.0,
-            linear_damping: 0.0,
-            angular_damping: 0.0,
-            source: String::new(),
-        };
+        let material = Material::default();
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let table = [
             ([0.0475, 0.0], [0.0, -half, half]),

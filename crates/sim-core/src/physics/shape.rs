@@ -133,15 +133,7 @@ mod tests {
     /// R = 50, a = 36 mm, six rollers at 45 degrees: computed independently (fidelity.md 3.2, 3.3).
     #[test]
     fn the_profile_has_the_known_numbers() {
-        let material = Material {
-            name: String::new(),
-            friction: 0.0,
-            restitution: 0.0,
-            rolling_resistance: 0.0,
-            linear_damping: 0.0,
-            angular_damping: 0.0,
-            source: String::new(),
-        };
+        let material = Material::default();
         let rollers =
             Rollers { count: 6, axis_circle: 0.036, angle: PI / 4.0, mass: 1.0, damping: 0.0, spheres: 9, material };
         let profile = Profile::new(&rollers, 0.05);
