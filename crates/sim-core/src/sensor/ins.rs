@@ -4,10 +4,11 @@
 //! every coordinate, so a sideways axis drifts as much as the one travelled along. It starts integrating after
 //! the first reading at which the robot did not turn.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{Ins, ItemConf, Reading};
+use gamebots_proto::number::{radians, rotation_units};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -16,9 +17,6 @@ use serde::Deserialize;
 
 use super::{Effect, Mount, Sensor, View, floats};
 use crate::scene::{Pose, position_and_rotation};
-
-/// A change of angle below USARSim's resolution counts as none, rad: 65536 a turn.
-const ANGLE_RESOLUTION: f64 = TAU / 65536.0;
 
 /// Numbers of an inertial navigation.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -90,9 +88,10 @@ impl Mounted {
     fn integrate(&mut self, pose: &Pose) {
         let ((now, angles), (before, last_angles)) = (position_and_rotation(pose), position_and_rotation(&self.last));
         let turned: [f64; 3] = std::array::from_fn(|axis| {
-            let change = angles[axis] - last_angles[axis];
-            let change = change - TAU * (change / TAU).round();
-            if change.abs() < ANGLE_RESOLUTION { 0.0 } else { change.clamp(-PI, PI) }
+            // In whole rotation units, as the engine's angles are: a resting robot does not turn at all.
+            let change = rotation_units(angles[axis]) - rotation_units(last_angles[axis]);
+            let change = f64::from(radians(change));
+            change - TAU * (change / TAU).round()
         });
         if self.integrating {
             for (axis, change) in turned.iter().enumerate() {

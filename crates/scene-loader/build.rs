@@ -1,0 +1,6 @@
+//! What is built into the program is built in anew when it changes.
+
+fn main() {
+    println!("cargo::rerun-if-changed=../../assets");
+    println!("cargo::rerun-if-changed=../../maps");
+}
