@@ -3,9 +3,11 @@
 //! Frame: x forward, y right, z down, so a positive yaw rate is clockwise seen from above. SI units, radians.
 //! A wheel speed is positive when the wheel rolls the base forward.
 
+mod finite;
 mod mecanum;
 mod skid;
 
+pub use finite::FiniteRollers;
 pub use mecanum::Mecanum;
 pub use skid::Skid;
 

@@ -76,7 +76,6 @@ struct RollersEntry {
     axis_circle: f64,
     mass: f64,
     damping: f64,
-    spheres: u32,
     material: String,
 }
 
@@ -298,9 +297,6 @@ fn read_rollers(
         document.problem(place, format_args!("`count` is {}: expected 3 to 32 rollers", entry.count));
         return None;
     }
-    if !(2..=31).contains(&entry.spheres) {
-        document.problem(place, format_args!("`spheres` is {}: expected 2 to 31", entry.spheres));
-    }
     if !(0.1..=1.5).contains(&angle.abs()) {
         document.problem(wheel, format_args!("`roller_angle` is {angle}: expected 0.1 to 1.5 rad, either sign"));
         return None;
@@ -320,8 +316,8 @@ fn read_rollers(
         return None;
     }
     let material = document.material(place, &entry.material, materials)?;
-    let RollersEntry { count, axis_circle, mass, damping, spheres, .. } = *entry;
-    Some(Rollers { count, axis_circle, angle, mass, damping, spheres, material })
+    let RollersEntry { count, axis_circle, mass, damping, .. } = *entry;
+    Some(Rollers { count, axis_circle, angle, mass, damping, material })
 }
 
 /// An omni base has four wheels with rollers in a fixed order, as its kinematics and its encoders count them.

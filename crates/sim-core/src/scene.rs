@@ -289,8 +289,6 @@ pub struct Rollers {
     pub mass: f64,
     /// Viscous friction of its bearing, N m s/rad.
     pub damping: f64,
-    /// How many spheres approximate its profile.
-    pub spheres: u32,
     /// What it is made of.
     pub material: Material,
 }

@@ -6,6 +6,7 @@ use rapier3d::glamx::{Pose3, Quat};
 use rapier3d::parry::shape::{HalfSpace, TriMeshFlags};
 use rapier3d::prelude::*;
 
+use super::roller::RollerShape;
 use super::{convert, with_material};
 use crate::scene::{self, Material, Rollers};
 
@@ -53,18 +54,9 @@ pub(super) fn tread(radius: f64, width: f64) -> SharedShape {
     SharedShape::compound(vec![cylinder(radius, CROWN_WIDTH.min(width)), cylinder(radius - CROWN_HEIGHT, width)])
 }
 
-/// A roller along the x axis as a chain of spheres inscribed in the exact profile: the sphere at `s` on the
-/// axis has the radius `R - sqrt(a² + s² sin² g)` (R wheel radius, a axis circle, g roller angle), and the
-/// ends lie where the next roller takes over, at the phase pi / count. Nine spheres leave a ripple of 0.09 mm.
+/// A roller along the x axis.
 pub(super) fn roller(rollers: &Rollers, wheel_radius: f64) -> SharedShape {
-    let profile = Profile::new(rollers, wheel_radius);
-    let last = f64::from(rollers.spheres.max(2) - 1);
-    let spheres = (0..rollers.spheres.max(2)).map(|index| {
-        let along = profile.half_length * (2.0 * f64::from(index) / last - 1.0);
-        let ball = SharedShape::ball(profile.inscribed(along) as Real);
-        (Pose3::from_translation(Vector::X * along as Real), ball)
-    });
-    SharedShape::compound(spheres.collect())
+    SharedShape::new(RollerShape::new(rollers, wheel_radius))
 }
 
 /// Mass of a roller along the x axis, as a solid of the exact profile.
@@ -82,21 +74,13 @@ struct Profile {
     cos: f64,
     /// Largest phase, rad: half the angle between two rollers.
     last_phase: f64,
-    /// Half the length of the axis that spheres are strung on, m.
-    half_length: f64,
 }
 
 impl Profile {
     fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
         let (sin, cos) = rollers.angle.abs().sin_cos();
         let last_phase = PI / f64::from(rollers.count);
-        let half_length = rollers.axis_circle * last_phase.tan() / sin;
-        Self { wheel_radius, axis_circle: rollers.axis_circle, sin, cos, last_phase, half_length }
-    }
-
-    /// Radius of the sphere inscribed at a place on the axis.
-    fn inscribed(&self, along: f64) -> f64 {
-        self.wheel_radius - (self.axis_circle.powi(2) + (along * self.sin).powi(2)).sqrt()
+        Self { wheel_radius, axis_circle: rollers.axis_circle, sin, cos, last_phase }
     }
 
     /// Place on the axis and radius of the outline at a phase of the contact.
@@ -134,17 +118,11 @@ mod tests {
     #[test]
     fn the_profile_has_the_known_numbers() {
         let material = Material::default();
-        let rollers =
-            Rollers { count: 6, axis_circle: 0.036, angle: PI / 4.0, mass: 1.0, damping: 0.0, spheres: 9, material };
+        let rollers = Rollers { count: 6, axis_circle: 0.036, angle: PI / 4.0, mass: 1.0, damping: 0.0, material };
         let profile = Profile::new(&rollers, 0.05);
         let (end, end_radius) = profile.at(profile.last_phase);
         assert!((2.0 * end - 0.06475).abs() < 1e-5, "length {end}");
         assert!((end_radius - 0.00789).abs() < 1e-5, "end radius {end_radius}");
-        for (along, radius) in
-            [(0.0, 0.014), (0.00735, 0.01363), (0.0147, 0.01253), (0.02205, 0.01077), (0.02939, 0.00843)]
-        {
-            assert!((profile.inscribed(along) - radius).abs() < 1e-5, "sphere at {along}");
-        }
         let (axial, transverse) = profile.inertia_per_mass();
         assert!((axial - 79.1e-6).abs() < 0.2e-6, "axial {axial}");
         assert!((transverse - 300.4e-6).abs() < 0.5e-6, "transverse {transverse}");

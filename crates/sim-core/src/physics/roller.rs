@@ -1,0 +1,242 @@
+//! The exact roller of a Mecanum wheel, as a shape of the engine.
+//!
+//! A roller is the envelope of spheres strung on its axis: the sphere at `s` has the radius
+//! `lambda(s) = R - sqrt(a² + s² sin² g)` with the wheel radius R, the circle of the roller axes a and the roller
+//! angle g, so that a wheel of such rollers rolls like a cylinder (Gfrerrer, "Geometry and kinematics of the Mecanum
+//! wheel"). `lambda` is concave, so the envelope is convex and every question about it is a search along the axis
+//! for the minimum of a convex function: closed for planes, bisection for all else. The axis is x.
+
+use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
+use rapier3d::parry::mass_properties::MassProperties;
+use rapier3d::parry::math::{Pose, Real, Vector};
+use rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
+use rapier3d::parry::shape::{FeatureId, Shape, ShapeType, SupportMap, TypedShape};
+
+use crate::scene::Rollers;
+
+/// Halvings of the axis in a search: 60 mm become 4 nm, below the resolution of an f32 coordinate.
+const HALVINGS: u32 = 24;
+/// A ray ends where it is this close to the surface, m.
+const RAY_TOLERANCE: Real = 1e-5;
+/// Most steps of a ray; each goes as far as the surface is away, so few are needed.
+const MAX_RAY_STEPS: u32 = 128;
+
+/// The shape of a roller, its axis along x, its middle at the origin.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RollerShape {
+    wheel_radius: Real,
+    axis_circle: Real,
+    sin_angle: Real,
+    /// The spheres sit at -half_axis to half_axis.
+    half_axis: Real,
+}
+
+impl RollerShape {
+    /// A roller that hands over to the next one without a gap.
+    pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
+        let sin = rollers.angle.abs().sin();
+        let last_phase = std::f64::consts::PI / f64::from(rollers.count);
+        Self {
+            wheel_radius: wheel_radius as Real,
+            axis_circle: rollers.axis_circle as Real,
+            sin_angle: sin as Real,
+            half_axis: (rollers.axis_circle * last_phase.tan() / sin) as Real,
+        }
+    }
+
+    /// Radius of the sphere at a place on the axis.
+    pub(super) fn radius_at(&self, along: Real) -> Real {
+        self.wheel_radius - self.axis_circle.hypot(along * self.sin_angle)
+    }
+
+    /// How fast the radius falls along the axis: `-d lambda / d s`.
+    pub(super) fn taper_at(&self, along: Real) -> Real {
+        along * self.sin_angle * self.sin_angle / self.axis_circle.hypot(along * self.sin_angle)
+    }
+
+    /// The place on the axis whose sphere reaches farthest in a direction that has this cosine with the axis.
+    pub(super) fn farthest_along(&self, cosine: Real) -> Real {
+        let rest = self.sin_angle * self.sin_angle - cosine * cosine;
+        if rest <= 1e-9 {
+            return self.half_axis.copysign(cosine);
+        }
+        let along = self.axis_circle * cosine / (self.sin_angle * rest.sqrt());
+        along.clamp(-self.half_axis, self.half_axis)
+    }
+
+    /// The place on the axis where a function that grows along it passes zero, or the end next to it.
+    pub(super) fn search(&self, mut grows: impl FnMut(Real) -> Real) -> Real {
+        let (mut low, mut high) = (-self.half_axis, self.half_axis);
+        for _ in 0..HALVINGS {
+            let middle = (low + high) / 2.0;
+            if grows(middle) > 0.0 {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        (low + high) / 2.0
+    }
+
+    /// Distance of a point from the surface, negative inside, and the outward direction there.
+    fn signed_distance(&self, point: Vector) -> (Real, Vector) {
+        let radial = point.y.hypot(point.z);
+        let toward = |along: Real| (along - point.x) / radial.hypot(point.x - along).max(1e-9);
+        let along = self.search(|along| toward(along) + self.taper_at(along));
+        let offset = point - Vector::X * along;
+        let direction = offset.try_normalize().unwrap_or(Vector::Z);
+        (offset.length() - self.radius_at(along), direction)
+    }
+
+    fn half_extents(&self, axis: Vector) -> Vector {
+        // By symmetry the box is centred; each half extent is the support in a direction of the box.
+        let reach = |cosine: Real| {
+            let along = self.farthest_along(cosine);
+            along * cosine + self.radius_at(along)
+        };
+        Vector::new(reach(axis.x), reach(axis.y), reach(axis.z))
+    }
+}
+
+impl SupportMap for RollerShape {
+    fn local_support_point(&self, direction: Vector) -> Vector {
+        let direction = direction.try_normalize().unwrap_or(Vector::Z);
+        let along = self.farthest_along(direction.x);
+        Vector::X * along + direction * self.radius_at(along)
+    }
+}
+
+impl PointQuery for RollerShape {
+    fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
+        let (distance, direction) = self.signed_distance(point);
+        let inside = distance <= 0.0;
+        let projection = if inside && solid { point } else { point - direction * distance };
+        PointProjection::new(inside, projection)
+    }
+
+    fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
+        (self.project_local_point(point, false), FeatureId::Face(0))
+    }
+}
+
+impl RayCast for RollerShape {
+    /// Goes along the ray by the distance from the surface until it is there.
+    fn cast_local_ray_and_get_normal(&self, ray: &Ray, max_toi: Real, solid: bool) -> Option<RayIntersection> {
+        let speed = ray.dir.length();
+        let starts_inside = self.signed_distance(ray.origin).0 < 0.0;
+        if starts_inside && solid {
+            return Some(RayIntersection::new(0.0, Vector::ZERO, FeatureId::Face(0)));
+        }
+        let mut toi = 0.0;
+        for _ in 0..MAX_RAY_STEPS {
+            let (distance, direction) = self.signed_distance(ray.point_at(toi));
+            let left = if starts_inside { -distance } else { distance };
+            if left < RAY_TOLERANCE {
+                return Some(RayIntersection::new(toi, direction, FeatureId::Face(0)));
+            }
+            toi += left / speed;
+            if toi.is_nan() || toi > max_toi {
+                return None;
+            }
+        }
+        None
+    }
+}
+
+impl Shape for RollerShape {
+    fn compute_local_aabb(&self) -> Aabb {
+        Aabb::from_half_extents(Vector::ZERO, self.half_extents(Vector::X))
+    }
+
+    fn compute_aabb(&self, position: &Pose) -> Aabb {
+        Aabb::from_half_extents(position.translation, self.half_extents(position.rotation * Vector::X))
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        BoundingSphere::new(Vector::ZERO, self.half_extents(Vector::X).x)
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(*self)
+    }
+
+    fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
+        None
+    }
+
+    /// Rollers get their mass from `shape::roller_mass`.
+    fn mass_properties(&self, _density: Real) -> MassProperties {
+        MassProperties::default()
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        TypedShape::Custom(self)
+    }
+
+    fn ccd_thickness(&self) -> Real {
+        self.radius_at(self.half_axis)
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        std::f32::consts::PI
+    }
+
+    fn is_convex(&self) -> bool {
+        true
+    }
+
+    fn as_support_map(&self) -> Option<&dyn SupportMap> {
+        Some(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Material;
+
+    fn youbot() -> RollerShape {
+        let angle = std::f64::consts::FRAC_PI_4;
+        let material = Material::default();
+        let rollers = Rollers { count: 6, axis_circle: 0.036, angle, mass: 0.1, damping: 0.0, material };
+        RollerShape::new(&rollers, 0.05)
+    }
+
+    /// A wheel of six rollers stands as high at every angle: the outline is a circle of the wheel's radius.
+    #[test]
+    fn a_ring_of_rollers_is_round() {
+        let roller = youbot();
+        for degrees in -30..=30 {
+            let (sin, cos) = (degrees as Real).to_radians().sin_cos();
+            // The roller turned by this phase from the bottom (z down); its axis leans 45 degrees toward the axle (y).
+            let centre = Vector::new(sin, 0.0, cos) * 0.036;
+            let axis = (Vector::new(cos, 0.0, -sin) + Vector::Y) * std::f32::consts::FRAC_1_SQRT_2;
+            let along = roller.farthest_along(axis.z);
+            let lowest = centre.z + along * axis.z + roller.radius_at(along);
+            assert!((lowest - 0.05).abs() < 1e-6, "{degrees} degrees: {lowest}");
+        }
+    }
+
+    #[test]
+    fn points_rays_and_supports_agree() {
+        let roller = youbot();
+        for direction in [Vector::X, Vector::Y, Vector::new(0.3, 0.5, -0.8), Vector::new(-0.7, 0.1, 0.2)] {
+            let direction = direction.normalize();
+            let support = roller.local_support_point(direction);
+            let outside = support + direction * 0.1;
+            let projection = roller.project_local_point(outside, true);
+            assert!(
+                !projection.is_inside && (projection.point - support).length() < 1e-4,
+                "{direction}: {projection:?}"
+            );
+            let hit = roller.cast_local_ray(&Ray::new(outside, -direction), 1.0, true).expect("a hit");
+            assert!((hit - 0.1).abs() < 1e-4, "{direction}: {hit}");
+        }
+        assert!(roller.project_local_point(Vector::ZERO, true).is_inside);
+        assert!(roller.cast_local_ray(&Ray::new(Vector::Y, Vector::X), 10.0, true).is_none());
+    }
+}
