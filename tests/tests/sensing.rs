@@ -160,6 +160,30 @@ fn odometry_of_the_youbot_follows_its_ground_truth_forward_and_turning() {
     assert!((f64::from(pose[0]) - body.pose.translation.x).abs() < 0.01, "{pose:?} {:?}", body.pose.translation);
 }
 
+/// To the side six rollers lose 4.5 %: the textbook does not know it, the finite rollers do.
+#[test]
+fn odometry_can_count_the_rollers() {
+    for (finite, expected) in [(false, 1.0 / 0.955), (true, 1.0)] {
+        let WorldDef { map, mut robots } = scene_loader::load("rough", &[]).expect("a built-in map");
+        for sensor in &mut robots.get_mut("KUKA_YouBot").expect("the youBot").sensors {
+            if let sim_core::sensor::Config::Odometry(config) = &mut sensor.config {
+                config.finite_rollers = finite;
+            }
+        }
+        let mut world = World::new(WorldDef { map, robots }, Options::default());
+        let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}");
+        apply(&mut world, robot, "DRIVE {LateralVelocity 0.1}");
+        let pose = last(run(&mut world, 10.0), |reading| match reading {
+            Reading::Odometry(odometry) => Some(odometry.pose),
+            _ => None,
+        });
+        let truth = world.state(robot).expect("the robot").0.pose.translation.y;
+        let ratio = f64::from(pose[1]) / truth;
+        println!("odometry over truth, finite rollers {finite}: {ratio:.4}");
+        assert!((ratio / expected - 1.0).abs() < 0.006, "finite {finite}: {ratio}");
+    }
+}
+
 #[test]
 fn encoders_and_tachometers_agree_with_the_wheels() {
     let mut world = scene(&[], 0);

@@ -2,10 +2,19 @@
 //!
 //! Frame: x forward, y right, z down, so a positive yaw rate is clockwise seen from above. SI units, radians.
 //! A wheel speed is positive when the wheel rolls the base forward.
+//!
+//! A Mecanum base has three models here. With R the wheel radius, L = lx + ly, N rollers a wheel and phases phi:
+//!
+//! | all wheels at omega | [`Mecanum`], the textbook | [`FiniteRollers`], exact | [`thesis::printed`] |
+//! |---|---|---|---|
+//! | forward | R omega | R omega | R omega |
+//! | to the right | R omega | cos(phi) R omega, mean sin(pi/N)/(pi/N): 0.955 for N = 6 | R omega, then scaled by sqrt(2)/2 without a reason |
+//! | turning | R omega / L | R omega / (ly + y(phi) + lx / cos(phi)), mean 0.972 for the youBot | R omega / (lx - ly): 4.5 times as fast |
 
 mod finite;
 mod mecanum;
 mod skid;
+pub mod thesis;
 
 pub use finite::FiniteRollers;
 pub use mecanum::Mecanum;

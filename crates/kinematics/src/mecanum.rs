@@ -12,19 +12,11 @@
 //!
 //! # Where this departs from the thesis, and why
 //!
-//! The thesis "A KUKA youBot simulation in USARSim" derives Jacobians (6.29) to (6.35) that cannot be used as printed:
-//!
-//! * The third columns of (6.30) to (6.33) have `(d_y, +d_x)` where Muir and Neuman's Jacobian has `(d_y, -d_x)`,
-//!   and disagree with its own general form (6.29). Eliminating the roller rates then leaves a lever arm of
-//!   `ly - lx` (0.0855 m) instead of `lx + ly` (0.3855 m): yaw rates 4.5 times off. Here it is `lx + ly`.
-//! * It calls `R` and `r` circumferences; they are radii.
-//! * It reads the vector (0, 1, 0) of (6.34) as a wheel speed. It is the roller's rate, so the factor
-//!   sqrt(2)/2 that it takes from there for sideways motion does not exist: equal wheel speeds give equal
-//!   forward and sideways velocities (before the finite number of rollers is accounted for).
-//! * It stops at four separate blocks (6.35) and never equates them to one velocity of the base, so it has no
-//!   inverse. Here the four rows are solved together; [`Mecanum::slip`] is what no base velocity can explain.
-//!
-//! The thesis's frame is y forward, x right, z up; here it is x forward, y right, z down as on the wire.
+//! The thesis "A KUKA youBot simulation in USARSim" derives Jacobians (6.29) to (6.35) whose lever arm is `ly - lx`
+//! where it is `lx + ly` here, that take circumferences for radii, read a roller's rate as a wheel's speed (whence
+//! a factor sqrt(2)/2 for sideways motion that does not exist), and that stop before the four wheels are solved together.
+//! [`crate::thesis`] has them as printed and corrected, with a test that the corrected ones are this model;
+//! [`Mecanum::slip`] is what no base velocity can explain. Its frame is y forward, x right, z up.
 
 use nalgebra::{Matrix3x4, Matrix4x3, Vector3, Vector4};
 

@@ -5,7 +5,7 @@ mod skid;
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
-use kinematics::{Mecanum, Twist};
+use kinematics::{FiniteRollers, Mecanum, Twist};
 
 use crate::scene::{RobotDef, Side, Steering};
 
@@ -58,6 +58,17 @@ pub fn mecanum(robot: &RobotDef) -> Option<Mecanum> {
         half_wheelbase: geometry.wheel_base / 2.0,
         half_track: geometry.track / 2.0,
         wheel_radius: geometry.radius,
+    })
+}
+
+/// The same with its rollers counted.
+pub fn finite_rollers(robot: &RobotDef) -> Option<FiniteRollers> {
+    let rollers = robot.driven().first()?.rollers.as_ref()?;
+    Some(FiniteRollers {
+        base: mecanum(robot)?,
+        count: rollers.count,
+        axis_circle: rollers.axis_circle,
+        angle: rollers.angle.abs(),
     })
 }
 
