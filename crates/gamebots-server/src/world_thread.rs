@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use gamebots_proto::Problem;
 use gamebots_proto::message::Message;
 use recorder::{Record, Recorder, RobotState, WireLine};
-use sim_core::{RobotId, TIME_STEP, World};
+use sim_core::{RobotId, World};
 use tokio::sync::mpsc::Receiver;
 use tokio::sync::mpsc::error::TryRecvError;
 use tokio::sync::oneshot;
@@ -22,8 +22,8 @@ use crate::{Config, ServeError};
 const MAX_SLEEP: Duration = Duration::from_millis(2);
 /// Events taken between two steps, so that a flood of them cannot stop time.
 const MAX_EVENTS_A_STEP: usize = 256;
-/// Steps between two recorded states of the robots: 50 Hz.
-const STEPS_A_STATE: u64 = (0.02 / TIME_STEP) as u64;
+/// Seconds between two recorded states of the robots.
+const STATE_INTERVAL: f64 = 0.02;
 /// How often dropped lines are reported.
 const DROP_REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
@@ -50,7 +50,7 @@ fn description(config: &Config) -> BTreeMap<String, String> {
     BTreeMap::from([
         entry("map", &config.world.map.name),
         entry("seed", &config.options.seed),
-        entry("time_step", &TIME_STEP),
+        entry("time_step", &config.options.time_step),
         entry("real_time_factor", &config.real_time_factor),
         entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
     ])
@@ -68,7 +68,7 @@ struct Server {
 impl Server {
     fn run(mut self, mut events: Receiver<Event>, mut pace: Pace) {
         let mut drop_report = Instant::now();
-        let mut step = 0u64;
+        let mut states = 0;
         loop {
             if !self.take_events(&mut events) {
                 return;
@@ -91,8 +91,9 @@ impl Server {
                     self.send(owner, &message);
                 }
             }
-            step += 1;
-            if step.is_multiple_of(STEPS_A_STATE) {
+            let due = (self.world.time() / STATE_INTERVAL + 1e-6) as u64;
+            if due > states {
+                states = due;
                 self.record_states();
             }
         }

@@ -16,7 +16,7 @@ use crate::scene::{self, NamedPose, Pose, WorldDef};
 use crate::{BodyState, WheelState};
 use robot::Robot;
 
-/// Length of a step, s: 500 Hz, where free rollers are within 1 % of their exact kinematics.
+/// Length of a step, s, unless it is chosen: 500 Hz, where free rollers are within 0.3 % of their exact kinematics.
 pub const TIME_STEP: f64 = 0.002;
 
 /// Most characters of a robot's name that are kept.
@@ -36,11 +36,13 @@ pub struct Options {
     pub seed: u64,
     /// What one wheel-speed unit of the wire is in rad/s: 1 for rad/s, 2 pi for revolutions a second.
     pub speed_unit: f64,
+    /// Length of a step, s.
+    pub time_step: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 0, speed_unit: 1.0 }
+        Self { seed: 0, speed_unit: 1.0, time_step: TIME_STEP }
     }
 }
 
@@ -57,13 +59,18 @@ pub struct World {
 impl World {
     /// A world without robots at time zero.
     pub fn new(def: WorldDef, options: Options) -> Self {
-        let physics = Physics::new(&def.map, TIME_STEP);
+        let physics = Physics::new(&def.map, options.time_step);
         Self { def, options, physics, steps: 0, robots: BTreeMap::new(), next_id: 0 }
     }
 
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
-        self.steps as f64 * TIME_STEP
+        self.steps as f64 * self.options.time_step
+    }
+
+    /// Length of a step, s.
+    pub fn time_step(&self) -> f64 {
+        self.options.time_step
     }
 
     /// What the world is made of.

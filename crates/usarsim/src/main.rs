@@ -1,5 +1,6 @@
 //! The program `usarsim`: arguments, dispatch, and the one place where exit codes are made.
 
+mod bench;
 mod check;
 mod list;
 mod serve;
@@ -45,6 +46,8 @@ enum Command {
     Robots(list::Arguments),
     /// Check robot.toml, map.toml, materials.toml and URDF files: every mistake with its line.
     Check(check::Arguments),
+    /// Measure how fast and how exact the world is.
+    Bench(bench::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
         Command::Maps(arguments) => list::maps(&arguments),
         Command::Robots(arguments) => list::robots(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

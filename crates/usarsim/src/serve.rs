@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         WheelSpeeds::Rev => std::f64::consts::TAU,
     };
     let config = Config {
-        options: Options { seed: arguments.seed, speed_unit },
+        options: Options { seed: arguments.seed, speed_unit, ..Options::default() },
         host: arguments.host,
         port: arguments.port,
         real_time_factor: arguments.rtf,

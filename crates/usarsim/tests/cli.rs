@@ -267,6 +267,17 @@ fn the_lists_name_maps_and_robots() {
 }
 
 #[test]
+fn bench_measures_speed_and_error_in_one_run() {
+    let output = run(&["bench", "--seconds", "1", "--dt", "0.004", "--robots", "2", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let number = |key: &str| report[key].as_f64().unwrap_or_else(|| panic!("no {key} in {report}"));
+    assert!(number("real_time_factor") > 0.0 && number("microseconds_per_step") > 0.0, "{report}");
+    assert_eq!((number("dt"), number("robots")), (0.004, 2.0));
+    assert!(number("worst_error_percent") < 3.0, "{report}");
+    assert_eq!(run(&["bench", "--robot", "P3AT"]).status.code(), Some(78));
+}
+
+#[test]
 fn a_killed_server_leaves_a_log_that_reads() {
     let folder = tempfile::tempdir().expect("a folder");
     let log = folder.path().join("run.mcap");

@@ -4,7 +4,7 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::{Drive, Set};
 use gamebots_proto::message::{Message, Sta};
 
-use super::{Options, RobotId, TIME_STEP, seed};
+use super::{Options, RobotId, seed};
 use crate::WheelState;
 use crate::drive::DriveState;
 use crate::physics::{Physics, RobotBodies};
@@ -46,7 +46,7 @@ impl Robot {
         let drive = DriveState::new(&def);
         let mut robot = Self { def, name, bodies, drive, items: Vec::new(), spawned, options };
         let wheels = physics.wheels(&robot.bodies);
-        let view = view(&robot.def, &robot.bodies, options, physics, spawned as f64 * TIME_STEP, &wheels);
+        let view = view(&robot.def, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
         let mount = |(index, def): (usize, &SensorDef)| {
             let rng = seed::stream(options.seed, id.0, &def.name, index);
             Item { def: def.clone(), sensor: sensor::mount(def, rng, &view) }
@@ -78,7 +78,7 @@ impl Robot {
     /// Whole seconds left. It falls linearly from the second tenth of a second on, and counts as flat when less
     /// than one second is left (Battery.uc:45-135).
     pub(super) fn battery_left(&self, time: f64) -> i32 {
-        let age = time - self.spawned as f64 * TIME_STEP;
+        let age = time - self.spawned as f64 * self.options.time_step;
         self.def.battery.map_or(NO_BATTERY, |battery| (battery.life - (age - 0.1).max(0.0)).max(0.0) as i32)
     }
 
@@ -113,17 +113,18 @@ impl Robot {
     }
 
     pub(super) fn after_step(&mut self, physics: &Physics) {
-        physics.update_wheels(&mut self.bodies, TIME_STEP);
+        physics.update_wheels(&mut self.bodies, self.options.time_step);
     }
 
     /// Sends what is due at a step: the status, then the sensors in mounting order unless the battery is flat.
     pub(super) fn report(&mut self, physics: &Physics, time: f64, step: u64, mut send: impl FnMut(Message)) {
         let age = step - self.spawned;
         let battery = self.battery_left(time);
-        if is_due(age, STATUS_INTERVAL) {
+        if is_due(age, self.options.time_step, STATUS_INTERVAL) {
             send(Message::Sta(Sta { time: time as f32, battery, light: self.drive.light }));
         }
-        let due = |item: &Item| is_due(age, item.def.scan_interval);
+        let time_step = self.options.time_step;
+        let due = |item: &Item| is_due(age, time_step, item.def.scan_interval);
         if battery <= 0 || !self.items.iter().any(due) {
             return;
         }
@@ -157,8 +158,8 @@ fn view<'a>(
 }
 
 /// True at the step in which another whole interval since the spawn has passed.
-fn is_due(age: u64, interval: f64) -> bool {
-    let passed = |age: u64| (age as f64 * TIME_STEP / interval + 1e-9).floor();
+fn is_due(age: u64, time_step: f64, interval: f64) -> bool {
+    let passed = |age: u64| (age as f64 * time_step / interval + 1e-9).floor();
     interval > 0.0 && age > 0 && passed(age) > passed(age - 1)
 }
 
@@ -169,9 +170,9 @@ mod tests {
     #[test]
     fn timers_keep_their_average_rate() {
         for (interval, expected) in [(0.1, 100), (0.2, 50), (0.3, 33), (0.05, 200), (0.0, 0), (0.0015, 5000)] {
-            let count = (0..=5000).filter(|&age| is_due(age, interval)).count();
+            let count = (0..=5000).filter(|&age| is_due(age, 0.002, interval)).count();
             assert_eq!(count, expected, "{interval}");
         }
-        assert!(is_due(50, 0.1) && !is_due(49, 0.1) && !is_due(51, 0.1));
+        assert!(is_due(50, 0.002, 0.1) && !is_due(49, 0.002, 0.1) && !is_due(51, 0.002, 0.1));
     }
 }

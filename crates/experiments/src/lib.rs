@@ -1,0 +1,169 @@
+//! Motions of an omnidirectional robot, measured in the world and compared with the exact kinematics of its wheels.
+//!
+//! No clock here: whoever wants to know how long a motion took in real time takes the time around it.
+
+use gamebots_proto::Command;
+use gamebots_proto::command::{Drive, Init};
+use kinematics::FiniteRollers;
+use nalgebra::UnitQuaternion;
+use sim_core::scene::WorldDef;
+use sim_core::{BodyState, Options, RobotId, WheelState, World, drive};
+
+/// Seconds that a robot stands before it drives, to settle on its floor.
+const SETTLING: f64 = 0.5;
+/// Seconds from the command to the beginning of what is measured.
+const SPIN_UP: f64 = 2.0;
+/// Metres between robots that drive side by side.
+const SPACING: f64 = 2.0;
+
+/// A way to go with all wheels at one speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// Straight ahead.
+    Forward,
+    /// To the right.
+    Right,
+    /// Clockwise on the spot.
+    Clockwise,
+}
+
+impl Motion {
+    /// The three.
+    pub const ALL: [Self; 3] = [Self::Forward, Self::Right, Self::Clockwise];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Forward => "forward",
+            Self::Right => "right",
+            Self::Clockwise => "clockwise",
+        }
+    }
+
+    /// Signs of the wheels: front left, front right, back left, back right.
+    fn signs(self) -> [f64; 4] {
+        match self {
+            Self::Forward => [1.0, 1.0, 1.0, 1.0],
+            Self::Right => [1.0, -1.0, -1.0, 1.0],
+            Self::Clockwise => [1.0, -1.0, 1.0, -1.0],
+        }
+    }
+
+    /// What a radian of the wheels is worth by the exact kinematics, in the mean: m, or rad for turning.
+    fn exact_per_radian(self, kinematics: &FiniteRollers) -> f64 {
+        let textbook = kinematics.base.forward(self.signs());
+        match self {
+            Self::Forward => textbook.forward,
+            Self::Right => textbook.right * kinematics.mean_lateral_ratio(),
+            Self::Clockwise => textbook.clockwise * kinematics.mean_rotation_ratio(),
+        }
+    }
+}
+
+/// What cannot be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum MotionError {
+    /// The robot is not in the world's list.
+    #[error("unknown robot `{0}`")]
+    UnknownRobot(String),
+    /// Its motion has no exact kinematics here.
+    #[error("robot `{0}`: expected one with four Mecanum wheels with rollers")]
+    NotOmni(String),
+}
+
+/// Robots that drive side by side, ready to be measured.
+pub struct Course {
+    world: World,
+    robots: Vec<RobotId>,
+    kinematics: FiniteRollers,
+    from: Vec<(BodyState, Vec<WheelState>)>,
+    motion: Motion,
+    lowest: f64,
+    highest: f64,
+}
+
+/// What a measured motion gave, of the robot that did worst.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Travel {
+    /// Displacement forward and to the right in the start frame, m, and clockwise, rad.
+    pub moved: [f64; 3],
+    /// Mean angle that the wheels turned, rad.
+    pub turned: f64,
+    /// The way over the exact one for the angle that the wheels turned.
+    pub ratio: f64,
+    /// Highest less lowest place of the first robot's body, m.
+    pub ripple: f64,
+}
+
+impl Course {
+    /// Puts robots of a class on the map, lets them settle and brings their wheels to `speed`, rad/s.
+    ///
+    /// # Errors
+    /// When the class is unknown or has no rollers.
+    pub fn start(
+        def: WorldDef,
+        options: Options,
+        class: &str,
+        count: u32,
+        motion: Motion,
+        speed: f64,
+    ) -> Result<Self, MotionError> {
+        let robot = def.robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.to_owned()))?;
+        let kinematics = drive::finite_rollers(robot).ok_or_else(|| MotionError::NotOmni(class.to_owned()))?;
+        let mut world = World::new(def, options);
+        let robots = (0..count)
+            .filter_map(|index| {
+                let location = [0.0, f64::from(index) * SPACING, 0.0];
+                let init = Init { class_name: class.to_owned(), location, ..Init::default() };
+                world.init(&init, &mut Vec::new())
+            })
+            .collect();
+        let (lowest, highest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut course = Self { world, robots, kinematics, from: Vec::new(), motion, lowest, highest };
+        course.run(SETTLING);
+        let [front_left, front_right, back_left, back_right] = motion.signs().map(|sign| Some(sign * speed));
+        let drive = Command::Drive(Drive { front_left, front_right, back_left, back_right, ..Drive::default() });
+        for &robot in &course.robots {
+            course.world.apply(robot, &drive, &mut Vec::new());
+        }
+        course.run(SPIN_UP);
+        course.from = course.robots.iter().filter_map(|&robot| course.world.state(robot)).collect();
+        (course.lowest, course.highest) = (f64::INFINITY, f64::NEG_INFINITY);
+        Ok(course)
+    }
+
+    /// Drives on for some simulated seconds.
+    pub fn run(&mut self, seconds: f64) {
+        for _ in 0..(seconds / self.world.time_step()).round() as u64 {
+            self.world.step();
+            if let Some((body, _)) = self.robots.first().and_then(|&robot| self.world.state(robot)) {
+                let height = -body.pose.translation.z;
+                (self.lowest, self.highest) = (self.lowest.min(height), self.highest.max(height));
+            }
+        }
+    }
+
+    /// What the robots did since the start, turning less than half a turn.
+    pub fn travel(&self) -> Option<Travel> {
+        let travels = self.robots.iter().zip(&self.from).filter_map(|(&robot, from)| {
+            let to = self.world.state(robot)?;
+            Some(self.travel_of(from, &to))
+        });
+        travels.max_by(|a, b| (a.ratio - 1.0).abs().total_cmp(&(b.ratio - 1.0).abs()))
+    }
+
+    fn travel_of(
+        &self,
+        (from, wheels_from): &(BodyState, Vec<WheelState>),
+        to: &(BodyState, Vec<WheelState>),
+    ) -> Travel {
+        let start: UnitQuaternion<f64> = from.pose.rotation;
+        let way = start.inverse() * (to.0.pose.translation.vector - from.pose.translation.vector);
+        let (_, _, yaw) = (start.inverse() * to.0.pose.rotation).euler_angles();
+        let angles = wheels_from.iter().zip(&to.1).map(|(from, to)| (to.angle - from.angle).abs());
+        let turned = angles.sum::<f64>() / wheels_from.len() as f64;
+        let moved = [way.x, way.y, yaw];
+        let ratio = moved[self.motion as usize] / (self.motion.exact_per_radian(&self.kinematics) * turned);
+        Travel { moved, turned, ratio, ripple: self.highest - self.lowest }
+    }
+}

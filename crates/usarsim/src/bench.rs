@@ -1,0 +1,90 @@
+//! `usarsim bench`: how fast the world is on one core, and how exact in the same run.
+
+use std::time::Instant;
+
+use experiments::{Course, Motion};
+use serde_json::json;
+use sim_core::{Options, TIME_STEP};
+
+use crate::{Failure, exit, print};
+
+/// Options of `bench`.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  usarsim bench\n  usarsim bench --dt 0.004 --map slope-1.5 --json\n  \
+    usarsim bench --robots 10 --seconds 5\n\nDrives forward, to the right and on the spot at 1 rad/s, and compares with the \
+    exact kinematics of wheels with finite rollers for the angle that the wheels turned.")]
+pub(crate) struct Arguments {
+    /// A robot class with Mecanum wheels.
+    #[arg(long, default_value = "KUKA_YouBot")]
+    robot: String,
+    /// How many of them drive side by side.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
+    robots: u32,
+    /// Simulated seconds of each of the three motions; the turn stays below half a turn up to 20.
+    #[arg(long, default_value_t = 10.0, value_parser = seconds)]
+    seconds: f64,
+    /// Length of a time step, s.
+    #[arg(long, default_value_t = TIME_STEP, value_parser = time_step)]
+    dt: f64,
+    /// A map by name or file, as for `serve`.
+    #[arg(long, default_value = "rough", value_name = "NAME|FILE")]
+    map: String,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    if (least..=most).contains(&value) { Ok(value) } else { Err(format!("expected {least} to {most}")) }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    within(text, 0.1, 20.0)
+}
+
+fn time_step(text: &str) -> Result<f64, String> {
+    within(text, 1e-4, 0.02)
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { robot, robots, seconds, dt, map, .. } = arguments;
+    let def = scene_loader::load(map, &[]).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
+    let options = Options { time_step: *dt, ..Options::default() };
+    let (mut simulated, mut wall, mut worst) = (0.0, 0.0, 0.0f64);
+    let mut motions = serde_json::Map::new();
+    for motion in Motion::ALL {
+        let course = Course::start(def.clone(), options, robot, *robots, motion, 1.0);
+        let mut course = course.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
+        let start = Instant::now();
+        course.run(*seconds);
+        wall += start.elapsed().as_secs_f64();
+        simulated += seconds;
+        let travel = course.travel().ok_or_else(|| Failure::new(exit::FAILURE, "the robots are gone"))?;
+        worst = worst.max((travel.ratio - 1.0).abs());
+        motions.insert(motion.name().to_owned(), json!({"ratio": travel.ratio, "ripple_mm": 1e3 * travel.ripple}));
+        if !arguments.json {
+            let (name, ratio) = (motion.name(), travel.ratio);
+            print(format_args!("{name:<10} {ratio:.4} of the exact way, ripple {:.3} mm", 1e3 * travel.ripple));
+        }
+    }
+    let (factor, step) = (simulated / wall, 1e6 * wall * dt / simulated);
+    if arguments.json {
+        print(json!({
+            "real_time_factor": factor,
+            "worst_error_percent": 100.0 * worst,
+            "microseconds_per_step": step,
+            "dt": dt,
+            "robots": robots,
+            "map": map,
+            "motions": motions,
+        }));
+    } else {
+        print(format_args!(
+            "{robots} robot(s), steps of {} ms: {factor:.1} times real time on one core, {step:.0} us a step, worst error {:.2} %",
+            1e3 * dt,
+            100.0 * worst
+        ));
+    }
+    Ok(())
+}
