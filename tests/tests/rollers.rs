@@ -30,7 +30,7 @@ fn floor_mesh() -> String {
 }
 
 /// Ten seconds at 1 rad/s on a floor, with so many rollers a wheel.
-fn drive(floor: &str, rollers: u32, motion: Motion) -> Travel {
+fn drive(class: &str, floor: &str, rollers: u32, motion: Motion) -> Travel {
     let folder = tempfile::tempdir().expect("a folder");
     let (kind, rest) = floor.split_once('\n').expect("a table");
     let map = format!(
@@ -42,22 +42,23 @@ fn drive(floor: &str, rollers: u32, motion: Motion) -> Travel {
     std::fs::write(folder.path().join("floor.obj"), floor_mesh()).expect("a file");
     let mut def =
         scene_loader::load(path.to_str().expect("a path"), &[]).unwrap_or_else(|error| panic!("{floor}: {error}"));
-    for wheel in &mut def.robots.get_mut("KUKA_YouBot").expect("the youBot").wheels {
+    for wheel in &mut def.robots.get_mut(class).expect("the youBot").wheels {
         let ring = wheel.rollers.as_mut().expect("rollers");
         ring.mass *= f64::from(ring.count) / f64::from(rollers);
         ring.count = rollers;
     }
-    let mut course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0).expect("a course");
+    let mut course = Course::start(def, Options::default(), class, 1, motion, 1.0).expect("a course");
     course.run(10.0);
     course.travel().expect("a robot")
 }
 
 #[test]
-fn the_youbot_follows_the_exact_kinematics_on_every_floor() {
-    for (name, floor) in FLOORS {
+fn the_youbots_follow_the_exact_kinematics_on_every_floor() {
+    let thesis = FLOORS.map(|(name, floor)| ("KUKA_YouBot", name, floor));
+    for (class, name, floor) in thesis.into_iter().chain([("YouBot", FLOORS[0].0, FLOORS[0].1)]) {
         for (motion, tolerance) in [(Motion::Forward, 0.005), (Motion::Right, 0.007), (Motion::Clockwise, 0.01)] {
-            let Travel { moved, ratio, ripple, .. } = drive(floor, 6, motion);
-            let what = format!("{name}, {}", motion.name());
+            let Travel { moved, ratio, ripple, .. } = drive(class, floor, 6, motion);
+            let what = format!("{class}, {name}, {}", motion.name());
             println!("{what}: {ratio:.4} of the exact way, ripple {:.3} mm, {moved:.4?}", 1e3 * ripple);
             assert!((ratio - 1.0).abs() < tolerance, "{what}: {ratio:.4} of the exact way");
             assert!(ripple < 0.15e-3, "{what}: ripple {:.3} mm", 1e3 * ripple);
@@ -73,7 +74,7 @@ fn the_youbot_follows_the_exact_kinematics_on_every_floor() {
 #[test]
 fn wheels_of_eight_and_twelve_rollers_work() {
     for count in [8, 12] {
-        let Travel { ratio, ripple, .. } = drive(FLOORS[0].1, count, Motion::Right);
+        let Travel { ratio, ripple, .. } = drive("KUKA_YouBot", FLOORS[0].1, count, Motion::Right);
         println!("{count} rollers: {ratio:.4} of the exact way to the right, ripple {:.3} mm", 1e3 * ripple);
         assert!((ratio - 1.0).abs() < 0.007 && ripple < 0.15e-3, "{count} rollers: {ratio:.4}, {ripple}");
     }

@@ -39,6 +39,17 @@ fn the_youbot_is_that_of_the_thesis() {
     }
 }
 
+/// Torque limit and armature follow from gear, torque constant, current and rotor inertia.
+#[test]
+fn the_real_youbot_has_geared_motors() {
+    let youbot = scene_loader::robot("YouBot").expect("a built-in robot");
+    assert!((youbot.mass() - 20.0).abs() < 0.01, "{}", youbot.mass());
+    let motor = youbot.wheels[0].drive.as_ref().expect("a motor");
+    assert_eq!(motor.max_speed, 14.81);
+    assert!((motor.max_torque - 25.838 * 0.0335 * 2.32).abs() < 1e-9, "{}", motor.max_torque);
+    assert!((motor.armature - 1.35e-5 * 25.838 * 25.838).abs() < 1e-12, "{}", motor.armature);
+}
+
 /// A tetrahedron of 10 cm edges at right angles, as text.
 const STL: &str = "solid t
 facet normal 0 0 0

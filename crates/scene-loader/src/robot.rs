@@ -59,6 +59,10 @@ struct WheelEntry {
     gain: Option<f64>,
     max_torque: Option<f64>,
     armature: Option<f64>,
+    gear: Option<f64>,
+    torque_constant: Option<f64>,
+    max_current: Option<f64>,
+    rotor_inertia: Option<f64>,
     roller_angle: Option<f64>,
 }
 
@@ -235,8 +239,14 @@ fn read_wheel(
     let mass = number("mass", entry.mass, joint.map(|joint| joint.mass), common.mass);
     let max_speed = number("max_speed", entry.max_speed, joint.and_then(|joint| joint.max_speed), common.max_speed);
     let gain = number("gain", entry.gain, None, common.gain);
-    let max_torque =
-        number("max_torque", entry.max_torque, joint.and_then(|joint| joint.max_torque), common.max_torque);
+    let gearbox = gearbox(&entry, common);
+    let max_torque = number(
+        "max_torque",
+        entry.max_torque,
+        joint.and_then(|joint| joint.max_torque),
+        common.max_torque.or(gearbox.max_torque),
+    );
+    let armature = entry.armature.or(common.armature).or(gearbox.armature).unwrap_or(0.0);
     let mut missing = |key: &str| document.problem(span, format_args!("missing `{key}`"));
     let position = entry.position.or(joint.map(|joint| joint.position));
     let material = entry.material.or(common.material.clone());
@@ -265,7 +275,6 @@ fn read_wheel(
         SideEntry::Left => Side::Left,
         SideEntry::Right => Side::Right,
     };
-    let armature = entry.armature.or(common.armature).unwrap_or(0.0);
     if !(0.0..=100.0).contains(&armature) {
         document.problem(span, format_args!("`armature` is {armature}: expected 0 to 100 kg m²"));
     }
@@ -282,6 +291,22 @@ fn read_wheel(
         drive,
         rollers,
     })
+}
+
+/// What follows from a motor behind a gear.
+struct Gearbox {
+    /// Torque limit at the wheel, N m: gear x torque constant x current.
+    max_torque: Option<f64>,
+    /// Inertia of the rotor as felt at the wheel, kg m²: rotor inertia x gear².
+    armature: Option<f64>,
+}
+
+fn gearbox(entry: &WheelEntry, common: &WheelEntry) -> Gearbox {
+    let gear = entry.gear.or(common.gear);
+    let per_ampere = gear.zip(entry.torque_constant.or(common.torque_constant)).map(|(gear, constant)| gear * constant);
+    let max_torque = per_ampere.zip(entry.max_current.or(common.max_current)).map(|(torque, current)| torque * current);
+    let armature = gear.zip(entry.rotor_inertia.or(common.rotor_inertia)).map(|(gear, inertia)| inertia * gear * gear);
+    Gearbox { max_torque, armature }
 }
 
 fn read_rollers(
