@@ -123,13 +123,14 @@ joint = "right_wheel"
 #[test]
 fn a_urdf_is_turned_into_the_robot_frame_once() {
     let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path().join("cart.v2");
+    std::fs::create_dir(&folder).expect("a folder");
     for (name, text) in [("t.stl", STL), ("cart.urdf", URDF), ("robot.toml", CART)] {
-        std::fs::write(folder.path().join(name), text).expect("a file");
+        std::fs::write(folder.join(name), text).expect("a file");
     }
-    let file = folder.path().join("robot.toml");
-    let def = scene_loader::load("rough", &[&file]).unwrap_or_else(|error| panic!("{error}"));
-    let class = folder.path().file_name().expect("a name").to_string_lossy().into_owned();
-    let cart = &def.robots[&class];
+    let def = scene_loader::load("rough", &[&folder.join("robot.toml")]).unwrap_or_else(|error| panic!("{error}"));
+    // In USARBot.cart.v2 the package would be USARBot.cart.
+    let cart = &def.robots["cart_v2"];
     let base = &cart.parts[0];
     assert!((base.centre - nalgebra::Vector3::new(0.1, -0.2, -0.3)).norm() < 1e-12, "{}", base.centre);
     let inertia = nalgebra::Matrix3::new(1.0, -0.1, -0.2, -0.1, 2.0, 0.3, -0.2, 0.3, 3.0);

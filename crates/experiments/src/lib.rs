@@ -2,8 +2,8 @@
 //!
 //! No clock here: whoever wants to know how long a motion took in real time takes the time around it.
 
-use gamebots_proto::Command;
 use gamebots_proto::command::{Drive, Init};
+use gamebots_proto::{Command, Problem};
 use kinematics::FiniteRollers;
 use nalgebra::UnitQuaternion;
 use sim_core::scene::WorldDef;
@@ -69,6 +69,9 @@ pub enum MotionError {
     /// Its motion has no exact kinematics here.
     #[error("robot `{0}`: expected one with four Mecanum wheels with rollers")]
     NotOmni(String),
+    /// The world takes no more robots, or not this one.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Refused(Vec<Problem>),
 }
 
 /// Robots that drive side by side, ready to be measured.
@@ -111,13 +114,13 @@ impl Course {
         let robot = def.robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.to_owned()))?;
         let kinematics = drive::finite_rollers(robot).ok_or_else(|| MotionError::NotOmni(class.to_owned()))?;
         let mut world = World::new(def, options);
-        let robots = (0..count)
-            .filter_map(|index| {
-                let location = [0.0, f64::from(index) * SPACING, 0.0];
-                let init = Init { class_name: class.to_owned(), location, ..Init::default() };
-                world.init(&init, &mut Vec::new())
-            })
-            .collect();
+        let mut robots = Vec::new();
+        for index in 0..count {
+            let location = [0.0, f64::from(index) * SPACING, 0.0];
+            let init = Init { class_name: class.to_owned(), location, ..Init::default() };
+            let mut problems = Vec::new();
+            robots.push(world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?);
+        }
         let (lowest, highest) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut course = Self { world, robots, kinematics, from: Vec::new(), motion, lowest, highest };
         course.run(SETTLING);

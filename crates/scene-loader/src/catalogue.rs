@@ -29,12 +29,10 @@ pub fn robot_names() -> Vec<String> {
 /// # Errors
 /// An unknown name, an unreadable file, or everything wrong with the files.
 pub fn load(map_name: &str, robot_files: &[&Path]) -> Result<WorldDef, LoadError> {
+    let files = robot_files.iter().map(|file| file.display().to_string());
     let mut robots = BTreeMap::new();
-    for name in robot_names() {
-        robots.insert(name.clone(), robot(&name)?);
-    }
-    for file in robot_files {
-        let definition = robot_of_file(file)?;
+    for name in robot_names().into_iter().chain(files) {
+        let definition = robot(&name)?;
         robots.insert(definition.class.clone(), definition);
     }
     Ok(WorldDef { map: map(map_name)?, robots })
@@ -58,20 +56,20 @@ pub fn map(name: &str) -> Result<MapDef, LoadError> {
     problems.into_result(map)?.ok_or_else(|| unknown("map", &name, &map_names()))
 }
 
-/// A robot class by its name, in any case.
+/// A robot class by its name, in any case, or by the path of its file.
 ///
 /// # Errors
 /// As [`load`].
-pub fn robot(class: &str) -> Result<RobotDef, LoadError> {
+pub fn robot(name: &str) -> Result<RobotDef, LoadError> {
     let names = robot_names();
-    let class =
-        names.iter().find(|name| name.eq_ignore_ascii_case(class)).ok_or_else(|| unknown("robot", class, &names))?;
-    let dir = ASSETS.get_dir(format!("robots/{class}")).ok_or_else(|| unknown("robot", class, &names))?;
-    read_robot(&Source::BuiltIn(dir), "robot.toml", class)
-}
-
-fn robot_of_file(path: &Path) -> Result<RobotDef, LoadError> {
-    read_robot(&Source::of_file(path), &file_name(path), &name_of(path, "robot"))
+    let built_in = names.iter().find(|known| known.eq_ignore_ascii_case(name));
+    let folder = built_in.and_then(|class| Some((class, ASSETS.get_dir(format!("robots/{class}"))?)));
+    let path = Path::new(name);
+    match folder {
+        Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", class),
+        None if path.is_file() => read_robot(&Source::of_file(path), &file_name(path), &name_of(path, "robot")),
+        None => Err(unknown("robot", name, &names)),
+    }
 }
 
 fn read_robot(source: &Source, file: &str, class: &str) -> Result<RobotDef, LoadError> {
@@ -88,12 +86,13 @@ pub(crate) fn built_in_materials() -> Result<Materials, LoadError> {
     problems.into_result(materials)
 }
 
-/// `foo` of `foo/map.toml` and of `foo.toml`.
+/// `foo` of `foo/map.toml` and of `foo.toml`, with `_` for what a name on the wire cannot have. In the name
+/// of a class a point would end a package.
 fn name_of(path: &Path, kind: &str) -> String {
     let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(kind);
     let folder = path.parent().and_then(Path::file_name).and_then(|name| name.to_str());
     let name = if stem == kind { folder.unwrap_or(stem) } else { stem };
-    name.replace(|c: char| c.is_whitespace() || c == '{' || c == '}', "_")
+    name.replace(|c: char| c.is_whitespace() || "{}".contains(c) || (kind == "robot" && c == '.'), "_")
 }
 
 fn file_name(path: &Path) -> String {

@@ -1,9 +1,11 @@
 //! `usarsim bench`: how fast the world is on one core, and how exact in the same run.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use experiments::{Course, Motion};
 use serde_json::json;
+use sim_core::scene::WorldDef;
 use sim_core::{Options, TIME_STEP};
 
 use crate::{Failure, exit, print};
@@ -14,8 +16,8 @@ use crate::{Failure, exit, print};
     usarsim bench --robots 10 --seconds 5\n\nDrives forward, to the right and on the spot at 1 rad/s, and compares with the \
     exact kinematics of wheels with finite rollers for the angle that the wheels turned.")]
 pub(crate) struct Arguments {
-    /// A robot class with Mecanum wheels.
-    #[arg(long, default_value = "KUKA_YouBot")]
+    /// A robot class with Mecanum wheels, or the path of its robot.toml.
+    #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
     robot: String,
     /// How many of them drive side by side.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
@@ -49,12 +51,17 @@ fn time_step(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { robot, robots, seconds, dt, map, .. } = arguments;
-    let def = scene_loader::load(map, &[]).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
+    let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
+    let robot = scene_loader::robot(robot).map_err(broken)?;
+    let class = robot.class.clone();
+    let map = scene_loader::map(map).map_err(broken)?;
+    let map_name = map.name.clone();
+    let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
     let options = Options { time_step: *dt, ..Options::default() };
     let (mut simulated, mut wall, mut worst) = (0.0, 0.0, 0.0f64);
     let mut motions = serde_json::Map::new();
     for motion in Motion::ALL {
-        let course = Course::start(def.clone(), options, robot, *robots, motion, 1.0);
+        let course = Course::start(def.clone(), options, &class, *robots, motion, 1.0);
         let mut course = course.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
         let start = Instant::now();
         course.run(*seconds);
@@ -76,7 +83,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "microseconds_per_step": step,
             "dt": dt,
             "robots": robots,
-            "map": map,
+            "map": map_name,
+            "robot": class,
             "motions": motions,
         }));
     } else {
