@@ -2,6 +2,7 @@
 
 use experiments::{Course, Motion, Travel};
 use sim_core::Options;
+use system_tests::{apply, init, run};
 
 /// A floor of one solid; its table of the map file.
 const FLOORS: [(&str, &str); 3] = [
@@ -29,8 +30,8 @@ fn floor_mesh() -> String {
     text
 }
 
-/// Ten seconds at 1 rad/s on a floor, with so many rollers a wheel.
-fn drive(class: &str, floor: &str, rollers: u32, motion: Motion) -> Travel {
+/// Ten seconds at 1 rad/s on a floor, with so many rollers a wheel, each longer than need be by the overlap.
+fn drive(class: &str, floor: &str, rollers: u32, overlap: f64, motion: Motion) -> Travel {
     let folder = tempfile::tempdir().expect("a folder");
     let (kind, rest) = floor.split_once('\n').expect("a table");
     let map = format!(
@@ -46,6 +47,7 @@ fn drive(class: &str, floor: &str, rollers: u32, motion: Motion) -> Travel {
         let ring = wheel.rollers.as_mut().expect("rollers");
         ring.mass *= f64::from(ring.count) / f64::from(rollers);
         ring.count = rollers;
+        ring.last_phase = overlap * std::f64::consts::PI / f64::from(rollers);
     }
     let mut course = Course::start(def, Options::default(), class, 1, motion, 1.0).expect("a course");
     course.run(10.0);
@@ -57,7 +59,7 @@ fn the_youbots_follow_the_exact_kinematics_on_every_floor() {
     let thesis = FLOORS.map(|(name, floor)| ("KUKA_YouBot", name, floor));
     for (class, name, floor) in thesis.into_iter().chain([("YouBot", FLOORS[0].0, FLOORS[0].1)]) {
         for (motion, tolerance) in [(Motion::Forward, 0.005), (Motion::Right, 0.007), (Motion::Clockwise, 0.01)] {
-            let Travel { moved, ratio, ripple, .. } = drive(class, floor, 6, motion);
+            let Travel { moved, ratio, ripple, .. } = drive(class, floor, 6, 1.0, motion);
             let what = format!("{class}, {name}, {}", motion.name());
             println!("{what}: {ratio:.4} of the exact way, ripple {:.3} mm, {moved:.4?}", 1e3 * ripple);
             assert!((ratio - 1.0).abs() < tolerance, "{what}: {ratio:.4} of the exact way");
@@ -74,8 +76,49 @@ fn the_youbots_follow_the_exact_kinematics_on_every_floor() {
 #[test]
 fn wheels_of_eight_and_twelve_rollers_work() {
     for count in [8, 12] {
-        let Travel { ratio, ripple, .. } = drive("KUKA_YouBot", FLOORS[0].1, count, Motion::Right);
+        let Travel { ratio, ripple, .. } = drive("KUKA_YouBot", FLOORS[0].1, count, 1.0, Motion::Right);
         println!("{count} rollers: {ratio:.4} of the exact way to the right, ripple {:.3} mm", 1e3 * ripple);
         assert!((ratio - 1.0).abs() < 0.007 && ripple < 0.15e-3, "{count} rollers: {ratio:.4}, {ripple}");
+    }
+}
+
+/// The youBot's real rollers are longer than the least by 15 %: near their ends two share the contact.
+#[test]
+fn rollers_may_overlap() {
+    for motion in Motion::ALL {
+        let Travel { ratio, ripple, .. } = drive("KUKA_YouBot", FLOORS[0].1, 6, 1.1, motion);
+        println!("overlap, {}: {ratio:.4} of the exact way, ripple {:.3} mm", motion.name(), 1e3 * ripple);
+        assert!((ratio - 1.0).abs() < 0.01 && ripple < 0.15e-3, "{}: {ratio:.4}, {ripple}", motion.name());
+    }
+}
+
+/// Straight ahead over the edge of a plate of 1 cm and onto it: no jump, and level in the end. To the side a wheel is
+/// as small as its rollers, 14 mm, and the edge holds it.
+#[test]
+fn a_step_of_one_centimetre_is_climbed_ahead_and_holds_sideways() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let map = "description = \"a step\"\n[[half_space]]\nname = \"floor\"\nmaterial = \"carpet\"\n\
+               [[box]]\nname = \"plate\"\nmaterial = \"carpet\"\nposition = [2.5, 0, -0.005]\nsize = [4, 4, 0.01]\n\
+               [[box]]\nname = \"beside\"\nmaterial = \"carpet\"\nposition = [0, 4.4, -0.005]\nsize = [0.9, 8, 0.01]\n\
+               [[start]]\nname = \"Start\"\nposition = [0, 0, 0]\n";
+    let path = folder.path().join("map.toml");
+    std::fs::write(&path, map).expect("a file");
+    for (line, rise) in [("DRIVE {LinearVelocity 0.2}", 0.01), ("DRIVE {LateralVelocity 0.2}", 0.0)] {
+        let def = scene_loader::load(path.to_str().expect("a path"), &[]).unwrap_or_else(|error| panic!("{error}"));
+        let mut world = sim_core::World::new(def, Options::default());
+        let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Start Start}");
+        let pose = |world: &sim_core::World| world.state(robot).expect("the robot").0.pose;
+        run(&mut world, 0.5);
+        let before = -pose(&world).translation.z;
+        apply(&mut world, robot, line);
+        let mut highest = before;
+        for _ in 0..(10.0 / world.time_step()) as u32 {
+            world.step();
+            highest = highest.max(-pose(&world).translation.z);
+        }
+        let (after, (roll, pitch, _)) = (-pose(&world).translation.z, pose(&world).rotation.euler_angles());
+        println!("{line}: climbed {:.2} mm, at most {:.2} mm", 1e3 * (after - before), 1e3 * (highest - before));
+        assert!((after - before - rise).abs() < 2e-4 && highest - before < rise + 5e-4, "{line}: {after} {highest}");
+        assert!(roll.abs() < 0.002 && pitch.abs() < 0.002, "{line}: {roll} {pitch}");
     }
 }

@@ -203,3 +203,23 @@ fn a_mesh_that_is_missing_or_broken_is_named() {
     check("empty.obj", "has 0 triangles: expected 1 to");
     check("thing.dae", "expected a file that ends in .stl or .obj");
 }
+
+/// Webots' rollers, from the youBot's CAD, are 74.5 mm long; the least without a gap is 64.8 mm.
+#[test]
+fn the_length_of_rollers_is_checked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let toml = include_str!("../../assets/robots/YouBot/robot.toml");
+    let path = folder.path().join("robot.toml");
+    let load = |half_length: f64| {
+        let text = toml.replace("axis_circle =", &format!("half_length = {half_length}\naxis_circle ="));
+        std::fs::write(&path, text).expect("a file");
+        scene_loader::robot(path.to_str().expect("a path"))
+    };
+    let long = load(0.03727).unwrap_or_else(|error| panic!("{error}"));
+    let rollers = long.wheels[0].rollers.as_ref().expect("rollers");
+    assert!((rollers.half_length_at(rollers.last_phase, 0.05) - 0.03727).abs() < 1e-6, "{}", rollers.last_phase);
+    for wrong in [0.02, 0.06] {
+        let error = load(wrong).expect_err("a mistake").to_string();
+        assert!(error.contains(&format!("`half_length` is {wrong}: expected 0.03237 (no gap) to")), "{error}");
+    }
+}

@@ -78,6 +78,7 @@ enum SideEntry {
 struct RollersEntry {
     count: u32,
     axis_circle: f64,
+    half_length: Option<f64>,
     mass: f64,
     damping: f64,
     material: String,
@@ -342,7 +343,41 @@ fn read_rollers(
     }
     let material = document.material(place, &entry.material, materials)?;
     let RollersEntry { count, axis_circle, mass, damping, .. } = *entry;
-    Some(Rollers { count, axis_circle, angle, mass, damping, material })
+    let last_phase = std::f64::consts::PI / f64::from(count);
+    let mut rollers = Rollers { count, axis_circle, angle, last_phase, mass, damping, material };
+    if let Some(half_length) = entry.half_length {
+        rollers.last_phase = last_phase_of(document, place, &rollers, half_length, wheel_radius)?;
+    }
+    Some(rollers)
+}
+
+/// The phase at which a roller of a length ends: from the least that leaves no gap to where its axis leaves the wheel.
+fn last_phase_of(
+    document: &mut Document,
+    place: &Range<usize>,
+    rollers: &Rollers,
+    half_length: f64,
+    wheel_radius: f64,
+) -> Option<f64> {
+    // At the end of the longest roller its radius is a tenth of that in its middle.
+    let thin = 0.1 * (wheel_radius - rollers.axis_circle);
+    let (mut low, mut high) = (rollers.last_phase, (rollers.axis_circle / (wheel_radius - thin)).acos());
+    let [least, most] = [low, high].map(|phase| rollers.half_length_at(phase, wheel_radius));
+    // A tenth of a millimetre less is rounding in a data sheet.
+    if !(least - 1e-4..=most).contains(&half_length) {
+        let message = format!("`half_length` is {half_length}: expected {least:.5} (no gap) to {most:.5}");
+        document.problem(place, message);
+        return None;
+    }
+    for _ in 0..60 {
+        let middle = (low + high) / 2.0;
+        if rollers.half_length_at(middle, wheel_radius) < half_length {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(low)
 }
 
 /// An omni base has four wheels with rollers in a fixed order, as its kinematics and its encoders count them.

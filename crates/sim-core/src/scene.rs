@@ -285,12 +285,24 @@ pub struct Rollers {
     pub axis_circle: f64,
     /// Angle between the two axes, rad; positive where the roller at the ground points forward-right.
     pub angle: f64,
+    /// Phase of the contact at the end of a roller, rad: pi / count hands over to the next roller without a gap or an
+    /// overlap, more makes longer rollers.
+    pub last_phase: f64,
     /// Mass of one roller, kg.
     pub mass: f64,
     /// Viscous friction of its bearing, N m s/rad.
     pub damping: f64,
     /// What it is made of.
     pub material: Material,
+}
+
+impl Rollers {
+    /// Half the length of a roller along its axis, m, that ends at a phase (Gfrerrer, "Geometry and kinematics of the
+    /// Mecanum wheel").
+    pub fn half_length_at(&self, phase: f64, wheel_radius: f64) -> f64 {
+        let (sin, cos) = self.angle.abs().sin_cos();
+        wheel_radius * phase.sin() * sin + self.axis_circle * phase.tan() * cos.powi(2) / sin
+    }
 }
 
 /// A battery that falls linearly, whatever the robot does (Battery.uc:44-129).

@@ -238,7 +238,15 @@ mod tests {
         for sign in [1.0, -1.0] {
             let angle = sign * std::f64::consts::FRAC_PI_4;
             let material = material.clone();
-            let rollers = Rollers { count: 6, axis_circle: 0.0475, angle, mass: 0.1, damping: 0.0, material };
+            let rollers = Rollers {
+                count: 6,
+                axis_circle: 0.0475,
+                angle,
+                last_phase: std::f64::consts::PI / 6.0,
+                mass: 0.1,
+                damping: 0.0,
+                material,
+            };
             for (index, ([x, z], axis)) in (0..).zip(table) {
                 let pose = roller_pose(&rollers, index);
                 let place = pose.translation.vector - Vector3::new(x, 0.0, z);

@@ -32,15 +32,14 @@ pub(super) struct RollerShape {
 }
 
 impl RollerShape {
-    /// A roller that hands over to the next one without a gap.
+    /// The roller of a wheel.
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
         let sin = rollers.angle.abs().sin();
-        let last_phase = std::f64::consts::PI / f64::from(rollers.count);
         Self {
             wheel_radius: wheel_radius as Real,
             axis_circle: rollers.axis_circle as Real,
             sin_angle: sin as Real,
-            half_axis: (rollers.axis_circle * last_phase.tan() / sin) as Real,
+            half_axis: (rollers.axis_circle * rollers.last_phase.tan() / sin) as Real,
         }
     }
 
@@ -196,13 +195,16 @@ impl Shape for RollerShape {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
     use crate::scene::Material;
 
     fn youbot() -> RollerShape {
         let angle = std::f64::consts::FRAC_PI_4;
         let material = Material::default();
-        let rollers = Rollers { count: 6, axis_circle: 0.036, angle, mass: 0.1, damping: 0.0, material };
+        let rollers =
+            Rollers { count: 6, axis_circle: 0.036, angle, last_phase: PI / 6.0, mass: 0.1, damping: 0.0, material };
         RollerShape::new(&rollers, 0.05)
     }
 

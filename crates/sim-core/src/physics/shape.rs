@@ -61,34 +61,24 @@ pub(super) fn roller(rollers: &Rollers, wheel_radius: f64) -> SharedShape {
 
 /// Mass of a roller along the x axis, as a solid of the exact profile.
 pub(super) fn roller_mass(rollers: &Rollers, wheel_radius: f64) -> MassProperties {
-    let (axial, transverse) = Profile::new(rollers, wheel_radius).inertia_per_mass();
+    let (axial, transverse) = Profile { rollers, wheel_radius }.inertia_per_mass();
     let [axial, transverse] = [axial, transverse].map(|inertia| (inertia * rollers.mass) as Real);
     MassProperties::new(Vector::ZERO, rollers.mass as Real, Vector::new(axial, transverse, transverse))
 }
 
 /// The outline of a Mecanum roller (Gfrerrer, "Geometry and kinematics of the Mecanum wheel").
-struct Profile {
+struct Profile<'a> {
+    rollers: &'a Rollers,
     wheel_radius: f64,
-    axis_circle: f64,
-    sin: f64,
-    cos: f64,
-    /// Largest phase, rad: half the angle between two rollers.
-    last_phase: f64,
 }
 
-impl Profile {
-    fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
-        let (sin, cos) = rollers.angle.abs().sin_cos();
-        let last_phase = PI / f64::from(rollers.count);
-        Self { wheel_radius, axis_circle: rollers.axis_circle, sin, cos, last_phase }
-    }
-
+impl Profile<'_> {
     /// Place on the axis and radius of the outline at a phase of the contact.
     fn at(&self, phase: f64) -> (f64, f64) {
-        let along =
-            self.wheel_radius * phase.sin() * self.sin + self.axis_circle * phase.tan() * self.cos.powi(2) / self.sin;
-        let radius =
-            (self.wheel_radius * phase.cos() - self.axis_circle) * (1.0 + (self.cos * phase.tan()).powi(2)).sqrt();
+        let along = self.rollers.half_length_at(phase, self.wheel_radius);
+        let cos_angle = self.rollers.angle.abs().cos();
+        let radius = (self.wheel_radius * phase.cos() - self.rollers.axis_circle)
+            * (1.0 + (cos_angle * phase.tan()).powi(2)).sqrt();
         (along, radius)
     }
 
@@ -96,9 +86,9 @@ impl Profile {
     fn inertia_per_mass(&self) -> (f64, f64) {
         const DISCS: u32 = 200;
         let (mut volume, mut axial, mut transverse) = (0.0, 0.0, 0.0);
-        let mut edge = self.at(-self.last_phase);
+        let mut edge = self.at(-self.rollers.last_phase);
         for disc in 1..=DISCS {
-            let next = self.at(self.last_phase * (2.0 * f64::from(disc) / f64::from(DISCS) - 1.0));
+            let next = self.at(self.rollers.last_phase * (2.0 * f64::from(disc) / f64::from(DISCS) - 1.0));
             let (thickness, along, radius) = (next.0 - edge.0, (next.0 + edge.0) / 2.0, (next.1 + edge.1) / 2.0);
             let disc_volume = PI * radius * radius * thickness;
             volume += disc_volume;
@@ -118,9 +108,17 @@ mod tests {
     #[test]
     fn the_profile_has_the_known_numbers() {
         let material = Material::default();
-        let rollers = Rollers { count: 6, axis_circle: 0.036, angle: PI / 4.0, mass: 1.0, damping: 0.0, material };
-        let profile = Profile::new(&rollers, 0.05);
-        let (end, end_radius) = profile.at(profile.last_phase);
+        let rollers = Rollers {
+            count: 6,
+            axis_circle: 0.036,
+            angle: PI / 4.0,
+            last_phase: std::f64::consts::PI / 6.0,
+            mass: 1.0,
+            damping: 0.0,
+            material,
+        };
+        let profile = Profile { rollers: &rollers, wheel_radius: 0.05 };
+        let (end, end_radius) = profile.at(rollers.last_phase);
         assert!((2.0 * end - 0.06475).abs() < 1e-5, "length {end}");
         assert!((end_radius - 0.00789).abs() < 1e-5, "end radius {end_radius}");
         let (axial, transverse) = profile.inertia_per_mass();
