@@ -139,7 +139,7 @@ sensors! {
 }
 
 /// A vector for a message.
-fn floats(vector: [f64; 3]) -> [f32; 3] {
+pub(crate) fn floats(vector: [f64; 3]) -> [f32; 3] {
     vector.map(|component| component as f32)
 }
 

@@ -13,6 +13,7 @@ use nalgebra::Vector3;
 
 use crate::physics::Physics;
 use crate::scene::{self, NamedPose, Pose, WorldDef};
+use crate::sensor::floats;
 use crate::{BodyState, WheelState};
 use robot::Robot;
 
@@ -220,7 +221,6 @@ impl World {
 }
 
 fn wire_pose(pose: &NamedPose) -> WirePose {
-    let floats = |vector: [f64; 3]| vector.map(|component| component as f32);
     WirePose { name: pose.name.clone(), location: floats(pose.position), rotation: floats(pose.rotation) }
 }
 

@@ -5,6 +5,7 @@ use gamebots_proto::message::{Conf, Geo, ItemGeo, RobotConf, RobotGeo};
 
 use super::centre_of_mass;
 use super::robot::Robot;
+use crate::sensor::floats;
 
 /// The robot's configuration, or that of every matching item; `None` where nothing matches.
 pub(super) fn conf(robot: &Robot, ask: &GetConf) -> Option<Conf> {
@@ -69,8 +70,4 @@ fn wire_name(robot: &Robot, asked: &str) -> String {
 
 fn matching<'a>(robot: &'a Robot, type_name: &'a str, name: &'a str) -> impl Iterator<Item = &'a super::robot::Item> {
     robot.items().iter().filter(move |item| item.matches(type_name, name))
-}
-
-fn floats(vector: [f64; 3]) -> [f32; 3] {
-    vector.map(|component| component as f32)
 }
