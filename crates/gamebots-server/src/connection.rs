@@ -45,21 +45,16 @@ pub(crate) async fn serve(id: ConnectionId, stream: TcpStream, events: Sender<Ev
     let writer = write_lines(write, &outbox, stall_timeout);
     tokio::pin!(writer);
     let reader = read_lines(id, read, &outbox, &events);
-    let end = tokio::select! {
-        end = reader => Some(end),
-        end = &mut writer => {
-            info!(connection = id, reason = end, "client disconnected");
-            None
-        }
+    let (reason, may_still_write) = tokio::select! {
+        reason = reader => (reason, true),
+        reason = &mut writer => (reason, false),
     };
     // The world closes the outbox when it has seen this, so that the last answers are still sent.
     let told = events.send(Event::Closed(id)).await.is_ok();
-    if let Some(end) = end {
-        if told {
-            writer.await;
-        }
-        info!(connection = id, reason = end, "client disconnected");
+    if told && may_still_write {
+        writer.await;
     }
+    info!(connection = id, reason, "client disconnected");
 }
 
 /// Reads until the client ends the stream; its last fragment counts as a line.
