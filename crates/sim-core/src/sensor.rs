@@ -1,6 +1,6 @@
 //! Sensors: one file each, with its configuration, its measurement, and its CONF.
 //!
-//! To add one: write its file, then add its line to the list at the bottom of this one.
+//! To add one: write its file, then add its line to the list `sensors!` below.
 
 mod battery;
 mod camera;
@@ -150,13 +150,9 @@ impl Config {
     /// What was expected, in words.
     pub fn validate(&self) -> Result<(), &'static str> {
         match self {
-            Self::RangeScanner(config) => {
-                range_scanner::validate(config.max_range, config.resolution, config.field_of_view)
-            }
-            Self::Sick(config) => range_scanner::validate(config.max_range, config.resolution, config.field_of_view),
-            Self::HokuyoUrg04Lx(config) => {
-                range_scanner::validate(config.max_range, config.resolution, config.field_of_view)
-            }
+            Self::RangeScanner(config) => config.validate(),
+            Self::Sick(config) => config.validate(),
+            Self::HokuyoUrg04Lx(config) => config.validate(),
             Self::Sonar(config) => config.validate(),
             Self::Encoder(config) => config.validate(),
             Self::Ins(config) => config.validate(),

@@ -22,7 +22,7 @@ pub(crate) struct RobotBodies {
 }
 
 impl RobotBodies {
-    /// The body that carries the sensors.
+    /// Whether a body is one of the robot's.
     pub(super) fn contains(&self, body: RigidBodyHandle) -> bool {
         self.all.contains(&body)
     }

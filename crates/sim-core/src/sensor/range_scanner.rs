@@ -48,6 +48,20 @@ macro_rules! scanner {
         }
 
         impl $name {
+            /// Numbers that a scan can be made with.
+            pub(super) fn validate(&self) -> Result<(), &'static str> {
+                let good = self.max_range > 0.0
+                    && self.max_range <= 10_000.0
+                    && (0.0..=std::f64::consts::TAU).contains(&self.field_of_view)
+                    && self.resolution > 0.0
+                    && self.field_of_view / self.resolution <= 10_000.0;
+                if good {
+                    Ok(())
+                } else {
+                    Err("max_range 0 to 10000 m, field_of_view 0 to 2 pi, resolution more than 0 and at most 10000 beams")
+                }
+            }
+
             pub(super) fn build(&self, mount: Mount) -> Mounted {
                 let (yaw, pitch) = (self.yaw, self.pitch);
                 let resolution = rotation_units(self.resolution).max(1);
@@ -79,20 +93,6 @@ scanner! {
 scanner! {
     /// Hokuyo URG-04LX (DefaultUSAR.ini:94-98).
     HokuyoUrg04Lx { max_range: 4.0, field_of_view: 4.189, resolution: 0.0184086914 }
-}
-
-/// Numbers that a scan can be made with.
-pub(super) fn validate(max_range: f64, resolution: f64, field_of_view: f64) -> Result<(), &'static str> {
-    let good = max_range > 0.0
-        && max_range <= 10_000.0
-        && (0.0..=std::f64::consts::TAU).contains(&field_of_view)
-        && resolution > 0.0
-        && field_of_view / resolution <= 10_000.0;
-    if good {
-        Ok(())
-    } else {
-        Err("max_range 0 to 10000 m, field_of_view 0 to 2 pi, resolution more than 0 and at most 10000 beams")
-    }
 }
 
 /// Directions in the sensor frame: the first at +field of view / 2 (right, or up), then on by the resolution.
