@@ -4,7 +4,7 @@
 
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Problem};
-use kinematics::FiniteRollers;
+use kinematics::{FiniteRollers, Twist};
 use nalgebra::UnitQuaternion;
 use sim_core::scene::WorldDef;
 use sim_core::{BodyState, Options, RobotId, WheelState, World, drive};
@@ -49,13 +49,12 @@ impl Motion {
         }
     }
 
-    /// What a radian of the wheels is worth by the exact kinematics, in the mean: m, or rad for turning.
-    fn exact_per_radian(self, kinematics: &FiniteRollers) -> f64 {
-        let textbook = kinematics.base.forward(self.signs());
+    /// Its part of a twist: m/s, or rad/s for turning.
+    fn of(self, twist: Twist) -> f64 {
         match self {
-            Self::Forward => textbook.forward,
-            Self::Right => textbook.right * kinematics.mean_lateral_ratio(),
-            Self::Clockwise => textbook.clockwise * kinematics.mean_rotation_ratio(),
+            Self::Forward => twist.forward,
+            Self::Right => twist.right,
+            Self::Clockwise => twist.clockwise,
         }
     }
 }
@@ -79,7 +78,9 @@ pub struct Course {
     world: World,
     robots: Vec<RobotId>,
     kinematics: FiniteRollers,
-    from: Vec<(BodyState, Vec<WheelState>)>,
+    from: Vec<BodyState>,
+    /// Angles of the four wheels of each robot, at the start and after every step.
+    wheels: Vec<Vec<[f64; 4]>>,
     motion: Motion,
     lowest: f64,
     highest: f64,
@@ -92,7 +93,7 @@ pub struct Travel {
     pub moved: [f64; 3],
     /// Mean angle that the wheels turned, rad.
     pub turned: f64,
-    /// The way over the exact one for the angle that the wheels turned.
+    /// The way over the exact one for the angles that the wheels turned.
     pub ratio: f64,
     /// Highest less lowest place of the first robot's body, m.
     pub ripple: f64,
@@ -122,7 +123,7 @@ impl Course {
             robots.push(world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?);
         }
         let (lowest, highest) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut course = Self { world, robots, kinematics, from: Vec::new(), motion, lowest, highest };
+        let mut course = Self { world, robots, kinematics, from: Vec::new(), wheels: Vec::new(), motion, lowest, highest };
         course.run(SETTLING);
         let [front_left, front_right, back_left, back_right] = motion.signs().map(|sign| Some(sign * speed));
         let drive = Command::Drive(Drive { front_left, front_right, back_left, back_right, ..Drive::default() });
@@ -130,7 +131,9 @@ impl Course {
             course.world.apply(robot, &drive, &mut Vec::new());
         }
         course.run(SPIN_UP);
-        course.from = course.robots.iter().filter_map(|&robot| course.world.state(robot)).collect();
+        let states: Vec<_> = course.robots.iter().filter_map(|&robot| course.world.state(robot)).collect();
+        course.from = states.iter().map(|(body, _)| *body).collect();
+        course.wheels = states.iter().map(|(_, wheels)| vec![angles(wheels)]).collect();
         (course.lowest, course.highest) = (f64::INFINITY, f64::NEG_INFINITY);
         Ok(course)
     }
@@ -139,34 +142,47 @@ impl Course {
     pub fn run(&mut self, seconds: f64) {
         for _ in 0..(seconds / self.world.time_step()).round() as u64 {
             self.world.step();
-            if let Some((body, _)) = self.robots.first().and_then(|&robot| self.world.state(robot)) {
+            for (index, &robot) in self.robots.iter().enumerate() {
+                let Some((body, wheels)) = self.world.state(robot) else { continue };
                 let height = -body.pose.translation.z;
-                (self.lowest, self.highest) = (self.lowest.min(height), self.highest.max(height));
+                if index == 0 {
+                    (self.lowest, self.highest) = (self.lowest.min(height), self.highest.max(height));
+                }
+                if let Some(track) = self.wheels.get_mut(index) {
+                    track.push(angles(&wheels));
+                }
             }
         }
     }
 
     /// What the robots did since the start, turning less than half a turn.
     pub fn travel(&self) -> Option<Travel> {
-        let travels = self.robots.iter().zip(&self.from).filter_map(|(&robot, from)| {
-            let to = self.world.state(robot)?;
-            Some(self.travel_of(from, &to))
+        let travels = self.robots.iter().zip(&self.from).enumerate().filter_map(|(index, (&robot, from))| {
+            let (to, _) = self.world.state(robot)?;
+            let start: UnitQuaternion<f64> = from.pose.rotation;
+            let way = start.inverse() * (to.pose.translation.vector - from.pose.translation.vector);
+            let (_, _, yaw) = (start.inverse() * to.pose.rotation).euler_angles();
+            let (first, last) = (self.wheels[index].first()?, self.wheels[index].last()?);
+            let turned = first.iter().zip(last).map(|(first, last)| (last - first).abs()).sum::<f64>() / 4.0;
+            let moved = [way.x, way.y, yaw];
+            let ratio = moved[self.motion as usize] / self.exact(index);
+            Some(Travel { moved, turned, ratio, ripple: self.highest - self.lowest })
         });
         travels.max_by(|a, b| (a.ratio - 1.0).abs().total_cmp(&(b.ratio - 1.0).abs()))
     }
 
-    fn travel_of(
-        &self,
-        (from, wheels_from): &(BodyState, Vec<WheelState>),
-        to: &(BodyState, Vec<WheelState>),
-    ) -> Travel {
-        let start: UnitQuaternion<f64> = from.pose.rotation;
-        let way = start.inverse() * (to.0.pose.translation.vector - from.pose.translation.vector);
-        let (_, _, yaw) = (start.inverse() * to.0.pose.rotation).euler_angles();
-        let angles = wheels_from.iter().zip(&to.1).map(|(from, to)| (to.angle - from.angle).abs());
-        let turned = angles.sum::<f64>() / wheels_from.len() as f64;
-        let moved = [way.x, way.y, yaw];
-        let ratio = moved[self.motion as usize] / (self.motion.exact_per_radian(&self.kinematics) * turned);
-        Travel { moved, turned, ratio, ripple: self.highest - self.lowest }
+    /// The way by the exact kinematics for the angles that the wheels of a robot had after every step: the rollers that
+    /// touch change on the way.
+    fn exact(&self, robot: usize) -> f64 {
+        let steps = self.wheels[robot].windows(2).map(|pair| {
+            let turned = std::array::from_fn(|wheel| pair[1][wheel] - pair[0][wheel]);
+            let phases = std::array::from_fn(|wheel| self.kinematics.phase((pair[0][wheel] + pair[1][wheel]) / 2.0));
+            self.motion.of(self.kinematics.forward(turned, phases))
+        });
+        steps.sum()
     }
+}
+
+fn angles(wheels: &[WheelState]) -> [f64; 4] {
+    std::array::from_fn(|wheel| wheels.get(wheel).map_or(0.0, |wheel| wheel.angle))
 }

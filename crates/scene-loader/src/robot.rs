@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
-use sim_core::scene::{self, Battery, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel};
+use sim_core::scene::{self, Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel};
 use sim_core::sensor;
 
 use crate::document::{Document, Table, Vector};
@@ -13,7 +13,7 @@ use crate::problem::Problems;
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
-const KEYS: &str = "description, steering, one_side_drives, reported_max_torque, urdf, urdf_material, part, wheels, rollers, wheel, \
+const KEYS: &str = "description, steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, part, wheels, rollers, wheel, \
                     caster, sensor, battery";
 
 #[derive(Clone, Copy, Deserialize)]
@@ -113,6 +113,10 @@ pub(crate) fn read(
     let (mut document, mut root) = Document::parse(&shown, text, problems);
     let description = document.required(&mut root, "description", "one sentence about the robot");
     let steering: Option<SteeringEntry> = document.required(&mut root, "steering", "\"skid\" or \"omni\"");
+    let drive_model = read_drive_model(&mut document, &mut root);
+    if drive_model != DriveModel::Bodies && !matches!(steering, Some(SteeringEntry::Omni)) {
+        document.problem(&(0..0), "`drive_model` other than \"bodies\": expected steering \"omni\"");
+    }
     let one_side_drives = document.optional(&mut root, "one_side_drives").unwrap_or(false);
     let reported_max_torque = document.optional(&mut root, "reported_max_torque").unwrap_or(50000.0);
     let urdf = read_urdf(source, &mut document, &mut root, materials);
@@ -139,6 +143,7 @@ pub(crate) fn read(
         class: class.to_owned(),
         description: description?,
         steering: steering?,
+        drive_model,
         one_side_drives,
         parts,
         solids,
@@ -146,6 +151,14 @@ pub(crate) fn read(
         sensors,
         battery,
         reported_max_torque,
+    })
+}
+
+fn read_drive_model<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> DriveModel {
+    let Some((span, name)) = document.section::<String>(root, "drive_model") else { return DriveModel::default() };
+    name.parse().unwrap_or_else(|error: String| {
+        document.problem(&span, error);
+        DriveModel::default()
     })
 }
 

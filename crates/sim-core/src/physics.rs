@@ -2,10 +2,14 @@
 
 mod contact;
 mod convert;
+mod motor;
 mod query;
+mod rigid_base;
 mod robot;
 mod roller;
 mod shape;
+mod traction;
+mod wheel_contact;
 
 use nalgebra::Vector3;
 use rapier3d::prelude::*;

@@ -148,6 +148,47 @@ impl Steering {
     }
 }
 
+/// How the wheels of a Mecanum robot move it. Other robots are always made of bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DriveModel {
+    /// Chassis, wheels and rollers are bodies of the engine, their contacts Coulomb's: the reference.
+    #[default]
+    Bodies,
+    /// One body; rollers without inertia whose forces are found in closed form for all wheels together.
+    Analytic,
+    /// The base follows the twist of its wheels' commands, counted with finite rollers, as long as it stands on something.
+    Kinematic,
+    /// The same by the textbook's matrix.
+    KinematicTextbook,
+}
+
+impl DriveModel {
+    /// All of them, with their names in robot.toml and on the command line.
+    pub const ALL: [(&str, Self); 4] = [
+        ("bodies", Self::Bodies),
+        ("analytic", Self::Analytic),
+        ("kinematic", Self::Kinematic),
+        ("kinematic-textbook", Self::KinematicTextbook),
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+}
+
+impl std::str::FromStr for DriveModel {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let known = Self::ALL.iter().find(|(known, _)| *known == name);
+        known.map(|&(_, model)| model).ok_or_else(|| {
+            let names = Self::ALL.map(|(name, _)| name).join(", ");
+            format!("unknown drive model `{name}`: expected one of {names}")
+        })
+    }
+}
+
 /// The side of a wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -166,6 +207,8 @@ pub struct RobotDef {
     pub description: String,
     /// How it is steered.
     pub steering: Steering,
+    /// How its wheels move it.
+    pub drive_model: DriveModel,
     /// Whether `{Left ..}` or `{Right ..}` alone moves its side. USARSim (UDK) wants both; controllers of UT2004's
     /// robots send one.
     pub one_side_drives: bool,

@@ -136,7 +136,7 @@ impl World {
         };
         match command {
             Command::Drive(drive) => {
-                robot.drive(drive, &mut self.physics, problems);
+                robot.drive(drive, problems);
                 Vec::new()
             }
             Command::Set(set) => robot.set(set, &self.physics, time),
@@ -151,12 +151,15 @@ impl World {
 
     /// One time step: physics first, then the wheels are read, then whatever is due reports, robot by robot.
     pub fn step(&mut self) -> Vec<(RobotId, Message)> {
+        for robot in self.robots.values_mut() {
+            robot.before_step(&mut self.physics);
+        }
         self.physics.step();
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
         let mut messages = Vec::new();
         for (&id, robot) in &mut self.robots {
-            robot.after_step(&self.physics);
+            robot.after_step(&mut self.physics);
             robot.report(&self.physics, time, steps, |message| messages.push((id, message)));
         }
         messages
@@ -170,7 +173,7 @@ impl World {
     /// Pose and velocity of a robot, and its wheels.
     pub fn state(&self, id: RobotId) -> Option<(BodyState, Vec<WheelState>)> {
         let robot = self.robots.get(&id)?;
-        Some((self.physics.body(robot.bodies()), self.physics.wheels(robot.bodies())))
+        Some((self.physics.body(robot.bodies()), robot.bodies().wheels()))
     }
 
     /// A number that two worlds share only if every body has the same bits in the same step.
@@ -178,6 +181,9 @@ impl World {
         let mut hash = seed::Fnv::default();
         hash.mix(&self.steps.to_le_bytes());
         self.physics.digest(|bits| hash.mix(&bits.to_le_bytes()));
+        for robot in self.robots.values() {
+            robot.bodies().digest(|bits| hash.mix(&bits.to_le_bytes()));
+        }
         hash.value()
     }
 

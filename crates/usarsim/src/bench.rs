@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use experiments::{Course, Motion};
 use serde_json::json;
-use sim_core::scene::WorldDef;
+use sim_core::scene::{DriveModel, WorldDef};
 use sim_core::{Options, TIME_STEP};
 
 use crate::{Failure, exit, print};
@@ -19,6 +19,9 @@ pub(crate) struct Arguments {
     /// A robot class with Mecanum wheels, or the path of its robot.toml.
     #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
     robot: String,
+    /// How its wheels move it: bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
+    #[arg(long, value_name = "MODEL")]
+    drive_model: Option<DriveModel>,
     /// How many of them drive side by side.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     robots: u32,
@@ -52,7 +55,8 @@ fn time_step(text: &str) -> Result<f64, String> {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { robot, robots, seconds, dt, map, .. } = arguments;
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
-    let robot = scene_loader::robot(robot).map_err(broken)?;
+    let mut robot = scene_loader::robot(robot).map_err(broken)?;
+    robot.drive_model = arguments.drive_model.unwrap_or(robot.drive_model);
     let class = robot.class.clone();
     let map = scene_loader::map(map).map_err(broken)?;
     let map_name = map.name.clone();

@@ -17,7 +17,7 @@ use rapier3d::parry::query::{
 };
 use rapier3d::parry::shape::{ConvexPolyhedron, PackedFeatureId, Shape};
 
-use super::roller::RollerShape;
+use super::roller::{HALVINGS, RollerShape};
 
 /// Cosine above which two normals are the same plane's.
 const SAME_NORMAL: Real = 1.0 - 1e-6;
@@ -28,40 +28,80 @@ pub(super) struct RollerDispatcher;
 type Manifold = ContactManifold<ContactManifoldData, ContactData>;
 
 /// Where a roller touches another shape, in the frame of that shape.
-struct Touch {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
     /// From the other shape to the roller.
-    normal: Vector,
+    pub(super) normal: Vector,
     /// Place on the roller's axis.
-    along: Real,
+    pub(super) along: Real,
     /// Gap; negative where they overlap.
-    gap: Real,
+    pub(super) gap: Real,
 }
 
-fn touch(roller: &RollerShape, pose: &Pose, other: &dyn Shape) -> Option<Touch> {
+/// The touch of a roller with a convex shape, or part of one, if it is as near as the prediction. `pose` is the
+/// roller's in the frame of the other.
+pub(super) fn touch_part(
+    roller: &RollerShape,
+    pose: &Pose,
+    part: &dyn Shape,
+    constraints: Option<&dyn NormalConstraints>,
+    prediction: Real,
+) -> Option<Touch> {
+    let touch = touch(roller, pose, part, prediction)?;
+    let Some(constraints) = constraints else { return Some(touch) };
+    // An edge inside of a mesh is no edge: the face beside it holds the roller.
+    let (mut normal, mut back) = (touch.normal, pose.rotation.inverse() * -touch.normal);
+    let allowed = (Some(constraints), None).project_local_normals(pose, &mut normal, &mut back);
+    (allowed && normal.dot(touch.normal) >= SAME_NORMAL).then_some(touch)
+}
+
+/// The gap along the axis is convex: from its value and slope at one place follows the least that it can be anywhere,
+/// which spares the search where the shape is out of reach.
+fn touch(roller: &RollerShape, pose: &Pose, other: &dyn Shape, prediction: Real) -> Option<Touch> {
     let axis = pose.rotation * Vector::X;
     let centre = |along: Real| pose.translation + axis * along;
-    let plane = |normal: Vector, at: Vector| {
-        let along = roller.farthest_along(-normal.dot(axis));
-        Touch { normal, along, gap: normal.dot(centre(along) - at) - roller.radius_at(along) }
-    };
     if let Some(half_space) = other.as_halfspace() {
-        return Some(plane(half_space.normal, Vector::ZERO));
+        let normal = half_space.normal;
+        let along = roller.farthest_along(-normal.dot(axis));
+        return within(Touch { normal, along, gap: normal.dot(centre(along)) - roller.radius_at(along) }, prediction);
     }
-    let (_, normal) = distance(other, centre(0.0))?;
-    let along = roller.farthest_along(-normal.dot(axis));
-    let (gap, there) = distance(other, centre(along))?;
-    if normal.dot(there) > SAME_NORMAL {
-        return Some(Touch { normal: there, along, gap: gap - roller.radius_at(along) });
+    let touch_at = |along: Real| {
+        let (distance, normal) = distance(other, centre(along))?;
+        Some(Touch { normal, along, gap: distance - roller.radius_at(along) })
+    };
+    let slope = |touch: &Touch| touch.normal.dot(axis) + roller.taper_at(touch.along);
+    let (mut low, mut high) = roller.axis_ends();
+    let middle = touch_at(0.0)?;
+    if middle.gap - slope(&middle).abs() * high > prediction {
+        return None;
     }
-    // An edge or a corner is near: the gap grows along the axis where the normal and the taper lean that way.
-    let slope = |along: Real| distance(other, centre(along)).map_or(0.0, |(_, normal)| normal.dot(axis));
-    let along = roller.search(|along| slope(along) + roller.taper_at(along));
-    let (gap, normal) = distance(other, centre(along))?;
-    Some(Touch { normal, along, gap: gap - roller.radius_at(along) })
+    let face = touch_at(roller.farthest_along(-middle.normal.dot(axis)))?;
+    if face.normal.dot(middle.normal) > SAME_NORMAL {
+        return within(face, prediction);
+    }
+    // An edge or a corner is near.
+    let mut touch = face;
+    for _ in 0..HALVINGS {
+        touch = touch_at((low + high) / 2.0)?;
+        let slope = slope(&touch);
+        if touch.gap - slope.abs() * (high - low) / 2.0 > prediction {
+            return None;
+        }
+        if slope > 0.0 {
+            high = touch.along;
+        } else {
+            low = touch.along;
+        }
+    }
+    within(touch, prediction)
+}
+
+fn within(touch: Touch, prediction: Real) -> Option<Touch> {
+    (touch.gap <= prediction).then_some(touch)
 }
 
 /// Signed distance of a point from a convex shape and the direction away from it.
-fn distance(shape: &dyn Shape, point: Vector) -> Option<(Real, Vector)> {
+pub(super) fn distance(shape: &dyn Shape, point: Vector) -> Option<(Real, Vector)> {
     if let Some(hull) = shape.as_convex_polyhedron()
         && let Some(found) = distance_from_face(hull, point)
     {
@@ -113,23 +153,15 @@ impl RollerDispatcher {
         manifold: &mut Manifold,
     ) {
         let old_points = std::mem::take(&mut manifold.points);
-        let Some(Touch { normal, along, gap }) = touch(roller, pose, other).filter(|touch| touch.gap <= prediction)
-        else {
+        let Some(Touch { normal, along, gap }) = touch_part(roller, pose, other, constraints, prediction) else {
             return;
         };
-        let back = pose.rotation.inverse();
-        let (mut normal1, mut normal2) = (normal, back * -normal);
-        // An edge inside of a mesh is no edge: the face beside it holds the roller.
-        let allowed = (constraints, None).project_local_normals(pose, &mut normal1, &mut normal2);
-        if !allowed || normal1.dot(normal) < SAME_NORMAL {
-            return;
-        }
-        let radius = roller.radius_at(along);
-        let on_roller = Vector::X * along + normal2 * radius;
+        let back = pose.rotation.inverse() * -normal;
+        let on_roller = Vector::X * along + back * roller.radius_at(along);
         let on_other = pose * on_roller - normal * gap;
         let feature = PackedFeatureId::face(0);
         manifold.points.push(TrackedContact::flipped(on_other, on_roller, feature, feature, gap, flipped));
-        (manifold.local_n1, manifold.local_n2) = if flipped { (normal2, normal1) } else { (normal1, normal2) };
+        (manifold.local_n1, manifold.local_n2) = if flipped { (back, normal) } else { (normal, back) };
         manifold.match_contacts(&old_points);
     }
 }

@@ -2,23 +2,35 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rapier3d::glamx::Mat3;
 use rapier3d::prelude::*;
 
+use super::motor::{Servo, Torque};
+use super::rigid_base::{Mass, RigidBase};
 use super::{BodyState, Physics, WheelState, convert, shape, with_material};
-use crate::scene::{Part, Pose, RobotDef, Rollers, Wheel};
+use crate::scene::{DriveModel, Part, Pose, RobotDef, Rollers, Wheel};
 
 /// The bodies of one robot.
 pub(crate) struct RobotBodies {
     chassis: RigidBodyHandle,
     /// Every body, chassis first, for removal.
     all: Vec<RigidBodyHandle>,
-    /// Joints of the driven wheels, in the order of the definition.
-    driven: Vec<MultibodyJointHandle>,
-    /// Angles of the driven wheels: kept in f64, where the engine's f32 would lose digits within minutes.
-    angles: Vec<f64>,
-    speeds: Vec<f64>,
+    drivetrain: Drivetrain,
+}
+
+/// What turns the wheels.
+enum Drivetrain {
+    Multibody(Vec<MultibodyWheel>),
+    Rigid(Box<RigidBase>),
+}
+
+/// A driven wheel, in the order of the definition.
+struct MultibodyWheel {
+    joint: MultibodyJointHandle,
+    servo: Servo,
+    /// Its angle in f64, where the engine's f32 would lose digits within minutes.
+    state: WheelState,
 }
 
 impl RobotBodies {
@@ -26,25 +38,83 @@ impl RobotBodies {
     pub(super) fn contains(&self, body: RigidBodyHandle) -> bool {
         self.all.contains(&body)
     }
+
+    /// Sets the targets of the wheel servos, rad/s.
+    pub(crate) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
+        match &mut self.drivetrain {
+            Drivetrain::Multibody(wheels) => {
+                wheels.iter_mut().zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
+            }
+            Drivetrain::Rigid(base) => base.set_wheel_speeds(speeds),
+        }
+    }
+
+    /// The driven wheels, in order.
+    pub(crate) fn wheels(&self) -> Vec<WheelState> {
+        match &self.drivetrain {
+            Drivetrain::Multibody(wheels) => wheels.iter().map(|wheel| wheel.state).collect(),
+            Drivetrain::Rigid(base) => base.wheels().collect(),
+        }
+    }
+
+    /// Mixes what the engine does not hold into a digest.
+    pub(crate) fn digest(&self, mut mix: impl FnMut(u64)) {
+        self.wheels().iter().flat_map(|wheel| [wheel.angle, wheel.speed]).for_each(|number| mix(number.to_bits()));
+        if let Drivetrain::Rigid(base) = &self.drivetrain {
+            let (pose, (linear, angular)) = (base.pose(), base.velocity());
+            let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter());
+            numbers.chain(linear.iter()).chain(angular.iter()).for_each(|number| mix(number.to_bits()));
+        }
+    }
 }
 
 impl Physics {
     /// Puts a robot at a pose of its frame, at rest.
     pub(crate) fn spawn(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        let chassis = self.insert_body(pose, robot.parts.iter().map(part_mass).sum());
+        if robot.drive_model == DriveModel::Bodies { self.spawn_multibody(robot, pose) } else { self.spawn_rigid(robot, pose) }
+    }
+
+    fn spawn_multibody(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
+        let chassis = self.insert_chassis(pose, robot, robot.parts.iter().map(part_mass).sum());
+        let (mut all, mut joints) = (vec![chassis], Vec::new());
+        let mut roller_damping = Vec::new();
+        for wheel in &robot.wheels {
+            self.insert_wheel(pose, wheel, &mut all, &mut joints, &mut roller_damping);
+        }
+        self.set_joint_parameters(robot, &joints, &roller_damping);
+        let wheel = |joint| MultibodyWheel { joint, servo: Servo::default(), state: WheelState::default() };
+        let drivetrain = Drivetrain::Multibody(joints.into_iter().map(wheel).collect());
+        RobotBodies { chassis, all, drivetrain }
+    }
+
+    fn spawn_rigid(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
+        let mass = total_mass(robot);
+        let chassis = self.insert_chassis(pose, robot, engine_mass(mass.mass, mass.centre, mass.inertia));
+        for wheel in &robot.wheels {
+            // Casters carry; wheels with rollers are only seen, by rays and by the wheels of others.
+            let collider = match &wheel.drive {
+                None => with_material(ColliderBuilder::ball(wheel.radius as Real), &wheel.material).friction(0.0),
+                Some(_) => ColliderBuilder::cylinder((wheel.width / 2.0) as Real, wheel.radius as Real)
+                    .collision_groups(InteractionGroups::none()),
+            };
+            let collider = collider.translation(convert::vector(wheel.position)).density(0.0);
+            self.world.insert_collider(collider, Some(chassis));
+        }
+        if let Some(body) = self.world.bodies.get_mut(chassis) {
+            // Gravity comes in with the forces of the wheels.
+            body.set_gravity_scale(0.0, false);
+        }
+        let base = RigidBase::new(chassis, robot, mass, *pose);
+        RobotBodies { chassis, all: vec![chassis], drivetrain: Drivetrain::Rigid(Box::new(base)) }
+    }
+
+    fn insert_chassis(&mut self, pose: &Pose, robot: &RobotDef, mass: MassProperties) -> RigidBodyHandle {
+        let chassis = self.insert_body(pose, mass);
         for solid in &robot.solids {
             let collider = shape::collider(&solid.shape, &solid.pose, &solid.material);
             self.world.insert_collider(collider, Some(chassis));
         }
-        let mut bodies = RobotBodies { chassis, all: vec![chassis], driven: vec![], angles: vec![], speeds: vec![] };
-        let mut roller_damping = Vec::new();
-        for wheel in &robot.wheels {
-            self.insert_wheel(pose, wheel, &mut bodies, &mut roller_damping);
-        }
-        bodies.angles = vec![0.0; bodies.driven.len()];
-        bodies.speeds = vec![0.0; bodies.driven.len()];
-        self.set_joint_parameters(robot, &bodies, &roller_damping);
-        bodies
+        chassis
     }
 
     /// Takes a robot out of the world.
@@ -54,32 +124,54 @@ impl Physics {
         }
     }
 
-    /// Sets the targets of the wheel servos, rad/s.
-    pub(crate) fn set_wheel_speeds(&mut self, robot: &RobotDef, bodies: &RobotBodies, speeds: &[f64]) {
-        let motors = robot.driven().iter().filter_map(|wheel| wheel.drive.as_ref());
-        for ((&joint, &speed), motor) in bodies.driven.iter().zip(speeds).zip(motors) {
-            if let Some((multibody, link)) = self.world.multibody_joints.get_mut(joint)
-                && let Some(link) = multibody.link_mut(link)
-            {
-                link.joint.data.set_motor_velocity(JointAxis::AngX, speed as Real, motor.gain as Real);
+    /// Gives a robot's motors and wheels their part in the coming step.
+    pub(crate) fn before_step(&mut self, robot: &RobotDef, bodies: &mut RobotBodies) {
+        match &mut bodies.drivetrain {
+            Drivetrain::Multibody(wheels) => self.set_motors(robot, wheels),
+            Drivetrain::Rigid(base) => {
+                base.solve(&self.world);
+                base.write(&mut self.world);
             }
         }
     }
 
     /// Reads the wheels after a step.
-    pub(crate) fn update_wheels(&self, bodies: &mut RobotBodies, time_step: f64) {
-        for ((&joint, angle), speed) in bodies.driven.iter().zip(&mut bodies.angles).zip(&mut bodies.speeds) {
-            if let Some((multibody, link)) = self.world.multibody_joints.get(joint)
-                && let Some(link) = multibody.link(link)
+    pub(crate) fn after_step(&mut self, bodies: &mut RobotBodies) {
+        let time_step = f64::from(self.world.integration_parameters.dt);
+        match &mut bodies.drivetrain {
+            Drivetrain::Multibody(wheels) => {
+                for MultibodyWheel { joint, state, .. } in wheels {
+                    if let Some((multibody, link)) = self.world.multibody_joints.get(*joint)
+                        && let Some(link) = multibody.link(link)
+                    {
+                        let speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| f64::from(speed));
+                        *state = WheelState { angle: state.angle + speed * time_step, speed };
+                    }
+                }
+            }
+            Drivetrain::Rigid(base) => base.advance(&mut self.world),
+        }
+    }
+
+    fn set_motors(&mut self, robot: &RobotDef, wheels: &mut [MultibodyWheel]) {
+        let time_step = f64::from(self.world.integration_parameters.dt);
+        let motors = robot.driven().iter().filter_map(|wheel| wheel.drive.as_ref());
+        for (MultibodyWheel { joint, servo, state }, motor) in wheels.iter_mut().zip(motors) {
+            let Torque { at_rest, gain } = servo.torque(motor, state.angle, state.speed, time_step);
+            if let Some((multibody, link)) = self.world.multibody_joints.get_mut(*joint)
+                && let Some(link) = multibody.link_mut(link)
             {
-                *speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| f64::from(speed));
-                *angle += *speed * time_step;
+                link.joint.data.set_motor_velocity(JointAxis::AngX, (at_rest / gain) as Real, gain as Real);
             }
         }
     }
 
     /// Pose and velocity of the robot frame.
     pub(crate) fn body(&self, bodies: &RobotBodies) -> BodyState {
+        if let Drivetrain::Rigid(base) = &bodies.drivetrain {
+            let (linear, angular) = base.velocity();
+            return BodyState { pose: *base.pose(), linear, angular };
+        }
         let body = &self.world.bodies[bodies.chassis];
         BodyState {
             pose: convert::from_pose(body.position()),
@@ -88,28 +180,31 @@ impl Physics {
         }
     }
 
-    /// The driven wheels, in order.
-    pub(crate) fn wheels(&self, bodies: &RobotBodies) -> Vec<WheelState> {
-        bodies.angles.iter().zip(&bodies.speeds).map(|(&angle, &speed)| WheelState { angle, speed }).collect()
-    }
-
     fn insert_body(&mut self, pose: &Pose, mass: MassProperties) -> RigidBodyHandle {
         let body = RigidBodyBuilder::dynamic().pose(convert::pose(pose));
         // The engine puts bodies to sleep below 0.4 m/s; a youBot drives at 0.05.
         self.world.insert_body(body.additional_mass_properties(mass).can_sleep(false))
     }
 
-    fn insert_wheel(&mut self, robot: &Pose, wheel: &Wheel, bodies: &mut RobotBodies, roller_damping: &mut Vec<Real>) {
+    fn insert_wheel(
+        &mut self,
+        robot: &Pose,
+        wheel: &Wheel,
+        all: &mut Vec<RigidBodyHandle>,
+        joints: &mut Vec<MultibodyJointHandle>,
+        roller_damping: &mut Vec<Real>,
+    ) {
+        let chassis = all[0];
         let anchor = Pose::translation(wheel.position[0], wheel.position[1], wheel.position[2]);
         let pose = robot * anchor;
         let body = self.insert_body(&pose, wheel_mass(wheel));
-        bodies.all.push(body);
+        all.push(body);
         let anchor = convert::vector(wheel.position);
         let Some(motor) = &wheel.drive else {
             let ball = with_material(ColliderBuilder::ball(wheel.radius as Real), &wheel.material).density(0.0);
             self.world.insert_collider(ball, Some(body));
             let joint = SphericalJointBuilder::new().local_anchor1(anchor);
-            self.world.multibody_joints.insert(bodies.chassis, body, joint, true);
+            self.world.multibody_joints.insert(chassis, body, joint, true);
             return;
         };
         // A positive angle about the left (-y) rolls the robot forward: the axis of USARSim's wheel joints.
@@ -118,11 +213,11 @@ impl Physics {
             .motor_velocity(0.0, motor.gain as Real)
             .motor_max_force(motor.max_torque as Real)
             .motor_model(MotorModel::ForceBased);
-        bodies.driven.extend(self.world.multibody_joints.insert(bodies.chassis, body, joint, true));
+        joints.extend(self.world.multibody_joints.insert(chassis, body, joint, true));
         match &wheel.rollers {
             Some(rollers) => {
                 roller_damping.extend(std::iter::repeat_n(rollers.damping as Real, rollers.count as usize));
-                self.insert_rollers(&pose, body, wheel.radius, rollers, bodies);
+                self.insert_rollers(&pose, body, wheel.radius, rollers, all);
             }
             None => {
                 let tread = ColliderBuilder::new(shape::tread(wheel.radius, wheel.width)).density(0.0);
@@ -137,13 +232,15 @@ impl Physics {
         wheel_body: RigidBodyHandle,
         wheel_radius: f64,
         rollers: &Rollers,
-        bodies: &mut RobotBodies,
+        all: &mut Vec<RigidBodyHandle>,
     ) {
-        let (mass, roller_shape) = (shape::roller_mass(rollers, wheel_radius), shape::roller(rollers, wheel_radius));
+        let roller_shape = shape::roller(rollers, wheel_radius);
+        let inertia = convert::vector(shape::roller_inertia(rollers, wheel_radius));
+        let mass = MassProperties::new(Vector::ZERO, rollers.mass as Real, inertia);
         for index in 0..rollers.count {
             let local = roller_pose(rollers, index);
             let body = self.insert_body(&(wheel * local), mass);
-            bodies.all.push(body);
+            all.push(body);
             let collider = with_material(ColliderBuilder::new(roller_shape.clone()), &rollers.material);
             self.world.insert_collider(collider.density(0.0), Some(body));
             let mut joint = RevoluteJointBuilder::new(Vector::X).build();
@@ -155,8 +252,8 @@ impl Physics {
     /// The robot does not collide with itself (the thesis lists 81 disabled pairs, all within one robot;
     /// collision groups could not tell 64 robots apart). Damping: by default the engine brakes every turning
     /// joint with 0.1 N m s/rad, far too much for a roller, so each is set: 0 for wheels, theirs for rollers.
-    fn set_joint_parameters(&mut self, robot: &RobotDef, bodies: &RobotBodies, roller_damping: &[Real]) {
-        let Some(&first) = bodies.driven.first() else { return };
+    fn set_joint_parameters(&mut self, robot: &RobotDef, joints: &[MultibodyJointHandle], roller_damping: &[Real]) {
+        let Some(&first) = joints.first() else { return };
         let Some((multibody, _)) = self.world.multibody_joints.get_mut(first) else { return };
         multibody.set_self_contacts_enabled(false);
         let driven = robot.driven().len();
@@ -188,7 +285,7 @@ impl Physics {
 /// Pose of a roller in the frame of its wheel, its axis along x. Roller k sits at the angle `k 2 pi / count` from the
 /// front downward; its axis leans by the roller angle from the wheel's axis toward the direction of turning (thesis
 /// Appendix A, lines 741 to 762).
-fn roller_pose(rollers: &Rollers, index: u32) -> Pose {
+pub(super) fn roller_pose(rollers: &Rollers, index: u32) -> Pose {
     let (sin_angle, cos_angle) = rollers.angle.abs().sin_cos();
     let (sin, cos) = (TAU * f64::from(index) / f64::from(rollers.count)).sin_cos();
     let centre = Vector3::new(cos, 0.0, sin) * rollers.axis_circle;
@@ -199,21 +296,57 @@ fn roller_pose(rollers: &Rollers, index: u32) -> Pose {
 }
 
 fn part_mass(part: &Part) -> MassProperties {
-    let columns: [f32; 9] = std::array::from_fn(|index| part.inertia.as_slice()[index] as f32);
-    MassProperties::with_inertia_matrix(
-        convert::vector(part.centre),
-        part.mass as Real,
-        Mat3::from_cols_array(&columns),
-    )
+    engine_mass(part.mass, part.centre, part.inertia)
 }
 
-/// A plain wheel as a solid disc; the hub of a Mecanum wheel as a disc out to the roller axes.
+fn engine_mass(mass: f64, centre: Vector3<f64>, inertia: Matrix3<f64>) -> MassProperties {
+    let columns: [f32; 9] = std::array::from_fn(|index| inertia.as_slice()[index] as f32);
+    MassProperties::with_inertia_matrix(convert::vector(centre), mass as Real, Mat3::from_cols_array(&columns))
+}
+
 fn wheel_mass(wheel: &Wheel) -> MassProperties {
+    MassProperties::new(Vector::ZERO, wheel.mass as Real, convert::vector(wheel_inertia(wheel)))
+}
+
+/// Moments of inertia, kg m²: a plain wheel as a solid disc, the hub of a Mecanum wheel as a disc out to the roller axes,
+/// a caster as a ball.
+fn wheel_inertia(wheel: &Wheel) -> [f64; 3] {
     let radius = wheel.rollers.as_ref().map_or(wheel.radius, |rollers| rollers.axis_circle);
     let spin = wheel.mass * radius * radius / 2.0;
     let tilt = wheel.mass * (3.0 * radius * radius + wheel.width * wheel.width) / 12.0;
-    let inertia = if wheel.drive.is_some() { [tilt, spin, tilt] } else { [0.4 * wheel.mass * radius * radius; 3] };
-    MassProperties::new(Vector::ZERO, wheel.mass as Real, convert::vector(inertia))
+    if wheel.drive.is_some() { [tilt, spin, tilt] } else { [0.4 * wheel.mass * radius * radius; 3] }
+}
+
+/// Mass and inertia about the centre of a wheel with its rollers.
+pub(super) fn mass_with_rollers(wheel: &Wheel) -> (f64, Matrix3<f64>) {
+    let mut inertia = Matrix3::from_diagonal(&wheel_inertia(wheel).into());
+    let Some(rollers) = &wheel.rollers else { return (wheel.mass, inertia) };
+    let own = Matrix3::from_diagonal(&shape::roller_inertia(rollers, wheel.radius).into());
+    for index in 0..rollers.count {
+        let pose = roller_pose(rollers, index);
+        let turn = pose.rotation.to_rotation_matrix();
+        inertia += turn * own * turn.inverse() + point_inertia(rollers.mass, pose.translation.vector);
+    }
+    (wheel.mass + f64::from(rollers.count) * rollers.mass, inertia)
+}
+
+/// Inertia of a point about the origin.
+fn point_inertia(mass: f64, place: Vector3<f64>) -> Matrix3<f64> {
+    (Matrix3::identity() * place.norm_squared() - place * place.transpose()) * mass
+}
+
+/// Mass of the robot with its wheels held.
+fn total_mass(robot: &RobotDef) -> Mass {
+    let wheels = robot.wheels.iter().map(|wheel| {
+        let (mass, inertia) = mass_with_rollers(wheel);
+        Mass { mass, centre: wheel.position.into(), inertia }
+    });
+    let parts = robot.parts.iter().map(|part| Mass { mass: part.mass, centre: part.centre, inertia: part.inertia });
+    let all: Vec<Mass> = parts.chain(wheels).collect();
+    let mass: f64 = all.iter().map(|part| part.mass).sum();
+    let centre = all.iter().map(|part| part.centre * part.mass).sum::<Vector3<f64>>() / mass;
+    let inertia = all.iter().map(|part| part.inertia + point_inertia(part.mass, part.centre - centre)).sum();
+    Mass { mass, centre, inertia }
 }
 
 #[cfg(test)]

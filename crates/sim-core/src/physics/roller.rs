@@ -15,7 +15,7 @@ use rapier3d::parry::shape::{FeatureId, Shape, ShapeType, SupportMap, TypedShape
 use crate::scene::Rollers;
 
 /// Halvings of the axis in a search: 60 mm become 4 nm, below the resolution of an f32 coordinate.
-const HALVINGS: u32 = 24;
+pub(super) const HALVINGS: u32 = 24;
 /// A ray ends where it is this close to the surface, m.
 const RAY_TOLERANCE: Real = 1e-5;
 /// Most steps of a ray; each goes as far as the surface is away, so few are needed.
@@ -43,6 +43,11 @@ impl RollerShape {
         }
     }
 
+    /// Places of the outermost spheres.
+    pub(super) fn axis_ends(&self) -> (Real, Real) {
+        (-self.half_axis, self.half_axis)
+    }
+
     /// Radius of the sphere at a place on the axis.
     pub(super) fn radius_at(&self, along: Real) -> Real {
         self.wheel_radius - self.axis_circle.hypot(along * self.sin_angle)
@@ -64,7 +69,7 @@ impl RollerShape {
     }
 
     /// The place on the axis where a function that grows along it passes zero, or the end next to it.
-    pub(super) fn search(&self, mut grows: impl FnMut(Real) -> Real) -> Real {
+    fn search(&self, mut grows: impl FnMut(Real) -> Real) -> Real {
         let (mut low, mut high) = (-self.half_axis, self.half_axis);
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;

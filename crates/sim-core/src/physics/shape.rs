@@ -59,11 +59,10 @@ pub(super) fn roller(rollers: &Rollers, wheel_radius: f64) -> SharedShape {
     SharedShape::new(RollerShape::new(rollers, wheel_radius))
 }
 
-/// Mass of a roller along the x axis, as a solid of the exact profile.
-pub(super) fn roller_mass(rollers: &Rollers, wheel_radius: f64) -> MassProperties {
+/// Moments of inertia of a roller along the x axis, as a solid of the exact profile, kg m².
+pub(super) fn roller_inertia(rollers: &Rollers, wheel_radius: f64) -> [f64; 3] {
     let (axial, transverse) = Profile { rollers, wheel_radius }.inertia_per_mass();
-    let [axial, transverse] = [axial, transverse].map(|inertia| (inertia * rollers.mass) as Real);
-    MassProperties::new(Vector::ZERO, rollers.mass as Real, Vector::new(axial, transverse, transverse))
+    [axial, transverse, transverse].map(|inertia| inertia * rollers.mass)
 }
 
 /// The outline of a Mecanum roller (Gfrerrer, "Geometry and kinematics of the Mecanum wheel").

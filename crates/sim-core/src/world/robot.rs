@@ -45,7 +45,7 @@ impl Robot {
         let bodies = physics.spawn(&def, pose);
         let drive = DriveState::new(&def);
         let mut robot = Self { def, name, bodies, drive, items: Vec::new(), spawned, options };
-        let wheels = physics.wheels(&robot.bodies);
+        let wheels = robot.bodies.wheels();
         let view = view(&robot.def, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
         let mount = |(index, def): (usize, &SensorDef)| {
             let rng = seed::stream(options.seed, id.0, &def.name, index);
@@ -82,14 +82,14 @@ impl Robot {
         self.def.battery.map_or(NO_BATTERY, |battery| (battery.life - (age - 0.1).max(0.0)).max(0.0) as i32)
     }
 
-    pub(super) fn drive(&mut self, drive: &Drive, physics: &mut Physics, problems: &mut Vec<Problem>) {
+    pub(super) fn drive(&mut self, drive: &Drive, problems: &mut Vec<Problem>) {
         self.drive.apply(&self.def, drive, self.options.speed_unit, problems);
-        physics.set_wheel_speeds(&self.def, &self.bodies, &self.drive.targets);
+        self.bodies.set_wheel_speeds(&self.drive.targets);
     }
 
     /// Delivers a SET to every item that it names; a scan asked for goes out at once.
     pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> Vec<Message> {
-        let wheels = physics.wheels(&self.bodies);
+        let wheels = self.bodies.wheels();
         let (items, view) = self.items_and_view(physics, time, &wheels);
         let opcode = set.opcode.to_ascii_uppercase();
         let mut messages = Vec::new();
@@ -112,8 +112,12 @@ impl Robot {
         (items, view(def, bodies, *options, physics, time, wheels))
     }
 
-    pub(super) fn after_step(&mut self, physics: &Physics) {
-        physics.update_wheels(&mut self.bodies, self.options.time_step);
+    pub(super) fn before_step(&mut self, physics: &mut Physics) {
+        physics.before_step(&self.def, &mut self.bodies);
+    }
+
+    pub(super) fn after_step(&mut self, physics: &mut Physics) {
+        physics.after_step(&mut self.bodies);
     }
 
     /// Sends what is due at a step: the status, then the sensors in mounting order unless the battery is flat.
@@ -128,7 +132,7 @@ impl Robot {
         if battery <= 0 || !self.items.iter().any(due) {
             return;
         }
-        let wheels = physics.wheels(&self.bodies);
+        let wheels = self.bodies.wheels();
         let (items, view) = self.items_and_view(physics, time, &wheels);
         for item in items.iter_mut().filter(|item| due(item)) {
             if let Some(reading) = item.sensor.sense(&view) {

@@ -1,0 +1,421 @@
+//! A robot with Mecanum wheels as one body: its wheels only spin, its rollers are only geometry.
+//!
+//! A free roller without inertia carries force along its own axis only. So each touch of a roller needs two rows in
+//! [`super::traction`]: its normal force, and friction along the axis of the roller. The engine has the body, integrates
+//! nothing of it that it does not touch itself, and adds what happens to the body's own shape (walls, boxes, other robots).
+
+use kinematics::{FiniteRollers, Mecanum, Twist};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use rapier3d::parry::bounding_volume::Aabb;
+use rapier3d::prelude::*;
+
+use super::motor::Servo;
+use super::robot::mass_with_rollers;
+use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel};
+use super::wheel_contact::{RollerRing, WheelContact};
+use super::{WheelState, convert};
+use crate::drive;
+use crate::scene::{DriveModel, Material, Motor, Pose, RobotDef, Wheel};
+
+/// Stiffness of a roller's tread, N/m. It shares the load between the wheels.
+const STIFFNESS: f64 = 1e8;
+/// Time in which an overlap is pushed out, s.
+const RECOVERY_TIME: f64 = 0.02;
+/// Contacts are looked for over this distance and what the body does in a step, m.
+const PREDICTION: f64 = 0.001;
+/// A roller that stays farther away than this in a step, as it moves now, leaves its surface to a nearer one, m.
+const MARGIN: f64 = 1e-6;
+/// A bearing that gives way by more than so many times the robot's own speed under a push brakes next to nothing.
+const WEAK: f64 = 1e4;
+/// Cosine above which two normals are of one surface.
+const SAME_SURFACE: f64 = 0.99;
+/// Below this speed nothing bounces, m/s.
+const LEAST_BOUNCE: f64 = 0.2;
+/// A surface whose normal leans toward the axle by more than this cosine meets the side of the wheel.
+const SIDE: f64 = 0.7;
+/// Distance between the engine's place of a body and ours at which the engine's is set, m or rad.
+const DRIFT: f64 = 1e-5;
+
+/// A wheel of the base.
+struct BaseWheel {
+    /// Centre in the robot frame.
+    hub: Vector3<f64>,
+    ring: RollerRing,
+    /// Outer radius, m.
+    radius: f64,
+    /// Inertia about the axle with the rollers, kg m².
+    inertia: f64,
+    /// Bearing friction of a roller, N m s/rad.
+    roller_damping: f64,
+    material: Material,
+    motor: Motor,
+}
+
+impl BaseWheel {
+    fn new(wheel: &Wheel) -> Option<Self> {
+        let (rollers, motor) = (wheel.rollers.as_ref()?, wheel.drive.as_ref()?);
+        Some(Self {
+            hub: wheel.position.into(),
+            ring: RollerRing::new(rollers, wheel.radius),
+            radius: wheel.radius,
+            inertia: mass_with_rollers(wheel).1[(1, 1)],
+            roller_damping: rollers.damping,
+            material: rollers.material.clone(),
+            motor: motor.clone(),
+        })
+    }
+}
+
+/// Mass of a body, robot frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mass {
+    pub(super) mass: f64,
+    pub(super) centre: Vector3<f64>,
+    /// About the centre.
+    pub(super) inertia: Matrix3<f64>,
+}
+
+/// How a base that follows its commands counts its twist from its wheels' speeds.
+enum Following {
+    Textbook(Mecanum),
+    FiniteRollers(FiniteRollers),
+}
+
+/// The base and its state.
+pub(super) struct RigidBase {
+    body: RigidBodyHandle,
+    following: Option<Following>,
+    mass: Mass,
+    linear_damping: f64,
+    wheels: Vec<BaseWheel>,
+    servos: Vec<Servo>,
+    pose: Pose,
+    motion: Motion,
+    momentum: Momentum,
+    /// Angles of the wheels, rad.
+    angles: Vec<f64>,
+    /// The velocity given to the engine.
+    given: (Vector, Vector),
+    /// What the engine changed of the velocity, linear and angular, in the last step and in the one before.
+    changes: [(Vector3<f64>, Vector3<f64>); 2],
+    reactions: Vec<(RigidBodyHandle, Vector3<f64>, Vector3<f64>)>,
+    contacts: Vec<WheelContact>,
+}
+
+impl RigidBase {
+    /// At rest.
+    pub(super) fn new(body: RigidBodyHandle, robot: &RobotDef, mass: Mass, pose: Pose) -> Self {
+        let zero = Vector3::zeros();
+        let wheels: Vec<BaseWheel> = robot.driven().iter().filter_map(BaseWheel::new).collect();
+        let count = wheels.len();
+        let following = match robot.drive_model {
+            DriveModel::Kinematic => drive::finite_rollers(robot).map(Following::FiniteRollers),
+            DriveModel::KinematicTextbook => drive::mecanum(robot).map(Following::Textbook),
+            DriveModel::Bodies | DriveModel::Analytic => None,
+        };
+        Self {
+            body,
+            following,
+            mass,
+            linear_damping: robot.solids.first().map_or(0.0, |solid| solid.material.linear_damping),
+            servos: vec![Servo::default(); count],
+            wheels,
+            pose,
+            motion: Motion { linear: zero, angular: zero, spins: vec![0.0; count] },
+            momentum: Momentum { linear: zero, angular: zero, spins: vec![0.0; count] },
+            angles: vec![0.0; count],
+            given: (Vector::ZERO, Vector::ZERO),
+            changes: [(zero, zero); 2],
+            reactions: Vec::new(),
+            contacts: Vec::new(),
+        }
+    }
+
+    pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
+        self.servos.iter_mut().zip(speeds).for_each(|(servo, &speed)| servo.set_target(speed));
+    }
+
+    pub(super) fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// Velocity of the origin of the robot frame, and angular velocity.
+    pub(super) fn velocity(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let lever = self.pose.rotation * -self.mass.centre;
+        (self.motion.linear + self.motion.angular.cross(&lever), self.motion.angular)
+    }
+
+    pub(super) fn wheels(&self) -> impl Iterator<Item = WheelState> {
+        self.angles.iter().zip(&self.motion.spins).map(|(&angle, &speed)| WheelState { angle, speed })
+    }
+
+    /// Finds the velocity at the end of the step, with gravity and everything that its wheels touch.
+    pub(super) fn solve(&mut self, world: &PhysicsWorld) {
+        let time_step = f64::from(world.integration_parameters.dt);
+        let spinning = self.spinning_wheels(time_step);
+        let base = self.base(&spinning);
+        let twist = self.twist();
+        let mut momentum = self.momentum.clone();
+        momentum.linear += convert::from_vector(world.gravity) * (self.mass.mass * time_step);
+        momentum.linear /= 1.0 + self.linear_damping * time_step;
+        let (mut rows, mut others, mut touched) = (Vec::new(), Vec::new(), Vec::new());
+        let mut contacts = std::mem::take(&mut self.contacts);
+        for wheel in 0..self.wheels.len() {
+            contacts.clear();
+            self.find_contacts(world, wheel, time_step, &mut contacts);
+            for contact in &contacts {
+                let collider = &world.colliders[contact.other];
+                let other = dynamic_body(world, collider).map(|(handle, body)| {
+                    touched.iter().position(|&known| known == handle).unwrap_or_else(|| {
+                        touched.push(handle);
+                        others.push(other_body(body));
+                        touched.len() - 1
+                    })
+                });
+                if twist.is_some() {
+                    rows.push(self.normal_row(wheel, contact, collider, other, &base, time_step));
+                    continue;
+                }
+                self.push_rows(wheel, contact, &contacts, collider, other, &base, time_step, &mut rows, &mut momentum);
+            }
+        }
+        self.contacts = contacts;
+        if let Some(twist) = twist
+            && !rows.is_empty()
+        {
+            rows.extend(self.twist_rows(twist));
+        }
+        let expected = if twist.is_some() { Default::default() } else { self.expected() };
+        let (mut motion, impulses) = base.solve(&momentum, expected, &rows, &others, time_step);
+        if twist.is_some() {
+            motion.spins = self.servos.iter().map(Servo::target).collect();
+        }
+        self.momentum = base.momentum(&motion);
+        self.motion = motion;
+        self.reactions.clear();
+        for (row, impulse) in rows.iter().zip(impulses) {
+            if let (Some(other), Some(point)) = (row.other, row.point) {
+                self.reactions.push((touched[other], row.direction * -impulse, point));
+            }
+        }
+    }
+
+    /// Gives the velocity to the engine, and the reactions to what was touched.
+    pub(super) fn write(&mut self, world: &mut PhysicsWorld) {
+        self.given = (convert::vector(self.motion.linear), convert::vector(self.motion.angular));
+        if let Some(body) = world.bodies.get_mut(self.body) {
+            body.set_linvel(self.given.0, false);
+            body.set_angvel(self.given.1, false);
+        }
+        for (handle, impulse, point) in &self.reactions {
+            if let Some(body) = world.bodies.get_mut(*handle) {
+                body.apply_impulse_at_point(convert::vector(*impulse), convert::vector(*point), true);
+            }
+        }
+    }
+
+    /// Moves on by a step: by itself as long as the engine has not touched the body, else with the engine.
+    pub(super) fn advance(&mut self, world: &mut PhysicsWorld) {
+        let time_step = f64::from(world.integration_parameters.dt);
+        let Some(body) = world.bodies.get_mut(self.body) else { return };
+        for (angle, spin) in self.angles.iter_mut().zip(&self.motion.spins) {
+            *angle += spin * time_step;
+        }
+        let change = (
+            convert::from_vector(body.linvel() - self.given.0),
+            convert::from_vector(body.angvel() - self.given.1),
+        );
+        self.changes = [change, self.changes[0]];
+        let turn = self.pose.rotation.to_rotation_matrix();
+        if change != (Vector3::zeros(), Vector3::zeros()) {
+            self.motion.linear += change.0;
+            self.motion.angular += change.1;
+            self.momentum.linear += change.0 * self.mass.mass;
+            self.momentum.angular += turn * self.mass.inertia * (turn.inverse() * change.1);
+            self.pose = convert::from_pose(body.position());
+            return;
+        }
+        let centre = self.pose * nalgebra::Point3::from(self.mass.centre);
+        let rotation = UnitQuaternion::from_scaled_axis(self.motion.angular * time_step) * self.pose.rotation;
+        let rotation = UnitQuaternion::new_normalize(rotation.into_inner());
+        let origin = centre.coords + self.motion.linear * time_step - rotation * self.mass.centre;
+        self.pose = Pose::from_parts(origin.into(), rotation);
+        let engine = convert::from_pose(body.position());
+        let apart = (engine.translation.vector - origin).abs().max();
+        if apart > DRIFT || engine.rotation.angle_to(&rotation) > DRIFT {
+            body.set_position(convert::pose(&self.pose), false);
+        }
+    }
+
+    /// A change by the engine that goes on, as a wall or a pushed box makes; a single hit does not count.
+    fn expected(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let [last, before] = &self.changes;
+        let common = |a: f64, b: f64| if a * b > 0.0 { a.abs().min(b.abs()).copysign(a) } else { 0.0 };
+        (last.0.zip_map(&before.0, common), last.1.zip_map(&before.1, common))
+    }
+
+    fn base<'a>(&self, wheels: &'a [SpinningWheel]) -> Base<'a> {
+        let turn = self.pose.rotation.to_rotation_matrix();
+        let centre = (self.pose * nalgebra::Point3::from(self.mass.centre)).coords;
+        let inertia = turn * self.mass.inertia * turn.inverse();
+        Base { mass: self.mass.mass, centre, inertia, wheels }
+    }
+
+    fn spinning_wheels(&mut self, time_step: f64) -> Vec<SpinningWheel> {
+        let axle = self.pose.rotation * -Vector3::y();
+        let states = self.angles.iter().zip(&self.motion.spins);
+        let wheels = self.wheels.iter().zip(&mut self.servos).zip(states);
+        let spinning = wheels.map(|((wheel, servo), (&angle, &speed))| {
+            let torque = servo.torque(&wheel.motor, angle, speed, time_step);
+            SpinningWheel {
+                axle,
+                inertia: wheel.inertia,
+                armature: wheel.motor.armature,
+                stall_torque: torque.at_rest,
+                gain: torque.gain,
+                max_torque: wheel.motor.max_torque,
+            }
+        });
+        spinning.collect()
+    }
+
+    fn find_contacts(&self, world: &PhysicsWorld, wheel: usize, time_step: f64, contacts: &mut Vec<WheelContact>) {
+        let (wheel, angle) = (&self.wheels[wheel], self.angles[wheel]);
+        let hub = self.pose * Pose::from_parts(wheel.hub.into(), UnitQuaternion::identity());
+        let reach = PREDICTION + self.motion.linear.norm() * time_step;
+        let half = Vector::splat((wheel.radius + reach) as Real);
+        let near = Aabb::from_half_extents(convert::vector(hub.translation.vector), half);
+        let query = world.query_pipeline();
+        for (handle, collider) in query.intersect_aabb_conservative(near) {
+            if collider.parent() != Some(self.body) && !collider.is_sensor() {
+                wheel.ring.touch(&hub, angle, reach, handle, collider, contacts);
+            }
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn push_rows(
+        &self,
+        index: usize,
+        contact: &WheelContact,
+        contacts: &[WheelContact],
+        collider: &Collider,
+        other: Option<usize>,
+        base: &Base,
+        time_step: f64,
+        rows: &mut Vec<Row>,
+        momentum: &mut Momentum,
+    ) {
+        let wheel = &self.wheels[index];
+        let WheelContact { point, normal, axis, gap, .. } = *contact;
+        let (hub, velocity) = (self.hub(index), self.velocity_of_wheel(index, point, base));
+        // Where one roller hands over to the next, both share the load only while both press.
+        let nearer = |peer: &WheelContact| peer.gap < gap && peer.normal.dot(&normal) > SAME_SURFACE;
+        if gap + normal.dot(&velocity) * time_step > MARGIN && contacts.iter().any(nearer) {
+            return;
+        }
+        let row = self.normal_row(index, contact, collider, other, base, time_step);
+        let coefficient = (wheel.material.friction + f64::from(collider.friction())) / 2.0;
+        let limit = Limit::Friction { normal: rows.len(), coefficient };
+        rows.push(row);
+        let along = (axis - normal * axis.dot(&normal)).normalize();
+        let friction = Row { direction: along, target: 0.0, compliance: 0.0, limit, ..row };
+        rows.push(friction);
+        let across = normal.cross(&along);
+        // Torque d w of the bearing at the roller's speed w = v / rho is a force d v / rho².
+        let free = contact.rolling_radius.powi(2) / (wheel.roller_damping * time_step);
+        if normal.dot(&base.wheels[index].axle).abs() > SIDE {
+            rows.push(Row { direction: across, ..friction });
+        } else if free * base.mass < WEAK {
+            rows.push(Row { direction: across, compliance: free, ..friction });
+        } else {
+            // So little does not need to be solved for.
+            base.push(momentum, index, hub, point, across * (-across.dot(&velocity) / free));
+        }
+    }
+
+    /// The contact along its normal: it pushes, gives way a little, and bounces as its materials do.
+    fn normal_row(
+        &self,
+        index: usize,
+        contact: &WheelContact,
+        collider: &Collider,
+        other: Option<usize>,
+        base: &Base,
+        time_step: f64,
+    ) -> Row {
+        let WheelContact { point, normal, gap, .. } = *contact;
+        let speed = normal.dot(&self.velocity_of_wheel(index, point, base));
+        let restitution = (self.wheels[index].material.restitution + f64::from(collider.restitution())) / 2.0;
+        let push = if gap > 0.0 { -gap / time_step } else { -gap / (time_step + RECOVERY_TIME) };
+        Row {
+            direction: normal,
+            point: Some(point),
+            wheel: Some((index, self.hub(index))),
+            other,
+            target: if gap <= 0.0 && speed < -LEAST_BOUNCE { push.max(-speed * restitution) } else { push },
+            compliance: 1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)),
+            limit: Limit::Push,
+        }
+    }
+
+    fn hub(&self, wheel: usize) -> Vector3<f64> {
+        (self.pose * nalgebra::Point3::from(self.wheels[wheel].hub)).coords
+    }
+
+    /// Velocity of a wheel's material at a point.
+    fn velocity_of_wheel(&self, wheel: usize, point: Vector3<f64>, base: &Base) -> Vector3<f64> {
+        let spin = base.wheels[wheel].axle * self.motion.spins[wheel];
+        let body = self.motion.linear + self.motion.angular.cross(&(point - base.centre));
+        body + spin.cross(&(point - self.hub(wheel)))
+    }
+
+    /// The twist of the wheels' commands, where the base follows it.
+    fn twist(&self) -> Option<Twist> {
+        let speeds = || std::array::from_fn(|wheel| self.servos[wheel].target());
+        self.following.as_ref().map(|following| match following {
+            Following::Textbook(mecanum) => mecanum.forward(speeds()),
+            Following::FiniteRollers(rollers) => {
+                rollers.forward(speeds(), std::array::from_fn(|wheel| rollers.phase(self.angles[wheel])))
+            }
+        })
+    }
+
+    /// Rows that make the robot frame move by a twist.
+    fn twist_rows(&self, twist: Twist) -> [Row; 3] {
+        let row = |axis: Vector3<f64>, point, target| Row {
+            direction: self.pose.rotation * axis,
+            point,
+            wheel: None,
+            other: None,
+            target,
+            compliance: 0.0,
+            limit: Limit::None,
+        };
+        let origin = Some(self.pose.translation.vector);
+        [
+            row(Vector3::x(), origin, twist.forward),
+            row(Vector3::y(), origin, twist.right),
+            row(Vector3::z(), None, twist.clockwise),
+        ]
+    }
+}
+
+fn dynamic_body<'a>(world: &'a PhysicsWorld, collider: &Collider) -> Option<(RigidBodyHandle, &'a RigidBody)> {
+    let handle = collider.parent()?;
+    world.bodies.get(handle).filter(|body| body.is_dynamic()).map(|body| (handle, body))
+}
+
+fn other_body(body: &RigidBody) -> Other {
+    let properties = body.mass_properties();
+    let inverse = properties.effective_world_inv_inertia;
+    let [xx, xy, xz, yy, yz, zz] =
+        [inverse.m11, inverse.m12, inverse.m13, inverse.m22, inverse.m23, inverse.m33].map(f64::from);
+    Other {
+        inverse_mass: f64::from(properties.effective_inv_mass.x),
+        inverse_inertia: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+        centre: convert::from_vector(properties.world_com),
+        linear: convert::from_vector(body.linvel()),
+        angular: convert::from_vector(body.angvel()),
+    }
+}

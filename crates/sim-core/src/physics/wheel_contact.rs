@@ -1,0 +1,155 @@
+//! Where the rollers of a wheel touch the world, without bodies for rollers: the same geometry as theirs.
+
+use nalgebra::Vector3;
+use rapier3d::parry::bounding_volume::Aabb;
+use rapier3d::parry::math::{Pose as EnginePose, Real, Vector};
+use rapier3d::parry::query::details::NormalConstraints;
+use rapier3d::parry::shape::Shape;
+use rapier3d::prelude::*;
+
+use super::contact::{Touch, distance, touch_part};
+use super::convert;
+use super::robot::roller_pose;
+use super::roller::RollerShape;
+use crate::scene::{Pose, Rollers};
+
+/// Rollers this far off the direction to a surface are looked at beside the nearest one, rad: a contact is up to 21 mm
+/// beside the hub, so where a surface ends obliquely its point nearest to the hub is up to 15 mm before or behind it.
+const MARGIN: f64 = 0.3;
+/// Contacts nearer to each other than this are one, m.
+const SAME_PLACE: f64 = 1e-5;
+/// A surface whose normal leans toward the axle by more than this cosine can touch any roller of the wheel.
+const FACING: f64 = 0.5;
+
+/// A touch of one roller, world axes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WheelContact {
+    /// Where.
+    pub(super) point: Vector3<f64>,
+    /// From the other to the wheel.
+    pub(super) normal: Vector3<f64>,
+    /// Axis of the roller.
+    pub(super) axis: Vector3<f64>,
+    /// Distance of the point from the roller's axis along the normal, m.
+    pub(super) rolling_radius: f64,
+    /// Gap, m; negative where they overlap.
+    pub(super) gap: f64,
+    /// What is touched.
+    pub(super) other: ColliderHandle,
+}
+
+/// The rollers of a wheel as geometry.
+#[derive(Debug, Clone)]
+pub(super) struct RollerRing {
+    shape: RollerShape,
+    wheel_radius: f64,
+    /// Half the sector that a roller covers, rad.
+    last_phase: f64,
+    /// Poses of the rollers in the frame of the wheel.
+    rollers: Vec<Pose>,
+}
+
+impl RollerRing {
+    /// The ring of a wheel.
+    pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
+        Self {
+            shape: RollerShape::new(rollers, wheel_radius),
+            wheel_radius,
+            last_phase: rollers.last_phase,
+            rollers: (0..rollers.count).map(|index| roller_pose(rollers, index)).collect(),
+        }
+    }
+
+    /// Finds every touch of the ring with a collider. `hub` is the pose of the wheel when its angle is 0.
+    pub(super) fn touch(
+        &self,
+        hub: &Pose,
+        angle: f64,
+        prediction: f64,
+        handle: ColliderHandle,
+        collider: &Collider,
+        contacts: &mut Vec<WheelContact>,
+    ) {
+        let frame = convert::from_pose(collider.position());
+        let hub = frame.inv_mul(hub);
+        let mut touch = |part_pose: Option<&EnginePose>,
+                         part: &dyn Shape,
+                         constraints: Option<&dyn NormalConstraints>| {
+            let part_frame = part_pose.map(convert::from_pose);
+            let local = part_frame.map_or(hub, |pose| pose.inv_mul(&hub));
+            let frame = part_frame.map_or(frame, |pose| frame * pose);
+            self.touch_part(&local, angle, prediction, part, constraints, |roller, touch| {
+                let contact = self.contact(&frame, roller, touch, handle);
+                // On an edge between two triangles both hold the roller at the same place.
+                if !contacts.iter().any(|known| (known.point - contact.point).amax() < SAME_PLACE) {
+                    contacts.push(contact);
+                }
+            });
+        };
+        let shape = collider.shape();
+        let Some(composite) = shape.as_composite_shape() else {
+            touch(None, shape, None);
+            return;
+        };
+        let reach = Vector::splat((self.wheel_radius + prediction) as Real);
+        let near = Aabb::from_half_extents(convert::vector(hub.translation.vector), reach);
+        for part in composite.bvh().intersect_aabb(&near) {
+            composite.map_part_at(part, &mut touch);
+        }
+    }
+
+    /// The touches with one convex part, in its frame.
+    fn touch_part(
+        &self,
+        hub: &Pose,
+        angle: f64,
+        prediction: f64,
+        part: &dyn Shape,
+        constraints: Option<&dyn NormalConstraints>,
+        mut found: impl FnMut(&Pose, Touch),
+    ) {
+        let centre = convert::vector(hub.translation.vector);
+        let nearest = match part.as_halfspace() {
+            Some(half_space) => Some((half_space.normal.dot(centre), half_space.normal)),
+            None => distance(part, centre),
+        };
+        let Some((gap, normal)) = nearest else { return };
+        if f64::from(gap) > self.wheel_radius + prediction {
+            return;
+        }
+        let toward = hub.rotation.inverse() * -convert::from_vector(normal);
+        let direction = toward.z.atan2(toward.x);
+        let pitch = std::f64::consts::TAU / self.rollers.len() as f64;
+        let turn = nalgebra::UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), angle);
+        let wheel = hub * turn;
+        for (index, roller) in self.rollers.iter().enumerate() {
+            let off = pitch * index as f64 + angle - direction;
+            let off = off - std::f64::consts::TAU * (off / std::f64::consts::TAU).round();
+            if off.abs() > self.last_phase + MARGIN && toward.y.abs() < FACING {
+                continue;
+            }
+            let pose = wheel * roller;
+            if let Some(touch) =
+                touch_part(&self.shape, &convert::pose(&pose), part, constraints, prediction as Real)
+            {
+                found(&pose, touch);
+            }
+        }
+    }
+
+    fn contact(&self, frame: &Pose, roller: &Pose, touch: Touch, other: ColliderHandle) -> WheelContact {
+        let normal = convert::from_vector(touch.normal);
+        let axis = roller.rotation * Vector3::x();
+        let radius = f64::from(self.shape.radius_at(touch.along));
+        let gap = f64::from(touch.gap);
+        let point = roller.translation.vector + axis * f64::from(touch.along) - normal * (radius + gap / 2.0);
+        WheelContact {
+            point: (frame * nalgebra::Point3::from(point)).coords,
+            normal: frame.rotation * normal,
+            axis: frame.rotation * axis,
+            rolling_radius: radius,
+            gap,
+            other,
+        }
+    }
+}
