@@ -2,6 +2,7 @@
 
 use experiments::{Course, Motion, Travel};
 use sim_core::Options;
+use sim_core::scene::DriveModel;
 use system_tests::{apply, init, run};
 
 /// A floor of one solid; its table of the map file.
@@ -32,6 +33,18 @@ fn floor_mesh() -> String {
 
 /// Ten seconds at 1 rad/s on a floor, with so many rollers a wheel, each longer than need be by the overlap.
 fn drive(class: &str, floor: &str, rollers: u32, overlap: f64, motion: Motion) -> Travel {
+    drive_by(DriveModel::Bodies, Options::default(), class, floor, rollers, overlap, motion)
+}
+
+fn drive_by(
+    model: DriveModel,
+    options: Options,
+    class: &str,
+    floor: &str,
+    rollers: u32,
+    overlap: f64,
+    motion: Motion,
+) -> Travel {
     let folder = tempfile::tempdir().expect("a folder");
     let (kind, rest) = floor.split_once('\n').expect("a table");
     let map = format!(
@@ -43,13 +56,14 @@ fn drive(class: &str, floor: &str, rollers: u32, overlap: f64, motion: Motion) -
     std::fs::write(folder.path().join("floor.obj"), floor_mesh()).expect("a file");
     let mut def =
         scene_loader::load(path.to_str().expect("a path"), &[]).unwrap_or_else(|error| panic!("{floor}: {error}"));
+    def.robots.get_mut(class).expect("the youBot").drive_model = model;
     for wheel in &mut def.robots.get_mut(class).expect("the youBot").wheels {
         let ring = wheel.rollers.as_mut().expect("rollers");
         ring.mass *= f64::from(ring.count) / f64::from(rollers);
         ring.count = rollers;
         ring.last_phase = overlap * std::f64::consts::PI / f64::from(rollers);
     }
-    let mut course = Course::start(def, Options::default(), class, 1, motion, 1.0).expect("a course");
+    let mut course = Course::start(def, options, class, 1, motion, 1.0).expect("a course");
     course.run(10.0);
     course.travel().expect("a robot")
 }
@@ -73,6 +87,31 @@ fn the_youbots_follow_the_exact_kinematics_on_every_floor() {
     }
 }
 
+/// Rollers without bodies, on every floor, at every step from 1 to 8 ms, and with more rollers.
+#[test]
+fn the_analytic_model_is_within_three_thousandths_everywhere() {
+    let floors = FLOORS.into_iter().map(|(name, floor)| (name, floor, "KUKA_YouBot", 6, 0.008));
+    let steps = [0.001, 0.002, 0.004].map(|step| ("half-space", FLOORS[0].1, "KUKA_YouBot", 6, step));
+    let wheels = [("YouBot", 6), ("KUKA_YouBot", 8), ("KUKA_YouBot", 12)]
+        .map(|(class, rollers)| ("half-space", FLOORS[0].1, class, rollers, 0.008));
+    for (name, floor, class, rollers, time_step) in floors.chain(steps).chain(wheels) {
+        let options = Options { time_step, ..Options::default() };
+        for motion in Motion::ALL {
+            let travel = drive_by(DriveModel::Analytic, options, class, floor, rollers, 1.0, motion);
+            let Travel { moved, ratio, ripple, .. } = travel;
+            let what = format!("{class}, {name}, {rollers} rollers, {time_step} s, {}", motion.name());
+            println!("{what}: {ratio:.5} of the exact way, ripple {:.4} mm, {moved:.5?}", 1e3 * ripple);
+            assert!((ratio - 1.0).abs() < 0.003, "{what}: {ratio:.5} of the exact way");
+            assert!(ripple < 0.02e-3, "{what}: ripple {:.3} mm", 1e3 * ripple);
+            if motion != Motion::Clockwise {
+                let (way, sideways) = (moved[motion as usize], moved[1 - motion as usize]);
+                assert!(moved[2].to_degrees().abs() < 0.1 * way, "{what}: yaw {:.4}", moved[2]);
+                assert!(sideways.abs() < 0.003 * way, "{what}: sideways {sideways:.5}");
+            }
+        }
+    }
+}
+
 #[test]
 fn wheels_of_eight_and_twelve_rollers_work() {
     for count in [8, 12] {
@@ -85,10 +124,14 @@ fn wheels_of_eight_and_twelve_rollers_work() {
 /// The youBot's real rollers are longer than the least by 15 %: near their ends two share the contact.
 #[test]
 fn rollers_may_overlap() {
-    for motion in Motion::ALL {
-        let Travel { ratio, ripple, .. } = drive("KUKA_YouBot", FLOORS[0].1, 6, 1.1, motion);
-        println!("overlap, {}: {ratio:.4} of the exact way, ripple {:.3} mm", motion.name(), 1e3 * ripple);
-        assert!((ratio - 1.0).abs() < 0.01 && ripple < 0.15e-3, "{}: {ratio:.4}, {ripple}", motion.name());
+    for (name, model) in [("bodies", DriveModel::Bodies), ("analytic", DriveModel::Analytic)] {
+        for motion in Motion::ALL {
+            let options = Options::default();
+            let Travel { ratio, ripple, .. } = drive_by(model, options, "KUKA_YouBot", FLOORS[0].1, 6, 1.1, motion);
+            let what = format!("{name}, overlap, {}", motion.name());
+            println!("{what}: {ratio:.4} of the exact way, ripple {:.3} mm", 1e3 * ripple);
+            assert!((ratio - 1.0).abs() < 0.01 && ripple < 0.15e-3, "{what}: {ratio:.4}, {ripple}");
+        }
     }
 }
 

@@ -80,9 +80,8 @@ fn robots_hold_still_on_the_slope_and_climb_it() {
         let (after, _) = world.state(robot).expect("the robot");
         let crept = (after.pose.translation.vector - before.pose.translation.vector).norm();
         println!("{class} from {start}: climbed {climbed:.3} m, crept {:.2} mm in 10 s", 1e3 * crept);
-        // A velocity servo gives way by its gain: m g sin(slope) r / 4 / gain is 0.048 rad/s for the youBot's 4 N m s/rad.
-        let gives_way = if class == "P3AT" { 0.005 } else { 0.024 };
-        assert!(crept < 1.3 * gives_way, "{class} from {start} creeps {crept:.4} m in 10 s");
+        // The wheels stand; what is left is the engine's friction, which never quite settles at some angles of the rollers.
+        assert!(crept < 6e-3, "{class} from {start} creeps {crept:.4} m in 10 s");
     }
 }
 

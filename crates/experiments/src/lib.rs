@@ -123,7 +123,8 @@ impl Course {
             robots.push(world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?);
         }
         let (lowest, highest) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut course = Self { world, robots, kinematics, from: Vec::new(), wheels: Vec::new(), motion, lowest, highest };
+        let mut course =
+            Self { world, robots, kinematics, from: Vec::new(), wheels: Vec::new(), motion, lowest, highest };
         course.run(SETTLING);
         let [front_left, front_right, back_left, back_right] = motion.signs().map(|sign| Some(sign * speed));
         let drive = Command::Drive(Drive { front_left, front_right, back_left, back_right, ..Drive::default() });

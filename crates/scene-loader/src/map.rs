@@ -1,6 +1,6 @@
 //! `map.toml`: what stands on a map, of what material, and where robots start.
 
-use sim_core::scene::{self, MapDef, NamedPose, Shape, Solid};
+use sim_core::scene::{self, MapDef, NamedPose, Object, Shape, Solid};
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
@@ -26,10 +26,16 @@ pub(crate) fn read(
     if !(0.0..=100.0).contains(&gravity) {
         document.problem(&(0..0), format_args!("`gravity` is {gravity}: expected 0 to 100 m/s²"));
     }
-    let mut solids = Vec::new();
+    let (mut solids, mut objects) = (Vec::new(), Vec::new());
     for kind in ["half_space", "box", "ramp", "cylinder", "mesh"] {
-        for table in document.tables(&mut root, kind) {
-            solids.extend(read_solid(source, &mut document, kind, table, materials));
+        for mut table in document.tables(&mut root, kind) {
+            // A mass makes a solid that can be pushed.
+            let mass = if matches!(kind, "box" | "cylinder") { read_mass(&mut document, &mut table) } else { None };
+            let solid = read_solid(source, &mut document, kind, table, materials);
+            match (solid, mass) {
+                (Some(solid), Some(mass)) => objects.push(Object { solid, mass }),
+                (solid, _) => solids.extend(solid),
+            }
         }
     }
     if !root.has("start") {
@@ -38,7 +44,21 @@ pub(crate) fn read(
     let starts = read_poses(&mut document, &mut root, "start");
     let path_nodes = read_poses(&mut document, &mut root, "path_node");
     document.finish(root, KEYS);
-    Some(MapDef { name: name.to_owned(), description: description?, gravity, time_limit, solids, starts, path_nodes })
+    Some(MapDef {
+        name: name.to_owned(),
+        description: description?,
+        gravity,
+        time_limit,
+        solids,
+        objects,
+        starts,
+        path_nodes,
+    })
+}
+
+fn read_mass<'a>(document: &mut Document<'a>, table: &mut Table<'a>) -> Option<f64> {
+    let span = table.span();
+    document.optional(table, "mass").filter(|&mass| document.positive(&span, "mass", mass))
 }
 
 fn read_solid<'a>(
@@ -62,7 +82,7 @@ fn read_solid<'a>(
         "box" => {
             let size: Option<Vector> = document.required(&mut table, "size", "edge lengths [x, y, z] in metres");
             let good = size.filter(|size| size.iter().all(|&edge| document.positive(&span, "size", edge)));
-            (good.map(|size| Shape::Box { size }), ", size")
+            (good.map(|size| Shape::Box { size }), ", size, mass")
         }
         "ramp" => {
             let edges = ["length", "width", "height"].map(|key| length(document, key));
@@ -74,7 +94,7 @@ fn read_solid<'a>(
         }
         "cylinder" => {
             let (radius, length) = (length(document, "radius"), length(document, "length"));
-            (radius.zip(length).map(|(radius, length)| Shape::Cylinder { radius, length }), ", radius, length")
+            (radius.zip(length).map(|(radius, length)| Shape::Cylinder { radius, length }), ", radius, length, mass")
         }
         _ => {
             let file: Option<String> = document.required(&mut table, "file", "an .stl or .obj file beside the map");

@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
-use sim_core::scene::{self, Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel};
+use sim_core::scene::{
+    self, Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel,
+};
 use sim_core::sensor;
 
 use crate::document::{Document, Table, Vector};

@@ -17,7 +17,7 @@ use rapier3d::prelude::*;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
 
-use crate::scene::{MapDef, Material, Pose};
+use crate::scene::{MapDef, Material, Object, Pose};
 
 /// Where a body is and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ pub(crate) struct Physics {
 }
 
 impl Physics {
-    /// The solids of a map, fixed, and nothing else yet.
+    /// What is on a map, and no robot yet.
     pub(crate) fn new(map: &MapDef, time_step: f64) -> Self {
         let mut world = PhysicsWorld::new();
         world.narrow_phase.set_query_dispatcher(contact::RollerDispatcher);
@@ -65,6 +65,11 @@ impl Physics {
         for solid in &map.solids {
             let collider = shape::collider(&solid.shape, &solid.pose, &solid.material);
             world.insert_collider(collider, Some(ground));
+        }
+        for Object { solid, mass } in &map.objects {
+            let body = world.insert_body(RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose)).can_sleep(false));
+            let collider = shape::collider(&solid.shape, &Pose::identity(), &solid.material).mass(*mass as Real);
+            world.insert_collider(collider, Some(body));
         }
         // The colliders enter the query structure with the first step; of nothing, it moves nothing.
         world.step();

@@ -99,6 +99,15 @@ pub struct Solid {
     pub material: Material,
 }
 
+/// A solid of a map that moves when it is pushed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Object {
+    /// Shape, first place and surface.
+    pub solid: Solid,
+    /// Mass, kg, evenly spread.
+    pub mass: f64,
+}
+
 /// A named place of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedPose {
@@ -110,7 +119,7 @@ pub struct NamedPose {
     pub rotation: [f64; 3],
 }
 
-/// A map: everything that does not move, and where robots start.
+/// A map: what stands and lies on it, and where robots start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapDef {
     /// Name, sent as `{Level ..}`.
@@ -121,8 +130,10 @@ pub struct MapDef {
     pub gravity: f64,
     /// Time limit sent in the greeting, minutes; nothing ends by it.
     pub time_limit: u32,
-    /// The solids.
+    /// What does not move.
     pub solids: Vec<Solid>,
+    /// What can be pushed.
+    pub objects: Vec<Object>,
     /// Start poses, in the order of the file.
     pub starts: Vec<NamedPose>,
     /// Path nodes, in the order of the file.

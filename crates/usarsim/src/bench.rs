@@ -5,14 +5,14 @@ use std::time::Instant;
 
 use experiments::{Course, Motion};
 use serde_json::json;
+use sim_core::Options;
 use sim_core::scene::{DriveModel, WorldDef};
-use sim_core::{Options, TIME_STEP};
 
 use crate::{Failure, exit, print};
 
 /// Options of `bench`.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:\n  usarsim bench\n  usarsim bench --dt 0.004 --map slope-1.5 --json\n  \
+#[command(after_help = "Examples:\n  usarsim bench\n  usarsim bench --drive-model analytic --json\n  \
     usarsim bench --robots 10 --seconds 5\n\nDrives forward, to the right and on the spot at 1 rad/s, and compares with the \
     exact kinematics of wheels with finite rollers for the angle that the wheels turned.")]
 pub(crate) struct Arguments {
@@ -28,9 +28,9 @@ pub(crate) struct Arguments {
     /// Simulated seconds of each of the three motions; the turn stays below half a turn up to 20.
     #[arg(long, default_value_t = 10.0, value_parser = seconds)]
     seconds: f64,
-    /// Length of a time step, s.
-    #[arg(long, default_value_t = TIME_STEP, value_parser = time_step)]
-    dt: f64,
+    /// Length of a time step, s; by default 0.004 with `bodies`, 0.008 with the other models. `serve` takes 0.002.
+    #[arg(long, value_parser = time_step)]
+    dt: Option<f64>,
     /// A map by name or file, as for `serve`.
     #[arg(long, default_value = "rough", value_name = "NAME|FILE")]
     map: String,
@@ -53,15 +53,16 @@ fn time_step(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { robot, robots, seconds, dt, map, .. } = arguments;
+    let Arguments { robot, robots, seconds, map, .. } = arguments;
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
     let mut robot = scene_loader::robot(robot).map_err(broken)?;
     robot.drive_model = arguments.drive_model.unwrap_or(robot.drive_model);
-    let class = robot.class.clone();
+    let (class, model) = (robot.class.clone(), robot.drive_model);
+    let dt = arguments.dt.unwrap_or(if model == DriveModel::Bodies { 0.004 } else { 0.008 });
     let map = scene_loader::map(map).map_err(broken)?;
     let map_name = map.name.clone();
     let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
-    let options = Options { time_step: *dt, ..Options::default() };
+    let options = Options { time_step: dt, ..Options::default() };
     let (mut simulated, mut wall, mut worst) = (0.0, 0.0, 0.0f64);
     let mut motions = serde_json::Map::new();
     for motion in Motion::ALL {
@@ -89,11 +90,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "robots": robots,
             "map": map_name,
             "robot": class,
+            "drive_model": model.name(),
             "motions": motions,
         }));
     } else {
         print(format_args!(
-            "{robots} robot(s), steps of {} ms: {factor:.1} times real time on one core, {step:.0} us a step, worst error {:.2} %",
+            "{robots} {class}, {}, steps of {} ms: {factor:.1} times real time on one core, {step:.1} us a step, worst error {:.2} %",
+            model.name(),
             1e3 * dt,
             100.0 * worst
         ));

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use gamebots_server::{Config, ServeError};
 use sim_core::Options;
+use sim_core::scene::{DriveModel, Steering};
 
 use crate::{Failure, exit, print};
 
@@ -21,6 +22,10 @@ pub(crate) struct Arguments {
     /// A further robot class from a robot.toml; its class is the name of the folder. May be given several times.
     #[arg(long, env = "USARSIM_ROBOT", value_name = "FILE")]
     robot: Vec<PathBuf>,
+    /// How the wheels of Mecanum robots move them: bodies, analytic, kinematic or kinematic-textbook; by default as their
+    /// robot.toml says.
+    #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL")]
+    drive_model: Option<DriveModel>,
     /// Address to listen on.
     #[arg(long, env = "USARSIM_HOST", default_value = "127.0.0.1")]
     host: String,
@@ -63,8 +68,12 @@ fn real_time_factor(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let robots: Vec<&std::path::Path> = arguments.robot.iter().map(PathBuf::as_path).collect();
-    let world = scene_loader::load(&arguments.map, &robots)
+    let mut world = scene_loader::load(&arguments.map, &robots)
         .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{error}")))?;
+    if let Some(model) = arguments.drive_model {
+        let mecanum = world.robots.values_mut().filter(|robot| robot.steering == Steering::Omni);
+        mecanum.for_each(|robot| robot.drive_model = model);
+    }
     let speed_unit = match arguments.wheel_speeds {
         WheelSpeeds::Rad => 1.0,
         WheelSpeeds::Rev => std::f64::consts::TAU,

@@ -45,7 +45,8 @@ impl Servo {
         }
         // A wheel that is dragged away is held where it comes to be, not pulled back all the way.
         let slack = motor.max_torque * HOLDING_TIME / motor.gain;
-        self.held = self.held.map(|held| if slack.is_finite() { held.clamp(angle - slack, angle + slack) } else { held });
+        self.held =
+            self.held.map(|held| if slack.is_finite() { held.clamp(angle - slack, angle + slack) } else { held });
         let (offset, stiffness) = self.held.map_or((0.0, 0.0), |held| (held - angle, motor.gain / HOLDING_TIME));
         Torque { at_rest: motor.gain * self.target + stiffness * offset, gain: motor.gain + stiffness * time_step }
     }

@@ -183,10 +183,10 @@ impl RigidBase {
         if let Some(twist) = twist
             && !rows.is_empty()
         {
-            rows.extend(self.twist_rows(twist));
+            let weight = f64::from(world.gravity.length()) * self.mass.mass;
+            rows.extend(self.twist_rows(twist, weight * time_step));
         }
-        let expected = if twist.is_some() { Default::default() } else { self.expected() };
-        let (mut motion, impulses) = base.solve(&momentum, expected, &rows, &others, time_step);
+        let (mut motion, impulses) = base.solve(&momentum, self.expected(), &rows, &others, time_step);
         if twist.is_some() {
             motion.spins = self.servos.iter().map(Servo::target).collect();
         }
@@ -221,10 +221,8 @@ impl RigidBase {
         for (angle, spin) in self.angles.iter_mut().zip(&self.motion.spins) {
             *angle += spin * time_step;
         }
-        let change = (
-            convert::from_vector(body.linvel() - self.given.0),
-            convert::from_vector(body.angvel() - self.given.1),
-        );
+        let change =
+            (convert::from_vector(body.linvel() - self.given.0), convert::from_vector(body.angvel() - self.given.1));
         self.changes = [change, self.changes[0]];
         let turn = self.pose.rotation.to_rotation_matrix();
         if change != (Vector3::zeros(), Vector3::zeros()) {
@@ -381,22 +379,24 @@ impl RigidBase {
         })
     }
 
-    /// Rows that make the robot frame move by a twist.
-    fn twist_rows(&self, twist: Twist) -> [Row; 3] {
-        let row = |axis: Vector3<f64>, point, target| Row {
+    /// Rows that make the robot frame move by a twist. They push no harder than real wheels could, so walls hold.
+    fn twist_rows(&self, twist: Twist, weight: f64) -> [Row; 3] {
+        let grip = self.wheels.first().map_or(0.0, |wheel| wheel.material.friction) * weight;
+        let lever = self.wheels.iter().map(|wheel| wheel.hub.norm()).fold(0.0, f64::max);
+        let row = |axis: Vector3<f64>, point, target, most| Row {
             direction: self.pose.rotation * axis,
             point,
             wheel: None,
             other: None,
             target,
             compliance: 0.0,
-            limit: Limit::None,
+            limit: Limit::Within(most),
         };
         let origin = Some(self.pose.translation.vector);
         [
-            row(Vector3::x(), origin, twist.forward),
-            row(Vector3::y(), origin, twist.right),
-            row(Vector3::z(), None, twist.clockwise),
+            row(Vector3::x(), origin, twist.forward, grip),
+            row(Vector3::y(), origin, twist.right, grip),
+            row(Vector3::z(), None, twist.clockwise, grip * lever),
         ]
     }
 }

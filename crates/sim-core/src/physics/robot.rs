@@ -2,18 +2,20 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
 use rapier3d::glamx::Mat3;
 use rapier3d::prelude::*;
 
 use super::motor::{Servo, Torque};
 use super::rigid_base::{Mass, RigidBase};
 use super::{BodyState, Physics, WheelState, convert, shape, with_material};
-use crate::scene::{DriveModel, Part, Pose, RobotDef, Rollers, Wheel};
+use crate::scene::{DriveModel, Pose, RobotDef, Rollers, Wheel};
 
 /// The bodies of one robot.
 pub(crate) struct RobotBodies {
     chassis: RigidBodyHandle,
+    /// Origin of the chassis' body in the robot frame, m.
+    centre: Vector3<f64>,
     /// Every body, chassis first, for removal.
     all: Vec<RigidBodyHandle>,
     drivetrain: Drivetrain,
@@ -71,25 +73,34 @@ impl RobotBodies {
 impl Physics {
     /// Puts a robot at a pose of its frame, at rest.
     pub(crate) fn spawn(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        if robot.drive_model == DriveModel::Bodies { self.spawn_multibody(robot, pose) } else { self.spawn_rigid(robot, pose) }
+        if robot.drive_model == DriveModel::Bodies {
+            self.spawn_multibody(robot, pose)
+        } else {
+            self.spawn_rigid(robot, pose)
+        }
     }
 
     fn spawn_multibody(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        let chassis = self.insert_chassis(pose, robot, robot.parts.iter().map(part_mass).sum());
+        let mass = combined(part_masses(robot));
+        // The engine moves the origin of a multibody's root with the velocity of its centre of mass, so they have to be one.
+        let centre = mass.centre;
+        let engine_mass = engine_mass(mass.mass, Vector3::zeros(), mass.inertia);
+        let chassis = self.insert_chassis(&(pose * Translation3::from(centre)), robot, centre, engine_mass);
         let (mut all, mut joints) = (vec![chassis], Vec::new());
         let mut roller_damping = Vec::new();
         for wheel in &robot.wheels {
-            self.insert_wheel(pose, wheel, &mut all, &mut joints, &mut roller_damping);
+            self.insert_wheel(pose, wheel, &centre, &mut all, &mut joints, &mut roller_damping);
         }
         self.set_joint_parameters(robot, &joints, &roller_damping);
         let wheel = |joint| MultibodyWheel { joint, servo: Servo::default(), state: WheelState::default() };
         let drivetrain = Drivetrain::Multibody(joints.into_iter().map(wheel).collect());
-        RobotBodies { chassis, all, drivetrain }
+        RobotBodies { chassis, centre, all, drivetrain }
     }
 
     fn spawn_rigid(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
         let mass = total_mass(robot);
-        let chassis = self.insert_chassis(pose, robot, engine_mass(mass.mass, mass.centre, mass.inertia));
+        let chassis =
+            self.insert_chassis(pose, robot, Vector3::zeros(), engine_mass(mass.mass, mass.centre, mass.inertia));
         for wheel in &robot.wheels {
             // Casters carry; wheels with rollers are only seen, by rays and by the wheels of others.
             let collider = match &wheel.drive {
@@ -105,13 +116,26 @@ impl Physics {
             body.set_gravity_scale(0.0, false);
         }
         let base = RigidBase::new(chassis, robot, mass, *pose);
-        RobotBodies { chassis, all: vec![chassis], drivetrain: Drivetrain::Rigid(Box::new(base)) }
+        RobotBodies {
+            chassis,
+            centre: Vector3::zeros(),
+            all: vec![chassis],
+            drivetrain: Drivetrain::Rigid(Box::new(base)),
+        }
     }
 
-    fn insert_chassis(&mut self, pose: &Pose, robot: &RobotDef, mass: MassProperties) -> RigidBodyHandle {
+    /// The chassis with its shapes; `centre` is the place of the body's origin in the robot frame.
+    fn insert_chassis(
+        &mut self,
+        pose: &Pose,
+        robot: &RobotDef,
+        centre: Vector3<f64>,
+        mass: MassProperties,
+    ) -> RigidBodyHandle {
         let chassis = self.insert_body(pose, mass);
         for solid in &robot.solids {
-            let collider = shape::collider(&solid.shape, &solid.pose, &solid.material);
+            let local = Translation3::from(-centre) * solid.pose;
+            let collider = shape::collider(&solid.shape, &local, &solid.material);
             self.world.insert_collider(collider, Some(chassis));
         }
         chassis
@@ -173,11 +197,9 @@ impl Physics {
             return BodyState { pose: *base.pose(), linear, angular };
         }
         let body = &self.world.bodies[bodies.chassis];
-        BodyState {
-            pose: convert::from_pose(body.position()),
-            linear: convert::from_vector(body.velocity_at_point(body.translation())),
-            angular: convert::from_vector(body.angvel()),
-        }
+        let pose = convert::from_pose(body.position()) * Translation3::from(-bodies.centre);
+        let (linear, angular) = (convert::from_vector(body.linvel()), convert::from_vector(body.angvel()));
+        BodyState { pose, linear: linear - angular.cross(&(pose.rotation * bodies.centre)), angular }
     }
 
     fn insert_body(&mut self, pose: &Pose, mass: MassProperties) -> RigidBodyHandle {
@@ -190,6 +212,7 @@ impl Physics {
         &mut self,
         robot: &Pose,
         wheel: &Wheel,
+        centre: &Vector3<f64>,
         all: &mut Vec<RigidBodyHandle>,
         joints: &mut Vec<MultibodyJointHandle>,
         roller_damping: &mut Vec<Real>,
@@ -199,7 +222,7 @@ impl Physics {
         let pose = robot * anchor;
         let body = self.insert_body(&pose, wheel_mass(wheel));
         all.push(body);
-        let anchor = convert::vector(wheel.position);
+        let anchor = convert::vector(Vector3::from(wheel.position) - centre);
         let Some(motor) = &wheel.drive else {
             let ball = with_material(ColliderBuilder::ball(wheel.radius as Real), &wheel.material).density(0.0);
             self.world.insert_collider(ball, Some(body));
@@ -295,10 +318,6 @@ pub(super) fn roller_pose(rollers: &Rollers, index: u32) -> Pose {
     Pose::from_parts(centre.into(), turn.unwrap_or_default())
 }
 
-fn part_mass(part: &Part) -> MassProperties {
-    engine_mass(part.mass, part.centre, part.inertia)
-}
-
 fn engine_mass(mass: f64, centre: Vector3<f64>, inertia: Matrix3<f64>) -> MassProperties {
     let columns: [f32; 9] = std::array::from_fn(|index| inertia.as_slice()[index] as f32);
     MassProperties::with_inertia_matrix(convert::vector(centre), mass as Real, Mat3::from_cols_array(&columns))
@@ -341,11 +360,18 @@ fn total_mass(robot: &RobotDef) -> Mass {
         let (mass, inertia) = mass_with_rollers(wheel);
         Mass { mass, centre: wheel.position.into(), inertia }
     });
-    let parts = robot.parts.iter().map(|part| Mass { mass: part.mass, centre: part.centre, inertia: part.inertia });
-    let all: Vec<Mass> = parts.chain(wheels).collect();
-    let mass: f64 = all.iter().map(|part| part.mass).sum();
-    let centre = all.iter().map(|part| part.centre * part.mass).sum::<Vector3<f64>>() / mass;
-    let inertia = all.iter().map(|part| part.inertia + point_inertia(part.mass, part.centre - centre)).sum();
+    combined(part_masses(robot).chain(wheels))
+}
+
+fn part_masses(robot: &RobotDef) -> impl Iterator<Item = Mass> {
+    robot.parts.iter().map(|part| Mass { mass: part.mass, centre: part.centre, inertia: part.inertia })
+}
+
+fn combined(parts: impl Iterator<Item = Mass>) -> Mass {
+    let parts: Vec<Mass> = parts.collect();
+    let mass: f64 = parts.iter().map(|part| part.mass).sum();
+    let centre = parts.iter().map(|part| part.centre * part.mass).sum::<Vector3<f64>>() / mass;
+    let inertia = parts.iter().map(|part| part.inertia + point_inertia(part.mass, part.centre - centre)).sum();
     Mass { mass, centre, inertia }
 }
 

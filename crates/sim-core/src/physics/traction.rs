@@ -80,8 +80,8 @@ pub(super) struct Other {
 /// What an impulse may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Limit {
-    /// Any.
-    None,
+    /// At most so much, either way, N s.
+    Within(f64),
     /// Zero or more.
     Push,
     /// At most so much of the impulse of another row, either way.
@@ -144,8 +144,7 @@ impl Base<'_> {
         others: &[Other],
         time_step: f64,
     ) -> (Motion, Vec<f64>) {
-        let mut torques: Vec<(f64, f64)> =
-            self.wheels.iter().map(|wheel| (wheel.stall_torque, wheel.gain)).collect();
+        let mut torques: Vec<(f64, f64)> = self.wheels.iter().map(|wheel| (wheel.stall_torque, wheel.gain)).collect();
         loop {
             let system = System::new(self, &torques, momentum, time_step);
             let jacobians: Vec<Jacobian> = rows.iter().map(|row| system.jacobian(row)).collect();
@@ -370,13 +369,13 @@ impl Equations {
                 continue;
             }
             match rows[index].limit {
-                Limit::Friction { .. } => {
+                Limit::Friction { .. } | Limit::Within(_) => {
                     at_limit[index] = next != limited;
                     impulses[index] = limited;
                     changed = true;
                 }
                 Limit::Push if off > worst.0 => worst = (off, Some(index)),
-                Limit::Push | Limit::None => {}
+                Limit::Push => {}
             }
         }
         if let (_, Some(index)) = worst {
@@ -415,7 +414,7 @@ struct Scratch {
 
 fn limited(impulse: f64, limit: Limit, impulses: &[f64]) -> f64 {
     match limit {
-        Limit::None => impulse,
+        Limit::Within(most) => impulse.clamp(-most, most),
         Limit::Push => impulse.max(0.0),
         Limit::Friction { normal, coefficient } => {
             let most = coefficient * impulses[normal].max(0.0);

@@ -42,7 +42,8 @@ pub(super) struct WheelContact {
 #[derive(Debug, Clone)]
 pub(super) struct RollerRing {
     shape: RollerShape,
-    wheel_radius: f64,
+    /// Nothing of the ring is farther than this from the hub, m.
+    reach: f64,
     /// Half the sector that a roller covers, rad.
     last_phase: f64,
     /// Poses of the rollers in the frame of the wheel.
@@ -52,9 +53,11 @@ pub(super) struct RollerRing {
 impl RollerRing {
     /// The ring of a wheel.
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
+        let half_width = rollers.half_length_at(rollers.last_phase, wheel_radius) * rollers.angle.cos()
+            + (wheel_radius - rollers.axis_circle);
         Self {
             shape: RollerShape::new(rollers, wheel_radius),
-            wheel_radius,
+            reach: wheel_radius.hypot(half_width),
             last_phase: rollers.last_phase,
             rollers: (0..rollers.count).map(|index| roller_pose(rollers, index)).collect(),
         }
@@ -72,26 +75,25 @@ impl RollerRing {
     ) {
         let frame = convert::from_pose(collider.position());
         let hub = frame.inv_mul(hub);
-        let mut touch = |part_pose: Option<&EnginePose>,
-                         part: &dyn Shape,
-                         constraints: Option<&dyn NormalConstraints>| {
-            let part_frame = part_pose.map(convert::from_pose);
-            let local = part_frame.map_or(hub, |pose| pose.inv_mul(&hub));
-            let frame = part_frame.map_or(frame, |pose| frame * pose);
-            self.touch_part(&local, angle, prediction, part, constraints, |roller, touch| {
-                let contact = self.contact(&frame, roller, touch, handle);
-                // On an edge between two triangles both hold the roller at the same place.
-                if !contacts.iter().any(|known| (known.point - contact.point).amax() < SAME_PLACE) {
-                    contacts.push(contact);
-                }
-            });
-        };
+        let mut touch =
+            |part_pose: Option<&EnginePose>, part: &dyn Shape, constraints: Option<&dyn NormalConstraints>| {
+                let part_frame = part_pose.map(convert::from_pose);
+                let local = part_frame.map_or(hub, |pose| pose.inv_mul(&hub));
+                let frame = part_frame.map_or(frame, |pose| frame * pose);
+                self.touch_part(&local, angle, prediction, part, constraints, |roller, touch| {
+                    let contact = self.contact(&frame, roller, touch, handle);
+                    // On an edge between two triangles both hold the roller at the same place.
+                    if !contacts.iter().any(|known| (known.point - contact.point).amax() < SAME_PLACE) {
+                        contacts.push(contact);
+                    }
+                });
+            };
         let shape = collider.shape();
         let Some(composite) = shape.as_composite_shape() else {
             touch(None, shape, None);
             return;
         };
-        let reach = Vector::splat((self.wheel_radius + prediction) as Real);
+        let reach = Vector::splat((self.reach + prediction) as Real);
         let near = Aabb::from_half_extents(convert::vector(hub.translation.vector), reach);
         for part in composite.bvh().intersect_aabb(&near) {
             composite.map_part_at(part, &mut touch);
@@ -114,7 +116,7 @@ impl RollerRing {
             None => distance(part, centre),
         };
         let Some((gap, normal)) = nearest else { return };
-        if f64::from(gap) > self.wheel_radius + prediction {
+        if f64::from(gap) > self.reach + prediction {
             return;
         }
         let toward = hub.rotation.inverse() * -convert::from_vector(normal);
@@ -129,9 +131,7 @@ impl RollerRing {
                 continue;
             }
             let pose = wheel * roller;
-            if let Some(touch) =
-                touch_part(&self.shape, &convert::pose(&pose), part, constraints, prediction as Real)
-            {
+            if let Some(touch) = touch_part(&self.shape, &convert::pose(&pose), part, constraints, prediction as Real) {
                 found(&pose, touch);
             }
         }

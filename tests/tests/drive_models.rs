@@ -1,0 +1,185 @@
+//! What every drive model of a Mecanum base has to do beside driving straight: stand, climb, push, slide, carry.
+
+use nalgebra::{Matrix3, Vector3};
+use sim_core::scene::{DriveModel, Part, WorldDef};
+use sim_core::{BodyState, Options, RobotId, World};
+use system_tests::{apply, init, run};
+
+/// A carpet with more solids, the youBots of a drive model.
+fn carpet(model: DriveModel, solids: &str) -> WorldDef {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("map.toml");
+    let map = format!(
+        "description = \"a test\"\n[[half_space]]\nname = \"floor\"\nmaterial = \"carpet\"\n{solids}\n\
+         [[start]]\nname = \"Start\"\nposition = [0, 0, 0]\n"
+    );
+    std::fs::write(&path, map).expect("a file");
+    of_model(path.to_str().expect("a path"), model)
+}
+
+fn of_model(map: &str, model: DriveModel) -> WorldDef {
+    let mut def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
+    def.robots.get_mut("KUKA_YouBot").expect("a youBot").drive_model = model;
+    def
+}
+
+/// A settled youBot in a world.
+fn youbot(def: WorldDef) -> (World, RobotId) {
+    let mut world = World::new(def, Options::default());
+    let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Start Start}");
+    run(&mut world, 0.5);
+    (world, robot)
+}
+
+fn body(world: &World, robot: RobotId) -> BodyState {
+    world.state(robot).expect("the robot").0
+}
+
+fn place(world: &World, robot: RobotId) -> Vector3<f64> {
+    body(world, robot).pose.translation.vector
+}
+
+fn mean_wheel_speed(world: &World, robot: RobotId) -> f64 {
+    world.state(robot).expect("the robot").1.iter().map(|wheel| wheel.speed).sum::<f64>() / 4.0
+}
+
+#[test]
+fn a_robot_told_to_stand_holds_still_on_a_slope_for_a_minute() {
+    for (name, model) in DriveModel::ALL {
+        let mut world = World::new(of_model("slope-4.5", model), Options::default());
+        let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Start RobotStart2}");
+        run(&mut world, 1.0);
+        let before = place(&world, robot);
+        run(&mut world, 60.0);
+        let crept = (place(&world, robot) - before).norm();
+        println!("{name}: {:.4} mm in a minute", 1e3 * crept);
+        assert!(crept < 5e-5, "{name} creeps {crept} m");
+    }
+}
+
+#[test]
+fn a_step_of_one_centimetre_is_climbed_without_a_jump() {
+    let plate = "[[box]]\nname = \"plate\"\nmaterial = \"carpet\"\nposition = [2.5, 0, -0.005]\nsize = [4, 4, 0.01]\n";
+    for (name, model) in DriveModel::ALL {
+        let (mut world, robot) = youbot(carpet(model, plate));
+        let before = place(&world, robot);
+        apply(&mut world, robot, "DRIVE {LinearVelocity 0.2}");
+        let mut highest = 0.0f64;
+        for _ in 0..(10.0 / world.time_step()) as u32 {
+            world.step();
+            highest = highest.max(before.z - place(&world, robot).z);
+        }
+        let way = place(&world, robot) - before;
+        println!("{name}: {way:.5?}, at most {:.3} mm up", 1e3 * highest);
+        assert!((way.z + 0.01).abs() < 1e-4 && highest < 0.0101, "{name}: {way:?}, {highest}");
+        assert!((1.97..2.001).contains(&way.x) && way.y.abs() < 0.005, "{name}: {way:?}");
+    }
+}
+
+/// Half a cubic foot of 2 kg goes along and can be felt in the wheels; one of 400 kg stays where it is. Where wheels
+/// give way, the two models that know of it agree.
+#[test]
+fn boxes_are_pushed_and_push_back() {
+    for (mass, moves) in [(2.0, true), (400.0, false)] {
+        let solids = format!(
+            "[[box]]\nname = \"crate\"\nmaterial = \"plywood\"\nmass = {mass}\nposition = [0.6, 0, -0.15]\nsize = [0.3, 0.3, 0.3]\n"
+        );
+        let mut speeds = Vec::new();
+        for (name, model) in DriveModel::ALL {
+            let (mut world, robot) = youbot(carpet(model, &solids));
+            apply(&mut world, robot, "DRIVE {LinearVelocity 0.1}");
+            // Against what does not move the wheels of a Mecanum base spin and it begins to wander to a side.
+            run(&mut world, if moves { 10.0 } else { 3.0 });
+            let (way, speed) = (place(&world, robot).x, mean_wheel_speed(&world, robot));
+            println!("{name}, {mass} kg: {way:.4} m, wheels at {speed:.3} rad/s");
+            let expected = if moves { 0.93..1.001 } else { 0.16..0.175 };
+            assert!(expected.contains(&way), "{name}, {mass} kg: {way}");
+            speeds.push(speed);
+        }
+        assert!(speeds[0] < 1.95 && (speeds[0] - speeds[1]).abs() < 0.04 * speeds[0], "{mass} kg: {speeds:?}");
+    }
+}
+
+#[test]
+fn a_wall_stops_what_goes_into_it_and_lets_the_rest_slide() {
+    let wall = "[[box]]\nname = \"wall\"\nmaterial = \"plywood\"\nposition = [0.6, 0, -0.5]\nsize = [0.2, 20, 1]\n";
+    for (name, model) in DriveModel::ALL {
+        let (mut world, robot) = youbot(carpet(model, wall));
+        apply(&mut world, robot, "DRIVE {LinearVelocity 0.1}{LateralVelocity 0.1}");
+        run(&mut world, 10.0);
+        let (way, yaw) = (place(&world, robot), body(&world, robot).pose.rotation.euler_angles().2);
+        println!("{name}: {way:.4?}, yaw {yaw:.4}");
+        assert!((way.x - 0.2145).abs() < 1e-3 && way.y > 0.2 && yaw.abs() < 0.01, "{name}: {way:?}, {yaw}");
+    }
+}
+
+/// 5 kg over the front right wheel: the robot goes as far and as straight.
+#[test]
+fn a_moved_centre_of_gravity_does_not_change_the_way() {
+    for (name, model) in DriveModel::ALL {
+        for line in ["DRIVE {LinearVelocity 0.1}", "DRIVE {LateralVelocity 0.1}", "DRIVE {RotationalVelocity 0.2}"] {
+            let ends = [0.0, 5.0].map(|mass| {
+                let mut def = carpet(model, "");
+                let robot = def.robots.get_mut("KUKA_YouBot").expect("a youBot");
+                if mass > 0.0 {
+                    let inertia = Matrix3::identity() * 0.01;
+                    let centre = Vector3::new(0.2, 0.12, -0.05);
+                    robot.parts.push(Part { name: "load".to_owned(), mass, centre, inertia });
+                }
+                let (mut world, robot) = youbot(def);
+                apply(&mut world, robot, line);
+                run(&mut world, 10.0);
+                let pose = body(&world, robot).pose;
+                (pose.translation.vector.xy(), pose.rotation.euler_angles().2)
+            });
+            let (apart, yaw) = ((ends[0].0 - ends[1].0).norm(), (ends[0].1 - ends[1].1).abs());
+            println!("{name}, {line}: {:.2} mm and {yaw:.5} rad apart", 1e3 * apart);
+            assert!(apart < 2e-3 && yaw < 2e-3, "{name}, {line}: {ends:?}");
+        }
+    }
+}
+
+/// Wheels that work against each other slide; with the servo's torque limited below the grip they stall instead.
+#[test]
+fn a_limited_motor_stalls_at_a_wall_where_a_strong_one_slides() {
+    let wall = "[[box]]\nname = \"wall\"\nmaterial = \"plywood\"\nposition = [0.5, 0, -0.5]\nsize = [0.2, 20, 1]\n";
+    for (name, model) in [("bodies", DriveModel::Bodies), ("analytic", DriveModel::Analytic)] {
+        for (max_torque, turns) in [(0.5, false), (100.0, true)] {
+            let mut def = carpet(model, wall);
+            for wheel in &mut def.robots.get_mut("KUKA_YouBot").expect("a youBot").wheels {
+                wheel.drive.as_mut().expect("a motor").max_torque = max_torque;
+            }
+            let (mut world, robot) = youbot(def);
+            apply(&mut world, robot, "DRIVE {LinearVelocity 0.1}");
+            run(&mut world, 5.0);
+            let speed = mean_wheel_speed(&world, robot);
+            println!("{name}, at most {max_torque} N m: wheels at {speed:.4} rad/s");
+            assert_eq!(speed > 1.0, turns, "{name}, {max_torque} N m: {speed}");
+            assert!(turns || speed.abs() < 0.02, "{name}, {max_torque} N m: {speed}");
+        }
+    }
+}
+
+#[test]
+fn several_robots_repeat_themselves_and_do_not_change_each_other() {
+    for (name, model) in DriveModel::ALL.into_iter().skip(1) {
+        let play = |count: u32| {
+            let mut world = World::new(carpet(model, ""), Options::default());
+            let robots: Vec<RobotId> = (0..count)
+                .map(|index| {
+                    init(
+                        &mut world,
+                        &format!("INIT {{ClassName USARBot.KUKA_YouBot}} {{Location 0,{}.0,0}}", 2 * index),
+                    )
+                })
+                .collect();
+            for &robot in &robots {
+                apply(&mut world, robot, "DRIVE {LinearVelocity 0.1}{RotationalVelocity 0.2}");
+            }
+            run(&mut world, 3.0);
+            (world.digest(), place(&world, robots[0]))
+        };
+        assert_eq!(play(5), play(5), "{name}");
+        assert_eq!(play(1).1, play(5).1, "{name}: alone and among others");
+    }
+}
