@@ -10,7 +10,7 @@ use system_tests::{command, run};
 /// Masses and places of the thesis's Appendix A, through URDF (z up) into the robot frame (z down).
 #[test]
 fn the_youbot_is_that_of_the_thesis() {
-    let youbot = scene_loader::robot("KUKA_YouBot").expect("a built-in robot");
+    let youbot = scene_loader::robot("KUKA_YouBot", &[]).expect("a built-in robot");
     let mut parts: Vec<(&str, f64)> = youbot.parts.iter().map(|part| (part.name.as_str(), part.mass)).collect();
     parts.sort_by(|a, b| a.0.cmp(b.0));
     let expected = [
@@ -42,7 +42,7 @@ fn the_youbot_is_that_of_the_thesis() {
 /// Torque limit and armature follow from gear, torque constant, current and rotor inertia.
 #[test]
 fn the_real_youbot_has_geared_motors() {
-    let youbot = scene_loader::robot("YouBot").expect("a built-in robot");
+    let youbot = scene_loader::robot("YouBot", &[]).expect("a built-in robot");
     assert!((youbot.mass() - 20.0).abs() < 0.01, "{}", youbot.mass());
     let motor = youbot.wheels[0].drive.as_ref().expect("a motor");
     assert_eq!(motor.max_speed, 14.81);
@@ -213,7 +213,7 @@ fn the_length_of_rollers_is_checked() {
     let load = |half_length: f64| {
         let text = toml.replace("axis_circle =", &format!("half_length = {half_length}\naxis_circle ="));
         std::fs::write(&path, text).expect("a file");
-        scene_loader::robot(path.to_str().expect("a path"))
+        scene_loader::robot(path.to_str().expect("a path"), &[])
     };
     let long = load(0.03727).unwrap_or_else(|error| panic!("{error}"));
     let rollers = long.wheels[0].rollers.as_ref().expect("rollers");
@@ -221,5 +221,28 @@ fn the_length_of_rollers_is_checked() {
     for wrong in [0.02, 0.06] {
         let error = load(wrong).expect_err("a mistake").to_string();
         assert!(error.contains(&format!("`half_length` is {wrong}: expected 0.03237 (no gap) to")), "{error}");
+    }
+}
+
+#[test]
+fn overrides_reach_robots_maps_and_materials() {
+    let overrides = [
+        "robot.roller_friction=0.7",
+        "KUKA_YouBot.link.kukabody.mass=4.6",
+        "map.gravity=1.62",
+        "material.carpet.friction=0.4",
+        "robot.wheel.FLWheel.gain=2.5",
+    ]
+    .map(|text| text.parse().unwrap_or_else(|error| panic!("{text}: {error}")));
+    let def = scene_loader::load_with("rough", &[], &overrides).unwrap_or_else(|error| panic!("{error}"));
+    let youbot = &def.robots["KUKA_YouBot"];
+    let gains: Vec<f64> = youbot.wheels.iter().filter_map(|wheel| Some(wheel.drive.as_ref()?.gain)).collect();
+    assert_eq!(gains, [2.5, 4.0, 4.0, 4.0]);
+    assert!(youbot.wheels.iter().flat_map(|wheel| &wheel.rollers).all(|rollers| rollers.material.friction == 0.7));
+    assert!((youbot.mass() - 16.0).abs() < 1e-4, "{}", youbot.mass());
+    assert_eq!((def.map.gravity, def.map.solids[0].material.friction), (1.62, 0.4));
+    for text in ["robot.wheels.gian=1", "robot.wheels.gain=-1", "P3AT.rollers.mass=1", "material.carpet.friction=99"] {
+        let set = text.parse().unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert!(scene_loader::load_with("rough", &[], &[set]).is_err(), "{text}");
     }
 }

@@ -52,6 +52,7 @@ fn description(config: &Config) -> BTreeMap<String, String> {
         entry("seed", &config.options.seed),
         entry("time_step", &config.options.time_step),
         entry("real_time_factor", &config.real_time_factor),
+        entry("scene", &serde_json::to_string(&config.world).unwrap_or_default()),
         entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
     ])
 }

@@ -7,6 +7,7 @@ use include_dir::{Dir, include_dir};
 use sim_core::scene::{MapDef, RobotDef, WorldDef};
 
 use crate::materials::{self, Materials};
+use crate::overrides::{self, Override};
 use crate::problem::Problems;
 use crate::source::Source;
 use crate::{LoadError, map as map_file, robot as robot_file};
@@ -29,21 +30,31 @@ pub fn robot_names() -> Vec<String> {
 /// # Errors
 /// An unknown name, an unreadable file, or everything wrong with the files.
 pub fn load(map_name: &str, robot_files: &[&Path]) -> Result<WorldDef, LoadError> {
+    load_with(map_name, robot_files, &[])
+}
+
+/// The same with some numbers replaced.
+///
+/// # Errors
+/// As [`load`], and an override that nothing takes.
+pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) -> Result<WorldDef, LoadError> {
     let files = robot_files.iter().map(|file| file.display().to_string());
     let mut robots = BTreeMap::new();
     for name in robot_names().into_iter().chain(files) {
-        let definition = robot(&name)?;
+        let definition = robot(&name, overrides)?;
         robots.insert(definition.class.clone(), definition);
     }
-    Ok(WorldDef { map: map(map_name)?, robots })
+    let map = map(map_name, overrides)?;
+    overrides::check_used(overrides)?;
+    Ok(WorldDef { map, robots })
 }
 
 /// A map by its name, or by the path of its file.
 ///
 /// # Errors
 /// As [`load`].
-pub fn map(name: &str) -> Result<MapDef, LoadError> {
-    let materials = built_in_materials()?;
+pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
+    let materials = built_in_materials(overrides)?;
     let path = Path::new(name);
     let (source, file, name) = match MAPS.get_dir(name) {
         Some(dir) => (Source::BuiltIn(dir), "map.toml".to_owned(), name.to_owned()),
@@ -51,7 +62,7 @@ pub fn map(name: &str) -> Result<MapDef, LoadError> {
         None => return Err(unknown("map", name, &map_names())),
     };
     let mut problems = Problems::default();
-    let text = source.text(&file)?;
+    let text = overrides::apply(source.text(&file)?, overrides, &["map"]);
     let map = map_file::read(&source, &file, &name, &text, &materials, &mut problems);
     problems.into_result(map)?.ok_or_else(|| unknown("map", &name, &map_names()))
 }
@@ -60,29 +71,32 @@ pub fn map(name: &str) -> Result<MapDef, LoadError> {
 ///
 /// # Errors
 /// As [`load`].
-pub fn robot(name: &str) -> Result<RobotDef, LoadError> {
+pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
     let names = robot_names();
     let built_in = names.iter().find(|known| known.eq_ignore_ascii_case(name));
     let folder = built_in.and_then(|class| Some((class, ASSETS.get_dir(format!("robots/{class}"))?)));
     let path = Path::new(name);
     match folder {
-        Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", class),
-        None if path.is_file() => read_robot(&Source::of_file(path), &file_name(path), &name_of(path, "robot")),
+        Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", class, overrides),
+        None if path.is_file() => {
+            read_robot(&Source::of_file(path), &file_name(path), &name_of(path, "robot"), overrides)
+        }
         None => Err(unknown("robot", name, &names)),
     }
 }
 
-fn read_robot(source: &Source, file: &str, class: &str) -> Result<RobotDef, LoadError> {
+fn read_robot(source: &Source, file: &str, class: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
     let mut problems = Problems::default();
-    let text = source.text(file)?;
-    let robot = robot_file::read(source, file, class, &text, &built_in_materials()?, &mut problems);
+    let text = overrides::apply(source.text(file)?, overrides, &["robot", class]);
+    let robot = robot_file::read(source, file, class, &text, &built_in_materials(overrides)?, &mut problems);
     problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
 }
 
-pub(crate) fn built_in_materials() -> Result<Materials, LoadError> {
+pub(crate) fn built_in_materials(overrides: &[Override]) -> Result<Materials, LoadError> {
     let source = Source::BuiltIn(&ASSETS);
     let mut problems = Problems::default();
-    let materials = materials::read("assets/materials.toml", &source.text("materials.toml")?, &mut problems);
+    let text = overrides::apply(source.text("materials.toml")?, overrides, &["material"]);
+    let materials = materials::read("assets/materials.toml", &text, &mut problems);
     problems.into_result(materials)
 }
 

@@ -9,12 +9,14 @@ mod document;
 mod map;
 mod materials;
 mod mesh;
+mod overrides;
 mod problem;
 mod robot;
 mod source;
 mod urdf;
 
-pub use catalogue::{load, map, map_names, robot, robot_names};
+pub use catalogue::{load, load_with, map, map_names, robot, robot_names};
+pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
 
 use std::path::Path;
@@ -33,7 +35,7 @@ pub fn check(path: &Path) -> Result<(), LoadError> {
         Some("urdf") => {
             let mut problems = Problems::default();
             let text = source.text(name)?;
-            urdf::read(&source, name, &text, &catalogue::built_in_materials()?, None, &mut problems);
+            urdf::read(&source, name, &text, &catalogue::built_in_materials(&[])?, None, &mut problems);
             problems
         }
         Some("toml") => check_toml(&source, name)?,
@@ -45,7 +47,7 @@ pub fn check(path: &Path) -> Result<(), LoadError> {
 /// Materials are told by the name of their file, robots by their wheels; the rest is a map.
 fn check_toml(source: &Source, name: &str) -> Result<Problems, LoadError> {
     let text = source.text(name)?;
-    let materials = catalogue::built_in_materials()?;
+    let materials = catalogue::built_in_materials(&[])?;
     let mut problems = Problems::default();
     if name.starts_with("materials") {
         materials::read(&source.display(name), &text, &mut problems);

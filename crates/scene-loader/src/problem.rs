@@ -48,6 +48,12 @@ pub enum LoadError {
         /// The file.
         file: String,
     },
+    /// An override whose path leads nowhere.
+    #[error("override `{text}`: nothing has that name; `usarsim show robot|map NAME` lists what there is")]
+    Override {
+        /// As it was written.
+        text: String,
+    },
     /// Mistakes in a file, one a line.
     #[error("{}", list(.0))]
     Bad(Vec<FileProblem>),

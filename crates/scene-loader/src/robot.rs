@@ -15,7 +15,7 @@ use crate::problem::Problems;
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
-const KEYS: &str = "description, steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, part, wheels, rollers, wheel, \
+const KEYS: &str = "description, steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
                     caster, sensor, battery";
 
 #[derive(Clone, Copy, Deserialize)]
@@ -60,6 +60,7 @@ struct WheelEntry {
     max_speed: Option<f64>,
     gain: Option<f64>,
     max_torque: Option<f64>,
+    integral_time: Option<f64>,
     armature: Option<f64>,
     gear: Option<f64>,
     torque_constant: Option<f64>,
@@ -84,6 +85,18 @@ struct RollersEntry {
     mass: f64,
     damping: f64,
     material: String,
+    /// Instead of the material's.
+    friction: Option<f64>,
+}
+
+/// What is to differ from the URDF in a link of the body.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LinkEntry {
+    name: String,
+    mass: Option<f64>,
+    /// Centre of mass in the robot frame.
+    centre: Option<Vector>,
 }
 
 #[derive(Deserialize)]
@@ -124,6 +137,7 @@ pub(crate) fn read(
     let urdf = read_urdf(source, &mut document, &mut root, materials);
     let (mut parts, mut solids) =
         urdf.as_ref().map_or_else(Default::default, |urdf| (urdf.parts.clone(), urdf.solids.clone()));
+    read_links(&mut document, &mut root, &mut parts);
     read_parts(&mut document, &mut root, materials, &mut parts, &mut solids);
     if parts.is_empty() {
         document.problem(&(0..0), "no [[part]] and no `urdf`: expected at least one part with a mass");
@@ -178,6 +192,24 @@ fn read_urdf<'a>(
         Err(error) => {
             document.problem(&span, error);
             None
+        }
+    }
+}
+
+/// A mass changes the inertia with it; a centre moves the mass and leaves the shape.
+fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, parts: &mut [Part]) {
+    for (span, LinkEntry { name, mass, centre }) in document.list::<LinkEntry>(root, "link") {
+        let Some(part) = parts.iter_mut().find(|part| part.name == name) else {
+            document.problem(&span, format_args!("link `{name}`: expected a link of the URDF's body"));
+            continue;
+        };
+        if let Some(mass) = mass.filter(|&mass| document.positive(&span, "mass", mass)) {
+            part.inertia *= mass / part.mass;
+            part.mass = mass;
+        }
+        if let Some(centre) = centre {
+            document.within_reason(&span, "centre", &centre);
+            part.centre = centre.into();
         }
     }
 }
@@ -263,6 +295,10 @@ fn read_wheel(
         common.max_torque.or(gearbox.max_torque),
     );
     let armature = entry.armature.or(common.armature).or(gearbox.armature).unwrap_or(0.0);
+    let integral_time = entry.integral_time.or(common.integral_time);
+    if let Some(time) = integral_time {
+        document.positive(span, "integral_time", time);
+    }
     let mut missing = |key: &str| document.problem(span, format_args!("missing `{key}`"));
     let position = entry.position.or(joint.map(|joint| joint.position));
     let material = entry.material.or(common.material.clone());
@@ -294,7 +330,7 @@ fn read_wheel(
     if !(0.0..=100.0).contains(&armature) {
         document.problem(span, format_args!("`armature` is {armature}: expected 0 to 100 kg m²"));
     }
-    let drive = Some(Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, armature });
+    let drive = Some(Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, integral_time, armature });
     document.within_reason(span, "position", &position?);
     Some(Wheel {
         name: entry.name?,
@@ -356,7 +392,13 @@ fn read_rollers(
         );
         return None;
     }
-    let material = document.material(place, &entry.material, materials)?;
+    let mut material = document.material(place, &entry.material, materials)?;
+    if let Some(friction) = entry.friction {
+        if !(0.0..=10.0).contains(&friction) {
+            document.problem(place, format_args!("`friction` is {friction}: expected 0 to 10"));
+        }
+        material.friction = friction;
+    }
     let RollersEntry { count, axis_circle, mass, damping, .. } = *entry;
     let last_phase = std::f64::consts::PI / f64::from(count);
     let mut rollers = Rollers { count, axis_circle, angle, last_phase, mass, damping, material };

@@ -7,6 +7,7 @@ mod query;
 mod rigid_base;
 mod robot;
 mod roller;
+mod rolling;
 mod shape;
 mod traction;
 mod wheel_contact;
@@ -67,7 +68,11 @@ impl Physics {
             world.insert_collider(collider, Some(ground));
         }
         for Object { solid, mass } in &map.objects {
-            let body = world.insert_body(RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose)).can_sleep(false));
+            let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose)).can_sleep(false);
+            let material = &solid.material;
+            let body =
+                body.linear_damping(material.linear_damping as Real).angular_damping(material.angular_damping as Real);
+            let body = world.insert_body(body);
             let collider = shape::collider(&solid.shape, &Pose::identity(), &solid.material).mass(*mass as Real);
             world.insert_collider(collider, Some(body));
         }
@@ -91,9 +96,9 @@ impl Physics {
     }
 }
 
-/// Friction and restitution of a collider. Both sides average, which is [`Material::pair`].
+/// Friction, restitution and rolling resistance of a collider. Both sides average, which is [`Material::pair`].
 fn with_material(collider: ColliderBuilder, material: &Material) -> ColliderBuilder {
-    collider
+    rolling::mark(collider, material)
         .friction(material.friction as Real)
         .friction_combine_rule(CoefficientCombineRule::Average)
         .restitution(material.restitution as Real)

@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use serde::{Serialize, Serializer};
 
 use crate::sensor;
 
@@ -22,8 +23,18 @@ pub fn position_and_rotation(pose: &Pose) -> ([f64; 3], [f64; 3]) {
     (pose.translation.vector.into(), [roll, pitch, yaw])
 }
 
+fn position_and_rotation_of<S: Serializer>(pose: &Pose, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Place {
+        position: [f64; 3],
+        rotation: [f64; 3],
+    }
+    let (position, rotation) = position_and_rotation(pose);
+    Place { position, rotation }.serialize(serializer)
+}
+
 /// A physical material.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Material {
     /// Its name in `materials.toml`.
     pub name: String,
@@ -31,7 +42,7 @@ pub struct Material {
     pub friction: f64,
     /// Restitution, 0 to 1.
     pub restitution: f64,
-    /// Rolling resistance: force over normal force. Kept with the material, not yet applied by the physics.
+    /// Rolling resistance: force against the motion of a wheel's hub over its load; a pair has the sum of both.
     pub rolling_resistance: f64,
     /// Damping of the linear velocity of a body made of it, 1/s.
     pub linear_damping: f64,
@@ -51,7 +62,7 @@ impl Material {
 }
 
 /// Geometry of a solid, in its own frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Shape {
     /// Everything on the far side of the plane z = 0: up (negative z) is free.
     HalfSpace,
@@ -80,27 +91,35 @@ pub enum Shape {
     /// A surface of triangles, m.
     Mesh {
         /// Corners.
+        #[serde(serialize_with = "count")]
         vertices: Vec<[f64; 3]>,
         /// Indices of three corners each.
+        #[serde(serialize_with = "count")]
         triangles: Vec<[u32; 3]>,
     },
 }
 
+/// A list too long to be shown: its length.
+fn count<T, S: Serializer>(list: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_u64(list.len() as u64)
+}
+
 /// A shape at a place, of a material.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Solid {
     /// Its name, for messages and viewers.
     pub name: String,
     /// Geometry.
     pub shape: Shape,
     /// Place in the frame of the map or of the robot.
+    #[serde(serialize_with = "position_and_rotation_of")]
     pub pose: Pose,
     /// What its surface is made of.
     pub material: Material,
 }
 
 /// A solid of a map that moves when it is pushed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Object {
     /// Shape, first place and surface.
     pub solid: Solid,
@@ -109,7 +128,7 @@ pub struct Object {
 }
 
 /// A named place of a map.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NamedPose {
     /// Name without white space or braces.
     pub name: String,
@@ -120,7 +139,7 @@ pub struct NamedPose {
 }
 
 /// A map: what stands and lies on it, and where robots start.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapDef {
     /// Name, sent as `{Level ..}`.
     pub name: String,
@@ -141,7 +160,7 @@ pub struct MapDef {
 }
 
 /// How a robot is steered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Steering {
     /// Left and right wheels turn by side.
     Skid,
@@ -160,7 +179,7 @@ impl Steering {
 }
 
 /// How the wheels of a Mecanum robot move it. Other robots are always made of bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub enum DriveModel {
     /// Chassis, wheels and rollers are bodies of the engine, their contacts Coulomb's: the reference.
     #[default]
@@ -201,7 +220,7 @@ impl std::str::FromStr for DriveModel {
 }
 
 /// The side of a wheel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Side {
     /// Driven by `{Left ..}`.
     Left,
@@ -210,7 +229,7 @@ pub enum Side {
 }
 
 /// A class of robots.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RobotDef {
     /// Class name as in `USARBot.<class>`; the name of its folder.
     pub class: String,
@@ -280,7 +299,7 @@ pub struct WheelGeometry {
 }
 
 /// One part of the body: what it weighs and where.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Part {
     /// Its name.
     pub name: String,
@@ -293,7 +312,7 @@ pub struct Part {
 }
 
 /// A wheel about the robot's y axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wheel {
     /// Its name.
     pub name: String,
@@ -316,7 +335,7 @@ pub struct Wheel {
 }
 
 /// A velocity servo: torque = gain x (target - actual), limited.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Motor {
     /// Speed limit, rad/s.
     pub max_speed: f64,
@@ -324,6 +343,8 @@ pub struct Motor {
     pub gain: f64,
     /// Torque limit, N m.
     pub max_torque: f64,
+    /// Time constant of integral action, s; without it the speed droops under a load by torque over gain.
+    pub integral_time: Option<f64>,
     /// Inertia of the rotor as felt at the wheel, kg m². The engine's sliding friction leans toward the direction
     /// in which a contact is heavier; on a skid robot, whose wheels slide sideways in every turn, this has to be
     /// of the order of (mass / 4) radius², or the robot hardly turns.
@@ -331,7 +352,7 @@ pub struct Motor {
 }
 
 /// The free rollers of a Mecanum wheel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rollers {
     /// How many.
     pub count: u32,
@@ -360,7 +381,7 @@ impl Rollers {
 }
 
 /// A battery that falls linearly, whatever the robot does (Battery.uc:44-129).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Battery {
     /// Energy at the start, J.
     pub max_energy: f64,
@@ -369,7 +390,7 @@ pub struct Battery {
 }
 
 /// A sensor on a robot.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SensorDef {
     /// Name on the wire.
     pub name: String,
@@ -384,7 +405,7 @@ pub struct SensorDef {
 }
 
 /// Everything that a world needs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorldDef {
     /// The map.
     pub map: MapDef,

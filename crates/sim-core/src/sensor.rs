@@ -16,7 +16,7 @@ use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Reading};
 use nalgebra::{Point3, Vector3};
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::physics::{Physics, RayHit, RobotBodies};
 use crate::scene::{self, Pose, RobotDef, SensorDef};
@@ -85,7 +85,7 @@ pub(crate) trait Sensor: Send {
 macro_rules! sensors {
     ($($(#[$doc:meta])* $class:literal, $interval:literal => $name:ident($config:path),)*) => {
         /// The numbers of a sensor of any class.
-        #[derive(Debug, Clone, PartialEq)]
+        #[derive(Debug, Clone, PartialEq, Serialize)]
         pub enum Config { $($(#[$doc])* $name($config),)* }
 
         /// Every class of sensor with its default scan interval, s.

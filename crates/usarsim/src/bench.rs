@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use experiments::{Course, Motion};
+use scene_loader::Override;
 use serde_json::json;
 use sim_core::Options;
 use sim_core::scene::{DriveModel, WorldDef};
@@ -34,6 +35,9 @@ pub(crate) struct Arguments {
     /// A map by name or file, as for `serve`.
     #[arg(long, default_value = "rough", value_name = "NAME|FILE")]
     map: String,
+    /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE. May be given several times.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Override>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -53,13 +57,14 @@ fn time_step(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { robot, robots, seconds, map, .. } = arguments;
+    let Arguments { robot, robots, seconds, map, set, .. } = arguments;
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
-    let mut robot = scene_loader::robot(robot).map_err(broken)?;
+    let mut robot = scene_loader::robot(robot, set).map_err(broken)?;
     robot.drive_model = arguments.drive_model.unwrap_or(robot.drive_model);
     let (class, model) = (robot.class.clone(), robot.drive_model);
     let dt = arguments.dt.unwrap_or(if model == DriveModel::Bodies { 0.004 } else { 0.008 });
-    let map = scene_loader::map(map).map_err(broken)?;
+    let map = scene_loader::map(map, set).map_err(broken)?;
+    scene_loader::check_used(set).map_err(broken)?;
     let map_name = map.name.clone();
     let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
     let options = Options { time_step: dt, ..Options::default() };

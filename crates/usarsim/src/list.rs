@@ -15,7 +15,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn maps(arguments: &Arguments) -> Result<(), Failure> {
-    let maps: Result<Vec<_>, _> = scene_loader::map_names().iter().map(|name| scene_loader::map(name)).collect();
+    let maps: Result<Vec<_>, _> = scene_loader::map_names().iter().map(|name| scene_loader::map(name, &[])).collect();
     let maps = maps.map_err(broken)?;
     if arguments.json {
         let list = maps.iter().map(|map| {
@@ -33,7 +33,8 @@ pub(crate) fn maps(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 pub(crate) fn robots(arguments: &Arguments) -> Result<(), Failure> {
-    let robots: Result<Vec<_>, _> = scene_loader::robot_names().iter().map(|name| scene_loader::robot(name)).collect();
+    let robots: Result<Vec<_>, _> =
+        scene_loader::robot_names().iter().map(|name| scene_loader::robot(name, &[])).collect();
     let robots = robots.map_err(broken)?;
     if arguments.json {
         let list = robots.iter().map(|robot| {

@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod list;
 mod serve;
+mod show;
 
 use std::process::ExitCode;
 
@@ -44,6 +45,8 @@ enum Command {
     Maps(list::Arguments),
     /// List the robot classes with what they carry.
     Robots(list::Arguments),
+    /// Print every number of a robot or a map, overrides included.
+    Show(show::Arguments),
     /// Check robot.toml, map.toml, materials.toml and URDF files: every mistake with its line.
     Check(check::Arguments),
     /// Measure how fast and how exact the world is.
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
         Command::Serve(arguments) => serve::run(arguments),
         Command::Maps(arguments) => list::maps(&arguments),
         Command::Robots(arguments) => list::robots(&arguments),
+        Command::Show(arguments) => show::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
     };

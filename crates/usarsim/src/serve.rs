@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use gamebots_server::{Config, ServeError};
+use scene_loader::Override;
 use sim_core::Options;
 use sim_core::scene::{DriveModel, Steering};
 
@@ -22,6 +23,10 @@ pub(crate) struct Arguments {
     /// A further robot class from a robot.toml; its class is the name of the folder. May be given several times.
     #[arg(long, env = "USARSIM_ROBOT", value_name = "FILE")]
     robot: Vec<PathBuf>,
+    /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE, as in robot.wheels.gain=2.5. May be given
+    /// several times; `usarsim show` prints what comes of it.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Override>,
     /// How the wheels of Mecanum robots move them: bodies, analytic, kinematic or kinematic-textbook; by default as their
     /// robot.toml says.
     #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL")]
@@ -68,7 +73,7 @@ fn real_time_factor(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let robots: Vec<&std::path::Path> = arguments.robot.iter().map(PathBuf::as_path).collect();
-    let mut world = scene_loader::load(&arguments.map, &robots)
+    let mut world = scene_loader::load_with(&arguments.map, &robots, &arguments.set)
         .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{error}")))?;
     if let Some(model) = arguments.drive_model {
         let mecanum = world.robots.values_mut().filter(|robot| robot.steering == Steering::Omni);

@@ -267,6 +267,21 @@ fn the_lists_name_maps_and_robots() {
 }
 
 #[test]
+fn show_prints_the_numbers_in_effect() {
+    let output = run(&["show", "robot", "KUKA_YouBot", "--set", "robot.wheels.gain=2.5", "--drive-model", "analytic"]);
+    let shown = text(&output.stdout);
+    assert!(output.status.success() && shown.contains("drive_model = \"Analytic\""), "{shown}");
+    assert_eq!(shown.matches("gain = 2.5").count(), 4, "{shown}");
+    let output = run(&["show", "map", "rough", "--json", "--set", "map.gravity=1.62"]);
+    assert!(text(&output.stdout).contains("\"gravity\": 1.62"), "{}", text(&output.stdout));
+    let output = run(&["show", "map", "rough", "--set", "map.gravitas=1"]);
+    assert_eq!(output.status.code(), Some(78));
+    let output = run(&["show", "map", "rough", "--set", "robot.wheels.gain=1"]);
+    assert_eq!(output.status.code(), Some(78));
+    assert!(text(&output.stderr).contains("nothing has that name"), "{}", text(&output.stderr));
+}
+
+#[test]
 fn bench_measures_speed_and_error_in_one_run() {
     let output = run(&["bench", "--seconds", "1", "--dt", "0.004", "--robots", "2", "--json"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");

@@ -11,8 +11,8 @@ const HOLDING_TIME: f64 = 0.05;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Servo {
     target: f64,
-    /// Angle at which it is held, rad.
-    held: Option<f64>,
+    /// Angle at which it is to be, rad, where it has one.
+    reference: Option<f64>,
 }
 
 /// Torque as a function of the speed at the end of a step: `at_rest - gain speed`.
@@ -27,6 +27,9 @@ pub(super) struct Torque {
 impl Servo {
     /// Sets the speed, rad/s.
     pub(super) fn set_target(&mut self, speed: f64) {
+        if speed != self.target {
+            self.reference = None;
+        }
         self.target = speed;
     }
 
@@ -36,18 +39,21 @@ impl Servo {
     }
 
     /// The torque in the coming step. A servo of the speed alone gives way under a load for ever; told to stand, it
-    /// holds the angle where the wheel has come to rest, as the position loop of a real controller does.
+    /// holds the angle where the wheel has come to rest, as the position loop of a real controller does. With integral
+    /// action it follows the angle that its speed asks for.
     pub(super) fn torque(&mut self, motor: &Motor, angle: f64, speed: f64, time_step: f64) -> Torque {
-        if self.target != 0.0 {
-            self.held = None;
-        } else if self.held.is_none() && speed.abs() < HOLDING_SPEED {
-            self.held = Some(angle);
+        let stands = self.target == 0.0 && speed.abs() < HOLDING_SPEED;
+        if self.reference.is_none() && (stands || motor.integral_time.is_some() && self.target != 0.0) {
+            self.reference = Some(angle);
         }
+        let Some(reference) = self.reference else {
+            return Torque { at_rest: motor.gain * self.target, gain: motor.gain };
+        };
+        let stiffness = motor.gain / motor.integral_time.unwrap_or(HOLDING_TIME);
         // A wheel that is dragged away is held where it comes to be, not pulled back all the way.
-        let slack = motor.max_torque * HOLDING_TIME / motor.gain;
-        self.held =
-            self.held.map(|held| if slack.is_finite() { held.clamp(angle - slack, angle + slack) } else { held });
-        let (offset, stiffness) = self.held.map_or((0.0, 0.0), |held| (held - angle, motor.gain / HOLDING_TIME));
-        Torque { at_rest: motor.gain * self.target + stiffness * offset, gain: motor.gain + stiffness * time_step }
+        let slack = motor.max_torque / stiffness;
+        let ahead = (reference - angle).clamp(-slack, slack) + self.target * time_step;
+        self.reference = Some(angle + ahead);
+        Torque { at_rest: motor.gain * self.target + stiffness * ahead, gain: motor.gain + stiffness * time_step }
     }
 }

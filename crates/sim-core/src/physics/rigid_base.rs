@@ -11,6 +11,7 @@ use rapier3d::prelude::*;
 
 use super::motor::Servo;
 use super::robot::mass_with_rollers;
+use super::rolling::{self, Load};
 use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel};
 use super::wheel_contact::{RollerRing, WheelContact};
 use super::{WheelState, convert};
@@ -87,6 +88,9 @@ pub(super) struct RigidBase {
     following: Option<Following>,
     mass: Mass,
     linear_damping: f64,
+    angular_damping: f64,
+    /// What each wheel stood on in the last step.
+    loads: Vec<Load>,
     wheels: Vec<BaseWheel>,
     servos: Vec<Servo>,
     pose: Pose,
@@ -118,6 +122,8 @@ impl RigidBase {
             following,
             mass,
             linear_damping: robot.solids.first().map_or(0.0, |solid| solid.material.linear_damping),
+            angular_damping: robot.solids.first().map_or(0.0, |solid| solid.material.angular_damping),
+            loads: vec![Load::default(); count],
             servos: vec![Servo::default(); count],
             wheels,
             pose,
@@ -156,8 +162,11 @@ impl RigidBase {
         let base = self.base(&spinning);
         let twist = self.twist();
         let mut momentum = self.momentum.clone();
-        momentum.linear += convert::from_vector(world.gravity) * (self.mass.mass * time_step);
+        let fall = convert::from_vector(world.gravity) * time_step;
+        self.resist_rolling(&mut momentum, fall);
+        momentum.linear += fall * self.mass.mass;
         momentum.linear /= 1.0 + self.linear_damping * time_step;
+        momentum.angular /= 1.0 + self.angular_damping * time_step;
         let (mut rows, mut others, mut touched) = (Vec::new(), Vec::new(), Vec::new());
         let mut contacts = std::mem::take(&mut self.contacts);
         for wheel in 0..self.wheels.len() {
@@ -193,7 +202,12 @@ impl RigidBase {
         self.momentum = base.momentum(&motion);
         self.motion = motion;
         self.reactions.clear();
+        self.loads.fill(Load::default());
         for (row, impulse) in rows.iter().zip(impulses) {
+            if let (Some((wheel, _)), Limit::Push) = (row.wheel, row.limit) {
+                self.loads[wheel].normal += row.direction * impulse;
+                self.loads[wheel].resistance += row.rolling_resistance * impulse;
+            }
             if let (Some(other), Some(point)) = (row.other, row.point) {
                 self.reactions.push((touched[other], row.direction * -impulse, point));
             }
@@ -354,6 +368,19 @@ impl RigidBase {
             target: if gap <= 0.0 && speed < -LEAST_BOUNCE { push.max(-speed * restitution) } else { push },
             compliance: 1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)),
             limit: Limit::Push,
+            rolling_resistance: self.wheels[index].material.rolling_resistance + rolling::of(collider),
+        }
+    }
+
+    fn resist_rolling(&self, momentum: &mut Momentum, fall: Vector3<f64>) {
+        let share = self.mass.mass / self.wheels.len() as f64;
+        let centre = (self.pose * nalgebra::Point3::from(self.mass.centre)).coords;
+        for (wheel, load) in self.loads.iter().enumerate().filter(|(_, load)| load.resistance > 0.0) {
+            let lever = self.hub(wheel) - centre;
+            let velocity = self.motion.linear + self.motion.angular.cross(&lever) + fall;
+            let impulse = rolling::impulse(load, velocity, share);
+            momentum.linear += impulse;
+            momentum.angular += lever.cross(&impulse);
         }
     }
 
@@ -391,6 +418,7 @@ impl RigidBase {
             target,
             compliance: 0.0,
             limit: Limit::Within(most),
+            rolling_resistance: 0.0,
         };
         let origin = Some(self.pose.translation.vector);
         [

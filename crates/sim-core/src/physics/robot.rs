@@ -8,6 +8,7 @@ use rapier3d::prelude::*;
 
 use super::motor::{Servo, Torque};
 use super::rigid_base::{Mass, RigidBase};
+use super::rolling::{self, Load};
 use super::{BodyState, Physics, WheelState, convert, shape, with_material};
 use crate::scene::{DriveModel, Pose, RobotDef, Rollers, Wheel};
 
@@ -23,7 +24,11 @@ pub(crate) struct RobotBodies {
 
 /// What turns the wheels.
 enum Drivetrain {
-    Multibody(Vec<MultibodyWheel>),
+    Multibody {
+        driven: Vec<MultibodyWheel>,
+        /// What touches the ground of every wheel, casters too.
+        treads: Vec<Vec<ColliderHandle>>,
+    },
     Rigid(Box<RigidBase>),
 }
 
@@ -44,7 +49,7 @@ impl RobotBodies {
     /// Sets the targets of the wheel servos, rad/s.
     pub(crate) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
         match &mut self.drivetrain {
-            Drivetrain::Multibody(wheels) => {
+            Drivetrain::Multibody { driven: wheels, .. } => {
                 wheels.iter_mut().zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
             }
             Drivetrain::Rigid(base) => base.set_wheel_speeds(speeds),
@@ -54,7 +59,7 @@ impl RobotBodies {
     /// The driven wheels, in order.
     pub(crate) fn wheels(&self) -> Vec<WheelState> {
         match &self.drivetrain {
-            Drivetrain::Multibody(wheels) => wheels.iter().map(|wheel| wheel.state).collect(),
+            Drivetrain::Multibody { driven: wheels, .. } => wheels.iter().map(|wheel| wheel.state).collect(),
             Drivetrain::Rigid(base) => base.wheels().collect(),
         }
     }
@@ -87,13 +92,17 @@ impl Physics {
         let engine_mass = engine_mass(mass.mass, Vector3::zeros(), mass.inertia);
         let chassis = self.insert_chassis(&(pose * Translation3::from(centre)), robot, centre, engine_mass);
         let (mut all, mut joints) = (vec![chassis], Vec::new());
-        let mut roller_damping = Vec::new();
+        let (mut roller_damping, mut treads) = (Vec::new(), Vec::new());
         for wheel in &robot.wheels {
+            let before = all.len();
             self.insert_wheel(pose, wheel, &centre, &mut all, &mut joints, &mut roller_damping);
+            let bodies = all[before..].iter().filter_map(|&body| self.world.bodies.get(body));
+            treads.push(bodies.flat_map(|body| body.colliders().iter().copied()).collect());
         }
         self.set_joint_parameters(robot, &joints, &roller_damping);
         let wheel = |joint| MultibodyWheel { joint, servo: Servo::default(), state: WheelState::default() };
-        let drivetrain = Drivetrain::Multibody(joints.into_iter().map(wheel).collect());
+        let driven = joints.into_iter().map(wheel).collect();
+        let drivetrain = Drivetrain::Multibody { driven, treads };
         RobotBodies { chassis, centre, all, drivetrain }
     }
 
@@ -151,7 +160,10 @@ impl Physics {
     /// Gives a robot's motors and wheels their part in the coming step.
     pub(crate) fn before_step(&mut self, robot: &RobotDef, bodies: &mut RobotBodies) {
         match &mut bodies.drivetrain {
-            Drivetrain::Multibody(wheels) => self.set_motors(robot, wheels),
+            Drivetrain::Multibody { driven, treads } => {
+                self.set_motors(robot, driven);
+                self.set_rolling_resistance(robot, bodies.chassis, bodies.centre, treads);
+            }
             Drivetrain::Rigid(base) => {
                 base.solve(&self.world);
                 base.write(&mut self.world);
@@ -163,7 +175,7 @@ impl Physics {
     pub(crate) fn after_step(&mut self, bodies: &mut RobotBodies) {
         let time_step = f64::from(self.world.integration_parameters.dt);
         match &mut bodies.drivetrain {
-            Drivetrain::Multibody(wheels) => {
+            Drivetrain::Multibody { driven: wheels, .. } => {
                 for MultibodyWheel { joint, state, .. } in wheels {
                     if let Some((multibody, link)) = self.world.multibody_joints.get(*joint)
                         && let Some(link) = multibody.link(link)
@@ -187,6 +199,33 @@ impl Physics {
             {
                 link.joint.data.set_motor_velocity(JointAxis::AngX, (at_rest / gain) as Real, gain as Real);
             }
+        }
+    }
+
+    fn set_rolling_resistance(
+        &mut self,
+        robot: &RobotDef,
+        chassis: RigidBodyHandle,
+        centre: Vector3<f64>,
+        treads: &[Vec<ColliderHandle>],
+    ) {
+        let time_step = f64::from(self.world.integration_parameters.dt);
+        let fall = convert::from_vector(self.world.gravity) * time_step;
+        let share = f64::from(robot.mass()) / treads.len() as f64;
+        let loads: Vec<Load> = treads.iter().map(|tread| rolling::load(&self.world, tread)).collect();
+        let Some(chassis) = self.world.bodies.get_mut(chassis) else { return };
+        chassis.reset_forces(false);
+        chassis.reset_torques(false);
+        for (wheel, load) in robot.wheels.iter().zip(&loads).filter(|(_, load)| load.resistance > 0.0) {
+            let hub = chassis.position() * convert::vector(Vector3::from(wheel.position) - centre);
+            let mut velocity = convert::from_vector(chassis.velocity_at_point(hub)) + fall;
+            if wheel.drive.is_some() && wheel.rollers.is_none() {
+                // A plain wheel rolls ahead; to the side it slides.
+                let ahead = convert::from_vector(chassis.rotation() * Vector::X);
+                velocity = ahead * ahead.dot(&velocity);
+            }
+            let force = rolling::impulse(load, velocity, share) / time_step;
+            chassis.add_force_at_point(convert::vector(force), hub, true);
         }
     }
 
@@ -295,9 +334,11 @@ impl Physics {
         let damping = multibody.damping_mut();
         damping.fill(0.0);
         if let Some(solid) = robot.solids.first() {
-            // Damping of a velocity by d per second is a force of d times the mass.
-            let body_mass: f64 = robot.parts.iter().map(|part| part.mass).sum();
-            damping.rows_mut(0, 3).fill((solid.material.linear_damping * body_mass) as Real);
+            // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
+            let body = combined(part_masses(robot));
+            damping.rows_mut(0, 3).fill((solid.material.linear_damping * body.mass) as Real);
+            let inertia = body.inertia.trace() / 3.0;
+            damping.rows_mut(3, 3).fill((solid.material.angular_damping * inertia) as Real);
         }
         for (&degree_of_freedom, &value) in rollers.iter().zip(roller_damping) {
             damping[degree_of_freedom] = value;

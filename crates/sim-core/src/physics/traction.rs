@@ -105,6 +105,8 @@ pub(super) struct Row {
     pub(super) compliance: f64,
     /// Limit of the impulse.
     pub(super) limit: Limit,
+    /// Coefficient of rolling resistance that goes with it.
+    pub(super) rolling_resistance: f64,
 }
 
 impl Base<'_> {

@@ -2,12 +2,12 @@
 //! is the robot's `battery`.
 
 use gamebots_proto::message::{ItemConf, Reading};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Mount, Sensor, View};
 
 /// The numbers of a battery are the robot's.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {}
 

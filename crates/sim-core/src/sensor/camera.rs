@@ -3,12 +3,12 @@
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{Camera, ItemConf, Reading};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View};
 
 /// Numbers of a camera.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     /// Field of view at the start, rad.

@@ -7,12 +7,12 @@ use gamebots_proto::command::Set;
 use gamebots_proto::message::{Encoder, ItemConf, Reading};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View};
 
 /// Numbers of an encoder.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     /// Angle of one tick, rad.

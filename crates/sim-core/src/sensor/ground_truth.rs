@@ -1,13 +1,13 @@
 //! Exact pose of the robot's body, or of the sensor itself (GroundTruth.uc:23-41; no noise).
 
 use gamebots_proto::message::{GroundTruth, ItemConf, Reading};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Mount, Sensor, View, floats};
 use crate::scene::{Pose, position_and_rotation};
 
 /// Numbers of a ground truth sensor.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     /// True: the pose of the robot's body. False: of the sensor.

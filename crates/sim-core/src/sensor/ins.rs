@@ -13,13 +13,13 @@ use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View, floats};
 use crate::scene::{Pose, position_and_rotation};
 
 /// Numbers of an inertial navigation.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     /// Whether increments are biased, by numbers drawn once.

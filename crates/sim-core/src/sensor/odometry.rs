@@ -6,14 +6,14 @@
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Odometry, Reading};
 use kinematics::{FiniteRollers, Mecanum, PlanarPose, Skid, Twist};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View};
 use crate::scene::{RobotDef, Side, Steering};
 use crate::{WheelState, drive};
 
 /// How an odometry reckons.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     /// Omni robots: follow the phases of the rollers. The textbook over-reports ways to the side by the 4.5 % that

@@ -9,7 +9,7 @@ use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, RangeScanner as Scan, Reading};
 use gamebots_proto::number::{radians, rotation_units};
 use nalgebra::Vector3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View};
 use crate::scene::Pose;
@@ -17,7 +17,7 @@ use crate::scene::Pose;
 macro_rules! scanner {
     ($(#[$doc:meta])* $name:ident { max_range: $max:literal, field_of_view: $fov:literal, resolution: $resolution:literal }) => {
         $(#[$doc])*
-        #[derive(Debug, Clone, PartialEq, Deserialize)]
+        #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct $name {
             /// What a miss reads, m.

@@ -9,13 +9,13 @@ use std::f64::consts::TAU;
 use gamebots_proto::message::{ItemConf, Reading, Sonar};
 use gamebots_proto::number::{radians, rotation_units};
 use nalgebra::{UnitQuaternion, Vector3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Mount, Sensor, View};
 use crate::scene::Pose;
 
 /// Numbers of a sonar.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     /// What silence reads, m.

@@ -2,12 +2,12 @@
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Reading, Tachometer};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View};
 
 /// A tachometer has no numbers of its own.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {}
 

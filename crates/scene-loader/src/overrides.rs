@@ -1,0 +1,156 @@
+//! Numbers of a file replaced from outside: `robot.wheels.gain=2.5`, `map.gravity=1.62`, `material.carpet.friction=0.5`.
+
+use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use toml_edit::{DocumentMut, Item, Value};
+
+use crate::LoadError;
+
+/// One `path=value`.
+///
+/// The path begins with `robot` (every class that has what the rest names), the name of a class, `map` or `material`;
+/// the rest are the keys of the file. In an array a key is a place (0 ...), the `name` of an element, or, left out, all
+/// elements. `robot.roller_friction` is short for `robot.rollers.friction`.
+#[derive(Debug, Clone)]
+pub struct Override {
+    /// As it was written.
+    text: String,
+    scope: String,
+    keys: Vec<String>,
+    value: Value,
+    /// Whether any file had its path.
+    used: Arc<AtomicBool>,
+}
+
+impl FromStr for Override {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = "expected PATH=VALUE, as in robot.wheels.gain=2.5";
+        let (path, value) = text.split_once('=').ok_or(expected)?;
+        let mut keys = path.trim().split('.').map(str::to_owned);
+        let scope = keys.next().unwrap_or_default();
+        let keys: Vec<String> = match keys.collect::<Vec<_>>() {
+            keys if keys == ["roller_friction"] => ["rollers", "friction"].map(str::to_owned).to_vec(),
+            keys => keys,
+        };
+        if keys.is_empty() || keys.iter().any(String::is_empty) {
+            return Err(expected.to_owned());
+        }
+        let value = value.trim();
+        let value = value.parse().unwrap_or_else(|_| Value::from(value));
+        Ok(Self { text: text.to_owned(), scope, keys, value, used: Arc::default() })
+    }
+}
+
+impl PartialEq for Override {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
+
+/// The text of a file with every override that belongs to one of its names. A text that is no TOML stays as it is: who
+/// reads it says what is wrong.
+pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str]) -> String {
+    let mut wanted = overrides.iter().filter(|it| names.iter().any(|name| name.eq_ignore_ascii_case(&it.scope)));
+    let Some(first) = wanted.next() else { return text };
+    let Ok(mut document) = text.parse::<DocumentMut>() else { return text };
+    for it in std::iter::once(first).chain(wanted) {
+        if set(document.as_item_mut(), &it.keys, &it.value) {
+            it.used.store(true, Ordering::Relaxed);
+        }
+    }
+    document.to_string()
+}
+
+/// Says which override nothing took so far.
+///
+/// # Errors
+/// The first such.
+pub fn check_used(overrides: &[Override]) -> Result<(), LoadError> {
+    match overrides.iter().find(|it| !it.used.load(Ordering::Relaxed)) {
+        None => Ok(()),
+        Some(it) => Err(LoadError::Override { text: it.text.clone() }),
+    }
+}
+
+/// Sets the value at a path. New keys are made in tables that are there; the reader of the file refuses those that it
+/// does not know.
+fn set(item: &mut Item, keys: &[String], value: &Value) -> bool {
+    let Some((key, rest)) = keys.split_first() else { return replace(item, value) };
+    if let Some(tables) = item.as_array_of_tables_mut() {
+        let named = |table: &toml_edit::Table| table.get("name").and_then(Item::as_str) == Some(key);
+        if let Some(table) = key.parse().ok().and_then(|index: usize| tables.get_mut(index)) {
+            return set_in(table, rest, value);
+        }
+        if let Some(table) = tables.iter_mut().find(|table| named(table)) {
+            return set_in(table, rest, value);
+        }
+        // Every element, not only the first.
+        return tables.iter_mut().filter_map(|table| set_in(table, keys, value).then_some(())).count() > 0;
+    }
+    if let Some(array) = item.as_array_mut() {
+        let element = key.parse().ok().and_then(|index: usize| array.get_mut(index));
+        return rest.is_empty() && element.map(|element| *element = value.clone()).is_some();
+    }
+    item.as_table_mut().is_some_and(|table| set_in(table, keys, value))
+}
+
+fn set_in(table: &mut toml_edit::Table, keys: &[String], value: &Value) -> bool {
+    match keys {
+        [] => false,
+        [key] if !table.contains_key(key) => {
+            // A table of the file is not made up out of nothing, a key of it is.
+            table.insert(key, Item::Value(value.clone()));
+            true
+        }
+        [key, rest @ ..] => table.get_mut(key).is_some_and(|item| set(item, rest, value)),
+    }
+}
+
+fn replace(item: &mut Item, value: &Value) -> bool {
+    let Item::Value(old) = item else { return false };
+    let decor = old.decor().clone();
+    *old = value.clone();
+    *old.decor_mut() = decor;
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FILE: &str = "gravity = 9.81 # m/s²\n[wheels]\ngain = 4\n[[wheel]]\nname = \"FL\"\nplace = [1, 2]\n[[wheel]]\nname = \"FR\"\n";
+
+    #[track_caller]
+    fn check(text: &str, expected: &str) {
+        let it: Override = text.parse().expect("an override");
+        assert_eq!(apply(FILE.to_owned(), std::slice::from_ref(&it), &["robot"]).trim(), expected.trim());
+        assert_eq!(it.used.load(Ordering::Relaxed), FILE.trim() != expected.trim());
+    }
+
+    #[test]
+    fn paths_name_keys_elements_and_all_elements() {
+        check("robot.gravity=1.62", &FILE.replace("9.81", "1.62"));
+        check("robot.wheels.gain=2.5", &FILE.replace("gain = 4", "gain = 2.5"));
+        check("robot.wheels.armature=0.1", &FILE.replace("gain = 4", "gain = 4\narmature = 0.1"));
+        check("robot.wheel.FL.place.1=7", &FILE.replace("[1, 2]", "[1, 7]"));
+        check("robot.wheel.1.mass=2", &FILE.replace("\"FR\"", "\"FR\"\nmass = 2"));
+        check(
+            "robot.wheel.mass=2",
+            &FILE.replace("place = [1, 2]", "place = [1, 2]\nmass = 2").replace("\"FR\"", "\"FR\"\nmass = 2"),
+        );
+        check("map.gravity=1", FILE);
+        check("robot.rollers.mass=1", FILE);
+        check("robot.roller_friction=1", FILE);
+    }
+
+    #[test]
+    fn what_is_no_path_and_value_is_refused() {
+        for text in ["robot", "robot=1", "robot.=1", "=1", "robot..gain=1"] {
+            assert!(text.parse::<Override>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Rolling resistance: a force against the motion of a wheel's hub, as large as the load times a coefficient.
+//!
+//! The coefficient of a pair is the sum of both materials', as both are deformed. The load is that of the step before.
+
+use nalgebra::Vector3;
+use rapier3d::prelude::*;
+
+use super::convert;
+use crate::scene::Material;
+
+/// What one wheel stands on.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Load {
+    /// Sum of the impulses of the last step times their normals, N s.
+    pub(super) normal: Vector3<f64>,
+    /// Sum of the impulses times their coefficients, N s.
+    pub(super) resistance: f64,
+}
+
+/// Keeps a material's coefficient with a collider.
+pub(super) fn mark(collider: ColliderBuilder, material: &Material) -> ColliderBuilder {
+    collider.user_data(u128::from(material.rolling_resistance.to_bits()))
+}
+
+/// The coefficient kept with a collider.
+pub(super) fn of(collider: &Collider) -> f64 {
+    f64::from_bits(collider.user_data as u64)
+}
+
+/// The load on the colliders of a wheel of a multibody.
+pub(super) fn load(world: &PhysicsWorld, wheel: &[ColliderHandle]) -> Load {
+    let mut load = Load::default();
+    for &own in wheel {
+        for pair in world.narrow_phase.contact_pairs_with(own).filter(|pair| pair.has_any_active_contact()) {
+            let (sign, other) = if pair.collider1 == own { (-1.0, pair.collider2) } else { (1.0, pair.collider1) };
+            let coefficient = of(&world.colliders[own]) + of(&world.colliders[other]);
+            let impulse = convert::from_vector(pair.total_impulse()) * sign;
+            load.normal += impulse;
+            load.resistance += coefficient * impulse.norm();
+        }
+    }
+    load
+}
+
+/// Impulse on a hub that moves with a velocity and carries a mass: never more than stops it.
+pub(super) fn impulse(load: &Load, velocity: Vector3<f64>, mass: f64) -> Vector3<f64> {
+    let Some(normal) = load.normal.try_normalize(0.0) else { return Vector3::zeros() };
+    let along = velocity - normal * normal.dot(&velocity);
+    let speed = along.norm();
+    if speed > 0.0 { -along * (load.resistance.min(mass * speed) / speed) } else { Vector3::zeros() }
+}

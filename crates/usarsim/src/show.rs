@@ -1,0 +1,63 @@
+//! `usarsim show`: every number of a robot or a map as the world gets it.
+
+use clap::ValueEnum;
+use scene_loader::Override;
+use serde::Serialize;
+use sim_core::scene::DriveModel;
+
+use crate::{Failure, exit, print};
+
+/// Options of `show`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim show robot KUKA_YouBot\n  usarsim show map rough --set material.carpet.friction=0.5\n  \
+    usarsim show robot my/robot.toml --set robot.wheels.gain=2.5 --json\n\nPrints TOML, every number in SI units in effect: \
+    defaults, URDF and overrides included. The paths of --set are those of the files, not of this list."
+)]
+pub(crate) struct Arguments {
+    /// What to show.
+    what: What,
+    /// Its name, or the path of its file.
+    #[arg(value_name = "NAME|FILE")]
+    name: String,
+    /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE. May be given several times.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Override>,
+    /// How the wheels of a Mecanum robot move it, instead of what its file says.
+    #[arg(long, value_name = "MODEL")]
+    drive_model: Option<DriveModel>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum What {
+    Robot,
+    Map,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { what, name, set, drive_model, json } = arguments;
+    let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
+    let text = match what {
+        What::Robot => {
+            let mut robot = scene_loader::robot(name, set).map_err(broken)?;
+            robot.drive_model = drive_model.unwrap_or(robot.drive_model);
+            text(&robot, *json)
+        }
+        What::Map => text(&scene_loader::map(name, set).map_err(broken)?, *json),
+    };
+    scene_loader::check_used(set).map_err(broken)?;
+    print(text?.trim_end());
+    Ok(())
+}
+
+fn text(value: &impl Serialize, json: bool) -> Result<String, Failure> {
+    let failed = |error: &dyn std::fmt::Display| Failure::new(exit::FAILURE, error);
+    if json {
+        serde_json::to_string_pretty(value).map_err(|error| failed(&error))
+    } else {
+        toml::to_string(value).map_err(|error| failed(&error))
+    }
+}
