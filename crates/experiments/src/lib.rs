@@ -2,6 +2,8 @@
 //!
 //! No clock here: whoever wants to know how long a motion took in real time takes the time around it.
 
+pub mod validation;
+
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Problem};
 use kinematics::{FiniteRollers, Twist};

@@ -17,6 +17,7 @@ use rapier3d::prelude::*;
 
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
+pub use robot::wheel_spin_inertia;
 
 use crate::scene::{MapDef, Material, Object, Pose};
 

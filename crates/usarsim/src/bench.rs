@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
+pub(crate) fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     if (least..=most).contains(&value) { Ok(value) } else { Err(format!("expected {least} to {most}")) }
 }
@@ -52,7 +52,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     within(text, 0.1, 20.0)
 }
 
-fn time_step(text: &str) -> Result<f64, String> {
+pub(crate) fn time_step(text: &str) -> Result<f64, String> {
     within(text, 1e-4, 0.02)
 }
 

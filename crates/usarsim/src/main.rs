@@ -5,6 +5,7 @@ mod check;
 mod list;
 mod serve;
 mod show;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -49,6 +50,8 @@ enum Command {
     Show(show::Arguments),
     /// Check robot.toml, map.toml, materials.toml and URDF files: every mistake with its line.
     Check(check::Arguments),
+    /// Run the twelve physical checks of a Mecanum robot.
+    Validate(validate::Arguments),
     /// Measure how fast and how exact the world is.
     Bench(bench::Arguments),
 }
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Command::Robots(arguments) => list::robots(&arguments),
         Command::Show(arguments) => show::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
     };
     match result {

@@ -10,7 +10,7 @@ use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
 
 use super::motor::Servo;
-use super::robot::mass_with_rollers;
+use super::robot::wheel_spin_inertia;
 use super::rolling::{self, Load};
 use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel};
 use super::wheel_contact::{RollerRing, WheelContact};
@@ -59,7 +59,7 @@ impl BaseWheel {
             hub: wheel.position.into(),
             ring: RollerRing::new(rollers, wheel.radius),
             radius: wheel.radius,
-            inertia: mass_with_rollers(wheel).1[(1, 1)],
+            inertia: wheel_spin_inertia(wheel),
             roller_damping: rollers.damping,
             material: rollers.material.clone(),
             motor: motor.clone(),

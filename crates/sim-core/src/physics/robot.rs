@@ -377,8 +377,13 @@ fn wheel_inertia(wheel: &Wheel) -> [f64; 3] {
     if wheel.drive.is_some() { [tilt, spin, tilt] } else { [0.4 * wheel.mass * radius * radius; 3] }
 }
 
+/// Inertia of a wheel with its rollers about its axle, kg m²; that of the motor's rotor is not in it.
+pub fn wheel_spin_inertia(wheel: &Wheel) -> f64 {
+    mass_with_rollers(wheel).1[(1, 1)]
+}
+
 /// Mass and inertia about the centre of a wheel with its rollers.
-pub(super) fn mass_with_rollers(wheel: &Wheel) -> (f64, Matrix3<f64>) {
+fn mass_with_rollers(wheel: &Wheel) -> (f64, Matrix3<f64>) {
     let mut inertia = Matrix3::from_diagonal(&wheel_inertia(wheel).into());
     let Some(rollers) = &wheel.rollers else { return (wheel.mass, inertia) };
     let own = Matrix3::from_diagonal(&shape::roller_inertia(rollers, wheel.radius).into());

@@ -1,0 +1,107 @@
+//! `usarsim validate`: the twelve physical checks.
+
+use experiments::validation::{self, CHECKS, Finding, Subject};
+use indicatif::{ProgressBar, ProgressStyle};
+use scene_loader::Override;
+use serde_json::json;
+use sim_core::Options;
+use sim_core::scene::DriveModel;
+
+use crate::{Failure, exit, print};
+
+/// Options of `validate`.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  usarsim validate\n  usarsim validate --drive-model analytic --json\n  \
+    usarsim validate --check 1 --check 7 --robot YouBot --set material.carpet.friction=0.5\n\n\
+    Exit code 0 if every check passes, 1 if one does not. What each check is, and what it found: docs/validation.md.")]
+pub(crate) struct Arguments {
+    /// A robot class with Mecanum wheels, or the path of its robot.toml.
+    #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
+    robot: String,
+    /// How its wheels move it: bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
+    #[arg(long, value_name = "MODEL")]
+    drive_model: Option<DriveModel>,
+    /// Only this check, 1 to 12. May be given several times.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=12))]
+    check: Vec<u32>,
+    /// Seconds of each measured drive.
+    #[arg(long, default_value_t = 20.0, value_parser = seconds)]
+    seconds: f64,
+    /// Length of a time step, s.
+    #[arg(long, default_value_t = sim_core::TIME_STEP, value_parser = crate::bench::time_step)]
+    dt: f64,
+    /// Replace a number: robot.PATH, CLASS.PATH or material.PATH=VALUE. May be given several times.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Override>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    crate::bench::within(text, 1.0, 60.0)
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
+    let mut robot = scene_loader::robot(&arguments.robot, &arguments.set).map_err(broken)?;
+    robot.drive_model = arguments.drive_model.unwrap_or(robot.drive_model);
+    let floor = scene_loader::map("rough", &arguments.set).map_err(broken)?.solids.swap_remove(0).material;
+    scene_loader::check_used(&arguments.set).map_err(broken)?;
+    let model = robot.drive_model;
+    let options = Options { time_step: arguments.dt, ..Options::default() };
+    let subject = Subject { robot, floor, options, seconds: arguments.seconds };
+    let checks: Vec<u32> = if arguments.check.is_empty() { (1..=12).collect() } else { arguments.check.clone() };
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} ({elapsed})");
+    let bar = ProgressBar::new(checks.len() as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let mut findings = Vec::new();
+    for check in checks {
+        bar.set_message(CHECKS[check as usize - 1]);
+        let found = validation::check(&subject, check);
+        findings.extend(found.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let failed = findings.iter().filter(|finding| !finding.passes()).count();
+    if arguments.json {
+        let rows: Vec<_> = findings.iter().map(row).collect();
+        let (class, dt) = (&subject.robot.class, arguments.dt);
+        let report = json!({"robot": class, "drive_model": model.name(), "dt": dt, "failed": failed, "findings": rows});
+        print(report);
+    } else {
+        print_table(&findings);
+    }
+    if failed > 0 {
+        return Err(Failure::new(
+            exit::FAILURE,
+            format_args!("{failed} of {} findings are out of bounds", findings.len()),
+        ));
+    }
+    Ok(())
+}
+
+fn row(finding: &Finding) -> serde_json::Value {
+    let Finding { check, what, measured, least, most } = finding;
+    let bound = |value: &f64| value.is_finite().then_some(*value);
+    json!({
+        "check": check, "what": what, "measured": measured,
+        "least": bound(least), "most": bound(most), "passes": finding.passes(),
+    })
+}
+
+fn print_table(findings: &[Finding]) {
+    let mut last = 0;
+    for finding in findings {
+        if finding.check != last {
+            last = finding.check;
+            print(format_args!("{last}. {}", CHECKS[last as usize - 1]));
+        }
+        let verdict = if finding.passes() { "pass" } else { "FAIL" };
+        let bounds = if finding.least.is_finite() {
+            format!("{:.4} to {:.4}", finding.least, finding.most)
+        } else {
+            format!("at most {}", finding.most)
+        };
+        print(format_args!("   {:<58} {:>9.4}   {bounds:<20} {verdict}", finding.what, finding.measured));
+    }
+}
