@@ -1,0 +1,172 @@
+#!/usr/bin/env python3
+"""usarsim beside MuJoCo: the same youBot, the same motions, on one core of this machine, in one run.
+
+    python3 -m venv venv && venv/bin/pip install mujoco numpy
+    cargo build --release
+    venv/bin/python bench/compare.py [--seconds 10] [--repeat 3] [--out docs/comparison.md]
+
+Both are driven forward, to the right and on the spot at 1 rad/s and compared with the exact kinematics of wheels with six
+rollers for the angles that the wheels turned. MuJoCo gets the robot that `usarsim show robot KUKA_YouBot` prints, with its
+24 rollers as bodies on hinges. Every row is the fastest of the repeats, which take turns, as these machines are noisy.
+Units: m, s, rad, kg; x forward, y left, z up.
+"""
+
+import argparse
+import json
+import math
+import os
+import subprocess
+import time
+
+import mujoco
+import numpy as np
+
+USARSIM = os.path.join(os.path.dirname(__file__), "..", "target", "release", "usarsim")
+# Front left, front right, back left, back right.
+MOTIONS = {"forward": (1, 1, 1, 1), "left": (-1, 1, 1, -1), "turn": (-1, 1, -1, 1)}
+
+
+def robot():
+    shown = subprocess.run([USARSIM, "show", "robot", "KUKA_YouBot", "--json"], check=True, capture_output=True)
+    return json.loads(shown.stdout)
+
+
+def roller_geoms(shape, radius, rollers):
+    """MuJoCo's shapes of a roller whose axis is y."""
+    circle, angle, end = rollers["axis_circle"], abs(rollers["angle"]), rollers["last_phase"]
+    thick, mass = radius - circle, rollers["mass"]
+    contact = 'condim="3" friction="0.85 0 0"'
+    if shape == "ellipsoid":
+        # The half length at which its curvature in the middle is the roller's.
+        half = math.sqrt(thick * radius) / math.sin(angle)
+        return f'<geom type="ellipsoid" size="{thick} {half} {thick}" mass="{mass}" {contact}/>'
+    count = int(shape.removeprefix("chain "))
+    places = np.linspace(-1, 1, count) * circle * math.tan(end) / math.sin(angle)
+    radii = radius - np.hypot(circle, places * math.sin(angle))
+    sphere = '<geom type="sphere" pos="0 {} 0" size="{}" mass="{}" {}/>'
+    return "".join(sphere.format(y, r, mass / count, contact) for y, r in zip(places, radii))
+
+
+def wheel_xml(index, wheel, shape):
+    rollers, radius = wheel["rollers"], wheel["radius"]
+    x, y, _ = wheel["position"]
+    # Ours is y right, z down.
+    hand = -math.copysign(1, rollers["angle"])
+    spin = wheel["mass"] * rollers["axis_circle"] ** 2 / 2
+    xml = (
+        f'<body pos="{x} {-y} 0"><joint name="w{index}" axis="0 1 0"/>'
+        f'<inertial pos="0 0 0" mass="{wheel["mass"]}" diaginertia="{spin} {spin} {spin}"/>'
+    )
+    for k in range(rollers["count"]):
+        turn = 2 * math.pi * k / rollers["count"]
+        radial = np.array([math.cos(turn), 0, math.sin(turn)])
+        tangent = np.array([-math.sin(turn), 0, math.cos(turn)])
+        axis = math.cos(abs(rollers["angle"])) * np.array([0, 1, 0]) + hand * math.sin(abs(rollers["angle"])) * tangent
+        # The quaternion that turns y into the axis.
+        quaternion = np.array([1 + axis[1], *np.cross([0, 1, 0], axis)])
+        quaternion /= np.linalg.norm(quaternion)
+        place = radial * rollers["axis_circle"]
+        xml += (
+            f'<body pos="{place[0]} {place[1]} {place[2]}" quat="{" ".join(map(str, quaternion))}">'
+            f'<joint axis="0 1 0" damping="{rollers["damping"]}"/>{roller_geoms(shape, radius, rollers)}</body>'
+        )
+    return xml + "</body>"
+
+
+def model(definition, shape, cone, dt):
+    wheels = definition["wheels"]
+    mass = sum(part["mass"] for part in definition["parts"])
+    body = "".join(wheel_xml(index, wheel, shape) for index, wheel in enumerate(wheels))
+    servos = "".join(f'<velocity joint="w{index}" kv="100"/>' for index in range(4))
+    return mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="{dt}" integrator="implicitfast" cone="{cone}" impratio="{10 if cone == "elliptic" else 1}"/>'
+        '<default><geom contype="0" conaffinity="1" solref="0.004 1"/></default><worldbody>'
+        '<geom type="plane" size="50 50 1" contype="1" friction="0.85 0 0"/>'
+        f'<body pos="0 0 {wheels[0]["radius"]}"><freejoint/>'
+        f'<inertial pos="0 0 0.05" mass="{mass}" diaginertia="0.2 0.4 0.5"/>{body}</body></worldbody>'
+        f"<actuator>{servos}</actuator></mujoco>"
+    )
+
+
+def exact(definition):
+    """Way of each motion per radian of the wheels, in the mean over the phases of the rollers."""
+    wheels = definition["wheels"]
+    radius, half = wheels[0]["radius"], math.pi / wheels[0]["rollers"]["count"]
+    base, track = wheels[0]["position"][0], abs(wheels[0]["position"][1])
+    lateral = math.sin(half) / half
+    # One wheel by itself; four wheels together, as they turn in phase, are 0.1 % less.
+    phases = np.linspace(-half, half, 2001)
+    circle = wheels[0]["rollers"]["axis_circle"]
+    turning = np.mean((base + track) / (track + circle * np.tan(phases) + base / np.cos(phases)))
+    return {"forward": radius, "left": lateral * radius, "turn": turning * radius / (base + track)}
+
+
+def mujoco_row(definition, shape, cone, dt, seconds):
+    scene, ways = model(definition, shape, cone, dt), exact(definition)
+    ratios, wall, steps = {}, 0.0, int(seconds / dt)
+    for name, signs in MOTIONS.items():
+        data = mujoco.MjData(scene)
+        mujoco.mj_step(scene, data, int(0.5 / dt))
+        data.ctrl[:] = signs
+        mujoco.mj_step(scene, data, int(2 / dt))
+        wheels = [scene.joint(f"w{index}").qposadr[0] for index in range(4)]
+        place, angles = data.qpos[:2].copy(), data.qpos[wheels].copy()
+        yaw, last = 0.0, 2 * math.atan2(data.qpos[6], data.qpos[3])
+        start = time.perf_counter()
+        for _ in range(20):
+            mujoco.mj_step(scene, data, steps // 20)
+            now = 2 * math.atan2(data.qpos[6], data.qpos[3])
+            yaw, last = yaw + (now - last + math.pi) % (2 * math.pi) - math.pi, now
+        wall += time.perf_counter() - start
+        way = abs(yaw) if name == "turn" else float(np.linalg.norm(data.qpos[:2] - place))
+        ratios[name] = way / (ways[name] * float(np.mean(np.abs(data.qpos[wheels] - angles))))
+    error = 100 * max(abs(ratio - 1) for ratio in ratios.values())
+    return {"factor": len(MOTIONS) * (steps // 20) * 20 * dt / wall, "error": error, "ratios": ratios}
+
+
+def usarsim_row(drive_model, dt, seconds):
+    command = [USARSIM, "bench", "--drive-model", drive_model, "--dt", str(dt), "--seconds", str(seconds), "--json"]
+    report = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    ratios = {name: motion["ratio"] for name, motion in report["motions"].items()}
+    return {"factor": report["real_time_factor"], "error": report["worst_error_percent"], "ratios": ratios}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--out", help="write the table as Markdown")
+    arguments = parser.parse_args()
+    definition, seconds = robot(), arguments.seconds
+    peers = [(shape, cone, dt) for shape in ("ellipsoid", "chain 5", "chain 9") for cone in ("pyramidal", "elliptic") for dt in (0.002, 0.004, 0.008)]
+    runs = {f"MuJoCo {mujoco.__version__}, {shape}, {cone}|{1e3 * dt:g}": (lambda s=shape, c=cone, t=dt: mujoco_row(definition, s, c, t, seconds)) for shape, cone, dt in peers}
+    ours = [("bodies", 0.002), ("bodies", 0.004), ("analytic", 0.002), ("analytic", 0.004), ("analytic", 0.008), ("kinematic", 0.008)]
+    runs |= {f"usarsim, {name}|{1e3 * dt:g}": (lambda n=name, t=dt: usarsim_row(n, t, seconds)) for name, dt in ours}
+    best = {}
+    for turn in range(arguments.repeat):
+        for key, run in runs.items():
+            print(f"\r{turn + 1}/{arguments.repeat} {key:50}", end="", flush=True)
+            row = run()
+            if key not in best or row["factor"] > best[key]["factor"]:
+                best[key] = row
+    lines = ["| simulator | step, ms | times real time | worst error, % | forward | sideways | turning |", "|---|---|---|---|---|---|---|"]
+    for key, row in best.items():
+        name, dt = key.split("|")
+        ratios = " | ".join(f"{ratio:.4f}" for ratio in row["ratios"].values())
+        lines.append(f"| {name} | {dt} | {row['factor']:.0f} | {row['error']:.2f} | {ratios} |")
+    good = [row["factor"] for key, row in best.items() if key.startswith("MuJoCo") and row["error"] <= 1]
+    analytic = max(row["factor"] for key, row in best.items() if "analytic" in key and row["error"] <= 0.3)
+    verdict = f"MuJoCo's best at an error of at most 1 %: {max(good, default=0):.0f} times real time. " if good else "MuJoCo is never within 1 %. "
+    verdict += f"usarsim's analytic model at an error of at most 0.3 %: {analytic:.0f} times"
+    verdict += f", {analytic / max(good):.1f} times as fast." if good else "."
+    text = "\n".join(lines) + "\n\n" + verdict
+    print("\r" + text)
+    if arguments.out:
+        command = "venv/bin/python bench/compare.py --out docs/comparison.md"
+        head = f"# usarsim beside MuJoCo\n\nOne youBot at 1 rad/s on one core, each row the fastest of {arguments.repeat} turns of 3 x {seconds:g} simulated seconds. Made by `{command}`; see there what is compared.\n\n"
+        with open(arguments.out, "w") as file:
+            file.write(head + text + "\n")
+
+
+if __name__ == "__main__":
+    main()

