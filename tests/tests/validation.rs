@@ -16,7 +16,8 @@ const KNOWN: [(&str, f64); 4] = [
 fn subject(class: &str, drive_model: DriveModel) -> Subject {
     let mut robot = scene_loader::robot(class, &[]).unwrap_or_else(|error| panic!("{error}"));
     robot.drive_model = drive_model;
-    let floor = scene_loader::map("rough", &[]).unwrap_or_else(|error| panic!("{error}")).solids.swap_remove(0).material;
+    let floor =
+        scene_loader::map("rough", &[]).unwrap_or_else(|error| panic!("{error}")).solids.swap_remove(0).material;
     Subject { robot, floor, options: Options::default(), seconds: 5.0 }
 }
 

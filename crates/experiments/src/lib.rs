@@ -158,6 +158,11 @@ impl Course {
         }
     }
 
+    /// See [`World::digest`].
+    pub fn digest(&self) -> u64 {
+        self.world.digest()
+    }
+
     /// What the robots did since the start, turning less than half a turn.
     pub fn travel(&self) -> Option<Travel> {
         let travels = self.robots.iter().zip(&self.from).enumerate().filter_map(|(index, (&robot, from))| {

@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let map_name = map.name.clone();
     let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
     let options = Options { time_step: dt, ..Options::default() };
-    let (mut simulated, mut wall, mut worst) = (0.0, 0.0, 0.0f64);
+    let (mut simulated, mut wall, mut worst, mut digest) = (0.0, 0.0, 0.0f64, 0u64);
     let mut motions = serde_json::Map::new();
     for motion in Motion::ALL {
         let course = Course::start(def.clone(), options, &class, *robots, motion, 1.0);
@@ -77,6 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         course.run(*seconds);
         wall += start.elapsed().as_secs_f64();
         simulated += seconds;
+        digest = digest.rotate_left(1) ^ course.digest();
         let travel = course.travel().ok_or_else(|| Failure::new(exit::FAILURE, "the robots are gone"))?;
         worst = worst.max((travel.ratio - 1.0).abs());
         motions.insert(motion.name().to_owned(), json!({"ratio": travel.ratio, "ripple_mm": 1e3 * travel.ripple}));
@@ -93,6 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "microseconds_per_step": step,
             "dt": dt,
             "robots": robots,
+            "digest": format!("{digest:016x}"),
             "map": map_name,
             "robot": class,
             "drive_model": model.name(),

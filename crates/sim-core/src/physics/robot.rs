@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
-use rapier3d::glamx::Mat3;
+use rapier3d::glamx::{Mat3, Pose3};
 use rapier3d::prelude::*;
 
 use super::motor::{Servo, Torque};
@@ -110,16 +110,19 @@ impl Physics {
         let mass = total_mass(robot);
         let chassis =
             self.insert_chassis(pose, robot, Vector3::zeros(), engine_mass(mass.mass, mass.centre, mass.inertia));
-        for wheel in &robot.wheels {
-            // Casters carry; wheels with rollers are only seen, by rays and by the wheels of others.
-            let collider = match &wheel.drive {
-                None => with_material(ColliderBuilder::ball(wheel.radius as Real), &wheel.material).friction(0.0),
-                Some(_) => ColliderBuilder::cylinder((wheel.width / 2.0) as Real, wheel.radius as Real)
-                    .collision_groups(InteractionGroups::none()),
-            };
-            let collider = collider.translation(convert::vector(wheel.position)).density(0.0);
-            self.world.insert_collider(collider, Some(chassis));
+        for caster in robot.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
+            let ball = with_material(ColliderBuilder::ball(caster.radius as Real), &caster.material).friction(0.0);
+            let ball = ball.translation(convert::vector(caster.position)).density(0.0);
+            self.world.insert_collider(ball, Some(chassis));
         }
+        // The wheels are only seen, by rays and by the wheels of others. As one collider they cost one box a step.
+        let disc = |wheel: &Wheel| {
+            let cylinder = SharedShape::cylinder((wheel.width / 2.0) as Real, wheel.radius as Real);
+            (Pose3::from_translation(convert::vector(wheel.position)), cylinder)
+        };
+        let discs = SharedShape::compound(robot.driven().iter().map(disc).collect());
+        let discs = ColliderBuilder::new(discs).collision_groups(InteractionGroups::none()).density(0.0);
+        self.world.insert_collider(discs, Some(chassis));
         if let Some(body) = self.world.bodies.get_mut(chassis) {
             // Gravity comes in with the forces of the wheels.
             body.set_gravity_scale(0.0, false);
