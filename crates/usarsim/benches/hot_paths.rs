@@ -1,0 +1,66 @@
+//! What a step of the world and a line of the wire cost: `cargo bench -p usarsim --bench hot_paths`.
+
+use divan::Bencher;
+use gamebots_proto::command::{Drive, Init};
+use gamebots_proto::{Command, Line};
+use sim_core::scene::DriveModel;
+use sim_core::{Options, World};
+
+fn main() {
+    divan::main();
+}
+
+/// Robots of a class driving side by side on carpet.
+fn world(class: &str, model: DriveModel, robots: u32) -> World {
+    let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+    def.robots.get_mut("KUKA_YouBot").expect("a youBot").drive_model = model;
+    let mut world = World::new(def, Options::default());
+    for index in 0..robots {
+        let location = [0.0, 2.0 * f64::from(index), 0.0];
+        let init = Init { class_name: class.to_owned(), location, ..Init::default() };
+        let robot = world.init(&init, &mut Vec::new()).expect("a robot");
+        let drive = Drive { left: Some(1.0), right: Some(1.0), ..Drive::default() };
+        world.apply(robot, &Command::Drive(drive), &mut Vec::new());
+    }
+    (0..500).for_each(|_| drop(world.step()));
+    world
+}
+
+#[divan::bench(args = [1, 10])]
+fn step_of_bodies(bencher: Bencher, robots: u32) {
+    let mut world = world("KUKA_YouBot", DriveModel::Bodies, robots);
+    bencher.bench_local(|| world.step());
+}
+
+#[divan::bench(args = [1, 10, 50])]
+fn step_of_the_analytic_model(bencher: Bencher, robots: u32) {
+    let mut world = world("KUKA_YouBot", DriveModel::Analytic, robots);
+    bencher.bench_local(|| world.step());
+}
+
+#[divan::bench(args = [1, 10])]
+fn step_of_the_kinematic_model(bencher: Bencher, robots: u32) {
+    let mut world = world("KUKA_YouBot", DriveModel::Kinematic, robots);
+    bencher.bench_local(|| world.step());
+}
+
+#[divan::bench(args = [1, 10])]
+fn step_of_plain_wheels(bencher: Bencher, robots: u32) {
+    let mut world = world("P3AT", DriveModel::Bodies, robots);
+    bencher.bench_local(|| world.step());
+}
+
+#[divan::bench]
+fn one_laser_scan(bencher: Bencher) {
+    let mut world = world("KUKA_YouBot", DriveModel::Analytic, 1);
+    let robot = world.robots().next().map(|(id, ..)| id).expect("a robot");
+    let line = Line::parse("SET {Type RangeScanner} {Name Hokuyo} {Opcode SCAN}");
+    let scan = Command::read(&line, &mut Vec::new()).expect("a command");
+    bencher.bench_local(|| world.apply(robot, &scan, &mut Vec::new()));
+}
+
+#[divan::bench]
+fn a_drive_line(bencher: Bencher) {
+    let line = "DRIVE {Front-Left 1,00} {Front-Right 1,00} {Back-Left 1,00} {Back-Right 1,00}";
+    bencher.bench(|| Command::read(&Line::parse(divan::black_box(line)), &mut Vec::new()));
+}
