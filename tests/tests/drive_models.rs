@@ -100,6 +100,32 @@ fn boxes_are_pushed_and_push_back() {
     }
 }
 
+/// A plate of 5 kg lies loose on smooth ground: it carries the robot, and where the robot sets off the plate is pushed
+/// the other way.
+#[test]
+fn a_loose_plate_carries_the_robot_and_feels_its_wheels() {
+    let plate =
+        "[[box]]\nname = \"plate\"\nmaterial = \"nylon\"\nmass = 5\nposition = [0, 0, -0.01]\nsize = [2, 2, 0.02]\n";
+    let mut ways = Vec::new();
+    for (name, model) in [("bodies", DriveModel::Bodies), ("analytic", DriveModel::Analytic)] {
+        let mut def = carpet(model, plate);
+        def.map.solids[0].material.friction = 0.0;
+        let mut world = World::new(def, Options::default());
+        let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,-0.1}");
+        run(&mut world, 1.0);
+        let before = place(&world, robot);
+        apply(&mut world, robot, "DRIVE {LinearVelocity 0.2}");
+        run(&mut world, 2.0);
+        let way = place(&world, robot) - before;
+        println!("{name}: stands at {:.4}, goes {way:.4?}", -before.z);
+        // The engine lets a loaded box sink in by up to 2.4 mm.
+        assert!((before.z + 0.04).abs() < 2.5e-3 && way.z.abs() < 1e-3, "{name}: {before:?}, {way:?}");
+        ways.push(way.x);
+    }
+    // Its wheels roll 0.4 m; the rest is the plate going back until the ground has braked it.
+    assert!(ways[0] < 0.36 && (ways[0] - ways[1]).abs() < 0.02, "{ways:?}");
+}
+
 #[test]
 fn a_wall_stops_what_goes_into_it_and_lets_the_rest_slide() {
     let wall = "[[box]]\nname = \"wall\"\nmaterial = \"plywood\"\nposition = [0.6, 0, -0.5]\nsize = [0.2, 20, 1]\n";
