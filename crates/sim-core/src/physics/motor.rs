@@ -57,3 +57,53 @@ impl Servo {
         Torque { at_rest: motor.gain * self.target + stiffness * ahead, gain: motor.gain + stiffness * time_step }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motor(integral_time: Option<f64>) -> Motor {
+        Motor { max_speed: 10.0, gain: 4.0, max_torque: 100.0, integral_time, armature: 0.0 }
+    }
+
+    /// Torque at the speed that the wheel goes on with.
+    fn given(servo: &mut Servo, motor: &Motor, angle: f64, speed: f64) -> f64 {
+        let Torque { at_rest, gain } = servo.torque(motor, angle, speed, 0.01);
+        at_rest - gain * speed
+    }
+
+    #[test]
+    fn a_speed_servo_droops_by_torque_over_gain() {
+        let mut servo = Servo::default();
+        servo.set_target(2.0);
+        assert!((given(&mut servo, &motor(None), 0.0, 1.75) - 1.0).abs() < 1e-12);
+        assert!((given(&mut servo, &motor(None), 7.0, 1.75) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn told_to_stand_it_holds_where_it_stopped() {
+        let mut servo = Servo::default();
+        servo.set_target(2.0);
+        servo.set_target(0.0);
+        assert!((given(&mut servo, &motor(None), 1.0, 2.0) + 8.0).abs() < 1e-12, "still turning: only brakes");
+        assert_eq!(given(&mut servo, &motor(None), 1.1, 0.0), 0.0);
+        assert!((given(&mut servo, &motor(None), 1.0, 0.0) - 0.1 * 4.0 / HOLDING_TIME).abs() < 1e-9);
+    }
+
+    #[test]
+    fn with_integral_action_it_makes_up_for_what_it_lost() {
+        let (mut servo, motor) = (Servo::default(), motor(Some(0.1)));
+        servo.set_target(2.0);
+        // The wheel lags at 1 rad/s: each step it is 0.01 rad further behind, 0.4 N m more.
+        let torques: Vec<f64> = (0..4).map(|step| given(&mut servo, &motor, 0.01 * f64::from(step), 1.0)).collect();
+        assert!(torques.windows(2).all(|pair| (pair[1] - pair[0] - 0.4).abs() < 1e-9), "{torques:?}");
+    }
+
+    #[test]
+    fn dragged_away_it_holds_no_harder_than_it_can() {
+        let mut servo = Servo::default();
+        given(&mut servo, &motor(None), 0.0, 0.0);
+        assert!((given(&mut servo, &motor(None), -1e3, 0.0) - 100.0).abs() < 1e-9);
+        assert!((given(&mut servo, &motor(None), -1e3 + 0.5, 0.0) - 60.0).abs() < 1e-9);
+    }
+}

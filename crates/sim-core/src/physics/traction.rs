@@ -424,3 +424,103 @@ fn limited(impulse: f64, limit: Limit, impulses: &[f64]) -> f64 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP: f64 = 0.01;
+
+    fn wheel(stall_torque: f64, gain: f64, max_torque: f64) -> SpinningWheel {
+        // A positive speed rolls along +x over ground below at +z.
+        let axle = -Vector3::y();
+        SpinningWheel { axle, inertia: 0.01, armature: 0.002, stall_torque, gain, max_torque }
+    }
+
+    fn base(wheels: &[SpinningWheel]) -> Base<'_> {
+        let inertia = Matrix3::from_diagonal(&Vector3::new(0.2, 0.4, 0.5));
+        Base { mass: 10.0, centre: Vector3::zeros(), inertia, wheels }
+    }
+
+    fn moving(linear: Vector3<f64>, angular: Vector3<f64>, spins: Vec<f64>) -> Motion {
+        Motion { linear, angular, spins }
+    }
+
+    /// A push from the ground under the middle, and friction along x on a wheel whose hub is 0.1 m above it.
+    fn ground(coefficient: f64) -> [Row; 2] {
+        let point = Vector3::new(0.0, 0.0, 0.1);
+        let push = Row {
+            direction: -Vector3::z(),
+            point: Some(point),
+            wheel: Some((0, Vector3::zeros())),
+            other: None,
+            target: 0.0,
+            compliance: 0.0,
+            limit: Limit::Push,
+            rolling_resistance: 0.0,
+        };
+        [push, Row { direction: Vector3::x(), limit: Limit::Friction { normal: 0, coefficient }, ..push }]
+    }
+
+    fn solve(base: &Base, start: &Motion, rows: &[Row]) -> (Motion, Vec<f64>) {
+        base.solve(&base.momentum(start), Default::default(), rows, &[], STEP)
+    }
+
+    #[test]
+    fn without_forces_nothing_changes() {
+        let wheels = [wheel(0.0, 0.0, 1.0)];
+        let start = moving(Vector3::new(1.0, -2.0, 0.5), Vector3::new(0.3, 0.7, -0.2), vec![4.0]);
+        let (end, _) = solve(&base(&wheels), &start, &[]);
+        assert!((end.linear - start.linear).norm() < 1e-12 && (end.angular - start.angular).norm() < 1e-12, "{end:?}");
+        assert!((end.spins[0] - 4.0).abs() < 1e-12);
+    }
+
+    /// What turns the wheel turns the body back: their momentum stays.
+    #[test]
+    fn a_motor_in_flight_keeps_the_momentum() {
+        let wheels = [wheel(5.0, 1.0, 100.0)];
+        let base = base(&wheels);
+        let start = moving(Vector3::x(), Vector3::zeros(), vec![0.0]);
+        let (end, _) = solve(&base, &start, &[]);
+        let (before, after) = (base.momentum(&start), base.momentum(&end));
+        assert!(end.spins[0] > 0.5 && end.angular.y > 0.0, "{end:?}");
+        assert!((before.angular - after.angular).norm() < 1e-12 && (before.linear - after.linear).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_servo_drives_the_body_without_slip_within_the_grip() {
+        let wheels = [wheel(10.0, 10.0, 100.0)];
+        let start = moving(Vector3::z() * 0.0981, Vector3::zeros(), vec![0.0]);
+        let (end, impulses) = solve(&base(&wheels), &start, &ground(1e3));
+        let at_ground = end.linear.x - 0.1 * end.angular.y.mul_add(-1.0, end.spins[0]);
+        assert!(end.linear.z.abs() < 1e-6 && end.linear.x > 0.0, "{end:?}");
+        assert!(at_ground.abs() < 1e-5, "slips by {at_ground}");
+        assert!((impulses[0] - 0.981).abs() < 1e-5, "carries {} N s", impulses[0]);
+    }
+
+    #[test]
+    fn beyond_the_grip_friction_is_what_it_can_be() {
+        let wheels = [wheel(1000.0, 10.0, 1000.0)];
+        let start = moving(Vector3::z() * 0.0981, Vector3::zeros(), vec![0.0]);
+        let (end, impulses) = solve(&base(&wheels), &start, &ground(0.5));
+        assert!((impulses[1] - 0.5 * impulses[0]).abs() < 1e-9, "{impulses:?}");
+        assert!((end.linear.x - impulses[1] / 10.0).abs() < 1e-9, "{end:?}");
+    }
+
+    #[test]
+    fn the_ground_does_not_pull() {
+        let wheels = [wheel(0.0, 0.0, 1.0)];
+        let start = moving(-Vector3::z(), Vector3::zeros(), vec![0.0]);
+        let (end, impulses) = solve(&base(&wheels), &start, &ground(0.5));
+        assert_eq!((impulses, end.linear.z), (vec![0.0, 0.0], -1.0));
+    }
+
+    #[test]
+    fn a_motor_gives_no_more_than_its_limit() {
+        let wheels = [wheel(1000.0, 10.0, 2.0)];
+        let (end, _) = solve(&base(&wheels), &moving(Vector3::zeros(), Vector3::zeros(), vec![0.0]), &[]);
+        // 2 N m for 0.01 s on the wheel and its rotor; the body gives way to the wheel's own part.
+        let expected = 0.02 / (0.012 - 0.01 * 0.01 / 0.4);
+        assert!((end.spins[0] - expected).abs() < 1e-9, "{} of {expected}", end.spins[0]);
+    }
+}
