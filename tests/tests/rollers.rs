@@ -112,6 +112,25 @@ fn the_analytic_model_is_within_three_thousandths_everywhere() {
     }
 }
 
+/// At the youBot's top speed a step of 8 ms turns the wheel by a tenth of a roller's sector; one roller still hands over to
+/// the next without a bump.
+#[test]
+fn the_analytic_model_is_as_exact_at_full_speed() {
+    for time_step in [0.002, 0.008] {
+        for motion in [Motion::Forward, Motion::Right] {
+            let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+            def.robots.get_mut("KUKA_YouBot").expect("the youBot").drive_model = DriveModel::Analytic;
+            let options = Options { time_step, ..Options::default() };
+            let mut course = Course::start(def, options, "KUKA_YouBot", 1, motion, 12.0).expect("a course");
+            course.run(4.0);
+            let Travel { ratio, ripple, .. } = course.travel().expect("a robot");
+            let what = format!("12 rad/s, {time_step} s, {}", motion.name());
+            println!("{what}: {ratio:.5} of the exact way, ripple {:.4} mm", 1e3 * ripple);
+            assert!((ratio - 1.0).abs() < 0.003 && ripple < 0.03e-3, "{what}: {ratio}, {ripple}");
+        }
+    }
+}
+
 #[test]
 fn wheels_of_eight_and_twelve_rollers_work() {
     for count in [8, 12] {

@@ -471,18 +471,21 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let pose = scene::pose([0.6, 0.0, -0.5], [0.0; 3]);
     let wall = Solid { name: "wall".to_owned(), shape: Shape::Box { size: [0.2, 20.0, 1.0] }, pose, material: ice };
     let load = f64::from(subject.robot.mass()) * 9.81 * subject.robot.wheel_geometry().radius / 4.0;
-    // Torque over the grip of the rollers that stand at the ground, and whether a wheel still turns.
+    // Torque over the grip of the rollers that stand at the ground, and whether the wheels go on turning forward. Held by
+    // torque alone the base may wander to a side along the wall, for which two wheels turn on and two back.
     let stalls = |torque: f64| -> Result<(f64, bool), MotionError> {
         let mut limited = subject.clone();
         limited.floor.rolling_resistance = 0.0;
         limited.robot.solids.iter_mut().for_each(|solid| solid.material.friction = 0.0);
         motors(&mut limited, |motor| (motor.gain, motor.max_torque, motor.integral_time) = (20.0, torque, None));
         let mut scene = Scene::new(&limited, [0.0; 2], vec![wall.clone()])?;
-        scene.drive([1.0; 4]);
-        scene.run(6.0);
-        let wheels = scene.state().1;
-        let fastest = wheels.iter().map(|wheel| wheel.speed.abs()).fold(0.0, f64::max);
-        Ok((torque / (load * grip(subject, &wheels)[0]), fastest < 0.01))
+        scene.drive([2.0; 4]);
+        scene.run(4.0);
+        let turned = |scene: &Scene| scene.state().1.iter().map(|wheel| wheel.angle).sum::<f64>() / 4.0;
+        let (before, wheels) = (turned(&scene), scene.state().1);
+        scene.run(2.0);
+        let speed = (turned(&scene) - before) / 2.0;
+        Ok((torque / (load * grip(subject, &wheels)[0]), speed < 0.2))
     };
     let (mut low, mut high, mut ratio) = (0.5 * load * friction(subject), load * friction(subject), 0.0);
     while high - low > 0.005 * load {

@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Simulated seconds of each of the three motions; the turn stays below half a turn up to 20.
     #[arg(long, default_value_t = 10.0, value_parser = seconds)]
     seconds: f64,
-    /// Length of a time step, s; by default 0.004 with `bodies`, 0.008 with the other models. `serve` takes 0.002.
+    /// Length of a time step, s; by default 0.004 with `bodies`, 0.016 with the other models. `serve` takes 0.002.
     #[arg(long, value_parser = time_step)]
     dt: Option<f64>,
     /// A map by name or file, as for `serve`.
@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut robot = scene_loader::robot(robot, set).map_err(broken)?;
     robot.drive_model = arguments.drive_model.unwrap_or(robot.drive_model);
     let (class, model) = (robot.class.clone(), robot.drive_model);
-    let dt = arguments.dt.unwrap_or(if model == DriveModel::Bodies { 0.004 } else { 0.008 });
+    let dt = arguments.dt.unwrap_or(if model == DriveModel::Bodies { 0.004 } else { 0.016 });
     let map = scene_loader::map(map, set).map_err(broken)?;
     scene_loader::check_used(set).map_err(broken)?;
     let map_name = map.name.clone();

@@ -321,9 +321,11 @@ impl RigidBase {
         let wheel = &self.wheels[index];
         let WheelContact { point, normal, axis, gap, .. } = *contact;
         let (hub, velocity) = (self.hub(index), self.velocity_of_wheel(index, point, base));
-        // Where one roller hands over to the next, both share the load only while both press.
+        // Where one roller hands over to the next, both share the load only while both press. That the wheel turns does not
+        // bring the next one nearer: it comes down where the last leaves, on the same circle.
         let nearer = |peer: &WheelContact| peer.gap < gap && peer.normal.dot(&normal) > SAME_SURFACE;
-        if gap + normal.dot(&velocity) * time_step > MARGIN && contacts.iter().any(nearer) {
+        let approach = normal.dot(&(self.motion.linear + self.motion.angular.cross(&(point - base.centre))));
+        if gap + approach * time_step > MARGIN && contacts.iter().any(nearer) {
             return;
         }
         let row = self.normal_row(index, contact, collider, other, base, time_step);
