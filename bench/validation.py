@@ -136,7 +136,7 @@ page is made by `bench/validation.py`; `cargo test -p system-tests --test valida
 **no** marks what is out of bounds. `right` is for `bodies`; `analytic` is held to 0.3 % in checks 1 to 3.
 
 * `bodies`, checks 7, 9 and 11: of a contact that slides, the engine solves both tangents by their own masses and then cuts their
-  length, so friction leans toward the direction across a roller, where it is light, and 5 to 16 % of Coulomb's limit is lost.
+  length, so friction leans toward the direction across a roller, where it is light, and about a tenth of Coulomb's limit is lost.
   Check 3 turns at 2 rad/s against rolling resistance and stands at its very bound; at 1 rad/s it is 0.997.
 * `kinematic` knows no forces but its own: checks 7 to 11 are not meant for it.
 * The limits of checks 7, 9 and 11 are those of rollers at their phase: a roller at the phase phi carries force at the angle
