@@ -2,6 +2,7 @@
 
 mod contact;
 mod convert;
+mod mass;
 mod motor;
 mod query;
 mod rigid_base;
@@ -15,9 +16,10 @@ mod wheel_contact;
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
+pub(crate) use mass::total_mass;
+pub use mass::wheel_spin_inertia;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
-pub use robot::wheel_spin_inertia;
 
 use crate::scene::{MapDef, Material, Object, Pose};
 

@@ -257,6 +257,13 @@ pub struct RobotDef {
 }
 
 impl RobotDef {
+    /// Takes another drive model, where one is given and the robot has Mecanum wheels; others are always made of bodies.
+    pub fn set_drive_model(&mut self, model: Option<DriveModel>) {
+        if let Some(model) = model.filter(|_| self.steering == Steering::Omni) {
+            self.drive_model = model;
+        }
+    }
+
     /// The driven wheels.
     pub fn driven(&self) -> &[Wheel] {
         let driven = self.wheels.iter().take_while(|wheel| wheel.drive.is_some()).count();

@@ -9,7 +9,6 @@ use std::collections::BTreeMap;
 use gamebots_proto::Problem;
 use gamebots_proto::command::{Command, Init};
 use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
-use nalgebra::Vector3;
 
 use crate::physics::Physics;
 use crate::scene::{self, NamedPose, Pose, WorldDef};
@@ -238,15 +237,4 @@ fn closest(nodes: &[NamedPose], place: [f64; 3]) -> Nfo {
         let WirePose { name, location, .. } = wire_pose(node);
         Nfo::PathNode { name, location }
     })
-}
-
-/// Centre of mass of a robot in its own frame, m.
-fn centre_of_mass(def: &scene::RobotDef) -> Vector3<f64> {
-    let rollers = |wheel: &scene::Wheel| wheel.rollers.as_ref().map_or(0.0, |r| f64::from(r.count) * r.mass);
-    let wheels = def.wheels.iter().map(|wheel| (wheel.mass + rollers(wheel), Vector3::from(wheel.position)));
-    let parts = def.parts.iter().map(|part| (part.mass, part.centre));
-    let (mass, moment) = parts
-        .chain(wheels)
-        .fold((0.0, Vector3::zeros()), |(mass, moment), (m, centre)| (mass + m, moment + centre * m));
-    if mass > 0.0 { moment / mass } else { Vector3::zeros() }
 }

@@ -9,8 +9,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
 
+use super::mass::{Mass, wheel_spin_inertia};
 use super::motor::Servo;
-use super::robot::wheel_spin_inertia;
 use super::rolling::{self, Load};
 use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel};
 use super::wheel_contact::{RollerRing, WheelContact};
@@ -67,13 +67,14 @@ impl BaseWheel {
     }
 }
 
-/// Mass of a body, robot frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Mass {
-    pub(super) mass: f64,
-    pub(super) centre: Vector3<f64>,
-    /// About the centre.
-    pub(super) inertia: Matrix3<f64>,
+/// A wheel on something.
+struct Touch<'a> {
+    wheel: usize,
+    contact: &'a WheelContact,
+    /// What it touches.
+    collider: &'a Collider,
+    /// Its index among the bodies that can be moved; `None` is the ground.
+    other: Option<usize>,
 }
 
 /// How a base that follows its commands counts its twist from its wheels' speeds.
@@ -181,11 +182,12 @@ impl RigidBase {
                         touched.len() - 1
                     })
                 });
+                let touch = Touch { wheel, contact, collider, other };
                 if twist.is_some() {
-                    rows.push(self.normal_row(wheel, contact, collider, other, &base, time_step));
-                    continue;
+                    rows.push(self.normal_row(&touch, &base, time_step));
+                } else {
+                    self.push_rows(&touch, &contacts, &base, time_step, &mut rows, &mut momentum);
                 }
-                self.push_rows(wheel, contact, &contacts, collider, other, &base, time_step, &mut rows, &mut momentum);
             }
         }
         self.contacts = contacts;
@@ -305,30 +307,28 @@ impl RigidBase {
         }
     }
 
-    #[allow(clippy::too_many_arguments)]
+    /// The rows of a touch, unless another of the wheel's `contacts` has its load.
     fn push_rows(
         &self,
-        index: usize,
-        contact: &WheelContact,
+        touch: &Touch,
         contacts: &[WheelContact],
-        collider: &Collider,
-        other: Option<usize>,
         base: &Base,
         time_step: f64,
         rows: &mut Vec<Row>,
         momentum: &mut Momentum,
     ) {
+        let Touch { wheel: index, contact, collider, .. } = *touch;
         let wheel = &self.wheels[index];
         let WheelContact { point, normal, axis, gap, .. } = *contact;
         let (hub, velocity) = (self.hub(index), self.velocity_of_wheel(index, point, base));
         // Where one roller hands over to the next, both share the load only while both press. That the wheel turns does not
         // bring the next one nearer: it comes down where the last leaves, on the same circle.
         let nearer = |peer: &WheelContact| peer.gap < gap && peer.normal.dot(&normal) > SAME_SURFACE;
-        let approach = normal.dot(&(self.motion.linear + self.motion.angular.cross(&(point - base.centre))));
+        let approach = normal.dot(&self.velocity_at(point, base.centre));
         if gap + approach * time_step > MARGIN && contacts.iter().any(nearer) {
             return;
         }
-        let row = self.normal_row(index, contact, collider, other, base, time_step);
+        let row = self.normal_row(touch, base, time_step);
         let coefficient = (wheel.material.friction + f64::from(collider.friction())) / 2.0;
         let limit = Limit::Friction { normal: rows.len(), coefficient };
         rows.push(row);
@@ -349,15 +349,8 @@ impl RigidBase {
     }
 
     /// The contact along its normal: it pushes, gives way a little, and bounces as its materials do.
-    fn normal_row(
-        &self,
-        index: usize,
-        contact: &WheelContact,
-        collider: &Collider,
-        other: Option<usize>,
-        base: &Base,
-        time_step: f64,
-    ) -> Row {
+    fn normal_row(&self, touch: &Touch, base: &Base, time_step: f64) -> Row {
+        let Touch { wheel: index, contact, collider, other } = *touch;
         let WheelContact { point, normal, gap, .. } = *contact;
         let speed = normal.dot(&self.velocity_of_wheel(index, point, base));
         let restitution = (self.wheels[index].material.restitution + f64::from(collider.restitution())) / 2.0;
@@ -378,11 +371,10 @@ impl RigidBase {
         let share = self.mass.mass / self.wheels.len() as f64;
         let centre = (self.pose * nalgebra::Point3::from(self.mass.centre)).coords;
         for (wheel, load) in self.loads.iter().enumerate().filter(|(_, load)| load.resistance > 0.0) {
-            let lever = self.hub(wheel) - centre;
-            let velocity = self.motion.linear + self.motion.angular.cross(&lever) + fall;
-            let impulse = rolling::impulse(load, velocity, share);
+            let hub = self.hub(wheel);
+            let impulse = rolling::impulse(load, self.velocity_at(hub, centre) + fall, share);
             momentum.linear += impulse;
-            momentum.angular += lever.cross(&impulse);
+            momentum.angular += (hub - centre).cross(&impulse);
         }
     }
 
@@ -390,11 +382,15 @@ impl RigidBase {
         (self.pose * nalgebra::Point3::from(self.wheels[wheel].hub)).coords
     }
 
+    /// Velocity of the body at a point, its centre of mass being where it is.
+    fn velocity_at(&self, point: Vector3<f64>, centre: Vector3<f64>) -> Vector3<f64> {
+        self.motion.linear + self.motion.angular.cross(&(point - centre))
+    }
+
     /// Velocity of a wheel's material at a point.
     fn velocity_of_wheel(&self, wheel: usize, point: Vector3<f64>, base: &Base) -> Vector3<f64> {
         let spin = base.wheels[wheel].axle * self.motion.spins[wheel];
-        let body = self.motion.linear + self.motion.angular.cross(&(point - base.centre));
-        body + spin.cross(&(point - self.hub(wheel)))
+        self.velocity_at(point, base.centre) + spin.cross(&(point - self.hub(wheel)))
     }
 
     /// The twist of the wheels' commands, where the base follows it.

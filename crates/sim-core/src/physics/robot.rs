@@ -1,13 +1,15 @@
-//! A robot as bodies: one multibody of the chassis, its wheels and their rollers.
+//! A robot in the engine: one multibody of the chassis, its wheels and their rollers, or one body with
+//! [`super::rigid_base`].
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
-use rapier3d::glamx::{Mat3, Pose3};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use rapier3d::glamx::Pose3;
 use rapier3d::prelude::*;
 
+use super::mass::{Mass, body_mass, total_mass, wheel_mass};
 use super::motor::{Servo, Torque};
-use super::rigid_base::{Mass, RigidBase};
+use super::rigid_base::RigidBase;
 use super::rolling::{self, Load};
 use super::{BodyState, Physics, WheelState, convert, shape, with_material};
 use crate::scene::{DriveModel, Pose, RobotDef, Rollers, Wheel};
@@ -49,8 +51,8 @@ impl RobotBodies {
     /// Sets the targets of the wheel servos, rad/s.
     pub(crate) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
         match &mut self.drivetrain {
-            Drivetrain::Multibody { driven: wheels, .. } => {
-                wheels.iter_mut().zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
+            Drivetrain::Multibody { driven, .. } => {
+                driven.iter_mut().zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
             }
             Drivetrain::Rigid(base) => base.set_wheel_speeds(speeds),
         }
@@ -59,7 +61,7 @@ impl RobotBodies {
     /// The driven wheels, in order.
     pub(crate) fn wheels(&self) -> Vec<WheelState> {
         match &self.drivetrain {
-            Drivetrain::Multibody { driven: wheels, .. } => wheels.iter().map(|wheel| wheel.state).collect(),
+            Drivetrain::Multibody { driven, .. } => driven.iter().map(|wheel| wheel.state).collect(),
             Drivetrain::Rigid(base) => base.wheels().collect(),
         }
     }
@@ -86,11 +88,11 @@ impl Physics {
     }
 
     fn spawn_multibody(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        let mass = combined(part_masses(robot));
+        let mass = body_mass(robot);
         // The engine moves the origin of a multibody's root with the velocity of its centre of mass, so they have to be one.
         let centre = mass.centre;
-        let engine_mass = engine_mass(mass.mass, Vector3::zeros(), mass.inertia);
-        let chassis = self.insert_chassis(&(pose * Translation3::from(centre)), robot, centre, engine_mass);
+        let centred = Mass { centre: Vector3::zeros(), ..mass };
+        let chassis = self.insert_chassis(&(pose * Translation3::from(centre)), robot, centre, centred);
         let (mut all, mut joints) = (vec![chassis], Vec::new());
         let (mut roller_damping, mut treads) = (Vec::new(), Vec::new());
         for wheel in &robot.wheels {
@@ -108,8 +110,7 @@ impl Physics {
 
     fn spawn_rigid(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
         let mass = total_mass(robot);
-        let chassis =
-            self.insert_chassis(pose, robot, Vector3::zeros(), engine_mass(mass.mass, mass.centre, mass.inertia));
+        let chassis = self.insert_chassis(pose, robot, Vector3::zeros(), mass);
         for caster in robot.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
             let ball = with_material(ColliderBuilder::ball(caster.radius as Real), &caster.material).friction(0.0);
             let ball = ball.translation(convert::vector(caster.position)).density(0.0);
@@ -137,14 +138,8 @@ impl Physics {
     }
 
     /// The chassis with its shapes; `centre` is the place of the body's origin in the robot frame.
-    fn insert_chassis(
-        &mut self,
-        pose: &Pose,
-        robot: &RobotDef,
-        centre: Vector3<f64>,
-        mass: MassProperties,
-    ) -> RigidBodyHandle {
-        let chassis = self.insert_body(pose, mass);
+    fn insert_chassis(&mut self, pose: &Pose, robot: &RobotDef, centre: Vector3<f64>, mass: Mass) -> RigidBodyHandle {
+        let chassis = self.insert_body(pose, mass.to_engine());
         for solid in &robot.solids {
             let local = Translation3::from(-centre) * solid.pose;
             let collider = shape::collider(&solid.shape, &local, &solid.material);
@@ -178,8 +173,8 @@ impl Physics {
     pub(crate) fn after_step(&mut self, bodies: &mut RobotBodies) {
         let time_step = f64::from(self.world.integration_parameters.dt);
         match &mut bodies.drivetrain {
-            Drivetrain::Multibody { driven: wheels, .. } => {
-                for MultibodyWheel { joint, state, .. } in wheels {
+            Drivetrain::Multibody { driven, .. } => {
+                for MultibodyWheel { joint, state, .. } in driven {
                     if let Some((multibody, link)) = self.world.multibody_joints.get(*joint)
                         && let Some(link) = multibody.link(link)
                     {
@@ -338,7 +333,7 @@ impl Physics {
         damping.fill(0.0);
         if let Some(solid) = robot.solids.first() {
             // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
-            let body = combined(part_masses(robot));
+            let body = body_mass(robot);
             damping.rows_mut(0, 3).fill((solid.material.linear_damping * body.mass) as Real);
             let inertia = body.inertia.trace() / 3.0;
             damping.rows_mut(3, 3).fill((solid.material.angular_damping * inertia) as Real);
@@ -360,68 +355,6 @@ pub(super) fn roller_pose(rollers: &Rollers, index: u32) -> Pose {
     let axis = tangent * sin_angle - Vector3::y() * cos_angle * rollers.angle.signum();
     let turn = UnitQuaternion::rotation_between(&Vector3::x(), &axis);
     Pose::from_parts(centre.into(), turn.unwrap_or_default())
-}
-
-fn engine_mass(mass: f64, centre: Vector3<f64>, inertia: Matrix3<f64>) -> MassProperties {
-    let columns: [f32; 9] = std::array::from_fn(|index| inertia.as_slice()[index] as f32);
-    MassProperties::with_inertia_matrix(convert::vector(centre), mass as Real, Mat3::from_cols_array(&columns))
-}
-
-fn wheel_mass(wheel: &Wheel) -> MassProperties {
-    MassProperties::new(Vector::ZERO, wheel.mass as Real, convert::vector(wheel_inertia(wheel)))
-}
-
-/// Moments of inertia, kg m²: a plain wheel as a solid disc, the hub of a Mecanum wheel as a disc out to the roller axes,
-/// a caster as a ball.
-fn wheel_inertia(wheel: &Wheel) -> [f64; 3] {
-    let radius = wheel.rollers.as_ref().map_or(wheel.radius, |rollers| rollers.axis_circle);
-    let spin = wheel.mass * radius * radius / 2.0;
-    let tilt = wheel.mass * (3.0 * radius * radius + wheel.width * wheel.width) / 12.0;
-    if wheel.drive.is_some() { [tilt, spin, tilt] } else { [0.4 * wheel.mass * radius * radius; 3] }
-}
-
-/// Inertia of a wheel with its rollers about its axle, kg m²; that of the motor's rotor is not in it.
-pub fn wheel_spin_inertia(wheel: &Wheel) -> f64 {
-    mass_with_rollers(wheel).1[(1, 1)]
-}
-
-/// Mass and inertia about the centre of a wheel with its rollers.
-fn mass_with_rollers(wheel: &Wheel) -> (f64, Matrix3<f64>) {
-    let mut inertia = Matrix3::from_diagonal(&wheel_inertia(wheel).into());
-    let Some(rollers) = &wheel.rollers else { return (wheel.mass, inertia) };
-    let own = Matrix3::from_diagonal(&shape::roller_inertia(rollers, wheel.radius).into());
-    for index in 0..rollers.count {
-        let pose = roller_pose(rollers, index);
-        let turn = pose.rotation.to_rotation_matrix();
-        inertia += turn * own * turn.inverse() + point_inertia(rollers.mass, pose.translation.vector);
-    }
-    (wheel.mass + f64::from(rollers.count) * rollers.mass, inertia)
-}
-
-/// Inertia of a point about the origin.
-fn point_inertia(mass: f64, place: Vector3<f64>) -> Matrix3<f64> {
-    (Matrix3::identity() * place.norm_squared() - place * place.transpose()) * mass
-}
-
-/// Mass of the robot with its wheels held.
-fn total_mass(robot: &RobotDef) -> Mass {
-    let wheels = robot.wheels.iter().map(|wheel| {
-        let (mass, inertia) = mass_with_rollers(wheel);
-        Mass { mass, centre: wheel.position.into(), inertia }
-    });
-    combined(part_masses(robot).chain(wheels))
-}
-
-fn part_masses(robot: &RobotDef) -> impl Iterator<Item = Mass> {
-    robot.parts.iter().map(|part| Mass { mass: part.mass, centre: part.centre, inertia: part.inertia })
-}
-
-fn combined(parts: impl Iterator<Item = Mass>) -> Mass {
-    let parts: Vec<Mass> = parts.collect();
-    let mass: f64 = parts.iter().map(|part| part.mass).sum();
-    let centre = parts.iter().map(|part| part.centre * part.mass).sum::<Vector3<f64>>() / mass;
-    let inertia = parts.iter().map(|part| part.inertia + point_inertia(part.mass, part.centre - centre)).sum();
-    Mass { mass, centre, inertia }
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 //!
 //! The unknowns are the velocity of the body and the speed of each wheel relative to it; motors are implicit in their
 //! speeds, so a stiff servo is stable at any step. Every contact is a row: its velocity along a direction, and the
-//! impulse along it within its limit. The impulses are found at once, by elimination, where nothing slides or lifts off;
-//! elsewhere by projected Gauss-Seidel from there. All in f64, world axes, SI units.
+//! impulse along it within its limit. The impulses are found by elimination, with rows moved to their limits and back until
+//! each is where it belongs; should that not settle, projected Gauss-Seidel goes on from there. All in f64, world axes,
+//! SI units.
 
 use nalgebra::{Matrix3, Vector3};
 
