@@ -68,6 +68,16 @@ fn drive_by(
     course.travel().expect("a robot")
 }
 
+/// Less than 0.1 degree of yaw a metre and 0.3 % of the way aside.
+#[track_caller]
+fn check_straight(what: &str, motion: Motion, moved: [f64; 3]) {
+    if motion != Motion::Clockwise {
+        let (way, sideways) = (moved[motion as usize], moved[1 - motion as usize]);
+        assert!(moved[2].to_degrees().abs() < 0.1 * way, "{what}: yaw {:.4}", moved[2]);
+        assert!(sideways.abs() < 0.003 * way, "{what}: sideways {sideways:.5}");
+    }
+}
+
 #[test]
 fn the_youbots_follow_the_exact_kinematics_on_every_floor() {
     let thesis = FLOORS.map(|(name, floor)| ("KUKA_YouBot", name, floor));
@@ -78,11 +88,7 @@ fn the_youbots_follow_the_exact_kinematics_on_every_floor() {
             println!("{what}: {ratio:.4} of the exact way, ripple {:.3} mm, {moved:.4?}", 1e3 * ripple);
             assert!((ratio - 1.0).abs() < tolerance, "{what}: {ratio:.4} of the exact way");
             assert!(ripple < 0.15e-3, "{what}: ripple {:.3} mm", 1e3 * ripple);
-            if motion != Motion::Clockwise {
-                let (way, sideways) = (moved[motion as usize], moved[1 - motion as usize]);
-                assert!(moved[2].to_degrees().abs() < 0.1 * way, "{what}: yaw {:.4}", moved[2]);
-                assert!(sideways.abs() < 0.003 * way, "{what}: sideways {sideways:.5}");
-            }
+            check_straight(&what, motion, moved);
         }
     }
 }
@@ -103,11 +109,7 @@ fn the_analytic_model_is_within_three_thousandths_everywhere() {
             println!("{what}: {ratio:.5} of the exact way, ripple {:.4} mm, {moved:.5?}", 1e3 * ripple);
             assert!((ratio - 1.0).abs() < 0.003, "{what}: {ratio:.5} of the exact way");
             assert!(ripple < 0.02e-3, "{what}: ripple {:.3} mm", 1e3 * ripple);
-            if motion != Motion::Clockwise {
-                let (way, sideways) = (moved[motion as usize], moved[1 - motion as usize]);
-                assert!(moved[2].to_degrees().abs() < 0.1 * way, "{what}: yaw {:.4}", moved[2]);
-                assert!(sideways.abs() < 0.003 * way, "{what}: sideways {sideways:.5}");
-            }
+            check_straight(&what, motion, moved);
         }
     }
 }

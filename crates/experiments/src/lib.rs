@@ -128,8 +128,7 @@ impl Course {
         let mut course =
             Self { world, robots, kinematics, from: Vec::new(), wheels: Vec::new(), motion, lowest, highest };
         course.run(SETTLING);
-        let [front_left, front_right, back_left, back_right] = motion.signs().map(|sign| Some(sign * speed));
-        let drive = Command::Drive(Drive { front_left, front_right, back_left, back_right, ..Drive::default() });
+        let drive = drive_command(motion.signs().map(|sign| sign * speed));
         for &robot in &course.robots {
             course.world.apply(robot, &drive, &mut Vec::new());
         }
@@ -182,13 +181,22 @@ impl Course {
     /// The way by the exact kinematics for the angles that the wheels of a robot had after every step: the rollers that
     /// touch change on the way.
     fn exact(&self, robot: usize) -> f64 {
-        let steps = self.wheels[robot].windows(2).map(|pair| {
-            let turned = std::array::from_fn(|wheel| pair[1][wheel] - pair[0][wheel]);
-            let phases = std::array::from_fn(|wheel| self.kinematics.phase((pair[0][wheel] + pair[1][wheel]) / 2.0));
-            self.motion.of(self.kinematics.forward(turned, phases))
-        });
-        steps.sum()
+        let pairs = self.wheels[robot].windows(2);
+        pairs.map(|pair| self.motion.of(exact_step(&self.kinematics, pair[0], pair[1]))).sum()
     }
+}
+
+/// The way of the base in a step in which its wheels turned from one set of angles to another.
+fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f64; 4]) -> Twist {
+    let turned = std::array::from_fn(|wheel| after[wheel] - before[wheel]);
+    let phases = std::array::from_fn(|wheel| kinematics.phase((before[wheel] + after[wheel]) / 2.0));
+    kinematics.forward(turned, phases)
+}
+
+/// A command for the four wheels, rad/s.
+fn drive_command(speeds: [f64; 4]) -> Command {
+    let [front_left, front_right, back_left, back_right] = speeds.map(Some);
+    Command::Drive(Drive { front_left, front_right, back_left, back_right, ..Drive::default() })
 }
 
 fn angles(wheels: &[WheelState]) -> [f64; 4] {

@@ -6,13 +6,12 @@
 
 use std::collections::BTreeMap;
 
-use gamebots_proto::Command;
-use gamebots_proto::command::{Drive, Init};
+use gamebots_proto::command::Init;
 use nalgebra::{UnitQuaternion, Vector3};
 use sim_core::scene::{self, DriveModel, MapDef, Material, RobotDef, Shape, Solid, WorldDef};
 use sim_core::{BodyState, Options, RobotId, WheelState, World, drive, wheel_spin_inertia};
 
-use crate::{MotionError, SETTLING};
+use crate::{MotionError, SETTLING, angles, drive_command, exact_step};
 
 /// One measured number and what it should be.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,9 +140,7 @@ impl Scene {
     }
 
     fn drive(&mut self, speeds: [f64; 4]) {
-        let [front_left, front_right, back_left, back_right] = speeds.map(Some);
-        let drive = Drive { front_left, front_right, back_left, back_right, ..Drive::default() };
-        self.world.apply(self.robot, &Command::Drive(drive), &mut Vec::new());
+        self.world.apply(self.robot, &drive_command(speeds), &mut Vec::new());
     }
 
     fn run(&mut self, seconds: f64) {
@@ -185,7 +182,6 @@ fn way(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Way, Motio
     let mut scene = Scene::new(subject, rise, Vec::new())?;
     let kinematics =
         drive::finite_rollers(&subject.robot).ok_or_else(|| MotionError::NotOmni(subject.robot.class.clone()))?;
-    let angles = |wheels: &[WheelState]| -> [f64; 4] { std::array::from_fn(|wheel| wheels[wheel].angle) };
     scene.drive(speeds);
     scene.run(1.0);
     let (from, wheels) = scene.state();
@@ -197,9 +193,7 @@ fn way(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Way, Motio
         scene.world.step();
         let (body, wheels) = scene.state();
         let now = angles(&wheels);
-        let turned = std::array::from_fn(|wheel| now[wheel] - before[wheel]);
-        let phases = std::array::from_fn(|wheel| kinematics.phase((now[wheel] + before[wheel]) / 2.0));
-        let twist = kinematics.forward(turned, phases);
+        let twist = exact_step(&kinematics, before, now);
         exact = [exact[0] + twist.forward, exact[1] + twist.right, exact[2] + twist.clockwise];
         let (_, _, heading) = (up.inverse() * body.pose.rotation).euler_angles();
         yaw += wrapped(heading - yaw_before);

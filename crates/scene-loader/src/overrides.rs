@@ -45,12 +45,6 @@ impl FromStr for Override {
     }
 }
 
-impl PartialEq for Override {
-    fn eq(&self, other: &Self) -> bool {
-        self.text == other.text
-    }
-}
-
 /// The text of a file with every override that belongs to one of its names. A text that is no TOML stays as it is: who
 /// reads it says what is wrong.
 pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str]) -> String {

@@ -9,7 +9,7 @@ use serde_json::json;
 use sim_core::Options;
 use sim_core::scene::{DriveModel, WorldDef};
 
-use crate::{Failure, exit, print};
+use crate::{Failure, exit, print, within};
 
 /// Options of `bench`.
 #[derive(clap::Args)]
@@ -43,11 +43,6 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-pub(crate) fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    if (least..=most).contains(&value) { Ok(value) } else { Err(format!("expected {least} to {most}")) }
-}
-
 fn seconds(text: &str) -> Result<f64, String> {
     within(text, 0.1, 20.0)
 }
@@ -60,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { robot, robots, seconds, map, set, .. } = arguments;
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
     let mut robot = scene_loader::robot(robot, set).map_err(broken)?;
-    robot.drive_model = arguments.drive_model.unwrap_or(robot.drive_model);
+    robot.set_drive_model(arguments.drive_model);
     let (class, model) = (robot.class.clone(), robot.drive_model);
     let dt = arguments.dt.unwrap_or(if model == DriveModel::Bodies { 0.004 } else { 0.016 });
     let map = scene_loader::map(map, set).map_err(broken)?;

@@ -107,6 +107,12 @@ fn start_logging(arguments: &Arguments) {
         .init();
 }
 
+/// A number from the command line, within bounds.
+fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    if (least..=most).contains(&value) { Ok(value) } else { Err(format!("expected {least} to {most}")) }
+}
+
 /// Prints to stdout; a reader that has gone away is not an error.
 fn print(text: impl std::fmt::Display) {
     use std::io::Write;

@@ -7,9 +7,9 @@ use clap::ValueEnum;
 use gamebots_server::{Config, ServeError};
 use scene_loader::Override;
 use sim_core::Options;
-use sim_core::scene::{DriveModel, Steering};
+use sim_core::scene::DriveModel;
 
-use crate::{Failure, exit, print};
+use crate::{Failure, exit, print, within};
 
 /// Options of `serve`.
 #[derive(clap::Args)]
@@ -67,18 +67,14 @@ enum WheelSpeeds {
 }
 
 fn real_time_factor(text: &str) -> Result<f64, String> {
-    let factor: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    if (0.0..=10_000.0).contains(&factor) { Ok(factor) } else { Err("expected 0 to 10000".to_owned()) }
+    within(text, 0.0, 10_000.0)
 }
 
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let robots: Vec<&std::path::Path> = arguments.robot.iter().map(PathBuf::as_path).collect();
     let mut world = scene_loader::load_with(&arguments.map, &robots, &arguments.set)
         .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{error}")))?;
-    if let Some(model) = arguments.drive_model {
-        let mecanum = world.robots.values_mut().filter(|robot| robot.steering == Steering::Omni);
-        mecanum.for_each(|robot| robot.drive_model = model);
-    }
+    world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     let speed_unit = match arguments.wheel_speeds {
         WheelSpeeds::Rad => 1.0,
         WheelSpeeds::Rev => std::f64::consts::TAU,

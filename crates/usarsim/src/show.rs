@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let text = match what {
         What::Robot => {
             let mut robot = scene_loader::robot(name, set).map_err(broken)?;
-            robot.drive_model = drive_model.unwrap_or(robot.drive_model);
+            robot.set_drive_model(*drive_model);
             text(&robot, *json)
         }
         What::Map => text(&scene_loader::map(name, set).map_err(broken)?, *json),

@@ -7,7 +7,7 @@ use serde_json::json;
 use sim_core::Options;
 use sim_core::scene::DriveModel;
 
-use crate::{Failure, exit, print};
+use crate::{Failure, exit, print, within};
 
 /// Options of `validate`.
 #[derive(clap::Args)]
@@ -39,13 +39,13 @@ pub(crate) struct Arguments {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    crate::bench::within(text, 1.0, 60.0)
+    within(text, 1.0, 60.0)
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
     let mut robot = scene_loader::robot(&arguments.robot, &arguments.set).map_err(broken)?;
-    robot.drive_model = arguments.drive_model.unwrap_or(robot.drive_model);
+    robot.set_drive_model(arguments.drive_model);
     let floor = scene_loader::map("rough", &arguments.set).map_err(broken)?.solids.swap_remove(0).material;
     scene_loader::check_used(&arguments.set).map_err(broken)?;
     let model = robot.drive_model;
