@@ -3,13 +3,16 @@
 
     python3 -m venv venv && venv/bin/pip install matplotlib
     cargo build --release
-    venv/bin/python bench/validation.py
+    venv/bin/python bench/validation.py [--out docs]
 """
 
+import argparse
+import csv
 import json
 import math
 import os
 import subprocess
+import tempfile
 
 import matplotlib
 
@@ -17,8 +20,10 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
 ROOT = os.path.join(os.path.dirname(__file__), "..")
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("--out", default=os.path.join(ROOT, "docs"), help="folder of the page")
+OUT = parser.parse_args().out
 USARSIM = os.path.join(ROOT, "target", "release", "usarsim")
-PLOTS = os.path.join(ROOT, "docs", "plots")
 COLOURS = {"bodies": "#1f5fa8", "analytic": "#d1495b", "kinematic": "#6b9e3f"}
 # The same file every time.
 matplotlib.rcParams["svg.hashsalt"] = "usarsim"
@@ -31,18 +36,19 @@ def run(*arguments):
     return json.loads(done.stdout)
 
 
-def found(model, check, what, *settings):
+def found(model, check, what, *arguments):
     """The measured number of one finding."""
-    arguments = [part for setting in settings for part in ("--set", setting)]
     report = run("validate", "--drive-model", model, "--check", check, "--seconds", 5, *arguments)
     return next(row["measured"] for row in report["findings"] if row["what"].startswith(what))
 
 
-def plot(name, x_label, y_label, lines, log=False):
-    """One picture of lines `(label, model or None, xs, ys)`; without a model it is theory, dashed."""
+def plot(name, x_label, y_label, lines, log=False, points=False):
+    """One picture of lines `(label, model or None, xs, ys)`; without a model it is theory, dashed. Points have no lines."""
     figure, axes = plt.subplots(figsize=(6, 3.6))
     for label, model, xs, ys in lines:
         style = {"color": COLOURS[model], "marker": "o"} if model else {"color": "black", "linestyle": "--"}
+        if points:
+            style |= {"linestyle": "", "marker": "."}
         axes.plot(xs, ys, label=label, **style)
     if log:
         axes.set_xscale("log")
@@ -53,8 +59,7 @@ def plot(name, x_label, y_label, lines, log=False):
     axes.grid(alpha=0.3)
     axes.legend()
     figure.tight_layout()
-    os.makedirs(PLOTS, exist_ok=True)
-    figure.savefig(os.path.join(PLOTS, f"{name}.svg"), metadata={"Date": None})
+    figure.savefig(os.path.join(OUT, "plots", f"{name}.svg"), metadata={"Date": None})
     plt.close(figure)
     print(name, flush=True)
     return f"![{y_label} against {x_label}](plots/{name}.svg)\n"
@@ -76,7 +81,7 @@ def traction_against_friction():
     pairs = [(value + 0.8) / 2 for value in rollers]
     lines = [("Coulomb", None, pairs, [1.0 for _ in pairs])]
     for model in ("bodies", "analytic"):
-        ratios = [found(model, 9, "most acceleration ahead", f"robot.roller_friction={value}") for value in rollers]
+        ratios = [found(model, 9, "most acceleration ahead", "--set", f"robot.roller_friction={value}") for value in rollers]
         lines.append((model, model, pairs, ratios))
     return plot("traction", "friction of roller and floor", "most acceleration over mu g sin(angle)", lines)
 
@@ -88,7 +93,7 @@ def slope_against_friction():
     sine = math.sin(math.atan(math.cos(math.pi / 6)))
     lines = [("Coulomb on rollers at 30 degrees", None, pairs, [math.degrees(math.atan(mu * sine)) for mu in pairs])]
     for model in ("bodies", "analytic"):
-        lines.append((model, model, pairs, [found(model, 7, "slides ahead", f"robot.roller_friction={value}") for value in rollers]))
+        lines.append((model, model, pairs, [found(model, 7, "slides ahead", "--set", f"robot.roller_friction={value}") for value in rollers]))
     return plot("slope", "friction of roller and floor", "slides ahead from, degrees", lines)
 
 
@@ -96,8 +101,28 @@ def free_rolling_against_rotor():
     rotors = [0.0, 0.002, 0.005, 0.01]
     lines = [("m / (m + 4 J / R²)", None, rotors, [1.0 for _ in rotors])]
     for model in ("bodies", "analytic"):
-        lines.append((model, model, rotors, [found(model, 8, "rolls ahead", f"KUKA_YouBot.wheels.armature={value}") for value in rotors]))
+        lines.append((model, model, rotors, [found(model, 8, "rolls ahead", "--set", f"KUKA_YouBot.wheels.armature={value}") for value in rotors]))
     return plot("free-rolling", "rotor inertia at the wheel, kg m²", "acceleration down 4.5 degrees over the bound", lines)
+
+
+def ripple_against_phase():
+    lines = []
+    for model in ("bodies", "analytic", "kinematic"):
+        with tempfile.NamedTemporaryFile("r", suffix=".csv") as trace:
+            run("bench", "--drive-model", model, "--dt", 0.002, "--seconds", 6, "--trace", trace.name)
+            rows = [row for row in csv.DictReader(trace) if row["motion"] == "forward"]
+        phases = [math.degrees(float(row["phase"])) for row in rows]
+        lines.append((model, model, phases, [1e3 * float(row["height"]) for row in rows]))
+    return plot("ripple-phase", "phase of the wheel in its spacing of rollers, degrees", "height of the body, mm", lines, points=True)
+
+
+def energy_against_step():
+    steps = [0.0005, 0.001, 0.002, 0.004]
+    lines = []
+    for model in ("bodies", "analytic"):
+        losses = [-found(model, 11, "energy", "--dt", step) for step in steps]
+        lines.append((model, model, [1e3 * step for step in steps], losses))
+    return plot("energy", "time step, ms", "energy lost, of its motion a second", lines, log=True)
 
 
 def errors_against_step():
@@ -127,6 +152,7 @@ def tables():
 
 
 def main():
+    os.makedirs(os.path.join(OUT, "plots"), exist_ok=True)
     page = f"""# Validation
 
 The twelve checks of a Mecanum robot that `usarsim validate` makes, for the thesis's youBot at the default step of 2 ms. This
@@ -143,6 +169,15 @@ page is made by `bench/validation.py`; `cargo test -p system-tests --test valida
   atan(cos phi) to the axle, so a youBot that stands on two rollers a wheel slides ahead from 29.1 degrees and aside from 32.7, not
   from 31 both ways.
 
+## Ride height
+
+{ripple_against_phase()}
+## Energy
+
+Down 0.05 rad with motors that do nothing on a floor that takes nothing: what the bearings of the rollers take, and in `bodies`
+what it costs to spin up a roller when it comes down.
+
+{energy_against_step()}
 ## Rollers of a wheel
 
 {lateral_against_rollers()}
@@ -160,7 +195,7 @@ page is made by `bench/validation.py`; `cargo test -p system-tests --test valida
 {errors_against_step()}
 The same motions in MuJoCo are in [comparison.md](comparison.md).
 """
-    with open(os.path.join(ROOT, "docs", "validation.md"), "w") as file:
+    with open(os.path.join(OUT, "validation.md"), "w") as file:
         file.write(page)
 
 

@@ -84,8 +84,19 @@ pub struct Course {
     /// Angles of the four wheels of each robot, at the start and after every step.
     wheels: Vec<Vec<[f64; 4]>>,
     motion: Motion,
-    lowest: f64,
-    highest: f64,
+    /// Height of the first robot's body after every step, m.
+    heights: Vec<f64>,
+}
+
+/// A moment of a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Seconds since the start of what is measured.
+    pub time: f64,
+    /// Angle of the front left wheel within its spacing of rollers, rad: 0 where a roller touches at its middle.
+    pub phase: f64,
+    /// Height of the body over its lowest place, m.
+    pub height: f64,
 }
 
 /// What a measured motion gave, of the robot that did worst.
@@ -124,9 +135,8 @@ impl Course {
             let mut problems = Vec::new();
             robots.push(world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?);
         }
-        let (lowest, highest) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut course =
-            Self { world, robots, kinematics, from: Vec::new(), wheels: Vec::new(), motion, lowest, highest };
+            Self { world, robots, kinematics, from: Vec::new(), wheels: Vec::new(), motion, heights: Vec::new() };
         course.run(SETTLING);
         let drive = drive_command(motion.signs().map(|sign| sign * speed));
         for &robot in &course.robots {
@@ -136,7 +146,7 @@ impl Course {
         let states: Vec<_> = course.robots.iter().filter_map(|&robot| course.world.state(robot)).collect();
         course.from = states.iter().map(|(body, _)| *body).collect();
         course.wheels = states.iter().map(|(_, wheels)| vec![angles(wheels)]).collect();
-        (course.lowest, course.highest) = (f64::INFINITY, f64::NEG_INFINITY);
+        course.heights.clear();
         Ok(course)
     }
 
@@ -146,15 +156,30 @@ impl Course {
             self.world.step();
             for (index, &robot) in self.robots.iter().enumerate() {
                 let Some((body, wheels)) = self.world.state(robot) else { continue };
-                let height = -body.pose.translation.z;
                 if index == 0 {
-                    (self.lowest, self.highest) = (self.lowest.min(height), self.highest.max(height));
+                    self.heights.push(-body.pose.translation.z);
                 }
                 if let Some(track) = self.wheels.get_mut(index) {
                     track.push(angles(&wheels));
                 }
             }
         }
+    }
+
+    /// The first robot after every step since the start.
+    pub fn moments(&self) -> Vec<Moment> {
+        let lowest = self.lowest();
+        let wheels = self.wheels.first().into_iter().flatten().skip(1);
+        let moment = |(step, (wheels, height)): (usize, (&[f64; 4], &f64))| Moment {
+            time: (step + 1) as f64 * self.world.time_step(),
+            phase: self.kinematics.phase(wheels[0]),
+            height: height - lowest,
+        };
+        wheels.zip(&self.heights).enumerate().map(moment).collect()
+    }
+
+    fn lowest(&self) -> f64 {
+        self.heights.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// See [`World::digest`].
@@ -164,6 +189,7 @@ impl Course {
 
     /// What the robots did since the start, turning less than half a turn.
     pub fn travel(&self) -> Option<Travel> {
+        let ripple = self.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max) - self.lowest();
         let travels = self.robots.iter().zip(&self.from).enumerate().filter_map(|(index, (&robot, from))| {
             let (to, _) = self.world.state(robot)?;
             let start: UnitQuaternion<f64> = from.pose.rotation;
@@ -173,7 +199,7 @@ impl Course {
             let turned = first.iter().zip(last).map(|(first, last)| (last - first).abs()).sum::<f64>() / 4.0;
             let moved = [way.x, way.y, yaw];
             let ratio = moved[self.motion as usize] / self.exact(index);
-            Some(Travel { moved, turned, ratio, ripple: self.highest - self.lowest })
+            Some(Travel { moved, turned, ratio, ripple })
         });
         travels.max_by(|a, b| (a.ratio - 1.0).abs().total_cmp(&(b.ratio - 1.0).abs()))
     }

@@ -509,7 +509,7 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         mass * body.linear.norm_squared() / 2.0 + spin - mass * 9.81 * body.pose.translation.z
     };
     scene.run(1.0);
-    let (mut before, mut grown) = (energy(&scene), 0.0f64);
+    let (mut before, mut grown) = (energy(&scene), f64::NEG_INFINITY);
     let motion = f64::from(subject.robot.mass()) * scene.body().linear.norm_squared() / 2.0;
     for _ in 0..20 {
         scene.run(0.1);

@@ -1,9 +1,10 @@
 //! `usarsim bench`: how fast the world is on one core, and how exact in the same run.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use experiments::{Course, Motion};
+use experiments::{Course, Moment, Motion};
 use scene_loader::Override;
 use serde_json::json;
 use sim_core::Options;
@@ -38,6 +39,9 @@ pub(crate) struct Arguments {
     /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE. May be given several times.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
+    /// Write the way of the first robot as a table: motion, time (s), wheel phase (rad), height over the lowest (m).
+    #[arg(long, value_name = "FILE.csv")]
+    trace: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -64,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
     let options = Options { time_step: dt, ..Options::default() };
     let (mut simulated, mut wall, mut worst, mut digest) = (0.0, 0.0, 0.0f64, 0u64);
-    let mut motions = serde_json::Map::new();
+    let (mut motions, mut trace) = (serde_json::Map::new(), "motion,time,phase,height\n".to_owned());
     for motion in Motion::ALL {
         let course = Course::start(def.clone(), options, &class, *robots, motion, 1.0);
         let mut course = course.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
@@ -73,6 +77,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         wall += start.elapsed().as_secs_f64();
         simulated += seconds;
         digest = digest.rotate_left(1) ^ course.digest();
+        for Moment { time, phase, height } in course.moments() {
+            trace += &format!("{},{time:.4},{phase:.6},{height:.8}\n", motion.name());
+        }
         let travel = course.travel().ok_or_else(|| Failure::new(exit::FAILURE, "the robots are gone"))?;
         worst = worst.max((travel.ratio - 1.0).abs());
         motions.insert(motion.name().to_owned(), json!({"ratio": travel.ratio, "ripple_mm": 1e3 * travel.ripple}));
@@ -80,6 +87,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             let (name, ratio) = (motion.name(), travel.ratio);
             print(format_args!("{name:<10} {ratio:.4} of the exact way, ripple {:.3} mm", 1e3 * travel.ripple));
         }
+    }
+    if let Some(file) = &arguments.trace {
+        let refused = |error| Failure::new(exit::FAILURE, format_args!("{}: {error}", file.display()));
+        std::fs::write(file, trace).map_err(refused)?;
     }
     let (factor, step) = (simulated / wall, 1e6 * wall * dt / simulated);
     if arguments.json {
