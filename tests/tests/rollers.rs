@@ -133,6 +133,27 @@ fn the_analytic_model_is_as_exact_at_full_speed() {
     }
 }
 
+/// Real wheels do not stand in phase. Each model then rolls with its wheels where `first_roller` puts them.
+#[test]
+fn wheels_out_of_phase_roll_as_exactly() {
+    for model in [DriveModel::Bodies, DriveModel::Analytic, DriveModel::Kinematic] {
+        for motion in Motion::ALL {
+            let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+            let robot = def.robots.get_mut("KUKA_YouBot").expect("the youBot");
+            robot.drive_model = model;
+            for (wheel, first) in robot.wheels.iter_mut().zip([0.3, -0.4, 0.1, 0.0]) {
+                wheel.rollers.as_mut().expect("rollers").first_roller = first;
+            }
+            let mut course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0).expect("a course");
+            course.run(4.0);
+            let Travel { ratio, ripple, .. } = course.travel().expect("a robot");
+            let what = format!("{}, out of phase, {}", model.name(), motion.name());
+            println!("{what}: {ratio:.5} of the exact way, ripple {:.4} mm", 1e3 * ripple);
+            assert!((ratio - 1.0).abs() < 0.005 && ripple < 0.15e-3, "{what}: {ratio}, {ripple}");
+        }
+    }
+}
+
 #[test]
 fn wheels_of_eight_and_twelve_rollers_work() {
     for count in [8, 12] {

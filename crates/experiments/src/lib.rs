@@ -172,7 +172,7 @@ impl Course {
         let wheels = self.wheels.first().into_iter().flatten().skip(1);
         let moment = |(step, (wheels, height)): (usize, (&[f64; 4], &f64))| Moment {
             time: (step + 1) as f64 * self.world.time_step(),
-            phase: self.kinematics.phase(wheels[0]),
+            phase: self.kinematics.phase(0, wheels[0]),
             height: height - lowest,
         };
         wheels.zip(&self.heights).enumerate().map(moment).collect()
@@ -215,7 +215,7 @@ impl Course {
 /// The way of the base in a step in which its wheels turned from one set of angles to another.
 fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f64; 4]) -> Twist {
     let turned = std::array::from_fn(|wheel| after[wheel] - before[wheel]);
-    let phases = std::array::from_fn(|wheel| kinematics.phase((before[wheel] + after[wheel]) / 2.0));
+    let phases = std::array::from_fn(|wheel| kinematics.phase(wheel, (before[wheel] + after[wheel]) / 2.0));
     kinematics.forward(turned, phases)
 }
 

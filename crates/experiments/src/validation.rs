@@ -306,7 +306,9 @@ fn friction(subject: &Subject) -> f64 {
 /// ground sees at the angle `atan(tan g cos phi)` to the axle; mean of the wheels. At phase 0 both are 1 / sqrt 2.
 fn grip(subject: &Subject, wheels: &[WheelState]) -> [f64; 2] {
     let Some(kinematics) = drive::finite_rollers(&subject.robot) else { return [0.0; 2] };
-    let angles = wheels.iter().map(|wheel| (kinematics.angle.tan() * kinematics.phase(wheel.angle).cos()).atan());
+    let angles = (0..)
+        .zip(wheels)
+        .map(|(index, wheel)| (kinematics.angle.tan() * kinematics.phase(index, wheel.angle).cos()).atan());
     let parts = angles.map(|angle| [angle.sin(), angle.cos()]);
     let sum = parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
     sum.map(|sum| sum * friction(subject) / wheels.len() as f64)

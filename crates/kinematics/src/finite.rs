@@ -31,14 +31,15 @@ pub struct FiniteRollers {
     pub axis_circle: f64,
     /// Angle between the two axes, rad.
     pub angle: f64,
+    /// How far past its front the first roller of each wheel sits when the wheel's angle is 0, rad.
+    pub first_rollers: [f64; 4],
 }
 
 impl FiniteRollers {
-    /// Phase of the roller at the ground, rad, for the angle that a wheel has turned forward since a roller was at
-    /// its front.
-    pub fn phase(&self, wheel_angle: f64) -> f64 {
+    /// Phase of the roller at the ground, rad, for the angle that a wheel has turned forward.
+    pub fn phase(&self, wheel: usize, angle: f64) -> f64 {
         let pitch = std::f64::consts::TAU / f64::from(self.count);
-        let ahead = std::f64::consts::FRAC_PI_2 - wheel_angle;
+        let ahead = std::f64::consts::FRAC_PI_2 - angle - self.first_rollers[wheel];
         ahead - pitch * (ahead / pitch).round()
     }
 
@@ -101,7 +102,7 @@ mod tests {
 
     fn youbot(count: u32) -> FiniteRollers {
         let base = Mecanum { half_wheelbase: 0.235, half_track: 0.15, wheel_radius: 0.05 };
-        FiniteRollers { base, count, axis_circle: 0.036, angle: std::f64::consts::FRAC_PI_4 }
+        FiniteRollers { base, count, axis_circle: 0.036, angle: std::f64::consts::FRAC_PI_4, first_rollers: [0.0; 4] }
     }
 
     /// sin(pi/N)/(pi/N); and turning, what an independent simulation with free rollers found in phase: 0.9715.
@@ -145,7 +146,7 @@ mod tests {
     #[test]
     fn phases_run_from_one_roller_to_the_next() {
         let model = youbot(6);
-        let degrees = |angle: f64| model.phase(angle.to_radians()).to_degrees();
+        let degrees = |angle: f64| model.phase(0, angle.to_radians()).to_degrees();
         // Six rollers: with one at the front, two straddle the bottom; 30 degrees on, one is there.
         assert!((degrees(30.0)).abs() < 1e-9);
         assert!((degrees(40.0) + 10.0).abs() < 1e-9, "it moves back under a wheel that rolls forward");

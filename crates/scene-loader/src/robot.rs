@@ -67,6 +67,7 @@ struct WheelEntry {
     max_current: Option<f64>,
     rotor_inertia: Option<f64>,
     roller_angle: Option<f64>,
+    first_roller: Option<f64>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -315,7 +316,12 @@ fn read_wheel(
     let material = document.material(span, &material?, materials)?;
     let rollers = match (entry.roller_angle.or(common.roller_angle), rollers) {
         (Some(angle), Some((place, rollers))) => {
-            Some(read_rollers(document, place, span, rollers, angle, radius?, materials)?)
+            let first_roller = entry.first_roller.or(common.first_roller).unwrap_or(0.0);
+            if first_roller.abs() > 7.0 {
+                document.problem(span, format_args!("`first_roller` is {first_roller}: expected -7 to 7 rad"));
+            }
+            let rollers = read_rollers(document, place, span, rollers, angle, radius?, materials)?;
+            Some(Rollers { first_roller, ..rollers })
         }
         (Some(_), None) => {
             document.problem(span, "`roller_angle` without a [rollers] table");
@@ -401,7 +407,7 @@ fn read_rollers(
     }
     let RollersEntry { count, axis_circle, mass, damping, .. } = *entry;
     let last_phase = std::f64::consts::PI / f64::from(count);
-    let mut rollers = Rollers { count, axis_circle, angle, last_phase, mass, damping, material };
+    let mut rollers = Rollers { count, axis_circle, angle, first_roller: 0.0, last_phase, mass, damping, material };
     if let Some(half_length) = entry.half_length {
         rollers.last_phase = last_phase_of(document, place, &rollers, half_length, wheel_radius)?;
     }

@@ -64,8 +64,10 @@ pub fn mecanum(robot: &RobotDef) -> Option<Mecanum> {
 /// The same with its rollers counted.
 pub fn finite_rollers(robot: &RobotDef) -> Option<FiniteRollers> {
     let rollers = robot.driven().first()?.rollers.as_ref()?;
+    let first = |wheel: usize| robot.driven()[wheel].rollers.as_ref().map_or(0.0, |rollers| rollers.first_roller);
     Some(FiniteRollers {
         base: mecanum(robot)?,
+        first_rollers: std::array::from_fn(first),
         count: rollers.count,
         axis_circle: rollers.axis_circle,
         angle: rollers.angle.abs(),

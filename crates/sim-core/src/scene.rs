@@ -367,6 +367,8 @@ pub struct Rollers {
     pub axis_circle: f64,
     /// Angle between the two axes, rad; positive where the roller at the ground points forward-right.
     pub angle: f64,
+    /// How far past the front of the wheel, downward, the first roller sits when the wheel's angle is 0, rad.
+    pub first_roller: f64,
     /// Phase of the contact at the end of a roller, rad: pi / count hands over to the next roller without a gap or an
     /// overlap, more makes longer rollers.
     pub last_phase: f64,

@@ -399,7 +399,7 @@ impl RigidBase {
         self.following.as_ref().map(|following| match following {
             Following::Textbook(mecanum) => mecanum.forward(speeds()),
             Following::FiniteRollers(rollers) => {
-                rollers.forward(speeds(), std::array::from_fn(|wheel| rollers.phase(self.angles[wheel])))
+                rollers.forward(speeds(), std::array::from_fn(|wheel| rollers.phase(wheel, self.angles[wheel])))
             }
         })
     }

@@ -344,12 +344,12 @@ impl Physics {
     }
 }
 
-/// Pose of a roller in the frame of its wheel, its axis along x. Roller k sits at the angle `k 2 pi / count` from the
-/// front downward; its axis leans by the roller angle from the wheel's axis toward the direction of turning (thesis
+/// Pose of a roller in the frame of its wheel, its axis along x. Roller k sits at the angle `first + k 2 pi / count` from
+/// the front downward; its axis leans by the roller angle from the wheel's axis toward the direction of turning (thesis
 /// Appendix A, lines 741 to 762).
 pub(super) fn roller_pose(rollers: &Rollers, index: u32) -> Pose {
     let (sin_angle, cos_angle) = rollers.angle.abs().sin_cos();
-    let (sin, cos) = (TAU * f64::from(index) / f64::from(rollers.count)).sin_cos();
+    let (sin, cos) = (rollers.first_roller + TAU * f64::from(index) / f64::from(rollers.count)).sin_cos();
     let centre = Vector3::new(cos, 0.0, sin) * rollers.axis_circle;
     let tangent = Vector3::new(-sin, 0.0, cos);
     let axis = tangent * sin_angle - Vector3::y() * cos_angle * rollers.angle.signum();
@@ -383,6 +383,7 @@ mod tests {
                 count: 6,
                 axis_circle: 0.0475,
                 angle,
+                first_roller: 0.0,
                 last_phase: std::f64::consts::PI / 6.0,
                 mass: 0.1,
                 damping: 0.0,

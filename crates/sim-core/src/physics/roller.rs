@@ -208,8 +208,16 @@ mod tests {
     fn youbot() -> RollerShape {
         let angle = std::f64::consts::FRAC_PI_4;
         let material = Material::default();
-        let rollers =
-            Rollers { count: 6, axis_circle: 0.036, angle, last_phase: PI / 6.0, mass: 0.1, damping: 0.0, material };
+        let rollers = Rollers {
+            count: 6,
+            axis_circle: 0.036,
+            angle,
+            first_roller: 0.0,
+            last_phase: PI / 6.0,
+            mass: 0.1,
+            damping: 0.0,
+            material,
+        };
         RollerShape::new(&rollers, 0.05)
     }
 

@@ -111,6 +111,7 @@ mod tests {
             count: 6,
             axis_circle: 0.036,
             angle: PI / 4.0,
+            first_roller: 0.0,
             last_phase: std::f64::consts::PI / 6.0,
             mass: 1.0,
             damping: 0.0,

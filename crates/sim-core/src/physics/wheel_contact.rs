@@ -46,6 +46,8 @@ pub(super) struct RollerRing {
     reach: f64,
     /// Half the sector that a roller covers, rad.
     last_phase: f64,
+    /// Angle of the first roller past the front, rad.
+    first_roller: f64,
     /// Poses of the rollers in the frame of the wheel.
     rollers: Vec<Pose>,
 }
@@ -59,6 +61,7 @@ impl RollerRing {
             shape: RollerShape::new(rollers, wheel_radius),
             reach: wheel_radius.hypot(half_width),
             last_phase: rollers.last_phase,
+            first_roller: rollers.first_roller,
             rollers: (0..rollers.count).map(|index| roller_pose(rollers, index)).collect(),
         }
     }
@@ -125,7 +128,7 @@ impl RollerRing {
         let turn = nalgebra::UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), angle);
         let wheel = hub * turn;
         for (index, roller) in self.rollers.iter().enumerate() {
-            let off = pitch * index as f64 + angle - direction;
+            let off = self.first_roller + pitch * index as f64 + angle - direction;
             let off = off - std::f64::consts::TAU * (off / std::f64::consts::TAU).round();
             if off.abs() > self.last_phase + MARGIN && toward.y.abs() < FACING {
                 continue;

@@ -88,7 +88,7 @@ impl Sensor for Mounted {
             Base::Omni(kinematics) => kinematics.forward(std::array::from_fn(|wheel| turned[wheel])),
             Base::FiniteOmni(kinematics) => {
                 // Half-way through the interval.
-                let phase = |wheel: usize| kinematics.phase(self.last_angles[wheel] - turned[wheel] / 2.0);
+                let phase = |wheel: usize| kinematics.phase(wheel, self.last_angles[wheel] - turned[wheel] / 2.0);
                 kinematics.forward(std::array::from_fn(|wheel| turned[wheel]), std::array::from_fn(phase))
             }
             Base::None => Twist::default(),
