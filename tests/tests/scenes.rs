@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use gamebots_proto::Command;
-use sim_core::scene::{Shape, Side};
+use sim_core::scene::{Shape, Side, WorldDef};
 use sim_core::{Options, World};
 use system_tests::{command, run};
 
@@ -139,7 +139,7 @@ fn a_urdf_is_turned_into_the_robot_frame_once() {
     assert!((mast.centre - nalgebra::Vector3::new(0.0, -0.5, -1.0)).norm() < 1e-12, "{}", mast.centre);
     assert!((mast.inertia.diagonal() - nalgebra::Vector3::new(2.0, 1.0, 3.0)).norm() < 1e-12, "{}", mast.inertia);
     let Shape::Hull { points } = &cart.solids[0].shape else { panic!("{:?}", cart.solids[0].shape) };
-    let tips: Vec<_> = points.iter().map(|&point| cart.solids[0].pose * nalgebra::Point3::from(point)).collect();
+    let tips: Vec<_> = points.iter().map(|&point| cart.solids[0].pose() * nalgebra::Point3::from(point)).collect();
     // The tip along the mast's x is to the robot's left, the one along its z is up.
     for (x, y, z) in [(0.0, -0.6, -1.0), (0.0, -0.5, -1.1), (-0.1, -0.5, -1.0)] {
         let tip = nalgebra::Point3::new(x, y, z);
@@ -244,5 +244,17 @@ fn overrides_reach_robots_maps_and_materials() {
     for text in ["robot.wheels.gian=1", "robot.wheels.gain=-1", "P3AT.rollers.mass=1", "material.carpet.friction=99"] {
         let set = text.parse().unwrap_or_else(|error| panic!("{text}: {error}"));
         assert!(scene_loader::load_with("rough", &[], &[set]).is_err(), "{text}");
+    }
+}
+
+/// A log holds its scene, and a replay needs the same bits.
+#[test]
+fn definitions_written_as_json_read_back_the_same() {
+    for map in scene_loader::map_names() {
+        let def = scene_loader::load(&map, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let text = serde_json::to_string(&def).expect("JSON");
+        let back: WorldDef = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{map}: {error}"));
+        assert!(back == def, "{map}");
+        println!("{map}: {} bytes", text.len());
     }
 }

@@ -1,7 +1,7 @@
 //! Sensors measure what is there: numbers worked out by hand for simple scenes.
 
 use gamebots_proto::message::{Message, Reading};
-use sim_core::scene::{NamedPose, Shape, Solid, WorldDef, pose};
+use sim_core::scene::{NamedPose, Shape, Solid, WorldDef};
 use sim_core::{Options, RobotId, World};
 use system_tests::{apply, init, run};
 
@@ -12,7 +12,8 @@ fn scene(boxes: &[([f64; 3], [f64; 3])], seed: u64) -> World {
     map.solids.extend(boxes.iter().map(|&(centre, size)| Solid {
         name: "box".to_owned(),
         shape: Shape::Box { size },
-        pose: pose(centre, [0.0; 3]),
+        position: centre,
+        rotation: [0.0; 3],
         material: material.clone(),
     }));
     map.path_nodes = vec![NamedPose { name: "Far".to_owned(), position: [9.0, 9.0, 0.0], rotation: [0.0; 3] }];

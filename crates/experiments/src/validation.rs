@@ -115,7 +115,8 @@ impl Scene {
         let floor = Solid {
             name: "floor".to_owned(),
             shape: Shape::HalfSpace,
-            pose: scene::pose([0.0; 3], tilt),
+            position: [0.0; 3],
+            rotation: tilt,
             material: subject.floor.clone(),
         };
         let map = MapDef {
@@ -464,8 +465,13 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let mut findings = Vec::new();
     // A smooth wall carries no weight, so the wheels' grip decides.
     let ice = Material { name: "ice".to_owned(), ..Material::default() };
-    let pose = scene::pose([0.6, 0.0, -0.5], [0.0; 3]);
-    let wall = Solid { name: "wall".to_owned(), shape: Shape::Box { size: [0.2, 20.0, 1.0] }, pose, material: ice };
+    let wall = Solid {
+        name: "wall".to_owned(),
+        shape: Shape::Box { size: [0.2, 20.0, 1.0] },
+        position: [0.6, 0.0, -0.5],
+        rotation: [0.0; 3],
+        material: ice,
+    };
     let load = f64::from(subject.robot.mass()) * 9.81 * subject.robot.wheel_geometry().radius / 4.0;
     // Torque over the grip of the rollers that stand at the ground, and whether the wheels go on turning forward. Held by
     // torque alone the base may wander to a side along the wall, for which two wheels turn on and two back.

@@ -1,6 +1,6 @@
 //! `map.toml`: what stands on a map, of what material, and where robots start.
 
-use sim_core::scene::{self, MapDef, NamedPose, Object, Shape, Solid};
+use sim_core::scene::{MapDef, NamedPose, Object, Shape, Solid};
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
@@ -111,7 +111,7 @@ fn read_solid<'a>(
     let (name, material) = (name?, material?);
     document.wire_name(&span, &name);
     let material = document.material(&span, &material, materials)?;
-    Some(Solid { name, shape: shape?, pose: scene::pose(position, rotation), material })
+    Some(Solid { name, shape: shape?, position, rotation, material })
 }
 
 /// A wedge: its low edge lies on the y axis, it rises along x to `height` and ends in an upright face.

@@ -234,7 +234,13 @@ fn read_parts<'a>(
         parts.push(Part { name: entry.name.clone(), mass: entry.mass, centre: Vector3::from(entry.position), inertia });
         let material = document.material(&span, &entry.material, materials);
         if let Some(material) = material.filter(|_| entry.collides) {
-            solids.push(Solid { name: entry.name, shape: Shape::Box { size: entry.size }, pose, material });
+            solids.push(Solid {
+                name: entry.name,
+                shape: Shape::Box { size: entry.size },
+                position: entry.position,
+                rotation: entry.rotation,
+                material,
+            });
         }
     }
 }

@@ -139,8 +139,8 @@ fn add_link(
             }
             other => return Err(format!("geometry {other:?}: expected box, cylinder, sphere or mesh")),
         };
-        let pose = place * turn;
-        urdf.solids.push(Solid { name: link.name.clone(), shape, pose, material: material.clone() });
+        let (position, rotation) = sim_core::scene::position_and_rotation(&(place * turn));
+        urdf.solids.push(Solid { name: link.name.clone(), shape, position, rotation, material: material.clone() });
     }
     Ok(())
 }

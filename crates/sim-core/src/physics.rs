@@ -67,11 +67,11 @@ impl Physics {
         parameters.normalized_prediction_distance = 0.002;
         let ground = world.insert_body(RigidBodyBuilder::fixed());
         for solid in &map.solids {
-            let collider = shape::collider(&solid.shape, &solid.pose, &solid.material);
+            let collider = shape::collider(&solid.shape, &solid.pose(), &solid.material);
             world.insert_collider(collider, Some(ground));
         }
         for Object { solid, mass } in &map.objects {
-            let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose)).can_sleep(false);
+            let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose())).can_sleep(false);
             let material = &solid.material;
             let body =
                 body.linear_damping(material.linear_damping as Real).angular_damping(material.angular_damping as Real);

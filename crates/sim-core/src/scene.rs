@@ -1,11 +1,12 @@
 //! What a world is made of: plain data in SI units, in the world frame (x forward, y right, z down).
 //!
-//! The crate `scene-loader` makes these from files; nothing here reads anything.
+//! The crate `scene-loader` makes these from files; nothing here reads anything. Written as JSON, as in a log, they read back
+//! with the same bits.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::sensor;
 
@@ -23,18 +24,8 @@ pub fn position_and_rotation(pose: &Pose) -> ([f64; 3], [f64; 3]) {
     (pose.translation.vector.into(), [roll, pitch, yaw])
 }
 
-fn position_and_rotation_of<S: Serializer>(pose: &Pose, serializer: S) -> Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    struct Place {
-        position: [f64; 3],
-        rotation: [f64; 3],
-    }
-    let (position, rotation) = position_and_rotation(pose);
-    Place { position, rotation }.serialize(serializer)
-}
-
 /// A physical material.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Material {
     /// Its name in `materials.toml`.
     pub name: String,
@@ -62,7 +53,7 @@ impl Material {
 }
 
 /// Geometry of a solid, in its own frame.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
     /// Everything on the far side of the plane z = 0: up (negative z) is free.
     HalfSpace,
@@ -91,35 +82,36 @@ pub enum Shape {
     /// A surface of triangles, m.
     Mesh {
         /// Corners.
-        #[serde(serialize_with = "count")]
         vertices: Vec<[f64; 3]>,
         /// Indices of three corners each.
-        #[serde(serialize_with = "count")]
         triangles: Vec<[u32; 3]>,
     },
 }
 
-/// A list too long to be shown: its length.
-fn count<T, S: Serializer>(list: &[T], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_u64(list.len() as u64)
-}
-
 /// A shape at a place, of a material.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solid {
     /// Its name, for messages and viewers.
     pub name: String,
     /// Geometry.
     pub shape: Shape,
-    /// Place in the frame of the map or of the robot.
-    #[serde(serialize_with = "position_and_rotation_of")]
-    pub pose: Pose,
+    /// Position in the frame of the map or of the robot, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw, rad.
+    pub rotation: [f64; 3],
     /// What its surface is made of.
     pub material: Material,
 }
 
+impl Solid {
+    /// Its place.
+    pub fn pose(&self) -> Pose {
+        pose(self.position, self.rotation)
+    }
+}
+
 /// A solid of a map that moves when it is pushed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Object {
     /// Shape, first place and surface.
     pub solid: Solid,
@@ -128,7 +120,7 @@ pub struct Object {
 }
 
 /// A named place of a map.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NamedPose {
     /// Name without white space or braces.
     pub name: String,
@@ -139,7 +131,7 @@ pub struct NamedPose {
 }
 
 /// A map: what stands and lies on it, and where robots start.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MapDef {
     /// Name, sent as `{Level ..}`.
     pub name: String,
@@ -160,7 +152,7 @@ pub struct MapDef {
 }
 
 /// How a robot is steered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Steering {
     /// Left and right wheels turn by side.
     Skid,
@@ -179,7 +171,7 @@ impl Steering {
 }
 
 /// How the wheels of a Mecanum robot move it. Other robots are always made of bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum DriveModel {
     /// Chassis, wheels and rollers are bodies of the engine, their contacts Coulomb's: the reference.
     #[default]
@@ -220,7 +212,7 @@ impl std::str::FromStr for DriveModel {
 }
 
 /// The side of a wheel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Side {
     /// Driven by `{Left ..}`.
     Left,
@@ -229,7 +221,7 @@ pub enum Side {
 }
 
 /// A class of robots.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RobotDef {
     /// Class name as in `USARBot.<class>`; the name of its folder.
     pub class: String,
@@ -306,7 +298,7 @@ pub struct WheelGeometry {
 }
 
 /// One part of the body: what it weighs and where.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
     /// Its name.
     pub name: String,
@@ -319,7 +311,7 @@ pub struct Part {
 }
 
 /// A wheel about the robot's y axis.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Wheel {
     /// Its name.
     pub name: String,
@@ -342,7 +334,7 @@ pub struct Wheel {
 }
 
 /// A velocity servo: torque = gain x (target - actual), limited.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Motor {
     /// Speed limit, rad/s.
     pub max_speed: f64,
@@ -359,7 +351,7 @@ pub struct Motor {
 }
 
 /// The free rollers of a Mecanum wheel.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rollers {
     /// How many.
     pub count: u32,
@@ -390,7 +382,7 @@ impl Rollers {
 }
 
 /// A battery that falls linearly, whatever the robot does (Battery.uc:44-129).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Battery {
     /// Energy at the start, J.
     pub max_energy: f64,
@@ -399,7 +391,7 @@ pub struct Battery {
 }
 
 /// A sensor on a robot.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SensorDef {
     /// Name on the wire.
     pub name: String,
@@ -414,7 +406,7 @@ pub struct SensorDef {
 }
 
 /// Everything that a world needs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorldDef {
     /// The map.
     pub map: MapDef,

@@ -85,7 +85,7 @@ pub(crate) trait Sensor: Send {
 macro_rules! sensors {
     ($($(#[$doc:meta])* $class:literal, $interval:literal => $name:ident($config:path),)*) => {
         /// The numbers of a sensor of any class.
-        #[derive(Debug, Clone, PartialEq, Serialize)]
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         pub enum Config { $($(#[$doc])* $name($config),)* }
 
         /// Every class of sensor with its default scan interval, s.

@@ -3,9 +3,13 @@
 use clap::ValueEnum;
 use scene_loader::Override;
 use serde::Serialize;
+use serde_json::Value;
 use sim_core::scene::DriveModel;
 
 use crate::{Failure, exit, print};
+
+/// Longest list that is shown.
+const MAX_SHOWN: usize = 64;
 
 /// Options of `show`.
 #[derive(clap::Args)]
@@ -55,9 +59,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn text(value: &impl Serialize, json: bool) -> Result<String, Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::new(exit::FAILURE, error);
+    let mut value = serde_json::to_value(value).map_err(|error| failed(&error))?;
+    shorten(&mut value);
     if json {
-        serde_json::to_string_pretty(value).map_err(|error| failed(&error))
+        serde_json::to_string_pretty(&value).map_err(|error| failed(&error))
     } else {
-        toml::to_string(value).map_err(|error| failed(&error))
+        toml::to_string(&value).map_err(|error| failed(&error))
+    }
+}
+
+/// What has no value is left out, and a list too long to be read, as that of a mesh's corners, becomes its length.
+fn shorten(value: &mut Value) {
+    match value {
+        Value::Array(list) if list.len() > MAX_SHOWN => *value = Value::from(list.len()),
+        Value::Array(list) => list.iter_mut().for_each(shorten),
+        Value::Object(entries) => {
+            entries.retain(|_, entry| !entry.is_null());
+            entries.values_mut().for_each(shorten);
+        }
+        _ => {}
     }
 }

@@ -141,7 +141,7 @@ impl Physics {
     fn insert_chassis(&mut self, pose: &Pose, robot: &RobotDef, centre: Vector3<f64>, mass: Mass) -> RigidBodyHandle {
         let chassis = self.insert_body(pose, mass.to_engine());
         for solid in &robot.solids {
-            let local = Translation3::from(-centre) * solid.pose;
+            let local = Translation3::from(-centre) * solid.pose();
             let collider = shape::collider(&solid.shape, &local, &solid.material);
             self.world.insert_collider(collider, Some(chassis));
         }
