@@ -11,7 +11,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use sim_core::scene::{self, DriveModel, MapDef, Material, RobotDef, Shape, Solid, WorldDef};
 use sim_core::{BodyState, Options, RobotId, WheelState, World, drive, wheel_spin_inertia};
 
-use crate::{MotionError, SETTLING, angles, drive_command, exact_step};
+use crate::course::{MotionError, SETTLING, angles, drive_command, exact_step};
 
 /// One measured number and what it should be.
 #[derive(Debug, Clone, PartialEq)]
