@@ -36,6 +36,8 @@ const LEAST_BOUNCE: f64 = 0.2;
 const SIDE: f64 = 0.7;
 /// Distance between the engine's place of a body and ours at which the engine's is set, m or rad.
 const DRIFT: f64 = 1e-5;
+/// Change of a velocity by the engine, m/s or rad/s, that is its rounding and no touch.
+const ROUNDING: f64 = 1e-9;
 
 /// A wheel of the base.
 struct BaseWheel {
@@ -241,7 +243,7 @@ impl RigidBase {
             (convert::from_vector(body.linvel() - self.given.0), convert::from_vector(body.angvel() - self.given.1));
         self.changes = [change, self.changes[0]];
         let turn = self.pose.rotation.to_rotation_matrix();
-        if change != (Vector3::zeros(), Vector3::zeros()) {
+        if change.0.amax().max(change.1.amax()) > ROUNDING {
             self.motion.linear += change.0;
             self.motion.angular += change.1;
             self.momentum.linear += change.0 * self.mass.mass;
