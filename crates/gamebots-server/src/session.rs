@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use gamebots_proto::Problem;
 use gamebots_proto::message::{Message, Nfo};
-use gamebots_proto::{Command, Line, Problem};
-use sim_core::{RobotId, World};
+use sim_core::{Controller, RobotId, World};
 use tracing::warn;
 
 use crate::connection::ConnectionId;
@@ -20,9 +20,7 @@ const SHOWN_CHARS: usize = 200;
 pub(crate) struct Session {
     id: ConnectionId,
     outbox: Arc<Outbox>,
-    /// The robots that report here, the newest last. Commands go to the newest, and only the newest leaves with
-    /// the connection (BotConnection.uc:37-47, 765-787).
-    robots: Vec<RobotId>,
+    controller: Controller,
     lines: u64,
     warnings: Budget,
     report_errors: bool,
@@ -30,11 +28,11 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(id: ConnectionId, outbox: Arc<Outbox>, report_errors: bool) -> Self {
-        Self { id, outbox, robots: Vec::new(), lines: 0, warnings: Budget::default(), report_errors }
+        Self { id, outbox, controller: Controller::default(), lines: 0, warnings: Budget::default(), report_errors }
     }
 
     pub(crate) fn robots(&self) -> &[RobotId] {
-        &self.robots
+        self.controller.robots()
     }
 
     pub(crate) fn outbox(&self) -> &Outbox {
@@ -48,7 +46,7 @@ impl Session {
         let mut answers = Vec::new();
         let text = match line {
             Ok(text) => {
-                answers = self.execute(text, world, &mut problems);
+                answers = self.controller.execute(text, world, &mut problems);
                 text
             }
             Err(problem) => {
@@ -67,9 +65,7 @@ impl Session {
 
     /// Removes the newest robot, and lets the client have what still waits for it.
     pub(crate) fn end(self, world: &mut World) {
-        if let Some(&newest) = self.robots.last() {
-            world.remove(newest);
-        }
+        self.controller.end(world);
         self.outbox.close();
     }
 
@@ -78,26 +74,6 @@ impl Session {
         let dropped = self.outbox.take_dropped();
         if dropped > 0 {
             warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
-        }
-    }
-
-    fn execute(&mut self, text: &str, world: &mut World, problems: &mut Vec<Problem>) -> Vec<Message> {
-        let line = Line::parse(text);
-        let Some(command) = Command::read(&line, problems) else { return Vec::new() };
-        if let Command::Init(init) = &command {
-            self.robots.extend(world.init(init, problems));
-            return Vec::new();
-        }
-        if let Some(answer) = world.ask(&command) {
-            return vec![answer];
-        }
-        match (self.robots.last(), &command) {
-            (Some(&robot), _) => world.apply(robot, &command, problems),
-            (None, Command::Drive(_) | Command::Set(_) | Command::GetConf(_) | Command::GetGeo(_)) => {
-                problems.push(Problem::NoRobot { verb: line.verb.to_ascii_uppercase() });
-                Vec::new()
-            }
-            (None, _) => Vec::new(),
         }
     }
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use gamebots_proto::Problem;
 use gamebots_proto::message::Message;
-use recorder::{Record, Recorder, RobotState, WireLine};
+use recorder::{LogWriter, Record, Recorder, RobotState, STATE_INTERVAL, WireLine};
 use sim_core::{RobotId, World};
 use tokio::sync::mpsc::Receiver;
 use tokio::sync::mpsc::error::TryRecvError;
@@ -22,8 +22,6 @@ use crate::{Config, ServeError};
 const MAX_SLEEP: Duration = Duration::from_millis(2);
 /// Events taken between two steps, so that a flood of them cannot stop time.
 const MAX_EVENTS_A_STEP: usize = 256;
-/// Seconds between two recorded states of the robots.
-const STATE_INTERVAL: f64 = 0.02;
 /// How often dropped lines are reported.
 const DROP_REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
@@ -33,7 +31,11 @@ pub(crate) fn spawn(
     events: Receiver<Event>,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<()>, ServeError> {
-    let recorder = config.log.as_ref().map(|path| Recorder::create(path, description(&config))).transpose()?;
+    let log = |path| {
+        let speed = [("real_time_factor".to_owned(), config.real_time_factor.to_string())];
+        LogWriter::create(path, &config.world, config.options, &speed).and_then(Recorder::new)
+    };
+    let recorder = config.log.as_deref().map(log).transpose()?;
     let thread = std::thread::Builder::new().name("world".to_owned());
     let run = move || {
         let _gone = gone;
@@ -43,18 +45,6 @@ pub(crate) fn spawn(
         Server { world, recorder, report_errors, sessions: BTreeMap::new(), owners: BTreeMap::new() }.run(events, pace);
     };
     thread.spawn(run).map_err(ServeError::Start)
-}
-
-fn description(config: &Config) -> BTreeMap<String, String> {
-    let entry = |key: &str, value: &dyn std::fmt::Display| (key.to_owned(), value.to_string());
-    BTreeMap::from([
-        entry("map", &config.world.map.name),
-        entry("seed", &config.options.seed),
-        entry("time_step", &config.options.time_step),
-        entry("real_time_factor", &config.real_time_factor),
-        entry("scene", &serde_json::to_string(&config.world).unwrap_or_default()),
-        entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
-    ])
 }
 
 struct Server {
@@ -72,6 +62,9 @@ impl Server {
         let mut states = 0;
         loop {
             if !self.take_events(&mut events) {
+                if let Some(recorder) = self.recorder.take() {
+                    recorder.finish(self.world.time(), self.world.digest());
+                }
                 return;
             }
             let now = Instant::now();
@@ -121,6 +114,7 @@ impl Server {
             }
             Event::Lines(id, lines) => lines.into_iter().for_each(|line| self.handle_line(id, line)),
             Event::Closed(id) => {
+                self.record(|| Record::Closed(WireLine { connection: id, line: String::new() }));
                 if let Some(session) = self.sessions.remove(&id) {
                     session.report_dropped();
                     session.robots().iter().for_each(|robot| {

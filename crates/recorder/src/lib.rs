@@ -5,19 +5,31 @@
 //! | channel | content |
 //! |---|---|
 //! | `/wire/in`, `/wire/out` | [`WireLine`] |
+//! | `/wire/closed` | [`WireLine`] of a connection that ended |
 //! | `/robot/<id>/state` | [`RobotState`], 50 times a second |
 //!
-//! Writing happens on a thread of its own, so that a slow disk does not hold up the world; what is written reaches
+//! The metadata `run` holds the scene with every number in effect, seed and time step; `end` the digest of the world.
+//!
+//! For a live world writing happens on a thread of its own, so that a slow disk does not hold up the world; what is written reaches
 //! the file at least once a second, so a killed process leaves a file that reads up to there.
 
 mod reader;
+mod replay;
 mod writer;
 
-pub use reader::{Entry, ReadError, read};
-pub use writer::{RecordError, Recorder};
+pub use reader::{Entry, Log, ReadError, read};
+pub use replay::{Replay, ReplayError, replay};
+pub use writer::{LogWriter, RecordError, Recorder};
 
 use serde::{Deserialize, Serialize};
 use sim_core::{BodyState, RobotId, WheelState};
+
+/// Seconds between two recorded states of the robots.
+pub const STATE_INTERVAL: f64 = 0.02;
+/// Name of the metadata that describes a run.
+const RUN: &str = "run";
+/// Name of the metadata that ends a log.
+const END: &str = "end";
 
 /// A line of a connection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -68,6 +80,17 @@ impl RobotState {
     }
 }
 
+/// How a world ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End {
+    /// Simulated time, s.
+    pub time: f64,
+    /// See [`sim_core::World::digest`].
+    pub digest: u64,
+    /// Records that did not get into the log.
+    pub dropped: u64,
+}
+
 /// One thing to record.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Record {
@@ -75,6 +98,8 @@ pub enum Record {
     In(WireLine),
     /// A line that was sent.
     Out(WireLine),
+    /// A connection that ended.
+    Closed(WireLine),
     /// Where a robot is.
     State(RobotState),
 }

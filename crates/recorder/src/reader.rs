@@ -1,11 +1,12 @@
 //! Reading a log back, whole or cut off.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use mcap::MessageStream;
-use mcap::read::Options;
+use mcap::read::{ChunkFlattener, Options};
+use mcap::records::Record as Raw;
 
-use crate::Record;
+use crate::{END, RUN, Record};
 
 /// One record with its simulated time, s.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +15,17 @@ pub struct Entry {
     pub time: f64,
     /// What happened.
     pub record: Record,
+}
+
+/// A log as it was read.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Log {
+    /// What describes the run.
+    pub run: BTreeMap<String, String>,
+    /// How it ended: `seconds`, `digest`, `dropped`. Empty when the log was cut off.
+    pub end: BTreeMap<String, String>,
+    /// What was recorded, in its order.
+    pub entries: Vec<Entry>,
 }
 
 /// A log that cannot be read at all.
@@ -28,53 +40,81 @@ pub struct ReadError {
 ///
 /// # Errors
 /// When the file cannot be read or is no log of this program.
-pub fn read(path: &Path) -> Result<Vec<Entry>, ReadError> {
-    let error = |reason: String| ReadError { file: path.display().to_string(), reason };
-    let bytes = std::fs::read(path).map_err(|reason| error(reason.to_string()))?;
+pub fn read(path: &Path) -> Result<Log, ReadError> {
+    let error =
+        |reason: &dyn std::fmt::Display| ReadError { file: path.display().to_string(), reason: reason.to_string() };
+    let bytes = std::fs::read(path).map_err(|reason| error(&reason))?;
     if !bytes.starts_with(mcap::MAGIC) {
-        return Err(error("not an MCAP file".to_owned()));
+        return Err(error(&"not an MCAP file"));
     }
-    let stream = MessageStream::new_with_options(&bytes, Options::IgnoreEndMagic.into())
-        .map_err(|reason| error(reason.to_string()))?;
-    let mut entries = Vec::new();
-    for message in stream {
-        // The end of what was written before the process died.
-        let Ok(message) = message else { break };
-        let record = parse(&message.channel.topic, &message.data)
-            .map_err(|reason| error(format!("{}: {reason}", message.channel.topic)))?;
-        entries.push(Entry { time: message.log_time as f64 / 1e9, record });
+    let records = ChunkFlattener::new_with_options(&bytes, Options::IgnoreEndMagic.into());
+    let (mut log, mut topics) = (Log::default(), BTreeMap::new());
+    // An error is the end of what was written before the process died.
+    for record in records.map_err(|reason| error(&reason))?.map_while(Result::ok) {
+        match record {
+            Raw::Metadata(metadata) if metadata.name == RUN => log.run = metadata.metadata,
+            Raw::Metadata(metadata) if metadata.name == END => log.end = metadata.metadata,
+            Raw::Channel(channel) => drop(topics.insert(channel.id, channel.topic)),
+            Raw::Message { header, data } => {
+                let topic = topics.get(&header.channel_id).map_or("", String::as_str);
+                let record = parse(topic, &data).map_err(|reason| error(&format_args!("{topic}: {reason}")))?;
+                log.entries.extend(record.map(|record| Entry { time: header.log_time as f64 / 1e9, record }));
+            }
+            _ => {}
+        }
     }
-    Ok(entries)
+    if log.run.is_empty() && log.entries.is_empty() {
+        return Err(error(&"no log of usarsim: expected the metadata `run`, or a message"));
+    }
+    Ok(log)
 }
 
-fn parse(topic: &str, data: &[u8]) -> serde_json::Result<Record> {
-    match topic {
-        "/wire/in" => serde_json::from_slice(data).map(Record::In),
-        "/wire/out" => serde_json::from_slice(data).map(Record::Out),
-        _ => serde_json::from_slice(data).map(Record::State),
-    }
+/// `None` for a topic that is not of this program.
+fn parse(topic: &str, data: &[u8]) -> serde_json::Result<Option<Record>> {
+    let record = match topic {
+        "/wire/in" => Record::In(serde_json::from_slice(data)?),
+        "/wire/out" => Record::Out(serde_json::from_slice(data)?),
+        "/wire/closed" => Record::Closed(serde_json::from_slice(data)?),
+        _ if topic.starts_with("/robot/") && topic.ends_with("/state") => Record::State(serde_json::from_slice(data)?),
+        _ => return Ok(None),
+    };
+    Ok(Some(record))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Recorder, WireLine};
-    use std::collections::BTreeMap;
+    use crate::{LogWriter, Recorder, WireLine};
+    use sim_core::scene::{MapDef, WorldDef};
 
     fn line(number: u64) -> Record {
         Record::In(WireLine { connection: number, line: format!("DRIVE {{Left {number}}}") })
     }
 
     fn written(path: &Path) {
-        let mut recorder = Recorder::create(path, BTreeMap::new()).unwrap();
+        let map = MapDef {
+            name: "none".to_owned(),
+            description: String::new(),
+            gravity: 9.81,
+            time_limit: 0,
+            solids: Vec::new(),
+            objects: Vec::new(),
+            starts: Vec::new(),
+            path_nodes: Vec::new(),
+        };
+        let world = WorldDef { map, robots: BTreeMap::new() };
+        let log = LogWriter::create(path, &world, sim_core::Options::default(), &[]).unwrap();
+        let mut recorder = Recorder::new(log).unwrap();
         (0..1000).for_each(|number| recorder.record(number as f64 * 0.002, line(number)));
+        recorder.finish(2.0, 0xabc);
     }
 
     #[test]
     fn a_log_reads_back_as_it_was_recorded() {
         let file = tempfile::NamedTempFile::new().unwrap();
         written(file.path());
-        let entries = read(file.path()).unwrap();
+        let Log { run, end, entries } = read(file.path()).unwrap();
+        assert_eq!((run["map"].as_str(), end["digest"].as_str()), ("none", "0000000000000abc"));
         assert_eq!(entries.len(), 1000);
         assert_eq!(entries[999], Entry { time: 1.998, record: line(999) });
     }

@@ -13,4 +13,4 @@ pub mod sensor;
 mod world;
 
 pub use physics::{BodyState, WheelState, wheel_spin_inertia};
-pub use world::{Options, RobotId, TIME_STEP, World};
+pub use world::{Controller, Options, RobotId, TIME_STEP, World};

@@ -1,6 +1,7 @@
 //! The world: robots on a map, advanced step by step.
 
 mod answer;
+mod controller;
 mod robot;
 mod seed;
 
@@ -14,6 +15,7 @@ use crate::physics::Physics;
 use crate::scene::{self, NamedPose, Pose, WorldDef};
 use crate::sensor::floats;
 use crate::{BodyState, WheelState};
+pub use controller::Controller;
 use robot::Robot;
 
 /// Length of a step, s, unless it is chosen: 500 Hz, where free rollers are within 0.3 % of their exact kinematics.
