@@ -2,7 +2,9 @@
 
 mod bench;
 mod check;
+mod experiment;
 mod list;
+mod log;
 mod serve;
 mod show;
 mod validate;
@@ -14,6 +16,7 @@ use clap::{Parser, Subcommand};
 /// Exit codes, after sysexits.h.
 mod exit {
     pub(crate) const FAILURE: u8 = 1;
+    pub(crate) const USAGE: u8 = 2;
     pub(crate) const BAD_DATA: u8 = 65;
     pub(crate) const UNAVAILABLE: u8 = 69;
     pub(crate) const BAD_CONFIGURATION: u8 = 78;
@@ -54,6 +57,12 @@ enum Command {
     Validate(validate::Arguments),
     /// Measure how fast and how exact the world is.
     Bench(bench::Arguments),
+    /// Run the experiments of the thesis, or one's own.
+    #[command(subcommand)]
+    Experiment(experiment::Command),
+    /// What is in a log, its lines, and the same run again.
+    #[command(subcommand)]
+    Log(log::Command),
 }
 
 fn main() -> ExitCode {
@@ -67,6 +76,8 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Experiment(command) => experiment::run(&command),
+        Command::Log(command) => log::run(&command),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -311,7 +311,8 @@ fn a_killed_server_leaves_a_log_that_reads() {
     }
     server.signal("KILL");
     server.wait();
-    let entries = recorder::read(&log).expect("the log reads");
+    let recorder::Log { entries, end, .. } = recorder::read(&log).expect("the log reads");
+    assert!(end.is_empty(), "it was cut off");
     let drive = recorder::Record::In(recorder::WireLine { connection: 1, line: "DRIVE {Left 1} {Right 1}".to_owned() });
     assert!(entries.iter().any(|entry| entry.record == drive));
     let states: Vec<_> = entries
@@ -325,4 +326,18 @@ fn a_killed_server_leaves_a_log_that_reads() {
     let steps = states.windows(2).map(|pair| pair[1].0 - pair[0].0);
     assert!(steps.into_iter().all(|step| (step - 0.02).abs() < 1e-9), "50 Hz of simulated time");
     assert_eq!((states[0].1.name.as_str(), states[0].1.wheel_angles.len()), ("Ann", 4));
+
+    let file = log.to_str().expect("a path");
+    let text = |arguments: &[&str]| {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    assert!(
+        text(&["log", "info", file])
+            .contains("cut off\nmap rough, seed 0, steps of 0.002 s\nrobot 0: P3AT Ann\n2 lines in")
+    );
+    assert!(text(&["log", "cat", file, "--type", "drive"]).ends_with(" 1 < DRIVE {Left 1} {Right 1}\n"));
+    assert!(text(&["log", "replay", file]).contains("again with the same bits"));
+    assert_eq!(run(&["log", "info", "Cargo.toml"]).status.code(), Some(65));
 }

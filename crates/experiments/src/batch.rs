@@ -1,0 +1,161 @@
+//! Many runs in a folder: side by side, each finished one kept, continued where it was interrupted.
+//!
+//! ```text
+//! DIR/experiment.json          the text of every experiment file in it
+//! DIR/runs/<plan>/<run>.json   an Outcome, written when its run is done
+//! DIR/logs/<plan>/<run>.mcap
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use crate::plan::{Plan, Run};
+use crate::run::{self, Outcome, RunError};
+
+/// A folder of runs.
+pub struct Batch<'a> {
+    folder: &'a Path,
+    plans: &'a [Plan],
+}
+
+/// What keeps runs from being made.
+#[derive(Debug, thiserror::Error)]
+pub enum BatchError {
+    /// The folder holds something else.
+    #[error("{folder}: {reason}; choose another folder with --out")]
+    Folder {
+        /// The folder.
+        folder: String,
+        /// What is in it.
+        reason: String,
+    },
+    /// A file cannot be read or written.
+    #[error("{file}: {reason}")]
+    File {
+        /// The file.
+        file: String,
+        /// What the operating system says.
+        reason: String,
+    },
+    /// A run cannot be made.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+pub(crate) fn refused(file: &Path, reason: impl std::fmt::Display) -> BatchError {
+    BatchError::File { file: file.display().to_string(), reason: reason.to_string() }
+}
+
+impl<'a> Batch<'a> {
+    /// Opens or makes the folder. `texts` are the experiment files as they were read, by name: a folder keeps them, and takes no
+    /// others of these names.
+    ///
+    /// # Errors
+    /// When the folder holds other things or runs of another experiment; nothing is changed then.
+    pub fn open(folder: &'a Path, plans: &'a [Plan], texts: &BTreeMap<String, String>) -> Result<Self, BatchError> {
+        let foreign = |reason: String| BatchError::Folder { folder: folder.display().to_string(), reason };
+        let file = folder.join("experiment.json");
+        let known = match std::fs::read_to_string(&file) {
+            Ok(text) => {
+                serde_json::from_str(&text).map_err(|_| foreign("experiment.json is not of usarsim".to_owned()))?
+            }
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                let mut entries = std::fs::read_dir(folder).into_iter().flatten();
+                if entries.next().is_some() {
+                    return Err(foreign("expected an empty folder, or one of an experiment".to_owned()));
+                }
+                BTreeMap::<String, String>::new()
+            }
+            Err(error) => return Err(refused(&file, error)),
+        };
+        if let Some((name, _)) = texts.iter().find(|&(name, text)| known.get(name).is_some_and(|known| known != text)) {
+            return Err(foreign(format!("it has runs of another version of `{name}`")));
+        }
+        let mut all = known.clone();
+        all.extend(texts.clone());
+        if all != known {
+            write(&file, serde_json::to_string_pretty(&all).unwrap_or_default().as_bytes())?;
+        }
+        Ok(Self { folder, plans })
+    }
+
+    /// Makes every run that has no outcome yet, `jobs` at a time, and returns all outcomes in the order of the plans, whatever
+    /// order they were made in. `done` is told of each, with whether it was there before.
+    ///
+    /// # Errors
+    /// The first that occurs. Runs under way are finished first, and everything finished is kept.
+    pub fn run(&self, jobs: usize, done: impl Fn(&Outcome, bool) + Sync) -> Result<Vec<Outcome>, BatchError> {
+        let runs: Vec<(&Plan, Run)> =
+            self.plans.iter().flat_map(|plan| plan.runs().into_iter().map(move |run| (plan, run))).collect();
+        let outcomes: Vec<Mutex<Option<Outcome>>> = runs.iter().map(|_| Mutex::new(None)).collect();
+        let (next, stop, failure) = (AtomicUsize::new(0), AtomicBool::new(false), Mutex::new(None));
+        let work = || {
+            while !stop.load(Ordering::Relaxed) {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some((plan, run)) = runs.get(index) else { return };
+                match self.outcome(plan, run) {
+                    Ok((outcome, old)) => {
+                        done(&outcome, old);
+                        set(&outcomes[index], outcome);
+                    }
+                    Err(error) => {
+                        stop.store(true, Ordering::Relaxed);
+                        set(&failure, error);
+                    }
+                }
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..jobs.max(1) {
+                scope.spawn(work);
+            }
+        });
+        match take(failure) {
+            Some(error) => Err(error),
+            None => Ok(outcomes.into_iter().filter_map(take).collect()),
+        }
+    }
+
+    /// The outcome of a run, kept or made now.
+    fn outcome(&self, plan: &Plan, run: &Run) -> Result<(Outcome, bool), BatchError> {
+        let file = self.folder.join("runs").join(format!("{}.json", run.id));
+        if let Some(outcome) = std::fs::read(&file).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()) {
+            return Ok((outcome, true));
+        }
+        let log = self.folder.join("logs").join(format!("{}.mcap", run.id));
+        let part = unfinished(&log);
+        make_folder_of(&log)?;
+        let outcome = run::run(plan, run, Some(&part))?;
+        std::fs::rename(&part, &log).map_err(|error| refused(&log, error))?;
+        write(&file, serde_json::to_string(&outcome).unwrap_or_default().as_bytes())?;
+        Ok((outcome, false))
+    }
+}
+
+/// Writes a file whole or not at all, and its folder where there is none.
+pub(crate) fn write(file: &Path, bytes: &[u8]) -> Result<(), BatchError> {
+    make_folder_of(file)?;
+    let part = unfinished(file);
+    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, file)).map_err(|error| refused(file, error))
+}
+
+fn unfinished(file: &Path) -> PathBuf {
+    let mut name = file.file_name().unwrap_or_default().to_owned();
+    name.push(".part");
+    file.with_file_name(name)
+}
+
+fn make_folder_of(file: &Path) -> Result<(), BatchError> {
+    let folder = file.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|error| refused(folder, error))
+}
+
+fn set<T>(place: &Mutex<Option<T>>, value: T) {
+    *place.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(value);
+}
+
+fn take<T>(place: Mutex<Option<T>>) -> Option<T> {
+    place.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+}

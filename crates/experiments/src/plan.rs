@@ -1,0 +1,436 @@
+//! An experiment as its file says it, and the runs that follow from it.
+
+use std::path::{Path, PathBuf};
+
+use scene_loader::Override;
+use serde::{Deserialize, Serialize};
+use sim_core::scene::DriveModel;
+
+use crate::plot::Plot;
+
+/// Most runs of one file.
+const MAX_RUNS: usize = 100_000;
+/// Most values of an axis.
+const MAX_VALUES: usize = 10_000;
+/// Longest run, simulated seconds.
+const MAX_SECONDS: f64 = 24.0 * 3600.0;
+
+/// An experiment file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// Name of the file without its ending; set by [`Plan::read`].
+    #[serde(skip)]
+    pub name: String,
+    /// What is asked, in a sentence.
+    pub description: String,
+    /// Drive models that run it; none is what the robot's own file says.
+    #[serde(default, rename = "drive_models")]
+    model_names: Vec<String>,
+    /// Repetitions of every combination, each with its own [`Tolerances`].
+    #[serde(default = "one")]
+    pub samples: u32,
+    /// Seed that the samples' seeds follow from.
+    #[serde(default)]
+    pub seed: u64,
+    /// Length of a time step, s.
+    #[serde(default = "time_step")]
+    pub time_step: f64,
+    /// Seconds that the robot stands before it drives.
+    #[serde(default = "settling")]
+    pub settling: f64,
+    /// How much the samples differ.
+    #[serde(default)]
+    pub tolerances: Tolerances,
+    /// What every run starts from.
+    #[serde(default)]
+    pub setup: Setup,
+    /// What is varied; a run for each combination.
+    #[serde(default, rename = "axis")]
+    pub axes: Vec<Axis>,
+    /// Pictures of the results.
+    #[serde(default, rename = "plot")]
+    pub plots: Vec<Plot>,
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn time_step() -> f64 {
+    sim_core::TIME_STEP
+}
+
+fn settling() -> f64 {
+    0.5
+}
+
+/// Half widths of the even distributions that the samples are drawn from. Sample `n` has the same draw in every combination, so
+/// that combinations differ by what is varied alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Tolerances {
+    /// Start position in the plane, m.
+    pub position: f64,
+    /// Heading at the start, rad.
+    pub yaw: f64,
+    /// Where the first roller of each wheel sits, rad.
+    pub wheel_phase: f64,
+    /// Friction of each wheel, as a part of it.
+    pub friction: f64,
+    /// Mass of the body, as a part of it.
+    pub mass: f64,
+}
+
+/// How a run is set up. In an axis, what is given replaces what was there; overrides add up.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Setup {
+    /// Name of an axis' value.
+    pub name: String,
+    /// Map by name or file.
+    pub map: Option<String>,
+    /// Robot by class or file.
+    pub robot: Option<String>,
+    /// Overrides `PATH=VALUE`, as for `--set`.
+    pub set: Vec<String>,
+    /// Start position, m; a robot in the floor is lifted onto it.
+    pub position: Option<[f64; 3]>,
+    /// Roll, pitch and yaw at the start, rad.
+    pub rotation: Option<[f64; 3]>,
+    /// A line that is sent at the beginning of every step.
+    pub drive: Option<String>,
+    /// How many steps are measured.
+    pub steps: Option<u32>,
+    /// Seconds of a step in motion.
+    pub step_seconds: Option<f64>,
+    /// Seconds of standing after each.
+    pub stop_seconds: Option<f64>,
+    /// Lines at times of their own instead of `drive`.
+    pub script: Vec<Event>,
+    /// Direction that counts as the main movement: forward, left.
+    pub main: Option<[f64; 2]>,
+    /// Direction that counts as error: forward, left.
+    pub error: Option<[f64; 2]>,
+}
+
+/// What is sent at a time.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Event {
+    /// Seconds after the start of what is measured.
+    pub at: f64,
+    /// A line of the wire.
+    pub line: Option<String>,
+    /// A velocity to drive from then on: forward (m/s), left (m/s), counterclockwise (rad/s).
+    pub velocity: Option<[f64; 3]>,
+}
+
+/// What is varied.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Axis {
+    /// Its name in tables and plots.
+    pub name: String,
+    /// Setups by name.
+    #[serde(default)]
+    values: Vec<Setup>,
+    /// Overrides with `{}` where the number goes.
+    #[serde(default)]
+    set: Vec<String>,
+    /// The numbers.
+    #[serde(default)]
+    numbers: Vec<f64>,
+    /// Or first, last and distance of the numbers.
+    range: Option<[f64; 3]>,
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// `plan/value-value-model-sample`, a name for files.
+    pub id: String,
+    /// Values of the axes by name, then `model` and `sample`.
+    pub labels: Vec<(String, String)>,
+    /// Everything put together.
+    pub setup: Setup,
+    /// The drive model, if it is not the robot's own.
+    pub drive_model: Option<DriveModel>,
+    /// Number of the sample, from 1.
+    pub sample: u32,
+}
+
+/// An experiment file that cannot be run.
+#[derive(Debug, thiserror::Error)]
+#[error("{file}: {reason}")]
+pub struct PlanError {
+    file: String,
+    reason: String,
+}
+
+impl Plan {
+    /// Reads an experiment from its text. Maps and robots given as relative paths are beside the file.
+    ///
+    /// # Errors
+    /// With the line of a mistake, or the number that is out of bounds.
+    pub fn read(file: &Path, text: &str) -> Result<Self, PlanError> {
+        let error =
+            |reason: String| PlanError { file: file.display().to_string(), reason: reason.trim_end().to_owned() };
+        let mut plan: Self = toml::from_str(text).map_err(|reason| error(reason.to_string()))?;
+        plan.name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        plan.beside(file.parent().unwrap_or(Path::new("")));
+        plan.check().map_err(error)?;
+        Ok(plan)
+    }
+
+    /// Every run, in the order of the axes, then models, then samples.
+    pub fn runs(&self) -> Vec<Run> {
+        let mut combinations = vec![(self.setup.clone(), Vec::new())];
+        for axis in &self.axes {
+            let values = axis.setups();
+            let vary = |(setup, labels): &(Setup, Vec<(String, String)>)| {
+                let (setup, labels) = (setup.clone(), labels.clone());
+                let with = move |value: &Setup| {
+                    let label = (axis.name.clone(), value.name.clone());
+                    (setup.with(value), labels.iter().cloned().chain([label]).collect())
+                };
+                values.iter().map(with).collect::<Vec<_>>()
+            };
+            combinations = combinations.iter().flat_map(vary).collect();
+        }
+        let models = self.models();
+        let mut runs = Vec::new();
+        for (setup, labels) in &combinations {
+            for &drive_model in &models {
+                for sample in 1..=self.samples {
+                    let mut labels = labels.clone();
+                    let model = drive_model.map_or("own", DriveModel::name);
+                    labels.extend(
+                        [("model", model.to_owned()), ("sample", sample.to_string())].map(|(k, v)| (k.to_owned(), v)),
+                    );
+                    let values: Vec<String> = labels.iter().map(|(_, value)| file_name(value)).collect();
+                    let id = format!("{}/{}", self.name, values.join("-"));
+                    runs.push(Run { id, labels, setup: setup.clone(), drive_model, sample });
+                }
+            }
+        }
+        runs
+    }
+
+    /// Keeps only these models.
+    pub fn keep_models(&mut self, models: &[DriveModel]) {
+        let kept = models.iter().filter(|model| self.model_names.is_empty() || self.models().contains(&Some(**model)));
+        self.model_names = kept.map(|model| model.name().to_owned()).collect();
+    }
+
+    fn models(&self) -> Vec<Option<DriveModel>> {
+        if self.model_names.is_empty() {
+            return vec![None];
+        }
+        self.model_names.iter().map(|name| name.parse().ok()).collect()
+    }
+
+    fn beside(&mut self, folder: &Path) {
+        let setups = self.axes.iter_mut().flat_map(|axis| &mut axis.values).chain([&mut self.setup]);
+        for path in setups.flat_map(|setup| [&mut setup.map, &mut setup.robot]).flatten() {
+            let file: PathBuf = folder.join(&path);
+            if file.is_file() {
+                *path = file.display().to_string();
+            }
+        }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let within = |what: &str, value: f64, least: f64, most: f64| {
+            let message = || format!("`{what}` is {value}: expected {least} to {most}");
+            (least..=most).contains(&value).then_some(()).ok_or_else(message)
+        };
+        self.model_names.iter().try_for_each(|name| name.parse::<DriveModel>().map(drop))?;
+        within("samples", f64::from(self.samples), 1.0, 10_000.0)?;
+        within("time_step", self.time_step, 1e-4, 0.02)?;
+        within("settling", self.settling, 0.1, 60.0)?;
+        let Tolerances { position, yaw, wheel_phase, friction, mass } = self.tolerances;
+        let tolerances = [("position", position), ("yaw", yaw), ("wheel_phase", wheel_phase)];
+        tolerances.into_iter().try_for_each(|(what, value)| within(what, value, 0.0, 10.0))?;
+        [("friction", friction), ("mass", mass)]
+            .into_iter()
+            .try_for_each(|(what, value)| within(what, value, 0.0, 0.9))?;
+        let mut count = self.models().len() * self.samples as usize;
+        for axis in &self.axes {
+            axis.check().map_err(|reason| format!("axis `{}`: {reason}", axis.name))?;
+            count = count.saturating_mul(axis.setups().len());
+        }
+        if count > MAX_RUNS {
+            return Err(format!("{count} runs: expected at most {MAX_RUNS}"));
+        }
+        let runs = self.runs();
+        for run in &runs {
+            run.setup.check().map_err(|reason| format!("run {}: {reason}", run.id))?;
+        }
+        let mut ids: Vec<&str> = runs.iter().map(|run| run.id.as_str()).collect();
+        ids.sort_unstable();
+        match ids.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(format!("two runs are called {}: expected values with different names", pair[0])),
+            None => self.plots.iter().try_for_each(|plot| plot.check(&runs)),
+        }
+    }
+}
+
+impl Axis {
+    fn setups(&self) -> Vec<Setup> {
+        let numbers = match self.range {
+            Some([first, last, distance]) => {
+                let count = ((last - first) / distance + 1e-9).floor() as usize + 1;
+                (0..count.min(MAX_VALUES)).map(|index| first + index as f64 * distance).collect()
+            }
+            None => self.numbers.clone(),
+        };
+        let of_number = |number: f64| {
+            // 0.1 + 2 x 0.1 is 0.3 here, as everyone expects.
+            let text = ((number * 1e9).round() / 1e9).to_string();
+            let set = self.set.iter().map(|path| path.replace("{}", &text)).collect();
+            Setup { name: text, set, ..Setup::default() }
+        };
+        self.values.iter().cloned().chain(numbers.into_iter().map(of_number)).collect()
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if let Some([first, last, distance]) = self.range
+            && !(first.is_finite() && last >= first && distance > 0.0 && (last - first) / distance <= MAX_VALUES as f64)
+        {
+            return Err(format!(
+                "`range` is [{first}, {last}, {distance}]: expected first <= last and a distance above 0"
+            ));
+        }
+        let numbers = self.range.is_some() || !self.numbers.is_empty();
+        if numbers && !self.set.iter().any(|path| path.contains("{}")) {
+            return Err("numbers without a `set` that has a {} for them".to_owned());
+        }
+        if self.values.is_empty() && !numbers {
+            return Err("expected `values`, or `set` with `numbers` or `range`".to_owned());
+        }
+        match self.values.iter().find(|value| value.name.is_empty()) {
+            Some(_) => Err("a value without a `name`".to_owned()),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Setup {
+    fn with(&self, other: &Self) -> Self {
+        let set = self.set.iter().chain(&other.set).cloned().collect();
+        let script = if other.script.is_empty() { &self.script } else { &other.script };
+        Self {
+            name: other.name.clone(),
+            map: other.map.clone().or(self.map.clone()),
+            robot: other.robot.clone().or(self.robot.clone()),
+            set,
+            position: other.position.or(self.position),
+            rotation: other.rotation.or(self.rotation),
+            drive: other.drive.clone().or(self.drive.clone()),
+            steps: other.steps.or(self.steps),
+            step_seconds: other.step_seconds.or(self.step_seconds),
+            stop_seconds: other.stop_seconds.or(self.stop_seconds),
+            script: script.clone(),
+            main: other.main.or(self.main),
+            error: other.error.or(self.error),
+        }
+    }
+
+    /// The map, `rough` unless given.
+    pub fn map(&self) -> &str {
+        self.map.as_deref().unwrap_or("rough")
+    }
+
+    /// The robot, `KUKA_YouBot` unless given.
+    pub fn robot(&self) -> &str {
+        self.robot.as_deref().unwrap_or("KUKA_YouBot")
+    }
+
+    /// How many steps are measured.
+    pub fn steps(&self) -> u32 {
+        self.steps.unwrap_or(10)
+    }
+
+    /// Seconds from one measured pose to the next.
+    pub fn interval(&self) -> f64 {
+        self.step_seconds.unwrap_or(2.0) + self.stop_seconds.unwrap_or(0.0)
+    }
+
+    /// The overrides.
+    ///
+    /// # Errors
+    /// When one is no `PATH=VALUE`.
+    pub fn overrides(&self) -> Result<Vec<Override>, String> {
+        self.set.iter().map(|text| text.parse::<Override>().map_err(|error| error.to_string())).collect()
+    }
+
+    /// The lines in order of their times.
+    pub fn lines(&self) -> Vec<(f64, String)> {
+        let mut lines: Vec<(f64, String)> = self.script.iter().map(|event| (event.at, event.text())).collect();
+        if let Some(drive) = &self.drive {
+            let stop = self.stop_seconds.unwrap_or(0.0);
+            for step in 0..self.steps() {
+                let start = f64::from(step) * self.interval();
+                lines.push((start, drive.clone()));
+                if stop > 0.0 {
+                    lines.push((start + self.interval() - stop, STOP.to_owned()));
+                }
+            }
+            lines.push((f64::from(self.steps()) * self.interval(), STOP.to_owned()));
+        }
+        lines.sort_by(|a, b| a.0.total_cmp(&b.0));
+        lines
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let seconds = f64::from(self.steps()) * self.interval();
+        if !(self.step_seconds.unwrap_or(2.0) >= 0.1 && self.stop_seconds.unwrap_or(0.0) >= 0.0 && self.steps() > 0) {
+            return Err(
+                "expected `steps` of at least 1, `step_seconds` of at least 0.1 and no negative stop".to_owned()
+            );
+        }
+        if seconds > MAX_SECONDS {
+            return Err(format!("{seconds} s: expected at most {MAX_SECONDS}"));
+        }
+        if self.drive.is_none() == self.script.is_empty() {
+            return Err("expected either `drive` or [[setup.script]]".to_owned());
+        }
+        let places = [self.position, self.rotation].into_iter().flatten().flatten();
+        if places
+            .chain(self.main.into_iter().flatten())
+            .chain(self.error.into_iter().flatten())
+            .any(|number| !number.is_finite() || number.abs() > 1e5)
+        {
+            return Err("a position, rotation or direction is not a number within 1e5".to_owned());
+        }
+        for event in &self.script {
+            if !(0.0..=MAX_SECONDS).contains(&event.at) || event.line.is_some() == event.velocity.is_some() {
+                return Err(format!("the event at {} s: expected a time and either `line` or `velocity`", event.at));
+            }
+        }
+        self.overrides().map(drop)
+    }
+}
+
+/// What ends a step that is followed by standing, and a run: every key that moves a robot of ours.
+const STOP: &str = "DRIVE {Front-Left 0}{Front-Right 0}{Back-Left 0}{Back-Right 0}{Left 0}{Right 0}";
+
+impl Event {
+    fn text(&self) -> String {
+        match (&self.line, self.velocity) {
+            (Some(line), _) => line.clone(),
+            // The wire's lateral and rotational velocities are to the right and clockwise.
+            (None, Some([forward, left, turn])) => format!(
+                "DRIVE {{LinearVelocity {forward}}} {{LateralVelocity {}}} {{RotationalVelocity {}}}",
+                -left, -turn
+            ),
+            (None, None) => String::new(),
+        }
+    }
+}
+
+/// A value as a part of a file's name.
+fn file_name(value: &str) -> String {
+    value.chars().map(|c| if c.is_alphanumeric() || "._".contains(c) { c } else { '_' }).collect()
+}

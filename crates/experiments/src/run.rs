@@ -1,0 +1,302 @@
+//! One run: a robot is set down, driven by lines of the wire, and measured.
+
+use std::path::Path;
+
+use gamebots_proto::Problem;
+use gamebots_proto::message::{Message, Reading};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use recorder::{End, LogWriter, Record, RecordError, RobotState, STATE_INTERVAL, WireLine};
+use scene_loader::LoadError;
+use serde::{Deserialize, Serialize};
+use sim_core::scene::{self, MapDef, Pose, RobotDef, WorldDef};
+use sim_core::{Controller, Options, World};
+
+use crate::plan::{Plan, Run, Setup, Tolerances};
+
+/// Seconds between two ground truth readings, of which the first of every so many is a measured pose (thesis 7.2).
+pub const READING_INTERVAL: f64 = 0.1;
+
+/// What one step was: from one measured pose to the next, in the frame of the robot at the start.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// Way along the main direction, m.
+    pub main: f64,
+    /// Way along the error direction, m.
+    pub error: f64,
+    /// Turned counterclockwise, rad.
+    pub yaw: f64,
+}
+
+/// What a run gave.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// The run.
+    pub id: String,
+    /// See [`Run::labels`].
+    pub labels: Vec<(String, String)>,
+    /// Seed of the world and of what differs between samples.
+    pub seed: u64,
+    /// The steps.
+    pub steps: Vec<Step>,
+    /// Mean angle that the driven wheels turned in all steps, either way counting, rad.
+    pub wheels_turned: f64,
+    /// Digest of the world at the end.
+    pub digest: String,
+    /// Simulated seconds from nothing to the end.
+    pub seconds: f64,
+}
+
+impl Outcome {
+    /// The value of a label.
+    pub fn label(&self, name: &str) -> Option<&str> {
+        self.labels.iter().find(|(label, _)| label == name).map(|(_, value)| value.as_str())
+    }
+}
+
+/// A run that could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A map, a robot or an override does not load.
+    #[error("{id}: {reason}")]
+    Load {
+        /// The run.
+        id: String,
+        /// Everything that is wrong.
+        reason: Box<LoadError>,
+    },
+    /// The robot cannot do what is asked.
+    #[error("{id}: {reason}")]
+    Setup {
+        /// The run.
+        id: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The log cannot be written.
+    #[error(transparent)]
+    Log(#[from] RecordError),
+}
+
+/// A run with everything loaded and drawn.
+pub struct Prepared {
+    /// The world to make.
+    pub world: WorldDef,
+    /// How it runs.
+    pub options: Options,
+    /// The line that puts the robot into it.
+    pub init: String,
+    /// Lines with their times after the first measured pose.
+    pub lines: Vec<(f64, String)>,
+}
+
+/// Loads a run's map and robot and draws what its sample differs by.
+///
+/// # Errors
+/// When something does not load.
+pub fn prepare(plan: &Plan, run: &Run) -> Result<Prepared, RunError> {
+    let load = |reason| RunError::Load { id: run.id.clone(), reason: Box::new(reason) };
+    let refuse = |reason: String| RunError::Setup { id: run.id.clone(), reason };
+    let overrides = run.setup.overrides().map_err(refuse)?;
+    let map = scene_loader::map(run.setup.map(), &overrides).map_err(load)?;
+    let mut robot = scene_loader::robot(run.setup.robot(), &overrides).map_err(load)?;
+    scene_loader::check_used(&overrides).map_err(load)?;
+    robot.set_drive_model(run.drive_model);
+    let seed = plan.seed.wrapping_mul(1000).wrapping_add(u64::from(run.sample));
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let Tolerances { position, yaw, .. } = plan.tolerances;
+    let off = scene::pose([draw.within(position), draw.within(position), 0.0], [0.0, 0.0, draw.within(yaw)]);
+    draw.vary(&mut robot, plan.tolerances);
+    let start = start(&run.setup, &map) * off;
+    let (position, rotation) = scene::position_and_rotation(&start);
+    let text = |vector: [f64; 3]| vector.map(|number| format!("{number:.7}")).join(",");
+    let (class, location, rotation) = (&robot.class, text(position), text(rotation));
+    let init = format!("INIT {{ClassName USARBot.{class}}} {{Location {location}}} {{Rotation {rotation}}}");
+    let options = Options { seed, time_step: plan.time_step, ..Options::default() };
+    let robots = [(robot.class.clone(), robot)].into();
+    Ok(Prepared { world: WorldDef { map, robots }, options, init, lines: run.setup.lines() })
+}
+
+/// The place that the setup gives, or the map's first start.
+fn start(setup: &Setup, map: &MapDef) -> Pose {
+    let first = map.starts.first().map(|start| (start.position, start.rotation)).unwrap_or_default();
+    let rotation = setup.rotation.or(setup.position.map(|_| [0.0; 3])).unwrap_or(first.1);
+    scene::pose(setup.position.unwrap_or(first.0), rotation)
+}
+
+/// Where the numbers of a sample come from, in a fixed order.
+struct Draw(ChaCha8Rng);
+
+impl Draw {
+    /// Evenly from minus to plus the half width.
+    fn within(&mut self, half_width: f64) -> f64 {
+        (2.0 * self.0.random::<f64>() - 1.0) * half_width
+    }
+
+    fn vary(&mut self, robot: &mut RobotDef, tolerances: Tolerances) {
+        for wheel in &mut robot.wheels {
+            let (phase, friction) = (self.within(tolerances.wheel_phase), 1.0 + self.within(tolerances.friction));
+            match &mut wheel.rollers {
+                Some(rollers) => {
+                    rollers.first_roller += phase;
+                    rollers.material.friction *= friction;
+                }
+                None => wheel.material.friction *= friction,
+            }
+        }
+        let mass = 1.0 + self.within(tolerances.mass);
+        for part in &mut robot.parts {
+            part.mass *= mass;
+            part.inertia *= mass;
+        }
+    }
+}
+
+/// Makes a run in this process, as fast as it goes, and logs it if a file is given.
+///
+/// # Errors
+/// When something does not load, the robot has no ground truth at 10 Hz, or the log cannot be written.
+pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunError> {
+    let Prepared { world, options, init, lines } = prepare(plan, run)?;
+    let refuse = |reason: &str| RunError::Setup { id: run.id.clone(), reason: reason.to_owned() };
+    let log = log.map(|path| LogWriter::create(path, &world, options, &run.metadata(options.seed))).transpose()?;
+    let mut stage = Stage { world: World::new(world, options), controller: Controller::default(), log, states: 0 };
+    stage.greet()?;
+    let problems = stage.send(&init)?;
+    let Some(&robot) = stage.controller.robots().last() else { return Err(refuse(&told(&problems))) };
+
+    let mut poses = Vec::new();
+    let mut lines = lines.into_iter().peekable();
+    let wanted = run.setup.steps() as usize + 1;
+    let every = (run.setup.interval() / READING_INTERVAL).round().max(1.0) as u32;
+    let patience = plan.settling + 2.0 * READING_INTERVAL;
+    let (mut began, mut readings, mut turned, mut before) = (None, 0, 0.0, Vec::new());
+    loop {
+        let reading = stage.step()?;
+        let time = stage.world.time();
+        let Some((body, wheels)) = stage.world.state(robot) else { return Err(refuse("the robot is gone")) };
+        let angles: Vec<f64> = wheels.iter().map(|wheel| wheel.angle).collect();
+        if began.is_none() && reading && time >= plan.settling - 1e-9 {
+            began = Some(time);
+            before.clone_from(&angles);
+        }
+        let Some(start) = began else {
+            if time > patience {
+                return Err(refuse("no ground truth at 10 Hz: expected a robot that has the sensor"));
+            }
+            continue;
+        };
+        turned += angles.iter().zip(&before).map(|(now, before)| (now - before).abs()).sum::<f64>();
+        before = angles;
+        if reading {
+            if readings % every == 0 {
+                poses.push(body.pose);
+            }
+            readings += 1;
+        }
+        if poses.len() == wanted {
+            break;
+        }
+        while let Some((_, line)) = lines.next_if(|(at, _)| time - start >= at - 1e-9) {
+            let problems = stage.send(&line)?;
+            if !problems.is_empty() {
+                return Err(refuse(&format!("{line}: {}", told(&problems))));
+            }
+        }
+    }
+    let (digest, seconds) = (stage.world.digest(), stage.world.time());
+    if let Some(log) = stage.log {
+        log.finish(End { time: seconds, digest, dropped: 0 })?;
+    }
+    let steps = poses.windows(2).map(|pair| step(&run.setup, &poses[0], &pair[0], &pair[1])).collect();
+    Ok(Outcome {
+        id: run.id.clone(),
+        labels: run.labels.clone(),
+        seed: options.seed,
+        steps,
+        wheels_turned: turned / before.len().max(1) as f64,
+        digest: format!("{digest:016x}"),
+        seconds,
+    })
+}
+
+fn told(problems: &[Problem]) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+/// The way between two poses in the frame of the first.
+pub(crate) fn step(setup: &Setup, start: &Pose, from: &Pose, to: &Pose) -> Step {
+    let way = start.rotation.inverse() * (to.translation.vector - from.translation.vector);
+    // The wire's y and yaw are to the right.
+    let (forward, left) = (way.x, -way.y);
+    let along = |[f, l]: [f64; 2]| forward * f + left * l;
+    let (_, _, clockwise) = (from.rotation.inverse() * to.rotation).euler_angles();
+    let (main, error) = (setup.main.unwrap_or([1.0, 0.0]), setup.error.unwrap_or([0.0, 1.0]));
+    Step { main: along(main), error: along(error), yaw: -clockwise }
+}
+
+impl Run {
+    fn metadata(&self, seed: u64) -> Vec<(String, String)> {
+        let run = ("run".to_owned(), self.id.clone());
+        let set = ("set".to_owned(), self.setup.set.join(" "));
+        [run, set, ("sample_seed".to_owned(), seed.to_string())].into_iter().chain(self.labels.clone()).collect()
+    }
+}
+
+/// The world with its log and its only client.
+struct Stage {
+    world: World,
+    controller: Controller,
+    log: Option<LogWriter>,
+    states: u64,
+}
+
+impl Stage {
+    fn greet(&mut self) -> Result<(), RecordError> {
+        let greeting = self.world.greeting();
+        self.record_out(&greeting)
+    }
+
+    /// Sends a line; what is wrong with it comes back.
+    fn send(&mut self, text: &str) -> Result<Vec<Problem>, RecordError> {
+        if let Some(log) = &mut self.log {
+            log.write(self.world.time(), &Record::In(WireLine { connection: 1, line: text.to_owned() }))?;
+        }
+        let mut problems = Vec::new();
+        let answers = self.controller.execute(text, &mut self.world, &mut problems);
+        answers.iter().try_for_each(|answer| self.record_out(answer))?;
+        Ok(problems)
+    }
+
+    /// One time step; whether a ground truth reading came.
+    fn step(&mut self) -> Result<bool, RecordError> {
+        let mut reading = false;
+        for (_, message) in self.world.step() {
+            reading |= matches!(&message, Message::Sen(sen) if matches!(sen.reading, Reading::GroundTruth(_)));
+            self.record_out(&message)?;
+        }
+        let due = (self.world.time() / STATE_INTERVAL + 1e-6) as u64;
+        if due > self.states {
+            self.states = due;
+            self.record_state()?;
+        }
+        Ok(reading)
+    }
+
+    fn record_state(&mut self) -> Result<(), RecordError> {
+        let (Some(log), time) = (&mut self.log, self.world.time()) else { return Ok(()) };
+        for (id, class, name) in self.world.robots() {
+            if let Some((body, wheels)) = self.world.state(id) {
+                log.write(time, &Record::State(RobotState::new(id, class, name, &body, &wheels)))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn record_out(&mut self, message: &Message) -> Result<(), RecordError> {
+        match &mut self.log {
+            Some(log) => log.write(self.world.time(), &Record::Out(WireLine { connection: 1, line: message.write() })),
+            None => Ok(()),
+        }
+    }
+}

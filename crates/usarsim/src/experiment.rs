@@ -1,0 +1,168 @@
+//! `usarsim experiment`: the thesis's experiments, or those of a file.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use experiments::batch::{Batch, BatchError};
+use experiments::claim::{Claim, Claims};
+use experiments::plan::Plan;
+use experiments::run::{Outcome, RunError};
+use experiments::{report, thesis};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use sim_core::scene::DriveModel;
+
+use crate::{Failure, exit, print};
+
+/// Subcommands of `experiment`.
+#[derive(clap::Subcommand)]
+pub(crate) enum Command {
+    /// Chapter 7 of the thesis: every experiment, every figure, every claim.
+    Thesis(ThesisArguments),
+    /// One's own experiment from a file.
+    Run(RunArguments),
+}
+
+/// Options of `experiment thesis`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim experiment thesis\n  usarsim experiment thesis --only forward,friction --out quick\n  \
+    usarsim experiment thesis --drive-model analytic --jobs 2 --json\n\nOpen report.html in the folder when it is done. What was \
+    interrupted goes on where it stopped when it is called again. The experiments are the files under experiments/thesis."
+)]
+pub(crate) struct ThesisArguments {
+    /// Only these experiments, by name.
+    #[arg(long, value_delimiter = ',', value_name = "NAME,..")]
+    only: Vec<String>,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Options of `experiment run`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim experiment run my.toml\n  usarsim experiment run my.toml --out results --jobs 1\n\n\
+    What a file holds: docs/experiments.md; examples are under experiments/thesis."
+)]
+pub(crate) struct RunArguments {
+    /// The experiment.
+    #[arg(value_name = "FILE.toml")]
+    file: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(clap::Args)]
+struct Common {
+    /// Folder of the results; by default the experiment's name.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Only with these drive models.
+    #[arg(long, value_delimiter = ',', value_name = "MODEL,..")]
+    drive_model: Vec<DriveModel>,
+    /// Runs at a time; by default as many as there are cores.
+    #[arg(long)]
+    jobs: Option<usize>,
+    /// Print a summary as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(command: &Command) -> Result<(), Failure> {
+    match command {
+        Command::Thesis(arguments) => {
+            let all = thesis::files();
+            let name = |file: &str| file.trim_end_matches(".toml").to_owned();
+            if let Some(unknown) = arguments.only.iter().find(|only| !all.iter().any(|(file, _)| name(file) == **only))
+            {
+                let names: Vec<String> = all.iter().map(|(file, _)| name(file)).collect();
+                let message = format!("unknown experiment `{unknown}`: expected some of {}", names.join(", "));
+                return Err(Failure::new(exit::USAGE, message));
+            }
+            let only = |file: &str| arguments.only.is_empty() || arguments.only.contains(&name(file));
+            let files =
+                all.into_iter().filter(|(file, _)| only(file)).map(|(file, text)| (file.into(), text.to_owned()));
+            let claims: Claims = toml::from_str(thesis::claims())
+                .map_err(|error| Failure::new(exit::FAILURE, format_args!("claims.toml: {error}")))?;
+            conduct(files.collect(), "The thesis, reproduced", "thesis", &claims.claims, &arguments.common)
+        }
+        Command::Run(RunArguments { file, common }) => {
+            let text = std::fs::read_to_string(file)
+                .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{}: {error}", file.display())))?;
+            let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            conduct(vec![(file.clone(), text)], &name, &name, &[], common)
+        }
+    }
+}
+
+fn conduct(
+    files: Vec<(PathBuf, String)>,
+    title: &str,
+    folder: &str,
+    claims: &[Claim],
+    common: &Common,
+) -> Result<(), Failure> {
+    let (mut plans, mut texts) = (Vec::new(), BTreeMap::new());
+    for (file, text) in files {
+        let mut plan = Plan::read(&file, &text).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
+        if !common.drive_model.is_empty() {
+            plan.keep_models(&common.drive_model);
+        }
+        texts.insert(plan.name.clone(), text);
+        plans.push(plan);
+    }
+    let out = common.out.as_deref().unwrap_or(Path::new(folder));
+    let batch = Batch::open(out, &plans, &texts).map_err(failure)?;
+    let total: usize = plans.iter().map(|plan| plan.runs().len()).sum();
+    let jobs = common.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {eta} left, {msg}");
+    let bar = ProgressBar::new(total as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let (start, kept) = (Instant::now(), AtomicUsize::new(0));
+    let done = |outcome: &Outcome, old: bool| {
+        kept.fetch_add(usize::from(old), Ordering::Relaxed);
+        bar.set_message(outcome.id.clone());
+        bar.inc(1);
+    };
+    let outcomes = batch.run(jobs, done).map_err(failure)?;
+    bar.set_message("tables, plots, report");
+    let plots = report::write_all(out, title, &plans, claims, &outcomes).map_err(failure)?;
+    bar.finish_and_clear();
+    let (seconds, kept) = (start.elapsed().as_secs_f64(), kept.into_inner());
+    let report = out.join("report.html");
+    if common.json {
+        let verdicts: Vec<_> = claims
+            .iter()
+            .map(|claim| {
+                let verdict = claim.verdict(&outcomes);
+                let found = |model| claim.found(&outcomes, model);
+                json!({
+                    "line": claim.line, "claim": claim.text, "thesis": claim.number, "unit": claim.unit,
+                    "bodies": found("bodies"), "analytic": found("analytic"), "kinematic": found("kinematic"),
+                    "verdict": verdict.word(), "sentence": claim.sentence(verdict),
+                })
+            })
+            .collect();
+        print(json!({
+            "runs": total, "kept": kept, "seconds": seconds, "plots": plots,
+            "folder": out.display().to_string(), "report": report.display().to_string(), "claims": verdicts,
+        }));
+    } else {
+        print(format_args!(
+            "{total} runs ({kept} of an earlier call), {plots} plots in {seconds:.0} s: open {}",
+            report.display()
+        ));
+    }
+    Ok(())
+}
+
+fn failure(error: BatchError) -> Failure {
+    let code = match &error {
+        BatchError::Folder { .. } | BatchError::Run(RunError::Load { .. } | RunError::Setup { .. }) => {
+            exit::BAD_CONFIGURATION
+        }
+        BatchError::File { .. } | BatchError::Run(RunError::Log(_)) => exit::FAILURE,
+    };
+    Failure::new(code, error)
+}
