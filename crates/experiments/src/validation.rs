@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use gamebots_proto::command::Init;
 use nalgebra::{UnitQuaternion, Vector3};
-use sim_core::scene::{self, DriveModel, MapDef, Material, RobotDef, Shape, Solid, WorldDef};
+use sim_core::scene::{self, DriveModel, MapDef, Material, RobotDef, Shape, Solid, WheelGeometry, WorldDef};
 use sim_core::{BodyState, Options, RobotId, WheelState, World, drive, wheel_spin_inertia};
 
 use crate::course::{MotionError, SETTLING, angles, drive_command, exact_step};
@@ -463,16 +463,19 @@ fn climb(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
 
 fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let mut findings = Vec::new();
-    // A smooth wall carries no weight, so the wheels' grip decides.
+    // A smooth bar as high as the hubs carries no weight. It meets the chassis between the front wheels, which stand out in
+    // front and would be held by the friction of a wall. It pushes back above the ground, which takes load off the front
+    // wheels: they slide first, at F / 4 = grip (m g / 4 - F R / (2 wheel base)).
+    let WheelGeometry { radius, wheel_base, .. } = subject.robot.wheel_geometry();
     let ice = Material { name: "ice".to_owned(), ..Material::default() };
     let wall = Solid {
         name: "wall".to_owned(),
-        shape: Shape::Box { size: [0.2, 20.0, 1.0] },
-        position: [0.6, 0.0, -0.5],
+        shape: Shape::Box { size: [0.2, 0.2, 0.004] },
+        position: [0.6, 0.0, -radius],
         rotation: [0.0; 3],
         material: ice,
     };
-    let load = f64::from(subject.robot.mass()) * 9.81 * subject.robot.wheel_geometry().radius / 4.0;
+    let load = f64::from(subject.robot.mass()) * 9.81 * radius / 4.0;
     // Torque over the grip of the rollers that stand at the ground, and whether the wheels go on turning forward. Held by
     // torque alone the base may wander to a side along the wall, for which two wheels turn on and two back.
     let stalls = |torque: f64| -> Result<(f64, bool), MotionError> {
@@ -487,7 +490,9 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         let (before, wheels) = (turned(&scene), scene.state().1);
         scene.run(2.0);
         let speed = (turned(&scene) - before) / 2.0;
-        Ok((torque / (load * grip(subject, &wheels)[0]), speed < 0.2))
+        let grip = grip(subject, &wheels)[0];
+        let limit = load * grip / (1.0 + 2.0 * grip * radius / wheel_base);
+        Ok((torque / limit, speed < 0.2))
     };
     let (mut low, mut high, mut ratio) = (0.5 * load * friction(subject), load * friction(subject), 0.0);
     while high - low > 0.005 * load {
@@ -497,7 +502,12 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
             (_, false) => high = middle,
         }
     }
-    findings.push(about("most torque that stalls at a wall, of mu m g R / 4 and the rollers' angle", ratio, 1.0, 0.03));
+    findings.push(about(
+        "most torque that stalls at a bar, of mu m g R / 4, the rollers' angle and the load on the front wheels",
+        ratio,
+        1.0,
+        0.03,
+    ));
     // Without motors its weight rolls it down a slope; the energy of height counts.
     let mut scene = Scene::new(&coasting(subject), [0.05, 0.0], Vec::new())?;
     let energy = |scene: &Scene| {
@@ -518,7 +528,8 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     };
     scene.run(1.0);
     let (mut before, mut grown) = (energy(&scene), f64::NEG_INFINITY);
-    let motion = f64::from(subject.robot.mass()) * scene.body().linear.norm_squared() / 2.0;
+    // A robot that is held does not move at all.
+    let motion = (f64::from(subject.robot.mass()) * scene.body().linear.norm_squared() / 2.0).max(1e-3);
     for _ in 0..20 {
         scene.run(0.1);
         let now = energy(&scene);
