@@ -11,6 +11,7 @@ use experiments::run::{self, Outcome, RunError, Step};
 use experiments::{report, thesis};
 use gamebots_proto::message::{Message, Reading, Sen};
 use recorder::Record;
+use sim_core::scene::DriveModel;
 use system_tests::Server;
 
 /// The four moves of the thesis in two samples that differ.
@@ -106,6 +107,20 @@ fn samples_differ_and_a_sample_is_the_same_in_every_setting() {
     assert_ne!(first.init, second.init);
     assert_ne!(first.world.robots, second.world.robots);
     assert_eq!((&first.init, &first.world.robots), (&other_move.init, &other_move.world.robots));
+}
+
+/// It got the robot's own model in their place.
+#[test]
+fn an_experiment_without_the_wanted_models_has_no_runs() {
+    let models = |text: &str, wanted: &[DriveModel]| {
+        let mut plan = plan(text);
+        plan.keep_models(wanted);
+        plan.runs().iter().filter(|run| run.sample == 1).map(|run| run.drive_model).collect::<Vec<_>>()
+    };
+    assert_eq!(models(FILE, &[DriveModel::Bodies]), []);
+    assert_eq!(models(FILE, &[DriveModel::Bodies, DriveModel::Analytic]), [Some(DriveModel::Analytic); 4]);
+    let any = FILE.replace("drive_models = [\"analytic\"]", "");
+    assert_eq!(models(&any, &[DriveModel::Kinematic]), [Some(DriveModel::Kinematic); 4]);
 }
 
 #[track_caller]

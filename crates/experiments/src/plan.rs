@@ -27,6 +27,9 @@ pub struct Plan {
     /// Drive models that run it; none is what the robot's own file says.
     #[serde(default, rename = "drive_models")]
     model_names: Vec<String>,
+    /// The same, or `None` for the robot's own; set by [`Plan::read`].
+    #[serde(skip)]
+    models: Vec<Option<DriveModel>>,
     /// Repetitions of every combination, each with its own [`Tolerances`].
     #[serde(default = "one")]
     pub samples: u32,
@@ -179,6 +182,11 @@ impl Plan {
         let mut plan: Self = toml::from_str(text).map_err(|reason| error(reason.to_string()))?;
         plan.name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         plan.beside(file.parent().unwrap_or(Path::new("")));
+        let models = plan.model_names.iter().map(|name| name.parse().map(Some)).collect::<Result<Vec<_>, _>>();
+        plan.models = models.map_err(error)?;
+        if plan.models.is_empty() {
+            plan.models = vec![None];
+        }
         plan.check().map_err(error)?;
         Ok(plan)
     }
@@ -198,10 +206,9 @@ impl Plan {
             };
             combinations = combinations.iter().flat_map(vary).collect();
         }
-        let models = self.models();
         let mut runs = Vec::new();
         for (setup, labels) in &combinations {
-            for &drive_model in &models {
+            for &drive_model in &self.models {
                 for sample in 1..=self.samples {
                     let mut labels = labels.clone();
                     let model = drive_model.map_or("own", DriveModel::name);
@@ -217,17 +224,11 @@ impl Plan {
         runs
     }
 
-    /// Keeps only these models.
+    /// Keeps only these models, in their order; one that names none gets them all. What has none of them has no runs.
     pub fn keep_models(&mut self, models: &[DriveModel]) {
-        let kept = models.iter().filter(|model| self.model_names.is_empty() || self.models().contains(&Some(**model)));
-        self.model_names = kept.map(|model| model.name().to_owned()).collect();
-    }
-
-    fn models(&self) -> Vec<Option<DriveModel>> {
-        if self.model_names.is_empty() {
-            return vec![None];
-        }
-        self.model_names.iter().map(|name| name.parse().ok()).collect()
+        let any = self.models == [None];
+        let kept = models.iter().map(|&model| Some(model)).filter(|model| any || self.models.contains(model));
+        self.models = kept.collect();
     }
 
     fn beside(&mut self, folder: &Path) {
@@ -245,7 +246,6 @@ impl Plan {
             let message = || format!("`{what}` is {value}: expected {least} to {most}");
             (least..=most).contains(&value).then_some(()).ok_or_else(message)
         };
-        self.model_names.iter().try_for_each(|name| name.parse::<DriveModel>().map(drop))?;
         within("samples", f64::from(self.samples), 1.0, 10_000.0)?;
         within("time_step", self.time_step, 1e-4, 0.02)?;
         within("settling", self.settling, 0.1, 60.0)?;
@@ -255,7 +255,7 @@ impl Plan {
         [("friction", friction), ("mass", mass)]
             .into_iter()
             .try_for_each(|(what, value)| within(what, value, 0.0, 0.9))?;
-        let mut count = self.models().len() * self.samples as usize;
+        let mut count = self.models.len() * self.samples as usize;
         for axis in &self.axes {
             axis.check().map_err(|reason| format!("axis `{}`: {reason}", axis.name))?;
             count = count.saturating_mul(axis.setups().len());
