@@ -6,7 +6,7 @@ use gamebots_proto::Problem;
 use gamebots_proto::message::{Message, Reading};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use recorder::{End, LogWriter, Record, RecordError, RobotState, STATE_INTERVAL, WireLine};
+use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
 use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
 use sim_core::scene::{self, MapDef, Pose, RobotDef, WorldDef};
@@ -160,7 +160,8 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let Prepared { world, options, init, lines } = prepare(plan, run)?;
     let refuse = |reason: &str| RunError::Setup { id: run.id.clone(), reason: reason.to_owned() };
     let log = log.map(|path| LogWriter::create(path, &world, options, &run.metadata(options.seed))).transpose()?;
-    let mut stage = Stage { world: World::new(world, options), controller: Controller::default(), log, states: 0 };
+    let (world, controller, states) = (World::new(world, options), Controller::default(), StateTimer::default());
+    let mut stage = Stage { world, controller, log, states };
     stage.greet()?;
     let problems = stage.send(&init)?;
     let Some(&robot) = stage.controller.robots().last() else { return Err(refuse(&told(&problems))) };
@@ -248,7 +249,7 @@ struct Stage {
     world: World,
     controller: Controller,
     log: Option<LogWriter>,
-    states: u64,
+    states: StateTimer,
 }
 
 impl Stage {
@@ -275,22 +276,11 @@ impl Stage {
             reading |= matches!(&message, Message::Sen(sen) if matches!(sen.reading, Reading::GroundTruth(_)));
             self.record_out(&message)?;
         }
-        let due = (self.world.time() / STATE_INTERVAL + 1e-6) as u64;
-        if due > self.states {
-            self.states = due;
-            self.record_state()?;
+        if let Some(log) = &mut self.log {
+            let states = self.states.due(&self.world).into_iter();
+            states.map(Record::State).try_for_each(|state| log.write(self.world.time(), &state))?;
         }
         Ok(reading)
-    }
-
-    fn record_state(&mut self) -> Result<(), RecordError> {
-        let (Some(log), time) = (&mut self.log, self.world.time()) else { return Ok(()) };
-        for (id, class, name) in self.world.robots() {
-            if let Some((body, wheels)) = self.world.state(id) {
-                log.write(time, &Record::State(RobotState::new(id, class, name, &body, &wheels)))?;
-            }
-        }
-        Ok(())
     }
 
     fn record_out(&mut self, message: &Message) -> Result<(), RecordError> {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use gamebots_proto::Problem;
 use gamebots_proto::message::Message;
-use recorder::{LogWriter, Record, Recorder, RobotState, STATE_INTERVAL, WireLine};
+use recorder::{LogWriter, Record, Recorder, StateTimer, WireLine};
 use sim_core::{RobotId, World};
 use tokio::sync::mpsc::Receiver;
 use tokio::sync::mpsc::error::TryRecvError;
@@ -59,7 +59,7 @@ struct Server {
 impl Server {
     fn run(mut self, mut events: Receiver<Event>, mut pace: Pace) {
         let mut drop_report = Instant::now();
-        let mut states = 0;
+        let mut states = StateTimer::default();
         loop {
             if !self.take_events(&mut events) {
                 if let Some(recorder) = self.recorder.take() {
@@ -85,11 +85,7 @@ impl Server {
                     self.send(owner, &message);
                 }
             }
-            let due = (self.world.time() / STATE_INTERVAL + 1e-6) as u64;
-            if due > states {
-                states = due;
-                self.record_states();
-            }
+            self.record_states(&mut states);
         }
     }
 
@@ -144,13 +140,10 @@ impl Server {
         }
     }
 
-    fn record_states(&mut self) {
+    fn record_states(&mut self, timer: &mut StateTimer) {
         let Some(recorder) = &mut self.recorder else { return };
-        for (id, class, name) in self.world.robots() {
-            if let Some((body, wheels)) = self.world.state(id) {
-                recorder.record(self.world.time(), Record::State(RobotState::new(id, class, name, &body, &wheels)));
-            }
-        }
+        let time = self.world.time();
+        timer.due(&self.world).into_iter().for_each(|state| recorder.record(time, Record::State(state)));
     }
 
     fn record(&mut self, record: impl FnOnce() -> Record) {

@@ -22,10 +22,10 @@ pub use replay::{Replay, ReplayError, replay};
 pub use writer::{LogWriter, RecordError, Recorder};
 
 use serde::{Deserialize, Serialize};
-use sim_core::{BodyState, RobotId, WheelState};
+use sim_core::{RobotId, World};
 
 /// Seconds between two recorded states of the robots.
-pub const STATE_INTERVAL: f64 = 0.02;
+const STATE_INTERVAL: f64 = 0.02;
 /// Name of the metadata that describes a run.
 const RUN: &str = "run";
 /// Name of the metadata that ends a log.
@@ -64,9 +64,10 @@ pub struct RobotState {
 }
 
 impl RobotState {
-    /// The state of a robot as the world gives it.
-    pub fn new(id: RobotId, class: &str, name: &str, body: &BodyState, wheels: &[WheelState]) -> Self {
-        Self {
+    /// The state of a robot (number, class, name) as the world gives it.
+    fn of(world: &World, (id, class, name): (RobotId, &str, &str)) -> Option<Self> {
+        let (body, wheels) = world.state(id)?;
+        Some(Self {
             robot: id.0,
             class: class.to_owned(),
             name: name.to_owned(),
@@ -76,7 +77,25 @@ impl RobotState {
             angular: body.angular.into(),
             wheel_angles: wheels.iter().map(|wheel| wheel.angle).collect(),
             wheel_speeds: wheels.iter().map(|wheel| wheel.speed).collect(),
+        })
+    }
+}
+
+/// Says when the robots' states are to be recorded.
+#[derive(Debug, Default)]
+pub struct StateTimer {
+    taken: u64,
+}
+
+impl StateTimer {
+    /// The states of all robots, when another interval has passed; to be asked after every step.
+    pub fn due(&mut self, world: &World) -> Vec<RobotState> {
+        let passed = (world.time() / STATE_INTERVAL + 1e-6) as u64;
+        if passed <= self.taken {
+            return Vec::new();
         }
+        self.taken = passed;
+        world.robots().filter_map(|robot| RobotState::of(world, robot)).collect()
     }
 }
 

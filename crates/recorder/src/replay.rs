@@ -91,7 +91,5 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
 }
 
 fn now(world: &World, robot: u64) -> Option<RobotState> {
-    let (id, class, name) = world.robots().find(|(id, _, _)| id.0 == robot)?;
-    let (body, wheels) = world.state(id)?;
-    Some(RobotState::new(id, class, name, &body, &wheels))
+    RobotState::of(world, world.robots().find(|(id, _, _)| id.0 == robot)?)
 }
