@@ -12,6 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::plan::{Plan, Run};
+use crate::plot::PlotError;
 use crate::run::{self, Outcome, RunError};
 
 /// A folder of runs.
@@ -42,6 +43,9 @@ pub enum BatchError {
     /// A run cannot be made.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// A plot cannot be written.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
 }
 
 pub(crate) fn refused(file: &Path, reason: impl std::fmt::Display) -> BatchError {
@@ -49,12 +53,11 @@ pub(crate) fn refused(file: &Path, reason: impl std::fmt::Display) -> BatchError
 }
 
 impl<'a> Batch<'a> {
-    /// Opens or makes the folder. `texts` are the experiment files as they were read, by name: a folder keeps them, and takes no
-    /// others of these names.
+    /// Opens or makes the folder. It keeps the text of every plan, and takes no other version of one.
     ///
     /// # Errors
     /// When the folder holds other things or runs of another experiment; nothing is changed then.
-    pub fn open(folder: &'a Path, plans: &'a [Plan], texts: &BTreeMap<String, String>) -> Result<Self, BatchError> {
+    pub fn open(folder: &'a Path, plans: &'a [Plan]) -> Result<Self, BatchError> {
         let foreign = |reason: String| BatchError::Folder { folder: folder.display().to_string(), reason };
         let file = folder.join("experiment.json");
         let known = match std::fs::read_to_string(&file) {
@@ -70,11 +73,12 @@ impl<'a> Batch<'a> {
             }
             Err(error) => return Err(refused(&file, error)),
         };
-        if let Some((name, _)) = texts.iter().find(|&(name, text)| known.get(name).is_some_and(|known| known != text)) {
-            return Err(foreign(format!("it has runs of another version of `{name}`")));
+        let differs = |plan: &&Plan| known.get(&plan.name).is_some_and(|known| *known != plan.text);
+        if let Some(plan) = plans.iter().find(differs) {
+            return Err(foreign(format!("it has runs of another version of `{}`", plan.name)));
         }
         let mut all = known.clone();
-        all.extend(texts.clone());
+        all.extend(plans.iter().map(|plan| (plan.name.clone(), plan.text.clone())));
         if all != known {
             write(&file, serde_json::to_string_pretty(&all).unwrap_or_default().as_bytes())?;
         }

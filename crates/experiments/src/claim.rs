@@ -152,7 +152,7 @@ impl Measure {
         let mut wanted = self.only.clone();
         wanted.extend(instead.clone());
         let fits = |outcome: &&Outcome| {
-            outcome.id.split('/').next() == Some(&self.experiment)
+            outcome.experiment() == self.experiment
                 && outcome.label("model") == Some(model)
                 && wanted.iter().all(|(name, value)| outcome.label(name) == Some(value))
         };

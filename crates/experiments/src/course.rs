@@ -67,8 +67,13 @@ pub enum MotionError {
     #[error("robot `{0}`: expected one with four Mecanum wheels with rollers")]
     NotOmni(String),
     /// The world takes no more robots, or not this one.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    #[error("{}", told(.0))]
     Refused(Vec<Problem>),
+}
+
+/// Problems in one line.
+pub(crate) fn told(problems: &[Problem]) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// Robots that drive side by side, ready to be measured.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use scene_loader::Override;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use sim_core::scene::DriveModel;
 
 use crate::plot::Plot;
@@ -22,6 +22,9 @@ pub struct Plan {
     /// Name of the file without its ending; set by [`Plan::read`].
     #[serde(skip)]
     pub name: String,
+    /// The file as it was read; set by [`Plan::read`].
+    #[serde(skip)]
+    pub text: String,
     /// What is asked, in a sentence.
     pub description: String,
     /// Drive models that run it; none is what the robot's own file says.
@@ -70,7 +73,7 @@ fn settling() -> f64 {
 
 /// Half widths of the even distributions that the samples are drawn from. Sample `n` has the same draw in every combination, so
 /// that combinations differ by what is varied alone.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerances {
     /// Start position in the plane, m.
@@ -181,6 +184,7 @@ impl Plan {
             |reason: String| PlanError { file: file.display().to_string(), reason: reason.trim_end().to_owned() };
         let mut plan: Self = toml::from_str(text).map_err(|reason| error(reason.to_string()))?;
         plan.name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        text.clone_into(&mut plan.text);
         plan.beside(file.parent().unwrap_or(Path::new("")));
         let models = plan.model_names.iter().map(|name| name.parse().map(Some)).collect::<Result<Vec<_>, _>>();
         plan.models = models.map_err(error)?;

@@ -7,7 +7,6 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use crate::batch::{BatchError, refused, write};
 use crate::claim::Claim;
 use crate::plan::Plan;
-use crate::plot::PlotError;
 use crate::run::Outcome;
 use crate::table;
 
@@ -44,10 +43,9 @@ pub fn write_all(
     std::fs::create_dir_all(&plots).map_err(|error| refused(&plots, error))?;
     let mut figures = Vec::new();
     for plan in plans {
-        let own = format!("{}/", plan.name);
-        let own: Vec<Outcome> = outcomes.iter().filter(|outcome| outcome.id.starts_with(&own)).cloned().collect();
+        let own: Vec<Outcome> = outcomes.iter().filter(|it| it.experiment() == plan.name).cloned().collect();
         for plot in &plan.plots {
-            if plot.draw(&own, &plots).map_err(of_plot)? {
+            if plot.draw(&own, &plots)? {
                 let file = plots.join(format!("{}.svg", plot.name));
                 let svg = std::fs::read_to_string(&file).map_err(|error| refused(&file, error))?;
                 figures.push((plot.name.clone(), plot.title.clone(), svg));
@@ -59,10 +57,6 @@ pub fn write_all(
     let page = page(title, plans, claims, outcomes, &figures).into_string();
     write(&folder.join("report.html"), page.as_bytes())?;
     Ok(figures.len())
-}
-
-fn of_plot(error: PlotError) -> BatchError {
-    BatchError::File { file: "plots".to_owned(), reason: error.to_string() }
 }
 
 /// What a figure is sorted by: chapter, then number.
@@ -102,7 +96,7 @@ fn page(
                 }
                 div.figures {
                     @for (name, title, svg) in figures {
-                        figure id=(name) aria-label=(title) { (PreEscaped(inline(svg))) }
+                        figure id=(name) aria-label=(title) { (PreEscaped(svg)) }
                     }
                 }
                 h2 { "Experiments" }
@@ -182,10 +176,4 @@ fn differences(plan: &Plan) -> String {
     ];
     let parts: Vec<String> = parts.into_iter().filter(|(size, _)| *size > 0.0).map(|(_, text)| text).collect();
     if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") }
-}
-
-/// An SVG file as a part of a page: without its XML head, and with a size that the page chooses.
-fn inline(svg: &str) -> String {
-    let start = svg.find("<svg").unwrap_or(0);
-    svg[start..].to_owned()
 }

@@ -12,10 +12,11 @@ use serde::{Deserialize, Serialize};
 use sim_core::scene::{self, MapDef, Pose, RobotDef, WorldDef};
 use sim_core::{Controller, Options, World};
 
+use crate::course::told;
 use crate::plan::{Plan, Run, Setup, Tolerances};
 
 /// Seconds between two ground truth readings, of which the first of every so many is a measured pose (thesis 7.2).
-pub const READING_INTERVAL: f64 = 0.1;
+const READING_INTERVAL: f64 = 0.1;
 
 /// What one step was: from one measured pose to the next, in the frame of the robot at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -48,6 +49,11 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Name of the experiment.
+    pub fn experiment(&self) -> &str {
+        self.id.split('/').next().unwrap_or_default()
+    }
+
     /// The value of a label.
     pub fn label(&self, name: &str) -> Option<&str> {
         self.labels.iter().find(|(label, _)| label == name).map(|(_, value)| value.as_str())
@@ -221,12 +227,8 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     })
 }
 
-fn told(problems: &[Problem]) -> String {
-    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
-}
-
 /// The way between two poses in the frame of the first.
-pub(crate) fn step(setup: &Setup, start: &Pose, from: &Pose, to: &Pose) -> Step {
+fn step(setup: &Setup, start: &Pose, from: &Pose, to: &Pose) -> Step {
     let way = start.rotation.inverse() * (to.translation.vector - from.translation.vector);
     // The wire's y and yaw are to the right.
     let (forward, left) = (way.x, -way.y);

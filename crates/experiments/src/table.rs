@@ -41,10 +41,10 @@ pub fn summary(outcomes: &[Outcome]) -> String {
     for group in outcomes.chunk_by(same) {
         let Some(first) = group.first() else { continue };
         let of = |quantity: Quantity| mean_and_deviation(group.iter().map(|outcome| quantity.of(outcome, usize::MAX)));
-        let experiment = first.id.split('/').next().unwrap_or_default();
         let _ = write!(
             table,
-            "{experiment},{},{},{}",
+            "{},{},{},{}",
+            first.experiment(),
             setting(first),
             first.label("model").unwrap_or_default(),
             group.len()
@@ -60,8 +60,7 @@ pub fn summary(outcomes: &[Outcome]) -> String {
 
 /// Everything of a run but its sample.
 fn key(outcome: &Outcome) -> (&str, Vec<&(String, String)>) {
-    let plan = outcome.id.split('/').next().unwrap_or_default();
-    (plan, outcome.labels.iter().filter(|(name, _)| name != "sample").collect())
+    (outcome.experiment(), outcome.labels.iter().filter(|(name, _)| name != "sample").collect())
 }
 
 /// `move=forward map=rough`: the values of the axes.

@@ -77,8 +77,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         wall += start.elapsed().as_secs_f64();
         simulated += seconds;
         digest = digest.rotate_left(1) ^ course.digest();
-        for Moment { time, phase, height } in course.moments() {
-            trace += &format!("{},{time:.4},{phase:.6},{height:.8}\n", motion.name());
+        if arguments.trace.is_some() {
+            for Moment { time, phase, height } in course.moments() {
+                trace += &format!("{},{time:.4},{phase:.6},{height:.8}\n", motion.name());
+            }
         }
         let travel = course.travel().ok_or_else(|| Failure::new(exit::FAILURE, "the robots are gone"))?;
         worst = worst.max((travel.ratio - 1.0).abs());

@@ -1,6 +1,5 @@
 //! `usarsim experiment`: the thesis's experiments, or those of a file.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -104,17 +103,16 @@ fn conduct(
     claims: &[Claim],
     common: &Common,
 ) -> Result<(), Failure> {
-    let (mut plans, mut texts) = (Vec::new(), BTreeMap::new());
+    let mut plans = Vec::new();
     for (file, text) in files {
         let mut plan = Plan::read(&file, &text).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
         if !common.drive_model.is_empty() {
             plan.keep_models(&common.drive_model);
         }
-        texts.insert(plan.name.clone(), text);
         plans.push(plan);
     }
     let out = common.out.as_deref().unwrap_or(Path::new(folder));
-    let batch = Batch::open(out, &plans, &texts).map_err(failure)?;
+    let batch = Batch::open(out, &plans).map_err(failure)?;
     let total: usize = plans.iter().map(|plan| plan.runs().len()).sum();
     let jobs = common.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {eta} left, {msg}");
@@ -162,7 +160,7 @@ fn failure(error: BatchError) -> Failure {
         BatchError::Folder { .. } | BatchError::Run(RunError::Load { .. } | RunError::Setup { .. }) => {
             exit::BAD_CONFIGURATION
         }
-        BatchError::File { .. } | BatchError::Run(RunError::Log(_)) => exit::FAILURE,
+        BatchError::File { .. } | BatchError::Plot(_) | BatchError::Run(RunError::Log(_)) => exit::FAILURE,
     };
     Failure::new(code, error)
 }
