@@ -20,6 +20,7 @@ pub(crate) use mass::total_mass;
 pub use mass::wheel_spin_inertia;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
+pub use shape::hull_surface;
 
 use crate::scene::{MapDef, Material, Object, Pose};
 
@@ -46,6 +47,8 @@ pub struct WheelState {
 /// The bodies of the world and the engine that moves them.
 pub(crate) struct Physics {
     world: PhysicsWorld,
+    /// The bodies of the map's objects, in its order.
+    objects: Vec<RigidBodyHandle>,
 }
 
 impl Physics {
@@ -70,6 +73,7 @@ impl Physics {
             let collider = shape::collider(&solid.shape, &solid.pose(), &solid.material);
             world.insert_collider(collider, Some(ground));
         }
+        let mut objects = Vec::new();
         for Object { solid, mass } in &map.objects {
             let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose())).can_sleep(false);
             let material = &solid.material;
@@ -78,15 +82,21 @@ impl Physics {
             let body = world.insert_body(body);
             let collider = shape::collider(&solid.shape, &Pose::identity(), &solid.material).mass(*mass as Real);
             world.insert_collider(collider, Some(body));
+            objects.push(body);
         }
         // The colliders enter the query structure with the first step; of nothing, it moves nothing.
         world.step();
-        Self { world }
+        Self { world, objects }
     }
 
     /// Advances by one time step.
     pub(crate) fn step(&mut self) {
         self.world.step();
+    }
+
+    /// Where the map's objects are, in its order.
+    pub(crate) fn objects(&self) -> impl Iterator<Item = Pose> {
+        self.objects.iter().map(|&object| convert::from_pose(self.world.bodies[object].position()))
     }
 
     /// Mixes the state of every body into a digest, in the order that they were made.

@@ -4,6 +4,7 @@
 //! with the same bits.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -333,6 +334,13 @@ pub struct Wheel {
     pub rollers: Option<Rollers>,
 }
 
+impl Wheel {
+    /// Pose of the wheel in the robot frame after it turned forward by an angle in radians.
+    pub fn pose(&self, angle: f64) -> Pose {
+        pose(self.position, [0.0, -angle, 0.0])
+    }
+}
+
 /// A velocity servo: torque = gain x (target - actual), limited.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Motor {
@@ -373,6 +381,27 @@ pub struct Rollers {
 }
 
 impl Rollers {
+    /// Pose of a roller in the frame of its wheel, its axis along x. Roller k sits at the angle `first + k 2 pi / count`
+    /// from the front downward; its axis leans by the roller angle from the wheel's axis toward the direction of turning
+    /// (thesis Appendix A, lines 741 to 762).
+    pub fn pose(&self, index: u32) -> Pose {
+        let (sin_angle, cos_angle) = self.angle.abs().sin_cos();
+        let (sin, cos) = (self.first_roller + TAU * f64::from(index) / f64::from(self.count)).sin_cos();
+        let centre = Vector3::new(cos, 0.0, sin) * self.axis_circle;
+        let tangent = Vector3::new(-sin, 0.0, cos);
+        let axis = tangent * sin_angle - Vector3::y() * cos_angle * self.angle.signum();
+        let turn = UnitQuaternion::rotation_between(&Vector3::x(), &axis);
+        Pose::from_parts(centre.into(), turn.unwrap_or_default())
+    }
+
+    /// Radius of a roller where it touches at a phase of the contact, m; at the place [`half_length_at`] that phase.
+    ///
+    /// [`half_length_at`]: Self::half_length_at
+    pub fn radius_at(&self, phase: f64, wheel_radius: f64) -> f64 {
+        let cos_angle = self.angle.abs().cos();
+        (wheel_radius * phase.cos() - self.axis_circle) * (1.0 + (cos_angle * phase.tan()).powi(2)).sqrt()
+    }
+
     /// Half the length of a roller along its axis, m, that ends at a phase (Gfrerrer, "Geometry and kinematics of the
     /// Mecanum wheel").
     pub fn half_length_at(&self, phase: f64, wheel_radius: f64) -> f64 {
@@ -414,6 +443,13 @@ pub struct WorldDef {
     pub robots: BTreeMap<String, RobotDef>,
 }
 
+impl WorldDef {
+    /// A sensor of a class by its name on the wire.
+    pub fn sensor(&self, class: &str, name: &str) -> Option<&SensorDef> {
+        self.robots.get(class)?.sensors.iter().find(|sensor| sensor.name == name)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -434,5 +470,41 @@ mod tests {
         let (position, rotation) = position_and_rotation(&pose([1.0, 2.0, 3.0], [0.1, -0.2, 2.5]));
         assert!(position.iter().zip([1.0, 2.0, 3.0]).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-12));
         assert!(rotation.iter().zip([0.1, -0.2, 2.5]).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-12));
+    }
+
+    /// Places and axes of the six rollers of either handedness, worked out from the thesis's Appendix A by the rules
+    /// of Unreal's rotators. Its ring has a radius of 0.0475 m.
+    #[test]
+    fn rollers_sit_and_point_as_in_the_thesis() {
+        let material = Material::default();
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let table = [
+            ([0.0475, 0.0], [0.0, -half, half]),
+            ([0.02375, 0.04114], [-0.6124, -half, 0.3536]),
+            ([-0.02375, 0.04114], [-0.6124, -half, -0.3536]),
+            ([-0.0475, 0.0], [0.0, -half, -half]),
+            ([-0.02375, -0.04114], [0.6124, -half, -0.3536]),
+            ([0.02375, -0.04114], [0.6124, -half, 0.3536]),
+        ];
+        for sign in [1.0, -1.0] {
+            let angle = sign * std::f64::consts::FRAC_PI_4;
+            let material = material.clone();
+            let rollers = Rollers {
+                count: 6,
+                axis_circle: 0.0475,
+                angle,
+                first_roller: 0.0,
+                last_phase: std::f64::consts::PI / 6.0,
+                mass: 0.1,
+                damping: 0.0,
+                material,
+            };
+            for (index, ([x, z], axis)) in (0..).zip(table) {
+                let pose = rollers.pose(index);
+                let place = pose.translation.vector - Vector3::new(x, 0.0, z);
+                let direction = pose.rotation * Vector3::x() - Vector3::new(axis[0], sign * axis[1], axis[2]);
+                assert!(place.norm() < 1e-4 && direction.norm() < 1e-3, "roller {index}, {sign}: {pose}");
+            }
+        }
     }
 }

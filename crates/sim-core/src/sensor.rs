@@ -12,6 +12,8 @@ mod range_scanner;
 mod sonar;
 mod tachometer;
 
+pub use range_scanner::Fan;
+
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Reading};
 use nalgebra::{Point3, Vector3};
@@ -144,6 +146,16 @@ pub(crate) fn floats(vector: [f64; 3]) -> [f32; 3] {
 }
 
 impl Config {
+    /// The beams of a laser; `None` for every other sensor.
+    pub fn fan(&self) -> Option<Fan> {
+        match self {
+            Self::RangeScanner(config) => Some(config.fan()),
+            Self::Sick(config) => Some(config.fan()),
+            Self::HokuyoUrg04Lx(config) => Some(config.fan()),
+            _ => None,
+        }
+    }
+
     /// Checks the numbers.
     ///
     /// # Errors

@@ -177,6 +177,11 @@ impl World {
         Some((self.physics.body(robot.bodies()), robot.bodies().wheels()))
     }
 
+    /// Where the map's objects are, in its order.
+    pub fn objects(&self) -> impl Iterator<Item = scene::Pose> {
+        self.physics.objects()
+    }
+
     /// A number that two worlds share only if every body has the same bits in the same step.
     pub fn digest(&self) -> u64 {
         let mut hash = seed::Fnv::default();

@@ -4,7 +4,6 @@ use nalgebra::{Matrix3, Vector3};
 use rapier3d::glamx::Mat3;
 use rapier3d::prelude::*;
 
-use super::robot::roller_pose;
 use super::{convert, shape};
 use crate::scene::{RobotDef, Wheel};
 
@@ -56,7 +55,7 @@ fn mass_with_rollers(wheel: &Wheel) -> (f64, Matrix3<f64>) {
     let Some(rollers) = &wheel.rollers else { return (wheel.mass, inertia) };
     let own = Matrix3::from_diagonal(&shape::roller_inertia(rollers, wheel.radius).into());
     for index in 0..rollers.count {
-        let pose = roller_pose(rollers, index);
+        let pose = rollers.pose(index);
         let turn = pose.rotation.to_rotation_matrix();
         inertia += turn * own * turn.inverse() + point_inertia(rollers.mass, pose.translation.vector);
     }

@@ -1,9 +1,7 @@
 //! A robot in the engine: one multibody of the chassis, its wheels and their rollers, or one body with
 //! [`super::rigid_base`].
 
-use std::f64::consts::TAU;
-
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Translation3, Vector3};
 use rapier3d::glamx::Pose3;
 use rapier3d::prelude::*;
 
@@ -298,7 +296,7 @@ impl Physics {
         let inertia = convert::vector(shape::roller_inertia(rollers, wheel_radius));
         let mass = MassProperties::new(Vector::ZERO, rollers.mass as Real, inertia);
         for index in 0..rollers.count {
-            let local = roller_pose(rollers, index);
+            let local = rollers.pose(index);
             let body = self.insert_body(&(wheel * local), mass);
             all.push(body);
             let collider = with_material(ColliderBuilder::new(roller_shape.clone()), &rollers.material);
@@ -340,61 +338,6 @@ impl Physics {
         }
         for (&degree_of_freedom, &value) in rollers.iter().zip(roller_damping) {
             damping[degree_of_freedom] = value;
-        }
-    }
-}
-
-/// Pose of a roller in the frame of its wheel, its axis along x. Roller k sits at the angle `first + k 2 pi / count` from
-/// the front downward; its axis leans by the roller angle from the wheel's axis toward the direction of turning (thesis
-/// Appendix A, lines 741 to 762).
-pub(super) fn roller_pose(rollers: &Rollers, index: u32) -> Pose {
-    let (sin_angle, cos_angle) = rollers.angle.abs().sin_cos();
-    let (sin, cos) = (rollers.first_roller + TAU * f64::from(index) / f64::from(rollers.count)).sin_cos();
-    let centre = Vector3::new(cos, 0.0, sin) * rollers.axis_circle;
-    let tangent = Vector3::new(-sin, 0.0, cos);
-    let axis = tangent * sin_angle - Vector3::y() * cos_angle * rollers.angle.signum();
-    let turn = UnitQuaternion::rotation_between(&Vector3::x(), &axis);
-    Pose::from_parts(centre.into(), turn.unwrap_or_default())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::Material;
-
-    /// Places and axes of the six rollers of either handedness, worked out from the thesis's Appendix A by the rules
-    /// of Unreal's rotators. Its ring has a radius of 0.0475 m.
-    #[test]
-    fn rollers_sit_and_point_as_in_the_thesis() {
-        let material = Material::default();
-        let half = std::f64::consts::FRAC_1_SQRT_2;
-        let table = [
-            ([0.0475, 0.0], [0.0, -half, half]),
-            ([0.02375, 0.04114], [-0.6124, -half, 0.3536]),
-            ([-0.02375, 0.04114], [-0.6124, -half, -0.3536]),
-            ([-0.0475, 0.0], [0.0, -half, -half]),
-            ([-0.02375, -0.04114], [0.6124, -half, -0.3536]),
-            ([0.02375, -0.04114], [0.6124, -half, 0.3536]),
-        ];
-        for sign in [1.0, -1.0] {
-            let angle = sign * std::f64::consts::FRAC_PI_4;
-            let material = material.clone();
-            let rollers = Rollers {
-                count: 6,
-                axis_circle: 0.0475,
-                angle,
-                first_roller: 0.0,
-                last_phase: std::f64::consts::PI / 6.0,
-                mass: 0.1,
-                damping: 0.0,
-                material,
-            };
-            for (index, ([x, z], axis)) in (0..).zip(table) {
-                let pose = roller_pose(&rollers, index);
-                let place = pose.translation.vector - Vector3::new(x, 0.0, z);
-                let direction = pose.rotation * Vector3::x() - Vector3::new(axis[0], sign * axis[1], axis[2]);
-                assert!(place.norm() < 1e-4 && direction.norm() < 1e-3, "roller {index}, {sign}: {pose}");
-            }
         }
     }
 }

@@ -40,6 +40,14 @@ fn shared_shape(shape: &scene::Shape) -> SharedShape {
     }
 }
 
+/// The surface of a convex hull as a mesh, for those who draw it. `None` for points in one plane.
+pub fn hull_surface(corners: &[[f64; 3]]) -> Option<scene::Shape> {
+    let points: Vec<Vector> = corners.iter().map(|&point| convert::vector(point)).collect();
+    let (vertices, triangles) = rapier3d::parry::transformation::try_convex_hull(&points).ok()?;
+    let vertices = vertices.iter().map(|vertex| vertex.to_array().map(f64::from)).collect();
+    Some(scene::Shape::Mesh { vertices, triangles })
+}
+
 /// The engine's cylinders stand along y.
 fn cylinder(radius: f64, length: f64, rotation: Quat) -> SharedShape {
     let cylinder = SharedShape::cylinder((length / 2.0) as Real, radius as Real);
@@ -74,11 +82,7 @@ struct Profile<'a> {
 impl Profile<'_> {
     /// Place on the axis and radius of the outline at a phase of the contact.
     fn at(&self, phase: f64) -> (f64, f64) {
-        let along = self.rollers.half_length_at(phase, self.wheel_radius);
-        let cos_angle = self.rollers.angle.abs().cos();
-        let radius = (self.wheel_radius * phase.cos() - self.rollers.axis_circle)
-            * (1.0 + (cos_angle * phase.tan()).powi(2)).sqrt();
-        (along, radius)
+        (self.rollers.half_length_at(phase, self.wheel_radius), self.rollers.radius_at(phase, self.wheel_radius))
     }
 
     /// Moments of inertia about the axis and across it for a mass of 1, m², by summing thin discs.

@@ -9,7 +9,6 @@ use rapier3d::prelude::*;
 
 use super::contact::{Touch, distance, touch_part};
 use super::convert;
-use super::robot::roller_pose;
 use super::roller::RollerShape;
 use crate::scene::{Pose, Rollers};
 
@@ -62,7 +61,7 @@ impl RollerRing {
             reach: wheel_radius.hypot(half_width),
             last_phase: rollers.last_phase,
             first_roller: rollers.first_roller,
-            rollers: (0..rollers.count).map(|index| roller_pose(rollers, index)).collect(),
+            rollers: (0..rollers.count).map(|index| rollers.pose(index)).collect(),
         }
     }
 

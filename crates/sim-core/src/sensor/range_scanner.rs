@@ -14,6 +14,21 @@ use serde::{Deserialize, Serialize};
 use super::{Effect, Mount, Sensor, View};
 use crate::scene::Pose;
 
+/// The beams of a laser.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fan {
+    /// Angle of the first beam, to the right positive, rad.
+    pub first: f64,
+    /// How far each beam is to the left of the one before, rad.
+    pub resolution: f64,
+    /// Smallest range, m.
+    pub min_range: f64,
+    /// What a miss reads, m.
+    pub max_range: f64,
+    /// Whether all beams are in the sensor's plane of x and y.
+    pub level: bool,
+}
+
 macro_rules! scanner {
     ($(#[$doc:meta])* $name:ident { max_range: $max:literal, field_of_view: $fov:literal, resolution: $resolution:literal }) => {
         $(#[$doc])*
@@ -60,6 +75,14 @@ macro_rules! scanner {
                 } else {
                     Err("max_range 0 to 10000 m, field_of_view 0 to 2 pi, resolution more than 0 and at most 10000 beams")
                 }
+            }
+
+            /// The fan as it is cast.
+            pub(super) fn fan(&self) -> Fan {
+                let [first, resolution] = [rotation_units(self.field_of_view) / 2, rotation_units(self.resolution).max(1)]
+                    .map(|units| f64::from(radians(units)));
+                let (min_range, max_range) = (self.min_range, self.max_range);
+                Fan { first, resolution, min_range, max_range, level: self.yaw && !self.pitch }
             }
 
             pub(super) fn build(&self, mount: Mount) -> Mounted {
