@@ -222,11 +222,11 @@ fn through_the_socket_the_poses_are_the_same() {
     let came =
         log.entries.iter().find(|entry| matches!(&entry.record, Record::In(line) if line.line.starts_with("DRIVE")));
     let came = came.expect("a DRIVE").time;
-    let states: Vec<(f64, [f64; 3])> = log
+    let states: Vec<(f64, nalgebra::Vector3<f64>)> = log
         .entries
         .iter()
         .filter_map(|entry| match &entry.record {
-            Record::State(state) if entry.time > came + 0.5 => Some((entry.time, state.position)),
+            Record::State(state) if entry.time > came + 0.5 => Some((entry.time, state.pose().translation.vector)),
             _ => None,
         })
         .collect();

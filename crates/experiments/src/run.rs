@@ -262,8 +262,9 @@ impl Stage {
 
     /// Sends a line; what is wrong with it comes back.
     fn send(&mut self, text: &str) -> Result<Vec<Problem>, RecordError> {
+        let line = Record::In(self.line(text.to_owned()));
         if let Some(log) = &mut self.log {
-            log.write(self.world.time(), &Record::In(WireLine { connection: 1, line: text.to_owned() }))?;
+            log.write(self.world.time(), &line)?;
         }
         let mut problems = Vec::new();
         let answers = self.controller.execute(text, &mut self.world, &mut problems);
@@ -279,16 +280,21 @@ impl Stage {
             self.record_out(&message)?;
         }
         if let Some(log) = &mut self.log {
-            let states = self.states.due(&self.world).into_iter();
-            states.map(Record::State).try_for_each(|state| log.write(self.world.time(), &state))?;
+            self.states.due(&self.world).iter().try_for_each(|state| log.write(self.world.time(), state))?;
         }
         Ok(reading)
     }
 
     fn record_out(&mut self, message: &Message) -> Result<(), RecordError> {
-        match &mut self.log {
-            Some(log) => log.write(self.world.time(), &Record::Out(WireLine { connection: 1, line: message.write() })),
-            None => Ok(()),
+        if self.log.is_none() {
+            return Ok(());
         }
+        let line = Record::Out(self.line(message.write()));
+        let time = self.world.time();
+        self.log.as_mut().map_or(Ok(()), |log| log.write(time, &line))
+    }
+
+    fn line(&self, line: String) -> WireLine {
+        WireLine { connection: 1, robot: self.controller.robots().last().map(|robot| robot.0), line }
     }
 }

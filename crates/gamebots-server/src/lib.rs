@@ -42,6 +42,8 @@ pub struct Config {
     pub report_errors: bool,
     /// File of the log.
     pub log: Option<PathBuf>,
+    /// Whether messages of ROS 2 are written as well, to `run.ros2.mcap` beside `run.mcap`.
+    pub ros2_log: bool,
     /// A client that takes nothing for this long is disconnected.
     pub stall_timeout: Duration,
 }
@@ -58,6 +60,7 @@ impl Config {
             max_connections: 64,
             report_errors: false,
             log: None,
+            ros2_log: false,
             stall_timeout: Duration::from_secs(30),
         }
     }

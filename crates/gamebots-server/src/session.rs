@@ -39,9 +39,15 @@ impl Session {
         &self.outbox
     }
 
-    /// Handles one line and returns what it answers.
-    pub(crate) fn handle(&mut self, line: Result<&str, Problem>, world: &mut World, now: Instant) -> Vec<Message> {
+    /// Handles one line and returns what it answers, and what was logged about it.
+    pub(crate) fn handle(
+        &mut self,
+        line: Result<&str, Problem>,
+        world: &mut World,
+        now: Instant,
+    ) -> (Vec<Message>, Vec<String>) {
         self.lines += 1;
+        let mut warnings = Vec::new();
         let mut problems = Vec::new();
         let mut answers = Vec::new();
         let text = match line {
@@ -55,12 +61,12 @@ impl Session {
             }
         };
         for problem in problems {
-            self.warn(text, &problem, now);
+            warnings.extend(self.warn(text, &problem, now));
             if self.report_errors {
                 answers.push(Message::Nfo(Nfo::Error(problem.to_string())));
             }
         }
-        answers
+        (answers, warnings)
     }
 
     /// Removes the newest robot, and lets the client have what still waits for it.
@@ -77,16 +83,18 @@ impl Session {
         }
     }
 
-    fn warn(&mut self, text: &str, problem: &Problem, now: Instant) {
+    /// What is said, if this second has room for it.
+    fn warn(&mut self, text: &str, problem: &Problem, now: Instant) -> Option<String> {
         match self.warnings.spend(now) {
             Spent::Granted { suppressed: 0 } => {}
             Spent::Granted { suppressed } => {
                 warn!(connection = self.id, suppressed, "further problems were not logged")
             }
-            Spent::Refused => return,
+            Spent::Refused => return None,
         }
         let shown: String = text.chars().take(SHOWN_CHARS).collect();
         warn!(connection = self.id, line = self.lines, text = shown, "{problem}");
+        Some(format!("connection {}, line {}: {problem}: {shown}", self.id, self.lines))
     }
 }
 

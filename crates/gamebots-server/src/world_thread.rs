@@ -33,7 +33,11 @@ pub(crate) fn spawn(
 ) -> Result<JoinHandle<()>, ServeError> {
     let log = |path| {
         let speed = [("real_time_factor".to_owned(), config.real_time_factor.to_string())];
-        LogWriter::create(path, &config.world, config.options, &speed).and_then(Recorder::new)
+        let mut log = LogWriter::create(path, &config.world, config.options, &speed)?;
+        if config.ros2_log {
+            log = log.with_ros2(&config.world)?;
+        }
+        Recorder::new(log)
     };
     let recorder = config.log.as_deref().map(log).transpose()?;
     let thread = std::thread::Builder::new().name("world".to_owned());
@@ -70,6 +74,9 @@ impl Server {
             let now = Instant::now();
             if let Some(reached) = pace.lag_report(now, self.world.time()) {
                 warn!(reached = format!("{reached:.2}"), "behind its pace: the real-time factor of the last 5 s");
+                self.record(|| {
+                    Record::Warning(format!("behind its pace: real-time factor {reached:.2} of the last 5 s"))
+                });
             }
             if now.duration_since(drop_report) >= DROP_REPORT_INTERVAL {
                 self.sessions.values().for_each(Session::report_dropped);
@@ -77,12 +84,15 @@ impl Server {
             }
             let wait = pace.wait(now, self.world.time());
             if !wait.is_zero() {
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.hand_over();
+                }
                 std::thread::sleep(wait.min(MAX_SLEEP));
                 continue;
             }
             for (robot, message) in self.world.step() {
                 if let Some(&owner) = self.owners.get(&robot) {
-                    self.send(owner, &message);
+                    self.send(owner, Some(robot.0), &message);
                 }
             }
             self.record_states(&mut states);
@@ -106,11 +116,12 @@ impl Server {
             Event::Opened(id, outbox) => {
                 self.sessions.insert(id, Session::new(id, outbox, self.report_errors));
                 let greeting = self.world.greeting();
-                self.send(id, &greeting);
+                self.send(id, None, &greeting);
             }
             Event::Lines(id, lines) => lines.into_iter().for_each(|line| self.handle_line(id, line)),
             Event::Closed(id) => {
-                self.record(|| Record::Closed(WireLine { connection: id, line: String::new() }));
+                let robot = self.newest_robot(id);
+                self.record(|| Record::Closed(WireLine { connection: id, robot, line: String::new() }));
                 if let Some(session) = self.sessions.remove(&id) {
                     session.report_dropped();
                     session.robots().iter().for_each(|robot| {
@@ -124,17 +135,26 @@ impl Server {
 
     fn handle_line(&mut self, id: ConnectionId, line: Result<String, Problem>) {
         if let Ok(text) = &line {
-            self.record(|| Record::In(WireLine { connection: id, line: text.clone() }));
+            let robot = self.newest_robot(id);
+            self.record(|| Record::In(WireLine { connection: id, robot, line: text.clone() }));
         }
         let Some(session) = self.sessions.get_mut(&id) else { return };
-        let answers = session.handle(line.as_deref().map_err(Clone::clone), &mut self.world, Instant::now());
+        let (answers, warnings) =
+            session.handle(line.as_deref().map_err(Clone::clone), &mut self.world, Instant::now());
         self.owners.extend(session.robots().last().map(|&robot| (robot, id)));
-        answers.iter().for_each(|answer| self.send(id, answer));
+        warnings.into_iter().for_each(|warning| self.record(|| Record::Warning(warning)));
+        let robot = self.newest_robot(id);
+        answers.iter().for_each(|answer| self.send(id, robot, answer));
     }
 
-    fn send(&mut self, id: ConnectionId, message: &Message) {
+    /// The number of the robot that a connection's commands go to.
+    fn newest_robot(&self, id: ConnectionId) -> Option<u64> {
+        self.sessions.get(&id).and_then(|session| session.robots().last()).map(|robot| robot.0)
+    }
+
+    fn send(&mut self, id: ConnectionId, robot: Option<u64>, message: &Message) {
         let text = message.write();
-        self.record(|| Record::Out(WireLine { connection: id, line: text.clone() }));
+        self.record(|| Record::Out(WireLine { connection: id, robot, line: text.clone() }));
         if let Some(session) = self.sessions.get(&id) {
             session.outbox().push(text, message.is_periodic());
         }
@@ -143,7 +163,7 @@ impl Server {
     fn record_states(&mut self, timer: &mut StateTimer) {
         let Some(recorder) = &mut self.recorder else { return };
         let time = self.world.time();
-        timer.due(&self.world).into_iter().for_each(|state| recorder.record(time, Record::State(state)));
+        timer.due(&self.world).into_iter().for_each(|state| recorder.record(time, state));
     }
 
     fn record(&mut self, record: impl FnOnce() -> Record) {

@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use foxglove::messages::{Log as LogMessage, log::Level};
 use mcap::read::{ChunkFlattener, Options};
 use mcap::records::Record as Raw;
+use prost::{DecodeError, Message};
 
-use crate::{END, RUN, Record};
+use crate::{END, ObjectState, RUN, Record, RobotState, WireLine};
 
 /// One record with its simulated time, s.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,14 +71,21 @@ pub fn read(path: &Path) -> Result<Log, ReadError> {
     Ok(log)
 }
 
-/// `None` for a topic that is not of this program.
-fn parse(topic: &str, data: &[u8]) -> serde_json::Result<Option<Record>> {
+/// `None` for a topic that only shows what another one says.
+fn parse(topic: &str, data: &[u8]) -> Result<Option<Record>, DecodeError> {
     let record = match topic {
-        "/wire/in" => Record::In(serde_json::from_slice(data)?),
-        "/wire/out" => Record::Out(serde_json::from_slice(data)?),
-        "/wire/closed" => Record::Closed(serde_json::from_slice(data)?),
-        _ if topic.starts_with("/robot/") && topic.ends_with("/state") => Record::State(serde_json::from_slice(data)?),
-        _ => return Ok(None),
+        "/wire/in" => Record::In(WireLine::decode(data)?),
+        "/wire/out" => Record::Out(WireLine::decode(data)?),
+        "/wire/closed" => Record::Closed(WireLine::decode(data)?),
+        "/log" => {
+            let LogMessage { level, message, .. } = LogMessage::decode(data)?;
+            return Ok((level == Level::Warning as i32).then_some(Record::Warning(message)));
+        }
+        _ if topic.starts_with("/robot/") && topic.ends_with("/state") => Record::State(RobotState::decode(data)?),
+        _ => match topic.strip_prefix("/map/object/") {
+            Some(number) if !number.contains('/') => Record::Object(ObjectState::decode(data)?),
+            _ => return Ok(None),
+        },
     };
     Ok(Some(record))
 }
@@ -84,11 +93,11 @@ fn parse(topic: &str, data: &[u8]) -> serde_json::Result<Option<Record>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LogWriter, Recorder, WireLine};
+    use crate::{LogWriter, Recorder};
     use sim_core::scene::{MapDef, WorldDef};
 
     fn line(number: u64) -> Record {
-        Record::In(WireLine { connection: number, line: format!("DRIVE {{Left {number}}}") })
+        Record::In(WireLine { connection: number, robot: None, line: format!("DRIVE {{Left {number}}}") })
     }
 
     fn written(path: &Path) {

@@ -16,7 +16,7 @@ pub struct Replay {
     pub digest: u64,
     /// The digest in the log; `None` when it was cut off.
     pub recorded: Option<u64>,
-    /// Recorded states of robots that were compared.
+    /// Recorded states of robots and objects that were compared.
     pub states: usize,
     /// Simulated time of the first of them that came out different, s.
     pub first_difference: Option<f64>,
@@ -80,7 +80,14 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
                     first_difference = Some(entry.time);
                 }
             }
-            Record::Out(_) => {}
+            Record::Object(object) => {
+                let pose = world.objects().nth(object.object as usize);
+                states += 1;
+                if first_difference.is_none() && pose != Some(object.pose()) {
+                    first_difference = Some(entry.time);
+                }
+            }
+            Record::Out(_) | Record::Warning(_) => {}
         }
     }
     if let Some(end) = log.end.get("seconds").and_then(|seconds| seconds.parse().ok()) {

@@ -1,23 +1,23 @@
 //! Writing: a file, and for a live world a queue and a thread before it.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use mcap::records::{MessageHeader, Metadata};
-use mcap::{WriteOptions, Writer};
-
 use sim_core::Options;
 use sim_core::scene::WorldDef;
 
+use crate::file::LogFile;
+use crate::native::Native;
+use crate::ros2::Ros2;
 use crate::{END, End, RUN, Record};
 
-/// Records that may wait for the disk; more are dropped and counted.
-const QUEUE: usize = 65_536;
+/// Records that are handed over at once.
+const BATCH: usize = 256;
+/// Batches that may wait for the disk; more are dropped and counted.
+const QUEUE: usize = 256;
 /// Longest time that a record stays out of the file.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
@@ -31,12 +31,10 @@ pub struct RecordError {
 
 /// Writes a log record by record, waiting for the disk.
 pub struct LogWriter {
-    file: PathBuf,
-    writer: Writer<BufWriter<File>>,
-    wire_schema: u16,
-    state_schema: u16,
-    channels: BTreeMap<String, u16>,
-    sequence: u32,
+    path: PathBuf,
+    file: LogFile,
+    native: Native,
+    ros2: Option<(LogFile, Ros2)>,
 }
 
 impl LogWriter {
@@ -60,19 +58,25 @@ impl LogWriter {
             entry("scene", &serde_json::to_string(world).unwrap_or_default()),
             entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
         ]);
-        Self::start(path, metadata).map_err(|reason| refused(path, reason))
+        let start = || {
+            let mut file = LogFile::create(path, "")?;
+            file.metadata(RUN, metadata)?;
+            let native = Native::new(world, &mut file)?;
+            file.flush()?;
+            Ok(Self { path: path.to_owned(), file, native, ros2: None })
+        };
+        start().map_err(|reason: mcap::McapError| refused(path, reason))
     }
 
-    fn start(path: &Path, metadata: BTreeMap<String, String>) -> mcap::McapResult<Self> {
-        let options =
-            WriteOptions::new().compression(None).profile("").library(concat!("usarsim ", env!("CARGO_PKG_VERSION")));
-        let mut writer = options.create(BufWriter::new(File::create(path)?))?;
-        writer.write_metadata(&Metadata { name: RUN.to_owned(), metadata })?;
-        let wire_schema = writer.add_schema("usarsim.WireLine", "jsonschema", WIRE_SCHEMA.as_bytes())?;
-        let state_schema = writer.add_schema("usarsim.RobotState", "jsonschema", STATE_SCHEMA.as_bytes())?;
-        writer.flush()?;
-        let file = path.to_owned();
-        Ok(Self { file, writer, wire_schema, state_schema, channels: BTreeMap::new(), sequence: 0 })
+    /// Writes the messages of [`crate::ros2`] as well, to a file of their own beside the log: `run.ros2.mcap` for `run.mcap`.
+    ///
+    /// # Errors
+    /// When that file cannot be written.
+    pub fn with_ros2(mut self, world: &WorldDef) -> Result<Self, RecordError> {
+        let path = self.path.with_extension("ros2.mcap");
+        let file = LogFile::create(&path, "ros2").map_err(|reason| refused(&path, reason))?;
+        self.ros2 = Some((file, Ros2::new(world)));
+        Ok(self)
     }
 
     /// Writes a record of a simulated time in seconds.
@@ -80,7 +84,13 @@ impl LogWriter {
     /// # Errors
     /// When the disk takes no more.
     pub fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError> {
-        self.try_write(time, record).map_err(|reason| refused(&self.file, reason))
+        let mut write = || {
+            if let Some((file, ros2)) = &mut self.ros2 {
+                ros2.write(time, record, file)?;
+            }
+            self.native.write(time, record, &mut self.file)
+        };
+        write().map_err(|reason| refused(&self.path, reason))
     }
 
     /// Hands everything written so far to the operating system.
@@ -88,7 +98,11 @@ impl LogWriter {
     /// # Errors
     /// When the disk takes no more.
     pub fn flush(&mut self) -> Result<(), RecordError> {
-        self.writer.flush().map_err(|reason| refused(&self.file, reason))
+        let files = std::iter::once(&mut self.file).chain(self.ros2.iter_mut().map(|(file, _)| file));
+        for file in files {
+            file.flush().map_err(|reason| refused(&self.path, reason))?;
+        }
+        Ok(())
     }
 
     /// Ends the log with the simulated time and the digest of the world, by which a replay is checked.
@@ -96,11 +110,6 @@ impl LogWriter {
     /// # Errors
     /// When the disk takes no more.
     pub fn finish(self, end: End) -> Result<(), RecordError> {
-        let file = self.file.clone();
-        self.try_finish(end).map_err(|reason| refused(&file, reason))
-    }
-
-    fn try_finish(mut self, end: End) -> mcap::McapResult<()> {
         let entry = |key: &str, value: String| (key.to_owned(), value);
         let End { time, digest, dropped } = end;
         let metadata = BTreeMap::from([
@@ -108,34 +117,13 @@ impl LogWriter {
             entry("digest", format!("{digest:016x}")),
             entry("dropped", dropped.to_string()),
         ]);
-        self.writer.write_metadata(&Metadata { name: END.to_owned(), metadata })?;
-        self.writer.finish()?;
-        Ok(self.writer.into_inner().flush()?)
-    }
-
-    fn try_write(&mut self, time: f64, record: &Record) -> mcap::McapResult<()> {
-        let (topic, schema, data) = match record {
-            Record::In(line) => ("/wire/in".to_owned(), self.wire_schema, serde_json::to_vec(line)),
-            Record::Out(line) => ("/wire/out".to_owned(), self.wire_schema, serde_json::to_vec(line)),
-            Record::Closed(line) => ("/wire/closed".to_owned(), self.wire_schema, serde_json::to_vec(line)),
-            Record::State(state) => {
-                (format!("/robot/{}/state", state.robot), self.state_schema, serde_json::to_vec(state))
-            }
+        let Self { path, mut file, ros2, .. } = self;
+        let finish = || {
+            file.metadata(END, metadata)?;
+            file.finish()?;
+            ros2.map_or(Ok(()), |(file, _)| file.finish())
         };
-        let data = data.map_err(|error| std::io::Error::other(error.to_string()))?;
-        let channel_id = match self.channels.get(&topic) {
-            Some(&channel) => channel,
-            None => {
-                let channel = self.writer.add_channel(schema, &topic, "json", &BTreeMap::new())?;
-                self.channels.insert(topic, channel);
-                channel
-            }
-        };
-        let nanoseconds = (time * 1e9).round() as u64;
-        self.sequence = self.sequence.wrapping_add(1);
-        let header =
-            MessageHeader { channel_id, sequence: self.sequence, log_time: nanoseconds, publish_time: nanoseconds };
-        self.writer.write_to_known_channel(&header, &data)
+        finish().map_err(|reason| refused(&path, reason))
     }
 }
 
@@ -144,16 +132,17 @@ fn refused(file: &Path, reason: impl std::fmt::Display) -> RecordError {
 }
 
 /// Writes a log from a thread of its own until it is finished or dropped.
+///
+/// Records are handed over in batches: waking the thread for each would cost more than writing it.
 pub struct Recorder {
-    queue: Option<SyncSender<Entry>>,
-    thread: Option<JoinHandle<()>>,
+    queue: Option<SyncSender<Vec<Timed>>>,
+    batch: Vec<Timed>,
+    thread: Option<JoinHandle<Option<LogWriter>>>,
     dropped: u64,
 }
 
-enum Entry {
-    Record(f64, Record),
-    End(End),
-}
+/// A record and its simulated time, s.
+type Timed = (f64, Record);
 
 impl Recorder {
     /// Goes on with a log that has been begun.
@@ -161,28 +150,33 @@ impl Recorder {
     /// # Errors
     /// When there is no thread for it.
     pub fn new(log: LogWriter) -> Result<Self, RecordError> {
-        let (queue, entries) = sync_channel(QUEUE);
-        let file = log.file.clone();
-        let run = move || {
-            if let Err(error) = write_all(log, &entries) {
-                tracing::error!(%error, "the log ends here");
-            }
-        };
+        let (queue, batches) = sync_channel(QUEUE);
+        let path = log.path.clone();
+        let run =
+            move || write_all(log, &batches).inspect_err(|error| tracing::error!(%error, "the log ends here")).ok();
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(run);
-        let thread = thread.map_err(|reason| refused(&file, reason))?;
-        Ok(Self { queue: Some(queue), thread: Some(thread), dropped: 0 })
+        let thread = thread.map_err(|reason| refused(&path, reason))?;
+        Ok(Self { queue: Some(queue), batch: Vec::with_capacity(BATCH), thread: Some(thread), dropped: 0 })
     }
 
-    /// Queues a record of a simulated time in seconds; never waits.
+    /// Takes a record of a simulated time in seconds; never waits.
     pub fn record(&mut self, time: f64, record: Record) {
-        let Some(queue) = &self.queue else { return };
-        match queue.try_send(Entry::Record(time, record)) {
+        self.batch.push((time, record));
+        if self.batch.len() >= BATCH {
+            self.hand_over();
+        }
+    }
+
+    /// Hands what was recorded to the thread; to be called when there is nothing else to do.
+    pub fn hand_over(&mut self) {
+        let Some(queue) = self.queue.as_ref().filter(|_| !self.batch.is_empty()) else { return self.batch.clear() };
+        match queue.try_send(std::mem::replace(&mut self.batch, Vec::with_capacity(BATCH))) {
             Ok(()) => {}
-            Err(TrySendError::Full(_)) => {
-                self.dropped += 1;
-                if self.dropped.is_power_of_two() {
-                    tracing::warn!(dropped = self.dropped, "the disk is too slow: records are missing in the log");
+            Err(TrySendError::Full(batch)) => {
+                if self.dropped == 0 {
+                    tracing::warn!("the disk is too slow: records are missing in the log");
                 }
+                self.dropped += batch.len() as u64;
             }
             // The thread has said why it ended.
             Err(TrySendError::Disconnected(_)) => self.queue = None,
@@ -191,31 +185,41 @@ impl Recorder {
 
     /// Ends the log properly and waits until it is written.
     pub fn finish(mut self, time: f64, digest: u64) {
+        if let Some(log) = self.stop() {
+            let end = End { time, digest, dropped: self.dropped };
+            if let Err(error) = log.finish(end) {
+                tracing::error!(%error, "the log ends here");
+            }
+        }
+    }
+
+    /// Waits until everything is written and takes the log back, unless it could not be written.
+    fn stop(&mut self) -> Option<LogWriter> {
         if let Some(queue) = self.queue.take() {
             // A thread that has ended has said why.
-            let _ = queue.send(Entry::End(End { time, digest, dropped: self.dropped }));
+            let _ = queue.send(std::mem::take(&mut self.batch));
         }
+        // A panic of the thread has been printed where it happened.
+        self.thread.take()?.join().ok()?
     }
 }
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        self.queue = None;
-        if let Some(thread) = self.thread.take() {
-            // A panic of the thread has been printed where it happened.
-            let _ = thread.join();
-        }
+        self.stop();
     }
 }
 
-fn write_all(mut log: LogWriter, entries: &Receiver<Entry>) -> Result<(), RecordError> {
+fn write_all(mut log: LogWriter, batches: &Receiver<Vec<Timed>>) -> Result<LogWriter, RecordError> {
     let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
-        match entries.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
-            Ok(Entry::Record(time, record)) => log.write(time, &record)?,
-            Ok(Entry::End(end)) => return log.finish(end),
+        match batches.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
+            Ok(batch) => batch.iter().try_for_each(|(time, record)| log.write(*time, record))?,
             Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return log.flush(),
+            Err(RecvTimeoutError::Disconnected) => {
+                log.flush()?;
+                return Ok(log);
+            }
         }
         if Instant::now() >= flush_at {
             log.flush()?;
@@ -223,12 +227,3 @@ fn write_all(mut log: LogWriter, entries: &Receiver<Entry>) -> Result<(), Record
         }
     }
 }
-
-const WIRE_SCHEMA: &str = r#"{"type":"object","title":"usarsim.WireLine","properties":{
-"connection":{"type":"integer"},"line":{"type":"string"}}}"#;
-
-const STATE_SCHEMA: &str = r#"{"type":"object","title":"usarsim.RobotState","description":"World frame: x forward, y right, z down; m, rad, s",
-"properties":{"robot":{"type":"integer"},"class":{"type":"string"},"name":{"type":"string"},
-"position":{"type":"array","items":{"type":"number"}},"orientation":{"type":"array","items":{"type":"number"},"description":"quaternion x, y, z, w"},
-"linear":{"type":"array","items":{"type":"number"}},"angular":{"type":"array","items":{"type":"number"}},
-"wheel_angles":{"type":"array","items":{"type":"number"}},"wheel_speeds":{"type":"array","items":{"type":"number"}}}}"#;

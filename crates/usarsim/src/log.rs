@@ -77,6 +77,8 @@ fn info(file: &Path, log: &Log, as_json: bool) -> Result<(), Failure> {
                 robots.insert(state.robot, format!("{} {}", state.class, state.name).trim().to_owned());
                 "states"
             }
+            Record::Object(_) => "states of objects",
+            Record::Warning(_) => "warnings",
         };
         *counts.entry(kind).or_insert(0u64) += 1;
     }

@@ -46,6 +46,9 @@ pub(crate) struct Arguments {
     /// Write every line and every pose to an MCAP file.
     #[arg(long, env = "USARSIM_LOG", value_name = "FILE.mcap")]
     log: Option<PathBuf>,
+    /// `ros2` writes messages of ROS 2 as well, to a file of their own: run.ros2.mcap beside run.mcap.
+    #[arg(long, env = "USARSIM_LOG_FORMAT", value_name = "FORMAT", default_value = "native", requires = "log")]
+    log_format: LogFormat,
     /// Listening pauses while there are more connections than this, as in USARSim.
     #[arg(long, env = "USARSIM_MAX_CONNECTIONS", default_value_t = 64)]
     max_connections: usize,
@@ -64,6 +67,12 @@ pub(crate) struct Arguments {
 enum WheelSpeeds {
     Rad,
     Rev,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum LogFormat {
+    Native,
+    Ros2,
 }
 
 fn real_time_factor(text: &str) -> Result<f64, String> {
@@ -87,6 +96,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         max_connections: arguments.max_connections,
         report_errors: arguments.report_errors,
         log: arguments.log,
+        ros2_log: arguments.log_format == LogFormat::Ros2,
         ..Config::new(world)
     };
     let map = config.world.map.name.clone();

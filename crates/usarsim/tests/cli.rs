@@ -313,7 +313,11 @@ fn a_killed_server_leaves_a_log_that_reads() {
     server.wait();
     let recorder::Log { entries, end, .. } = recorder::read(&log).expect("the log reads");
     assert!(end.is_empty(), "it was cut off");
-    let drive = recorder::Record::In(recorder::WireLine { connection: 1, line: "DRIVE {Left 1} {Right 1}".to_owned() });
+    let drive = recorder::Record::In(recorder::WireLine {
+        connection: 1,
+        robot: Some(0),
+        line: "DRIVE {Left 1} {Right 1}".to_owned(),
+    });
     assert!(entries.iter().any(|entry| entry.record == drive));
     let states: Vec<_> = entries
         .iter()

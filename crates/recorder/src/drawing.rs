@@ -1,0 +1,141 @@
+//! Maps and robots as Foxglove's primitives.
+
+use std::f64::consts::FRAC_PI_2;
+
+use foxglove::messages::{
+    Color, CubePrimitive, CylinderPrimitive, Point3, Pose as FoxPose, Quaternion, SceneEntity, SpherePrimitive,
+    TriangleListPrimitive, Vector3,
+};
+use sim_core::scene::{self, MapDef, Pose, RobotDef, Rollers, Shape, Wheel};
+
+/// Edge of the square that stands for a plane without end, m.
+const PLANE_EDGE: f64 = 100.0;
+/// Thickness of that square, m.
+const PLANE_THICKNESS: f64 = 0.01;
+/// Pieces of cones that a roller is drawn by.
+const ROLLER_PIECES: u32 = 4;
+
+const BODY: Color = Color { r: 0.95, g: 0.45, b: 0.1, a: 1.0 };
+const TREAD: Color = Color { r: 0.15, g: 0.15, b: 0.16, a: 1.0 };
+const HUB: Color = Color { r: 0.55, g: 0.57, b: 0.6, a: 1.0 };
+
+/// What stands on a map, and what can be pushed, in frames of their own.
+pub(crate) fn map(map: &MapDef) -> Vec<SceneEntity> {
+    let solid = |frame: &str, solid: &scene::Solid, pose: &Pose| {
+        let mut drawn = entity(frame, &solid.name);
+        add(&mut drawn, &solid.shape, pose, colour_of(&solid.material.name));
+        drawn
+    };
+    let fixed = map.solids.iter().map(|fixed| solid("world", fixed, &fixed.pose()));
+    let objects = map.objects.iter().enumerate();
+    let objects = objects.map(|(number, object)| solid(&object_frame(number), &object.solid, &Pose::identity()));
+    fixed.chain(objects).collect()
+}
+
+pub(crate) fn object_frame(number: usize) -> String {
+    format!("object/{number}")
+}
+
+/// A robot's body in its frame, and each wheel in the frame of that name below it.
+pub(crate) fn robot(frame: &str, def: &RobotDef) -> Vec<SceneEntity> {
+    let mut body = entity(frame, "body");
+    def.solids.iter().for_each(|solid| add(&mut body, &solid.shape, &solid.pose(), BODY));
+    let casters = def.wheels.iter().filter(|wheel| wheel.drive.is_none());
+    casters.for_each(|caster| add(&mut body, &Shape::Ball { radius: caster.radius }, &caster.pose(0.0), TREAD));
+    let wheels = def.driven().iter().map(|wheel| wheel_entity(&format!("{frame}/{}", wheel.name), wheel));
+    std::iter::once(body).chain(wheels).collect()
+}
+
+fn wheel_entity(frame: &str, wheel: &Wheel) -> SceneEntity {
+    let mut drawn = entity(frame, "wheel");
+    let about_y = scene::pose([0.0; 3], [FRAC_PI_2, 0.0, 0.0]);
+    let mut disc =
+        |radius: f64, colour| add(&mut drawn, &Shape::Cylinder { radius, length: wheel.width }, &about_y, colour);
+    let Some(rollers) = &wheel.rollers else {
+        disc(wheel.radius, TREAD);
+        return drawn;
+    };
+    disc(rollers.axis_circle - rollers.radius_at(0.0, wheel.radius), HUB);
+    for index in 0..rollers.count {
+        drawn.cylinders.extend(roller(rollers, wheel.radius).map(|(along, cone)| {
+            let place = rollers.pose(index) * scene::pose([along, 0.0, 0.0], [0.0, FRAC_PI_2, 0.0]);
+            CylinderPrimitive { pose: Some(fox_pose(&place)), ..cone }
+        }));
+    }
+    drawn
+}
+
+/// The outline of a roller as cones along its axis, each with the place of its middle, m.
+fn roller(rollers: &Rollers, wheel_radius: f64) -> impl Iterator<Item = (f64, CylinderPrimitive)> {
+    let edge = move |piece: u32| {
+        let phase = rollers.last_phase * (2.0 * f64::from(piece) / f64::from(ROLLER_PIECES) - 1.0);
+        (rollers.half_length_at(phase, wheel_radius), rollers.radius_at(phase, wheel_radius))
+    };
+    (0..ROLLER_PIECES).map(move |piece| {
+        let ((from, bottom), (to, top)) = (edge(piece), edge(piece + 1));
+        let widest = bottom.max(top);
+        let cone = CylinderPrimitive {
+            pose: None,
+            size: Some(Vector3 { x: 2.0 * widest, y: 2.0 * widest, z: to - from }),
+            bottom_scale: bottom / widest,
+            top_scale: top / widest,
+            color: Some(TREAD),
+        };
+        ((from + to) / 2.0, cone)
+    })
+}
+
+fn entity(frame: &str, id: &str) -> SceneEntity {
+    let (frame_id, id) = (frame.to_owned(), format!("{frame} {id}"));
+    SceneEntity { frame_id, id, frame_locked: true, ..SceneEntity::default() }
+}
+
+fn add(drawn: &mut SceneEntity, shape: &Shape, pose: &Pose, colour: Color) {
+    let (place, color) = (Some(fox_pose(pose)), Some(colour));
+    let size = |x, y, z| Some(Vector3 { x, y, z });
+    match shape {
+        Shape::HalfSpace => {
+            let below = pose * scene::pose([0.0, 0.0, PLANE_THICKNESS / 2.0], [0.0; 3]);
+            let size = size(PLANE_EDGE, PLANE_EDGE, PLANE_THICKNESS);
+            drawn.cubes.push(CubePrimitive { pose: Some(fox_pose(&below)), size, color });
+        }
+        Shape::Box { size: [x, y, z] } => {
+            drawn.cubes.push(CubePrimitive { pose: place, size: size(*x, *y, *z), color })
+        }
+        Shape::Ball { radius } => {
+            let edge = 2.0 * radius;
+            drawn.spheres.push(SpherePrimitive { pose: place, size: size(edge, edge, edge), color });
+        }
+        Shape::Cylinder { radius, length } => drawn.cylinders.push(CylinderPrimitive {
+            pose: place,
+            size: size(2.0 * radius, 2.0 * radius, *length),
+            bottom_scale: 1.0,
+            top_scale: 1.0,
+            color,
+        }),
+        Shape::Hull { points } => {
+            if let Some(surface) = sim_core::hull_surface(points) {
+                add(drawn, &surface, pose, colour);
+            }
+        }
+        Shape::Mesh { vertices, triangles } => {
+            let points = vertices.iter().map(|&[x, y, z]| Point3 { x, y, z }).collect();
+            let indices = triangles.iter().flatten().copied().collect();
+            drawn.triangles.push(TriangleListPrimitive { pose: place, points, color, colors: Vec::new(), indices });
+        }
+    }
+}
+
+/// A quiet colour that is the same for the same material in every log.
+fn colour_of(material: &str) -> Color {
+    let hash = material.bytes().fold(17_u32, |hash, byte| hash.wrapping_mul(31).wrapping_add(u32::from(byte)));
+    let part = |shift: u32| 0.45 + 0.3 * f64::from((hash >> shift) & 0xff) / 255.0;
+    Color { r: part(0), g: part(8), b: part(16), a: 1.0 }
+}
+
+/// A pose as Foxglove writes it, with the same bits.
+pub(crate) fn fox_pose(pose: &Pose) -> FoxPose {
+    let [x, y, z] = pose.translation.vector.into();
+    let [i, j, k, w] = pose.rotation.coords.into();
+    FoxPose { position: Some(Vector3 { x, y, z }), orientation: Some(Quaternion { x: i, y: j, z: k, w }) }
+}

@@ -1,0 +1,97 @@
+//! The messages of `proto/usarsim.proto`.
+
+use foxglove::{Encode, Schema};
+use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
+use prost::Message;
+use prost::bytes::BufMut;
+use sim_core::scene::Pose;
+use sim_core::{RobotId, World};
+
+include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
+
+/// Every message of the file, for readers that do not know it.
+const DESCRIPTOR: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/usarsim.desc"));
+
+macro_rules! encode {
+    ($($name:ident,)*) => {$(
+        impl Encode for $name {
+            type Error = prost::EncodeError;
+
+            fn get_schema() -> Option<Schema> {
+                Some(Schema::new(concat!("usarsim.", stringify!($name)), "protobuf", DESCRIPTOR))
+            }
+
+            fn get_message_encoding() -> String {
+                "protobuf".to_owned()
+            }
+
+            fn encode(&self, buffer: &mut impl BufMut) -> Result<(), Self::Error> {
+                Message::encode(self, buffer)
+            }
+        }
+    )*};
+}
+
+encode! { WireLine, RobotState, ObjectState, }
+
+impl RobotState {
+    /// The state of a robot (number, class, name) as the world gives it.
+    pub(crate) fn of(world: &World, (id, class, name): (RobotId, &str, &str)) -> Option<Self> {
+        let (body, wheels) = world.state(id)?;
+        let (position, orientation) = parts(&body.pose);
+        Some(Self {
+            robot: id.0,
+            class: class.to_owned(),
+            name: name.to_owned(),
+            position: Some(position),
+            orientation: Some(orientation),
+            linear_velocity: Some(vector(&body.linear)),
+            angular_velocity: Some(vector(&body.angular)),
+            wheel_angles: wheels.iter().map(|wheel| wheel.angle).collect(),
+            wheel_speeds: wheels.iter().map(|wheel| wheel.speed).collect(),
+        })
+    }
+
+    /// Pose of the robot in the world frame.
+    pub fn pose(&self) -> Pose {
+        pose(self.position, self.orientation)
+    }
+
+    /// Velocity, m/s, and angular velocity, rad/s, in world axes.
+    pub fn velocity(&self) -> (nalgebra::Vector3<f64>, nalgebra::Vector3<f64>) {
+        let axes = |vector: Option<Vector>| {
+            vector.map_or_else(nalgebra::Vector3::zeros, |Vector { x, y, z }| nalgebra::Vector3::new(x, y, z))
+        };
+        (axes(self.linear_velocity), axes(self.angular_velocity))
+    }
+}
+
+impl ObjectState {
+    pub(crate) fn new(object: u32, name: &str, pose: &Pose) -> Self {
+        let (position, orientation) = parts(pose);
+        Self { object, name: name.to_owned(), position: Some(position), orientation: Some(orientation) }
+    }
+
+    /// Pose of the object in the world frame.
+    pub fn pose(&self) -> Pose {
+        pose(self.position, self.orientation)
+    }
+}
+
+fn vector(vector: &nalgebra::Vector3<f64>) -> Vector {
+    Vector { x: vector.x, y: vector.y, z: vector.z }
+}
+
+fn parts(pose: &Pose) -> (Vector, Quaternion) {
+    let nalgebra::Vector4 { data, .. } = pose.rotation.coords;
+    let [[x, y, z, w]] = data.0;
+    (vector(&pose.translation.vector), Quaternion { x, y, z, w })
+}
+
+/// The same bits as were written: the quaternion is not normalised again.
+fn pose(position: Option<Vector>, orientation: Option<Quaternion>) -> Pose {
+    let Vector { x, y, z } = position.unwrap_or_default();
+    let turn = orientation.unwrap_or(Quaternion { w: 1.0, ..Quaternion::default() });
+    let turn = UnitQuaternion::new_unchecked(Parts::new(turn.w, turn.x, turn.y, turn.z));
+    Pose::from_parts(Translation3::new(x, y, z), turn)
+}

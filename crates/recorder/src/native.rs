@@ -1,0 +1,203 @@
+//! The channels of our own log: what was said and where everything was, and Foxglove's messages to look at it.
+//!
+//! | channel | message | when |
+//! |---|---|---|
+//! | `/wire/in`, `/wire/out`, `/wire/closed` | `usarsim.WireLine` | each line; the end of a connection |
+//! | `/robot/<n>/state` | `usarsim.RobotState` | 50 Hz |
+//! | `/robot/<n>/pose` | `foxglove.PoseInFrame` in `world` | 50 Hz |
+//! | `/robot/<n>/joints` | `foxglove.JointStates`: the driven wheels, rad and rad/s | 50 Hz |
+//! | `/robot/<n>/tf` | `foxglove.FrameTransforms`: `robot/<n>` in `world`, each wheel in the robot | 50 Hz |
+//! | `/robot/<n>/tf_static` | the same for each sensor | once |
+//! | `/robot/<n>/scene` | `foxglove.SceneUpdate` | once, and when the robot leaves |
+//! | `/robot/<n>/<sensor>` | `foxglove.LaserScan`, m and rad | each scan of a laser that is spread by yaw |
+//! | `/map/scene` | `foxglove.SceneUpdate` | once |
+//! | `/map/object/<n>` | `usarsim.ObjectState` | 50 Hz while it moves |
+//! | `/map/object/<n>/tf` | `foxglove.FrameTransforms`: `object/<n>` in `world` | with it |
+//! | `/tf_static` | `foxglove.FrameTransforms`: `world` in `map` | once |
+//! | `/log` | `foxglove.Log` | robots that come and go, bad lines |
+//!
+//! The frame `map` is z up; `world` in it, half a turn about x, is the wire's: x forward, y right, z down. Every number but that
+//! one transform is in `world`, in the robot (x forward, y right, z down) or in the sensor.
+
+use std::collections::BTreeMap;
+
+use foxglove::messages::log::Level;
+use foxglove::messages::scene_entity_deletion::Type as DeletionType;
+use foxglove::messages::{
+    self as fox, FrameTransform, FrameTransforms, JointState, JointStates, PoseInFrame, SceneEntityDeletion,
+    SceneUpdate, Timestamp,
+};
+use gamebots_proto::message::{Message, RangeScanner, Reading, Sen};
+use mcap::McapResult;
+use sim_core::scene::{self, Pose, RobotDef, WorldDef};
+
+use crate::file::{LogFile, nanoseconds};
+use crate::{ObjectState, Record, RobotState, WireLine, drawing};
+
+/// Turns records into messages of the channels above.
+pub(crate) struct Native {
+    world: WorldDef,
+    /// Classes of the robots that have been drawn.
+    robots: BTreeMap<u64, String>,
+}
+
+impl Native {
+    /// Begins with what does not change.
+    pub(crate) fn new(world: &WorldDef, file: &mut LogFile) -> McapResult<Self> {
+        let upside_down = scene::pose([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]);
+        file.put(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
+        file.put(0.0, "/map/scene", &added(drawing::map(&world.map)))?;
+        Ok(Self { world: world.clone(), robots: BTreeMap::new() })
+    }
+
+    pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut LogFile) -> McapResult<()> {
+        match record {
+            Record::In(line) => file.put(time, "/wire/in", line),
+            Record::Out(line) => {
+                file.put(time, "/wire/out", line)?;
+                self.write_reading(time, line, file)
+            }
+            Record::Closed(line) => {
+                file.put(time, "/wire/closed", line)?;
+                self.write_left(time, line, file)
+            }
+            Record::State(state) => self.write_state(time, state, file),
+            Record::Object(object) => write_object(time, object, file),
+            Record::Warning(text) => file.put(time, "/log", &log(time, Level::Warning, text.clone())),
+        }
+    }
+
+    fn write_state(&mut self, time: f64, state: &RobotState, file: &mut LogFile) -> McapResult<()> {
+        if !self.robots.contains_key(&state.robot) {
+            self.write_come(time, state, file)?;
+        }
+        let RobotState { robot, class, .. } = state;
+        let (frame, pose) = (robot_frame(*robot), state.pose());
+        let topic = |name: &str| format!("/robot/{robot}/{name}");
+        file.put(time, &topic("state"), state)?;
+        let in_world = PoseInFrame {
+            timestamp: Some(timestamp(time)),
+            frame_id: "world".to_owned(),
+            pose: Some(drawing::fox_pose(&pose)),
+        };
+        file.put(time, &topic("pose"), &in_world)?;
+        let wheels = self.world.robots.get(class).map_or(&[][..], RobotDef::driven);
+        let turned = || wheels.iter().zip(&state.wheel_angles);
+        let joints = turned().zip(&state.wheel_speeds).map(|((wheel, &angle), &speed)| JointState {
+            name: wheel.name.clone(),
+            position: Some(angle),
+            velocity: Some(speed),
+            ..JointState::default()
+        });
+        let joints = JointStates { timestamp: Some(timestamp(time)), joints: joints.collect() };
+        file.put(time, &topic("joints"), &joints)?;
+        let wheels = turned()
+            .map(|(wheel, &angle)| transform(time, &frame, &format!("{frame}/{}", wheel.name), &wheel.pose(angle)));
+        let all = std::iter::once(transform(time, "world", &frame, &pose)).chain(wheels).collect();
+        file.put(time, &topic("tf"), &transforms(all))
+    }
+
+    /// A robot that is seen for the first time.
+    fn write_come(&mut self, time: f64, state: &RobotState, file: &mut LogFile) -> McapResult<()> {
+        let RobotState { robot, class, name, .. } = state;
+        self.robots.insert(*robot, class.clone());
+        let text = format!("robot {robot} came: {class} {name}");
+        file.put(time, "/log", &log(time, Level::Info, text.trim_end().to_owned()))?;
+        let Some(def) = self.world.robots.get(class) else { return Ok(()) };
+        let frame = robot_frame(*robot);
+        let mount = |sensor: &scene::SensorDef| {
+            let pose = scene::pose(sensor.position, sensor.direction);
+            transform(time, &frame, &format!("{frame}/{}", sensor.name), &pose)
+        };
+        let mounts = transforms(def.sensors.iter().map(mount).collect());
+        file.put(time, &format!("/robot/{robot}/tf_static"), &mounts)?;
+        file.put(time, &format!("/robot/{robot}/scene"), &added(drawing::robot(&frame, def)))
+    }
+
+    /// A robot that left with its connection.
+    fn write_left(&mut self, time: f64, line: &WireLine, file: &mut LogFile) -> McapResult<()> {
+        let WireLine { connection, robot, .. } = line;
+        let Some(robot) = robot.filter(|robot| self.robots.remove(robot).is_some()) else {
+            return file.put(time, "/log", &log(time, Level::Info, format!("connection {connection} ended")));
+        };
+        let text = format!("connection {connection} ended, robot {robot} left");
+        file.put(time, "/log", &log(time, Level::Info, text))?;
+        let all = SceneEntityDeletion {
+            timestamp: Some(timestamp(time)),
+            r#type: DeletionType::All as i32,
+            ..SceneEntityDeletion::default()
+        };
+        file.put(time, &format!("/robot/{robot}/scene"), &SceneUpdate { deletions: vec![all], entities: Vec::new() })
+    }
+
+    fn write_reading(&self, time: f64, line: &WireLine, file: &mut LogFile) -> McapResult<()> {
+        let WireLine { robot: Some(robot), line, .. } = line else { return Ok(()) };
+        // Most lines are no scan, and reading them costs more than looking.
+        if !line.contains("{Type RangeScanner}") {
+            return Ok(());
+        }
+        let Some(Message::Sen(Sen { reading: Reading::RangeScanner(scan), .. })) = Message::read(line) else {
+            return Ok(());
+        };
+        let RangeScanner { name, ranges, .. } = scan;
+        let sensor = self.robots.get(robot).and_then(|class| self.world.sensor(class, &name));
+        let Some(fan) = sensor.and_then(|sensor| sensor.config.fan()).filter(|fan| fan.level) else { return Ok(()) };
+        let steps = ranges.len().saturating_sub(1) as f64;
+        let scan = fox::LaserScan {
+            timestamp: Some(timestamp(time)),
+            frame_id: format!("{}/{name}", robot_frame(*robot)),
+            pose: Some(drawing::fox_pose(&Pose::identity())),
+            // From the right to the left; z is down, so the right is positive.
+            start_angle: fan.first,
+            end_angle: fan.first - steps * fan.resolution,
+            ranges: ranges.into_iter().map(f64::from).collect(),
+            intensities: Vec::new(),
+        };
+        file.put(time, &format!("/robot/{robot}/{name}"), &scan)
+    }
+}
+
+fn write_object(time: f64, object: &ObjectState, file: &mut LogFile) -> McapResult<()> {
+    let number = object.object;
+    file.put(time, &format!("/map/object/{number}"), object)?;
+    let placed = transform(time, "world", &drawing::object_frame(number as usize), &object.pose());
+    file.put(time, &format!("/map/object/{number}/tf"), &transforms(vec![placed]))
+}
+
+fn robot_frame(robot: u64) -> String {
+    format!("robot/{robot}")
+}
+
+fn timestamp(time: f64) -> Timestamp {
+    let nanoseconds = nanoseconds(time);
+    Timestamp::new((nanoseconds / 1_000_000_000) as u32, (nanoseconds % 1_000_000_000) as u32)
+}
+
+fn transform(time: f64, parent: &str, child: &str, pose: &Pose) -> FrameTransform {
+    let fox::Pose { position, orientation } = drawing::fox_pose(pose);
+    FrameTransform {
+        timestamp: Some(timestamp(time)),
+        parent_frame_id: parent.to_owned(),
+        child_frame_id: child.to_owned(),
+        translation: position,
+        rotation: orientation,
+    }
+}
+
+fn transforms(transforms: Vec<FrameTransform>) -> FrameTransforms {
+    FrameTransforms { transforms }
+}
+
+fn added(entities: Vec<fox::SceneEntity>) -> SceneUpdate {
+    SceneUpdate { deletions: Vec::new(), entities }
+}
+
+fn log(time: f64, level: Level, message: String) -> fox::Log {
+    fox::Log {
+        timestamp: Some(timestamp(time)),
+        level: level as i32,
+        message,
+        name: "usarsim".to_owned(),
+        ..fox::Log::default()
+    }
+}

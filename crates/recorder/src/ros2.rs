@@ -1,0 +1,268 @@
+//! The same as messages of ROS 2, in a file of its own: the profile is `ros2`, messages are CDR.
+//!
+//! | topic | message | when |
+//! |---|---|---|
+//! | `/clock` | `rosgraph_msgs/msg/Clock` | 50 Hz |
+//! | `/tf` | `tf2_msgs/msg/TFMessage`: `robot_<n>` in `map`, each wheel in the robot, objects in `map` | 50 Hz |
+//! | `/tf_static` | the same for the sensors of a robot | once each robot |
+//! | `/robot_<n>/ground_truth` | `nav_msgs/msg/Odometry` in `map`; the twist in the robot's frame | 50 Hz |
+//! | `/robot_<n>/joint_states` | `sensor_msgs/msg/JointState`: the driven wheels | 50 Hz |
+//! | `/robot_<n>/<sensor>` | of a laser spread by yaw `sensor_msgs/msg/LaserScan`, of a sonar `Range`, of an INS `Imu` with its orientation alone, of an odometry `nav_msgs/msg/Odometry` in `robot_<n>/<sensor>_start` without a twist | each reading |
+//!
+//! Frames are those of REP 103: x forward, y left, z up. A sensor's numbers are the wire's, with its decimals.
+
+mod messages;
+
+use std::collections::BTreeMap;
+
+use gamebots_proto::message::{Ins, Message, Reading, Sen};
+use mcap::McapResult;
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use sim_core::scene::{self, Pose, RobotDef, SensorDef, WorldDef};
+use sim_core::sensor::{Config, Fan};
+
+use self::messages as ros;
+use crate::file::{LogFile, nanoseconds};
+use crate::{ObjectState, Record, RobotState, WireLine};
+
+/// What stands in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
+const NOT_MEASURED: f64 = -1.0;
+
+/// Turns records into messages of the topics above.
+pub(crate) struct Ros2 {
+    world: WorldDef,
+    /// Robots seen, with their class.
+    robots: BTreeMap<u64, String>,
+    /// Last time on `/clock`, ns.
+    clock: Option<u64>,
+}
+
+impl Ros2 {
+    pub(crate) fn new(world: &WorldDef) -> Self {
+        Self { world: world.clone(), robots: BTreeMap::new(), clock: None }
+    }
+
+    pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut LogFile) -> McapResult<()> {
+        match record {
+            Record::State(state) => self.write_state(time, state, file),
+            Record::Object(object) => self.write_object(time, object, file),
+            Record::Out(line) => self.write_reading(time, line, file),
+            Record::In(_) | Record::Closed(_) | Record::Warning(_) => Ok(()),
+        }
+    }
+
+    fn write_clock(&mut self, time: f64, file: &mut LogFile) -> McapResult<()> {
+        let now = nanoseconds(time);
+        if self.clock.replace(now) == Some(now) {
+            return Ok(());
+        }
+        file.put(time, "/clock", &ros::Clock { clock: stamp(time) })
+    }
+
+    fn write_state(&mut self, time: f64, state: &RobotState, file: &mut LogFile) -> McapResult<()> {
+        self.write_clock(time, file)?;
+        let RobotState { robot, class, .. } = state;
+        let frame = robot_frame(*robot);
+        let def = self.world.robots.get(class);
+        if self.robots.insert(*robot, class.clone()).is_none() {
+            let mount = |sensor: &SensorDef| {
+                let pose = scene::pose(sensor.position, sensor.direction);
+                transform(time, &frame, &sensor_frame(*robot, &sensor.name), &pose)
+            };
+            let mounts = def.map_or(&[][..], |def| &def.sensors).iter().map(mount).collect();
+            file.put(time, "/tf_static", &ros::TFMessage { transforms: mounts })?;
+        }
+        let wheels = def.map_or(&[][..], RobotDef::driven);
+        let pose = state.pose();
+        let turned = wheels.iter().zip(&state.wheel_angles);
+        let turned = turned.map(|(wheel, &angle)| {
+            transform(time, &frame, &format!("{frame}/{}", name(&wheel.name)), &wheel.pose(angle))
+        });
+        let transforms = std::iter::once(transform(time, "map", &frame, &pose)).chain(turned).collect();
+        file.put(time, "/tf", &ros::TFMessage { transforms })?;
+
+        let (linear, angular) = state.velocity();
+        let in_robot = |axes: Vector3<f64>| vector(pose.rotation.inverse() * axes);
+        let odometry = ros::Odometry {
+            header: header(time, "map"),
+            child_frame_id: frame.clone(),
+            pose: ros::PoseWithCovariance { pose: ros_pose(&pose), covariance: [[0.0; 6]; 6] },
+            twist: ros::TwistWithCovariance {
+                twist: ros::Twist { linear: in_robot(linear), angular: in_robot(angular) },
+                covariance: [[0.0; 6]; 6],
+            },
+        };
+        file.put(time, &format!("/{frame}/ground_truth"), &odometry)?;
+        let joints = ros::JointState {
+            header: header(time, &frame),
+            name: wheels.iter().map(|wheel| name(&wheel.name)).collect(),
+            position: state.wheel_angles.clone(),
+            velocity: state.wheel_speeds.clone(),
+            effort: Vec::new(),
+        };
+        file.put(time, &format!("/{frame}/joint_states"), &joints)
+    }
+
+    fn write_object(&mut self, time: f64, object: &ObjectState, file: &mut LogFile) -> McapResult<()> {
+        self.write_clock(time, file)?;
+        let placed = transform(time, "map", &format!("object_{}", object.object), &object.pose());
+        file.put(time, "/tf", &ros::TFMessage { transforms: vec![placed] })
+    }
+
+    fn write_reading(&self, time: f64, line: &WireLine, file: &mut LogFile) -> McapResult<()> {
+        let Some(robot) = line.robot else { return Ok(()) };
+        let Some(class) = self.robots.get(&robot) else { return Ok(()) };
+        if !line.line.starts_with("SEN") {
+            return Ok(());
+        }
+        let Some(Message::Sen(Sen { reading, .. })) = Message::read(&line.line) else { return Ok(()) };
+        let sensor = |name: &str| self.world.sensor(class, name).map(|sensor| (sensor, &sensor.config));
+        let topic = |sensor: &str| format!("/{}", sensor_frame(robot, sensor));
+        let header = |sensor: &str| header(time, &sensor_frame(robot, sensor));
+        match reading {
+            Reading::RangeScanner(scan) => match sensor(&scan.name).map(|(sensor, config)| (sensor, config.fan())) {
+                Some((sensor, Some(fan))) if fan.level => {
+                    let message = laser(header(&scan.name), scan.ranges, sensor.scan_interval, fan);
+                    file.put(time, &topic(&scan.name), &message)
+                }
+                _ => Ok(()),
+            },
+            Reading::Sonar(sonar) => match sensor(&sonar.name) {
+                Some((_, Config::Sonar(config))) => {
+                    let message = ros::Range {
+                        header: header(&sonar.name),
+                        radiation_type: ros::ULTRASOUND,
+                        field_of_view: config.beam_angle as f32,
+                        min_range: config.min_range as f32,
+                        max_range: config.max_range as f32,
+                        range: sonar.range,
+                    };
+                    file.put(time, &topic(&sonar.name), &message)
+                }
+                _ => Ok(()),
+            },
+            Reading::Ins(ins) => file.put(time, &topic(&ins.name), &imu(header(&ins.name), &ins)),
+            Reading::Odometry(odometry) => {
+                let [x, y, theta] = odometry.pose.map(f64::from);
+                let pose = scene::pose([x, y, 0.0], [0.0, 0.0, theta]);
+                let mut message = ros::Odometry {
+                    header: header(&odometry.name),
+                    child_frame_id: robot_frame(robot),
+                    pose: ros::PoseWithCovariance { pose: ros_pose(&pose), covariance: [[0.0; 6]; 6] },
+                    twist: ros::TwistWithCovariance::default(),
+                };
+                message.header.frame_id.push_str("_start");
+                message.twist.covariance[0][0] = NOT_MEASURED;
+                file.put(time, &topic(&odometry.name), &message)
+            }
+            Reading::GroundTruth(_) | Reading::Encoder(_) | Reading::Tachometer(_) | Reading::Camera(_) => Ok(()),
+        }
+    }
+}
+
+/// The wire's beams go from the right to the left, as ROS's do.
+fn laser(header: ros::Header, ranges: Vec<f32>, scan_interval: f64, fan: Fan) -> ros::LaserScan {
+    let steps = ranges.len().saturating_sub(1) as f64;
+    ros::LaserScan {
+        header,
+        angle_min: -fan.first as f32,
+        angle_max: (steps * fan.resolution - fan.first) as f32,
+        angle_increment: fan.resolution as f32,
+        time_increment: 0.0,
+        scan_time: scan_interval as f32,
+        range_min: fan.min_range as f32,
+        range_max: fan.max_range as f32,
+        ranges,
+        intensities: Vec::new(),
+    }
+}
+
+fn imu(header: ros::Header, ins: &Ins) -> ros::Imu {
+    let orientation = scene::pose([0.0; 3], ins.orientation.map(f64::from));
+    let unmeasured = [[NOT_MEASURED, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+    ros::Imu {
+        header,
+        orientation: ros_pose(&orientation).orientation,
+        orientation_covariance: [[0.0; 3]; 3],
+        angular_velocity: ros::Vector3::default(),
+        angular_velocity_covariance: unmeasured,
+        linear_acceleration: ros::Vector3::default(),
+        linear_acceleration_covariance: unmeasured,
+    }
+}
+
+fn robot_frame(robot: u64) -> String {
+    format!("robot_{robot}")
+}
+
+fn sensor_frame(robot: u64, sensor: &str) -> String {
+    format!("robot_{robot}/{}", name(sensor))
+}
+
+/// A name as ROS allows it: letters, digits and `_`, no digit first.
+fn name(text: &str) -> String {
+    let mut name: String = text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if name.starts_with(|c: char| c.is_ascii_digit()) || name.is_empty() {
+        name.insert(0, '_');
+    }
+    name
+}
+
+fn stamp(time: f64) -> ros::Time {
+    let nanoseconds = nanoseconds(time);
+    ros::Time { sec: (nanoseconds / 1_000_000_000) as i32, nanosec: (nanoseconds % 1_000_000_000) as u32 }
+}
+
+fn header(time: f64, frame: &str) -> ros::Header {
+    ros::Header { stamp: stamp(time), frame_id: frame.to_owned() }
+}
+
+/// A vector with z up.
+fn vector(vector: Vector3<f64>) -> ros::Vector3 {
+    ros::Vector3 { x: vector.x, y: -vector.y, z: -vector.z }
+}
+
+/// A pose between two frames of which both are turned z up: half a turn about x before and after.
+fn upright(pose: &Pose) -> Pose {
+    let ([x, y, z], turn) = (pose.translation.vector.into(), pose.rotation.coords);
+    let turn = UnitQuaternion::new_unchecked(Quaternion::new(turn.w, turn.x, -turn.y, -turn.z));
+    Isometry3::from_parts(Translation3::<f64>::new(x, -y, -z), turn)
+}
+
+fn ros_pose(pose: &Pose) -> ros::Pose {
+    let pose = upright(pose);
+    let ([x, y, z], [i, j, k, w]): ([f64; 3], [f64; 4]) = (pose.translation.vector.into(), pose.rotation.coords.into());
+    ros::Pose { position: ros::Point { x, y, z }, orientation: ros::Quaternion { x: i, y: j, z: k, w } }
+}
+
+fn transform(time: f64, parent: &str, child: &str, pose: &Pose) -> ros::TransformStamped {
+    let ros::Pose { position: ros::Point { x, y, z }, orientation } = ros_pose(pose);
+    ros::TransformStamped {
+        header: header(time, parent),
+        child_frame_id: child.to_owned(),
+        transform: ros::Transform { translation: ros::Vector3 { x, y, z }, rotation: orientation },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_turned_right_on_the_wire_is_turned_clockwise_seen_from_above() {
+        let pose = ros_pose(&scene::pose([1.0, 2.0, -3.0], [0.0, 0.0, std::f64::consts::FRAC_PI_2]));
+        assert_eq!((pose.position.x, pose.position.y, pose.position.z), (1.0, -2.0, 3.0));
+        let ros::Quaternion { z, w, .. } = pose.orientation;
+        assert!(
+            (z + std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12 && (w - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12
+        );
+    }
+
+    #[test]
+    fn names_become_names_of_ros() {
+        let check = |text: &str, expected: &str| assert_eq!(name(text), expected);
+        check("Scanner1", "Scanner1");
+        check("1st laser", "_1st_laser");
+        check("", "_");
+    }
+}

@@ -1,0 +1,195 @@
+"""Logs of a live run, read by readers not written here: mcap with its protobuf and ROS 2 decoders, and rosbags.
+
+Usage: logs.py PATH_OF_USARSIM
+"""
+
+import collections
+import json
+import math
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory as Protobuf
+from mcap_ros2.decoder import DecoderFactory as Ros2
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
+
+NATIVE = {
+    "usarsim.WireLine",
+    "usarsim.RobotState",
+    "usarsim.ObjectState",
+    "foxglove.FrameTransforms",
+    "foxglove.JointStates",
+    "foxglove.LaserScan",
+    "foxglove.Log",
+    "foxglove.PoseInFrame",
+    "foxglove.SceneUpdate",
+}
+ROS2 = {
+    "nav_msgs/msg/Odometry",
+    "rosgraph_msgs/msg/Clock",
+    "sensor_msgs/msg/Imu",
+    "sensor_msgs/msg/JointState",
+    "sensor_msgs/msg/LaserScan",
+    "sensor_msgs/msg/Range",
+    "tf2_msgs/msg/TFMessage",
+}
+
+MAP = """
+description = "A floor, a wall, and a light box in the way of the youBot"
+[[half_space]]
+name = "floor"
+material = "carpet"
+[[box]]
+name = "wall"
+material = "plywood"
+position = [6.0, 0.0, -0.5]
+size = [0.1, 10.0, 1.0]
+[[box]]
+name = "parcel"
+material = "plywood"
+position = [4.0, 1.35, -0.1]
+size = [0.2, 0.2, 0.2]
+mass = 0.5
+[[start]]
+name = "RobotStart1"
+position = [0.0, 0.0, 0.0]
+rotation = [0.0, 0.0, 0.0]
+"""
+
+
+class Client:
+    """A controller that drives until its status says that enough simulated time has passed."""
+
+    def __init__(self, port, init):
+        self.socket = socket.create_connection(("127.0.0.1", port))
+        self.lines = self.socket.makefile("r", newline="\r\n")
+        self.send(init)
+        self.wait(0)
+
+    def send(self, line):
+        self.socket.sendall(line.encode() + b"\r\n")
+
+    def wait(self, seconds):
+        for line in self.lines:
+            if line.startswith("SEN {Time ") and float(line.split("{Time ")[1].split("}")[0]) > seconds:
+                return
+        raise SystemExit("the server closed the connection")
+
+
+def record(usarsim, log):
+    """Two robots drive for three seconds; one leaves, one stays; a line is wrong."""
+    maps = pathlib.Path(log).parent / "map.toml"
+    maps.write_text(MAP)
+    command = [usarsim, "serve", "--map", str(maps), "--port", "0", "--json", "--log", log, "--log-format", "ros2"]
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    port = json.loads(server.stdout.readline())["port"]
+    mecanum = Client(port, "INIT {ClassName USARBot.KUKA_YouBot} {Name Kuka} {Location 4,1,0}")
+    skid = Client(port, "INIT {ClassName USARBot.P2DX} {Name Pioneer} {Location 0,0,0}")
+    laser = Client(port, "INIT {ClassName USARBot.P3AT} {Location 0,2,0}")
+    mecanum.send("DRIVE {Front-Left 2}{Front-Right -2}{Back-Left -2}{Back-Right 2}")
+    laser.send("DRIVE {Left 2} {Right 1}")
+    skid.send("DRIVE {Left what}")
+    mecanum.wait(3)
+    laser.socket.shutdown(socket.SHUT_RDWR)
+    skid.wait(4)
+    server.send_signal(signal.SIGTERM)
+    assert server.wait() == 0
+
+
+def decoded(log, factory):
+    """Every message by its schema."""
+    messages = collections.defaultdict(list)
+    with open(log, "rb") as file:
+        reader = make_reader(file, decoder_factories=[factory])
+        header = reader.get_header()
+        for schema, channel, message, content in reader.iter_decoded_messages():
+            messages[schema.name].append((message.log_time / 1e9, channel.topic, content))
+        assert sum(map(len, messages.values())) == reader.get_summary().statistics.message_count
+    return header, messages
+
+
+def check_native(log):
+    header, messages = decoded(log, Protobuf())
+    assert header.profile == "" and set(messages) == NATIVE, set(messages) ^ NATIVE
+    # The pose in the scene is the pose of the state, and the ground truth on the wire but for its rounding.
+    states = {(time, state.robot): state for time, _, state in messages["usarsim.RobotState"]}
+    compared = 0
+    for time, topic, transforms in messages["foxglove.FrameTransforms"]:
+        for transform in transforms.transforms:
+            if transform.parent_frame_id == "world" and transform.child_frame_id.startswith("robot/"):
+                state = states[time, int(transform.child_frame_id.split("/")[1])]
+                assert (transform.translation.x, transform.translation.y) == (state.position.x, state.position.y)
+                assert transform.rotation.w == state.orientation.w
+                compared += 1
+    assert compared == len(states) > 300
+    frames = {
+        (transform.child_frame_id, transform.parent_frame_id)
+        for _, _, message in messages["foxglove.FrameTransforms"]
+        for transform in message.transforms
+    }
+    parents = dict(frames)
+    assert len(parents) == len(frames), "each frame has one parent"
+    drawn = [entity for _, _, update in messages["foxglove.SceneUpdate"] for entity in update.entities]
+    for frame in [entity.frame_id for entity in drawn] + [m.frame_id for _, _, m in messages["foxglove.LaserScan"]]:
+        while frame != "map":
+            frame = parents[frame]
+    assert sum(len(entity.cylinders) for entity in drawn if entity.frame_id.startswith("robot/0/")) == 4 * (1 + 6 * 4)
+    pushed = [state.position.y for _, _, state in messages["usarsim.ObjectState"]]
+    assert pushed[-1] > pushed[0] + 0.05, (pushed[0], pushed[-1])
+    deleted = [topic for _, topic, update in messages["foxglove.SceneUpdate"] if update.deletions]
+    assert deleted == ["/robot/2/scene"], deleted
+    warned = [m.message for _, _, m in messages["foxglove.Log"] if m.level == 3]
+    assert any("DRIVE" in text and "what" in text for text in warned), warned
+    scans = {topic: (len(s.ranges), s.start_angle, s.end_angle) for _, topic, s in messages["foxglove.LaserScan"]}
+    for beams, first, last in scans.values():
+        assert (beams, round(first, 2), round(last, 2)) in [(181, 1.57, -1.57), (228, 2.09, -2.08)], scans
+    return {name: len(content) for name, content in sorted(messages.items())}
+
+
+def check_ros2(log):
+    header, messages = decoded(log, Ros2())
+    assert header.profile == "ros2" and set(messages) == ROS2, set(messages) ^ ROS2
+    # The youBot drives to its right: negative y, no turn; the twist is the robot's.
+    path = [(m.pose.pose.position, m.twist.twist.linear) for _, t, m in messages["nav_msgs/msg/Odometry"] if t == "/robot_0/ground_truth"]
+    assert path[0][0].y - path[-1][0].y > 0.2 and abs(path[0][0].x - path[-1][0].x) < 0.01
+    assert -0.11 < path[-1][1].y < -0.08, path[-1][1].y
+    for _, _, scan in messages["sensor_msgs/msg/LaserScan"]:
+        beams = (scan.angle_max - scan.angle_min) / scan.angle_increment + 1
+        assert math.isclose(beams, len(scan.ranges), abs_tol=0.01) and scan.range_max in (4.0, 20.0)
+        # The wall is ahead of everyone and everything else is free.
+        assert min(scan.ranges) > 1 and min(scan.ranges) < scan.range_max or scan.range_max == 4.0
+    imu = messages["sensor_msgs/msg/Imu"][0][2]
+    assert imu.angular_velocity_covariance[0] == -1
+    counts = {name: len(content) for name, content in sorted(messages.items())}
+    # rosbags reads the same messages, by the definitions in the file and by those of a distribution.
+    for store in [Stores.EMPTY, Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY]:
+        seen = collections.Counter()
+        with AnyReader([pathlib.Path(log)], default_typestore=get_typestore(store)) as reader:
+            for connection, _, raw in reader.messages():
+                message = reader.deserialize(raw, connection.msgtype)
+                seen[connection.msgtype] += 1
+                if connection.topic == "/robot_0/ground_truth":
+                    last = message.pose.pose.position
+        assert dict(seen) == counts, (store, seen, counts)
+        assert last.y == path[-1][0].y
+    return counts
+
+
+def main():
+    usarsim = sys.argv[1]
+    with tempfile.TemporaryDirectory() as folder:
+        log = f"{folder}/run.mcap"
+        record(usarsim, log)
+        subprocess.run([usarsim, "log", "replay", log], check=True)
+        native = check_native(log)
+        print("native:", native)
+        print("ROS 2:", check_ros2(f"{folder}/run.ros2.mcap"))
+
+
+main()
