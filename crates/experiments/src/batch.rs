@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::plan::{Plan, Run};
-use crate::plot::PlotError;
+
 use crate::run::{self, Outcome, RunError};
 
 /// A folder of runs.
@@ -45,7 +45,7 @@ pub enum BatchError {
     Run(#[from] RunError),
     /// A plot cannot be written.
     #[error(transparent)]
-    Plot(#[from] PlotError),
+    Plot(#[from] charts::ChartError),
 }
 
 pub(crate) fn refused(file: &Path, reason: impl std::fmt::Display) -> BatchError {

@@ -2,29 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Once;
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
+use charts::{Chart, ChartError, Series};
 use serde::Deserialize;
 
 use crate::plan::Run;
 use crate::run::Outcome;
 
-/// Size of a picture, pixels.
-const SIZE: (u32, u32) = (760, 460);
-/// Colours of the groups, told apart also by colour-blind readers (after Okabe and Ito).
-const COLOURS: [RGBColor; 8] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(90, 90, 90),
-    RGBColor(160, 140, 0),
-];
 /// The label that is the number of the step in place of a value of an axis.
 const STEP: &str = "step";
 
@@ -95,16 +79,17 @@ impl Quantity {
         }
     }
 
-    /// Title of the axis, and what a number is multiplied with to be drawn.
-    fn shown(self) -> (&'static str, f64) {
+    /// Title of the axis, what a number is multiplied with to be drawn, and the least height of the axis: what is below
+    /// the noise of any robot is not blown up.
+    fn shown(self) -> (&'static str, f64, f64) {
         match self {
-            Self::Main => ("main movement, cm", 100.0),
-            Self::Error => ("error, cm", 100.0),
-            Self::Yaw => ("turned to the left, degrees", 180.0 / std::f64::consts::PI),
-            Self::StepMain => ("mean step, cm", 100.0),
-            Self::StepError => ("mean size of a step's error, mm", 1000.0),
-            Self::WheelsTurned => ("wheels turned, rad", 1.0),
-            Self::WayPerAngle => ("way over wheel angle, mm/rad", 1000.0),
+            Self::Main => ("main movement, cm", 100.0, 0.1),
+            Self::Error => ("error, cm", 100.0, 0.1),
+            Self::Yaw => ("turned to the left, degrees", 180.0 / std::f64::consts::PI, 0.1),
+            Self::StepMain => ("mean step, cm", 100.0, 0.01),
+            Self::StepError => ("mean size of a step's error, mm", 1000.0, 0.1),
+            Self::WheelsTurned => ("wheels turned, rad", 1.0, 0.01),
+            Self::WayPerAngle => ("way over wheel angle, mm/rad", 1000.0, 0.01),
         }
     }
 }
@@ -121,21 +106,6 @@ struct Reference {
     /// What each step adds to it.
     #[serde(default)]
     per_step: f64,
-}
-
-/// A picture that could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("{file}: {reason}")]
-pub struct PlotError {
-    file: String,
-    reason: String,
-}
-
-/// Points of one colour that belong together.
-struct Group {
-    label: String,
-    colour: RGBColor,
-    lines: Vec<Vec<(f64, f64)>>,
 }
 
 impl Plot {
@@ -167,27 +137,35 @@ impl Plot {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn draw(&self, outcomes: &[Outcome], folder: &Path) -> Result<bool, PlotError> {
-        static FONT: Once = Once::new();
-        FONT.call_once(|| {
-            // The font is known to be one.
-            let _ = register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
-        });
-        let (groups, categories) = self.groups(outcomes);
-        if groups.is_empty() {
+    pub fn draw(&self, outcomes: &[Outcome], folder: &Path) -> Result<bool, ChartError> {
+        let (series, categories) = self.series(outcomes);
+        if series.is_empty() {
             return Ok(false);
         }
-        let [svg, png] = ["svg", "png"].map(|ending| folder.join(format!("{}.{ending}", self.name)));
-        let refused = |file: &Path, reason: String| PlotError { file: file.display().to_string(), reason };
-        self.draw_on(&SVGBackend::new(&svg, SIZE).into_drawing_area(), &groups, &categories)
-            .map_err(|reason| refused(&svg, reason.to_string()))?;
-        self.draw_on(&BitMapBackend::new(&png, SIZE).into_drawing_area(), &groups, &categories)
-            .map_err(|reason| refused(&png, reason.to_string()))?;
+        let (y_title, scale, least_height) = self.y.shown();
+        let farthest = series.iter().flat_map(|series| series.lines.iter().flatten()).map(|point| point.0);
+        let (left, right) = farthest.fold((0.0, 0.0), |(left, right): (f64, f64), x| (left.min(x), right.max(x)));
+        let right = right.max(categories.len() as f64 - 0.5);
+        let reference = |line: &Reference| {
+            let at = |x: f64| (x, scale * (line.value + line.per_step * if self.x == STEP { x } else { 1.0 }));
+            (line.label.clone(), [at(left), at(right)])
+        };
+        let chart = Chart {
+            title: format!("{}  {}", self.name, self.title),
+            x_title: self.x.clone(),
+            y_title: y_title.to_owned(),
+            references: self.references.iter().map(reference).collect(),
+            least_height,
+            series,
+            categories,
+            ..Chart::default()
+        };
+        ["svg", "png"].iter().try_for_each(|ending| chart.write(&folder.join(format!("{}.{ending}", self.name))))?;
         Ok(true)
     }
 
     /// The lines, and the names on the x axis where its values are no numbers.
-    fn groups(&self, outcomes: &[Outcome]) -> (Vec<Group>, Vec<String>) {
+    fn series(&self, outcomes: &[Outcome]) -> (Vec<Series>, Vec<String>) {
         let wanted = |outcome: &&Outcome| {
             self.only
                 .iter()
@@ -216,105 +194,25 @@ impl Plot {
             }
             vec![(place(outcome), scale * self.y.of(outcome, all))]
         };
-        let mut groups: Vec<Group> = Vec::new();
+        let mut all: Vec<Series> = Vec::new();
         for outcome in outcomes {
             let label = self.colour.iter().filter_map(|name| outcome.label(name)).collect::<Vec<_>>().join(" ");
-            let index = groups.iter().position(|group| group.label == label).unwrap_or_else(|| {
-                let colour = COLOURS[groups.len() % COLOURS.len()];
-                groups.push(Group { label: label.clone(), colour, lines: Vec::new() });
-                groups.len() - 1
+            let index = all.iter().position(|series| series.label == label).unwrap_or_else(|| {
+                let joined = self.mean || self.x == STEP;
+                all.push(Series { label: label.clone(), lines: Vec::new(), joined, dots: true });
+                all.len() - 1
             });
-            groups[index].lines.push(points(outcome));
+            all[index].lines.push(points(outcome));
         }
-        let over_axis = self.x != STEP;
-        for group in &mut groups {
+        for series in &mut all {
             if self.mean {
-                group.lines = vec![mean(&group.lines.concat())];
-            } else if over_axis {
+                series.lines = vec![mean(&series.lines.concat())];
+            } else if self.x != STEP {
                 // The runs of a value above each other; only their mean would make a line.
-                group.lines = vec![group.lines.concat()];
+                series.lines = vec![series.lines.concat()];
             }
         }
-        (groups, categories)
-    }
-
-    fn draw_on<B: DrawingBackend>(
-        &self,
-        root: &DrawingArea<B, Shift>,
-        groups: &[Group],
-        categories: &[String],
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-        root.fill(&WHITE)?;
-        let points = || groups.iter().flat_map(|group| group.lines.iter().flatten());
-        let (y_title, scale) = self.y.shown();
-        let [mut left, mut right] = bounds(points().map(|point| point.0));
-        if categories.is_empty() {
-            right += 0.02 * (right - left);
-        } else {
-            (left, right) = (-0.5, categories.len() as f64 - 0.5);
-        }
-        let reference =
-            |line: &Reference, x: f64| scale * (line.value + line.per_step * if self.x == STEP { x } else { 1.0 });
-        let ends = self.references.iter().flat_map(|line| [left, right].map(|x| reference(line, x)));
-        let [low, high] = bounds(points().map(|point| point.1).chain(ends));
-        let room = 0.06 * (high - low).max(1e-3 * scale);
-        let caption = format!("{}  {}", self.name, self.title);
-        let mut chart = ChartBuilder::on(root)
-            .caption(caption, ("sans-serif", 17))
-            .margin(12)
-            .x_label_area_size(42)
-            .y_label_area_size(64)
-            .build_cartesian_2d(left..right, low - room..high + room)?;
-        let named = |x: &f64| match categories.get(x.round() as usize) {
-            Some(name) if (x - x.round()).abs() < 1e-6 && *x >= 0.0 => name.clone(),
-            Some(_) | None if !categories.is_empty() => String::new(),
-            _ => short(*x),
-        };
-        let x_labels = if categories.is_empty() { 11 } else { 2 * categories.len() + 1 };
-        chart
-            .configure_mesh()
-            .x_labels(x_labels)
-            .x_label_formatter(&named)
-            .y_label_formatter(&|y| short(*y))
-            .x_desc(if self.x == STEP { "step" } else { &self.x })
-            .y_desc(y_title)
-            .label_style(("sans-serif", 14))
-            .light_line_style(WHITE)
-            .bold_line_style(RGBColor(225, 225, 225))
-            .draw()?;
-        for group in groups {
-            let colour = group.colour;
-            for (index, line) in group.lines.iter().enumerate() {
-                if self.mean || self.x == STEP {
-                    let drawn = chart.draw_series(LineSeries::new(line.iter().copied(), colour.stroke_width(2)))?;
-                    if index == 0 && !group.label.is_empty() {
-                        drawn
-                            .label(group.label.as_str())
-                            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
-                    }
-                }
-                let drawn = chart.draw_series(line.iter().map(|&point| Circle::new(point, 3, colour.filled())))?;
-                if index == 0 && !group.label.is_empty() && !self.mean && self.x != STEP {
-                    drawn.label(group.label.as_str()).legend(move |(x, y)| Circle::new((x + 9, y), 3, colour.filled()));
-                }
-            }
-        }
-        for line in &self.references {
-            let ends = [left, right].map(|x| (x, reference(line, x)));
-            let dashes = DashedLineSeries::new(ends, 6, 4, BLACK.stroke_width(1));
-            let label = chart.draw_series(dashes)?.label(line.label.as_str());
-            label.legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], BLACK));
-        }
-        if !self.references.is_empty() || groups.iter().any(|group| !group.label.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperLeft)
-                .background_style(WHITE.mix(0.8))
-                .border_style(RGBColor(200, 200, 200))
-                .label_font(("sans-serif", 14))
-                .draw()?;
-        }
-        root.present()
+        (all, categories)
     }
 }
 
@@ -324,18 +222,4 @@ fn mean(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let of = |same: &[(f64, f64)]| (same[0].0, same.iter().map(|point| point.1).sum::<f64>() / same.len() as f64);
     sorted.chunk_by(|a, b| a.0 == b.0).map(of).collect()
-}
-
-/// Least and greatest, a little apart.
-fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let [low, high] =
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
-    if high - low > 1e-9 { [low, high] } else { [low - 0.5, high + 0.5] }
-}
-
-/// A number of an axis without rounding noise.
-fn short(value: f64) -> String {
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
