@@ -4,6 +4,7 @@ Usage: logs.py PATH_OF_USARSIM
 """
 
 import collections
+import csv
 import json
 import math
 import pathlib
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 
+import pyarrow.parquet
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory as Protobuf
 from mcap_ros2.decoder import DecoderFactory as Ros2
@@ -181,6 +183,24 @@ def check_ros2(log):
     return counts
 
 
+def check_exports(usarsim, folder, states):
+    """The table is the same as CSV and Parquet; the messages of ROS 2 are the same when they are made later."""
+
+    def export(*arguments):
+        return subprocess.run([usarsim, "log", "export", f"{folder}/run.mcap", *arguments], check=True, capture_output=True, text=True).stdout
+
+    export("--parquet", "--out", f"{folder}/states.parquet")
+    table = pyarrow.parquet.read_table(f"{folder}/states.parquet")
+    rows = csv.DictReader(export("--csv").splitlines())
+    assert table.num_rows == states
+    for row, expected in zip(rows, table.to_pylist(), strict=True):
+        same = (float(row[name]) == value or math.isnan(value) for name, value in expected.items())
+        assert all(same), (row, expected)
+    export("--ros2", "--out", f"{folder}/later.mcap")
+    read = lambda file: [(c.topic, m.log_time, m.data) for _, c, m in make_reader(open(file, "rb")).iter_messages()]
+    assert read(f"{folder}/later.mcap") == read(f"{folder}/run.ros2.mcap")
+
+
 def main():
     usarsim = sys.argv[1]
     with tempfile.TemporaryDirectory() as folder:
@@ -188,6 +208,7 @@ def main():
         record(usarsim, log)
         subprocess.run([usarsim, "log", "replay", log], check=True)
         native = check_native(log)
+        check_exports(usarsim, folder, native["usarsim.RobotState"])
         print("native:", native)
         print("ROS 2:", check_ros2(f"{folder}/run.ros2.mcap"))
 

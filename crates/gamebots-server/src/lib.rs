@@ -13,8 +13,11 @@ mod connection;
 mod listener;
 mod outbox;
 mod pace;
+mod playback;
 mod session;
 mod world_thread;
+
+pub use playback::{Playback, play};
 
 use std::net::SocketAddr;
 use std::path::PathBuf;

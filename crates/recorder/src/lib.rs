@@ -9,17 +9,22 @@
 //! the file at least once a second, so a killed process leaves a file that reads up to there.
 
 mod drawing;
+pub mod export;
 mod file;
 mod messages;
 pub mod native;
 mod reader;
+mod recover;
 mod replay;
 pub mod ros2;
+mod table;
 mod writer;
 
 pub use messages::{ObjectState, Quaternion, RobotState, Vector, WireLine};
 pub use reader::{Entry, Log, ReadError, read};
+pub use recover::{RecoverError, Recovered, recover};
 pub use replay::{Replay, ReplayError, replay};
+pub use table::{Column, Table};
 pub use writer::{LogWriter, RecordError, Recorder};
 
 use sim_core::World;

@@ -1,23 +1,6 @@
 //! The channels of our own log: what was said and where everything was, and Foxglove's messages to look at it.
-//!
-//! | channel | message | when |
-//! |---|---|---|
-//! | `/wire/in`, `/wire/out`, `/wire/closed` | `usarsim.WireLine` | each line; the end of a connection |
-//! | `/robot/<n>/state` | `usarsim.RobotState` | 50 Hz |
-//! | `/robot/<n>/pose` | `foxglove.PoseInFrame` in `world` | 50 Hz |
-//! | `/robot/<n>/joints` | `foxglove.JointStates`: the driven wheels, rad and rad/s | 50 Hz |
-//! | `/robot/<n>/tf` | `foxglove.FrameTransforms`: `robot/<n>` in `world`, each wheel in the robot | 50 Hz |
-//! | `/robot/<n>/tf_static` | the same for each sensor | once |
-//! | `/robot/<n>/scene` | `foxglove.SceneUpdate` | once, and when the robot leaves |
-//! | `/robot/<n>/<sensor>` | `foxglove.LaserScan`, m and rad | each scan of a laser that is spread by yaw |
-//! | `/map/scene` | `foxglove.SceneUpdate` | once |
-//! | `/map/object/<n>` | `usarsim.ObjectState` | 50 Hz while it moves |
-//! | `/map/object/<n>/tf` | `foxglove.FrameTransforms`: `object/<n>` in `world` | with it |
-//! | `/tf_static` | `foxglove.FrameTransforms`: `world` in `map` | once |
-//! | `/log` | `foxglove.Log` | robots that come and go, bad lines |
-//!
-//! The frame `map` is z up; `world` in it, half a turn about x, is the wire's: x forward, y right, z down. Every number but that
-//! one transform is in `world`, in the robot (x forward, y right, z down) or in the sensor.
+//! `docs/logs.md` lists the channels. The frame `map` is z up; `world` in it, half a turn about x, is the wire's: x forward, y
+//! right, z down. Every number but that one transform is in `world`, in the robot (x forward, y right, z down) or in the sensor.
 
 use std::collections::BTreeMap;
 
@@ -34,7 +17,7 @@ use sim_core::scene::{self, Pose, RobotDef, WorldDef};
 use crate::file::{LogFile, nanoseconds};
 use crate::{ObjectState, Record, RobotState, WireLine, drawing};
 
-/// Turns records into messages of the channels above.
+/// Turns records into messages.
 pub(crate) struct Native {
     world: WorldDef,
     /// Classes of the robots that have been drawn.

@@ -43,8 +43,7 @@ pub struct ReadError {
 /// # Errors
 /// When the file cannot be read or is no log of this program.
 pub fn read(path: &Path) -> Result<Log, ReadError> {
-    let error =
-        |reason: &dyn std::fmt::Display| ReadError { file: path.display().to_string(), reason: reason.to_string() };
+    let error = |reason: &dyn std::fmt::Display| unreadable(path, reason);
     let bytes = std::fs::read(path).map_err(|reason| error(&reason))?;
     if !bytes.starts_with(mcap::MAGIC) {
         return Err(error(&"not an MCAP file"));
@@ -69,6 +68,10 @@ pub fn read(path: &Path) -> Result<Log, ReadError> {
         return Err(error(&"no log of usarsim: expected the metadata `run`, or a message"));
     }
     Ok(log)
+}
+
+pub(crate) fn unreadable(path: &Path, reason: impl std::fmt::Display) -> ReadError {
+    ReadError { file: path.display().to_string(), reason: reason.to_string() }
 }
 
 /// `None` for a topic that only shows what another one says.

@@ -1,19 +1,11 @@
 //! The same as messages of ROS 2, in a file of its own: the profile is `ros2`, messages are CDR.
-//!
-//! | topic | message | when |
-//! |---|---|---|
-//! | `/clock` | `rosgraph_msgs/msg/Clock` | 50 Hz |
-//! | `/tf` | `tf2_msgs/msg/TFMessage`: `robot_<n>` in `map`, each wheel in the robot, objects in `map` | 50 Hz |
-//! | `/tf_static` | the same for the sensors of a robot | once each robot |
-//! | `/robot_<n>/ground_truth` | `nav_msgs/msg/Odometry` in `map`; the twist in the robot's frame | 50 Hz |
-//! | `/robot_<n>/joint_states` | `sensor_msgs/msg/JointState`: the driven wheels | 50 Hz |
-//! | `/robot_<n>/<sensor>` | of a laser spread by yaw `sensor_msgs/msg/LaserScan`, of a sonar `Range`, of an INS `Imu` with its orientation alone, of an odometry `nav_msgs/msg/Odometry` in `robot_<n>/<sensor>_start` without a twist | each reading |
-//!
+//! `docs/logs.md` lists the topics.
 //! Frames are those of REP 103: x forward, y left, z up. A sensor's numbers are the wire's, with its decimals.
 
 mod messages;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use gamebots_proto::message::{Ins, Message, Reading, Sen};
 use mcap::McapResult;
@@ -28,7 +20,12 @@ use crate::{ObjectState, Record, RobotState, WireLine};
 /// What stands in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
 const NOT_MEASURED: f64 = -1.0;
 
-/// Turns records into messages of the topics above.
+/// A file for the messages.
+pub(crate) fn create(path: &Path) -> McapResult<LogFile> {
+    LogFile::create(path, "ros2")
+}
+
+/// Turns records into messages.
 pub(crate) struct Ros2 {
     world: WorldDef,
     /// Robots seen, with their class.

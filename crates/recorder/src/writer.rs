@@ -11,7 +11,7 @@ use sim_core::scene::WorldDef;
 
 use crate::file::LogFile;
 use crate::native::Native;
-use crate::ros2::Ros2;
+use crate::ros2::{self, Ros2};
 use crate::{END, End, RUN, Record};
 
 /// Records that are handed over at once.
@@ -74,7 +74,7 @@ impl LogWriter {
     /// When that file cannot be written.
     pub fn with_ros2(mut self, world: &WorldDef) -> Result<Self, RecordError> {
         let path = self.path.with_extension("ros2.mcap");
-        let file = LogFile::create(&path, "ros2").map_err(|reason| refused(&path, reason))?;
+        let file = ros2::create(&path).map_err(|reason| refused(&path, reason))?;
         self.ros2 = Some((file, Ros2::new(world)));
         Ok(self)
     }
@@ -127,7 +127,7 @@ impl LogWriter {
     }
 }
 
-fn refused(file: &Path, reason: impl std::fmt::Display) -> RecordError {
+pub(crate) fn refused(file: &Path, reason: impl std::fmt::Display) -> RecordError {
     RecordError { file: file.display().to_string(), reason: reason.to_string() }
 }
 

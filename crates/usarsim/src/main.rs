@@ -60,7 +60,7 @@ enum Command {
     /// Run the experiments of the thesis, or one's own.
     #[command(subcommand)]
     Experiment(experiment::Command),
-    /// What is in a log, its lines, and the same run again.
+    /// What is in a log, its lines, tables and pictures, and the same run again.
     #[command(subcommand)]
     Log(log::Command),
 }
@@ -77,7 +77,7 @@ fn main() -> ExitCode {
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiment(command) => experiment::run(&command),
-        Command::Log(command) => log::run(&command),
+        Command::Log(command) => log::run(command),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -75,7 +75,7 @@ enum LogFormat {
     Ros2,
 }
 
-fn real_time_factor(text: &str) -> Result<f64, String> {
+pub(crate) fn real_time_factor(text: &str) -> Result<f64, String> {
     within(text, 0.0, 10_000.0)
 }
 
@@ -119,7 +119,7 @@ fn ready_line(address: SocketAddr, map: &str, classes: &[String], json: bool) ->
 }
 
 /// Completes at Ctrl-C or SIGTERM; a signal that cannot be watched keeps its default effect.
-async fn stop_signal() {
+pub(crate) async fn stop_signal() {
     let terminated = async {
         #[cfg(unix)]
         if let Ok(mut signal) = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {

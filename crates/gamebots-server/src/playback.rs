@@ -1,0 +1,107 @@
+//! Recorded lines, sent to every client that comes.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::task::JoinSet;
+use tokio::time::{Instant, sleep_until, timeout};
+use tracing::{info, warn};
+
+use crate::ServeError;
+
+/// Most clients at once; more wait until one leaves.
+const MAX_CLIENTS: usize = 64;
+/// A client that takes nothing for so long is thrown out.
+const STALL_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// What is played, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Playback {
+    /// Host to listen on.
+    pub host: String,
+    /// Port to listen on; 0 takes a free one.
+    pub port: u16,
+    /// Recorded seconds a second; 0 is as fast as possible.
+    pub real_time_factor: f64,
+    /// Lines without their ends, with the times that they were recorded at, s, in order.
+    pub lines: Vec<(f64, String)>,
+}
+
+/// Plays from the beginning to each client until `shutdown` completes; what clients say is not looked at. `ready` is called
+/// once with the address.
+///
+/// # Errors
+/// When the address cannot be listened on.
+pub fn play(
+    playback: Playback,
+    ready: impl FnOnce(SocketAddr),
+    shutdown: impl Future<Output = ()>,
+) -> Result<(), ServeError> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
+    runtime.block_on(async {
+        let Playback { host, port, real_time_factor, lines } = playback;
+        let failed = |reason| ServeError::Listen { host: host.clone(), port, reason };
+        let listener = TcpListener::bind((host.as_str(), port)).await.map_err(failed)?;
+        ready(listener.local_addr().map_err(failed)?);
+        let lines: Arc<[(f64, String)]> = lines.into();
+        tokio::select! {
+            () = accept(listener, lines, real_time_factor) => {}
+            () = shutdown => {}
+        }
+        Ok(())
+    })
+}
+
+async fn accept(listener: TcpListener, lines: Arc<[(f64, String)]>, real_time_factor: f64) {
+    let mut clients = JoinSet::new();
+    loop {
+        if clients.len() >= MAX_CLIENTS {
+            clients.join_next().await;
+            continue;
+        }
+        tokio::select! {
+            accepted = listener.accept() => match accepted {
+                Ok((stream, peer)) => {
+                    info!(%peer, "plays");
+                    let lines = Arc::clone(&lines);
+                    clients.spawn(async move { send(stream, &lines, real_time_factor).await });
+                }
+                Err(error) => {
+                    warn!(%error, "a client could not be accepted");
+                    tokio::time::sleep(Duration::from_millis(100)).await;
+                }
+            },
+            Some(_) = clients.join_next() => {}
+        }
+    }
+}
+
+/// Sends each line at its time, until the end or until the client leaves.
+async fn send(stream: TcpStream, lines: &[(f64, String)], real_time_factor: f64) {
+    let (mut reader, mut writer) = stream.into_split();
+    let began = Instant::now();
+    let first = lines.first().map_or(0.0, |(time, _)| *time);
+    let sending = async {
+        for (time, line) in lines {
+            if real_time_factor > 0.0 {
+                sleep_until(began + Duration::from_secs_f64((time - first).max(0.0) / real_time_factor)).await;
+            }
+            let line = format!("{line}\r\n");
+            if !matches!(timeout(STALL_TIMEOUT, writer.write_all(line.as_bytes())).await, Ok(Ok(()))) {
+                return;
+            }
+        }
+        // It has left: nothing is lost.
+        let _ = writer.shutdown().await;
+    };
+    let mut unread = [0; 4096];
+    // Commands to a recording have no effect.
+    let left = async { while reader.read(&mut unread).await.is_ok_and(|count| count > 0) {} };
+    tokio::select! {
+        () = sending => {}
+        () = left => {}
+    }
+}

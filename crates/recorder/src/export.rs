@@ -1,0 +1,58 @@
+//! Logs in the formats of others.
+
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::Compression;
+use parquet::data_type::DoubleType;
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::parser::parse_message_type;
+
+use crate::ros2::Ros2;
+use crate::table::Table;
+use crate::writer::refused;
+use crate::{Log, RecordError};
+
+/// Writes a table as Parquet, every column of doubles.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn parquet(table: &Table, path: &Path) -> Result<(), RecordError> {
+    let write = || -> Result<(), ParquetError> {
+        let fields: String = table.columns.iter().map(|column| format!("REQUIRED DOUBLE {};\n", column.name)).collect();
+        let schema = parse_message_type(&format!("message states {{ {fields} }}"))?;
+        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let mut file = SerializedFileWriter::new(File::create(path)?, Arc::new(schema), Arc::new(properties))?;
+        let mut rows = file.next_row_group()?;
+        let mut columns = table.columns.iter();
+        while let (Some(mut writer), Some(column)) = (rows.next_column()?, columns.next()) {
+            writer.typed::<DoubleType>().write_batch(&column.values, None, None)?;
+            writer.close()?;
+        }
+        rows.close()?;
+        file.close()?;
+        Ok(())
+    };
+    write().map_err(|reason| refused(path, reason))
+}
+
+/// Writes the messages of [`crate::ros2`] that the server would have written, to a file.
+///
+/// # Errors
+/// When the log has no scene, or the file cannot be written.
+pub fn ros2(log: &Log, path: &Path) -> Result<(), RecordError> {
+    let scene = log.run.get("scene").map(|scene| serde_json::from_str(scene));
+    let Some(Ok(world)) = scene else {
+        return Err(refused(path, "the log has no scene: nothing is known of its sensors"));
+    };
+    let write = || {
+        let mut file = crate::ros2::create(path)?;
+        let mut ros2 = Ros2::new(&world);
+        log.entries.iter().try_for_each(|entry| ros2.write(entry.time, &entry.record, &mut file))?;
+        file.finish()
+    };
+    write().map_err(|reason: mcap::McapError| refused(path, reason))
+}

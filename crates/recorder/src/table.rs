@@ -1,0 +1,97 @@
+//! The recorded states as a table of numbers.
+
+use crate::{Log, Record, RobotState};
+
+/// States of robots as columns. SI units, world frame (x forward, y right, z down).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// The columns, of one length. First `time` (s) and `robot` (number), then `x`, `y`, `z` (m), `qx`, `qy`, `qz`, `qw`,
+    /// `roll`, `pitch`, `yaw` (rad), `vx`, `vy`, `vz` (m/s), `wx`, `wy`, `wz` (rad/s), and for each driven wheel
+    /// `wheel_angle_1` (rad) and `wheel_speed_1` (rad/s).
+    pub columns: Vec<Column>,
+}
+
+/// One quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// Its values; not a number where a robot has fewer wheels than another.
+    pub values: Vec<f64>,
+}
+
+const FIXED: [&str; 18] = [
+    "time", "robot", "x", "y", "z", "qx", "qy", "qz", "qw", "roll", "pitch", "yaw", "vx", "vy", "vz", "wx", "wy", "wz",
+];
+
+impl Table {
+    /// The states of a log, of one robot or of all.
+    pub fn of(log: &Log, robot: Option<u64>) -> Self {
+        let states: Vec<(f64, &RobotState)> = log
+            .entries
+            .iter()
+            .filter_map(|entry| match &entry.record {
+                Record::State(state) if robot.is_none_or(|robot| robot == state.robot) => Some((entry.time, state)),
+                _ => None,
+            })
+            .collect();
+        let wheels = states.iter().map(|(_, state)| state.wheel_angles.len()).max().unwrap_or(0);
+        let names = FIXED.map(str::to_owned).into_iter();
+        let wheel_names = (1..=wheels).flat_map(|wheel| ["angle", "speed"].map(|what| format!("wheel_{what}_{wheel}")));
+        let mut columns: Vec<Column> =
+            names.chain(wheel_names).map(|name| Column { name, values: Vec::with_capacity(states.len()) }).collect();
+        for (time, state) in states {
+            for (column, value) in columns.iter_mut().zip(row(time, state, wheels)) {
+                column.values.push(value);
+            }
+        }
+        Self { columns }
+    }
+
+    /// The values of a column.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|column| column.name == name).map(|column| column.values.as_slice())
+    }
+
+    /// How many states there are.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// The table as CSV with a line of names. Numbers read back with the same bits.
+    pub fn to_csv(&self) -> String {
+        let names: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
+        let mut text = names.join(",");
+        text.push('\n');
+        for row in 0..self.rows() {
+            let numbers: Vec<String> = self.columns.iter().map(|column| column.values[row].to_string()).collect();
+            text.push_str(&numbers.join(","));
+            text.push('\n');
+        }
+        text
+    }
+
+    /// The poses as evo and the TUM tools read them: `time x y z qx qy qz qw`, in the world frame.
+    pub fn to_tum(&self) -> String {
+        let columns = ["time", "x", "y", "z", "qx", "qy", "qz", "qw"].map(|name| self.column(name).unwrap_or_default());
+        let line = |row: usize| columns.map(|values| values[row].to_string()).join(" ") + "\n";
+        (0..self.rows()).map(line).collect()
+    }
+}
+
+fn row(time: f64, state: &RobotState, wheels: usize) -> impl Iterator<Item = f64> {
+    let pose = state.pose();
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    let (linear, angular) = state.velocity();
+    let wheel = move |values: &[f64], index: usize| values.get(index).copied().unwrap_or(f64::NAN);
+    let turning: Vec<f64> =
+        (0..wheels).flat_map(|index| [wheel(&state.wheel_angles, index), wheel(&state.wheel_speeds, index)]).collect();
+    [time, state.robot as f64]
+        .into_iter()
+        .chain(<[f64; 3]>::from(pose.translation.vector))
+        .chain(<[f64; 4]>::from(pose.rotation.coords))
+        .chain([roll, pitch, yaw])
+        .chain(<[f64; 3]>::from(linear))
+        .chain(<[f64; 3]>::from(angular))
+        .chain(turning)
+}

@@ -1,0 +1,83 @@
+//! `usarsim log export`.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use recorder::{Record, Table, export};
+
+use crate::{Failure, exit};
+
+/// Options of `log export`.
+#[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("format").required(true))]
+#[command(
+    after_help = "Examples:\n  usarsim log export run.mcap --csv > states.csv\n  usarsim log export run.mcap --parquet --out states.parquet\n  \
+    usarsim log export run.mcap --tum --robot Ann > ann.tum\n  usarsim log export run.mcap --ros2 --out run.ros2.mcap\n\n\
+    Tables have a row for each robot and 0.02 s: time, robot, pose, velocity and wheels in SI units, world frame (x forward, \
+    y right, z down)."
+)]
+pub(crate) struct Arguments {
+    /// The log.
+    #[arg(value_name = "FILE.mcap")]
+    file: PathBuf,
+    /// A table as CSV.
+    #[arg(long, group = "format")]
+    csv: bool,
+    /// A table as Parquet; needs --out.
+    #[arg(long, group = "format", requires = "out")]
+    parquet: bool,
+    /// The poses of one robot as TUM trajectory, as evo reads it: time x y z qx qy qz qw.
+    #[arg(long, group = "format")]
+    tum: bool,
+    /// Messages of ROS 2 in an MCAP file; needs --out.
+    #[arg(long, group = "format", requires = "out")]
+    ros2: bool,
+    /// Only this robot, by number or name.
+    #[arg(long, value_name = "ROBOT", conflicts_with = "ros2")]
+    robot: Option<String>,
+    /// Where to; stdout unless given. An existing file is replaced.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { file, csv, parquet, robot, out, ros2, .. } = arguments;
+    let log = super::read(file)?;
+    let out = out.as_deref();
+    let failed = |error| Failure::new(exit::FAILURE, error);
+    if let Some(out) = out.filter(|_| *ros2) {
+        return export::ros2(&log, out).map_err(failed);
+    }
+    let robot = robot.as_ref().map(|wanted| super::robot(&log, file, wanted)).transpose()?;
+    let table = Table::of(&log, robot);
+    if let Some(out) = out.filter(|_| *parquet) {
+        return export::parquet(&table, out).map_err(failed);
+    }
+    if *csv {
+        return write(&table.to_csv(), out);
+    }
+    let robots: BTreeSet<u64> = log
+        .entries
+        .iter()
+        .filter_map(|entry| match &entry.record {
+            Record::State(state) => Some(state.robot),
+            _ => None,
+        })
+        .collect();
+    if robot.is_none() && robots.len() > 1 {
+        let robots: Vec<String> = robots.iter().map(u64::to_string).collect();
+        let text = format!("a trajectory is of one robot: say --robot, one of {}", robots.join(", "));
+        return Err(Failure::new(exit::USAGE, text));
+    }
+    write(&table.to_tum(), out)
+}
+
+/// To a file, or to a stdout whose reader may go away.
+fn write(text: &str, out: Option<&Path>) -> Result<(), Failure> {
+    let Some(path) = out else {
+        use std::io::Write;
+        let _ = std::io::stdout().lock().write_all(text.as_bytes());
+        return Ok(());
+    };
+    std::fs::write(path, text).map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display())))
+}

@@ -1,0 +1,58 @@
+//! `usarsim log info`.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use recorder::Record;
+use serde_json::json;
+
+use crate::{Failure, print};
+
+/// Options of `log info`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The log.
+    #[arg(value_name = "FILE.mcap")]
+    file: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
+    let log = super::read(file)?;
+    let (mut counts, mut robots) = (BTreeMap::new(), BTreeMap::new());
+    for entry in &log.entries {
+        let kind = match &entry.record {
+            Record::In(_) => "lines in",
+            Record::Out(_) => "lines out",
+            Record::Closed(_) => "connections closed",
+            Record::State(state) => {
+                robots.insert(state.robot, format!("{} {}", state.class, state.name).trim().to_owned());
+                "states"
+            }
+            Record::Object(_) => "states of objects",
+            Record::Warning(_) => "warnings",
+        };
+        *counts.entry(kind).or_insert(0u64) += 1;
+    }
+    let seconds = log.entries.last().map_or(0.0, |entry| entry.time);
+    let (complete, text) = (!log.end.is_empty(), |key: &str| log.run.get(key).cloned().unwrap_or_default());
+    let dropped = log.end.get("dropped").cloned().unwrap_or_default();
+    if *json {
+        let run: BTreeMap<_, _> = log.run.iter().filter(|(key, _)| *key != "scene").collect();
+        print(json!({
+            "file": file.display().to_string(), "seconds": seconds, "complete": complete, "robots": robots,
+            "counts": counts, "run": run, "end": log.end,
+        }));
+        return Ok(());
+    }
+    print(format_args!("{}: {seconds:.3} s, {}", file.display(), if complete { "complete" } else { "cut off" }));
+    print(format_args!("map {}, seed {}, steps of {} s", text("map"), text("seed"), text("time_step")));
+    robots.iter().for_each(|(id, name)| print(format_args!("robot {id}: {name}")));
+    counts.iter().for_each(|(kind, count)| print(format_args!("{count} {kind}")));
+    if complete && dropped != "0" {
+        print(format_args!("{dropped} records dropped: the disk was too slow"));
+    }
+    Ok(())
+}

@@ -1,0 +1,186 @@
+//! `usarsim log plot`.
+
+use std::path::PathBuf;
+
+use charts::{Chart, Series};
+use nalgebra::Point3;
+use recorder::{Log, Table};
+use sim_core::scene::{Shape, Solid, WorldDef};
+
+use crate::{Failure, exit, print};
+
+/// Options of `log plot`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim log plot run.mcap                                # run.svg, the paths over the map\n  \
+    usarsim log plot run.mcap --field yaw --out yaw.png\n  usarsim log plot run.mcap --field wheel_speed_1,wheel_speed_2 --robot Ann"
+)]
+pub(crate) struct Arguments {
+    /// The log.
+    #[arg(value_name = "FILE.mcap")]
+    file: PathBuf,
+    /// Draw these columns of `log export --csv` against time, in place of the path.
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    field: Vec<String>,
+    /// Only this robot, by number or name.
+    #[arg(long, value_name = "ROBOT")]
+    robot: Option<String>,
+    /// An SVG or PNG file; the log's name with .svg unless given. An existing file is replaced.
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(Arguments { file, field, robot, out }: &Arguments) -> Result<(), Failure> {
+    let log = super::read(file)?;
+    let robot = robot.as_ref().map(|wanted| super::robot(&log, file, wanted)).transpose()?;
+    let table = Table::of(&log, robot);
+    if table.rows() == 0 {
+        return Err(Failure::new(exit::BAD_DATA, format_args!("{}: no robot was in the world", file.display())));
+    }
+    let chart = if field.is_empty() { path(&log, &table) } else { fields(&table, field)? };
+    let out = out.clone().unwrap_or_else(|| file.with_extension("svg"));
+    chart.write(&out).map_err(|error| Failure::new(exit::FAILURE, error))?;
+    print(out.display());
+    Ok(())
+}
+
+/// Lines of a robot each, by its number.
+fn by_robot(table: &Table, x: &str, y: &str) -> Vec<(u64, Vec<(f64, f64)>)> {
+    let column = |name| table.column(name).unwrap_or_default();
+    let mut lines: Vec<(u64, Vec<(f64, f64)>)> = Vec::new();
+    for ((&robot, &x), &y) in column("robot").iter().zip(column(x)).zip(column(y)) {
+        let robot = robot as u64;
+        let index = lines.iter().position(|(known, _)| *known == robot).unwrap_or_else(|| {
+            lines.push((robot, Vec::new()));
+            lines.len() - 1
+        });
+        if y.is_finite() {
+            lines[index].1.push((x, y));
+        }
+    }
+    lines
+}
+
+/// Seen from above, x ahead to the right of the picture, the wire's y down.
+fn path(log: &Log, table: &Table) -> Chart {
+    let paths = by_robot(table, "x", "y").into_iter();
+    let paths: Vec<(u64, Vec<(f64, f64)>)> =
+        paths.map(|(robot, line)| (robot, line.into_iter().map(|(x, y)| (x, -y)).collect())).collect();
+    let first = paths.iter().filter_map(|(_, line)| line.first().copied()).collect();
+    let starts = Series { label: "start".to_owned(), lines: vec![first], joined: false, dots: true };
+    let series = paths.into_iter().map(|(robot, line)| Series {
+        label: format!("robot {robot}"),
+        lines: vec![line],
+        joined: true,
+        dots: false,
+    });
+    let scene: Option<WorldDef> = log.run.get("scene").and_then(|scene| serde_json::from_str(scene).ok());
+    let solids = scene.iter().flat_map(|scene| &scene.map.solids).filter_map(outline);
+    Chart {
+        title: format!("map {}, seen from above", log.run.get("map").map_or("", String::as_str)),
+        x_title: "x (ahead), m".to_owned(),
+        y_title: "y (to the right), m".to_owned(),
+        series: series.chain(std::iter::once(starts)).collect(),
+        areas: solids.collect(),
+        equal_axes: true,
+        y_down: true,
+        ..Chart::default()
+    }
+}
+
+/// The hull of a solid in the plane, with y up; `None` for what has no edge.
+fn outline(solid: &Solid) -> Option<Vec<(f64, f64)>> {
+    let sign = [-1.0, 1.0];
+    let corners: Vec<[f64; 3]> = match &solid.shape {
+        Shape::HalfSpace => return None,
+        Shape::Box { size: [x, y, z] } => {
+            let corner = |a: f64, b: f64, c: f64| [a * x / 2.0, b * y / 2.0, c * z / 2.0];
+            sign.iter().flat_map(|&a| sign.map(|b| sign.map(|c| corner(a, b, c)))).flatten().collect()
+        }
+        Shape::Cylinder { radius, length } => (0..64)
+            .map(|step| (f64::from(step % 32) / 32.0 * std::f64::consts::TAU, sign[step as usize / 32]))
+            .map(|(angle, end)| [radius * angle.cos(), radius * angle.sin(), end * length / 2.0])
+            .collect(),
+        Shape::Ball { radius } => (0..32)
+            .map(|step| f64::from(step) / 32.0 * std::f64::consts::TAU)
+            .map(|angle| [radius * angle.cos(), radius * angle.sin(), 0.0])
+            .collect(),
+        Shape::Hull { points } => points.clone(),
+        Shape::Mesh { vertices, .. } => vertices.clone(),
+    };
+    let pose = solid.pose();
+    let seen = corners.into_iter().map(|corner| pose * Point3::from(corner));
+    Some(hull(seen.map(|point| (point.x, -point.y)).collect()))
+}
+
+/// The convex hull of points in a plane, counterclockwise (Andrew's monotone chain).
+fn hull(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let half = |points: &mut dyn Iterator<Item = &(f64, f64)>| {
+        let mut chain: Vec<(f64, f64)> = Vec::new();
+        for &point in points {
+            while let [.., a, b] = chain[..]
+                && (b.0 - a.0) * (point.1 - a.1) <= (b.1 - a.1) * (point.0 - a.0)
+            {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        chain.pop();
+        chain
+    };
+    let mut outline = half(&mut points.iter());
+    outline.extend(half(&mut points.iter().rev()));
+    outline
+}
+
+fn fields(table: &Table, names: &[String]) -> Result<Chart, Failure> {
+    let mut series = Vec::new();
+    for name in names {
+        if table.column(name).is_none() {
+            let known: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+            return Err(Failure::new(exit::USAGE, format_args!("no field `{name}`: expected {}", known.join(", "))));
+        }
+        let lines = by_robot(table, "time", name);
+        let many = lines.len() > 1;
+        series.extend(lines.into_iter().map(|(robot, line)| Series {
+            label: if many { format!("{name}, robot {robot}") } else { name.clone() },
+            lines: vec![line],
+            joined: true,
+            dots: false,
+        }));
+    }
+    let mut units: Vec<&str> = names.iter().map(|name| unit(name)).collect();
+    units.dedup();
+    Ok(Chart {
+        title: names.join(", "),
+        x_title: "simulated time, s".to_owned(),
+        y_title: units.join(", "),
+        series,
+        ..Chart::default()
+    })
+}
+
+/// The unit of a column.
+fn unit(name: &str) -> &'static str {
+    match name {
+        "x" | "y" | "z" => "m",
+        "roll" | "pitch" | "yaw" => "rad",
+        "vx" | "vy" | "vz" => "m/s",
+        "wx" | "wy" | "wz" => "rad/s",
+        _ if name.starts_with("wheel_angle") => "rad",
+        _ if name.starts_with("wheel_speed") => "rad/s",
+        _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hull_has_the_outermost_points_alone() {
+        let points = vec![(0.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 2.0), (0.0, 2.0), (0.0, 0.0)];
+        assert_eq!(hull(points), [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)]);
+    }
+}

@@ -1,0 +1,149 @@
+//! `usarsim log replay`.
+
+use std::path::{Path, PathBuf};
+
+use gamebots_server::{Playback, ServeError, play};
+use recorder::{Record, Replay};
+use serde_json::json;
+
+use crate::serve::{real_time_factor, stop_signal};
+use crate::{Failure, exit, print};
+
+/// Options of `log replay`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The logs; of a folder every .mcap file below it.
+    #[arg(value_name = "FILE.mcap|FOLDER", required = true)]
+    files: Vec<PathBuf>,
+    /// Print JSON, a line for each log.
+    #[arg(long)]
+    json: bool,
+    /// Play what one client was sent to every client that connects, until Ctrl-C or SIGTERM.
+    #[arg(long)]
+    serve: bool,
+    /// Play what this connection was sent; unless given, the first that had a robot.
+    #[arg(long, value_name = "NUMBER", requires = "serve")]
+    connection: Option<u64>,
+    /// Address to listen on.
+    #[arg(long, default_value = "127.0.0.1", requires = "serve")]
+    host: String,
+    /// Port to listen on; 0 takes a free one.
+    #[arg(long, default_value_t = 3000, requires = "serve")]
+    port: u16,
+    /// Recorded seconds a second; 0 is as fast as possible.
+    #[arg(long, default_value_t = 1.0, value_parser = real_time_factor, requires = "serve")]
+    rtf: f64,
+}
+
+pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
+    if arguments.serve {
+        return serve(arguments);
+    }
+    let mut files = Vec::new();
+    for path in &arguments.files {
+        collect(path, &mut files)?;
+    }
+    let [mut different, mut unreadable] = [0, 0];
+    for file in &files {
+        match again(file) {
+            Ok(replay) => {
+                different += u32::from(!replay.is_same());
+                report(file, &replay, arguments.json);
+            }
+            // One bad log among many does not hide the others.
+            Err(failure) if files.len() > 1 => {
+                eprintln!("usarsim: {}", failure.message);
+                unreadable += 1;
+            }
+            Err(failure) => return Err(failure),
+        }
+    }
+    match (different, unreadable) {
+        (0, 0) => Ok(()),
+        (0, _) => Err(Failure::new(exit::BAD_DATA, format_args!("{unreadable} of {} logs not replayed", files.len()))),
+        _ => Err(Failure::new(exit::FAILURE, format_args!("{different} of {} came out different", files.len()))),
+    }
+}
+
+/// A file, or every log below a folder, in the order of their names.
+fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
+    if !path.is_dir() {
+        files.push(path.to_owned());
+        return Ok(());
+    }
+    let failed = |error| Failure::new(exit::BAD_DATA, format_args!("{}: {error}", path.display()));
+    let entries: Result<Vec<_>, _> = std::fs::read_dir(path).map_err(failed)?.collect();
+    let mut below: Vec<PathBuf> = entries.map_err(failed)?.into_iter().map(|entry| entry.path()).collect();
+    below.sort();
+    for path in below {
+        if path.is_dir() {
+            collect(&path, files)?;
+        } else if path.extension().is_some_and(|ending| ending == "mcap") {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+fn again(file: &Path) -> Result<Replay, Failure> {
+    let log = super::read(file)?;
+    let bad = |error| Failure::new(exit::BAD_DATA, format_args!("{}: {error}", file.display()));
+    recorder::replay(&log).map_err(bad)
+}
+
+fn report(file: &Path, replay: &Replay, as_json: bool) {
+    let file = file.display().to_string();
+    let Replay { seconds, states, first_difference, .. } = replay;
+    let recorded = replay.recorded.map(|digest| format!("{digest:016x}"));
+    if as_json {
+        print(json!({
+            "file": file, "same": replay.is_same(), "seconds": seconds, "digest": format!("{:016x}", replay.digest),
+            "recorded": recorded, "states": states, "first_difference": first_difference,
+        }));
+    } else if replay.is_same() {
+        let digest = recorded.map_or("no digest, the log was cut off".to_owned(), |digest| format!("digest {digest}"));
+        print(format_args!("{file}: {seconds:.3} s again with the same bits: {states} states, {digest}"));
+    } else {
+        let first = first_difference.map_or("at the end".to_owned(), |time| format!("first at {time:.3} s"));
+        print(format_args!("{file}: the replay came out different, {first}"));
+    }
+}
+
+fn serve(arguments: Arguments) -> Result<(), Failure> {
+    let Arguments { files, host, port, rtf, connection, json, .. } = arguments;
+    let [file] = &files[..] else {
+        return Err(Failure::new(exit::USAGE, format_args!("--serve plays one log, got {}", files.len())));
+    };
+    let log = super::read(file)?;
+    let sent = || {
+        log.entries.iter().filter_map(|entry| match &entry.record {
+            Record::Out(line) => Some((entry.time, line)),
+            _ => None,
+        })
+    };
+    let first = || sent().find(|(_, line)| line.robot.is_some()).or_else(|| sent().next());
+    let Some(connection) = connection.or_else(|| first().map(|(_, line)| line.connection)) else {
+        return Err(Failure::new(exit::BAD_DATA, format_args!("{}: no line was sent to anyone", file.display())));
+    };
+    let of_connection = sent().filter(|(_, line)| line.connection == connection);
+    let lines: Vec<(f64, String)> = of_connection.map(|(time, line)| (time, line.line.clone())).collect();
+    if lines.is_empty() {
+        let text = format!("{}: nothing was sent to connection {connection}", file.display());
+        return Err(Failure::new(exit::USAGE, text));
+    }
+    let (name, count) = (file.display().to_string(), lines.len());
+    let seconds = lines.last().map_or(0.0, |line| line.0) - lines[0].0;
+    let ready = |address: std::net::SocketAddr| {
+        if json {
+            let (host, port) = (address.ip().to_string(), address.port());
+            print(json!({"event": "ready", "host": host, "port": port, "lines": count, "seconds": seconds}));
+        } else {
+            print(format_args!("usarsim plays {name} on {address}: {count} lines of {seconds:.1} s"));
+        }
+    };
+    let playback = Playback { host, port, real_time_factor: rtf, lines };
+    play(playback, ready, stop_signal()).map_err(|error| match error {
+        ServeError::Listen { .. } => Failure::new(exit::UNAVAILABLE, error),
+        _ => Failure::new(exit::FAILURE, error),
+    })
+}
