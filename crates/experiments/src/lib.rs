@@ -10,6 +10,7 @@
 pub mod batch;
 pub mod claim;
 mod course;
+pub mod fit;
 pub mod plan;
 pub mod plot;
 pub mod report;

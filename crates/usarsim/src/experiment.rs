@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use experiments::batch::{Batch, BatchError};
 use experiments::claim::{Claim, Claims};
+use experiments::fit::{Estimate, Fit, FitError, Found};
 use experiments::plan::Plan;
 use experiments::run::{Outcome, RunError};
 use experiments::{report, thesis};
@@ -22,6 +23,8 @@ pub(crate) enum Command {
     Thesis(ThesisArguments),
     /// One's own experiment from a file.
     Run(RunArguments),
+    /// Find parameters of a robot by which the simulation comes nearest to measured steps.
+    Fit(FitArguments),
 }
 
 /// Options of `experiment thesis`.
@@ -51,6 +54,30 @@ pub(crate) struct RunArguments {
     file: PathBuf,
     #[command(flatten)]
     common: Common,
+}
+
+/// Options of `experiment fit`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim experiment fit my-robot.toml\n  usarsim experiment fit my-robot.toml --drive-model analytic --json\n\n\
+    What the file and the table of measured steps hold: docs/experiments.md."
+)]
+pub(crate) struct FitArguments {
+    /// The fit.
+    #[arg(value_name = "FILE.toml")]
+    file: PathBuf,
+    /// The drive model; by default the experiment's first.
+    #[arg(long, value_name = "MODEL")]
+    drive_model: Option<DriveModel>,
+    /// Folder for fit.json and a picture of each parameter; none are written unless given.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs at a time; by default as many as there are cores.
+    #[arg(long)]
+    jobs: Option<usize>,
+    /// Print what was found as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(clap::Args)]
@@ -87,6 +114,7 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
                 .map_err(|error| Failure::new(exit::FAILURE, format_args!("claims.toml: {error}")))?;
             conduct(files.collect(), "The thesis, reproduced", "thesis", &claims.claims, &arguments.common)
         }
+        Command::Fit(arguments) => fit(arguments),
         Command::Run(RunArguments { file, common }) => {
             let text = std::fs::read_to_string(file)
                 .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{}: {error}", file.display())))?;
@@ -114,7 +142,7 @@ fn conduct(
     let out = common.out.as_deref().unwrap_or(Path::new(folder));
     let batch = Batch::open(out, &plans).map_err(failure)?;
     let total: usize = plans.iter().map(|plan| plan.runs().len()).sum();
-    let jobs = common.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let jobs = jobs(common.jobs);
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {eta} left, {msg}");
     let bar = ProgressBar::new(total as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let (start, kept) = (Instant::now(), AtomicUsize::new(0));
@@ -151,6 +179,61 @@ fn conduct(
             "{total} runs ({kept} of an earlier call), {plots} plots in {seconds:.0} s: open {}",
             report.display()
         ));
+    }
+    Ok(())
+}
+
+fn jobs(given: Option<usize>) -> usize {
+    given.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
+}
+
+fn fit(arguments: &FitArguments) -> Result<(), Failure> {
+    let FitArguments { file, drive_model, out, json, .. } = arguments;
+    let refused = |error: FitError| {
+        let code = if matches!(error, FitError::Search(_)) { exit::FAILURE } else { exit::BAD_CONFIGURATION };
+        Failure::new(code, error)
+    };
+    let fit = Fit::read(file, *drive_model).map_err(refused)?;
+    let style = ProgressStyle::with_template("{spinner} {pos} trials in {elapsed}, {msg}");
+    let bar = ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    let trial = |distance: f64| {
+        bar.set_message(format!("{:.3} mm from the measured steps", 1e3 * distance));
+        bar.inc(1);
+    };
+    let found = fit.find(jobs(arguments.jobs), trial).map_err(refused)?;
+    bar.finish_and_clear();
+    let text = serde_json::to_string_pretty(&found).unwrap_or_default();
+    if let Some(out) = out {
+        let failed =
+            |error: &dyn std::fmt::Display| Failure::new(exit::FAILURE, format_args!("{}: {error}", out.display()));
+        std::fs::create_dir_all(out).map_err(|error| failed(&error))?;
+        std::fs::write(out.join("fit.json"), &text).map_err(|error| failed(&error))?;
+        found.parameters.iter().try_for_each(|parameter| parameter.draw(out)).map_err(|error| failed(&error))?;
+    }
+    if *json {
+        print(text);
+        return Ok(());
+    }
+    let Found { distance_before, distance, scatter, caution, steps, simulated, resampled, parameters } = &found;
+    print(format_args!("{}: {steps} measured steps, {simulated} runs", fit.name));
+    print(format_args!(
+        "distance from the measured steps {:.3} mm, {:.3} mm at the start",
+        1e3 * distance,
+        1e3 * distance_before
+    ));
+    if let Some(scatter) = scatter {
+        print(format_args!("repetitions of a step scatter by {:.3} mm", 1e3 * scatter));
+    }
+    if let Some(caution) = caution {
+        print(format_args!("CAUTION {caution}"));
+    }
+    for Estimate { name, value, interval: [low, high], caution, .. } in parameters {
+        match caution {
+            Some(caution) => print(format_args!("{name}: {value:.6}  CAUTION {caution}")),
+            None => {
+                print(format_args!("{name}: {value:.6}  95 % from {low:.6} to {high:.6} ({resampled} drawn again)"))
+            }
+        }
     }
     Ok(())
 }
