@@ -47,7 +47,7 @@ fn conduct(folder: &Path, text: &str, jobs: usize) -> Result<(Vec<Outcome>, usiz
     let done = |_: &Outcome, old: bool| {
         kept.fetch_add(usize::from(old), std::sync::atomic::Ordering::Relaxed);
     };
-    let outcomes = Batch::open(folder, &plans)?.run(jobs, done)?;
+    let outcomes = Batch::open(folder, &plans)?.run(jobs, |plan, run, log| run::run(plan, run, Some(log)), done)?;
     report::write_all(folder, "moves", &plans, &[], &outcomes)?;
     Ok((outcomes, kept.into_inner()))
 }

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::plan::{Plan, Run};
 
-use crate::run::{self, Outcome, RunError};
+use crate::run::{Outcome, RunError};
 
 /// A folder of runs.
 pub struct Batch<'a> {
@@ -85,12 +85,18 @@ impl<'a> Batch<'a> {
         Ok(Self { folder, plans })
     }
 
-    /// Makes every run that has no outcome yet, `jobs` at a time, and returns all outcomes in the order of the plans, whatever
-    /// order they were made in. `done` is told of each, with whether it was there before.
+    /// Makes every run that has no outcome yet, `jobs` at a time, by `make`, which is given the file of its log ([`crate::run::run`] makes
+    /// one in this process). Returns all outcomes in the order of the plans, whatever order they were made in. `done` is told of
+    /// each, with whether it was there before.
     ///
     /// # Errors
     /// The first that occurs. Runs under way are finished first, and everything finished is kept.
-    pub fn run(&self, jobs: usize, done: impl Fn(&Outcome, bool) + Sync) -> Result<Vec<Outcome>, BatchError> {
+    pub fn run(
+        &self,
+        jobs: usize,
+        make: impl Fn(&Plan, &Run, &Path) -> Result<Outcome, RunError> + Sync,
+        done: impl Fn(&Outcome, bool) + Sync,
+    ) -> Result<Vec<Outcome>, BatchError> {
         let runs: Vec<(&Plan, Run)> =
             self.plans.iter().flat_map(|plan| plan.runs().into_iter().map(move |run| (plan, run))).collect();
         let outcomes: Vec<Mutex<Option<Outcome>>> = runs.iter().map(|_| Mutex::new(None)).collect();
@@ -99,7 +105,7 @@ impl<'a> Batch<'a> {
             while !stop.load(Ordering::Relaxed) {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 let Some((plan, run)) = runs.get(index) else { return };
-                match self.outcome(plan, run) {
+                match self.outcome(plan, run, &make) {
                     Ok((outcome, old)) => {
                         done(&outcome, old);
                         set(&outcomes[index], outcome);
@@ -123,7 +129,12 @@ impl<'a> Batch<'a> {
     }
 
     /// The outcome of a run, kept or made now.
-    fn outcome(&self, plan: &Plan, run: &Run) -> Result<(Outcome, bool), BatchError> {
+    fn outcome(
+        &self,
+        plan: &Plan,
+        run: &Run,
+        make: impl Fn(&Plan, &Run, &Path) -> Result<Outcome, RunError>,
+    ) -> Result<(Outcome, bool), BatchError> {
         let file = self.folder.join("runs").join(format!("{}.json", run.id));
         if let Some(outcome) = std::fs::read(&file).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()) {
             return Ok((outcome, true));
@@ -131,7 +142,7 @@ impl<'a> Batch<'a> {
         let log = self.folder.join("logs").join(format!("{}.mcap", run.id));
         let part = unfinished(&log);
         make_folder_of(&log)?;
-        let outcome = run::run(plan, run, Some(&part))?;
+        let outcome = make(plan, run, &part)?;
         std::fs::rename(&part, &log).map_err(|error| refused(&log, error))?;
         write(&file, serde_json::to_string(&outcome).unwrap_or_default().as_bytes())?;
         Ok((outcome, false))

@@ -175,7 +175,7 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let mut poses = Vec::new();
     let mut lines = lines.into_iter().peekable();
     let wanted = run.setup.steps() as usize + 1;
-    let every = (run.setup.interval() / READING_INTERVAL).round().max(1.0) as u32;
+    let every = run.readings_a_step();
     let patience = plan.settling + 2.0 * READING_INTERVAL;
     let (mut began, mut readings, mut turned, mut before) = (None, 0, 0.0, Vec::new());
     loop {
@@ -215,19 +215,22 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     if let Some(log) = stage.log {
         log.finish(End { time: seconds, digest, dropped: 0 })?;
     }
-    let steps = poses.windows(2).map(|pair| step(&run.setup, &poses[0], &pair[0], &pair[1])).collect();
     Ok(Outcome {
         id: run.id.clone(),
         labels: run.labels.clone(),
         seed: options.seed,
-        steps,
+        steps: measure(&run.setup, &poses),
         wheels_turned: turned / before.len().max(1) as f64,
         digest: format!("{digest:016x}"),
         seconds,
     })
 }
 
-/// The way between two poses in the frame of the first.
+/// The steps between measured poses, in the frame of the first.
+pub fn measure(setup: &Setup, poses: &[Pose]) -> Vec<Step> {
+    poses.windows(2).map(|pair| step(setup, &poses[0], &pair[0], &pair[1])).collect()
+}
+
 fn step(setup: &Setup, start: &Pose, from: &Pose, to: &Pose) -> Step {
     let way = start.rotation.inverse() * (to.translation.vector - from.translation.vector);
     // The wire's y and yaw are to the right.
@@ -239,6 +242,11 @@ fn step(setup: &Setup, start: &Pose, from: &Pose, to: &Pose) -> Step {
 }
 
 impl Run {
+    /// Of how many ground truth readings one ends a step.
+    pub fn readings_a_step(&self) -> u32 {
+        (self.setup.interval() / READING_INTERVAL).round().max(1.0) as u32
+    }
+
     fn metadata(&self, seed: u64) -> Vec<(String, String)> {
         let run = ("run".to_owned(), self.id.clone());
         let set = ("set".to_owned(), self.setup.set.join(" "));

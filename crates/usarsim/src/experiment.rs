@@ -1,5 +1,7 @@
 //! `usarsim experiment`: the thesis's experiments, or those of a file.
 
+mod socket;
+
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -8,13 +10,13 @@ use experiments::batch::{Batch, BatchError};
 use experiments::claim::{Claim, Claims};
 use experiments::fit::{Estimate, Fit, FitError, Found};
 use experiments::plan::Plan;
-use experiments::run::{Outcome, RunError};
+use experiments::run::{self, Outcome, RunError};
 use experiments::{report, thesis};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use sim_core::scene::DriveModel;
 
-use crate::{Failure, exit, print};
+use crate::{Failure, exit, print, within};
 
 /// Subcommands of `experiment`.
 #[derive(clap::Subcommand)]
@@ -91,12 +93,21 @@ struct Common {
     /// Runs at a time; by default as many as there are cores.
     #[arg(long)]
     jobs: Option<usize>,
+    /// Drive through a server's socket at this real-time factor, as a controller does, and not in this process: poses are the wire's,
+    /// to a millimetre, and lines come when they come.
+    #[arg(long, value_name = "RTF", value_parser = real_time_factor)]
+    socket: Option<f64>,
     /// Print a summary as JSON.
     #[arg(long)]
     json: bool,
 }
 
-pub(crate) fn run(command: &Command) -> Result<(), Failure> {
+/// At most what a client keeps up with.
+fn real_time_factor(text: &str) -> Result<f64, String> {
+    within(text, 0.01, 100.0)
+}
+
+pub(crate) fn run(command: &Command, quiet: bool) -> Result<(), Failure> {
     match command {
         Command::Thesis(arguments) => {
             let all = thesis::files();
@@ -112,14 +123,14 @@ pub(crate) fn run(command: &Command) -> Result<(), Failure> {
                 all.into_iter().filter(|(file, _)| only(file)).map(|(file, text)| (file.into(), text.to_owned()));
             let claims: Claims = toml::from_str(thesis::claims())
                 .map_err(|error| Failure::new(exit::FAILURE, format_args!("claims.toml: {error}")))?;
-            conduct(files.collect(), "The thesis, reproduced", "thesis", &claims.claims, &arguments.common)
+            conduct(files.collect(), "The thesis, reproduced", "thesis", &claims.claims, &arguments.common, quiet)
         }
-        Command::Fit(arguments) => fit(arguments),
+        Command::Fit(arguments) => fit(arguments, quiet),
         Command::Run(RunArguments { file, common }) => {
             let text = std::fs::read_to_string(file)
                 .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{}: {error}", file.display())))?;
             let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            conduct(vec![(file.clone(), text)], &name, &name, &[], common)
+            conduct(vec![(file.clone(), text)], &name, &name, &[], common, quiet)
         }
     }
 }
@@ -130,12 +141,17 @@ fn conduct(
     folder: &str,
     claims: &[Claim],
     common: &Common,
+    quiet: bool,
 ) -> Result<(), Failure> {
     let mut plans = Vec::new();
     for (file, text) in files {
         let mut plan = Plan::read(&file, &text).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
         if !common.drive_model.is_empty() {
             plan.keep_models(&common.drive_model);
+        }
+        if let Some(real_time_factor) = common.socket {
+            // So that its folder is not one of the same made in this process.
+            plan.text.push_str(&format!("\n# through the socket at {real_time_factor} times real time\n"));
         }
         plans.push(plan);
     }
@@ -144,14 +160,18 @@ fn conduct(
     let total: usize = plans.iter().map(|plan| plan.runs().len()).sum();
     let jobs = jobs(common.jobs);
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {eta} left, {msg}");
-    let bar = ProgressBar::new(total as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let bar = bar(Some(total as u64), quiet).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let (start, kept) = (Instant::now(), AtomicUsize::new(0));
     let done = |outcome: &Outcome, old: bool| {
         kept.fetch_add(usize::from(old), Ordering::Relaxed);
         bar.set_message(outcome.id.clone());
         bar.inc(1);
     };
-    let outcomes = batch.run(jobs, done).map_err(failure)?;
+    let make = |plan: &Plan, run: &experiments::plan::Run, log: &Path| match common.socket {
+        Some(real_time_factor) => socket::run(plan, run, log, real_time_factor),
+        None => run::run(plan, run, Some(log)),
+    };
+    let outcomes = batch.run(jobs, make, done).map_err(failure)?;
     bar.set_message("tables, plots, report");
     let plots = report::write_all(out, title, &plans, claims, &outcomes).map_err(failure)?;
     bar.finish_and_clear();
@@ -183,11 +203,17 @@ fn conduct(
     Ok(())
 }
 
+/// A progress bar on a terminal; hidden when asked to be quiet.
+fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    ProgressBar::with_draw_target(length, target)
+}
+
 fn jobs(given: Option<usize>) -> usize {
     given.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
 }
 
-fn fit(arguments: &FitArguments) -> Result<(), Failure> {
+fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
     let FitArguments { file, drive_model, out, json, .. } = arguments;
     let refused = |error: FitError| {
         let code = if matches!(error, FitError::Search(_)) { exit::FAILURE } else { exit::BAD_CONFIGURATION };
@@ -195,7 +221,7 @@ fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     };
     let fit = Fit::read(file, *drive_model).map_err(refused)?;
     let style = ProgressStyle::with_template("{spinner} {pos} trials in {elapsed}, {msg}");
-    let bar = ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    let bar = bar(None, quiet).with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     let trial = |distance: f64| {
         bar.set_message(format!("{:.3} mm from the measured steps", 1e3 * distance));
         bar.inc(1);

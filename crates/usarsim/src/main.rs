@@ -76,7 +76,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
-        Command::Experiment(command) => experiment::run(&command),
+        Command::Experiment(command) => experiment::run(&command, arguments.quiet),
         Command::Log(command) => log::run(command),
     };
     match result {
