@@ -108,7 +108,7 @@ def decoded(log, factory):
     """Every message by its schema."""
     messages = collections.defaultdict(list)
     with open(log, "rb") as file:
-        reader = make_reader(file, decoder_factories=[factory])
+        reader = make_reader(file, decoder_factories=[factory], validate_crcs=True)
         header = reader.get_header()
         for schema, channel, message, content in reader.iter_decoded_messages():
             messages[schema.name].append((message.log_time / 1e9, channel.topic, content))

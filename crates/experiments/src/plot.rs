@@ -145,7 +145,8 @@ impl Plot {
         let (y_title, scale, least_height) = self.y.shown();
         let farthest = series.iter().flat_map(|series| series.lines.iter().flatten()).map(|point| point.0);
         let (left, right) = farthest.fold((0.0, 0.0), |(left, right): (f64, f64), x| (left.min(x), right.max(x)));
-        let right = right.max(categories.len() as f64 - 0.5);
+        // Names stand in the middle of their places.
+        let (left, right) = if categories.is_empty() { (left, right) } else { (-0.5, categories.len() as f64 - 0.5) };
         let reference = |line: &Reference| {
             let at = |x: f64| (x, scale * (line.value + line.per_step * if self.x == STEP { x } else { 1.0 }));
             (line.label.clone(), [at(left), at(right)])

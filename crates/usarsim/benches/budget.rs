@@ -26,6 +26,61 @@ fn main() {
     drive("one youBot driving", "KUKA_YouBot", 1, "at most 80 % of a core");
     drive("10 P3ATs with laser driving", "P3AT", 10, "real time");
     listen(64);
+    for model in ["bodies", "analytic"] {
+        log_ten(model);
+    }
+    log_one();
+}
+
+/// Ten youBots as fast as possible, with a log and without, in turns.
+fn log_ten(model: &str) {
+    let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
+    let log = folder.path().join("ten.mcap").display().to_string();
+    let arguments = ["--rtf", "0", "--drive-model", model];
+    let [mut without, mut with] = [Vec::new(), Vec::new()];
+    for _ in 0..3 {
+        without.push(fastest(&Server::start_with("rough", &arguments), 10));
+        with.push(fastest(&Server::start_with("rough", &[&arguments[..], &["--log", &log]].concat()), 10));
+    }
+    let [without, with] = [without, with].map(|mut factors: Vec<f64>| {
+        factors.sort_by(f64::total_cmp);
+        factors[1]
+    });
+    println!(
+        "| ten youBots in {model} with a log | real-time factor {with:.2}, {without:.2} without: {:+.1} % | less than 5 % |",
+        100.0 * (with / without - 1.0)
+    );
+}
+
+/// How large the log of one youBot gets.
+fn log_one() {
+    let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
+    let log = folder.path().join("one.mcap");
+    let factor = fastest(&Server::start_with("rough", &["--rtf", "20", "--log", &log.display().to_string()]), 1);
+    let bytes = std::fs::metadata(&log).map_or(0, |data| data.len());
+    let megabytes = bytes as f64 / (factor * SECONDS) * 3600.0 / 1e6;
+    println!("| log of one youBot | {megabytes:.0} MB an hour | under 200 MB |");
+}
+
+/// Simulated seconds a second with so many youBots that drive.
+fn fastest(server: &Server, count: usize) -> f64 {
+    let readers: Vec<_> = (0..count)
+        .map(|index| {
+            let mut client = server.connect();
+            send(&mut client, &format!("INIT {{ClassName USARBot.KUKA_YouBot}} {{Location 0,{},0}}", 2 * index));
+            send(&mut client, "DRIVE {Front-Left 1} {Front-Right 1} {Back-Left 1} {Back-Right 1}");
+            std::thread::spawn(move || read(client, SECONDS))
+        })
+        .collect();
+    let lines: Vec<Vec<(Instant, String)>> = readers.into_iter().filter_map(|reader| reader.join().ok()).collect();
+    factor(&lines[0])
+}
+
+/// Simulated seconds a second by the times of lines.
+fn factor(lines: &[(Instant, String)]) -> f64 {
+    let timed: Vec<(Instant, f64)> = lines.iter().filter_map(|(at, line)| Some((*at, time_of(line)?))).collect();
+    let ends = timed.last().zip(timed.first());
+    ends.map_or(0.0, |(last, first)| (last.1 - first.1) / last.0.duration_since(first.0).as_secs_f64())
 }
 
 /// Robots drive in real time in the arena; how busy is the server, and does it keep its pace?
@@ -45,11 +100,7 @@ fn drive(what: &str, class: &str, count: usize, wanted: &str) {
     let lines: Vec<Vec<(Instant, String)>> = readers.into_iter().filter_map(|reader| reader.join().ok()).collect();
     let wall = start.elapsed().as_secs_f64();
     let share = (server.processor_seconds() - busy) / wall;
-    let timed: Vec<(Instant, f64)> = lines[0].iter().filter_map(|(at, line)| Some((*at, time_of(line)?))).collect();
-    let factor = timed
-        .last()
-        .zip(timed.first())
-        .map_or(0.0, |(last, first)| (last.1 - first.1) / last.0.duration_since(first.0).as_secs_f64());
+    let factor = factor(&lines[0]);
     let scans: usize = lines.iter().flatten().filter(|(_, line)| line.contains("{Type RangeScanner}")).count();
     println!(
         "| {what} | real-time factor {:.3}, {:.0} % of a core, {scans} scans, {:.0} MB | {wanted}, under 300 MB |",
@@ -103,9 +154,14 @@ struct Server {
 
 impl Server {
     fn start(map: &str) -> Self {
+        Self::start_with(map, &[])
+    }
+
+    fn start_with(map: &str, arguments: &[&str]) -> Self {
         let start = Instant::now();
         let mut child = Command::new(env!("CARGO_BIN_EXE_usarsim"))
             .args(["--quiet", "serve", "--port", "0", "--json", "--map", map])
+            .args(arguments)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap_or_else(|error| panic!("usarsim does not start: {error}"));
