@@ -253,6 +253,9 @@ fn a_changed_log_does_not_replay() {
         }
     }
     assert!(!same(&changed));
+    let mut endless = log.clone();
+    endless.end.insert("seconds".to_owned(), "1e300".to_owned());
+    assert!(recorder::replay(&endless).is_err_and(|error| error.to_string().contains("expected at most 2678400")));
     let mut headless = log.clone();
     headless.run.remove("scene");
     assert!(recorder::replay(&headless).is_err());

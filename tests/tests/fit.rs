@@ -5,6 +5,7 @@ use std::path::Path;
 use experiments::fit::{Estimate, Fit, Found};
 use experiments::plan::Plan;
 use experiments::{run, table};
+use sim_core::scene::DriveModel;
 
 /// The radius that the measured robot has; the file of the robot says 0.05.
 const RADIUS: f64 = 0.0497;
@@ -106,12 +107,16 @@ fn what_is_only_known_together_is_said_to_be() {
 #[test]
 fn a_wrong_file_is_named_with_what_was_expected() {
     let check = |fit: &str, measured: &str, expected: &str| {
-        let folder = folder(fit, measured, 1);
+        let folder = self::folder(fit, measured, 1);
         let error = Fit::read(&folder.path().join("fit.toml"), None).map(|_| ()).expect_err(expected).to_string();
         assert!(error.contains(expected), "{error}");
     };
     let good = "run,step,main,error,yaw\nforward,1,0.1,0,0\n";
     let fit = RADIUS_AND_FRICTION;
+    let folder = folder(fit, good, 1);
+    let kinematic =
+        Fit::read(&folder.path().join("fit.toml"), Some(DriveModel::Kinematic)).expect_err("a model of no run");
+    assert!(kinematic.to_string().ends_with("no runs with the drive model that is asked for"), "{kinematic}");
     check(&fit.replace("measured.csv", "none.csv"), good, "none.csv");
     check(&fit.replace("moves.toml", "none.toml"), good, "none.toml");
     check(&fit.replace("[0.047, 0.053]", "[0.06, 0.05]"), good, "parameter `wheel radius`: `range` is [0.06, 0.05]");

@@ -178,6 +178,9 @@ impl Fit {
         if let Some(model) = model {
             plan.keep_models(&[model]);
         }
+        if plan.runs().is_empty() {
+            return Err(wrong(&experiment, &"no runs with the drive model that is asked for"));
+        }
         let table = beside(&measured);
         let (settings, measured) =
             measurements(&text(&table)?, &names, plan.runs()).map_err(|reason| wrong(&table, &reason))?;

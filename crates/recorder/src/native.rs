@@ -29,7 +29,7 @@ impl Native {
     pub(crate) fn new(world: &WorldDef, file: &mut LogFile) -> McapResult<Self> {
         let upside_down = scene::pose([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]);
         file.put(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
-        file.put(0.0, "/map/scene", &added(drawing::map(&world.map)))?;
+        file.put(0.0, "/map/scene", &added(0.0, drawing::map(&world.map)))?;
         Ok(Self { world: world.clone(), robots: BTreeMap::new() })
     }
 
@@ -94,7 +94,7 @@ impl Native {
         };
         let mounts = transforms(def.sensors.iter().map(mount).collect());
         file.put(time, &format!("/robot/{robot}/tf_static"), &mounts)?;
-        file.put(time, &format!("/robot/{robot}/scene"), &added(drawing::robot(&frame, def)))
+        file.put(time, &format!("/robot/{robot}/scene"), &added(time, drawing::robot(&frame, def)))
     }
 
     /// A robot that left with its connection.
@@ -171,7 +171,12 @@ fn transforms(transforms: Vec<FrameTransform>) -> FrameTransforms {
     FrameTransforms { transforms }
 }
 
-fn added(entities: Vec<fox::SceneEntity>) -> SceneUpdate {
+/// Entities that stay until they are deleted.
+fn added(time: f64, mut entities: Vec<fox::SceneEntity>) -> SceneUpdate {
+    for entity in &mut entities {
+        entity.timestamp = Some(timestamp(time));
+        entity.lifetime = Some(fox::Duration::new(0, 0));
+    }
     SceneUpdate { deletions: Vec::new(), entities }
 }
 

@@ -7,6 +7,9 @@ use sim_core::{Controller, Options, World};
 
 use crate::{Log, Record, RobotState};
 
+/// Longest replay, simulated seconds: a month.
+const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
+
 /// What a replay came to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replay {
@@ -52,6 +55,11 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     if dropped != "0" {
         return Err(ReplayError(format!("{dropped} records were dropped when it was written")));
     }
+    let end: Option<f64> = log.end.get("seconds").and_then(|seconds| seconds.parse().ok());
+    let last = log.entries.iter().map(|entry| entry.time).chain(end).fold(0.0, f64::max);
+    if last > MAX_SECONDS {
+        return Err(ReplayError(format!("it goes to {last} s: expected at most {MAX_SECONDS}")));
+    }
     let mut world = World::new(def, Options { seed, speed_unit, time_step });
     let mut controllers: BTreeMap<u64, Controller> = BTreeMap::new();
     let (mut steps, mut states, mut first_difference) = (0, 0, None);
@@ -90,7 +98,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
             Record::Out(_) | Record::Warning(_) => {}
         }
     }
-    if let Some(end) = log.end.get("seconds").and_then(|seconds| seconds.parse().ok()) {
+    if let Some(end) = end {
         advance(&mut world, end);
     }
     let recorded = log.end.get("digest").and_then(|digest| u64::from_str_radix(digest, 16).ok());
