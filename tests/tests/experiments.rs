@@ -177,7 +177,9 @@ fn a_folder_of_something_else_is_left_alone() {
 fn a_full_disk_is_a_named_error() {
     let plan = plan(FILE);
     match run::run(&plan, &plan.runs()[0], Some(Path::new("/dev/full"))) {
-        Err(RunError::Log(error)) => assert!(error.to_string().contains("/dev/full: "), "{error}"),
+        Err(RunError::Log(error)) => {
+            assert!(error.to_string().starts_with("log /dev/full: No space left on device"), "{error}")
+        }
         other => panic!("{other:?}"),
     }
 }

@@ -127,8 +127,11 @@ impl LogWriter {
     }
 }
 
-pub(crate) fn refused(file: &Path, reason: impl std::fmt::Display) -> RecordError {
-    RecordError { file: file.display().to_string(), reason: reason.to_string() }
+/// With what the operating system says, where that is the cause.
+pub(crate) fn refused(file: &Path, reason: impl Into<Box<dyn std::error::Error>>) -> RecordError {
+    let reason = reason.into();
+    let cause = reason.source().map(ToString::to_string);
+    RecordError { file: file.display().to_string(), reason: cause.unwrap_or_else(|| reason.to_string()) }
 }
 
 /// Writes a log from a thread of its own until it is finished or dropped.
