@@ -33,10 +33,14 @@ const DIFFERENCE: f64 = 0.02;
 const RESAMPLES: usize = 2000;
 /// Blocks of which at least so many are drawn from; with fewer runs, steps are drawn.
 const LEAST_BLOCKS: usize = 8;
-/// Correlation from which on two parameters are only known together.
+/// Correlation from which on two parameters with wide intervals are only known together.
 const CORRELATED: f64 = 0.9;
 /// Iterations of the search for each parameter.
 const ITERATIONS: u64 = 60;
+/// The search ends when its last values are this near to each other in distance, m.
+const SETTLED: f64 = 1e-8;
+/// Part of its range from which on an interval asks for caution.
+const WIDE: f64 = 0.2;
 /// Most parameters.
 const MAX_PARAMETERS: usize = 8;
 
@@ -220,7 +224,7 @@ impl Fit {
                     parameter.range[1],
                     1e3 * effects[index]
                 )),
-                Some(place) => self.caution(&active, place, best[index], interval, &bootstrap),
+                Some(place) => self.caution(&active, place, &best, &bootstrap),
             };
             parameters.push(Estimate {
                 name: parameter.name.clone(),
@@ -253,26 +257,28 @@ impl Fit {
         })
     }
 
-    fn caution(
-        &self,
-        active: &[usize],
-        place: usize,
-        value: f64,
-        [low, high]: [f64; 2],
-        bootstrap: &Bootstrap,
-    ) -> Option<String> {
-        let [least, greatest] = self.parameters[active[place]].range;
-        let width = greatest - least;
-        if (value - least).min(greatest - value) < 0.01 * width || low <= least || high >= greatest {
+    /// What to be wary of in the parameter at a place among those that act.
+    fn caution(&self, active: &[usize], place: usize, best: &[f64], bootstrap: &Bootstrap) -> Option<String> {
+        let range = |place: usize| self.parameters[active[place]].range;
+        let at_end = |place: usize| {
+            let ([least, greatest], [low, high]) = (range(place), bootstrap.intervals[place]);
+            let value = best[active[place]];
+            (value - least).min(greatest - value) < 0.01 * (greatest - least) || high <= low
+        };
+        if at_end(place) {
             return Some("at the end of its range: widen it, or fix this parameter; the others lean on it".to_owned());
         }
-        let with =
-            (0..active.len()).find(|&other| other != place && bootstrap.correlation[(place, other)].abs() > CORRELATED);
-        if let Some(other) = with {
+        let ([least, greatest], [low, high]) = (range(place), bootstrap.intervals[place]);
+        let wide = high - low > WIDE * (greatest - least);
+        let correlated = |other: &usize| *other != place && bootstrap.correlation[(place, *other)].abs() > CORRELATED;
+        if let Some(other) = (0..active.len()).filter(correlated).find(|&other| wide || at_end(other)) {
             let name = &self.parameters[active[other]].name;
             return Some(format!("known only together with `{name}`: what one gains the other can lose"));
         }
-        (high - low > 0.5 * width).then(|| "poorly known: the interval is more than half of the range".to_owned())
+        if !(low..=high).contains(&best[active[place]]) {
+            return Some("the search did not settle: look at its picture (--out)".to_owned());
+        }
+        wide.then(|| "poorly known: the interval is much of the range".to_owned())
     }
 
     /// Root mean square distance of predicted steps from the measured ones, m.
@@ -457,7 +463,7 @@ impl<P: Fn(f64) + Sync> Search<'_, P> {
             Ok(error) => error,
             Err(error) => FitError::Search(error.to_string()),
         };
-        let solver = NelderMead::new(simplex).with_sd_tolerance(1e-8).map_err(failed)?;
+        let solver = NelderMead::new(simplex).with_sd_tolerance(SETTLED).map_err(failed)?;
         let iterations = ITERATIONS * active.len() as u64;
         let result =
             Executor::new(cost, solver).configure(|state| state.max_iters(iterations)).run().map_err(failed)?;

@@ -255,7 +255,9 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
     }
     for Estimate { name, value, interval: [low, high], caution, .. } in parameters {
         match caution {
-            Some(caution) => print(format_args!("{name}: {value:.6}  CAUTION {caution}")),
+            Some(caution) => {
+                print(format_args!("{name}: {value:.6}  95 % from {low:.6} to {high:.6}  CAUTION {caution}"))
+            }
             None => {
                 print(format_args!("{name}: {value:.6}  95 % from {low:.6} to {high:.6} ({resampled} drawn again)"))
             }
