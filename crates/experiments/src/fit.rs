@@ -4,41 +4,29 @@
 //! The distance of a simulated from a measured step is that of two points of the robot: the way in the plane, and what it turned
 //! as the way of a point 0.3 m from its middle. What is minimised is its root mean square over all measured steps.
 
+mod bootstrap;
+mod measured;
+mod search;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use argmin::core::{CostFunction, Executor, State};
-use argmin::solver::neldermead::NelderMead;
 use charts::{Chart, Series};
-use nalgebra::{DMatrix, DVector};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use sim_core::scene::DriveModel;
 
+use self::bootstrap::{Bootstrap, bootstrap};
+use self::measured::{Measured, measurements};
+use self::search::Search;
 use crate::plan::{Plan, PlanError, Run};
-use crate::run::{self, RunError, Step};
+use crate::run::{RunError, Step};
 
 /// Where a turn counts as a way, m from the middle: about where a youBot's wheels are.
 const TURN_ARM: f64 = 0.3;
 /// What no one measures better than, m.
 const FINEST: f64 = 1e-4;
-/// Values of a parameter in its profile.
-const PROFILE: usize = 9;
-/// Part of a range that a derivative is taken over, either way.
-const DIFFERENCE: f64 = 0.02;
-/// Times that the measurements are drawn again.
-const RESAMPLES: usize = 2000;
-/// Blocks of which at least so many are drawn from; with fewer runs, steps are drawn.
-const LEAST_BLOCKS: usize = 8;
 /// Correlation from which on two parameters with wide intervals are only known together.
 const CORRELATED: f64 = 0.9;
-/// Iterations of the search for each parameter.
-const ITERATIONS: u64 = 60;
-/// The search ends when its last values are this near to each other in distance, m.
-const SETTLED: f64 = 1e-8;
 /// Part of its range from which on an interval asks for caution.
 const WIDE: f64 = 0.2;
 /// Most parameters.
@@ -69,18 +57,6 @@ pub struct Parameter {
     pub range: [f64; 2],
     /// Where the search begins; the middle of the range unless given.
     pub start: Option<f64>,
-}
-
-/// What was measured in a step of a run.
-#[derive(Debug, Clone, PartialEq)]
-struct Measured {
-    /// Index into [`Fit::settings`].
-    setting: usize,
-    /// Which repetition of which run it is of.
-    block: usize,
-    /// Number of the step, from 0.
-    step: usize,
-    way: Step,
 }
 
 /// Everything that a fit needs.
@@ -197,7 +173,7 @@ impl Fit {
     /// # Errors
     /// When a run cannot be made.
     pub fn find(&self, jobs: usize, progress: impl Fn(f64) + Sync) -> Result<Found, FitError> {
-        let search = Search { fit: self, jobs: jobs.max(1), simulated: AtomicUsize::new(0), progress: &progress };
+        let search = Search::new(self, jobs, &progress);
         let start: Vec<f64> = self.parameters.iter().map(Parameter::begin).collect();
         let before = search.predict(&start)?;
         let scatter = self.scatter();
@@ -211,7 +187,7 @@ impl Fit {
         let active: Vec<usize> = (0..start.len()).filter(|&index| effects[index] > threshold).collect();
         let best = search.minimise(&start, &active)?;
         let predicted = search.predict(&best)?;
-        let bootstrap = self.bootstrap(&search, &best, &active)?;
+        let bootstrap = bootstrap(self, &search, &best, &active)?;
         let mut parameters = Vec::new();
         for (index, parameter) in self.parameters.iter().enumerate() {
             let profile = search.profile(&best, index)?;
@@ -251,7 +227,7 @@ impl Fit {
             caution: left,
             scatter,
             steps: self.measured.len(),
-            simulated: search.simulated.into_inner(),
+            simulated: search.simulated(),
             resampled: bootstrap.resampled,
             parameters,
         })
@@ -301,203 +277,6 @@ impl Fit {
             freedom += group.len() - 1;
         }
         (freedom > 0).then(|| (squares / freedom as f64).sqrt())
-    }
-
-    /// What other measurements of the same kind would have given: the measured runs or steps, and the samples of the simulation, are
-    /// drawn again with replacement, and each time the least squares are solved with the derivatives at the best values.
-    fn bootstrap<P: Fn(f64) + Sync>(
-        &self,
-        search: &Search<P>,
-        best: &[f64],
-        active: &[usize],
-    ) -> Result<Bootstrap, FitError> {
-        let count = active.len();
-        let mut slopes = DMatrix::zeros(3 * self.measured.len(), count);
-        for (column, &index) in active.iter().enumerate() {
-            let [least, greatest] = self.parameters[index].range;
-            let at = |value: f64| {
-                let mut values = best.to_vec();
-                values[index] = value.clamp(least, greatest);
-                search.predict(&values).map(|steps| (values[index], steps))
-            };
-            let (low, below) = at(best[index] - DIFFERENCE * (greatest - least))?;
-            let (high, above) = at(best[index] + DIFFERENCE * (greatest - least))?;
-            for (row, (below, above)) in below.iter().zip(&above).enumerate() {
-                for (part, (below, above)) in parts(below).iter().zip(parts(above)).enumerate() {
-                    slopes[(3 * row + part, column)] = (above - below) / (high - low);
-                }
-            }
-        }
-        let blocks = self.measured.iter().map(|measured| measured.block).max().map_or(0, |last| last + 1);
-        let by_run = blocks >= LEAST_BLOCKS;
-        let mut members: Vec<Vec<usize>> = vec![Vec::new(); if by_run { blocks } else { self.measured.len() }];
-        self.measured.iter().enumerate().for_each(|(row, m)| members[if by_run { m.block } else { row }].push(row));
-        let samples = search.simulate(best)?;
-        let mut draw = ChaCha8Rng::seed_from_u64(self.seed);
-        let mut drawn: Vec<Vec<f64>> = vec![Vec::with_capacity(RESAMPLES); count];
-        for _ in 0..RESAMPLES {
-            // The simulation's samples are as much chance as the measured runs.
-            let simulated: Vec<Vec<Step>> = samples
-                .iter()
-                .map(|samples| mean((0..samples.len()).map(|_| &samples[draw.random_range(0..samples.len())])))
-                .collect();
-            let (mut matrix, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
-            for _ in 0..members.len() {
-                for &row in &members[draw.random_range(0..members.len())] {
-                    let Measured { setting, step, way, .. } = &self.measured[row];
-                    let slope = slopes.rows(3 * row, 3);
-                    let missing = parts(way).into_iter().zip(parts(&simulated[*setting][*step])).map(|(m, p)| m - p);
-                    matrix += slope.transpose() * slope;
-                    right += slope.transpose() * DVector::from_iterator(3, missing);
-                }
-            }
-            let Ok(change) = matrix.svd(true, true).solve(&right, 1e-12) else { continue };
-            for (place, &index) in active.iter().enumerate() {
-                let [least, greatest] = self.parameters[index].range;
-                drawn[place].push((best[index] + change[place]).clamp(least, greatest));
-            }
-        }
-        let few = samples.iter().map(Vec::len).filter(|&count| count > 1).chain([members.len()]).min().unwrap_or(1);
-        let wider = small_sample_factor(few);
-        let intervals = drawn.iter_mut().zip(active).map(|(values, &index)| {
-            values.sort_by(f64::total_cmp);
-            let at = |part: f64| values.get((part * (values.len() as f64 - 1.0)).round() as usize).copied();
-            let [least, greatest] = self.parameters[index].range;
-            [at(0.025), at(0.975)]
-                .map(|end| (best[index] + wider * (end.unwrap_or(f64::NAN) - best[index])).clamp(least, greatest))
-        });
-        let intervals = intervals.collect();
-        // Correlation of the estimates: of the inverse of the normal matrix, whose columns are scaled to be of one size first.
-        let sizes: Vec<f64> = slopes.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
-        let scaled = DMatrix::from_fn(slopes.nrows(), count, |row, column| slopes[(row, column)] / sizes[column]);
-        let inverse = (scaled.transpose() * scaled + DMatrix::identity(count, count) * 1e-9).try_inverse();
-        let inverse = inverse.unwrap_or_else(|| DMatrix::identity(count, count));
-        let correlation = DMatrix::from_fn(count, count, |row, column| {
-            inverse[(row, column)] / (inverse[(row, row)] * inverse[(column, column)]).sqrt()
-        });
-        Ok(Bootstrap { intervals, correlation, resampled: if by_run { "runs" } else { "steps" } })
-    }
-}
-
-struct Bootstrap {
-    /// Of the parameters that act.
-    intervals: Vec<[f64; 2]>,
-    correlation: DMatrix<f64>,
-    resampled: &'static str,
-}
-
-/// Simulated steps for values of the parameters.
-struct Search<'a, P> {
-    fit: &'a Fit,
-    jobs: usize,
-    simulated: AtomicUsize,
-    progress: &'a P,
-}
-
-impl<P: Fn(f64) + Sync> Search<'_, P> {
-    /// The steps that the simulation has in the place of the measured ones.
-    fn predict(&self, values: &[f64]) -> Result<Vec<Step>, FitError> {
-        let samples = self.simulate(values)?;
-        let means: Vec<Vec<Step>> = samples.iter().map(|samples| mean(samples.iter())).collect();
-        let measured = self.fit.measured.iter();
-        let predicted: Vec<Step> = measured.map(|measured| means[measured.setting][measured.step]).collect();
-        (self.progress)(self.fit.distance(&predicted));
-        Ok(predicted)
-    }
-
-    /// The steps of every sample of every setting.
-    fn simulate(&self, values: &[f64]) -> Result<Vec<Vec<Vec<Step>>>, FitError> {
-        let Fit { parameters, plan, settings, .. } = self.fit;
-        let runs: Vec<&Run> = settings.iter().flatten().collect();
-        let set: Vec<String> = parameters
-            .iter()
-            .zip(values)
-            .flat_map(|(parameter, value)| parameter.set.iter().map(move |path| path.replace("{}", &value.to_string())))
-            .collect();
-        let (next, results) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
-        let work = || {
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                let Some(run) = runs.get(index) else { return };
-                let mut run = Run::clone(run);
-                run.setup.set.extend(set.iter().cloned());
-                let outcome = run::run(plan, &run, None);
-                results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).insert(index, outcome);
-            }
-        };
-        std::thread::scope(|scope| (0..self.jobs.min(runs.len())).for_each(|_| drop(scope.spawn(work))));
-        self.simulated.fetch_add(runs.len(), Ordering::Relaxed);
-        let results = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let steps = results.into_values().map(|outcome| outcome.map(|outcome| outcome.steps));
-        let steps = steps.collect::<Result<Vec<_>, _>>()?;
-        let mut of_runs = steps.into_iter();
-        Ok(settings.iter().map(|samples| of_runs.by_ref().take(samples.len()).collect()).collect())
-    }
-
-    /// The steps for values of one parameter through its range.
-    fn profile(&self, values: &[f64], index: usize) -> Result<Vec<(f64, Vec<Step>)>, FitError> {
-        let [least, greatest] = self.fit.parameters[index].range;
-        (0..PROFILE)
-            .map(|place| {
-                let mut values = values.to_vec();
-                values[index] = least + (greatest - least) * place as f64 / (PROFILE - 1) as f64;
-                self.predict(&values).map(|steps| (values[index], steps))
-            })
-            .collect()
-    }
-
-    /// The values of least distance (Nelder and Mead), of the parameters that act.
-    fn minimise(&self, start: &[f64], active: &[usize]) -> Result<Vec<f64>, FitError> {
-        if active.is_empty() {
-            return Ok(start.to_vec());
-        }
-        let cost = Distance { search: self, start, active };
-        let first: Vec<f64> = active.iter().map(|&index| self.fit.parameters[index].part_of(start[index])).collect();
-        let mut simplex = vec![first.clone()];
-        simplex.extend((0..active.len()).map(|place| {
-            let mut corner = first.clone();
-            corner[place] += if corner[place] > 0.5 { -0.25 } else { 0.25 };
-            corner
-        }));
-        let failed = |error: argmin::core::Error| match error.downcast::<FitError>() {
-            Ok(error) => error,
-            Err(error) => FitError::Search(error.to_string()),
-        };
-        let solver = NelderMead::new(simplex).with_sd_tolerance(SETTLED).map_err(failed)?;
-        let iterations = ITERATIONS * active.len() as u64;
-        let result =
-            Executor::new(cost, solver).configure(|state| state.max_iters(iterations)).run().map_err(failed)?;
-        let best = result.state().get_best_param().cloned().unwrap_or(first);
-        Ok(self.values(start, active, &best))
-    }
-
-    /// Parts of the ranges as values.
-    fn values(&self, start: &[f64], active: &[usize], parts: &[f64]) -> Vec<f64> {
-        let mut values = start.to_vec();
-        for (&index, part) in active.iter().zip(parts) {
-            let [least, greatest] = self.fit.parameters[index].range;
-            values[index] = least + (greatest - least) * part.clamp(0.0, 1.0);
-        }
-        values
-    }
-}
-
-/// What is minimised, over parts of the ranges.
-struct Distance<'a, P> {
-    search: &'a Search<'a, P>,
-    start: &'a [f64],
-    active: &'a [usize],
-}
-
-impl<P: Fn(f64) + Sync> CostFunction for Distance<'_, P> {
-    type Param = Vec<f64>;
-    type Output = f64;
-
-    fn cost(&self, parts: &Vec<f64>) -> Result<f64, argmin::core::Error> {
-        let steps = self.search.predict(&self.search.values(self.start, self.active, parts))?;
-        // Outside of the ranges it only gets worse.
-        let outside: f64 = parts.iter().map(|part| (part - part.clamp(0.0, 1.0)).abs()).sum();
-        Ok(self.search.fit.distance(&steps) * (1.0 + outside) + FINEST * outside)
     }
 }
 
@@ -565,75 +344,6 @@ fn check(parameters: &[Parameter]) -> Result<(), String> {
     Ok(())
 }
 
-/// The runs that were measured, and what was measured in them, from a table `run,step,main,error,yaw`. A run is called by the values
-/// of its axes, or as in the steps.csv of an experiment.
-fn measurements(text: &str, names: &[Run], runs: Vec<Run>) -> Result<(Vec<Vec<Run>>, Vec<Measured>), String> {
-    #[derive(Deserialize)]
-    struct Row {
-        run: String,
-        step: usize,
-        main: f64,
-        error: f64,
-        yaw: f64,
-    }
-    let setting = |run: &Run| {
-        let axes = run.labels.iter().filter(|(name, _)| name != "model" && name != "sample");
-        let values = axes.map(|(_, value)| value.as_str()).collect::<Vec<_>>().join(" ");
-        // An experiment that varies nothing is called by its name.
-        if values.is_empty() { run.id.split('/').next().unwrap_or_default().to_owned() } else { values }
-    };
-    let mut kept: Vec<Vec<Run>> = Vec::new();
-    let mut measured: Vec<Measured> = Vec::new();
-    // How often a step of a run came, and the block of each repetition.
-    let mut repeated: BTreeMap<(String, usize), usize> = BTreeMap::new();
-    let mut blocks: BTreeMap<(String, usize), usize> = BTreeMap::new();
-    for row in csv::Reader::from_reader(text.as_bytes()).deserialize() {
-        let Row { run: name, step, main, error, yaw } = row.map_err(|error: csv::Error| error.to_string())?;
-        let wrong = |what: String| format!("run `{name}`, step {step}: {what}");
-        // In a steps.csv the sample is the last part; there may be more of them than the simulation has.
-        let stem = |id: &str| id.rsplit_once('-').map(|(stem, _)| stem.to_owned());
-        let same = |run: &&Run| run.id == name || stem(&run.id).is_some_and(|of| stem(&name) == Some(of));
-        let wanted = names.iter().find(same).map_or_else(|| name.clone(), setting);
-        let Some(run) = runs.iter().find(|run| setting(run) == wanted) else {
-            let mut known: Vec<String> = runs.iter().map(setting).collect();
-            known.dedup();
-            return Err(wrong(format!("the experiment has no such run: expected one of {}", known.join(", "))));
-        };
-        if step == 0 || step > run.setup.steps() as usize {
-            return Err(wrong(format!("expected a step from 1 to {}", run.setup.steps())));
-        }
-        if ![main, error, yaw].iter().all(|number| number.is_finite()) {
-            return Err(wrong("a number is not finite".to_owned()));
-        }
-        let index = kept.iter().position(|samples| samples[0].id == run.id).unwrap_or_else(|| {
-            let same = |other: &&Run| setting(other) == wanted && other.drive_model == run.drive_model;
-            kept.push(runs.iter().filter(same).cloned().collect());
-            kept.len() - 1
-        });
-        let times = repeated.entry((name.clone(), step)).or_default();
-        let new = blocks.len();
-        let block = *blocks.entry((name, *times)).or_insert(new);
-        *times += 1;
-        measured.push(Measured { setting: index, block, step: step - 1, way: Step { main, error, yaw } });
-    }
-    if measured.is_empty() {
-        return Err("expected a table `run,step,main,error,yaw`, m and rad, with at least one step".to_owned());
-    }
-    Ok((kept, measured))
-}
-
-/// How much wider an interval of 95 % is that was drawn from few things: draws scatter by too little, and their scatter is itself
-/// uncertain (Hesterberg, "What teachers should know about the bootstrap", 2015, section 4.3; Student's t by its expansion in 1 / n).
-fn small_sample_factor(count: usize) -> f64 {
-    const NORMAL: f64 = 1.959964;
-    let freedom = (count.max(3) - 1) as f64;
-    let (cube, fifth) = (NORMAL.powi(3), NORMAL.powi(5));
-    let student = NORMAL
-        + (cube + NORMAL) / (4.0 * freedom)
-        + (5.0 * fifth + 16.0 * cube + 3.0 * NORMAL) / (96.0 * freedom * freedom);
-    student / NORMAL * ((freedom + 1.0) / freedom).sqrt()
-}
-
 /// The mean of the steps of several runs.
 fn mean<'a>(runs: impl Iterator<Item = &'a Vec<Step>>) -> Vec<Step> {
     let runs: Vec<&Vec<Step>> = runs.collect();
@@ -656,19 +366,4 @@ fn rms(steps: &[Step], others: &[Step]) -> f64 {
         [0, 1, 2].map(|part| (a[part] - b[part]).powi(2))
     });
     (squares.sum::<f64>() / steps.len().max(1) as f64).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn intervals_of_few_samples_are_wider_as_student_says() {
-        // Quantiles of Student's t at 97.5 % over the normal one, times sqrt(n / (n - 1)).
-        for (count, expected) in [(6, 2.571 / 1.96 * 1.0954), (11, 2.228 / 1.96 * 1.0488), (101, 1.984 / 1.96 * 1.005)]
-        {
-            let factor = small_sample_factor(count);
-            assert!((factor - expected).abs() < 0.02 * expected, "{count}: {factor}, expected {expected}");
-        }
-    }
 }
