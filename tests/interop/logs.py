@@ -148,6 +148,7 @@ def check_native(log):
     assert deleted == ["/robot/2/scene"], deleted
     warned = [m.message for _, _, m in messages["foxglove.Log"] if m.level == 3]
     assert any("DRIVE" in text and "what" in text for text in warned), warned
+    assert all(topic.split("/")[3] == "sensor" for _, topic, _ in messages["foxglove.LaserScan"])
     scans = {topic: (len(s.ranges), s.start_angle, s.end_angle) for _, topic, s in messages["foxglove.LaserScan"]}
     for beams, first, last in scans.values():
         assert (beams, round(first, 2), round(last, 2)) in [(181, 1.57, -1.57), (228, 2.09, -2.08)], scans

@@ -17,6 +17,9 @@ const MAX_CLIENTS: usize = 64;
 /// A client that takes nothing for so long is thrown out.
 const STALL_TIMEOUT: Duration = Duration::from_secs(30);
 
+/// Latest that a line is sent, s: years, but a time that the clock knows.
+const LONGEST_WAIT: f64 = 1e8;
+
 /// What is played, and where.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Playback {
@@ -87,7 +90,8 @@ async fn send(stream: TcpStream, lines: &[(f64, String)], real_time_factor: f64)
     let sending = async {
         for (time, line) in lines {
             if real_time_factor > 0.0 {
-                sleep_until(began + Duration::from_secs_f64((time - first).max(0.0) / real_time_factor)).await;
+                let seconds = ((time - first).max(0.0) / real_time_factor).min(LONGEST_WAIT);
+                sleep_until(began + Duration::from_secs_f64(seconds)).await;
             }
             let line = format!("{line}\r\n");
             if !matches!(timeout(STALL_TIMEOUT, writer.write_all(line.as_bytes())).await, Ok(Ok(()))) {

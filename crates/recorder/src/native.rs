@@ -136,7 +136,7 @@ impl Native {
             ranges: ranges.into_iter().map(f64::from).collect(),
             intensities: Vec::new(),
         };
-        file.put(time, &format!("/robot/{robot}/{name}"), &scan)
+        file.put(time, &format!("/robot/{robot}/sensor/{name}"), &scan)
     }
 }
 

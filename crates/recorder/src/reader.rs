@@ -84,9 +84,9 @@ fn parse(topic: &str, data: &[u8]) -> Result<Option<Record>, DecodeError> {
             let LogMessage { level, message, .. } = LogMessage::decode(data)?;
             return Ok((level == Level::Warning as i32).then_some(Record::Warning(message)));
         }
-        _ if topic.starts_with("/robot/") && topic.ends_with("/state") => Record::State(RobotState::decode(data)?),
-        _ => match topic.strip_prefix("/map/object/") {
-            Some(number) if !number.contains('/') => Record::Object(ObjectState::decode(data)?),
+        _ => match topic.split('/').collect::<Vec<_>>()[..] {
+            ["", "robot", _, "state"] => Record::State(RobotState::decode(data)?),
+            ["", "map", "object", _] => Record::Object(ObjectState::decode(data)?),
             _ => return Ok(None),
         },
     };

@@ -114,7 +114,7 @@ impl Ros2 {
         }
         let Some(Message::Sen(Sen { reading, .. })) = Message::read(&line.line) else { return Ok(()) };
         let sensor = |name: &str| self.world.sensor(class, name).map(|sensor| (sensor, &sensor.config));
-        let topic = |sensor: &str| format!("/{}", sensor_frame(robot, sensor));
+        let topic = |sensor: &str| format!("/{}/sensor/{}", robot_frame(robot), name(sensor));
         let header = |sensor: &str| header(time, &sensor_frame(robot, sensor));
         match reading {
             Reading::RangeScanner(scan) => match sensor(&scan.name).map(|(sensor, config)| (sensor, config.fan())) {
