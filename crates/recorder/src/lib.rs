@@ -55,16 +55,13 @@ impl StateTimer {
         self.taken = passed;
         let mut records: Vec<Record> =
             world.robots().filter_map(|robot| RobotState::of(world, robot)).map(Record::State).collect();
-        for (number, (pose, object)) in world.objects().zip(&world.def().map.objects).enumerate() {
-            if self.objects.get(number) != Some(&pose) {
-                records.push(Record::Object(ObjectState::new(number as u32, &object.solid.name, &pose)));
-            }
-            self.objects.truncate(number + 1);
-            match self.objects.get_mut(number) {
-                Some(last) => *last = pose,
-                None => self.objects.push(pose),
+        let poses: Vec<Pose> = world.objects().collect();
+        for (number, (pose, object)) in poses.iter().zip(&world.def().map.objects).enumerate() {
+            if self.objects.get(number) != Some(pose) {
+                records.push(Record::Object(ObjectState::new(number as u32, &object.solid.name, pose)));
             }
         }
+        self.objects = poses;
         records
     }
 }

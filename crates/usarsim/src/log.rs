@@ -7,6 +7,7 @@ mod plot;
 mod recover;
 mod replay;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use recorder::{Log, Record};
@@ -52,21 +53,23 @@ fn read(file: &Path) -> Result<Log, Failure> {
     recorder::read(file).map_err(|error| Failure::new(exit::BAD_DATA, error))
 }
 
+/// Class and name of the robots that were in the world, by number.
+fn robots(log: &Log) -> BTreeMap<u64, (&str, &str)> {
+    let states = log.entries.iter().filter_map(|entry| match &entry.record {
+        Record::State(state) => Some((state.robot, (state.class.as_str(), state.name.as_str()))),
+        _ => None,
+    });
+    states.collect()
+}
+
 /// The number of the robot that is asked for by its number or name.
 fn robot(log: &Log, file: &Path, wanted: &str) -> Result<u64, Failure> {
-    let mut known: Vec<(u64, &str, &str)> = Vec::new();
-    for entry in &log.entries {
-        if let Record::State(state) = &entry.record
-            && known.iter().all(|(robot, _, _)| *robot != state.robot)
-        {
-            known.push((state.robot, &state.name, &state.class));
-        }
-    }
-    let is = |(robot, name, _): &&(u64, &str, &str)| robot.to_string() == wanted || *name == wanted;
-    known.iter().find(is).map(|(robot, _, _)| *robot).ok_or_else(|| {
-        let names: Vec<String> =
-            known.iter().map(|(robot, name, class)| format!("{robot} ({class} {name})").replace(" )", ")")).collect();
-        let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+    let known = robots(log);
+    let is = |(robot, (_, name)): &(&u64, &(&str, &str))| robot.to_string() == wanted || *name == wanted;
+    known.iter().find(is).map(|(robot, _)| *robot).ok_or_else(|| {
+        let names =
+            known.iter().map(|(robot, (class, name))| format!("{robot} ({})", format!("{class} {name}").trim_end()));
+        let names = if known.is_empty() { "none".to_owned() } else { names.collect::<Vec<_>>().join(", ") };
         Failure::new(exit::USAGE, format_args!("{}: no robot `{wanted}`: it has {names}", file.display()))
     })
 }

@@ -33,12 +33,13 @@ pub(crate) struct Arguments {
 pub(super) fn run(Arguments { file, kind, robot, connection, from, to }: &Arguments) -> Result<(), Failure> {
     let log = super::read(file)?;
     let robot = robot.as_ref().map(|wanted| super::robot(&log, file, wanted)).transpose()?;
-    let line_of = |record| match record {
-        Record::In(line) => Some(('<', line)),
-        Record::Out(line) => Some(('>', line)),
-        _ => None,
+    let lines = || {
+        log.entries.iter().filter_map(|entry| match &entry.record {
+            Record::In(line) => Some((entry.time, ('<', line))),
+            Record::Out(line) => Some((entry.time, ('>', line))),
+            _ => None,
+        })
     };
-    let lines = || log.entries.iter().filter_map(|entry| Some((entry.time, line_of(entry.record.clone())?)));
     let connections: BTreeSet<u64> =
         lines().filter(|(_, (_, line))| line.robot == robot).map(|(_, (_, line))| line.connection).collect();
     for (time, (arrow, line)) in lines().filter(|(time, _)| (*from..=*to).contains(time)) {

@@ -1,9 +1,8 @@
 //! `usarsim log export`.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use recorder::{Record, Table, export};
+use recorder::{Table, export};
 
 use crate::{Failure, exit};
 
@@ -56,16 +55,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if *csv {
         return write(&table.to_csv(), out);
     }
-    let robots: BTreeSet<u64> = log
-        .entries
-        .iter()
-        .filter_map(|entry| match &entry.record {
-            Record::State(state) => Some(state.robot),
-            _ => None,
-        })
-        .collect();
+    let robots = super::robots(&log);
     if robot.is_none() && robots.len() > 1 {
-        let robots: Vec<String> = robots.iter().map(u64::to_string).collect();
+        let robots: Vec<String> = robots.keys().map(u64::to_string).collect();
         let text = format!("a trajectory is of one robot: say --robot, one of {}", robots.join(", "));
         return Err(Failure::new(exit::USAGE, text));
     }

@@ -21,16 +21,17 @@ pub(crate) struct Arguments {
 
 pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
     let log = super::read(file)?;
-    let (mut counts, mut robots) = (BTreeMap::new(), BTreeMap::new());
+    let mut counts = BTreeMap::new();
+    let robots: BTreeMap<u64, String> = super::robots(&log)
+        .into_iter()
+        .map(|(robot, (class, name))| (robot, format!("{class} {name}").trim().to_owned()))
+        .collect();
     for entry in &log.entries {
         let kind = match &entry.record {
             Record::In(_) => "lines in",
             Record::Out(_) => "lines out",
             Record::Closed(_) => "connections closed",
-            Record::State(state) => {
-                robots.insert(state.robot, format!("{} {}", state.class, state.name).trim().to_owned());
-                "states"
-            }
+            Record::State(_) => "states",
             Record::Object(_) => "states of objects",
             Record::Warning(_) => "warnings",
         };
