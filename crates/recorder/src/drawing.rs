@@ -55,9 +55,9 @@ fn wheel_entity(frame: &str, wheel: &Wheel) -> SceneEntity {
         disc(wheel.radius, TREAD);
         return drawn;
     };
-    disc(rollers.axis_circle - rollers.radius_at(0.0, wheel.radius), HUB);
+    disc(rollers.hub_radius(wheel.radius), HUB);
     for index in 0..rollers.count {
-        drawn.cylinders.extend(roller(rollers, wheel.radius).map(|(along, cone)| {
+        drawn.cylinders.extend(roller(rollers, wheel.radius).into_iter().map(|(along, cone)| {
             let place = rollers.pose(index) * scene::pose([along, 0.0, 0.0], [0.0, FRAC_PI_2, 0.0]);
             CylinderPrimitive { pose: Some(fox_pose(&place)), ..cone }
         }));
@@ -66,13 +66,9 @@ fn wheel_entity(frame: &str, wheel: &Wheel) -> SceneEntity {
 }
 
 /// The outline of a roller as cones along its axis, each with the place of its middle, m.
-fn roller(rollers: &Rollers, wheel_radius: f64) -> impl Iterator<Item = (f64, CylinderPrimitive)> {
-    let edge = move |piece: u32| {
-        let phase = rollers.last_phase * (2.0 * f64::from(piece) / f64::from(ROLLER_PIECES) - 1.0);
-        (rollers.half_length_at(phase, wheel_radius), rollers.radius_at(phase, wheel_radius))
-    };
-    (0..ROLLER_PIECES).map(move |piece| {
-        let ((from, bottom), (to, top)) = (edge(piece), edge(piece + 1));
+fn roller(rollers: &Rollers, wheel_radius: f64) -> Vec<(f64, CylinderPrimitive)> {
+    let cone = |ends: &[[f64; 2]]| {
+        let ([from, bottom], [to, top]) = (ends[0], ends[1]);
         let widest = bottom.max(top);
         let cone = CylinderPrimitive {
             pose: None,
@@ -82,7 +78,8 @@ fn roller(rollers: &Rollers, wheel_radius: f64) -> impl Iterator<Item = (f64, Cy
             color: Some(TREAD),
         };
         ((from + to) / 2.0, cone)
-    })
+    };
+    rollers.outline(wheel_radius, ROLLER_PIECES).windows(2).map(cone).collect()
 }
 
 fn entity(frame: &str, id: &str) -> SceneEntity {

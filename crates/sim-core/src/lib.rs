@@ -12,5 +12,5 @@ pub mod scene;
 pub mod sensor;
 mod world;
 
-pub use physics::{BodyState, WheelState, hull_surface, wheel_spin_inertia};
-pub use world::{Controller, Options, RobotId, TIME_STEP, World};
+pub use physics::{BodyState, Contact, WheelState, hull_surface, wheel_spin_inertia};
+pub use world::{Controller, Observation, Options, RobotId, TIME_STEP, World};

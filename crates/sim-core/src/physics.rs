@@ -4,6 +4,7 @@ mod contact;
 mod convert;
 mod mass;
 mod motor;
+mod observe;
 mod query;
 mod rigid_base;
 mod robot;
@@ -18,6 +19,7 @@ use rapier3d::prelude::*;
 
 pub(crate) use mass::total_mass;
 pub use mass::wheel_spin_inertia;
+pub use observe::Contact;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
 pub use shape::hull_surface;

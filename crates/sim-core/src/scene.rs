@@ -335,6 +335,11 @@ pub struct Wheel {
 }
 
 impl Wheel {
+    /// How many rollers it has.
+    pub fn roller_count(&self) -> usize {
+        self.rollers.as_ref().map_or(0, |rollers| rollers.count as usize)
+    }
+
     /// Pose of the wheel in the robot frame after it turned forward by an angle in radians.
     pub fn pose(&self, angle: f64) -> Pose {
         pose(self.position, [0.0, -angle, 0.0])
@@ -392,6 +397,20 @@ impl Rollers {
         let axis = tangent * sin_angle - Vector3::y() * cos_angle * self.angle.signum();
         let turn = UnitQuaternion::rotation_between(&Vector3::x(), &axis);
         Pose::from_parts(centre.into(), turn.unwrap_or_default())
+    }
+
+    /// The outline of a roller: places along its axis from its middle, m, and the radius there, m, from end to end.
+    pub fn outline(&self, wheel_radius: f64, pieces: u32) -> Vec<[f64; 2]> {
+        let edge = |piece: u32| {
+            let phase = self.last_phase * (2.0 * f64::from(piece) / f64::from(pieces) - 1.0);
+            [self.half_length_at(phase, wheel_radius), self.radius_at(phase, wheel_radius)]
+        };
+        (0..=pieces).map(edge).collect()
+    }
+
+    /// Radius of the hub that is drawn between the rollers, m: as far as they leave it free.
+    pub fn hub_radius(&self, wheel_radius: f64) -> f64 {
+        self.axis_circle - self.radius_at(0.0, wheel_radius)
     }
 
     /// Radius of a roller where it touches at a phase of the contact, m; at the place [`half_length_at`] that phase.

@@ -16,6 +16,7 @@ use crate::scene::{self, NamedPose, Pose, WorldDef};
 use crate::sensor::floats;
 use crate::{BodyState, WheelState};
 pub use controller::Controller;
+pub use robot::Observation;
 use robot::Robot;
 
 /// Length of a step, s, unless it is chosen: 500 Hz, where free rollers are within 0.3 % of their exact kinematics.
@@ -175,6 +176,11 @@ impl World {
     pub fn state(&self, id: RobotId) -> Option<(BodyState, Vec<WheelState>)> {
         let robot = self.robots.get(&id)?;
         Some((self.physics.body(robot.bodies()), robot.bodies().wheels()))
+    }
+
+    /// What there is to see of a robot.
+    pub fn observe(&self, id: RobotId) -> Option<Observation> {
+        self.robots.get(&id).map(|robot| robot.observe(&self.physics, self.time()))
     }
 
     /// Where the map's objects are, in its order.

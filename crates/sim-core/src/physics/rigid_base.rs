@@ -107,6 +107,10 @@ pub(super) struct RigidBase {
     changes: [(Vector3<f64>, Vector3<f64>); 2],
     reactions: Vec<(RigidBodyHandle, Vector3<f64>, Vector3<f64>)>,
     contacts: Vec<WheelContact>,
+    /// Where the ground pushed its wheels in the last step, and the impulse, N s: to be looked at.
+    pushes: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// Angles of the rollers, wheel by wheel, rad: to be looked at. They have no inertia, so nothing depends on them.
+    roller_angles: Vec<Vec<f64>>,
 }
 
 impl RigidBase {
@@ -137,6 +141,8 @@ impl RigidBase {
             changes: [(zero, zero); 2],
             reactions: Vec::new(),
             contacts: Vec::new(),
+            pushes: Vec::new(),
+            roller_angles: robot.driven().iter().map(|wheel| vec![0.0; wheel.roller_count()]).collect(),
         }
     }
 
@@ -158,6 +164,16 @@ impl RigidBase {
         self.angles.iter().zip(&self.motion.spins).map(|(&angle, &speed)| WheelState { angle, speed })
     }
 
+    /// Where the ground pushed its wheels in the last step, and the impulses, N s.
+    pub(super) fn pushes(&self) -> &[(Vector3<f64>, Vector3<f64>)] {
+        &self.pushes
+    }
+
+    /// Angles of its rollers, wheel by wheel, rad.
+    pub(super) fn roller_angles(&self) -> impl Iterator<Item = f64> {
+        self.roller_angles.iter().flatten().copied()
+    }
+
     /// Finds the velocity at the end of the step, with gravity and everything that its wheels touch.
     pub(super) fn solve(&mut self, world: &PhysicsWorld) {
         let time_step = f64::from(world.integration_parameters.dt);
@@ -176,6 +192,7 @@ impl RigidBase {
             contacts.clear();
             self.find_contacts(world, wheel, time_step, &mut contacts);
             for contact in &contacts {
+                self.turn_roller(wheel, contact, &base, time_step);
                 let collider = &world.colliders[contact.other];
                 let other = dynamic_body(world, collider).map(|(handle, body)| {
                     touched.iter().position(|&known| known == handle).unwrap_or_else(|| {
@@ -206,8 +223,15 @@ impl RigidBase {
         self.momentum = base.momentum(&motion);
         self.motion = motion;
         self.reactions.clear();
+        self.pushes.clear();
         self.loads.fill(Load::default());
         for (row, impulse) in rows.iter().zip(impulses) {
+            if let (Some(_), Some(point)) = (row.wheel, row.point) {
+                match self.pushes.last_mut().filter(|(known, _)| *known == point) {
+                    Some((_, push)) => *push += row.direction * impulse,
+                    None => self.pushes.push((point, row.direction * impulse)),
+                }
+            }
             if let (Some((wheel, _)), Limit::Push) = (row.wheel, row.limit) {
                 self.loads[wheel].normal += row.direction * impulse;
                 self.loads[wheel].resistance += row.rolling_resistance * impulse;
@@ -366,6 +390,16 @@ impl RigidBase {
             compliance: 1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)),
             limit: Limit::Push,
             rolling_resistance: self.wheels[index].material.rolling_resistance + rolling::of(collider),
+        }
+    }
+
+    /// A roller that touches rolls across its axis as fast as what it touches passes by.
+    fn turn_roller(&mut self, wheel: usize, contact: &WheelContact, base: &Base, time_step: f64) {
+        let WheelContact { point, normal, roller, axis, gap, rolling_radius, .. } = *contact;
+        if gap < MARGIN {
+            let across = normal.cross(&axis);
+            let passing = across.dot(&self.velocity_of_wheel(wheel, point, base));
+            self.roller_angles[wheel][roller] -= passing / rolling_radius * time_step;
         }
     }
 

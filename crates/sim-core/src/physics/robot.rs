@@ -23,7 +23,7 @@ pub(crate) struct RobotBodies {
 }
 
 /// What turns the wheels.
-enum Drivetrain {
+pub(super) enum Drivetrain {
     Multibody {
         driven: Vec<MultibodyWheel>,
         /// What touches the ground of every wheel, casters too.
@@ -33,7 +33,7 @@ enum Drivetrain {
 }
 
 /// A driven wheel, in the order of the definition.
-struct MultibodyWheel {
+pub(super) struct MultibodyWheel {
     joint: MultibodyJointHandle,
     servo: Servo,
     /// Its angle in f64, where the engine's f32 would lose digits within minutes.
@@ -41,6 +41,15 @@ struct MultibodyWheel {
 }
 
 impl RobotBodies {
+    /// Every body, chassis first, then each wheel with its rollers behind it.
+    pub(super) fn all(&self) -> &[RigidBodyHandle] {
+        &self.all
+    }
+
+    pub(super) fn drivetrain(&self) -> &Drivetrain {
+        &self.drivetrain
+    }
+
     /// Whether a body is one of the robot's.
     pub(super) fn contains(&self, body: RigidBodyHandle) -> bool {
         self.all.contains(&body)

@@ -27,6 +27,8 @@ pub(super) struct WheelContact {
     pub(super) point: Vector3<f64>,
     /// From the other to the wheel.
     pub(super) normal: Vector3<f64>,
+    /// Which of the wheel's rollers.
+    pub(super) roller: usize,
     /// Axis of the roller.
     pub(super) axis: Vector3<f64>,
     /// Distance of the point from the roller's axis along the normal, m.
@@ -82,8 +84,8 @@ impl RollerRing {
                 let part_frame = part_pose.map(convert::from_pose);
                 let local = part_frame.map_or(hub, |pose| pose.inv_mul(&hub));
                 let frame = part_frame.map_or(frame, |pose| frame * pose);
-                self.touch_part(&local, angle, prediction, part, constraints, |roller, touch| {
-                    let contact = self.contact(&frame, roller, touch, handle);
+                self.touch_part(&local, angle, prediction, part, constraints, |index, roller, touch| {
+                    let contact = self.contact(&frame, index, roller, touch, handle);
                     // On an edge between two triangles both hold the roller at the same place.
                     if !contacts.iter().any(|known| (known.point - contact.point).amax() < SAME_PLACE) {
                         contacts.push(contact);
@@ -110,7 +112,7 @@ impl RollerRing {
         prediction: f64,
         part: &dyn Shape,
         constraints: Option<&dyn NormalConstraints>,
-        mut found: impl FnMut(&Pose, Touch),
+        mut found: impl FnMut(usize, &Pose, Touch),
     ) {
         let centre = convert::vector(hub.translation.vector);
         let nearest = match part.as_halfspace() {
@@ -134,12 +136,12 @@ impl RollerRing {
             }
             let pose = wheel * roller;
             if let Some(touch) = touch_part(&self.shape, &convert::pose(&pose), part, constraints, prediction as Real) {
-                found(&pose, touch);
+                found(index, &pose, touch);
             }
         }
     }
 
-    fn contact(&self, frame: &Pose, roller: &Pose, touch: Touch, other: ColliderHandle) -> WheelContact {
+    fn contact(&self, frame: &Pose, index: usize, roller: &Pose, touch: Touch, other: ColliderHandle) -> WheelContact {
         let normal = convert::from_vector(touch.normal);
         let axis = roller.rotation * Vector3::x();
         let radius = f64::from(self.shape.radius_at(touch.along));
@@ -148,6 +150,7 @@ impl RollerRing {
         WheelContact {
             point: (frame * nalgebra::Point3::from(point)).coords,
             normal: frame.rotation * normal,
+            roller: index,
             axis: frame.rotation * axis,
             rolling_radius: radius,
             gap,

@@ -5,16 +5,33 @@ use gamebots_proto::command::{Drive, Set};
 use gamebots_proto::message::{Message, Sta};
 
 use super::{Options, RobotId, seed};
-use crate::WheelState;
 use crate::drive::DriveState;
 use crate::physics::{Physics, RobotBodies};
 use crate::scene::{Pose, RobotDef, SensorDef};
 use crate::sensor::{self, Effect, Sensor, View};
+use crate::{BodyState, Contact, WheelState};
 
 /// Seconds between two STA lines (USARVehicle.uc:264).
 const STATUS_INTERVAL: f64 = 0.1;
 /// What STA reports without a battery (BaseVehicle.uc:106-109).
 const NO_BATTERY: i32 = 99999;
+
+/// What there is to see of a robot: for viewers, who look at it more seldom than it moves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    /// Pose and velocity of the robot frame.
+    pub body: BodyState,
+    /// The driven wheels, in order.
+    pub wheels: Vec<WheelState>,
+    /// The speeds that they are told, rad/s.
+    pub targets: Vec<f64>,
+    /// Angles of the rollers about their own axes, rad, wheel by wheel.
+    pub rollers: Vec<f64>,
+    /// Everything that pushed the robot in the last step.
+    pub contacts: Vec<Contact>,
+    /// Whole seconds that its battery lasts; `None` without one.
+    pub battery: Option<i32>,
+}
 
 pub(super) struct Robot {
     def: RobotDef,
@@ -80,6 +97,18 @@ impl Robot {
     pub(super) fn battery_left(&self, time: f64) -> i32 {
         let age = time - self.spawned as f64 * self.options.time_step;
         self.def.battery.map_or(NO_BATTERY, |battery| (battery.life - (age - 0.1).max(0.0)).max(0.0) as i32)
+    }
+
+    /// What there is to see of it.
+    pub(super) fn observe(&self, physics: &Physics, time: f64) -> Observation {
+        Observation {
+            body: physics.body(&self.bodies),
+            wheels: self.bodies.wheels(),
+            targets: self.drive.targets.clone(),
+            rollers: physics.roller_angles(&self.def, &self.bodies),
+            contacts: physics.contacts(&self.bodies),
+            battery: self.def.battery.map(|_| self.battery_left(time)),
+        }
     }
 
     pub(super) fn drive(&mut self, drive: &Drive, problems: &mut Vec<Problem>) {

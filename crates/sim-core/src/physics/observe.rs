@@ -1,0 +1,77 @@
+//! What a robot's bodies do that only a viewer asks for: its rollers and what pushes it.
+
+use nalgebra::Vector3;
+use rapier3d::prelude::*;
+
+use super::robot::Drivetrain;
+use super::{Physics, RobotBodies, convert};
+use crate::scene::RobotDef;
+
+/// A place where something pushes a robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Where, world frame, m.
+    pub point: Vector3<f64>,
+    /// Force on the robot over the last step, world axes, N: the normal force and friction together.
+    pub force: Vector3<f64>,
+}
+
+impl Physics {
+    /// Angles of a robot's rollers about their own axes, rad, -pi to pi, wheel by wheel.
+    pub(crate) fn roller_angles(&self, robot: &RobotDef, bodies: &RobotBodies) -> Vec<f64> {
+        if let Drivetrain::Rigid(base) = bodies.drivetrain() {
+            return base.roller_angles().collect();
+        }
+        let mut angles = Vec::new();
+        // In the order that they were made: the chassis, then each wheel with its rollers behind it.
+        let mut handles = bodies.all()[1..].iter();
+        for wheel in &robot.wheels {
+            let Some(&hub) = handles.next() else { break };
+            let hub = convert::from_pose(self.world.bodies[hub].position());
+            let rollers = wheel.rollers.iter().flat_map(|rollers| (0..rollers.count).map(|index| rollers.pose(index)));
+            for (at_rest, &roller) in rollers.zip(handles.by_ref()) {
+                let roller = convert::from_pose(self.world.bodies[roller].position());
+                let turn = (hub * at_rest).inv_mul(&roller).rotation;
+                let half = turn.i.atan2(turn.w);
+                angles.push(
+                    2.0 * if half.abs() > std::f64::consts::FRAC_PI_2 {
+                        half - std::f64::consts::PI.copysign(half)
+                    } else {
+                        half
+                    },
+                );
+            }
+        }
+        angles
+    }
+
+    /// Everything that pushed a robot in the last step.
+    pub(crate) fn contacts(&self, bodies: &RobotBodies) -> Vec<Contact> {
+        let time_step = f64::from(self.world.integration_parameters.dt);
+        let mut contacts = Vec::new();
+        for body in bodies.all().iter().filter_map(|&body| self.world.bodies.get(body)) {
+            let centre = convert::from_vector(body.center_of_mass());
+            for &own in body.colliders() {
+                for pair in self.world.narrow_phase.contact_pairs_with(own) {
+                    let first = pair.collider1 == own;
+                    let sign = if first { 1.0 } else { -1.0 };
+                    for manifold in pair.manifolds().iter().filter(|manifold| !manifold.data.solver_contacts.is_empty())
+                    {
+                        let normal = -convert::from_vector(manifold.data.normal);
+                        for data in manifold.points.iter().map(|point| &point.data).filter(|data| data.impulse > 0.0) {
+                            let friction = convert::from_vector(data.warmstart_tangent_world);
+                            let arm = if first { data.solver_dp1 } else { data.solver_dp2 };
+                            let force = (normal * f64::from(data.impulse) + friction) * (sign / time_step);
+                            contacts.push(Contact { point: centre + convert::from_vector(arm), force });
+                        }
+                    }
+                }
+            }
+        }
+        if let Drivetrain::Rigid(base) = bodies.drivetrain() {
+            contacts
+                .extend(base.pushes().iter().map(|&(point, impulse)| Contact { point, force: impulse / time_step }));
+        }
+        contacts
+    }
+}
