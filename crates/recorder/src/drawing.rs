@@ -23,7 +23,7 @@ const HUB: Color = Color { r: 0.55, g: 0.57, b: 0.6, a: 1.0 };
 pub(crate) fn map(map: &MapDef) -> Vec<SceneEntity> {
     let solid = |frame: &str, solid: &scene::Solid, pose: &Pose| {
         let mut drawn = entity(frame, &solid.name);
-        add(&mut drawn, &solid.shape, pose, colour_of(&solid.material.name));
+        add(&mut drawn, &solid.shape, pose, colour(solid.material.colour));
         drawn
     };
     let fixed = map.solids.iter().map(|fixed| solid("world", fixed, &fixed.pose()));
@@ -123,11 +123,8 @@ fn add(drawn: &mut SceneEntity, shape: &Shape, pose: &Pose, colour: Color) {
     }
 }
 
-/// A quiet colour that is the same for the same material in every log.
-fn colour_of(material: &str) -> Color {
-    let hash = material.bytes().fold(17_u32, |hash, byte| hash.wrapping_mul(31).wrapping_add(u32::from(byte)));
-    let part = |shift: u32| 0.45 + 0.3 * f64::from((hash >> shift) & 0xff) / 255.0;
-    Color { r: part(0), g: part(8), b: part(16), a: 1.0 }
+fn colour([r, g, b]: [f64; 3]) -> Color {
+    Color { r, g, b, a: 1.0 }
 }
 
 /// A pose as Foxglove writes it, with the same bits.

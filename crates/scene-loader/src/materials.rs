@@ -19,7 +19,14 @@ struct Entry {
     rolling_resistance: f64,
     linear_damping: f64,
     angular_damping: f64,
+    #[serde(default = "grey")]
+    colour: [f64; 3],
     source: String,
+}
+
+/// What a material without a colour looks like.
+fn grey() -> [f64; 3] {
+    [0.6; 3]
 }
 
 pub(crate) fn read(file: &str, text: &str, problems: &mut Problems) -> Materials {
@@ -38,10 +45,16 @@ pub(crate) fn read(file: &str, text: &str, problems: &mut Problems) -> Materials
                 document.problem(&span, format_args!("`{key}` of {name} is {value}: expected 0 to {most}"));
             }
         }
+        if !entry.colour.iter().all(|part| (0.0..=1.0).contains(part)) {
+            let got = entry.colour;
+            document
+                .problem(&span, format_args!("`colour` of {name} is {got:?}: expected red, green and blue of 0 to 1"));
+        }
         if entry.source.is_empty() {
             document.problem(&span, format_args!("`source` of {name} is empty: expected where its numbers come from"));
         }
-        let Entry { friction, restitution, rolling_resistance, linear_damping, angular_damping, source } = entry;
+        let Entry { friction, restitution, rolling_resistance, linear_damping, angular_damping, colour, source } =
+            entry;
         let material = Material {
             name: name.clone(),
             friction,
@@ -49,6 +62,7 @@ pub(crate) fn read(file: &str, text: &str, problems: &mut Problems) -> Materials
             rolling_resistance,
             linear_damping,
             angular_damping,
+            colour,
             source,
         };
         materials.insert(name, material);

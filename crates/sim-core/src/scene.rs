@@ -40,6 +40,9 @@ pub struct Material {
     pub linear_damping: f64,
     /// Damping of its angular velocity, 1/s.
     pub angular_damping: f64,
+    /// Red, green and blue in which it is shown, 0 to 1. A scene written before there were colours reads as black.
+    #[serde(default)]
+    pub colour: [f64; 3],
     /// Where the numbers come from.
     pub source: String,
 }
