@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use gamebots_client::Client;
 use gamebots_proto::Line;
-use gamebots_server::{Config, ServeError};
+use gamebots_server::{Config, Ready, ServeError};
 use tokio::sync::oneshot;
 
 /// Longest that a test waits for what has to come.
@@ -18,6 +18,8 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
 pub struct Server {
     /// Where it listens.
     pub address: SocketAddr,
+    /// Where its page is.
+    pub page: Option<SocketAddr>,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
 }
@@ -32,7 +34,7 @@ impl Server {
         let mut config = Config { port: 0, ..Config::new(world) };
         change(&mut config);
         let (stop, stopped) = oneshot::channel::<()>();
-        let (ready, address) = channel();
+        let (ready, addresses) = channel();
         let run = move || {
             let shutdown = async {
                 // A dropped sender stops the server as well.
@@ -40,13 +42,14 @@ impl Server {
             };
             gamebots_server::run(
                 config,
-                |address| assert!(ready.send(address).is_ok(), "nobody waits for the server"),
+                |addresses| assert!(ready.send(addresses).is_ok(), "nobody waits for the server"),
                 shutdown,
             )
         };
         let thread = std::thread::spawn(run);
-        let address = address.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the server does not start"));
-        Self { address, stop: Some(stop), thread: Some(thread) }
+        let addresses = addresses.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the server does not start"));
+        let Ready { address, page } = addresses;
+        Self { address, page, stop: Some(stop), thread: Some(thread) }
     }
 
     /// Connects a client and reads its greeting.

@@ -10,6 +10,7 @@ use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::sync::mpsc::Sender;
 use tracing::{info, warn};
 
+use crate::control::Control;
 use crate::outbox::Outbox;
 
 /// Bytes read at once: bounds what one event can hold.
@@ -24,12 +25,14 @@ pub(crate) type ConnectionId = u64;
 
 /// Everything that a connection tells the world.
 pub(crate) enum Event {
-    /// A client is here.
-    Opened(ConnectionId, Arc<Outbox>),
+    /// A client is here, from this address.
+    Opened(ConnectionId, String, Arc<Outbox>),
     /// The lines of one segment, together: what a client sends in one piece is handled before time goes on.
     Lines(ConnectionId, Vec<Result<String, Problem>>),
     /// It is gone.
     Closed(ConnectionId),
+    /// Somebody who watches wishes something of the world.
+    Control(Control),
 }
 
 /// Serves a client until it leaves, or is thrown out because it takes nothing.
@@ -37,9 +40,10 @@ pub(crate) async fn serve(id: ConnectionId, stream: TcpStream, events: Sender<Ev
     if let Err(error) = stream.set_nodelay(true) {
         warn!(connection = id, %error, "cannot turn off delayed sending");
     }
+    let peer = stream.peer_addr().map_or_else(|_| "unknown".to_owned(), |peer| peer.to_string());
     let (read, write) = stream.into_split();
     let outbox = Arc::new(Outbox::default());
-    if events.send(Event::Opened(id, outbox.clone())).await.is_err() {
+    if events.send(Event::Opened(id, peer, outbox.clone())).await.is_err() {
         return;
     }
     let writer = write_lines(write, &outbox, stall_timeout);

@@ -10,11 +10,15 @@
 //! or fails to do can hold up the world or another client.
 
 mod connection;
+mod control;
 mod listener;
+mod live;
 mod outbox;
 mod pace;
 mod playback;
+mod recording;
 mod session;
+mod web;
 mod world_thread;
 
 pub use playback::{Playback, play};
@@ -47,6 +51,10 @@ pub struct Config {
     pub log: Option<PathBuf>,
     /// Whether messages of ROS 2 are written as well, to `run.ros2.mcap` beside `run.mcap`.
     pub ros2_log: bool,
+    /// File of the logs that a viewer begins, numbered where it exists.
+    pub unnamed_log: PathBuf,
+    /// Where the page is served.
+    pub page: Page,
     /// A client that takes nothing for this long is disconnected.
     pub stall_timeout: Duration,
 }
@@ -55,7 +63,6 @@ impl Config {
     /// A world with the defaults of USARSim: port 3000 on this machine, real time, 64 connections.
     pub fn new(world: WorldDef) -> Self {
         Self {
-            world,
             options: Options::default(),
             host: "127.0.0.1".to_owned(),
             port: 3000,
@@ -64,9 +71,32 @@ impl Config {
             report_errors: false,
             log: None,
             ros2_log: false,
+            unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
+            page: Page::None,
             stall_timeout: Duration::from_secs(30),
+            world,
         }
     }
+}
+
+/// Where the page with the 3-D view is served.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Page {
+    /// Nowhere.
+    None,
+    /// On this port; 0 takes a free one.
+    On(u16),
+    /// On this port, or a free one if it is taken.
+    Near(u16),
+}
+
+/// Where a server that is ready listens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ready {
+    /// For clients of the protocol.
+    pub address: SocketAddr,
+    /// For browsers.
+    pub page: Option<SocketAddr>,
 }
 
 /// Why serving did not start, or stopped by itself.
@@ -93,15 +123,11 @@ pub enum ServeError {
     WorldStopped,
 }
 
-/// Serves until `shutdown` completes. `ready` is called once with the address, when clients can connect.
+/// Serves until `shutdown` completes. `ready` is called once with the addresses, when clients can connect.
 ///
 /// # Errors
 /// When serving cannot start, or the world stops by itself.
-pub fn run(
-    config: Config,
-    ready: impl FnOnce(SocketAddr),
-    shutdown: impl Future<Output = ()>,
-) -> Result<(), ServeError> {
+pub fn run(config: Config, ready: impl FnOnce(Ready), shutdown: impl Future<Output = ()>) -> Result<(), ServeError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
     runtime.block_on(listener::serve(config, ready, shutdown))
 }

@@ -1,43 +1,120 @@
 //! Accepting clients, and pausing when there are too many.
 
-use std::net::SocketAddr;
-use std::time::Duration;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::time::{Duration, Instant};
 
-use tokio::net::TcpListener;
+use tokio::net::{TcpListener, TcpSocket, lookup_host};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinSet;
 use tracing::{info, warn};
 
-use crate::{Config, ServeError, connection, world_thread};
+use crate::web::Site;
+use crate::{Config, Page, Ready, ServeError, connection, live, web, world_thread};
 
 /// Events that may wait for the world; then clients wait.
 const MAX_EVENTS: usize = 1024;
+/// Bytes that may wait in the operating system for one viewer.
+const MAX_UNSENT_TO_VIEWER: u32 = 64 * 1024;
+/// Viewers that may wait to be accepted.
+const BACKLOG: u32 = 128;
 /// Pause after an error of accept or bind, which otherwise comes back at once.
 const BACK_OFF: Duration = Duration::from_millis(100);
 
 pub(crate) async fn serve(
     config: Config,
-    ready: impl FnOnce(SocketAddr),
+    ready: impl FnOnce(Ready),
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    let failed = |reason| ServeError::Listen { host: config.host.clone(), port: config.port, reason };
-    let listener = TcpListener::bind((config.host.as_str(), config.port)).await.map_err(failed)?;
-    let address = listener.local_addr().map_err(failed)?;
+    let listener = listen(&config.host, config.port).await?;
+    let address = local_address(&listener, &config.host, config.port)?;
+    let page = match config.page {
+        Page::None => None,
+        Page::On(port) => Some(listen_for_viewers(&config.host, port).await?),
+        Page::Near(port) => Some(listen_near(&config.host, port).await?),
+    };
+    let page_address = page.as_ref().map(|page| local_address(page, &config.host, 0)).transpose()?;
     let (events, receiver) = mpsc::channel(MAX_EVENTS);
     let (gone, world_gone) = oneshot::channel();
+    let (live, channels) = live::broadcast(Instant::now());
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
-    let world = world_thread::spawn(config, receiver, gone)?;
-    ready(address);
+    let scene = page.as_ref().map(|_| live::scene(&config.world, config.options.seed, address.port()).to_string());
+    let site = Site {
+        host: config.host.clone(),
+        protocol: reachable(address),
+        scene: scene.unwrap_or_default(),
+        channels,
+        events: events.downgrade(),
+        stall_timeout,
+    };
+    let world = world_thread::spawn(config, receiver, live, gone)?;
+    ready(Ready { address, page: page_address });
     let mut clients = JoinSet::new();
     let accepting = accept_clients(&mut clients, listener, address, max_connections, stall_timeout, events);
+    let showing = async {
+        match page {
+            Some(page) => web::serve(page, site).await,
+            None => std::future::pending().await,
+        }
+    };
     let result = tokio::select! {
         () = accepting => Ok(()),
+        () = showing => Ok(()),
         () = shutdown => Ok(()),
         _ = world_gone => Err(ServeError::WorldStopped),
     };
     // With the last connection goes the last sender of events, and with that the world's thread.
     clients.shutdown().await;
     world.join().map_err(|_| ServeError::WorldStopped).and(result)
+}
+
+async fn listen(host: &str, port: u16) -> Result<TcpListener, ServeError> {
+    let listener = TcpListener::bind((host, port)).await;
+    listener.map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
+}
+
+/// The page's listener. Little waits in its connections, so that a slow viewer sees the newest frame and not one of
+/// seconds ago.
+async fn listen_for_viewers(host: &str, port: u16) -> Result<TcpListener, ServeError> {
+    let failed = |reason| ServeError::Listen { host: host.to_owned(), port, reason };
+    let mut result = Err(failed(std::io::ErrorKind::AddrNotAvailable.into()));
+    for address in lookup_host((host, port)).await.map_err(failed)? {
+        let listen = || {
+            let socket = if address.is_ipv4() { TcpSocket::new_v4()? } else { TcpSocket::new_v6()? };
+            socket.set_reuseaddr(true)?;
+            // Those that are accepted inherit it.
+            socket.set_send_buffer_size(MAX_UNSENT_TO_VIEWER)?;
+            socket.bind(address)?;
+            socket.listen(BACKLOG)
+        };
+        result = listen().map_err(failed);
+        if result.is_ok() {
+            break;
+        }
+    }
+    result
+}
+
+async fn listen_near(host: &str, port: u16) -> Result<TcpListener, ServeError> {
+    let wanted = listen_for_viewers(host, port).await;
+    if wanted.is_err() {
+        warn!(port, "taken by another program: the page is on a free port");
+        return listen_for_viewers(host, 0).await;
+    }
+    wanted
+}
+
+fn local_address(listener: &TcpListener, host: &str, port: u16) -> Result<SocketAddr, ServeError> {
+    listener.local_addr().map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
+}
+
+/// An address at which this machine reaches what it listens on.
+fn reachable(mut address: SocketAddr) -> SocketAddr {
+    match address.ip() {
+        IpAddr::V4(ip) if ip.is_unspecified() => address.set_ip(Ipv4Addr::LOCALHOST.into()),
+        IpAddr::V6(ip) if ip.is_unspecified() => address.set_ip(Ipv6Addr::LOCALHOST.into()),
+        _ => {}
+    }
+    address
 }
 
 /// As in USARSim the limit is passed by one: listening stops when there are more than `max` connections, and the

@@ -19,16 +19,37 @@ const SHOWN_CHARS: usize = 200;
 /// One connection.
 pub(crate) struct Session {
     id: ConnectionId,
+    /// Address of the client.
+    peer: String,
     outbox: Arc<Outbox>,
     controller: Controller,
+    /// The line that made each of its robots, by which they come back in a fresh world.
+    inits: Vec<String>,
     lines: u64,
+    dropped: u64,
     warnings: Budget,
     report_errors: bool,
 }
 
 impl Session {
-    pub(crate) fn new(id: ConnectionId, outbox: Arc<Outbox>, report_errors: bool) -> Self {
-        Self { id, outbox, controller: Controller::default(), lines: 0, warnings: Budget::default(), report_errors }
+    pub(crate) fn new(id: ConnectionId, peer: String, outbox: Arc<Outbox>, report_errors: bool) -> Self {
+        let (controller, warnings) = (Controller::default(), Budget::default());
+        Self { id, peer, outbox, controller, inits: Vec::new(), lines: 0, dropped: 0, warnings, report_errors }
+    }
+
+    /// Address of the client.
+    pub(crate) fn peer(&self) -> &str {
+        &self.peer
+    }
+
+    /// Lines that came so far.
+    pub(crate) fn lines(&self) -> u64 {
+        self.lines
+    }
+
+    /// Periodic lines that were dropped, as far as they have been reported.
+    pub(crate) fn dropped(&self) -> u64 {
+        self.dropped
     }
 
     pub(crate) fn robots(&self) -> &[RobotId] {
@@ -53,6 +74,9 @@ impl Session {
         let text = match line {
             Ok(text) => {
                 answers = self.controller.execute(text, world, &mut problems);
+                if self.controller.robots().len() > self.inits.len() {
+                    self.inits.push(text.to_owned());
+                }
                 text
             }
             Err(problem) => {
@@ -69,6 +93,13 @@ impl Session {
         (answers, warnings)
     }
 
+    /// Forgets its robots and gives back the lines that made them: their world is over.
+    pub(crate) fn start_over(&mut self) -> Vec<(RobotId, String)> {
+        let robots = self.controller.robots().to_vec();
+        self.controller = Controller::default();
+        robots.into_iter().zip(self.inits.drain(..)).collect()
+    }
+
     /// Removes the newest robot, and lets the client have what still waits for it.
     pub(crate) fn end(self, world: &mut World) {
         self.controller.end(world);
@@ -76,8 +107,9 @@ impl Session {
     }
 
     /// Logs the periodic lines that were dropped since the last call.
-    pub(crate) fn report_dropped(&self) {
+    pub(crate) fn report_dropped(&mut self) {
         let dropped = self.outbox.take_dropped();
+        self.dropped += dropped;
         if dropped > 0 {
             warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
         }

@@ -6,15 +6,18 @@ use std::time::{Duration, Instant};
 
 use gamebots_proto::Problem;
 use gamebots_proto::message::Message;
-use recorder::{LogWriter, Record, Recorder, StateTimer, WireLine};
-use sim_core::{RobotId, World};
+use recorder::{Record, WireLine};
+use sim_core::{Options, RobotId, World};
 use tokio::sync::mpsc::Receiver;
 use tokio::sync::mpsc::error::TryRecvError;
 use tokio::sync::oneshot;
-use tracing::warn;
+use tracing::{info, warn};
 
 use crate::connection::{ConnectionId, Event};
+use crate::control::Control;
+use crate::live::{Broadcast, ClientStatus, Line, RobotStatus, Status};
 use crate::pace::Pace;
+use crate::recording::Recording;
 use crate::session::Session;
 use crate::{Config, ServeError};
 
@@ -29,74 +32,97 @@ const DROP_REPORT_INTERVAL: Duration = Duration::from_secs(5);
 pub(crate) fn spawn(
     config: Config,
     events: Receiver<Event>,
+    live: Broadcast,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<()>, ServeError> {
-    let log = |path| {
-        let speed = [("real_time_factor".to_owned(), config.real_time_factor.to_string())];
-        let mut log = LogWriter::create(path, &config.world, config.options, &speed)?;
-        if config.ros2_log {
-            log = log.with_ros2(&config.world)?;
-        }
-        Recorder::new(log)
-    };
-    let recorder = config.log.as_deref().map(log).transpose()?;
+    let Config { world, options, real_time_factor, report_errors, log, ros2_log, unnamed_log, .. } = config;
+    let world = World::new(world, options);
+    let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log);
+    if let Some(path) = log {
+        recording.start(&path, &world)?;
+    }
     let thread = std::thread::Builder::new().name("world".to_owned());
     let run = move || {
         let _gone = gone;
-        let Config { world, options, real_time_factor, report_errors, .. } = config;
-        let world = World::new(world, options);
+        let timing = Timing { speed: real_time_factor, paused: false, steps: 0 };
         let pace = Pace::new(real_time_factor, Instant::now(), world.time());
-        Server { world, recorder, report_errors, sessions: BTreeMap::new(), owners: BTreeMap::new() }.run(events, pace);
+        let sessions = BTreeMap::new();
+        let owners = BTreeMap::new();
+        Server { world, options, recording, live, timing, pace, resets: 0, report_errors, sessions, owners }
+            .run(events);
     };
     thread.spawn(run).map_err(ServeError::Start)
 }
 
 struct Server {
     world: World,
-    recorder: Option<Recorder>,
+    options: Options,
+    recording: Recording,
+    live: Broadcast,
+    timing: Timing,
+    pace: Pace,
+    /// How often the world began anew.
+    resets: u64,
     report_errors: bool,
     sessions: BTreeMap<ConnectionId, Session>,
     /// The connection that each robot reports to.
     owners: BTreeMap<RobotId, ConnectionId>,
 }
 
+/// How time is to pass.
+struct Timing {
+    /// Simulated seconds a real second; 0 is as fast as possible.
+    speed: f64,
+    paused: bool,
+    /// Steps to be taken while it is paused.
+    steps: u32,
+}
+
 impl Server {
-    fn run(mut self, mut events: Receiver<Event>, mut pace: Pace) {
+    fn run(mut self, mut events: Receiver<Event>) {
         let mut drop_report = Instant::now();
-        let mut states = StateTimer::default();
         loop {
             if !self.take_events(&mut events) {
-                if let Some(recorder) = self.recorder.take() {
-                    recorder.finish(self.world.time(), self.world.digest());
-                }
+                self.recording.stop(&self.world);
                 return;
             }
             let now = Instant::now();
-            if let Some(reached) = pace.lag_report(now, self.world.time()) {
-                warn!(reached = format!("{reached:.2}"), "behind its pace: the real-time factor of the last 5 s");
-                self.record(|| {
-                    Record::Warning(format!("behind its pace: real-time factor {reached:.2} of the last 5 s"))
-                });
+            if let Some(due) = self.live.due(now) {
+                let status = due.status.then(|| self.status());
+                self.live.tell(now, &self.world, status);
             }
             if now.duration_since(drop_report) >= DROP_REPORT_INTERVAL {
-                self.sessions.values().for_each(Session::report_dropped);
+                self.sessions.values_mut().for_each(Session::report_dropped);
                 drop_report = now;
             }
-            let wait = pace.wait(now, self.world.time());
+            let wait = self.wait(now);
             if !wait.is_zero() {
-                if let Some(recorder) = &mut self.recorder {
-                    recorder.hand_over();
-                }
+                self.recording.hand_over();
                 std::thread::sleep(wait.min(MAX_SLEEP));
                 continue;
             }
             for (robot, message) in self.world.step() {
+                self.live.scan(&self.world, robot, &message);
                 if let Some(&owner) = self.owners.get(&robot) {
                     self.send(owner, Some(robot.0), &message);
                 }
             }
-            self.record_states(&mut states);
+            self.recording.record_states(&self.world);
         }
+    }
+
+    /// How long the next step has to wait; a paused world takes only the steps that were asked for.
+    fn wait(&mut self, now: Instant) -> Duration {
+        if self.timing.paused {
+            let stepping = self.timing.steps > 0;
+            self.timing.steps = self.timing.steps.saturating_sub(1);
+            return if stepping { Duration::ZERO } else { MAX_SLEEP };
+        }
+        if let Some(reached) = self.pace.lag_report(now, self.world.time()) {
+            warn!(reached = format!("{reached:.2}"), "behind its pace: the real-time factor of the last 5 s");
+            self.say(&format!("behind its pace: real-time factor {reached:.2} of the last 5 s"));
+        }
+        self.pace.wait(now, self.world.time())
     }
 
     /// Handles what has come; false when nobody can send anything any more.
@@ -113,36 +139,94 @@ impl Server {
 
     fn handle(&mut self, event: Event) {
         match event {
-            Event::Opened(id, outbox) => {
-                self.sessions.insert(id, Session::new(id, outbox, self.report_errors));
+            Event::Opened(id, peer, outbox) => {
+                self.sessions.insert(id, Session::new(id, peer, outbox, self.report_errors));
                 let greeting = self.world.greeting();
                 self.send(id, None, &greeting);
+                self.live.changed(Instant::now());
             }
             Event::Lines(id, lines) => lines.into_iter().for_each(|line| self.handle_line(id, line)),
             Event::Closed(id) => {
                 let robot = self.newest_robot(id);
-                self.record(|| Record::Closed(WireLine { connection: id, robot, line: String::new() }));
-                if let Some(session) = self.sessions.remove(&id) {
+                self.recording
+                    .record(&self.world, || Record::Closed(WireLine { connection: id, robot, line: String::new() }));
+                if let Some(mut session) = self.sessions.remove(&id) {
                     session.report_dropped();
                     session.robots().iter().for_each(|robot| {
                         self.owners.remove(robot);
                     });
                     session.end(&mut self.world);
                 }
+                self.live.changed(Instant::now());
+            }
+            Event::Control(control) => self.control(control),
+        }
+    }
+
+    fn control(&mut self, control: Control) {
+        match control {
+            Control::Pause(paused) => self.timing.paused = paused,
+            Control::Step(steps) => {
+                self.timing.paused = true;
+                self.timing.steps = self.timing.steps.saturating_add(steps);
+            }
+            Control::Speed(speed) => self.timing.speed = speed,
+            Control::Reset => self.reset(),
+            Control::Record(true) => match self.recording.start_unnamed(&self.world) {
+                Ok(()) => self.say_recording("recording to"),
+                Err(error) => self.say(&error.to_string()),
+            },
+            Control::Record(false) => {
+                self.say_recording("recorded");
+                self.recording.stop(&self.world);
             }
         }
+        info!(?control, time = self.world.time(), "wished by a viewer");
+        self.pace = Pace::new(self.timing.speed, Instant::now(), self.world.time());
+        self.live.changed(Instant::now());
+    }
+
+    fn say_recording(&mut self, what: &str) {
+        if let Some(path) = self.recording.path() {
+            self.live.say(&format!("{what} {}", path.display()));
+        }
+    }
+
+    /// A fresh world; everyone who is connected gets their robots back where they were first put, in the same order.
+    fn reset(&mut self) {
+        let fresh = World::new(self.world.def().clone(), self.options);
+        let old = std::mem::replace(&mut self.world, fresh);
+        if let Err(error) = self.recording.start_over(&old, &self.world) {
+            self.live.say(&error.to_string());
+        }
+        self.owners.clear();
+        self.resets += 1;
+        let mut inits: Vec<(RobotId, ConnectionId, String)> = Vec::new();
+        for (&id, session) in &mut self.sessions {
+            inits.extend(session.start_over().into_iter().map(|(robot, line)| (robot, id, line)));
+        }
+        inits.sort_by_key(|(robot, ..)| *robot);
+        for (_, id, line) in inits {
+            self.handle_line(id, Ok(line));
+        }
+        self.live.say("the world began anew");
     }
 
     fn handle_line(&mut self, id: ConnectionId, line: Result<String, Problem>) {
         if let Ok(text) = &line {
             let robot = self.newest_robot(id);
-            self.record(|| Record::In(WireLine { connection: id, robot, line: text.clone() }));
+            self.recording.record(&self.world, || Record::In(WireLine { connection: id, robot, line: text.clone() }));
+            self.tell_line("in", id, robot, text);
         }
         let Some(session) = self.sessions.get_mut(&id) else { return };
+        let robots = session.robots().len();
         let (answers, warnings) =
             session.handle(line.as_deref().map_err(Clone::clone), &mut self.world, Instant::now());
-        self.owners.extend(session.robots().last().map(|&robot| (robot, id)));
-        warnings.into_iter().for_each(|warning| self.record(|| Record::Warning(warning)));
+        if session.robots().len() > robots {
+            self.owners.extend(session.robots().last().map(|&robot| (robot, id)));
+            self.live.changed(Instant::now());
+        }
+        warnings.iter().for_each(|warning| self.say(warning));
         let robot = self.newest_robot(id);
         answers.iter().for_each(|answer| self.send(id, robot, answer));
     }
@@ -154,21 +238,46 @@ impl Server {
 
     fn send(&mut self, id: ConnectionId, robot: Option<u64>, message: &Message) {
         let text = message.write();
-        self.record(|| Record::Out(WireLine { connection: id, robot, line: text.clone() }));
+        self.recording.record(&self.world, || Record::Out(WireLine { connection: id, robot, line: text.clone() }));
+        self.tell_line("out", id, robot, &text);
         if let Some(session) = self.sessions.get(&id) {
             session.outbox().push(text, message.is_periodic());
         }
     }
 
-    fn record_states(&mut self, timer: &mut StateTimer) {
-        let Some(recorder) = &mut self.recorder else { return };
+    fn tell_line(&self, direction: &'static str, connection: ConnectionId, robot: Option<u64>, text: &str) {
         let time = self.world.time();
-        timer.due(&self.world).into_iter().for_each(|state| recorder.record(time, state));
+        self.live.line(|| Line { time, direction, connection, robot, text: text.to_owned() });
     }
 
-    fn record(&mut self, record: impl FnOnce() -> Record) {
-        if let Some(recorder) = &mut self.recorder {
-            recorder.record(self.world.time(), record());
+    /// Says what is wrong to the log and to viewers.
+    fn say(&mut self, warning: &str) {
+        self.recording.record(&self.world, || Record::Warning(warning.to_owned()));
+        self.live.say(warning);
+    }
+
+    fn status(&self) -> Status {
+        let robot = |(id, class, name): (RobotId, &str, &str)| RobotStatus {
+            id: id.0,
+            class: class.to_owned(),
+            name: name.to_owned(),
+            connection: self.owners.get(&id).copied(),
+            battery: self.world.battery(id),
+        };
+        let client = |(&connection, session): (&ConnectionId, &Session)| ClientStatus {
+            connection,
+            peer: session.peer().to_owned(),
+            lines: session.lines(),
+            dropped: session.dropped(),
+        };
+        Status {
+            real_time_factor: 0.0,
+            speed: self.timing.speed,
+            paused: self.timing.paused,
+            resets: self.resets,
+            recording: self.recording.path().map(|path| path.display().to_string()),
+            robots: self.world.robots().map(robot).collect(),
+            clients: self.sessions.iter().map(client).collect(),
         }
     }
 }

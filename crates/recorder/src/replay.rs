@@ -40,7 +40,7 @@ pub struct ReplayError(String);
 /// Makes the run of a log again.
 ///
 /// # Errors
-/// When the log has no scene, no time step, or records that were dropped.
+/// When the log has no scene or no time step, began in a running world, or has records that were dropped.
 pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     let entry = |key: &str| log.run.get(key).ok_or_else(|| ReplayError(format!("no `{key}` in its metadata")));
     let number = |key: &str| entry(key)?.parse::<f64>().map_err(|_| ReplayError(format!("`{key}` is no number")));
@@ -50,6 +50,9 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     let (time_step, speed_unit) = (number("time_step")?, number("speed_unit")?);
     if !(1e-4..=0.02).contains(&time_step) {
         return Err(ReplayError(format!("`time_step` is {time_step}: expected 0.0001 to 0.02")));
+    }
+    if let Some(began) = log.run.get("began") {
+        return Err(ReplayError(format!("it began in a running world, at {began} s: expected a log from the start")));
     }
     let dropped = log.end.get("dropped").map_or("0", String::as_str);
     if dropped != "0" {

@@ -156,6 +156,14 @@ impl Config {
         }
     }
 
+    /// What a laser or a sonar reads where there is nothing, m; `None` for every other sensor.
+    pub fn max_range(&self) -> Option<f64> {
+        match self {
+            Self::Sonar(config) => Some(config.max_range),
+            _ => self.fan().map(|fan| fan.max_range),
+        }
+    }
+
     /// Checks the numbers.
     ///
     /// # Errors

@@ -71,6 +71,11 @@ impl World {
         self.steps as f64 * self.options.time_step
     }
 
+    /// Whether nothing has happened in it yet: no time has passed and no robot has come.
+    pub fn is_untouched(&self) -> bool {
+        self.steps == 0 && self.next_id == 0
+    }
+
     /// Length of a step, s.
     pub fn time_step(&self) -> f64 {
         self.options.time_step
@@ -180,7 +185,13 @@ impl World {
 
     /// What there is to see of a robot.
     pub fn observe(&self, id: RobotId) -> Option<Observation> {
-        self.robots.get(&id).map(|robot| robot.observe(&self.physics, self.time()))
+        self.robots.get(&id).map(|robot| robot.observe(&self.physics))
+    }
+
+    /// Whole seconds that a robot's battery lasts; `None` without one.
+    pub fn battery(&self, id: RobotId) -> Option<i32> {
+        let robot = self.robots.get(&id).filter(|robot| robot.def().battery.is_some())?;
+        Some(robot.battery_left(self.time()))
     }
 
     /// Where the map's objects are, in its order.

@@ -1,20 +1,23 @@
 //! `usarsim serve`.
 
-use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use gamebots_server::{Config, ServeError};
+use gamebots_server::{Config, Page, Ready, ServeError};
 use scene_loader::Override;
 use sim_core::Options;
 use sim_core::scene::DriveModel;
 
 use crate::{Failure, exit, print, within};
 
+/// Port of the page unless another is asked for.
+const DEFAULT_HTTP_PORT: u16 = 8080;
+
 /// Options of `serve`.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim serve                          # carpet, 127.0.0.1:3000, real time\n  \
-    usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n\n\
+    usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n  \
+    usarsim serve --host 0.0.0.0             # seen and driven from other machines\n\n\
     Clients are served until Ctrl-C or SIGTERM, which end the server with exit code 0.")]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`) or the path of a map.toml.
@@ -31,12 +34,18 @@ pub(crate) struct Arguments {
     /// robot.toml says.
     #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// Address to listen on.
+    /// Address to listen on, for controllers and for the page. 0.0.0.0 lets everyone in who reaches this machine.
     #[arg(long, env = "USARSIM_HOST", default_value = "127.0.0.1")]
     host: String,
     /// Port to listen on; 0 takes a free one.
     #[arg(long, env = "USARSIM_PORT", default_value_t = 3000)]
     port: u16,
+    /// Port of the page with the 3-D view; 0 takes a free one. By default 8080, or a free one if that is taken.
+    #[arg(long, env = "USARSIM_HTTP", value_name = "PORT")]
+    http: Option<u16>,
+    /// Serve no page.
+    #[arg(long, conflicts_with = "http")]
+    no_http: bool,
     /// Real-time factor: simulated seconds a second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
@@ -95,6 +104,11 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         real_time_factor: arguments.rtf,
         max_connections: arguments.max_connections,
         report_errors: arguments.report_errors,
+        page: match (arguments.no_http, arguments.http) {
+            (true, _) => Page::None,
+            (false, Some(port)) => Page::On(port),
+            (false, None) => Page::Near(DEFAULT_HTTP_PORT),
+        },
         log: arguments.log,
         ros2_log: arguments.log_format == LogFormat::Ros2,
         ..Config::new(world)
@@ -102,19 +116,24 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let map = config.world.map.name.clone();
     let classes: Vec<String> = config.world.robots.keys().cloned().collect();
     let json = arguments.json;
-    let ready = move |address: SocketAddr| print(ready_line(address, &map, &classes, json));
+    let ready = move |ready: Ready| print(ready_line(ready, &map, &classes, json));
     gamebots_server::run(config, ready, stop_signal()).map_err(|error| match error {
         ServeError::Listen { .. } => Failure::new(exit::UNAVAILABLE, error),
         _ => Failure::new(exit::FAILURE, error),
     })
 }
 
-fn ready_line(address: SocketAddr, map: &str, classes: &[String], json: bool) -> String {
+fn ready_line(Ready { address, page }: Ready, map: &str, classes: &[String], json: bool) -> String {
     if json {
         let (host, port) = (address.ip().to_string(), address.port());
-        serde_json::json!({"event": "ready", "host": host, "port": port, "map": map, "robots": classes}).to_string()
+        let http = page.map(|page| page.port());
+        serde_json::json!({
+            "event": "ready", "host": host, "port": port, "http": http, "map": map, "robots": classes,
+        })
+        .to_string()
     } else {
-        format!("usarsim ready on {address}, map {map}, robots {}", classes.join(", "))
+        let see = page.map(|page| format!("\nsee it at http://{page}")).unwrap_or_default();
+        format!("usarsim ready on {address}, map {map}, robots {}{see}", classes.join(", "))
     }
 }
 

@@ -29,8 +29,6 @@ pub struct Observation {
     pub rollers: Vec<f64>,
     /// Everything that pushed the robot in the last step.
     pub contacts: Vec<Contact>,
-    /// Whole seconds that its battery lasts; `None` without one.
-    pub battery: Option<i32>,
 }
 
 pub(super) struct Robot {
@@ -100,14 +98,13 @@ impl Robot {
     }
 
     /// What there is to see of it.
-    pub(super) fn observe(&self, physics: &Physics, time: f64) -> Observation {
+    pub(super) fn observe(&self, physics: &Physics) -> Observation {
         Observation {
             body: physics.body(&self.bodies),
             wheels: self.bodies.wheels(),
             targets: self.drive.targets.clone(),
             rollers: physics.roller_angles(&self.def, &self.bodies),
             contacts: physics.contacts(&self.bodies),
-            battery: self.def.battery.map(|_| self.battery_left(time)),
         }
     }
 

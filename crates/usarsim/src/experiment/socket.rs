@@ -8,7 +8,7 @@ use experiments::plan::{Plan, Run};
 use experiments::run::{Outcome, Prepared, RunError, measure, prepare};
 use gamebots_client::Client;
 use gamebots_proto::message::{Message, Reading, Sen};
-use gamebots_server::Config;
+use gamebots_server::{Config, Ready};
 use recorder::Record;
 use sim_core::scene::{self, Pose};
 
@@ -29,7 +29,7 @@ pub(super) fn run(plan: &Plan, run: &Run, log: &Path, real_time_factor: f64) -> 
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
     let server = std::thread::spawn(move || {
         let shutdown = async { drop(stopped.await) };
-        let ready = |address| {
+        let ready = |Ready { address, .. }| {
             // It is waited for below.
             let _ = ready.send(address);
         };

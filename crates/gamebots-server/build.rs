@@ -1,0 +1,5 @@
+//! The page is part of the program: build again when it changes.
+
+fn main() {
+    println!("cargo::rerun-if-changed=../../viewer/dist");
+}

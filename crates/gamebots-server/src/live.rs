@@ -1,0 +1,197 @@
+//! What viewers are told while the world runs. The world's thread makes each thing once, however many look, and only
+//! while somebody does.
+//!
+//! Three channels, by what a slow viewer may miss: of [`Frame`](frame)s and [`Status`] it gets the newest, of
+//! [`Notice`]s everything, until it is too far behind and is told how many it missed.
+
+mod frame;
+mod scene;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::body::Bytes;
+use gamebots_proto::message::{Message, Reading, Sen};
+use serde::Serialize;
+use sim_core::{RobotId, World};
+use tokio::sync::{broadcast, watch};
+
+pub(crate) use scene::scene;
+
+/// Real time between two frames.
+const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
+/// Real time between two statuses, unless something has happened.
+const STATUS_INTERVAL: Duration = Duration::from_millis(500);
+/// Notices that a viewer may be behind.
+const MAX_NOTICES: usize = 1024;
+
+/// Something that is told once.
+#[derive(Debug, Clone)]
+pub(crate) enum Notice {
+    /// A line of the wire.
+    Line(Arc<Line>),
+    /// What a laser or a sonar measured, see [`frame`].
+    Scan(Bytes),
+    /// Something that is wrong, or has happened, in words.
+    Said(Arc<str>),
+}
+
+/// A line of the wire.
+#[derive(Debug, Serialize)]
+pub(crate) struct Line {
+    /// Simulated time, s.
+    pub(crate) time: f64,
+    /// `in` from a client, `out` to it.
+    pub(crate) direction: &'static str,
+    pub(crate) connection: u64,
+    pub(crate) robot: Option<u64>,
+    pub(crate) text: String,
+}
+
+/// What changes seldom.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Status {
+    /// Seconds simulated a second, over the last half second.
+    pub(crate) real_time_factor: f64,
+    /// What is wished; 0 is as fast as possible.
+    pub(crate) speed: f64,
+    pub(crate) paused: bool,
+    /// How often the world began anew.
+    pub(crate) resets: u64,
+    /// File of the log that is being written.
+    pub(crate) recording: Option<String>,
+    pub(crate) robots: Vec<RobotStatus>,
+    pub(crate) clients: Vec<ClientStatus>,
+}
+
+/// A robot that is there.
+#[derive(Debug, Serialize)]
+pub(crate) struct RobotStatus {
+    pub(crate) id: u64,
+    pub(crate) class: String,
+    pub(crate) name: String,
+    /// The connection that it reports to.
+    pub(crate) connection: Option<u64>,
+    /// Whole seconds that its battery lasts.
+    pub(crate) battery: Option<i32>,
+}
+
+/// A client that is connected.
+#[derive(Debug, Serialize)]
+pub(crate) struct ClientStatus {
+    pub(crate) connection: u64,
+    /// Its address.
+    pub(crate) peer: String,
+    /// Lines that came from it.
+    pub(crate) lines: u64,
+    /// Periodic lines that it was too slow to take.
+    pub(crate) dropped: u64,
+}
+
+/// What is to be told now beside where everything is.
+pub(crate) struct Due {
+    pub(crate) status: bool,
+}
+
+/// The ends that viewers listen at.
+#[derive(Debug, Clone)]
+pub(crate) struct Channels {
+    frames: watch::Receiver<Bytes>,
+    statuses: watch::Receiver<Arc<str>>,
+    notices: broadcast::Sender<Notice>,
+}
+
+impl Channels {
+    pub(crate) fn frames(&self) -> watch::Receiver<Bytes> {
+        self.frames.clone()
+    }
+
+    pub(crate) fn statuses(&self) -> watch::Receiver<Arc<str>> {
+        self.statuses.clone()
+    }
+
+    pub(crate) fn notices(&self) -> broadcast::Receiver<Notice> {
+        self.notices.subscribe()
+    }
+}
+
+/// The end that the world's thread speaks at.
+pub(crate) struct Broadcast {
+    frames: watch::Sender<Bytes>,
+    statuses: watch::Sender<Arc<str>>,
+    notices: broadcast::Sender<Notice>,
+    next_frame: Instant,
+    next_status: Instant,
+    /// Real and simulated time, s, of the last status.
+    measured: (Instant, f64),
+}
+
+/// Makes the two ends.
+pub(crate) fn broadcast(now: Instant) -> (Broadcast, Channels) {
+    let (frames, frames_end) = watch::channel(Bytes::new());
+    let (statuses, statuses_end) = watch::channel(Arc::from("{}"));
+    let (notices, _) = broadcast::channel(MAX_NOTICES);
+    let channels = Channels { frames: frames_end, statuses: statuses_end, notices: notices.clone() };
+    let measured = (now, 0.0);
+    (Broadcast { frames, statuses, notices, next_frame: now, next_status: now, measured }, channels)
+}
+
+impl Broadcast {
+    /// Whether anybody is told anything. The [`Channels`] that new viewers are given hold one end themselves.
+    fn is_watched(&self) -> bool {
+        self.frames.receiver_count() > 1
+    }
+
+    /// The next status is due at once: something has happened.
+    pub(crate) fn changed(&mut self, now: Instant) {
+        self.next_status = now;
+    }
+
+    /// What is to be told now; to be asked often.
+    pub(crate) fn due(&self, now: Instant) -> Option<Due> {
+        (now >= self.next_frame && self.is_watched()).then_some(Due { status: now >= self.next_status })
+    }
+
+    /// Tells where everything is, and the status when it is due; its real-time factor is measured here.
+    pub(crate) fn tell(&mut self, now: Instant, world: &World, status: Option<Status>) {
+        self.next_frame = now + FRAME_INTERVAL;
+        self.frames.send_replace(frame::frame(world).into());
+        if let Some(status) = status {
+            self.next_status = now + STATUS_INTERVAL;
+            let (before, time) = self.measured;
+            let elapsed = now.duration_since(before).as_secs_f64();
+            let real_time_factor = if elapsed > 0.0 { (world.time() - time).max(0.0) / elapsed } else { 0.0 };
+            self.measured = (now, world.time());
+            let status = Status { real_time_factor, ..status };
+            self.statuses.send_replace(serde_json::json!({ "status": status }).to_string().into());
+        }
+    }
+
+    /// Tells a line of the wire.
+    pub(crate) fn line(&self, line: impl FnOnce() -> Line) {
+        if self.notices.receiver_count() > 0 {
+            // Without a listener it is nobody's.
+            let _ = self.notices.send(Notice::Line(Arc::new(line())));
+        }
+    }
+
+    /// Tells what a laser or a sonar measured.
+    pub(crate) fn scan(&self, world: &World, robot: RobotId, message: &Message) {
+        let Message::Sen(Sen { reading, .. }) = message else { return };
+        let (name, ranges) = match reading {
+            Reading::RangeScanner(scan) => (&scan.name, scan.ranges.as_slice()),
+            Reading::Sonar(sonar) => (&sonar.name, std::slice::from_ref(&sonar.range)),
+            _ => return,
+        };
+        if self.notices.receiver_count() > 0
+            && let Some(scan) = frame::scan(world, robot, name, ranges)
+        {
+            let _ = self.notices.send(Notice::Scan(scan.into()));
+        }
+    }
+
+    /// Tells something in words.
+    pub(crate) fn say(&self, text: &str) {
+        let _ = self.notices.send(Notice::Said(text.into()));
+    }
+}

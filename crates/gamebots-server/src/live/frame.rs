@@ -1,0 +1,113 @@
+//! The two binary messages that a viewer gets. Little-endian, world frame of the wire (z down), SI units.
+//!
+//! A frame (kind 1) says where everything is:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 1 | kind, 1 |
+//! | 8 | simulated time, f64 |
+//! | 2 | robots, u16, then each of them: |
+//! | 4 | number, u32 |
+//! | 7 x 4 | position and quaternion x y z w, f32 |
+//! | 6 x 4 | velocity along and angular velocity about the robot's own axes, f32 |
+//! | 1 | driven wheels, then each of them: |
+//! | 3 x 4 | angle, speed, wished speed, f32 |
+//! | 1 | its rollers, then each of them: |
+//! | 2 | angle about its own axis, i16, pi being 32768 |
+//! | 1 | contacts, then each of them: |
+//! | 3 x 4 | place, f32 |
+//! | 3 x 2 | force, i16, unit 0.25 N |
+//! | 2 | objects, u16, then each of them in the map's order: 7 x 4 position and quaternion, f32 |
+//!
+//! A scan (kind 2): 1 kind, 4 robot u32, 1 sensor (its place in the class's list), 2 count u16, then each range as u16 in
+//! units of the sensor's range over 65535.
+
+use std::f64::consts::PI;
+
+use sim_core::scene::Pose;
+use sim_core::{Contact, Observation, RobotId, World};
+
+/// Contacts of one robot that are told, the strongest first.
+const MAX_CONTACTS: usize = 64;
+/// Unit of a force, N.
+const FORCE_UNIT: f64 = 0.25;
+
+/// Where everything is.
+pub(super) fn frame(world: &World) -> Vec<u8> {
+    let mut bytes = Bytes::of_kind(1);
+    bytes.0.extend(world.time().to_le_bytes());
+    let robots: Vec<_> = world.robots().filter_map(|(id, class, _)| Some((id, class, world.observe(id)?))).collect();
+    bytes.u16(robots.len());
+    for (id, class, observation) in robots {
+        bytes.0.extend((id.0 as u32).to_le_bytes());
+        let rollers = world.def().robots[class].driven().iter().map(|wheel| wheel.roller_count());
+        bytes.robot(observation, rollers);
+    }
+    let objects: Vec<Pose> = world.objects().collect();
+    bytes.u16(objects.len());
+    objects.iter().for_each(|object| bytes.pose(object));
+    bytes.0
+}
+
+/// What a sensor measured; `None` for a sensor that the robot's class does not have.
+pub(super) fn scan(world: &World, robot: RobotId, name: &str, ranges: &[f32]) -> Option<Vec<u8>> {
+    let (_, class, _) = world.robots().find(|(id, _, _)| *id == robot)?;
+    let sensors = &world.def().robots.get(class)?.sensors;
+    let index = sensors.iter().position(|sensor| sensor.name == name)?;
+    let unit = sensors[index].config.max_range()? / f64::from(u16::MAX);
+    let mut bytes = Bytes::of_kind(2);
+    bytes.0.extend((robot.0 as u32).to_le_bytes());
+    bytes.0.push(index as u8);
+    bytes.u16(ranges.len());
+    ranges.iter().for_each(|&range| bytes.u16((f64::from(range) / unit).round().clamp(0.0, 65535.0) as usize));
+    Some(bytes.0)
+}
+
+struct Bytes(Vec<u8>);
+
+impl Bytes {
+    fn of_kind(kind: u8) -> Self {
+        Self(vec![kind])
+    }
+
+    /// A count; no list is longer than its field can say, or the rest of it is cut off by the caller.
+    fn u16(&mut self, value: usize) {
+        self.0.extend((value.min(usize::from(u16::MAX)) as u16).to_le_bytes());
+    }
+
+    fn i16(&mut self, value: f64) {
+        self.0.extend((value.round().clamp(-32768.0, 32767.0) as i16).to_le_bytes());
+    }
+
+    fn f32s<'a>(&mut self, values: impl IntoIterator<Item = &'a f64>) {
+        values.into_iter().for_each(|&value| self.0.extend((value as f32).to_le_bytes()));
+    }
+
+    fn pose(&mut self, pose: &Pose) {
+        self.f32s(pose.translation.vector.iter().chain(pose.rotation.coords.iter()));
+    }
+
+    fn robot(&mut self, observation: Observation, roller_counts: impl Iterator<Item = usize>) {
+        let Observation { body, wheels, targets, rollers, mut contacts, .. } = observation;
+        self.pose(&body.pose);
+        let own = body.pose.rotation.inverse();
+        self.f32s((own * body.linear).iter().chain((own * body.angular).iter()));
+        self.0.push(wheels.len() as u8);
+        let mut rollers = rollers.into_iter();
+        for ((wheel, target), count) in wheels.iter().zip(&targets).zip(roller_counts) {
+            self.f32s(&[wheel.angle, wheel.speed, *target]);
+            self.0.push(count as u8);
+            for angle in rollers.by_ref().take(count) {
+                let turned = angle - 2.0 * PI * (angle / (2.0 * PI)).round();
+                self.i16(turned / PI * 32768.0);
+            }
+        }
+        contacts.sort_by(|a: &Contact, b| b.force.norm_squared().total_cmp(&a.force.norm_squared()));
+        contacts.truncate(MAX_CONTACTS);
+        self.0.push(contacts.len() as u8);
+        for Contact { point, force } in contacts {
+            self.f32s(point.iter());
+            force.iter().for_each(|part| self.i16(part / FORCE_UNIT));
+        }
+    }
+}

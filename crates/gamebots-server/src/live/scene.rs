@@ -1,0 +1,105 @@
+//! The scene as a viewer gets it: the definitions, with what a viewer would have to work out itself worked out.
+
+use serde_json::{Value, json};
+use sim_core::scene::{MapDef, NamedPose, Pose, RobotDef, Shape, Solid, Wheel, WorldDef};
+
+/// Pieces of cones that a roller is drawn by.
+const ROLLER_PIECES: u32 = 8;
+
+/// The map and every class of robot as JSON. Poses are `[x, y, z, qx, qy, qz, qw]` in the frame of what they are in.
+pub(crate) fn scene(world: &WorldDef, seed: u64, port: u16) -> Value {
+    let WorldDef { map, robots } = world;
+    let classes: serde_json::Map<String, Value> =
+        robots.iter().map(|(class, def)| (class.clone(), class_json(def))).collect();
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "seed": seed,
+        "port": port,
+        "map": map_json(map),
+        "classes": classes,
+    })
+}
+
+fn map_json(map: &MapDef) -> Value {
+    let objects = map.objects.iter().map(|object| solid(&object.solid));
+    json!({
+        "name": map.name,
+        "description": map.description,
+        "solids": map.solids.iter().map(solid).collect::<Vec<_>>(),
+        "objects": objects.collect::<Vec<_>>(),
+        "starts": map.starts.iter().map(named).collect::<Vec<_>>(),
+        "path_nodes": map.path_nodes.iter().map(named).collect::<Vec<_>>(),
+    })
+}
+
+fn class_json(def: &RobotDef) -> Value {
+    let sensor = |sensor: &sim_core::scene::SensorDef| {
+        json!({
+            "name": sensor.name,
+            "pose": pose(&sim_core::scene::pose(sensor.position, sensor.direction)),
+            "max_range": sensor.config.max_range(),
+            "fan": sensor.config.fan().map(|fan| json!({
+                "first": fan.first, "resolution": fan.resolution, "level": fan.level,
+            })),
+        })
+    };
+    let (driven, casters) = def.wheels.split_at(def.driven().len());
+    let geometry = def.wheel_geometry();
+    json!({
+        "description": def.description,
+        "steering": def.steering.wire_name(),
+        "drive_model": def.drive_model.name(),
+        "wheel_radius": geometry.radius,
+        "track": geometry.track,
+        "wheel_base": geometry.wheel_base,
+        "solids": def.solids.iter().map(solid).collect::<Vec<_>>(),
+        "wheels": driven.iter().map(wheel).collect::<Vec<_>>(),
+        "casters": casters.iter().map(|caster| json!({
+            "position": caster.position, "radius": caster.radius, "colour": caster.material.colour,
+        })).collect::<Vec<_>>(),
+        "sensors": def.sensors.iter().map(sensor).collect::<Vec<_>>(),
+    })
+}
+
+fn wheel(wheel: &Wheel) -> Value {
+    let rollers = wheel.rollers.as_ref().map(|rollers| {
+        json!({
+            "poses": (0..rollers.count).map(|index| pose(&rollers.pose(index))).collect::<Vec<_>>(),
+            "outline": rollers.outline(wheel.radius, ROLLER_PIECES),
+            "hub_radius": rollers.hub_radius(wheel.radius),
+            "colour": rollers.material.colour,
+        })
+    });
+    json!({
+        "name": wheel.name,
+        "position": wheel.position,
+        "radius": wheel.radius,
+        "width": wheel.width,
+        "colour": wheel.material.colour,
+        "max_speed": wheel.drive.as_ref().map(|motor| motor.max_speed),
+        "rollers": rollers,
+    })
+}
+
+fn solid(solid: &Solid) -> Value {
+    let hull = match &solid.shape {
+        Shape::Hull { points } => sim_core::hull_surface(points),
+        _ => None,
+    };
+    json!({
+        "name": solid.name,
+        "shape": hull.as_ref().unwrap_or(&solid.shape),
+        "pose": pose(&solid.pose()),
+        "material": solid.material.name,
+        "colour": solid.material.colour,
+        "friction": solid.material.friction,
+    })
+}
+
+fn named(place: &NamedPose) -> Value {
+    json!({ "name": place.name, "position": place.position, "rotation": place.rotation })
+}
+
+fn pose(pose: &Pose) -> Vec<f64> {
+    pose.translation.vector.iter().chain(pose.rotation.coords.iter()).copied().collect()
+}

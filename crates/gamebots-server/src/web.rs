@@ -1,0 +1,177 @@
+//! The page: static files, the scene as JSON, and two WebSockets: what happens, and the way to the protocol's own port.
+//!
+//! A page of somebody else, open in the same browser, must not get in: a WebSocket's `Origin` has to be the page's own
+//! host, and `Host` an address or a name that no stranger can point here (DNS rebinding).
+
+mod page;
+mod viewer;
+mod wire;
+
+use std::net::{IpAddr, SocketAddr};
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::{Request, State};
+use axum::http::uri::Authority;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::Semaphore;
+use tokio::sync::mpsc::WeakSender;
+use tokio::task::JoinSet;
+use tracing::{debug, warn};
+
+use crate::connection::Event;
+use crate::live::Channels;
+
+/// Connections to the page at once; more wait.
+const MAX_CONNECTIONS: usize = 256;
+/// Longest time for the head of a request.
+const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
+/// Pause after an error of accept, which otherwise comes back at once.
+const BACK_OFF: Duration = Duration::from_millis(100);
+
+/// What the pages need to know.
+pub(crate) struct Site {
+    /// The name that the server was told to listen on.
+    pub(crate) host: String,
+    /// Where the protocol is spoken.
+    pub(crate) protocol: SocketAddr,
+    /// The scene as JSON.
+    pub(crate) scene: String,
+    pub(crate) channels: Channels,
+    /// Weak: a viewer that stays must not keep the world from ending.
+    pub(crate) events: WeakSender<Event>,
+    /// A viewer that takes nothing for this long is disconnected.
+    pub(crate) stall_timeout: Duration,
+}
+
+/// Serves until it is dropped.
+pub(crate) async fn serve(listener: TcpListener, site: Site) {
+    let site = Arc::new(site);
+    let router = Router::new()
+        .route("/scene.json", get(scene))
+        .route("/live", get(viewer::upgrade))
+        .route("/wire", get(wire::upgrade))
+        .fallback(page::file)
+        .layer(middleware::from_fn_with_state(site.clone(), guard))
+        .with_state(site);
+    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let mut connections = JoinSet::new();
+    loop {
+        // The semaphore is never closed.
+        let Ok(place) = places.clone().acquire_owned().await else { return };
+        tokio::select! {
+            accepted = listener.accept() => match accepted {
+                Ok((stream, _)) => {
+                    let router = router.clone();
+                    connections.spawn(async move {
+                        serve_connection(stream, router).await;
+                        drop(place);
+                    });
+                }
+                Err(error) => {
+                    warn!(%error, "cannot accept a viewer");
+                    tokio::time::sleep(BACK_OFF).await;
+                }
+            },
+            Some(_) = connections.join_next() => {}
+        }
+    }
+}
+
+async fn serve_connection(stream: TcpStream, router: Router) {
+    // Frames are small and must not wait for each other.
+    let _ = stream.set_nodelay(true);
+    let mut http = hyper::server::conn::http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(HEAD_TIMEOUT);
+    let connection = http.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)).with_upgrades();
+    if let Err(error) = connection.await {
+        debug!(%error, "a viewer's connection ended");
+    }
+}
+
+async fn scene(State(site): State<Arc<Site>>) -> Response {
+    ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], site.scene.clone())
+        .into_response()
+}
+
+/// Turns strangers' pages away and tells the browser to let this page do no more than it needs.
+async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
+    if let Err(reason) = check(request.headers(), &site.host) {
+        return (StatusCode::FORBIDDEN, reason).into_response();
+    }
+    let mut response = next.run(request).await;
+    for (name, value) in [
+        (
+            header::CONTENT_SECURITY_POLICY,
+            "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; \
+             style-src 'self' 'unsafe-inline'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
+        ),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+    ] {
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    response
+}
+
+/// Whether a request is meant for this server by a page of its own.
+fn check(headers: &HeaderMap, own_name: &str) -> Result<(), String> {
+    let text = |name: header::HeaderName| headers.get(name).and_then(|value| value.to_str().ok());
+    let host = text(header::HOST).unwrap_or_default();
+    let known = host.parse::<Authority>().is_ok_and(|authority| {
+        let name = authority.host().trim_start_matches('[').trim_end_matches(']').to_ascii_lowercase();
+        name.parse::<IpAddr>().is_ok() || name == "localhost" || name == own_name.to_ascii_lowercase()
+    });
+    if !known {
+        let host: String = host.chars().take(100).collect();
+        return Err(format!("Host is `{host}`: expected localhost, an address, or the name given by --host\n"));
+    }
+    let Some(origin) = text(header::ORIGIN) else { return Ok(()) };
+    let own = origin.strip_prefix("http://").or(origin.strip_prefix("https://"));
+    if own.is_some_and(|own| own.eq_ignore_ascii_case(host)) {
+        return Ok(());
+    }
+    let origin: String = origin.chars().take(100).collect();
+    Err(format!("Origin is `{origin}`: expected a page of this server, http://{host}\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_pages_of_this_server_get_in() {
+        for (host, origin, own_name, good) in [
+            ("localhost:8080", None, "127.0.0.1", true),
+            ("127.0.0.1:8080", Some("http://127.0.0.1:8080"), "127.0.0.1", true),
+            ("[::1]:8080", Some("http://[::1]:8080"), "::1", true),
+            ("192.168.1.7:8080", Some("http://192.168.1.7:8080"), "0.0.0.0", true),
+            ("lab-3:8080", Some("http://lab-3:8080"), "LAB-3", true),
+            ("localhost:8080", Some("https://localhost:8080"), "127.0.0.1", true),
+            ("localhost:8080", Some("http://evil.example"), "127.0.0.1", false),
+            ("localhost:8080", Some("http://localhost:9000"), "127.0.0.1", false),
+            ("localhost:8080", Some("http://localhost:8080.evil.example"), "127.0.0.1", false),
+            ("localhost:8080", Some("null"), "127.0.0.1", false),
+            ("rebound.example:8080", None, "127.0.0.1", false),
+            ("rebound.example:8080", Some("http://rebound.example:8080"), "0.0.0.0", false),
+            ("127.0.0.1.nip.example", None, "127.0.0.1", false),
+            ("", None, "127.0.0.1", false),
+        ] {
+            let mut headers = HeaderMap::new();
+            headers.insert(header::HOST, HeaderValue::from_static(host));
+            if let Some(origin) = origin {
+                headers.insert(header::ORIGIN, HeaderValue::from_static(origin));
+            }
+            assert_eq!(check(&headers, own_name).is_ok(), good, "{host} {origin:?} {own_name}");
+        }
+        assert!(check(&HeaderMap::new(), "127.0.0.1").is_err());
+    }
+}

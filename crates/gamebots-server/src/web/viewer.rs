@@ -1,0 +1,114 @@
+//! One viewer: frames, status and notices to it, wishes from it.
+
+use std::sync::Arc;
+
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::response::Response;
+use serde::Deserialize;
+use serde_json::json;
+use tokio::sync::broadcast::error::RecvError;
+
+use super::Site;
+use crate::connection::Event;
+use crate::control::Control;
+use crate::live::Notice;
+
+/// Longest text that a viewer may send.
+const MAX_TEXT: usize = 1024;
+
+/// What a viewer wants to hear beside frames and status.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Listen {
+    /// Whether it wants the lines of the wire.
+    wire: bool,
+}
+
+pub(super) async fn upgrade(State(site): State<Arc<Site>>, socket: WebSocketUpgrade) -> Response {
+    socket.max_message_size(MAX_TEXT).on_upgrade(|socket| async move {
+        let mut viewer = Viewer { socket, site, wants_wire: false };
+        // A viewer that has left, or takes nothing, needs no farewell.
+        let _ = viewer.run().await;
+    })
+}
+
+struct Viewer {
+    socket: WebSocket,
+    site: Arc<Site>,
+    wants_wire: bool,
+}
+
+/// The viewer is gone.
+struct Gone;
+
+impl Viewer {
+    async fn run(&mut self) -> Result<(), Gone> {
+        let mut frames = self.site.channels.frames();
+        let mut statuses = self.site.channels.statuses();
+        let mut notices = self.site.channels.notices();
+        loop {
+            tokio::select! {
+                changed = statuses.changed() => {
+                    changed.map_err(|_| Gone)?;
+                    let status = statuses.borrow_and_update().clone();
+                    self.send(Message::text(status.as_ref())).await?;
+                }
+                changed = frames.changed() => {
+                    changed.map_err(|_| Gone)?;
+                    let frame = frames.borrow_and_update().clone();
+                    self.send(Message::Binary(frame)).await?;
+                }
+                notice = notices.recv() => self.tell(notice).await?,
+                received = self.socket.recv() => self.take(received).await?,
+            }
+        }
+    }
+
+    async fn tell(&mut self, notice: Result<Notice, RecvError>) -> Result<(), Gone> {
+        let message = match notice {
+            Ok(Notice::Scan(scan)) => Message::Binary(scan),
+            Ok(Notice::Line(line)) if self.wants_wire => text(&json!({ "line": *line })),
+            Ok(Notice::Line(_)) => return Ok(()),
+            Ok(Notice::Said(said)) => text(&json!({ "said": &*said })),
+            Err(RecvError::Lagged(missed)) => text(&json!({ "missed": missed })),
+            Err(RecvError::Closed) => return Err(Gone),
+        };
+        self.send(message).await
+    }
+
+    async fn take(&mut self, received: Option<Result<Message, axum::Error>>) -> Result<(), Gone> {
+        let wish = match received {
+            Some(Ok(Message::Text(text))) => text,
+            Some(Ok(Message::Binary(_) | Message::Ping(_) | Message::Pong(_))) => return Ok(()),
+            Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
+        };
+        if let Ok(Listen { wire }) = serde_json::from_str(&wish) {
+            self.wants_wire = wire;
+            return Ok(());
+        }
+        match Control::read(&wish) {
+            Ok(control) => {
+                let events = self.site.events.upgrade().ok_or(Gone)?;
+                events.send(Event::Control(control)).await.map_err(|_| Gone)
+            }
+            Err(reason) => self.send(text(&json!({ "said": format!("not understood: {reason}") }))).await,
+        }
+    }
+
+    async fn send(&mut self, message: Message) -> Result<(), Gone> {
+        match tokio::time::timeout(self.site.stall_timeout, self.socket.send(message)).await {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(_)) => Err(Gone),
+            Err(_) => {
+                tracing::info!("a viewer takes nothing and is thrown out");
+                Err(Gone)
+            }
+        }
+    }
+}
+
+fn text(value: &serde_json::Value) -> Message {
+    Message::Text(Bytes::from(value.to_string()).try_into().unwrap_or_default())
+}

@@ -1,0 +1,356 @@
+//! The page's side of the server: what viewers are told, what they may wish, and who is turned away.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::time::{Duration, Instant};
+
+use gamebots_server::{Config, Page};
+use serde_json::Value;
+use system_tests::{Peer, Server};
+use tungstenite::client::IntoClientRequest;
+use tungstenite::stream::MaybeTlsStream;
+use tungstenite::{Message, WebSocket};
+
+const PATIENCE: Duration = Duration::from_secs(30);
+
+fn serve(map: &str, change: impl FnOnce(&mut Config)) -> Server {
+    Server::start(map, &[], |config| {
+        config.page = Page::On(0);
+        change(config);
+    })
+}
+
+fn page_of(server: &Server) -> SocketAddr {
+    server.page.unwrap_or_else(|| panic!("no page"))
+}
+
+struct Viewer {
+    socket: WebSocket<MaybeTlsStream<TcpStream>>,
+}
+
+/// A frame, as far as tests look at it.
+#[derive(Debug, Clone)]
+struct Frame {
+    time: f64,
+    bytes: usize,
+    /// Number, position, wheel angle and wish of the first wheel.
+    robots: Vec<(u32, [f32; 3], f32, f32)>,
+    contacts: usize,
+}
+
+impl Viewer {
+    fn open(server: &Server, path: &str) -> Self {
+        let (socket, _) = tungstenite::connect(format!("ws://{}{path}", page_of(server)))
+            .unwrap_or_else(|error| panic!("{path}: {error}"));
+        Self { socket }
+    }
+
+    fn send(&mut self, text: &str) {
+        self.socket.send(Message::text(text)).unwrap_or_else(|error| panic!("{text}: {error}"));
+    }
+
+    fn next(&mut self) -> Message {
+        self.socket.read().unwrap_or_else(|error| panic!("the server is gone: {error}"))
+    }
+
+    /// The first that fits.
+    fn wait<T>(&mut self, what: &str, mut fits: impl FnMut(&Message) -> Option<T>) -> T {
+        let end = Instant::now() + PATIENCE;
+        while Instant::now() < end {
+            let message = self.next();
+            if let Some(found) = fits(&message) {
+                return found;
+            }
+        }
+        panic!("never came: {what}");
+    }
+
+    fn frame(&mut self, what: &str, fits: impl Fn(&Frame) -> bool) -> Frame {
+        self.wait(what, |message| frame(message).filter(|frame| fits(frame)))
+    }
+
+    fn status(&mut self, what: &str, fits: impl Fn(&Value) -> bool) -> Value {
+        self.wait(what, |message| json(message, "status").filter(|status| fits(status)))
+    }
+
+    fn said(&mut self, part: &str) -> String {
+        self.wait(part, |message| {
+            json(message, "said").and_then(|said| said.as_str().map(str::to_owned)).filter(|said| said.contains(part))
+        })
+    }
+}
+
+fn json(message: &Message, key: &str) -> Option<Value> {
+    let Message::Text(text) = message else { return None };
+    serde_json::from_str::<Value>(text).ok()?.get(key).cloned()
+}
+
+/// Reads a frame by the table in `crates/gamebots-server/src/live/frame.rs`.
+fn frame(message: &Message) -> Option<Frame> {
+    let Message::Binary(bytes) = message else { return None };
+    let mut rest = &bytes[..];
+    let mut take = |count: usize| {
+        let (head, tail) = rest.split_at(count);
+        rest = tail;
+        head.to_vec()
+    };
+    if take(1)[0] != 1 {
+        return None;
+    }
+    let f32_at = |bytes: &[u8], index: usize| f32::from_le_bytes(bytes[4 * index..4 * index + 4].try_into().unwrap());
+    let u16_of = |bytes: Vec<u8>| u16::from_le_bytes(bytes.try_into().unwrap());
+    let time = f64::from_le_bytes(take(8).try_into().unwrap());
+    let (mut robots, mut contacts) = (Vec::new(), 0);
+    for _ in 0..u16_of(take(2)) {
+        let id = u32::from_le_bytes(take(4).try_into().unwrap());
+        let pose = take(28);
+        take(24);
+        let mut first = (0.0, 0.0);
+        for wheel in 0..take(1)[0] {
+            let numbers = take(12);
+            if wheel == 0 {
+                first = (f32_at(&numbers, 0), f32_at(&numbers, 2));
+            }
+            let rollers = take(1)[0];
+            take(2 * usize::from(rollers));
+        }
+        let count = usize::from(take(1)[0]);
+        take(18 * count);
+        contacts += count;
+        robots.push((id, [0, 1, 2].map(|index| f32_at(&pose, index)), first.0, first.1));
+    }
+    let objects = usize::from(u16_of(take(2)));
+    take(28 * objects);
+    assert!(rest.is_empty(), "{} bytes too many", rest.len());
+    Some(Frame { time, bytes: bytes.len(), robots, contacts })
+}
+
+fn robot(peer: &mut Peer) {
+    peer.send("INIT {ClassName USARBot.KUKA_YouBot} {Name R1} {Start RobotStart1}");
+    peer.next_of("GroundTruth");
+}
+
+#[test]
+fn a_viewer_sees_a_robot_come_drive_and_leave() {
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    viewer.frame("an empty world", |frame| frame.robots.is_empty());
+    let mut peer = server.client();
+    robot(&mut peer);
+    let status =
+        viewer.status("a robot", |status| status["robots"].as_array().is_some_and(|robots| !robots.is_empty()));
+    let robot = &status["robots"][0];
+    assert_eq!((&robot["class"], &robot["name"]), (&"KUKA_YouBot".into(), &"R1".into()));
+    assert_eq!(robot["connection"], status["clients"][0]["connection"]);
+    assert!(robot["battery"].as_i64().is_some_and(|battery| battery > 1000), "{robot}");
+    peer.send("DRIVE {Left 2} {Right 2}");
+    let frame = viewer.frame("it drives", |frame| frame.robots.first().is_some_and(|robot| robot.1[0] > 2.05));
+    assert!(frame.robots[0].2 > 0.9 && frame.robots[0].3 == 2.0 && frame.contacts >= 4, "{frame:?}");
+    drop(peer);
+    viewer.frame("it leaves", |frame| frame.robots.is_empty());
+}
+
+#[test]
+fn a_world_can_be_paused_stepped_and_hurried() {
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    viewer.frame("time passes", |frame| frame.time > 0.1);
+    viewer.send("{\"pause\":true}");
+    viewer.status("paused", |status| status["paused"] == true);
+    let before = viewer.frame("any", |_| true).time;
+    let later = (0..10).map(|_| viewer.frame("any", |_| true).time).fold(0.0, f64::max);
+    assert_eq!(before, later);
+    viewer.send("{\"step\":7}");
+    let stepped = viewer.frame("steps", |frame| frame.time > before + 0.0135).time;
+    assert!((stepped - before - 0.014).abs() < 1e-9, "{before} to {stepped}");
+    viewer.send("{\"pause\":false}");
+    viewer.send("{\"speed\":0}");
+    let status =
+        viewer.status("fast", |status| status["real_time_factor"].as_f64().is_some_and(|factor| factor > 10.0));
+    assert_eq!((&status["paused"], &status["speed"]), (&false.into(), &0.0.into()));
+    viewer.send("{\"fly\":1}");
+    viewer.said("expected {\"pause\":bool}");
+}
+
+#[test]
+fn after_a_reset_robots_are_back_and_their_clients_drive_on() {
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    let mut peers = [server.client(), server.client()];
+    robot(&mut peers[0]);
+    peers[1].send("INIT {ClassName USARBot.P3AT} {Name second} {Start RobotStart2}");
+    peers[1].next_of("GroundTruth");
+    peers[0].send("DRIVE {Left 2} {Right 2}");
+    viewer.frame("it drives", |frame| frame.robots.len() == 2 && frame.robots[0].1[0] > 2.1);
+    viewer.send("\"reset\"");
+    viewer.said("began anew");
+    let status = viewer.status("reset", |status| status["resets"] == 1);
+    assert_eq!(status["robots"].as_array().map(Vec::len), Some(2));
+    let frame = viewer.frame("back at the start", |frame| frame.robots.len() == 2);
+    assert!(frame.time < 5.0 && (frame.robots[0].1[0] - 2.0).abs() < 0.01, "{frame:?}");
+    assert_eq!(frame.robots[0].3, 0.0, "it stands");
+    peers[0].send("DRIVE {Left 2} {Right 2}");
+    viewer.frame("it drives on", |frame| frame.robots[0].1[0] > 2.1);
+    peers[1].send("GETCONF {Type Robot}");
+    assert!(peers[1].reply().contains("P3AT"));
+}
+
+#[test]
+fn a_viewer_begins_and_ends_a_log_and_a_reset_begins_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let server = serve("rough", |config| config.unnamed_log = path.clone());
+    let mut viewer = Viewer::open(&server, "/live");
+    let mut peer = server.client();
+    robot(&mut peer);
+    viewer.send("{\"record\":true}");
+    viewer.said("recording to");
+    let status = viewer.status("recording", |status| status["recording"].is_string());
+    assert_eq!(status["recording"].as_str(), path.to_str());
+    peer.lines_for(0.5);
+    viewer.send("\"reset\"");
+    viewer.status("reset", |status| status["resets"] == 1 && status["recording"].as_str() != path.to_str());
+    peer.lines_for(0.5);
+    viewer.send("{\"record\":false}");
+    viewer.status("no recording", |status| status["recording"].is_null());
+    let read = |path: &std::path::Path| recorder::read(path).unwrap_or_else(|error| panic!("{error}"));
+    let refused = recorder::replay(&read(&path)).unwrap_err().to_string();
+    assert!(refused.contains("began in a running world"), "{refused}");
+    let second = recorder::replay(&read(&folder.path().join("run-2.mcap"))).unwrap_or_else(|error| panic!("{error}"));
+    assert!(second.is_same() && second.states > 10 && second.recorded.is_some(), "{second:?}");
+}
+
+#[test]
+fn the_lines_of_the_wire_are_told_to_who_asks() {
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    viewer.send("{\"wire\":true}");
+    viewer.frame("a frame after the wish", |_| true);
+    let mut peer = server.client();
+    robot(&mut peer);
+    let line = |direction: &'static str, part: &'static str| {
+        move |message: &Message| {
+            json(message, "line").filter(|line| {
+                line["direction"] == direction && line["text"].as_str().is_some_and(|text| text.contains(part))
+            })
+        }
+    };
+    let init = viewer.wait("INIT", line("in", "INIT"));
+    let truth = viewer.wait("GroundTruth", line("out", "GroundTruth"));
+    assert_eq!((&init["connection"], &truth["robot"]), (&truth["connection"], &0.into()));
+}
+
+#[test]
+fn the_wire_of_a_page_is_a_client_like_every_other() {
+    let server = serve("rough", |_| {});
+    let mut wire = Viewer::open(&server, "/wire");
+    let mut text = String::new();
+    wire.send("INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}\r\nGETCONF {Type Robot}\r\n");
+    while !(text.contains("CONF {Name P3AT}") && text.contains("{Type GroundTruth}")) {
+        if let Message::Binary(bytes) = wire.next() {
+            text.push_str(&String::from_utf8_lossy(&bytes));
+        }
+    }
+    assert!(text.starts_with("NFO {Gametype BotDeathMatch} {Level rough} {TimeLimit 20}\r\n"), "{text}");
+    let mut viewer = Viewer::open(&server, "/live");
+    viewer.frame("its robot", |frame| frame.robots.len() == 1);
+    wire.socket.close(None).unwrap();
+    viewer.frame("its robot leaves with it", |frame| frame.robots.is_empty());
+}
+
+/// The answer's first line and its body.
+fn get(server: &Server, path: &str, headers: &str) -> (String, String) {
+    let mut stream = TcpStream::connect(page_of(server)).unwrap();
+    write!(stream, "GET {path} HTTP/1.1\r\nConnection: close\r\n{headers}\r\n").unwrap();
+    let mut text = Vec::new();
+    stream.read_to_end(&mut text).unwrap();
+    let text = String::from_utf8_lossy(&text).into_owned();
+    let (head, body) = text.split_once("\r\n\r\n").unwrap_or((&text, ""));
+    (head.to_owned(), body.to_owned())
+}
+
+#[test]
+fn pages_of_strangers_are_turned_away() {
+    let server = serve("rough", |_| {});
+    let (head, body) = get(&server, "/", "Host: rebound.example\r\n");
+    assert!(head.starts_with("HTTP/1.1 403") && body.contains("expected localhost"), "{head}\n{body}");
+    for path in ["/live", "/wire"] {
+        let mut request = format!("ws://{}{path}", page_of(&server)).into_client_request().unwrap();
+        request.headers_mut().insert("Origin", "http://evil.example".parse().unwrap());
+        let refused = tungstenite::connect(request);
+        assert!(
+            matches!(&refused, Err(tungstenite::Error::Http(response)) if response.status() == 403),
+            "{path}: {refused:?}"
+        );
+    }
+    let (head, body) = get(&server, "/", "Host: localhost\r\n");
+    assert!(head.starts_with("HTTP/1.1 200") && body.contains("usarsim"), "{head}");
+    assert!(head.to_ascii_lowercase().contains("frame-ancestors 'none'"), "{head}");
+    assert!(!head.to_ascii_lowercase().contains("access-control-allow-origin"), "{head}");
+    let (head, _) = get(&server, "/../../Cargo.toml", "Host: localhost\r\n");
+    assert!(head.starts_with("HTTP/1.1 404"), "{head}");
+}
+
+#[test]
+fn the_scene_has_what_a_viewer_draws() {
+    let server = serve("arena", |_| {});
+    let (_, body) = get(&server, "/scene.json", "Host: localhost\r\n");
+    let scene: Value = serde_json::from_str(&body).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scene["map"]["name"], "arena");
+    let solids = scene["map"]["solids"].as_array().unwrap();
+    assert!(
+        solids.iter().all(|solid| solid["pose"].as_array().unwrap().len() == 7 && solid["shape"].get("Hull").is_none())
+    );
+    let wheels = scene["classes"]["KUKA_YouBot"]["wheels"].as_array().unwrap();
+    assert_eq!(wheels.len(), 4);
+    let rollers = &wheels[0]["rollers"];
+    assert_eq!(rollers["poses"].as_array().unwrap().len(), 6);
+    let outline = rollers["outline"].as_array().unwrap();
+    // 14 mm at the middle; the ring of rollers is round.
+    assert!((outline[outline.len() / 2][1].as_f64().unwrap() - 0.014).abs() < 1e-12);
+}
+
+/// 200 kB/s for ten youBots at 30 Hz.
+#[test]
+fn the_state_of_ten_youbots_is_small() {
+    let server = serve("rough", |_| {});
+    let mut peers: Vec<Peer> = (0..10).map(|_| server.client()).collect();
+    for (number, peer) in peers.iter_mut().enumerate() {
+        peer.send(&format!("INIT {{ClassName USARBot.KUKA_YouBot}} {{Location {number},0,0}}"));
+        peer.send("DRIVE {Left 1} {Right 1}");
+    }
+    let mut viewer = Viewer::open(&server, "/live");
+    let frame = viewer.frame("all robots stand", |frame| frame.robots.len() == 10 && frame.contacts >= 40);
+    println!("{} bytes a frame, {} contacts", frame.bytes, frame.contacts);
+    assert!(frame.bytes * 30 < 200_000, "{frame:?}");
+}
+
+#[test]
+fn a_stalled_viewer_is_dropped_and_holds_nobody_up() {
+    let server = serve("rough", |config| config.stall_timeout = Duration::from_millis(300));
+    let mut peer = server.client();
+    peer.send("INIT {ClassName USARBot.KUKA_YouBot} {Start RobotStart1}");
+    let mut stalled = TcpStream::connect(page_of(&server)).unwrap();
+    let head = "GET /live HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+        Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+    stalled.write_all(head.as_bytes()).unwrap();
+    let mut viewer = Viewer::open(&server, "/live");
+    // Lines of the wire fill what the operating system holds: about 6 MB on the reader's side.
+    let mut byte = [0];
+    stalled.read_exact(&mut byte).unwrap();
+    assert_eq!(&byte, b"H");
+    let wish = b"{\"wire\":true}";
+    let mut masked = vec![0x81, 0x80 | wish.len() as u8, 0, 0, 0, 0];
+    masked.extend(wish);
+    stalled.write_all(&masked).unwrap();
+    viewer.send("{\"speed\":0}");
+    let end = Instant::now() + PATIENCE;
+    stalled.set_nonblocking(true).unwrap();
+    // A write to a connection that the other side has ended fails sooner or later.
+    while stalled.write(&[0x8a, 0x80, 0, 0, 0, 0]).is_ok() {
+        assert!(Instant::now() < end, "it is still there");
+        viewer.frame("the world goes on", |_| true);
+    }
+}

@@ -1,0 +1,138 @@
+/** The page: what comes from the server goes to the state, the picture and the panels; wishes go back. */
+
+import './style.css';
+import { Bar } from './panel/bar';
+import { find, make, setText } from './panel/dom';
+import { DrivePanel, type Placing } from './panel/drive';
+import { PlotsPanel } from './panel/plots';
+import { RobotsPanel } from './panel/robots';
+import { WirePanel } from './panel/wire';
+import { Live } from './protocol/live';
+import { State } from './state';
+import { View } from './view/view';
+
+/** Between two updates of numbers and plots, ms. */
+const PANEL_INTERVAL = 100;
+/** A press that moves farther is no click, px. */
+const CLICK_REACH = 5;
+/** How long a message stays, ms. */
+const TOAST_TIME = 6000;
+
+const state = new State();
+let placing: Placing = null;
+/** A robot of our own that is to be looked at as soon as it is there. */
+let expected: string | null = null;
+let connected = false;
+
+const view = new View(find<HTMLCanvasElement>('canvas'), find('labels'), (id) => state.robot(id));
+const robots = new RobotsPanel(state, select);
+const plots = new PlotsPanel(state);
+const wire = new WirePanel();
+const drive = new DrivePanel(state, place, say, (name) => (expected = name));
+
+const live = new Live({
+  scene(scene) {
+    const before = state.scene;
+    state.scene = scene;
+    view.setScene(scene);
+    drive.updateScene();
+    if (before && before.map.name !== scene.map.name) say(`The server shows another map now: ${scene.map.name}`);
+  },
+  frame(frame) {
+    if (state.frame && frame.time < state.frame.time && !state.status?.resets) say('The server began anew');
+    state.frame = frame;
+    view.setFrame(frame);
+    plots.update();
+    document.documentElement.dataset.state = 'live';
+  },
+  scan: (scan) => view.setScan(scan),
+  status(status) {
+    state.status = status;
+    if (!connected) showBanner(null);
+    connected = true;
+    if (state.selected !== null && !state.robot(state.selected)) state.selected = null;
+    const own = status.robots.filter(({ name }) => name === expected).pop();
+    if (own) {
+      expected = null;
+      select(own.id);
+    } else if (state.selected === null && status.robots[0]) select(status.robots[0].id);
+    robots.updateStatus();
+    bar.updateStatus();
+  },
+  line: (line) => wire.line(line),
+  said: say,
+  lost() {
+    connected = false;
+    document.documentElement.dataset.state = 'lost';
+    showBanner('The connection to the server is lost. Trying again …');
+  },
+});
+const bar = new Bar(state, live, view);
+
+function select(robot: number): void {
+  state.selected = robot;
+  robots.updateStatus();
+  bar.look();
+  view.turnTo(robot);
+}
+
+function place(next: Placing): void {
+  placing = next;
+  find('view').classList.toggle('placing', next !== null);
+}
+
+function say(text: string): void {
+  wire.said(text);
+  const toast = make('p', {}, text);
+  const toasts = find('toasts');
+  toasts.append(toast);
+  while (toasts.childElementCount > 4) toasts.firstElementChild?.remove();
+  setTimeout(() => toast.remove(), TOAST_TIME);
+}
+
+/** What is wrong, or null when all is well again. */
+function showBanner(text: string | null): void {
+  const banner = find('banner');
+  const wasLost = !banner.hidden;
+  banner.hidden = text === null;
+  if (text !== null) setText(banner, text);
+  else if (wasLost) say('Connected again');
+}
+
+function showTab(name: string): void {
+  for (const tab of document.querySelectorAll<HTMLElement>('[role=tab]')) {
+    const chosen = tab.dataset.tab === name;
+    tab.setAttribute('aria-selected', String(chosen));
+    find(tab.dataset.tab ?? '').hidden = !chosen;
+  }
+  live.listenToWire(name === 'wire');
+}
+
+document.querySelectorAll<HTMLElement>('[role=tab]').forEach((tab) => {
+  tab.onclick = () => showTab(tab.dataset.tab ?? '');
+});
+
+let pressed: PointerEvent | null = null;
+find('canvas').addEventListener('pointerdown', (event) => (pressed = event));
+find('canvas').addEventListener('pointerup', (event) => {
+  const moved = pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY);
+  if (moved === null || moved > CLICK_REACH) return;
+  const hit = view.pick(event.clientX, event.clientY);
+  if (hit && 'place' in hit && placing) {
+    placing(hit.place);
+    place(null);
+  } else if (hit && 'robot' in hit) select(hit.robot);
+});
+
+setInterval(() => {
+  bar.updateFrame();
+  robots.updateFrame();
+  plots.draw();
+  wire.draw();
+  setText(find('rate'), `${view.framesPerSecond()} pictures/s`);
+  const metres = view.metresPer100Pixels();
+  const round = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((length) => length >= metres) ?? 100;
+  const bar100 = find('scale').firstElementChild as HTMLElement;
+  bar100.style.width = `${(100 * round) / metres}px`;
+  setText(bar100, round < 1 ? `${Math.round(round * 100)} cm` : `${round} m`);
+}, PANEL_INTERVAL);

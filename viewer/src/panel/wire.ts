@@ -1,0 +1,87 @@
+/** The tab of the wire's raw lines, and of what the server says. */
+
+import type { WireLine } from '../protocol/live';
+import { find, make } from './dom';
+
+/** Lines that are kept, and most that are shown at a time. */
+const KEPT = 5000;
+const SHOWN = 300;
+
+type Entry = WireLine | { said: string };
+
+export class WirePanel {
+  private readonly text = make('input', { placeholder: 'only lines with …', name: 'filter', 'aria-label': 'Filter' });
+  private readonly direction = make('select', { name: 'direction', 'aria-label': 'Direction' });
+  private readonly connection = make('input', { placeholder: 'client', name: 'connection', size: '5' });
+  private readonly hold = make('button', { type: 'button', 'aria-pressed': 'false' }, 'Hold');
+  private readonly list = make('ol', { id: 'lines' });
+  private readonly entries: Entry[] = [];
+  private readonly element = find('wire');
+  private stale = true;
+
+  constructor() {
+    for (const [value, name] of [
+      ['', 'both ways'],
+      ['in', 'to the server'],
+      ['out', 'from it'],
+    ] as const) {
+      this.direction.append(make('option', { value }, name));
+    }
+    const clear = make('button', { type: 'button' }, 'Clear');
+    clear.onclick = () => {
+      this.entries.length = 0;
+      this.stale = true;
+    };
+    this.hold.onclick = () => {
+      this.hold.setAttribute('aria-pressed', String(!this.isHeld()));
+      this.stale = true;
+    };
+    [this.text, this.direction, this.connection].forEach((field) => (field.oninput = () => (this.stale = true)));
+    this.element.append(
+      make('div', { class: 'row' }, this.text, this.direction, this.connection, this.hold, clear),
+      this.list,
+    );
+  }
+
+  line(line: WireLine): void {
+    this.add(line);
+  }
+
+  said(said: string): void {
+    this.add({ said });
+  }
+
+  /** Shows what has come, newest first; to be called a few times a second. */
+  draw(): void {
+    if (this.element.hidden || !this.stale || this.isHeld()) return;
+    this.stale = false;
+    const shown = this.entries.filter((entry) => this.fits(entry)).slice(-SHOWN);
+    this.list.replaceChildren(...shown.reverse().map(item));
+  }
+
+  private add(entry: Entry): void {
+    this.entries.push(entry);
+    if (this.entries.length > KEPT) this.entries.splice(0, KEPT / 5);
+    this.stale = true;
+  }
+
+  private isHeld(): boolean {
+    return this.hold.getAttribute('aria-pressed') === 'true';
+  }
+
+  private fits(entry: Entry): boolean {
+    const [text, direction, connection] = [this.text.value.toLowerCase(), this.direction.value, this.connection.value];
+    if ('said' in entry) return entry.said.toLowerCase().includes(text) && !direction && !connection;
+    return (
+      entry.text.toLowerCase().includes(text) &&
+      (!direction || entry.direction === direction) &&
+      (!connection.trim() || String(entry.connection) === connection.trim())
+    );
+  }
+}
+
+function item(entry: Entry): HTMLElement {
+  if ('said' in entry) return make('li', { class: 'said' }, entry.said);
+  const { time, direction, connection, text } = entry;
+  return make('li', { class: direction }, `${time.toFixed(3)} ${direction === 'in' ? '→' : '←'}${connection} ${text}`);
+}

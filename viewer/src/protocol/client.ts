@@ -1,0 +1,94 @@
+/** A robot driven by hand: an ordinary client of the protocol, through the server's own port. */
+
+import { socketUrl } from './live';
+import type { RobotClass, Vector } from './scene';
+
+/** -1 to 1 of what the robot can do. */
+export interface Twist {
+  forward: number;
+  right: number;
+  clockwise: number;
+}
+
+export interface Spawn {
+  robotClass: string;
+  name: string;
+  place: { start: string } | { location: Vector; yaw: number };
+}
+
+/** Least time between two DRIVE lines, ms. */
+const INTERVAL = 50;
+
+export class Client {
+  private readonly socket: WebSocket;
+  private readonly decoder = new TextDecoder();
+  private readonly waiting: string[] = [];
+  private text = '';
+  private sent = '';
+  private wanted = '';
+  private timer: number | null = null;
+
+  constructor(
+    readonly spawn: Spawn,
+    private readonly robot: RobotClass,
+    left: (reason: string) => void,
+    greeted: () => void,
+  ) {
+    const { robotClass, name, place } = spawn;
+    const where =
+      'start' in place
+        ? `{Start ${place.start}}`
+        : `{Location ${place.location.join(',')}} {Rotation 0,0,${place.yaw}}`;
+    this.waiting.push(`INIT {ClassName USARBot.${robotClass}} {Name ${name}} ${where}`);
+    this.socket = new WebSocket(socketUrl('wire'));
+    this.socket.binaryType = 'arraybuffer';
+    this.socket.onmessage = (event: MessageEvent<ArrayBuffer>) => {
+      this.text += this.decoder.decode(event.data, { stream: true });
+      const lines = this.text.split('\n');
+      this.text = lines.pop() ?? '';
+      if (lines.some((line) => line.startsWith('NFO {Gametype'))) {
+        this.waiting.splice(0).forEach((line) => this.send(line));
+        greeted();
+      }
+    };
+    this.socket.onclose = (event) => {
+      if (this.timer !== null) clearTimeout(this.timer);
+      left(event.reason || 'its connection ended');
+    };
+  }
+
+  /** Drives; what comes faster than the robot is told is left out but for the last. */
+  drive(twist: Twist): void {
+    this.wanted = this.command(twist);
+    if (this.timer === null) this.tell();
+  }
+
+  /** Ends the connection; the robot leaves with it. */
+  end(): void {
+    this.socket.onclose = null;
+    this.socket.close();
+  }
+
+  private tell(): void {
+    this.timer = null;
+    if (this.wanted !== this.sent) {
+      this.send(this.wanted);
+      this.sent = this.wanted;
+      this.timer = window.setTimeout(() => this.tell(), INTERVAL);
+    }
+  }
+
+  private send(line: string): void {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(`${line}\r\n`);
+  }
+
+  /** In percent of the limits, so the unit of wheel speeds does not matter. */
+  private command({ forward, right, clockwise }: Twist): string {
+    const percent = (part: number) => (100 * Math.max(-1, Math.min(1, part))).toFixed(1);
+    if (this.robot.steering === 'OmniDrive') {
+      return `DRIVE {Normalized true} {LinearVelocity ${percent(forward)}} {LateralVelocity ${percent(right)}} {RotationalVelocity ${percent(clockwise)}}`;
+    }
+    const most = Math.max(1, Math.abs(forward) + Math.abs(clockwise));
+    return `DRIVE {Normalized true} {Left ${percent((forward + clockwise) / most)}} {Right ${percent((forward - clockwise) / most)}}`;
+  }
+}

@@ -1,0 +1,120 @@
+/** The binary messages of `/live`; their layout is in crates/gamebots-server/src/live/frame.rs. */
+
+import type { Pose, Vector } from './scene';
+
+export interface WheelState {
+  /** rad */
+  angle: number;
+  /** rad/s */
+  speed: number;
+  /** rad/s */
+  target: number;
+  /** rad, about the rollers' own axes */
+  rollers: number[];
+}
+
+export interface RobotState {
+  id: number;
+  pose: Pose;
+  /** m/s along the robot's own axes */
+  linear: Vector;
+  /** rad/s about the robot's own axes */
+  angular: Vector;
+  wheels: WheelState[];
+  contacts: { point: Vector; /** N */ force: Vector }[];
+}
+
+export interface Frame {
+  /** simulated s */
+  time: number;
+  robots: RobotState[];
+  objects: Pose[];
+}
+
+export interface Scan {
+  robot: number;
+  sensor: number;
+  /** parts of the sensor's range */
+  ranges: number[];
+}
+
+class Reader {
+  private at = 0;
+  constructor(private readonly view: DataView) {}
+  u8(): number {
+    return this.view.getUint8(this.at++);
+  }
+  u16(): number {
+    this.at += 2;
+    return this.view.getUint16(this.at - 2, true);
+  }
+  i16(): number {
+    this.at += 2;
+    return this.view.getInt16(this.at - 2, true);
+  }
+  u32(): number {
+    this.at += 4;
+    return this.view.getUint32(this.at - 4, true);
+  }
+  f32(): number {
+    this.at += 4;
+    return this.view.getFloat32(this.at - 4, true);
+  }
+  f64(): number {
+    this.at += 8;
+    return this.view.getFloat64(this.at - 8, true);
+  }
+  list<T>(count: number, item: () => T): T[] {
+    return Array.from({ length: count }, item);
+  }
+  vector(): Vector {
+    return [this.f32(), this.f32(), this.f32()];
+  }
+  pose(): Pose {
+    return [...this.vector(), this.f32(), this.f32(), this.f32(), this.f32()];
+  }
+}
+
+const FORCE_UNIT = 0.25;
+
+export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan } | null {
+  const reader = new Reader(new DataView(bytes));
+  const kind = reader.u8();
+  if (kind === 1) {
+    const time = reader.f64();
+    const robots = reader.list(reader.u16(), () => readRobot(reader));
+    return { frame: { time, robots, objects: reader.list(reader.u16(), () => reader.pose()) } };
+  }
+  if (kind === 2) {
+    const robot = reader.u32();
+    const sensor = reader.u8();
+    return { scan: { robot, sensor, ranges: reader.list(reader.u16(), () => reader.u16() / 65535) } };
+  }
+  return null;
+}
+
+function readRobot(reader: Reader): RobotState {
+  const id = reader.u32();
+  const pose = reader.pose();
+  const linear = reader.vector();
+  const angular = reader.vector();
+  const wheels = reader.list(reader.u8(), () => {
+    const [angle, speed, target] = reader.vector();
+    return { angle, speed, target, rollers: reader.list(reader.u8(), () => (reader.i16() / 32768) * Math.PI) };
+  });
+  const force = () => reader.i16() * FORCE_UNIT;
+  const contacts = reader.list(reader.u8(), () => {
+    const point = reader.vector();
+    return { point, force: [force(), force(), force()] as Vector };
+  });
+  return { id, pose, linear, angular, wheels, contacts };
+}
+
+/** Roll, pitch, yaw of a pose, rad, as the wire writes them. */
+export function rollPitchYaw([, , , x, y, z, w]: Pose): Vector {
+  return [
+    Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+    Math.asin(Math.max(-1, Math.min(1, 2 * (w * y - z * x)))),
+    Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
+  ];
+}

@@ -1,0 +1,80 @@
+/** The scene as `/scene.json` gives it: SI units, z down; poses are x y z and a quaternion x y z w. */
+
+export type Pose = [number, number, number, number, number, number, number];
+export type Vector = [number, number, number];
+export type Colour = [number, number, number];
+
+export type Shape =
+  | 'HalfSpace'
+  | { Box: { size: Vector } }
+  | { Cylinder: { radius: number; length: number } }
+  | { Ball: { radius: number } }
+  | { Mesh: { vertices: Vector[]; triangles: Vector[] } };
+
+export interface Solid {
+  name: string;
+  shape: Shape;
+  pose: Pose;
+  material: string;
+  colour: Colour;
+  friction: number;
+}
+
+export interface NamedPlace {
+  name: string;
+  position: Vector;
+  rotation: Vector;
+}
+
+export interface Wheel {
+  name: string;
+  position: Vector;
+  radius: number;
+  width: number;
+  colour: Colour;
+  max_speed: number | null;
+  rollers: { poses: Pose[]; outline: [number, number][]; hub_radius: number; colour: Colour } | null;
+}
+
+export interface Sensor {
+  name: string;
+  pose: Pose;
+  max_range: number | null;
+  fan: { first: number; resolution: number; level: boolean } | null;
+}
+
+export interface RobotClass {
+  description: string;
+  steering: 'SkidSteered' | 'OmniDrive';
+  drive_model: string;
+  wheel_radius: number;
+  track: number;
+  wheel_base: number;
+  solids: Solid[];
+  wheels: Wheel[];
+  casters: { position: Vector; radius: number; colour: Colour }[];
+  sensors: Sensor[];
+}
+
+export interface Scene {
+  version: string;
+  seed: number;
+  port: number;
+  map: {
+    name: string;
+    description: string;
+    solids: Solid[];
+    objects: Solid[];
+    starts: NamedPlace[];
+    path_nodes: NamedPlace[];
+  };
+  classes: Record<string, RobotClass>;
+}
+
+export async function fetchScene(): Promise<Scene> {
+  const response = await fetch('scene.json', { cache: 'no-store' });
+  if (!response.ok) {
+    throw new Error(`the scene: ${response.status} ${await response.text()}`);
+  }
+  return (await response.json()) as Scene;
+}

@@ -1,0 +1,15 @@
+import * as THREE from 'three';
+import type { Pose } from '../protocol/scene';
+
+const ONE = new THREE.Vector3(1, 1, 1);
+const place = new THREE.Vector3();
+const turn = new THREE.Quaternion();
+
+export function setPose(matrix: THREE.Matrix4, [x, y, z, i, j, k, w]: Pose): THREE.Matrix4 {
+  return matrix.compose(place.set(x, y, z), turn.set(i, j, k, w), ONE);
+}
+
+export function moveTo(object: THREE.Object3D, [x, y, z, i, j, k, w]: Pose): void {
+  object.position.set(x, y, z);
+  object.quaternion.set(i, j, k, w);
+}

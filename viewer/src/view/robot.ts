@@ -1,0 +1,151 @@
+/** All robots of one class, drawn together: one instanced mesh for bodies, one for hubs, one for rollers. */
+
+import * as THREE from 'three';
+import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
+import type { RobotState } from '../protocol/frame';
+import type { Colour, RobotClass } from '../protocol/scene';
+import { coloured, solidGeometry } from './solid';
+import { setPose } from './pose';
+
+/** Around a roller and a wheel. */
+const SEGMENTS = 12;
+/** A roller's stripe and a spoke of a hub, by which one sees them turn. */
+const STRIPE: Colour = [0.62, 0.62, 0.64];
+const HUB: Colour = [0.55, 0.57, 0.6];
+const BODY: Colour = [0.93, 0.45, 0.12];
+
+export class RobotFleet {
+  readonly group = new THREE.Group();
+  private readonly parts: { body: Instances; wheels: Instances[]; rollers: (Instances | null)[] };
+  private readonly poses: THREE.Matrix4[][];
+
+  constructor(readonly robotClass: RobotClass) {
+    const { solids, casters, wheels } = robotClass;
+    const body = solids.map((solid) => solidGeometry(solid.shape, solid.pose, BODY));
+    for (const { position, radius, colour } of casters) {
+      const ball = new THREE.SphereGeometry(radius, 16, 12).translate(...position);
+      body.push(coloured(ball, colour));
+    }
+    this.parts = {
+      body: new Instances(this.group, body),
+      wheels: wheels.map((wheel) => {
+        const radius = wheel.rollers ? wheel.rollers.hub_radius : wheel.radius;
+        return new Instances(this.group, [disc(radius, wheel.width, wheel.rollers ? HUB : wheel.colour)]);
+      }),
+      rollers: wheels.map(({ rollers }) =>
+        rollers ? new Instances(this.group, [roller(rollers.outline, rollers.colour)]) : null,
+      ),
+    };
+    this.poses = wheels.map(({ rollers }) => (rollers?.poses ?? []).map((pose) => setPose(new THREE.Matrix4(), pose)));
+  }
+
+  /** Puts every robot of the class where it is. */
+  place(robots: RobotState[]): void {
+    const { body, wheels, rollers } = this.parts;
+    body.begin(robots.length);
+    wheels.forEach((wheel) => wheel.begin(robots.length));
+    rollers.forEach((roller, index) => roller?.begin(robots.length * (this.poses[index]?.length ?? 0)));
+    const [robot, wheel, local] = [new THREE.Matrix4(), new THREE.Matrix4(), new THREE.Matrix4()];
+    for (const state of robots) {
+      body.add(setPose(robot, state.pose));
+      this.robotClass.wheels.forEach(({ position }, index) => {
+        const { angle = 0, rollers: angles = [] } = state.wheels[index] ?? {};
+        wheel
+          .copy(robot)
+          .multiply(local.makeTranslation(...position))
+          .multiply(local.makeRotationY(-angle));
+        wheels[index]?.add(wheel);
+        this.poses[index]?.forEach((pose, number) => {
+          local.makeRotationX(angles[number] ?? 0);
+          rollers[index]?.add(local.premultiply(pose).premultiply(wheel));
+        });
+      });
+    }
+    body.end();
+    wheels.forEach((wheel) => wheel.end());
+    rollers.forEach((roller) => roller?.end());
+  }
+
+  /** The number in the list last placed of what a ray hits. */
+  robotAt(hit: THREE.Intersection): number | null {
+    const { body, wheels, rollers } = this.parts;
+    const instance = hit.instanceId ?? 0;
+    if (body.mesh === hit.object || wheels.some((wheel) => wheel.mesh === hit.object)) return instance;
+    const index = rollers.findIndex((roller) => roller?.mesh === hit.object);
+    return index < 0 ? null : Math.floor(instance / (this.poses[index]?.length ?? 1));
+  }
+
+  dispose(): void {
+    [this.parts.body, ...this.parts.wheels, ...this.parts.rollers].forEach((part) => part?.dispose());
+  }
+}
+
+/** An instanced mesh that grows. */
+class Instances {
+  mesh: THREE.InstancedMesh;
+  private count = 0;
+
+  constructor(
+    private readonly parent: THREE.Group,
+    geometries: THREE.BufferGeometry[],
+  ) {
+    const geometry = mergeGeometries(geometries) as THREE.BufferGeometry | null;
+    const material = new THREE.MeshStandardMaterial({ vertexColors: true, roughness: 0.75, metalness: 0.05 });
+    this.mesh = this.make(geometry ?? new THREE.BufferGeometry(), material, 1);
+  }
+
+  begin(count: number): void {
+    if (count > this.mesh.instanceMatrix.count) {
+      const { geometry, material } = this.mesh;
+      this.parent.remove(this.mesh);
+      this.mesh.dispose();
+      this.mesh = this.make(geometry, material as THREE.Material, 2 * count);
+    }
+    this.count = 0;
+  }
+
+  add(matrix: THREE.Matrix4): void {
+    this.mesh.setMatrixAt(this.count++, matrix);
+  }
+
+  end(): void {
+    this.mesh.count = this.count;
+    this.mesh.instanceMatrix.needsUpdate = true;
+    this.mesh.boundingSphere = null;
+  }
+
+  dispose(): void {
+    this.mesh.geometry.dispose();
+    (this.mesh.material as THREE.Material).dispose();
+    this.mesh.dispose();
+  }
+
+  private make(geometry: THREE.BufferGeometry, material: THREE.Material, capacity: number): THREE.InstancedMesh {
+    const mesh = new THREE.InstancedMesh(geometry, material, capacity);
+    mesh.count = 0;
+    // The robots are nearly always in sight, and a bounding sphere of all of them would have to be made each frame.
+    mesh.frustumCulled = false;
+    mesh.castShadow = mesh.receiveShadow = true;
+    this.parent.add(mesh);
+    return mesh;
+  }
+}
+
+/** A wheel's disc about its y axis, with a lighter sector by which one sees it turn. */
+function disc(radius: number, width: number, colour: Colour): THREE.BufferGeometry {
+  const geometry = new THREE.CylinderGeometry(radius, radius, width, 2 * SEGMENTS);
+  const lighter: Colour = [0, 1, 2].map((part) => Math.min(1, (colour[part] ?? 0) + 0.3)) as Colour;
+  const isSector = (x: number, z: number) => Math.abs(Math.atan2(z, x)) < 0.3;
+  return coloured(geometry, (x, _, z) => (isSector(x, z) ? lighter : colour));
+}
+
+/** A roller's exact outline turned about its x axis. */
+function roller(outline: [number, number][], colour: Colour): THREE.BufferGeometry {
+  const points = outline.map(([along, radius]) => new THREE.Vector2(radius, along));
+  const [first, last] = [outline[0] ?? [0, 0], outline[outline.length - 1] ?? [0, 0]];
+  points.unshift(new THREE.Vector2(0, first[0]));
+  points.push(new THREE.Vector2(0, last[0]));
+  // The lathe turns about y.
+  const geometry = new THREE.LatheGeometry(points, SEGMENTS).rotateZ(-Math.PI / 2);
+  return coloured(geometry, (_, y, z) => (Math.abs(Math.atan2(z, y)) < 0.35 ? STRIPE : colour));
+}

@@ -1,0 +1,50 @@
+/** Solids as geometries with a colour in each corner, so that many can be one mesh. */
+
+import * as THREE from 'three';
+import type { Colour, Pose, Shape } from '../protocol/scene';
+import { setPose } from './pose';
+
+/** Edge of the square that stands for a plane without end, m. */
+const PLANE_EDGE = 400;
+
+export function solidGeometry(shape: Shape, pose: Pose, colour: Colour): THREE.BufferGeometry {
+  return coloured(shapeGeometry(shape).applyMatrix4(setPose(new THREE.Matrix4(), pose)), colour);
+}
+
+function shapeGeometry(shape: Shape): THREE.BufferGeometry {
+  if (shape === 'HalfSpace') {
+    // It is seen from above, which is -z.
+    return new THREE.PlaneGeometry(PLANE_EDGE, PLANE_EDGE).rotateX(Math.PI);
+  }
+  if ('Box' in shape) return new THREE.BoxGeometry(...shape.Box.size);
+  if ('Ball' in shape) return new THREE.SphereGeometry(shape.Ball.radius, 24, 16);
+  if ('Cylinder' in shape) {
+    const { radius, length } = shape.Cylinder;
+    return new THREE.CylinderGeometry(radius, radius, length, 32).rotateX(Math.PI / 2);
+  }
+  const { vertices, triangles } = shape.Mesh;
+  const geometry = new THREE.BufferGeometry();
+  const corners = triangles.flatMap((triangle) => triangle.flatMap((corner) => vertices[corner] ?? [0, 0, 0]));
+  geometry.setAttribute('position', new THREE.Float32BufferAttribute(corners, 3));
+  geometry.computeVertexNormals();
+  geometry.setAttribute('uv', new THREE.Float32BufferAttribute(new Float32Array((corners.length / 3) * 2), 2));
+  return geometry;
+}
+
+/** Gives every corner a colour (sRGB), by its place if it depends on that; without an index, so that all can be merged. */
+export function coloured(
+  geometry: THREE.BufferGeometry,
+  colour: Colour | ((x: number, y: number, z: number) => Colour),
+): THREE.BufferGeometry {
+  const plain = geometry.index ? geometry.toNonIndexed() : geometry;
+  const places = plain.getAttribute('position');
+  const colours = new Float32Array(places.count * 3);
+  const linear = new THREE.Color();
+  for (let corner = 0; corner < places.count; corner++) {
+    const own =
+      typeof colour === 'function' ? colour(places.getX(corner), places.getY(corner), places.getZ(corner)) : colour;
+    linear.setRGB(...own, THREE.SRGBColorSpace).toArray(colours, 3 * corner);
+  }
+  plain.setAttribute('color', new THREE.BufferAttribute(colours, 3));
+  return plain;
+}

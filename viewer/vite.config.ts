@@ -1,0 +1,16 @@
+import { defineConfig } from 'vite';
+
+// The server embeds what is built; `npm run dev` shows a running server's world through a proxy.
+const server = 'http://127.0.0.1:8080';
+
+export default defineConfig({
+  build: { outDir: 'dist/page', emptyOutDir: true, chunkSizeWarningLimit: 900 },
+  server: {
+    proxy: {
+      '/scene.json': { target: server, changeOrigin: true },
+      // The server lets only its own page in.
+      '/live': { target: server, ws: true, changeOrigin: true, headers: { origin: server } },
+      '/wire': { target: server, ws: true, changeOrigin: true, headers: { origin: server } },
+    },
+  },
+});
