@@ -11,8 +11,9 @@ import { Live } from './protocol/live';
 import { State } from './state';
 import { View } from './view/view';
 
-/** Between two updates of numbers and plots, ms. */
+/** Between two updates of numbers, and of plots, ms. */
 const PANEL_INTERVAL = 100;
+const PLOT_INTERVAL = 250;
 /** A press that moves farther is no click, px. */
 const CLICK_REACH = 5;
 /** How long a message stays, ms. */
@@ -124,10 +125,10 @@ find('canvas').addEventListener('pointerup', (event) => {
   } else if (hit && 'robot' in hit) select(hit.robot);
 });
 
+setInterval(() => plots.draw(), PLOT_INTERVAL);
 setInterval(() => {
   bar.updateFrame();
   robots.updateFrame();
-  plots.draw();
   wire.draw();
   setText(find('rate'), `${view.framesPerSecond()} pictures/s`);
   const metres = view.metresPer100Pixels();

@@ -104,16 +104,24 @@ export class PlotsPanel {
     this.plots = CHARTS.map((chart) => {
       const names = chart.series(robot);
       const place = make('div', { class: 'plot' });
-      this.element.append(make('h2', {}, chart.title), place);
+      const legend = make('div', { class: 'row legend' });
+      this.element.append(make('h2', {}, chart.title), legend, place);
       const colour = () => getComputedStyle(document.documentElement).getPropertyValue('--quiet');
       const axis = { stroke: colour, grid: { stroke: '#88888833', width: 1 }, ticks: { show: false } };
       const data: number[][] = [[], ...names.map(() => [])];
+      const colourOf = (index: number) => COLOURS[chart.dashed ? Math.floor(index / 2) : index] ?? '#777';
+      names.forEach((name, index) => {
+        if (chart.dashed?.(index)) return;
+        const entry = make('small', {}, name);
+        entry.style.borderBottomColor = colourOf(index);
+        legend.append(entry);
+      });
       const plot = new uPlot(
         {
           width: this.width(),
           height: HEIGHT,
           cursor: { show: false },
-          legend: { live: false },
+          legend: { show: false },
           scales: { x: { time: false } },
           axes: [
             { ...axis, size: 28 },
@@ -123,7 +131,7 @@ export class PlotsPanel {
             { label: 's' },
             ...names.map((label, index) => ({
               label,
-              stroke: COLOURS[chart.dashed ? Math.floor(index / 2) : index] ?? '#777',
+              stroke: colourOf(index),
               width: 1.5,
               ...(chart.dashed?.(index) ? { dash: [4, 4] } : {}),
             })),

@@ -5,7 +5,11 @@ import { find, make } from './dom';
 
 /** Lines that are kept, and most that are shown at a time. */
 const KEPT = 5000;
-const SHOWN = 300;
+const SHOWN = 150;
+/** Characters of a line that are shown; a click shows the rest. */
+const SHORT = 220;
+/** Least time between two updates of the list, ms. */
+const INTERVAL = 400;
 
 type Entry = WireLine | { said: string };
 
@@ -18,6 +22,7 @@ export class WirePanel {
   private readonly entries: Entry[] = [];
   private readonly element = find('wire');
   private stale = true;
+  private drawn = 0;
 
   constructor() {
     for (const [value, name] of [
@@ -53,8 +58,10 @@ export class WirePanel {
 
   /** Shows what has come, newest first; to be called a few times a second. */
   draw(): void {
-    if (this.element.hidden || !this.stale || this.isHeld()) return;
+    const now = performance.now();
+    if (this.element.hidden || !this.stale || this.isHeld() || now - this.drawn < INTERVAL) return;
     this.stale = false;
+    this.drawn = now;
     const shown = this.entries.filter((entry) => this.fits(entry)).slice(-SHOWN);
     this.list.replaceChildren(...shown.reverse().map(item));
   }
@@ -83,5 +90,8 @@ export class WirePanel {
 function item(entry: Entry): HTMLElement {
   if ('said' in entry) return make('li', { class: 'said' }, entry.said);
   const { time, direction, connection, text } = entry;
-  return make('li', { class: direction }, `${time.toFixed(3)} ${direction === 'in' ? '→' : '←'}${connection} ${text}`);
+  const head = `${time.toFixed(3)} ${direction === 'in' ? '→' : '←'}${connection} `;
+  const element = make('li', { class: direction }, head + (text.length > SHORT ? `${text.slice(0, SHORT)} …` : text));
+  element.onclick = () => (element.textContent = head + text);
+  return element;
 }

@@ -2,14 +2,15 @@
 
 import * as THREE from 'three';
 import { CSS2DObject } from 'three/addons/renderers/CSS2DRenderer.js';
-import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
 import type { Pose, Scene } from '../protocol/scene';
 import { moveTo } from './pose';
-import { solidGeometry } from './solid';
+import { merged, solidGeometry } from './solid';
 
 const IDENTITY: Pose = [0, 0, 0, 0, 0, 0, 1];
 /** Half the edge of the grid, m. */
 const GRID_REACH = 50;
+/** Length of the pieces of its lines, m. */
+const GRID_PIECE = 5;
 
 export class MapView {
   readonly group = new THREE.Group();
@@ -18,11 +19,17 @@ export class MapView {
   readonly grid = new THREE.Group();
   readonly names = new THREE.Group();
   private readonly objects: THREE.Mesh[];
-  private readonly material = new THREE.MeshStandardMaterial({ vertexColors: true, roughness: 0.95 });
+  private readonly material = new THREE.MeshLambertMaterial({
+    vertexColors: true,
+    // So that the grid lies on the floor and not in it.
+    polygonOffset: true,
+    polygonOffsetFactor: 1,
+    polygonOffsetUnits: 4,
+  });
 
   constructor({ map }: Scene) {
     const solids = map.solids.map((solid) => solidGeometry(solid.shape, solid.pose, solid.colour));
-    this.ground = new THREE.Mesh(mergeGeometries(solids) ?? new THREE.BufferGeometry(), this.material);
+    this.ground = new THREE.Mesh(merged(solids), this.material);
     this.ground.receiveShadow = this.ground.castShadow = true;
     this.objects = map.objects.map((object) => {
       const mesh = new THREE.Mesh(solidGeometry(object.shape, IDENTITY, object.colour), this.material);
@@ -64,7 +71,10 @@ export class MapView {
     ] as const) {
       const corners: number[] = [];
       for (let at = -GRID_REACH; at <= GRID_REACH; at += step) {
-        corners.push(at, -GRID_REACH, 0, at, GRID_REACH, 0, -GRID_REACH, at, 0, GRID_REACH, at, 0);
+        // In pieces: lines that pass behind the camera are drawn badly without a graphics card.
+        for (let from = -GRID_REACH; from < GRID_REACH; from += GRID_PIECE) {
+          corners.push(at, from, 0, at, from + GRID_PIECE, 0, from, at, 0, from + GRID_PIECE, at, 0);
+        }
       }
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute('position', new THREE.Float32BufferAttribute(corners, 3));
@@ -79,8 +89,8 @@ export class MapView {
         [at, 0, 'x'],
         [0, at, 'y'],
       ] as const) {
-        if (at === 0 && axis === 'y') continue;
-        const name = label(at === 0 ? '0' : `${axis} ${at} m`, 'name metres');
+        if (at === 0) continue;
+        const name = label(`${axis} ${at} m`, 'name metres');
         name.position.set(x, y, 0);
         this.grid.add(name);
       }

@@ -15,6 +15,10 @@ const FORCE_LENGTH = 0.004;
 /** Length of the axes of a robot's and of a sensor's frame, m. */
 const ROBOT_AXES = 0.3;
 const SENSOR_AXES = 0.12;
+/** Of so many beams of a laser one is drawn. */
+const RAY_STEP = 6;
+/** Ends of beams that differ by less in range are joined, m. */
+const SAME_SURFACE = 0.15;
 const X = new THREE.Vector3(1, 0, 0);
 
 export const COLOURS = ['#e4572e', '#2f7dd1', '#2e9e5b', '#b0489c', '#c79a00', '#4bb3c4', '#8a5ad1', '#7a7a7a'];
@@ -93,7 +97,8 @@ class Path {
 interface Marks {
   path: Path;
   name: CSS2DObject;
-  scans: Map<number, Scan>;
+  /** By the place of their sensor in the class's list. */
+  scans: Map<number, Segments>;
 }
 
 export const LAYERS = ['paths', 'rays', 'forces', 'frames', 'names', 'grid'] as const;
@@ -104,7 +109,7 @@ export class Overlay {
   private readonly marks = new Map<number, Marks>();
   private readonly paths = new THREE.Group();
   private readonly names = new THREE.Group();
-  private readonly rays = new Segments({ color: 0xd92b2b, opacity: 0.35, depthWrite: false });
+  private readonly rays = new THREE.Group();
   private readonly forces = new Segments({ color: 0x17a05d, depthTest: false });
   private readonly axes = [0xd92b2b, 0x2e9e5b, 0x2f5fd1].map((color) => new Segments({ color, depthTest: false }));
   private readonly layers: Record<Exclude<Layer, 'grid'>, THREE.Object3D[]>;
@@ -112,7 +117,7 @@ export class Overlay {
   constructor(private readonly scene: Scene) {
     this.layers = {
       paths: [this.paths],
-      rays: [this.rays.lines],
+      rays: [this.rays],
       forces: [this.forces.lines],
       frames: this.axes.map((axis) => axis.lines),
       names: [this.names],
@@ -124,15 +129,42 @@ export class Overlay {
     this.layers[layer].forEach((object) => (object.visible = shown));
   }
 
-  scan(scan: Scan): void {
-    this.marks.get(scan.robot)?.scans.set(scan.sensor, scan);
+  /** Draws what a laser or sonar measured, where it stood when it did: every beam's end, and some of the beams. */
+  scan({ robot: id, sensor: index, ranges }: Scan, robot: RobotState, robotClass: RobotClass): void {
+    const marks = this.marks.get(id);
+    const sensor = robotClass.sensors[index];
+    if (!marks || !sensor?.max_range || !this.rays.visible) return;
+    let rays = marks.scans.get(index);
+    if (!rays) {
+      rays = new Segments({ color: 0xd92b2b, opacity: 0.5, depthWrite: false });
+      marks.scans.set(index, rays);
+      this.rays.add(rays.lines);
+    }
+    const mount = setPose(new THREE.Matrix4(), sensor.pose).premultiply(setPose(new THREE.Matrix4(), robot.pose));
+    const origin = new THREE.Vector3().setFromMatrixPosition(mount);
+    // From the right to the left; z is down, so the right is positive.
+    const axis = new THREE.Vector3(0, sensor.fan && !sensor.fan.level ? 1 : 0, sensor.fan?.level === false ? 0 : 1);
+    const range = sensor.max_range;
+    rays.begin();
+    let last: { end: THREE.Vector3; part: number } | null = null;
+    ranges.forEach((part, beam) => {
+      const angle = sensor.fan ? sensor.fan.first - beam * sensor.fan.resolution : 0;
+      const end = X.clone()
+        .applyAxisAngle(axis, angle)
+        .multiplyScalar(part * range);
+      end.applyMatrix4(mount);
+      if (beam % RAY_STEP === 0 || beam === ranges.length - 1) rays.add(origin, end);
+      if (last && Math.abs(part - last.part) * range < SAME_SURFACE) rays.add(last.end, end);
+      last = { end, part };
+    });
+    rays.end();
   }
 
   place(frame: Frame, classOf: (robot: number) => { name: string; class: string } | null): void {
     for (const [id, marks] of this.marks) {
       if (!frame.robots.some((robot) => robot.id === id)) this.remove(id, marks);
     }
-    const moving = [this.rays, this.forces, ...this.axes];
+    const moving = [this.forces, ...this.axes];
     moving.forEach((segments) => segments.begin());
     for (const robot of frame.robots) {
       const known = classOf(robot.id);
@@ -153,27 +185,14 @@ export class Overlay {
     const [x, y, z] = robot.pose;
     marks.path.add(x, y, z + robotClass.wheel_radius * 0.3);
     marks.name.position.set(x, y, z - 0.45);
-    const frame = setPose(new THREE.Matrix4(), robot.pose);
-    if (this.axes[0]?.lines.visible) this.placeAxes(frame, ROBOT_AXES);
-    robotClass.sensors.forEach((sensor, index) => {
-      const scan = marks.scans.get(index);
-      if (!scan && !this.axes[0]?.lines.visible) return;
-      const mount = setPose(new THREE.Matrix4(), sensor.pose).premultiply(frame);
-      if (this.axes[0]?.lines.visible) this.placeAxes(mount, SENSOR_AXES);
-      if (scan && sensor.max_range) {
-        const { fan, max_range } = sensor;
-        const origin = new THREE.Vector3().setFromMatrixPosition(mount);
-        scan.ranges.forEach((part, beam) => {
-          // From the right to the left; z is down, so the right is positive.
-          const angle = fan ? fan.first - beam * fan.resolution : 0;
-          const axis = fan && !fan.level ? new THREE.Vector3(0, 1, 0) : new THREE.Vector3(0, 0, 1);
-          const hit = X.clone()
-            .applyAxisAngle(axis, angle)
-            .multiplyScalar(part * max_range);
-          this.rays.add(origin, hit.applyMatrix4(mount));
-        });
+    if (this.axes[0]?.lines.visible) {
+      const frame = setPose(new THREE.Matrix4(), robot.pose);
+      this.placeAxes(frame, ROBOT_AXES);
+      for (const { pose } of robotClass.sensors) {
+        this.placeAxes(setPose(new THREE.Matrix4(), pose).premultiply(frame), SENSOR_AXES);
       }
-    });
+    }
+    if (!this.forces.lines.visible) return;
     for (const { point, force } of robot.contacts) {
       const from = new THREE.Vector3(...point);
       this.forces.add(from, from.clone().addScaledVector(new THREE.Vector3(...force), FORCE_LENGTH));
@@ -188,7 +207,7 @@ export class Overlay {
   }
 
   private add(id: number, name: string): Marks {
-    const marks = { path: new Path(colourOf(id)), name: label(name, 'name robot'), scans: new Map<number, Scan>() };
+    const marks = { path: new Path(colourOf(id)), name: label(name, 'name robot'), scans: new Map<number, Segments>() };
     marks.name.element.style.borderColor = colourOf(id);
     this.paths.add(marks.path.line);
     this.names.add(marks.name);
@@ -196,7 +215,12 @@ export class Overlay {
     return marks;
   }
 
-  private remove(id: number, { path, name }: Marks): void {
+  private remove(id: number, { path, name, scans }: Marks): void {
+    scans.forEach(({ lines }) => {
+      this.rays.remove(lines);
+      lines.geometry.dispose();
+      (lines.material as THREE.Material).dispose();
+    });
     this.paths.remove(path.line);
     path.line.geometry.dispose();
     (path.line.material as THREE.Material).dispose();

@@ -1,14 +1,13 @@
 /** All robots of one class, drawn together: one instanced mesh for bodies, one for hubs, one for rollers. */
 
 import * as THREE from 'three';
-import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
 import type { RobotState } from '../protocol/frame';
 import type { Colour, RobotClass } from '../protocol/scene';
-import { coloured, solidGeometry } from './solid';
+import { coloured, merged, solidGeometry } from './solid';
 import { setPose } from './pose';
 
 /** Around a roller and a wheel. */
-const SEGMENTS = 12;
+const SEGMENTS = 10;
 /** A roller's stripe and a spoke of a hub, by which one sees them turn. */
 const STRIPE: Colour = [0.62, 0.62, 0.64];
 const HUB: Colour = [0.55, 0.57, 0.6];
@@ -89,9 +88,8 @@ class Instances {
     private readonly parent: THREE.Group,
     geometries: THREE.BufferGeometry[],
   ) {
-    const geometry = mergeGeometries(geometries) as THREE.BufferGeometry | null;
-    const material = new THREE.MeshStandardMaterial({ vertexColors: true, roughness: 0.75, metalness: 0.05 });
-    this.mesh = this.make(geometry ?? new THREE.BufferGeometry(), material, 1);
+    const material = new THREE.MeshLambertMaterial({ vertexColors: true });
+    this.mesh = this.make(merged(geometries), material, 1);
   }
 
   begin(count: number): void {

@@ -1,11 +1,12 @@
 /** Solids as geometries with a colour in each corner, so that many can be one mesh. */
 
 import * as THREE from 'three';
+import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
 import type { Colour, Pose, Shape } from '../protocol/scene';
 import { setPose } from './pose';
 
 /** Edge of the square that stands for a plane without end, m. */
-const PLANE_EDGE = 400;
+const PLANE_EDGE = 240;
 
 export function solidGeometry(shape: Shape, pose: Pose, colour: Colour): THREE.BufferGeometry {
   return coloured(shapeGeometry(shape).applyMatrix4(setPose(new THREE.Matrix4(), pose)), colour);
@@ -31,13 +32,12 @@ function shapeGeometry(shape: Shape): THREE.BufferGeometry {
   return geometry;
 }
 
-/** Gives every corner a colour (sRGB), by its place if it depends on that; without an index, so that all can be merged. */
+/** Gives every corner a colour (sRGB), by its place if it depends on that. */
 export function coloured(
   geometry: THREE.BufferGeometry,
   colour: Colour | ((x: number, y: number, z: number) => Colour),
 ): THREE.BufferGeometry {
-  const plain = geometry.index ? geometry.toNonIndexed() : geometry;
-  const places = plain.getAttribute('position');
+  const places = geometry.getAttribute('position');
   const colours = new Float32Array(places.count * 3);
   const linear = new THREE.Color();
   for (let corner = 0; corner < places.count; corner++) {
@@ -45,6 +45,15 @@ export function coloured(
       typeof colour === 'function' ? colour(places.getX(corner), places.getY(corner), places.getZ(corner)) : colour;
     linear.setRGB(...own, THREE.SRGBColorSpace).toArray(colours, 3 * corner);
   }
-  plain.setAttribute('color', new THREE.BufferAttribute(colours, 3));
-  return plain;
+  geometry.setAttribute('color', new THREE.BufferAttribute(colours, 3));
+  return geometry;
+}
+
+/** Many geometries as one. */
+export function merged(geometries: THREE.BufferGeometry[]): THREE.BufferGeometry {
+  if (geometries.length === 0) return new THREE.BufferGeometry();
+  const [only] = geometries;
+  if (only && geometries.length === 1) return only;
+  // All of them have an index or none.
+  return mergeGeometries(geometries.map((geometry) => (geometry.index ? geometry.toNonIndexed() : geometry)));
 }

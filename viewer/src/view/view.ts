@@ -19,7 +19,7 @@ const SKY = { light: 0xe9edf0, dark: 0x1c2126 };
 export class View {
   private readonly renderer: THREE.WebGLRenderer;
   private readonly labels = new CSS2DRenderer();
-  private readonly camera = new THREE.PerspectiveCamera(45, 1, 0.01, 500);
+  private readonly camera = new THREE.PerspectiveCamera(45, 1, 0.03, 300);
   private readonly controls: OrbitControls;
   private readonly stage = new THREE.Scene();
   /** z down, as the wire has it. */
@@ -41,10 +41,11 @@ export class View {
     labels: HTMLElement,
     private readonly roster: Roster,
   ) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: false });
-    this.renderer.setPixelRatio(this.isSoftware() ? 1 : Math.min(2, window.devicePixelRatio));
-    // Without a graphics card shadows would halve the frame rate.
-    this.renderer.shadowMap.enabled = !this.isSoftware();
+    // Without a graphics card smooth edges and shadows would take most of the time.
+    const software = isSoftware();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software });
+    this.renderer.setPixelRatio(software ? 1 : Math.min(2, window.devicePixelRatio));
+    this.renderer.shadowMap.enabled = !software;
     this.labels.domElement.className = 'labels';
     labels.append(this.labels.domElement);
     THREE.Object3D.DEFAULT_UP.set(0, 0, 1);
@@ -90,7 +91,9 @@ export class View {
   }
 
   setScan(scan: Scan): void {
-    this.overlay?.scan(scan);
+    const robot = this.frame?.robots.find(({ id }) => id === scan.robot);
+    const robotClass = this.fleets.get(this.roster(scan.robot)?.class ?? '')?.robotClass;
+    if (robot && robotClass) this.overlay?.scan(scan, robot, robotClass);
   }
 
   setDark(dark: boolean): void {
@@ -172,13 +175,6 @@ export class View {
     return (100 * 2 * distance * Math.tan(((this.camera.fov / 2) * Math.PI) / 180)) / this.canvas.clientHeight;
   }
 
-  private isSoftware(): boolean {
-    const gl = this.renderer.getContext();
-    const info = gl.getExtension('WEBGL_debug_renderer_info');
-    const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
-    return /swiftshader|llvmpipe|software/i.test(name);
-  }
-
   /** Where a robot is on the stage. */
   private placeOf(robot: number | null): THREE.Vector3 | null {
     const pose = this.frame?.robots.find(({ id }) => id === robot)?.pose;
@@ -225,4 +221,13 @@ export class View {
     this.sun.target.position.copy(this.controls.target);
     this.sun.position.copy(this.controls.target).add(new THREE.Vector3(-4, 3, 9));
   }
+}
+
+/** Whether the browser draws without a graphics card. */
+function isSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const info = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
 }

@@ -1,0 +1,249 @@
+// The page in a real browser, as a person uses it. Each test leaves a picture in target/screenshots.
+
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readdirSync, statSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import {
+  connectRobots,
+  launchBrowser,
+  number,
+  openPage,
+  pictures,
+  program,
+  startServer,
+  waitForNumber,
+} from './server.mjs';
+
+const X = '[data-value=x]';
+const Y = '[data-value=y]';
+let browser;
+
+before(async () => {
+  browser = await launchBrowser();
+});
+
+after(async () => {
+  await browser.close();
+});
+
+/** A test with a server and a page of its own; nothing may go to the console as an error. */
+function pageTest(name, { serve = [], page: options = {}, mayFail = false }, body) {
+  test(name, { timeout: 120_000 }, async () => {
+    const server = await startServer(...serve);
+    const { page, errors, seconds } = await openPage(browser, server.url, options);
+    try {
+      await body({ page, server, seconds });
+      await page.screenshot({ path: join(pictures, `${name.replaceAll(/\W+/g, '-')}.png`) });
+    } finally {
+      await page.context().close();
+      await server.stop();
+    }
+    if (!mayFail) assert.deepEqual(errors, []);
+  });
+}
+
+async function putRobot(page, { robotClass = 'KUKA_YouBot', start = 'PlayerStart_0' } = {}) {
+  await page.click('[data-tab=drive]');
+  await page.selectOption('select[name=class]', robotClass);
+  await page.selectOption('select[name=start]', start);
+  await page.click('#spawn');
+  await page.waitForSelector('[data-robot]', { state: 'attached' });
+}
+
+pageTest('an empty world is shown at once', { serve: ['--map', 'arena'] }, async ({ page, seconds }) => {
+  console.log(`# first picture after ${seconds.toFixed(2)} s`);
+  assert.equal(await page.textContent('#map'), 'arena');
+  await waitForNumber(page, '#time', (value) => value > 0.2);
+  assert.match(await page.textContent('#robots'), /No robot yet/);
+  // Not one colour: the floor, walls and the sky are there.
+  const picture = await page.locator('#canvas').screenshot();
+  assert.ok(picture.length > 15_000, `${picture.length} bytes`);
+});
+
+pageTest('a robot is put on the map and driven by keys', { serve: ['--map', 'arena'] }, async ({ page }) => {
+  await putRobot(page);
+  await page.click('[data-tab=robots]');
+  await waitForNumber(page, Y, (value) => Math.abs(value) < 0.01);
+  await page.keyboard.down('d');
+  await waitForNumber(page, Y, (value) => value > 0.3);
+  assert.ok((await number(page, '[data-value=target0]')) > 1);
+  await page.keyboard.up('d');
+  await waitForNumber(page, '[data-value=target0]', (value) => value === 0);
+  await page.keyboard.down('q');
+  await waitForNumber(page, '[data-value=yaw]', (value) => value < -10);
+  await page.keyboard.up('q');
+  await page.keyboard.down('w');
+  await waitForNumber(page, X, (value) => value > 0.1);
+  await page.keyboard.up('w');
+  await page.click('[data-tab=drive]');
+  await page.click('#leave');
+  await page.waitForSelector('[data-robot]', { state: 'detached' });
+});
+
+pageTest('a skid robot is driven by keys too', { serve: ['--map', 'rough'] }, async ({ page }) => {
+  await putRobot(page, { robotClass: 'P3AT' });
+  await page.click('[data-tab=robots]');
+  await page.keyboard.down('ArrowUp');
+  await waitForNumber(page, X, (value) => value > 0.3);
+  await page.keyboard.down('ArrowRight');
+  await waitForNumber(page, '[data-value=yaw]', (value) => value > 10);
+});
+
+pageTest('a robot is put where one clicks', { serve: ['--map', 'arena'] }, async ({ page }) => {
+  await page.click('[data-tab=drive]');
+  await page.selectOption('select[name=start]', '');
+  await page.click('#spawn');
+  await page.waitForSelector('#view.placing');
+  await page.mouse.click(300, 600);
+  await page.waitForSelector('[data-robot]', { state: 'attached' });
+  await page.click('[data-tab=robots]');
+  // The camera is behind and to the right of the origin and looks ahead: what is near is behind it.
+  const x = await waitForNumber(page, X, (value) => value < -0.3);
+  assert.ok(x > -3, `${x}`);
+});
+
+pageTest('time is paused, stepped and hurried', { serve: ['--map', 'rough'] }, async ({ page }) => {
+  await waitForNumber(page, '#time', (value) => value > 0.2);
+  await page.click('#pause');
+  await page.waitForSelector('#pause[aria-pressed=true]');
+  // A number that is still on its way comes within two updates.
+  await page.waitForTimeout(300);
+  const before = await number(page, '#time');
+  await page.click('#step');
+  const after = await waitForNumber(page, '#time', (value) => value > before);
+  assert.equal((after - before).toFixed(4), '0.0020');
+  await page.selectOption('#speed', '5');
+  await page.click('#pause');
+  await waitForNumber(page, '#factor', (value) => value > 2);
+});
+
+pageTest('a reset puts the robots back', { serve: ['--map', 'rough'] }, async ({ page }) => {
+  await putRobot(page, { start: 'RobotStart1' });
+  await page.click('[data-tab=robots]');
+  await page.keyboard.down('w');
+  await waitForNumber(page, X, (value) => value > 2.3);
+  await page.keyboard.up('w');
+  await page.click('#reset');
+  await page.waitForSelector('#toasts :text("began anew")');
+  await waitForNumber(page, X, (value) => Math.abs(value - 2) < 0.01);
+  await page.keyboard.down('w');
+  await waitForNumber(page, X, (value) => value > 2.2);
+});
+
+pageTest('a log is recorded and reads', { serve: ['--map', 'rough'] }, async ({ page, server }) => {
+  await page.click('#record');
+  await page.waitForSelector('#record[aria-pressed=true]');
+  await putRobot(page);
+  await waitForNumber(page, '#time', (value) => value > 1);
+  await page.click('#record');
+  await page.waitForSelector('#record[aria-pressed=false]');
+  assert.deepEqual(readdirSync(server.folder), ['usarsim-rough.mcap']);
+  const said = execFileSync(program, ['log', 'info', join(server.folder, 'usarsim-rough.mcap')]).toString();
+  assert.match(said, /KUKA_YouBot/);
+});
+
+pageTest('plots are drawn', { serve: ['--map', 'rough'] }, async ({ page }) => {
+  await putRobot(page);
+  await page.keyboard.down('d');
+  await page.click('[data-tab=plots]');
+  await page.waitForFunction(() => {
+    const inked = (canvas) => {
+      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+      return data.filter((_, index) => index % 4 === 3 && data[index] > 0).length;
+    };
+    const canvases = [...document.querySelectorAll('.plot canvas')];
+    return canvases.length === 3 && canvases.every((canvas) => inked(canvas) > 500);
+  });
+  await waitForNumber(page, '#time', (value) => value > 6);
+});
+
+pageTest('lines of the wire are shown and filtered', { serve: ['--map', 'rough'] }, async ({ page }) => {
+  await page.click('[data-tab=wire]');
+  await putRobot(page);
+  await page.click('[data-tab=wire]');
+  await page.waitForSelector('#lines .out:has-text("GroundTruth")');
+  await page.fill('[name=filter]', 'STA {');
+  await page.waitForFunction(() => {
+    const lines = [...document.querySelectorAll('#lines li')].map((line) => line.textContent);
+    return lines.length > 2 && lines.every((line) => line.includes('STA {'));
+  });
+  await page.fill('[name=filter]', '');
+  await page.selectOption('[name=direction]', 'in');
+  await page.keyboard.press('Escape');
+  await page.click('#view', { position: { x: 20, y: 200 } });
+  await page.keyboard.press('w');
+  await page.waitForSelector('#lines .in:has-text("DRIVE")');
+});
+
+pageTest(
+  'a finger drives on a phone',
+  { serve: ['--map', 'rough'], page: { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true } },
+  async ({ page }) => {
+    await page.tap('[data-tab=drive]');
+    await page.tap('#spawn');
+    await page.waitForSelector('[data-robot]', { state: 'attached' });
+    await page.waitForSelector('#sticks:not([hidden])');
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is cut off');
+    const { x, y, width, height } = await page.locator('[data-stick=move]').boundingBox();
+    const session = await page.context().newCDPSession(page);
+    const touch = (type, points) => session.send('Input.dispatchTouchEvent', { type, touchPoints: points });
+    await touch('touchStart', [{ x: x + width / 2, y: y + height / 2 }]);
+    await touch('touchMove', [{ x: x + width / 2, y: y + 10 }]);
+    // A tap would end the touch.
+    await page.evaluate(() => document.querySelector('[data-tab=robots]').click());
+    await waitForNumber(page, X, (value) => value > 0.1);
+    await touch('touchEnd', []);
+    await waitForNumber(page, '[data-value=target0]', (value) => value === 0);
+  },
+);
+
+pageTest('views, layers, colours and a picture', { serve: ['--map', 'arena'] }, async ({ page, server }) => {
+  await connectRobots(server.port, 3);
+  await page.waitForSelector('[data-robot="2"]');
+  await page.click('#theme');
+  assert.match(await page.getAttribute('html', 'data-theme'), /dark|light/);
+  for (const view of ['follow', 'top', 'orbit']) await page.selectOption('#camera', view);
+  await page.click('#layers summary');
+  for (const layer of ['forces', 'frames']) await page.check(`[name=${layer}]`);
+  await page.click('#layers summary');
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#screenshot')]);
+  const path = join(pictures, 'picture-by-the-page.png');
+  await download.saveAs(path);
+  assert.ok(statSync(path).size > 20_000);
+  await page.waitForTimeout(2000);
+});
+
+pageTest(
+  'many robots are shown',
+  { serve: ['--map', 'arena', '--drive-model', 'analytic'] },
+  async ({ page, server }) => {
+    await connectRobots(server.port, 20);
+    await page.waitForSelector('[data-robot="19"]');
+    await page.selectOption('#camera', 'top');
+    await page.mouse.move(400, 400);
+    for (let turn = 0; turn < 6; turn++) await page.mouse.wheel(0, 300);
+    await page.waitForTimeout(3000);
+    console.log(`# 20 robots: ${await page.textContent('#rate')}`);
+    robots.end();
+  },
+);
+
+pageTest('the page survives a reload and a server that is gone', { mayFail: true }, async ({ page, server }) => {
+  await page.reload();
+  await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
+  await server.stop('SIGKILL');
+  await page.waitForSelector('#banner:has-text("lost")');
+  const again = await startServer('--map', 'arena', '--port', String(server.port), '--http', String(server.http));
+  try {
+    await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
+    await page.waitForSelector('#banner', { state: 'hidden' });
+    await page.waitForSelector('#toasts :text("another map")');
+    assert.equal(await page.textContent('#map'), 'arena');
+    await putRobot(page);
+    await page.screenshot({ path: join(pictures, 'a-server-that-came-back.png') });
+  } finally {
+    await again.stop();
+  }
+});

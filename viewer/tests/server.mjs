@@ -1,0 +1,94 @@
+// A server of its own for each test, a browser, and what tests do with both.
+
+import { spawn } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync } from 'node:fs';
+import net from 'node:net';
+import { tmpdir } from 'node:os';
+import { dirname, join, resolve } from 'node:path';
+import readline from 'node:readline';
+import { fileURLToPath } from 'node:url';
+import { chromium } from 'playwright-core';
+
+const root = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
+export const program = resolve(process.env.USARSIM ?? join(root, 'target/release/usarsim'));
+export const pictures = join(root, 'target/screenshots');
+mkdirSync(pictures, { recursive: true });
+
+/** Starts `usarsim serve` and waits until it is ready. */
+export async function startServer(...options) {
+  const folder = mkdtempSync(join(tmpdir(), 'usarsim-'));
+  const ports = options.includes('--port') ? [] : ['--port', '0', '--http', '0'];
+  const child = spawn(program, ['serve', '--json', ...ports, ...options], {
+    cwd: folder,
+    stdio: ['ignore', 'pipe', 'ignore'],
+  });
+  const [line] = await new Promise((ready, failed) => {
+    readline.createInterface(child.stdout).once('line', (line) => ready([line]));
+    child.once('exit', (code) => failed(new Error(`the server ended with ${code}`)));
+    child.once('error', failed);
+  });
+  const { port, http } = JSON.parse(line);
+  const stop = async (signal = 'SIGTERM') => {
+    if (child.exitCode !== null || child.signalCode !== null) return;
+    const ended = new Promise((resolve) => child.once('exit', resolve));
+    child.kill(signal);
+    await ended;
+  };
+  return { folder, port, http, url: `http://127.0.0.1:${http}/`, stop };
+}
+
+/** Connects clients of the protocol that put a robot on the map each, and drive it. */
+export async function connectRobots(port, count, robotClass = 'KUKA_YouBot') {
+  const sockets = [];
+  for (let number = 0; number < count; number++) {
+    const socket = net.connect(port, '127.0.0.1');
+    await new Promise((resolve, failed) => socket.once('connect', resolve).once('error', failed));
+    socket.on('error', () => {});
+    socket.resume();
+    const [x, y] = [-4 + 2 * (number % 5), -2.5 + 1.4 * Math.floor(number / 5)];
+    socket.write(`INIT {ClassName USARBot.${robotClass}} {Name R${number}} {Location ${x},${y},-0.1}\r\n`);
+    socket.write('DRIVE {LinearVelocity 0.1} {LateralVelocity 0.1} {RotationalVelocity 0.5}\r\n');
+    sockets.push(socket);
+  }
+  return { end: () => sockets.forEach((socket) => socket.destroy()) };
+}
+
+/** Debian's browser, which draws without a graphics card here. */
+export function launchBrowser() {
+  const executablePath =
+    process.env.CHROMIUM ??
+    ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
+  const args = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+  return chromium.launch({ executablePath, args });
+}
+
+/** Opens the page and waits until the world is shown. What goes to the console as an error is collected. */
+export async function openPage(browser, url, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  const page = await context.newPage();
+  const errors = [];
+  page.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
+  page.on('pageerror', (error) => errors.push(String(error)));
+  const begin = performance.now();
+  await page.goto(url);
+  await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
+  await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  return { page, errors, seconds: (performance.now() - begin) / 1000 };
+}
+
+/** The number in an element. */
+export async function number(page, selector) {
+  return Number.parseFloat(await page.textContent(selector));
+}
+
+/** Waits until a number fits. */
+export async function waitForNumber(page, selector, fits) {
+  const end = performance.now() + 30_000;
+  let value = Number.NaN;
+  while (performance.now() < end) {
+    value = await number(page, selector);
+    if (fits(value)) return value;
+    await page.waitForTimeout(30);
+  }
+  throw new Error(`${selector} is ${value} for half a minute: expected ${fits}`);
+}
