@@ -1,12 +1,13 @@
 //! What viewers are told while the world runs. The world's thread makes each thing once, however many look, and only
 //! while somebody does.
 //!
-//! Three channels, by what a slow viewer may miss: of [`Frame`](frame)s and [`Status`] it gets the newest, of
-//! [`Notice`]s everything, until it is too far behind and is told how many it missed.
+//! Four channels, by what a slow viewer may miss: of frames (see [`frame`]) and [`Status`] it gets the newest; of [`Notice`]s
+//! everything, and of the wire's [`Line`]s if it wants them, until it is too far behind and is told how many it missed.
 
 mod frame;
 mod scene;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -22,14 +23,14 @@ pub(crate) use scene::scene;
 const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
 /// Real time between two statuses, unless something has happened.
 const STATUS_INTERVAL: Duration = Duration::from_millis(500);
-/// Notices that a viewer may be behind.
+/// Least real time between two scans of one sensor.
+const SCAN_INTERVAL: Duration = Duration::from_millis(100);
+/// Notices, and lines, that a viewer may be behind.
 const MAX_NOTICES: usize = 1024;
 
 /// Something that is told once.
 #[derive(Debug, Clone)]
 pub(crate) enum Notice {
-    /// A line of the wire.
-    Line(Arc<Line>),
     /// What a laser or a sonar measured, see [`frame`].
     Scan(Bytes),
     /// Something that is wrong, or has happened, in words.
@@ -99,6 +100,7 @@ pub(crate) struct Channels {
     frames: watch::Receiver<Bytes>,
     statuses: watch::Receiver<Arc<str>>,
     notices: broadcast::Sender<Notice>,
+    lines: broadcast::Sender<Arc<Line>>,
 }
 
 impl Channels {
@@ -113,6 +115,10 @@ impl Channels {
     pub(crate) fn notices(&self) -> broadcast::Receiver<Notice> {
         self.notices.subscribe()
     }
+
+    pub(crate) fn lines(&self) -> broadcast::Receiver<Arc<Line>> {
+        self.lines.subscribe()
+    }
 }
 
 /// The end that the world's thread speaks at.
@@ -120,6 +126,9 @@ pub(crate) struct Broadcast {
     frames: watch::Sender<Bytes>,
     statuses: watch::Sender<Arc<str>>,
     notices: broadcast::Sender<Notice>,
+    lines: broadcast::Sender<Arc<Line>>,
+    /// When each sensor's last scan was told.
+    scanned: BTreeMap<(RobotId, String), Instant>,
     next_frame: Instant,
     next_status: Instant,
     /// Real and simulated time, s, of the last status.
@@ -130,10 +139,11 @@ pub(crate) struct Broadcast {
 pub(crate) fn broadcast(now: Instant) -> (Broadcast, Channels) {
     let (frames, frames_end) = watch::channel(Bytes::new());
     let (statuses, statuses_end) = watch::channel(Arc::from("{}"));
-    let (notices, _) = broadcast::channel(MAX_NOTICES);
-    let channels = Channels { frames: frames_end, statuses: statuses_end, notices: notices.clone() };
-    let measured = (now, 0.0);
-    (Broadcast { frames, statuses, notices, next_frame: now, next_status: now, measured }, channels)
+    let ((notices, _), (lines, _)) = (broadcast::channel(MAX_NOTICES), broadcast::channel(MAX_NOTICES));
+    let (speaking, listening) = (notices.clone(), lines.clone());
+    let channels = Channels { frames: frames_end, statuses: statuses_end, notices: speaking, lines: listening };
+    let (scanned, measured) = (BTreeMap::new(), (now, 0.0));
+    (Broadcast { frames, statuses, notices, lines, scanned, next_frame: now, next_status: now, measured }, channels)
 }
 
 impl Broadcast {
@@ -167,25 +177,32 @@ impl Broadcast {
         }
     }
 
-    /// Tells a line of the wire.
+    /// Tells a line of the wire to those who want them.
     pub(crate) fn line(&self, line: impl FnOnce() -> Line) {
-        if self.notices.receiver_count() > 0 {
+        if self.lines.receiver_count() > 0 {
             // Without a listener it is nobody's.
-            let _ = self.notices.send(Notice::Line(Arc::new(line())));
+            let _ = self.lines.send(Arc::new(line()));
         }
     }
 
-    /// Tells what a laser or a sonar measured.
-    pub(crate) fn scan(&self, world: &World, robot: RobotId, message: &Message) {
+    /// Tells what a laser or a sonar measured, but no more often than it can be looked at.
+    pub(crate) fn scan(&mut self, world: &World, robot: RobotId, message: &Message) {
         let Message::Sen(Sen { reading, .. }) = message else { return };
         let (name, ranges) = match reading {
             Reading::RangeScanner(scan) => (&scan.name, scan.ranges.as_slice()),
             Reading::Sonar(sonar) => (&sonar.name, std::slice::from_ref(&sonar.range)),
             _ => return,
         };
-        if self.notices.receiver_count() > 0
-            && let Some(scan) = frame::scan(world, robot, name, ranges)
-        {
+        if !self.is_watched() {
+            self.scanned.clear();
+            return;
+        }
+        let (now, sensor) = (Instant::now(), (robot, name.clone()));
+        if self.scanned.get(&sensor).is_some_and(|last| now.duration_since(*last) < SCAN_INTERVAL) {
+            return;
+        }
+        self.scanned.insert(sensor, now);
+        if let Some(scan) = frame::scan(world, robot, name, ranges) {
             let _ = self.notices.send(Notice::Scan(scan.into()));
         }
     }

@@ -4,6 +4,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gamebots_client::Client;
@@ -30,6 +31,10 @@ fn main() {
         log_ten(model);
     }
     log_one();
+    for model in ["bodies", "analytic"] {
+        watch_ten(model);
+    }
+    watch_in_real_time();
 }
 
 /// Ten youBots as fast as possible, with a log and without, in turns.
@@ -49,6 +54,41 @@ fn log_ten(model: &str) {
     println!(
         "| ten youBots in {model} with a log | real-time factor {with:.2}, {without:.2} without: {:+.1} % | less than 5 % |",
         100.0 * (with / without - 1.0)
+    );
+}
+
+/// Ten youBots as fast as possible with no viewer, one and ten, in turns.
+fn watch_ten(model: &str) {
+    let arguments = ["--rtf", "0", "--drive-model", model];
+    let mut factors = [0, 1, 10].map(|viewers| (viewers, Vec::new()));
+    for _ in 0..3 {
+        for (viewers, factors) in &mut factors {
+            let server = Server::start_with("rough", &arguments);
+            let _watching: Vec<_> = (0..*viewers).map(|_| server.watch()).collect();
+            factors.push(fastest(&server, 10));
+        }
+    }
+    let [none, one, ten] = factors.map(|(_, mut factors)| {
+        factors.sort_by(f64::total_cmp);
+        factors[1]
+    });
+    let change = |factor: f64| 100.0 * (factor / none - 1.0);
+    println!(
+        "| ten youBots in {model} seen by one viewer, by ten | real-time factor {none:.2} unseen, {one:.2} ({:+.1} %), {ten:.2} ({:+.1} %) | less than 5 % for one |",
+        change(one),
+        change(ten),
+    );
+}
+
+/// What one viewer of ten youBots with lasers is sent.
+fn watch_in_real_time() {
+    let server = Server::start_with("rough", &["--drive-model", "analytic"]);
+    let viewer = server.watch();
+    let factor = fastest(&server, 10);
+    drop(server);
+    let kilobytes = viewer.join().unwrap_or_default() as f64 / 1000.0 / (SECONDS + 0.5);
+    println!(
+        "| state of ten youBots with lasers for one viewer | {kilobytes:.0} kB/s at real-time factor {factor:.2} | under 200 kB/s |"
     );
 }
 
@@ -149,6 +189,7 @@ fn time_of(line: &str) -> Option<f64> {
 struct Server {
     child: Child,
     port: u16,
+    http: u16,
     started_in: f64,
 }
 
@@ -160,7 +201,7 @@ impl Server {
     fn start_with(map: &str, arguments: &[&str]) -> Self {
         let start = Instant::now();
         let mut child = Command::new(env!("CARGO_BIN_EXE_usarsim"))
-            .args(["--quiet", "serve", "--port", "0", "--json", "--map", map])
+            .args(["--quiet", "serve", "--port", "0", "--http", "0", "--json", "--map", map])
             .args(arguments)
             .stdout(Stdio::piped())
             .spawn()
@@ -171,11 +212,19 @@ impl Server {
         let started_in = start.elapsed().as_secs_f64();
         let ready: serde_json::Value = serde_json::from_str(&line).unwrap_or_else(|error| panic!("{line}: {error}"));
         let port = ready["port"].as_u64().unwrap_or_default() as u16;
-        Self { child, port, started_in }
+        let http = ready["http"].as_u64().unwrap_or_default() as u16;
+        Self { child, port, http, started_in }
     }
 
     fn connect(&self) -> Client {
         Client::connect(("127.0.0.1", self.port)).unwrap_or_else(|error| panic!("cannot connect: {error}"))
+    }
+
+    /// A viewer that takes everything until the server ends; gives back how many bytes that was.
+    fn watch(&self) -> JoinHandle<usize> {
+        let url = format!("ws://127.0.0.1:{}/live", self.http);
+        let (mut socket, _) = tungstenite::connect(url).unwrap_or_else(|error| panic!("cannot watch: {error}"));
+        std::thread::spawn(move || std::iter::from_fn(|| socket.read().ok()).map(|message| message.len()).sum())
     }
 
     /// User and system time of the process, fields 14 and 15 of /proc/PID/stat.

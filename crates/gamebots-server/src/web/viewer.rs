@@ -1,6 +1,7 @@
 //! One viewer: frames, status and notices to it, wishes from it.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use axum::extract::State;
@@ -8,15 +9,20 @@ use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
 use serde::Deserialize;
 use serde_json::json;
+use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
 
 use super::Site;
 use crate::connection::Event;
 use crate::control::Control;
-use crate::live::Notice;
+use crate::live::{Line, Notice};
 
 /// Longest text that a viewer may send.
 const MAX_TEXT: usize = 1024;
+
+/// Most lines of the wire that one viewer is told in a window of real time; nobody reads more.
+const MAX_LINES: u64 = 1000;
+const LINE_WINDOW: Duration = Duration::from_secs(1);
 
 /// What a viewer wants to hear beside frames and status.
 #[derive(Debug, Deserialize)]
@@ -28,7 +34,7 @@ struct Listen {
 
 pub(super) async fn upgrade(State(site): State<Arc<Site>>, socket: WebSocketUpgrade) -> Response {
     socket.max_message_size(MAX_TEXT).on_upgrade(|socket| async move {
-        let mut viewer = Viewer { socket, site, wants_wire: false };
+        let mut viewer = Viewer { socket, site, lines: None, told: (Instant::now(), 0) };
         // A viewer that has left, or takes nothing, needs no farewell.
         let _ = viewer.run().await;
     })
@@ -37,7 +43,10 @@ pub(super) async fn upgrade(State(site): State<Arc<Site>>, socket: WebSocketUpgr
 struct Viewer {
     socket: WebSocket,
     site: Arc<Site>,
-    wants_wire: bool,
+    /// The lines of the wire, while it wants them.
+    lines: Option<Receiver<Arc<Line>>>,
+    /// When the present window began, and how many lines it has been told since.
+    told: (Instant, u64),
 }
 
 /// The viewer is gone.
@@ -61,6 +70,7 @@ impl Viewer {
                     self.send(Message::Binary(frame)).await?;
                 }
                 notice = notices.recv() => self.tell(notice).await?,
+                line = next(&mut self.lines) => self.tell_line(line).await?,
                 received = self.socket.recv() => self.take(received).await?,
             }
         }
@@ -69,13 +79,31 @@ impl Viewer {
     async fn tell(&mut self, notice: Result<Notice, RecvError>) -> Result<(), Gone> {
         let message = match notice {
             Ok(Notice::Scan(scan)) => Message::Binary(scan),
-            Ok(Notice::Line(line)) if self.wants_wire => text(&json!({ "line": *line })),
-            Ok(Notice::Line(_)) => return Ok(()),
             Ok(Notice::Said(said)) => text(&json!({ "said": &*said })),
             Err(RecvError::Lagged(missed)) => text(&json!({ "missed": missed })),
             Err(RecvError::Closed) => return Err(Gone),
         };
         self.send(message).await
+    }
+
+    async fn tell_line(&mut self, line: Result<Arc<Line>, RecvError>) -> Result<(), Gone> {
+        let missed = match &line {
+            Ok(_) => 0,
+            Err(RecvError::Lagged(missed)) => *missed,
+            Err(RecvError::Closed) => return Err(Gone),
+        };
+        if self.told.0.elapsed() >= LINE_WINDOW {
+            let surplus = self.told.1.saturating_sub(MAX_LINES);
+            self.told = (Instant::now(), 0);
+            if surplus > 0 {
+                self.send(text(&json!({ "missed": surplus }))).await?;
+            }
+        }
+        self.told.1 += 1 + missed;
+        match line {
+            Ok(line) if self.told.1 <= MAX_LINES => self.send(text(&json!({ "line": *line }))).await,
+            _ => Ok(()),
+        }
     }
 
     async fn take(&mut self, received: Option<Result<Message, axum::Error>>) -> Result<(), Gone> {
@@ -85,7 +113,7 @@ impl Viewer {
             Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
         };
         if let Ok(Listen { wire }) = serde_json::from_str(&wish) {
-            self.wants_wire = wire;
+            self.lines = wire.then(|| self.site.channels.lines());
             return Ok(());
         }
         match Control::read(&wish) {
@@ -106,6 +134,14 @@ impl Viewer {
                 Err(Gone)
             }
         }
+    }
+}
+
+/// The next line, if lines are wanted; else it never comes.
+async fn next(lines: &mut Option<Receiver<Arc<Line>>>) -> Result<Arc<Line>, RecvError> {
+    match lines {
+        Some(lines) => lines.recv().await,
+        None => std::future::pending().await,
     }
 }
 
