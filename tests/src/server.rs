@@ -20,6 +20,8 @@ pub struct Server {
     pub address: SocketAddr,
     /// Where its page is.
     pub page: Option<SocketAddr>,
+    /// The port for Foxglove.
+    pub foxglove: Option<u16>,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
 }
@@ -48,8 +50,8 @@ impl Server {
         };
         let thread = std::thread::spawn(run);
         let addresses = addresses.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the server does not start"));
-        let Ready { address, page } = addresses;
-        Self { address, page, stop: Some(stop), thread: Some(thread) }
+        let Ready { address, page, foxglove } = addresses;
+        Self { address, page, foxglove, stop: Some(stop), thread: Some(thread) }
     }
 
     /// Connects a client and reads its greeting.

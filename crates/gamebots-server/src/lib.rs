@@ -11,6 +11,7 @@
 
 mod connection;
 mod control;
+mod foxglove_server;
 mod listener;
 mod live;
 mod outbox;
@@ -55,6 +56,8 @@ pub struct Config {
     pub unnamed_log: PathBuf,
     /// Where the page is served.
     pub page: Page,
+    /// Port of Foxglove's WebSocket protocol; 0 takes a free one.
+    pub foxglove: Option<u16>,
     /// A client that takes nothing for this long is disconnected.
     pub stall_timeout: Duration,
 }
@@ -73,6 +76,7 @@ impl Config {
             ros2_log: false,
             unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
             page: Page::None,
+            foxglove: None,
             stall_timeout: Duration::from_secs(30),
             world,
         }
@@ -97,6 +101,8 @@ pub struct Ready {
     pub address: SocketAddr,
     /// For browsers.
     pub page: Option<SocketAddr>,
+    /// Port for Foxglove.
+    pub foxglove: Option<u16>,
 }
 
 /// Why serving did not start, or stopped by itself.

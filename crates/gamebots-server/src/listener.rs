@@ -8,8 +8,9 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinSet;
 use tracing::{info, warn};
 
+use crate::foxglove_server::FoxgloveServer;
 use crate::web::Site;
-use crate::{Config, Page, Ready, ServeError, connection, live, web, world_thread};
+use crate::{Config, Page, Ready, ServeError, connection, foxglove_server, live, web, world_thread};
 
 /// Events that may wait for the world; then clients wait.
 const MAX_EVENTS: usize = 1024;
@@ -46,8 +47,13 @@ pub(crate) async fn serve(
         events: events.downgrade(),
         stall_timeout,
     };
-    let world = world_thread::spawn(config, receiver, live, gone)?;
-    ready(Ready { address, page: page_address });
+    let foxglove = match config.foxglove {
+        Some(port) => Some(foxglove_server::start(&config.host, port, &config.world, events.downgrade()).await?),
+        None => None,
+    };
+    let addresses = Ready { address, page: page_address, foxglove: foxglove.as_ref().map(FoxgloveServer::port) };
+    let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;
+    ready(addresses);
     let mut clients = JoinSet::new();
     let accepting = accept_clients(&mut clients, listener, address, max_connections, stall_timeout, events);
     let showing = async {

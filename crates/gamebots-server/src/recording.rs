@@ -1,11 +1,14 @@
-//! The log of a served world: one from the start, or as many as somebody wishes.
+//! Where a served world is recorded: in a log, one from the start or as many as somebody wishes, and live for Foxglove.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use recorder::{LogWriter, Record, RecordError, Recorder, StateTimer};
 use sim_core::{Options, World};
 
-/// What logs are written with.
+use crate::foxglove_server::FoxgloveServer;
+
+/// What logs are written with, and the two places where records go.
 pub(crate) struct Recording {
     options: Options,
     real_time_factor: f64,
@@ -13,6 +16,7 @@ pub(crate) struct Recording {
     /// Where a log goes that nobody has named.
     unnamed: PathBuf,
     open: Option<Open>,
+    foxglove: Option<FoxgloveServer>,
 }
 
 /// The log that is being written.
@@ -24,8 +28,14 @@ struct Open {
 
 impl Recording {
     /// Nothing is written yet.
-    pub(crate) fn new(options: Options, real_time_factor: f64, ros2: bool, unnamed: PathBuf) -> Self {
-        Self { options, real_time_factor, ros2, unnamed, open: None }
+    pub(crate) fn new(
+        options: Options,
+        real_time_factor: f64,
+        ros2: bool,
+        unnamed: PathBuf,
+        foxglove: Option<FoxgloveServer>,
+    ) -> Self {
+        Self { options, real_time_factor, ros2, unnamed, open: None, foxglove }
     }
 
     /// The file that is being written.
@@ -72,13 +82,24 @@ impl Recording {
     /// # Errors
     /// When the next file cannot be written.
     pub(crate) fn start_over(&mut self, old: &World, new: &World) -> Result<(), RecordError> {
+        if let Some(foxglove) = &mut self.foxglove {
+            foxglove.start_over();
+        }
         self.stop(old).map_or(Ok(()), |path| self.start(&free(&path), new))
     }
 
-    /// Takes what `record` gives, if a log is written.
+    /// Takes what `record` gives, if anybody wants it.
     pub(crate) fn record(&mut self, world: &World, record: impl FnOnce() -> Record) {
-        if let Some(open) = &mut self.open {
-            open.recorder.record(world.time(), record());
+        let Self { open, foxglove, .. } = self;
+        if open.is_none() && foxglove.is_none() {
+            return;
+        }
+        let record = record();
+        if let Some(foxglove) = foxglove {
+            foxglove.record(world.time(), record.clone());
+        }
+        if let Some(open) = open {
+            open.recorder.record(world.time(), record);
         }
     }
 
@@ -86,6 +107,16 @@ impl Recording {
     pub(crate) fn record_states(&mut self, world: &World) {
         if let Some(Open { recorder, states, .. }) = &mut self.open {
             states.due(world).into_iter().for_each(|state| recorder.record(world.time(), state));
+        }
+        if let Some(foxglove) = &mut self.foxglove {
+            foxglove.record_states(world);
+        }
+    }
+
+    /// Tells Foxglove what is new; to be called often.
+    pub(crate) fn tell(&mut self, now: Instant, world: &World) {
+        if let Some(foxglove) = &mut self.foxglove {
+            foxglove.tell(now, world.time());
         }
     }
 

@@ -15,6 +15,7 @@ use tracing::{info, warn};
 
 use crate::connection::{ConnectionId, Event};
 use crate::control::Control;
+use crate::foxglove_server::FoxgloveServer;
 use crate::live::{Broadcast, ClientStatus, Line, RobotStatus, Status};
 use crate::pace::Pace;
 use crate::recording::Recording;
@@ -33,11 +34,12 @@ pub(crate) fn spawn(
     config: Config,
     events: Receiver<Event>,
     live: Broadcast,
+    foxglove: Option<FoxgloveServer>,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<()>, ServeError> {
     let Config { world, options, real_time_factor, report_errors, log, ros2_log, unnamed_log, .. } = config;
     let world = World::new(world, options);
-    let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log);
+    let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
     if let Some(path) = log {
         recording.start(&path, &world)?;
     }
@@ -91,6 +93,7 @@ impl Server {
                 let status = due.status.then(|| self.status());
                 self.live.tell(now, &self.world, status);
             }
+            self.recording.tell(now, &self.world);
             if now.duration_since(drop_report) >= DROP_REPORT_INTERVAL {
                 self.sessions.values_mut().for_each(Session::report_dropped);
                 drop_report = now;

@@ -9,6 +9,8 @@ use foxglove::Encode;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, McapResult, WriteOptions, Writer};
 
+use crate::Put;
+
 /// A file that is being written.
 pub(crate) struct LogFile {
     writer: Writer<BufWriter<File>>,
@@ -32,25 +34,6 @@ impl LogFile {
         self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata })
     }
 
-    /// Writes a message of a simulated time in seconds; the channel is made when it is first used.
-    pub(crate) fn put<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()> {
-        if time as u64 > self.second {
-            self.second = time as u64;
-            self.flush()?;
-        }
-        let channel_id = match self.channels.get(topic) {
-            Some(&channel) => channel,
-            None => self.add_channel::<T>(topic)?,
-        };
-        self.buffer.clear();
-        message.encode(&mut self.buffer).map_err(|error| std::io::Error::other(error.to_string()))?;
-        let nanoseconds = nanoseconds(time);
-        self.sequence = self.sequence.wrapping_add(1);
-        let header =
-            MessageHeader { channel_id, sequence: self.sequence, log_time: nanoseconds, publish_time: nanoseconds };
-        self.writer.write_to_known_channel(&header, &self.buffer)
-    }
-
     fn add_channel<T: Encode>(&mut self, topic: &str) -> McapResult<u16> {
         let schema = match T::get_schema() {
             Some(schema) => self.writer.add_schema(&schema.name, &schema.encoding, &schema.data)?,
@@ -69,6 +52,26 @@ impl LogFile {
     pub(crate) fn finish(mut self) -> McapResult<()> {
         self.writer.finish()?;
         Ok(self.writer.into_inner().flush()?)
+    }
+}
+
+impl Put for LogFile {
+    fn put<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()> {
+        if time as u64 > self.second {
+            self.second = time as u64;
+            self.flush()?;
+        }
+        let channel_id = match self.channels.get(topic) {
+            Some(&channel) => channel,
+            None => self.add_channel::<T>(topic)?,
+        };
+        self.buffer.clear();
+        message.encode(&mut self.buffer).map_err(|error| std::io::Error::other(error.to_string()))?;
+        let nanoseconds = nanoseconds(time);
+        self.sequence = self.sequence.wrapping_add(1);
+        let header =
+            MessageHeader { channel_id, sequence: self.sequence, log_time: nanoseconds, publish_time: nanoseconds };
+        self.writer.write_to_known_channel(&header, &self.buffer)
     }
 }
 

@@ -5,12 +5,14 @@
 //! effect, seed and time step; `end` the digest of the world. [`ros2`] writes the same as messages of ROS 2 to a file of its
 //! own.
 //!
+//! [`Live`] gives the same messages to who watches.
 //! For a live world writing happens on a thread of its own, so that a slow disk does not hold up the world; what is written reaches
 //! the file at least once a second, so a killed process leaves a file that reads up to there.
 
 mod drawing;
 pub mod export;
 mod file;
+mod live;
 mod messages;
 pub mod native;
 mod reader;
@@ -20,13 +22,16 @@ pub mod ros2;
 mod table;
 mod writer;
 
+pub use live::{Latched, Live};
 pub use messages::{ObjectState, Quaternion, RobotState, Vector, WireLine};
 pub use reader::{Entry, Log, ReadError, read};
 pub use recover::{RecoverError, Recovered, recover};
 pub use replay::{Replay, ReplayError, replay};
 pub use table::{Column, Table};
-pub use writer::{LogWriter, RecordError, Recorder};
+pub use writer::{LogWriter, RecordError, Recorder, Sink};
 
+use foxglove::Encode;
+use mcap::McapResult;
 use sim_core::World;
 use sim_core::scene::Pose;
 
@@ -75,6 +80,12 @@ pub struct End {
     pub digest: u64,
     /// Records that did not get into the log.
     pub dropped: u64,
+}
+
+/// Where messages go.
+pub(crate) trait Put {
+    /// Takes a message of a simulated time in seconds; the channel is made when it is first used.
+    fn put<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()>;
 }
 
 /// One thing to record.

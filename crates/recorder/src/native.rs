@@ -14,8 +14,8 @@ use gamebots_proto::message::{Message, RangeScanner, Reading, Sen};
 use mcap::McapResult;
 use sim_core::scene::{self, Pose, RobotDef, WorldDef};
 
-use crate::file::{LogFile, nanoseconds};
-use crate::{ObjectState, Record, RobotState, WireLine, drawing};
+use crate::file::nanoseconds;
+use crate::{ObjectState, Put, Record, RobotState, WireLine, drawing};
 
 /// Turns records into messages.
 pub(crate) struct Native {
@@ -26,14 +26,14 @@ pub(crate) struct Native {
 
 impl Native {
     /// Begins with what does not change.
-    pub(crate) fn new(world: &WorldDef, file: &mut LogFile) -> McapResult<Self> {
+    pub(crate) fn new(world: &WorldDef, file: &mut impl Put) -> McapResult<Self> {
         let upside_down = scene::pose([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]);
         file.put(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
         file.put(0.0, "/map/scene", &added(0.0, drawing::map(&world.map)))?;
         Ok(Self { world: world.clone(), robots: BTreeMap::new() })
     }
 
-    pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut LogFile) -> McapResult<()> {
+    pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut impl Put) -> McapResult<()> {
         match record {
             Record::In(line) => file.put(time, "/wire/in", line),
             Record::Out(line) => {
@@ -50,7 +50,7 @@ impl Native {
         }
     }
 
-    fn write_state(&mut self, time: f64, state: &RobotState, file: &mut LogFile) -> McapResult<()> {
+    fn write_state(&mut self, time: f64, state: &RobotState, file: &mut impl Put) -> McapResult<()> {
         if !self.robots.contains_key(&state.robot) {
             self.write_come(time, state, file)?;
         }
@@ -81,7 +81,7 @@ impl Native {
     }
 
     /// A robot that is seen for the first time.
-    fn write_come(&mut self, time: f64, state: &RobotState, file: &mut LogFile) -> McapResult<()> {
+    fn write_come(&mut self, time: f64, state: &RobotState, file: &mut impl Put) -> McapResult<()> {
         let RobotState { robot, class, name, .. } = state;
         self.robots.insert(*robot, class.clone());
         let text = format!("robot {robot} came: {class} {name}");
@@ -98,22 +98,22 @@ impl Native {
     }
 
     /// A robot that left with its connection.
-    fn write_left(&mut self, time: f64, line: &WireLine, file: &mut LogFile) -> McapResult<()> {
+    fn write_left(&mut self, time: f64, line: &WireLine, file: &mut impl Put) -> McapResult<()> {
         let WireLine { connection, robot, .. } = line;
         let Some(robot) = robot.filter(|robot| self.robots.remove(robot).is_some()) else {
             return file.put(time, "/log", &log(time, Level::Info, format!("connection {connection} ended")));
         };
         let text = format!("connection {connection} ended, robot {robot} left");
         file.put(time, "/log", &log(time, Level::Info, text))?;
-        let all = SceneEntityDeletion {
-            timestamp: Some(timestamp(time)),
-            r#type: DeletionType::All as i32,
-            ..SceneEntityDeletion::default()
-        };
-        file.put(time, &format!("/robot/{robot}/scene"), &SceneUpdate { deletions: vec![all], entities: Vec::new() })
+        erase(time, robot, file)
     }
 
-    fn write_reading(&self, time: f64, line: &WireLine, file: &mut LogFile) -> McapResult<()> {
+    /// Every robot is gone: a fresh world begins.
+    pub(crate) fn start_over(&mut self, time: f64, file: &mut impl Put) -> McapResult<()> {
+        std::mem::take(&mut self.robots).into_keys().try_for_each(|robot| erase(time, robot, file))
+    }
+
+    fn write_reading(&self, time: f64, line: &WireLine, file: &mut impl Put) -> McapResult<()> {
         let WireLine { robot: Some(robot), line, .. } = line else { return Ok(()) };
         // Most lines are no scan, and reading them costs more than looking.
         if !line.contains("{Type RangeScanner}") {
@@ -140,7 +140,17 @@ impl Native {
     }
 }
 
-fn write_object(time: f64, object: &ObjectState, file: &mut LogFile) -> McapResult<()> {
+/// Takes a robot out of the picture.
+fn erase(time: f64, robot: u64, file: &mut impl Put) -> McapResult<()> {
+    let all = SceneEntityDeletion {
+        timestamp: Some(timestamp(time)),
+        r#type: DeletionType::All as i32,
+        ..SceneEntityDeletion::default()
+    };
+    file.put(time, &format!("/robot/{robot}/scene"), &SceneUpdate { deletions: vec![all], entities: Vec::new() })
+}
+
+fn write_object(time: f64, object: &ObjectState, file: &mut impl Put) -> McapResult<()> {
     let number = object.object;
     file.put(time, &format!("/map/object/{number}"), object)?;
     let placed = transform(time, "world", &drawing::object_frame(number as usize), &object.pose());

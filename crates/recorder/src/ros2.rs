@@ -15,7 +15,7 @@ use sim_core::sensor::{Config, Fan};
 
 use self::messages as ros;
 use crate::file::{LogFile, nanoseconds};
-use crate::{ObjectState, Record, RobotState, WireLine};
+use crate::{ObjectState, Put, Record, RobotState, WireLine};
 
 /// What stands in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
 const NOT_MEASURED: f64 = -1.0;

@@ -128,37 +128,61 @@ impl LogWriter {
 }
 
 /// With what the operating system says, where that is the cause.
-pub(crate) fn refused(file: &Path, reason: impl Into<Box<dyn std::error::Error>>) -> RecordError {
+pub(crate) fn refused(file: impl AsRef<Path>, reason: impl Into<Box<dyn std::error::Error>>) -> RecordError {
     let reason = reason.into();
     let cause = reason.source().map(ToString::to_string);
-    RecordError { file: file.display().to_string(), reason: cause.unwrap_or_else(|| reason.to_string()) }
+    RecordError { file: file.as_ref().display().to_string(), reason: cause.unwrap_or_else(|| reason.to_string()) }
+}
+
+/// What takes records one by one.
+pub trait Sink: Send + 'static {
+    /// Takes a record of a simulated time in seconds.
+    ///
+    /// # Errors
+    /// When it takes no more.
+    fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError>;
+
+    /// Hands on everything that it has taken so far.
+    ///
+    /// # Errors
+    /// When it takes no more.
+    fn flush(&mut self) -> Result<(), RecordError>;
+}
+
+impl Sink for LogWriter {
+    fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError> {
+        Self::write(self, time, record)
+    }
+
+    fn flush(&mut self) -> Result<(), RecordError> {
+        Self::flush(self)
+    }
 }
 
 /// Writes a log from a thread of its own until it is finished or dropped.
 ///
 /// Records are handed over in batches: waking the thread for each would cost more than writing it.
-pub struct Recorder {
+pub struct Recorder<S: Sink = LogWriter> {
     queue: Option<SyncSender<Vec<Timed>>>,
     batch: Vec<Timed>,
-    thread: Option<JoinHandle<Option<LogWriter>>>,
+    thread: Option<JoinHandle<Option<S>>>,
     dropped: u64,
 }
 
 /// A record and its simulated time, s.
 type Timed = (f64, Record);
 
-impl Recorder {
+impl<S: Sink> Recorder<S> {
     /// Goes on with a log that has been begun.
     ///
     /// # Errors
     /// When there is no thread for it.
-    pub fn new(log: LogWriter) -> Result<Self, RecordError> {
+    pub fn new(log: S) -> Result<Self, RecordError> {
         let (queue, batches) = sync_channel(QUEUE);
-        let path = log.path.clone();
         let run =
             move || write_all(log, &batches).inspect_err(|error| tracing::error!(%error, "the log ends here")).ok();
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(run);
-        let thread = thread.map_err(|reason| refused(&path, reason))?;
+        let thread = thread.map_err(|reason| refused("of this run", reason))?;
         Ok(Self { queue: Some(queue), batch: Vec::with_capacity(BATCH), thread: Some(thread), dropped: 0 })
     }
 
@@ -186,18 +210,8 @@ impl Recorder {
         }
     }
 
-    /// Ends the log properly and waits until it is written.
-    pub fn finish(mut self, time: f64, digest: u64) {
-        if let Some(log) = self.stop() {
-            let end = End { time, digest, dropped: self.dropped };
-            if let Err(error) = log.finish(end) {
-                tracing::error!(%error, "the log ends here");
-            }
-        }
-    }
-
     /// Waits until everything is written and takes the log back, unless it could not be written.
-    fn stop(&mut self) -> Option<LogWriter> {
+    fn stop(&mut self) -> Option<S> {
         if let Some(queue) = self.queue.take() {
             // A thread that has ended has said why.
             let _ = queue.send(std::mem::take(&mut self.batch));
@@ -207,13 +221,25 @@ impl Recorder {
     }
 }
 
-impl Drop for Recorder {
+impl Recorder {
+    /// Ends the log properly and waits until it is written.
+    pub fn finish(mut self, time: f64, digest: u64) {
+        if let Some(log) = self.stop() {
+            let end = End { time, digest, dropped: self.dropped };
+            if let Err(error) = log.finish(end) {
+                tracing::error!(%error, "the log ends here");
+            }
+        }
+    }
+}
+
+impl<S: Sink> Drop for Recorder<S> {
     fn drop(&mut self) {
         self.stop();
     }
 }
 
-fn write_all(mut log: LogWriter, batches: &Receiver<Vec<Timed>>) -> Result<LogWriter, RecordError> {
+fn write_all<S: Sink>(mut log: S, batches: &Receiver<Vec<Timed>>) -> Result<S, RecordError> {
     let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
         match batches.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {

@@ -46,6 +46,9 @@ pub(crate) struct Arguments {
     /// Serve no page.
     #[arg(long, conflicts_with = "http")]
     no_http: bool,
+    /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
+    #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT")]
+    foxglove: Option<u16>,
     /// Real-time factor: simulated seconds a second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
@@ -109,6 +112,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
             (false, Some(port)) => Page::On(port),
             (false, None) => Page::Near(DEFAULT_HTTP_PORT),
         },
+        foxglove: arguments.foxglove,
         log: arguments.log,
         ros2_log: arguments.log_format == LogFormat::Ros2,
         ..Config::new(world)
@@ -123,17 +127,20 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     })
 }
 
-fn ready_line(Ready { address, page }: Ready, map: &str, classes: &[String], json: bool) -> String {
+fn ready_line(Ready { address, page, foxglove }: Ready, map: &str, classes: &[String], json: bool) -> String {
     if json {
         let (host, port) = (address.ip().to_string(), address.port());
         let http = page.map(|page| page.port());
         serde_json::json!({
-            "event": "ready", "host": host, "port": port, "http": http, "map": map, "robots": classes,
+            "event": "ready", "host": host, "port": port, "http": http, "foxglove": foxglove, "map": map,
+            "robots": classes,
         })
         .to_string()
     } else {
         let see = page.map(|page| format!("\nsee it at http://{page}")).unwrap_or_default();
-        format!("usarsim ready on {address}, map {map}, robots {}{see}", classes.join(", "))
+        let ip = address.ip();
+        let foxglove = foxglove.map(|port| format!("\nFoxglove: open ws://{ip}:{port}")).unwrap_or_default();
+        format!("usarsim ready on {address}, map {map}, robots {}{see}{foxglove}", classes.join(", "))
     }
 }
 

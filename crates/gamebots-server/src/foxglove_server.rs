@@ -1,0 +1,141 @@
+//! The channels of a log, live, for Foxglove and Lichtblick, and the world's time as their services.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use foxglove::websocket::service::{Request, Service, ServiceSchema};
+use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
+use foxglove::{Context, Schema, WebSocketServerHandle};
+use recorder::{Latched, Live, Record, Recorder, StateTimer};
+use sim_core::World;
+use sim_core::scene::WorldDef;
+use tokio::sync::mpsc::WeakSender;
+
+use crate::ServeError;
+use crate::connection::Event;
+use crate::control::Control;
+
+/// Messages that may wait for one client; a client of a fast world misses the oldest.
+const BACKLOG: usize = 4096;
+/// Real time between two announcements of the simulated time.
+const TIME_INTERVAL: Duration = Duration::from_millis(33);
+
+/// The running server, as the world's thread has it.
+pub(crate) struct FoxgloveServer {
+    handle: WebSocketServerHandle,
+    /// The channels live as long as their context.
+    _context: Arc<Context>,
+    recorder: Recorder<Live>,
+    states: StateTimer,
+    next_time: Instant,
+}
+
+/// Starts listening.
+pub(crate) async fn start(
+    host: &str,
+    port: u16,
+    world: &WorldDef,
+    events: WeakSender<Event>,
+) -> Result<FoxgloveServer, ServeError> {
+    let (context, latched) = (Context::new(), Latched::default());
+    let live = Live::new(world, context.clone(), latched.clone())?;
+    // An IPv6 address in a URL and here has brackets.
+    let address = if host.contains(':') { format!("[{host}]") } else { host.to_owned() };
+    let server = context.websocket_server().name(format!("usarsim {}", world.map.name)).bind(address, port);
+    let server = server.capabilities([Capability::Time, Capability::Services]).services(services(&events));
+    let server = server.message_backlog_size(BACKLOG).listener(Arc::new(Late(latched)));
+    let handle = server.start().await.map_err(|error| {
+        let reason = match error {
+            foxglove::FoxgloveError::Bind(reason) => reason,
+            other => std::io::Error::other(other.to_string()),
+        };
+        ServeError::Listen { host: host.to_owned(), port, reason }
+    })?;
+    let (recorder, states) = (Recorder::new(live)?, StateTimer::default());
+    Ok(FoxgloveServer { handle, _context: context, recorder, states, next_time: Instant::now() })
+}
+
+impl FoxgloveServer {
+    /// The port that it listens on.
+    pub(crate) fn port(&self) -> u16 {
+        self.handle.port()
+    }
+
+    pub(crate) fn record(&mut self, time: f64, record: Record) {
+        self.recorder.record(time, record);
+    }
+
+    /// Takes the states of the world when they are due.
+    pub(crate) fn record_states(&mut self, world: &World) {
+        let Self { states, recorder, .. } = self;
+        states.due(world).into_iter().for_each(|state| recorder.record(world.time(), state));
+    }
+
+    /// Hands on what has come, and the time; to be called often.
+    pub(crate) fn tell(&mut self, now: Instant, time: f64) {
+        if now >= self.next_time {
+            self.next_time = now + TIME_INTERVAL;
+            self.recorder.hand_over();
+            self.handle.broadcast_time((time * 1e9).round() as u64);
+        }
+    }
+
+    /// Forgets what was: time begins anew.
+    pub(crate) fn start_over(&mut self) {
+        self.recorder.hand_over();
+        self.states = StateTimer::default();
+        self.handle.clear_session(None);
+    }
+}
+
+/// Gives those who subscribe late what they missed.
+struct Late(Latched);
+
+impl ServerListener for Late {
+    fn on_subscribe(&self, client: Client, channel: ChannelView) {
+        self.0.send(channel.topic(), client.sink_id());
+    }
+}
+
+/// Pause, step, speed and reset, with the same words as on the page.
+fn services(events: &WeakSender<Event>) -> Vec<Service> {
+    let service = |name: &'static str, argument: &'static str| {
+        let request = format!("{{\"type\":\"object\",\"properties\":{{{argument}}}}}");
+        let response = "{\"type\":\"object\",\"properties\":{\"success\":{\"type\":\"boolean\"}}}";
+        let schema = |part: &str, schema: &str| {
+            Schema::new(format!("usarsim.{name}.{part}"), "jsonschema", schema.as_bytes().to_vec())
+        };
+        let schema = ServiceSchema::new(format!("usarsim.{name}"))
+            .with_request("json", schema("Request", &request))
+            .with_response("json", schema("Response", response));
+        let events = events.clone();
+        Service::builder(name, schema).async_handler_fn(move |request: Request| {
+            let control = wish(name, request.payload());
+            answer(control, events.clone())
+        })
+    };
+    vec![
+        service("pause", "\"pause\":{\"type\":\"boolean\"}"),
+        service("step", "\"step\":{\"type\":\"integer\"}"),
+        service("speed", "\"speed\":{\"type\":\"number\"}"),
+        service("reset", ""),
+    ]
+}
+
+/// What a service is asked for: `{"pause":true}`, `{"step":1}`, `{"speed":2}`, or nothing.
+fn wish(service: &str, payload: &[u8]) -> Result<Control, String> {
+    if service == "reset" {
+        return Ok(Control::Reset);
+    }
+    let control = Control::read(&String::from_utf8_lossy(payload))?;
+    match (service, control) {
+        ("pause", Control::Pause(_)) | ("step", Control::Step(_)) | ("speed", Control::Speed(_)) => Ok(control),
+        _ => Err(format!("expected `{service}` in the request")),
+    }
+}
+
+async fn answer(control: Result<Control, String>, events: WeakSender<Event>) -> Result<&'static [u8], String> {
+    let events = events.upgrade().ok_or("the server stops")?;
+    events.send(Event::Control(control?)).await.map_err(|_| "the server stops")?;
+    Ok(b"{\"success\":true}")
+}

@@ -1,0 +1,118 @@
+//! The channels of a log as they happen, for Foxglove's WebSocket server: the same topics and messages as in the file.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use foxglove::{Context, Encode, PartialMetadata, RawChannel, SinkId};
+use mcap::McapResult;
+use sim_core::scene::WorldDef;
+
+use crate::file::nanoseconds;
+use crate::native::Native;
+use crate::writer::{Sink, refused};
+use crate::{Put, Record, RecordError};
+
+/// Topics whose last message says nothing about now.
+const PASSING: [&str; 2] = ["/wire/", "/log"];
+
+/// Turns records into messages on the channels of a Foxglove context.
+pub struct Live {
+    native: Native,
+    channels: Channels,
+    /// Simulated time of the last record, s; one before it is of a fresh world.
+    time: f64,
+}
+
+/// The last message of each channel, for those who subscribe later: the map and the robots are told only once.
+#[derive(Clone, Default)]
+pub struct Latched(Arc<Mutex<BTreeMap<String, Last>>>);
+
+struct Last {
+    channel: Arc<RawChannel>,
+    message: Vec<u8>,
+    time: PartialMetadata,
+}
+
+struct Channels {
+    context: Arc<Context>,
+    by_topic: BTreeMap<String, Arc<RawChannel>>,
+    latched: Latched,
+}
+
+impl Live {
+    /// Begins with what does not change.
+    ///
+    /// # Errors
+    /// When a channel cannot be made.
+    pub fn new(world: &WorldDef, context: Arc<Context>, latched: Latched) -> Result<Self, RecordError> {
+        let mut channels = Channels { context, by_topic: BTreeMap::new(), latched };
+        let native = Native::new(world, &mut channels).map_err(|reason| refused("of Foxglove", reason))?;
+        Ok(Self { native, channels, time: 0.0 })
+    }
+}
+
+impl Sink for Live {
+    fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError> {
+        let mut write = || {
+            if time < self.time {
+                self.native.start_over(time, &mut self.channels)?;
+            }
+            self.time = time;
+            self.native.write(time, record, &mut self.channels)
+        };
+        write().map_err(|reason: mcap::McapError| refused("of Foxglove", reason))
+    }
+
+    fn flush(&mut self) -> Result<(), RecordError> {
+        Ok(())
+    }
+}
+
+impl Latched {
+    /// Sends the last message of a channel to one subscriber.
+    pub fn send(&self, topic: &str, subscriber: Option<SinkId>) {
+        if let Some(Last { channel, message, time }) = self.lock().get(topic) {
+            channel.log_with_meta_to_sink(message, *time, subscriber);
+        }
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Last>> {
+        // The map is valid after each statement.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Put for Channels {
+    fn put<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()> {
+        let channel = match self.by_topic.get(topic) {
+            Some(channel) => channel.clone(),
+            None => self.open::<T>(topic)?,
+        };
+        let is_passing = PASSING.iter().any(|passing| topic.starts_with(passing));
+        if is_passing && !channel.has_sinks() {
+            return Ok(());
+        }
+        let mut buffer = Vec::with_capacity(message.encoded_len().unwrap_or(0));
+        message.encode(&mut buffer).map_err(|error| std::io::Error::other(error.to_string()))?;
+        let time = PartialMetadata::with_log_time(nanoseconds(time));
+        if is_passing {
+            channel.log_with_meta(&buffer, time);
+            return Ok(());
+        }
+        // Under the lock, so that somebody who subscribes now gets this message once and not an older one after it.
+        let mut latched = self.latched.lock();
+        channel.log_with_meta(&buffer, time);
+        latched.insert(topic.to_owned(), Last { channel, message: buffer, time });
+        Ok(())
+    }
+}
+
+impl Channels {
+    fn open<T: Encode>(&mut self, topic: &str) -> McapResult<Arc<RawChannel>> {
+        let builder = self.context.channel_builder(topic).message_encoding(T::get_message_encoding());
+        let channel = builder.schema(T::get_schema()).build_raw();
+        let channel = channel.map_err(|error| std::io::Error::other(error.to_string()))?;
+        self.by_topic.insert(topic.to_owned(), channel.clone());
+        Ok(channel)
+    }
+}
