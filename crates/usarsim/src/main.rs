@@ -2,11 +2,14 @@
 
 mod bench;
 mod check;
+mod connect;
 mod experiment;
 mod list;
 mod log;
 mod serve;
 mod show;
+mod snapshot;
+mod teleop;
 mod validate;
 
 use std::process::ExitCode;
@@ -45,10 +48,16 @@ struct Arguments {
 enum Command {
     /// Serve a world to controllers until Ctrl-C or SIGTERM.
     Serve(serve::Arguments),
+    /// Drive a robot by the keys of a terminal.
+    Teleop(teleop::Arguments),
+    /// Talk to a server line by line, with history and completion.
+    Connect(connect::Arguments),
     /// List the maps.
     Maps(list::Arguments),
     /// List the robot classes with what they carry.
     Robots(list::Arguments),
+    /// Draw a map, and a robot on it, to a PNG file.
+    Snapshot(snapshot::Arguments),
     /// Print every number of a robot or a map, overrides included.
     Show(show::Arguments),
     /// Check robot.toml, map.toml, materials.toml and URDF files: every mistake with its line.
@@ -70,8 +79,11 @@ fn main() -> ExitCode {
     start_logging(&arguments);
     let result = match arguments.command {
         Command::Serve(arguments) => serve::run(arguments),
+        Command::Teleop(arguments) => teleop::run(&arguments),
+        Command::Connect(arguments) => connect::run(&arguments),
         Command::Maps(arguments) => list::maps(&arguments),
         Command::Robots(arguments) => list::robots(&arguments),
+        Command::Snapshot(arguments) => snapshot::run(&arguments),
         Command::Show(arguments) => show::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),

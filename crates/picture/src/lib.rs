@@ -1,0 +1,189 @@
+//! Pictures of a world without a graphics card.
+//!
+//! Triangles with a depth buffer, light from one side with a shadow map, and a grid of a metre on the floor. What is drawn is
+//! what collides; only the hubs between a wheel's rollers are for the eye. (The crate `euc` draws triangles too, but has had
+//! no release since 2020.)
+
+mod mesh;
+mod raster;
+
+use nalgebra::{Point3, Vector3};
+use sim_core::World;
+
+use mesh::Floor;
+use raster::{Depths, Projection};
+
+/// Where one looks from, and how. World frame, m; up is -z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub eye: Point3<f64>,
+    /// What is in the middle.
+    pub target: Point3<f64>,
+    /// Angle from the lower to the upper edge, rad.
+    pub field_of_view: f64,
+}
+
+/// A picture, 8 bits of red, green and blue a pixel, rows from above.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Image {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green and blue.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+/// Pixels along an edge that make one of the picture.
+const SAMPLES: usize = 3;
+/// Pixels along an edge of the shadow map.
+const SHADOW_SIZE: usize = 2048;
+/// Half the width of what throws shadows, over the distance from eye to target.
+const SHADOW_REACH: f64 = 1.5;
+/// A shadow's surface is nearer to the light by at least this part of the reach.
+const SHADOW_MARGIN: f64 = 0.004;
+/// Toward the light.
+const LIGHT: [f64; 3] = [-0.45, -0.35, -1.0];
+/// Part of the light that comes from everywhere.
+const AMBIENT: f64 = 0.5;
+/// Above the horizon, and far away.
+const SKY: [f64; 3] = [0.91, 0.93, 0.95];
+/// Where the world begins to fade into the sky, and has, over the distance of what is looked at, but not below a few metres.
+const FADE: [f64; 2] = [3.0, 16.0];
+const LEAST_FADE_UNIT: f64 = 5.0;
+/// Half the width of a line of the grid, m.
+const GRID_LINE: f64 = 0.006;
+
+/// Draws the world as it is now. Width and height are pixels.
+pub fn picture(world: &World, camera: &Camera, width: usize, height: usize) -> Image {
+    let (triangles, floors) = mesh::scene(world);
+    let (wide, high) = (width * SAMPLES, height * SAMPLES);
+    let view = Projection::perspective(camera, wide, high);
+    let mut surfaces = Depths::new(wide, high);
+    triangles.iter().enumerate().for_each(|(index, triangle)| surfaces.add(&view, &triangle.corners, index));
+    let distance = (camera.eye - camera.target).norm();
+    let (reach, fade_unit) = (SHADOW_REACH * distance, distance.max(LEAST_FADE_UNIT));
+    let light = Projection::parallel(camera.target, Vector3::from(LIGHT), reach, SHADOW_SIZE);
+    let mut shadows = Depths::new(SHADOW_SIZE, SHADOW_SIZE);
+    triangles.iter().enumerate().for_each(|(index, triangle)| shadows.add(&light, &triangle.corners, index));
+    let sample = |x: usize, y: usize| {
+        let ray = view.ray(x, y);
+        let solid = surfaces.at(x, y).map(|(depth, index)| (view.distance(depth, &ray), &triangles[index]));
+        let floor = floors.iter().filter_map(|floor| Some((floor.distance(&camera.eye, &ray)?, floor)));
+        let floor = floor.min_by(|a, b| a.0.total_cmp(&b.0));
+        let (distance, normal, colour, has_grid) = match (solid, floor) {
+            (Some((solid, triangle)), floor) if floor.is_none_or(|(floor, _)| solid < floor) => {
+                let normal = triangle.normal();
+                (solid, if normal.dot(&ray) > 0.0 { -normal } else { normal }, triangle.colour, false)
+            }
+            (_, Some((floor, Floor { normal, colour, .. }))) => (floor, *normal, *colour, true),
+            _ => return Vector3::from(SKY),
+        };
+        let place = camera.eye + ray * distance;
+        let colour = if has_grid { grid(colour, &place, distance) } else { Vector3::from(colour) };
+        let bright = normal.dot(&Vector3::from(LIGHT).normalize()).max(0.0);
+        let is_lit = bright > 0.0 && !shadows.hides(&light, &place, SHADOW_MARGIN * reach);
+        let lit = colour * (AMBIENT + if is_lit { (1.0 - AMBIENT) * bright } else { 0.0 });
+        let fade = ((distance / fade_unit - FADE[0]) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
+        lit * (1.0 - fade) + Vector3::from(SKY) * fade
+    };
+    let pixel = |index: usize| {
+        let (left, top) = (index % width * SAMPLES, index / width * SAMPLES);
+        let samples = (0..SAMPLES * SAMPLES).map(|part| sample(left + part % SAMPLES, top + part / SAMPLES));
+        let mean = samples.sum::<Vector3<f64>>() / (SAMPLES * SAMPLES) as f64;
+        <[f64; 3]>::from(mean).map(|part| (part.clamp(0.0, 1.0) * 255.0).round() as u8)
+    };
+    Image { width, height, pixels: (0..width * height).map(pixel).collect() }
+}
+
+/// The colour of a floor with its lines, one a metre and a stronger one every five.
+fn grid(colour: [f64; 3], place: &Point3<f64>, distance: f64) -> Vector3<f64> {
+    // Lines get wider with the distance, so that they do not flicker from pixel to pixel.
+    let half = GRID_LINE + 0.0012 * distance;
+    let near = |value: f64, step: f64| (value - step * (value / step).round()).abs() < half;
+    let on = |step: f64| near(place.x, step) || near(place.y, step);
+    let shade = if on(5.0) {
+        0.72
+    } else if on(1.0) {
+        0.86
+    } else {
+        1.0
+    };
+    Vector3::from(colour) * shade
+}
+
+impl Image {
+    /// The picture as a PNG file.
+    ///
+    /// # Errors
+    /// When it has no pixels.
+    pub fn to_png(&self) -> Result<Vec<u8>, png::EncodingError> {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let bytes: Vec<u8> = self.pixels.iter().flatten().copied().collect();
+        encoder.write_header()?.write_image_data(&bytes)?;
+        Ok(file)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sim_core::{Options, World};
+
+    use super::*;
+
+    fn world(robot: bool) -> World {
+        let def = scene_loader::load("rough", &[]).unwrap();
+        let mut world = World::new(def, Options::default());
+        if robot {
+            let init = gamebots_proto::command::Init { class_name: "KUKA_YouBot".to_owned(), ..Default::default() };
+            world.init(&init, &mut Vec::new()).unwrap();
+        }
+        world
+    }
+
+    fn from_above(world: &World) -> Image {
+        let (eye, target) = (Point3::new(0.0, 0.0, -2.0), Point3::origin());
+        picture(world, &Camera { eye, target, field_of_view: 0.6 }, 90, 60)
+    }
+
+    /// Red, green and blue at a part of width and height.
+    fn at(image: &Image, x: f64, y: f64) -> [u8; 3] {
+        image.pixels[(y * image.height as f64) as usize * image.width + (x * image.width as f64) as usize]
+    }
+
+    #[test]
+    fn a_robot_is_orange_on_a_floor_that_is_not() {
+        let (empty, image) = (from_above(&world(false)), from_above(&world(true)));
+        let is_orange = |[red, green, blue]: [u8; 3]| red > 180 && green < 140 && blue < 80;
+        assert!(is_orange(at(&image, 0.5, 0.5)) && !is_orange(at(&empty, 0.5, 0.5)));
+        assert!(!is_orange(at(&image, 0.1, 0.5)));
+        // It is longer than wide, and its length is x, which is up.
+        let count = |pixels: &mut dyn Iterator<Item = [u8; 3]>| pixels.filter(|&pixel| is_orange(pixel)).count();
+        let column = count(&mut (0..60).map(|y| image.pixels[y * 90 + 45]));
+        let row = count(&mut (0..90).map(|x| image.pixels[30 * 90 + x]));
+        assert!(column > row, "{column} high, {row} wide");
+        assert_eq!(image, from_above(&world(true)), "the same again");
+    }
+
+    #[test]
+    fn a_robot_throws_a_shadow() {
+        let (empty, image) = (from_above(&world(false)), from_above(&world(true)));
+        let sum = |pixel: &[u8; 3]| pixel.iter().map(|&part| u32::from(part)).sum::<u32>();
+        let darker = image.pixels.iter().zip(&empty.pixels).filter(|(a, b)| a[0] < 150 && sum(a) + 40 < sum(b)).count();
+        assert!(darker > 10, "{darker}");
+    }
+
+    #[test]
+    fn the_sky_is_above_the_horizon() {
+        let (eye, target) = (Point3::new(-2.0, 0.0, -1.0), Point3::new(0.0, 0.0, -1.0));
+        let image = picture(&world(true), &Camera { eye, target, field_of_view: 0.6 }, 90, 60);
+        assert_eq!(at(&image, 0.5, 0.05), SKY.map(|part| (part * 255.0_f64).round() as u8));
+        assert_ne!(at(&image, 0.5, 0.95), at(&image, 0.5, 0.05));
+        let png = image.to_png().unwrap();
+        assert!(png.starts_with(b"\x89PNG"));
+    }
+}

@@ -1,0 +1,162 @@
+//! A world as triangles, and its floors without end as planes.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+use sim_core::World;
+use sim_core::scene::{self, Pose, RobotDef, Shape, Solid, Wheel};
+
+/// A piece of surface.
+pub(crate) struct Triangle {
+    pub(crate) corners: [Point3<f64>; 3],
+    pub(crate) colour: [f64; 3],
+}
+
+/// A plane without end.
+pub(crate) struct Floor {
+    place: Point3<f64>,
+    /// Out of the ground.
+    pub(crate) normal: Vector3<f64>,
+    pub(crate) colour: [f64; 3],
+}
+
+/// Corners around a cylinder, a ball or a roller.
+const SEGMENTS: u32 = 24;
+/// Pieces of cones that a roller is drawn by.
+const ROLLER_PIECES: u32 = 10;
+const BODY: [f64; 3] = [0.93, 0.45, 0.12];
+const HUB: [f64; 3] = [0.55, 0.57, 0.6];
+
+impl Triangle {
+    pub(crate) fn normal(&self) -> Vector3<f64> {
+        let [a, b, c] = self.corners;
+        (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(|| -Vector3::z())
+    }
+}
+
+impl Floor {
+    /// Where a ray from a place meets it.
+    pub(crate) fn distance(&self, from: &Point3<f64>, ray: &Vector3<f64>) -> Option<f64> {
+        let distance = (self.place - from).dot(&self.normal) / ray.dot(&self.normal);
+        (distance > 0.0 && distance.is_finite()).then_some(distance)
+    }
+}
+
+/// Everything that is to be seen.
+pub(crate) fn scene(world: &World) -> (Vec<Triangle>, Vec<Floor>) {
+    let map = &world.def().map;
+    let mut scene = Scene::default();
+    map.solids.iter().for_each(|solid| scene.add_solid(solid, &solid.pose(), solid.material.colour));
+    let objects = map.objects.iter().zip(world.objects());
+    objects.for_each(|(object, pose)| scene.add_solid(&object.solid, &pose, object.solid.material.colour));
+    for (id, class, _) in world.robots() {
+        if let (Some(def), Some(seen)) = (world.def().robots.get(class), world.observe(id)) {
+            let angles: Vec<f64> = seen.wheels.iter().map(|wheel| wheel.angle).collect();
+            scene.add_robot(def, &seen.body.pose, &angles, &seen.rollers);
+        }
+    }
+    (scene.triangles, scene.floors)
+}
+
+#[derive(Default)]
+struct Scene {
+    triangles: Vec<Triangle>,
+    floors: Vec<Floor>,
+}
+
+impl Scene {
+    fn add_robot(&mut self, def: &RobotDef, pose: &Pose, angles: &[f64], rollers: &[f64]) {
+        def.solids.iter().for_each(|solid| self.add_solid(solid, &(pose * solid.pose()), BODY));
+        for caster in def.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
+            self.add(&Shape::Ball { radius: caster.radius }, &(pose * caster.pose(0.0)), caster.material.colour);
+        }
+        let mut spins = rollers.iter();
+        for (wheel, &angle) in def.driven().iter().zip(angles) {
+            self.add_wheel(wheel, &(pose * wheel.pose(angle)), &mut spins);
+        }
+    }
+
+    fn add_wheel<'a>(&mut self, wheel: &Wheel, pose: &Pose, spins: &mut impl Iterator<Item = &'a f64>) {
+        let about_y = pose * scene::pose([0.0; 3], [TAU / 4.0, 0.0, 0.0]);
+        let disc = |radius: f64| Shape::Cylinder { radius, length: wheel.width };
+        let Some(rollers) = &wheel.rollers else {
+            return self.add(&disc(wheel.radius), &about_y, wheel.material.colour);
+        };
+        self.add(&disc(rollers.hub_radius(wheel.radius)), &about_y, HUB);
+        let outline = rollers.outline(wheel.radius, ROLLER_PIECES);
+        for (index, &spin) in (0..rollers.count).zip(spins) {
+            let spun = pose * rollers.pose(index) * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), spin);
+            self.add_lathe(&outline, &spun, rollers.material.colour);
+        }
+    }
+
+    fn add_solid(&mut self, solid: &Solid, pose: &Pose, colour: [f64; 3]) {
+        self.add(&solid.shape, pose, colour);
+    }
+
+    fn add(&mut self, shape: &Shape, pose: &Pose, colour: [f64; 3]) {
+        match shape {
+            Shape::HalfSpace => {
+                let normal = pose.rotation * -Vector3::z();
+                self.floors.push(Floor { place: pose.translation.vector.into(), normal, colour });
+            }
+            Shape::Box { size } => {
+                let corner = |signs: u32| {
+                    Point3::from(Vector3::from_fn(|axis, _| {
+                        if signs >> axis & 1 == 1 { size[axis] / 2.0 } else { -size[axis] / 2.0 }
+                    }))
+                };
+                for face in [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]] {
+                    let corners = face.map(corner);
+                    self.add_quad(corners, pose, colour);
+                }
+            }
+            Shape::Ball { radius } => {
+                let point = |part: u32| {
+                    let angle = TAU / 2.0 * f64::from(part) / f64::from(SEGMENTS / 2);
+                    [-radius * angle.cos(), radius * angle.sin()]
+                };
+                let outline: Vec<[f64; 2]> = (0..=SEGMENTS / 2).map(point).collect();
+                self.add_lathe(&outline, pose, colour);
+            }
+            Shape::Cylinder { radius, length } => {
+                let upright = pose * scene::pose([0.0; 3], [0.0, -TAU / 4.0, 0.0]);
+                self.add_lathe(&[[-length / 2.0, *radius], [length / 2.0, *radius]], &upright, colour);
+            }
+            Shape::Hull { points } => {
+                if let Some(surface) = sim_core::hull_surface(points) {
+                    self.add(&surface, pose, colour);
+                }
+            }
+            Shape::Mesh { vertices, triangles } => {
+                for triangle in triangles {
+                    let corners = triangle.map(|corner| pose * Point3::from(vertices[corner as usize]));
+                    self.triangles.push(Triangle { corners, colour });
+                }
+            }
+        }
+    }
+
+    /// An outline turned about the x axis: places along it and radii, closed at both ends.
+    fn add_lathe(&mut self, outline: &[[f64; 2]], pose: &Pose, colour: [f64; 3]) {
+        let ends = [outline.first(), outline.last()].map(|end| end.map_or([0.0; 2], |&[along, _]| [along, 0.0]));
+        let closed: Vec<[f64; 2]> =
+            std::iter::once(ends[0]).chain(outline.iter().copied()).chain(std::iter::once(ends[1])).collect();
+        let point = |[along, radius]: [f64; 2], part: u32| {
+            let (sin, cos) = (TAU * f64::from(part) / f64::from(SEGMENTS)).sin_cos();
+            Point3::new(along, radius * cos, radius * sin)
+        };
+        for ring in closed.windows(2) {
+            for part in 0..SEGMENTS {
+                let corners =
+                    [point(ring[0], part), point(ring[0], part + 1), point(ring[1], part + 1), point(ring[1], part)];
+                self.add_quad(corners, pose, colour);
+            }
+        }
+    }
+
+    fn add_quad(&mut self, corners: [Point3<f64>; 4], pose: &Pose, colour: [f64; 3]) {
+        let [a, b, c, d] = corners.map(|corner| pose * corner);
+        self.triangles.extend([[a, b, c], [a, c, d]].map(|corners| Triangle { corners, colour }));
+    }
+}

@@ -1,0 +1,152 @@
+//! Triangles to pixels, with the nearest kept.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::Camera;
+
+/// Nearer than this to the eye nothing is drawn, m.
+const NEAR: f64 = 0.02;
+
+/// How places of the world become pixels.
+pub(crate) struct Projection {
+    eye: Point3<f64>,
+    right: Vector3<f64>,
+    down: Vector3<f64>,
+    ahead: Vector3<f64>,
+    /// Pixels a unit.
+    scale: f64,
+    middle: [f64; 2],
+    is_perspective: bool,
+}
+
+impl Projection {
+    pub(crate) fn perspective(camera: &Camera, width: usize, height: usize) -> Self {
+        let scale = height as f64 / 2.0 / (camera.field_of_view / 2.0).tan();
+        Self::new(camera.eye, camera.target - camera.eye, scale, [width, height], true)
+    }
+
+    /// As the light sees it that comes from a direction.
+    pub(crate) fn parallel(target: Point3<f64>, toward: Vector3<f64>, reach: f64, size: usize) -> Self {
+        let eye = target + toward.normalize() * (10.0 * reach);
+        Self::new(eye, -toward, size as f64 / 2.0 / reach, [size, size], false)
+    }
+
+    fn new(eye: Point3<f64>, ahead: Vector3<f64>, scale: f64, size: [usize; 2], is_perspective: bool) -> Self {
+        let ahead = ahead.normalize();
+        // z is down. Straight from above x is up in the picture.
+        let right = Vector3::z().cross(&ahead).try_normalize(1e-6).unwrap_or_else(Vector3::y);
+        let down = ahead.cross(&right);
+        Self { eye, right, down, ahead, scale, middle: size.map(|size| size as f64 / 2.0), is_perspective }
+    }
+
+    /// Direction from the eye through the middle of a pixel, of length 1.
+    pub(crate) fn ray(&self, x: usize, y: usize) -> Vector3<f64> {
+        let [x, y] = [(x, 0), (y, 1)].map(|(pixel, axis)| (pixel as f64 + 0.5 - self.middle[axis]) / self.scale);
+        (self.ahead + self.right * x + self.down * y).normalize()
+    }
+
+    /// Distance from the eye along a ray to what has a depth.
+    pub(crate) fn distance(&self, depth: f64, ray: &Vector3<f64>) -> f64 {
+        depth / ray.dot(&self.ahead)
+    }
+
+    /// Right, down and ahead of the eye, m.
+    fn local(&self, place: &Point3<f64>) -> Vector3<f64> {
+        let from_eye = place - self.eye;
+        Vector3::new(from_eye.dot(&self.right), from_eye.dot(&self.down), from_eye.dot(&self.ahead))
+    }
+
+    /// Column, row, and what is linear between pixels: the depth, or of a perspective one over it.
+    fn pixel(&self, local: &Vector3<f64>) -> [f64; 3] {
+        let shrink = if self.is_perspective { 1.0 / local.z } else { 1.0 };
+        let linear = if self.is_perspective { 1.0 / local.z } else { local.z };
+        let [x, y] = [local.x, local.y].map(|part| part * shrink * self.scale);
+        [x + self.middle[0], y + self.middle[1], linear]
+    }
+
+    fn depth(&self, linear: f64) -> f64 {
+        if self.is_perspective { 1.0 / linear } else { linear }
+    }
+}
+
+/// What is nearest in each pixel.
+pub(crate) struct Depths {
+    width: usize,
+    height: usize,
+    /// Depth, and the number of the triangle.
+    nearest: Vec<(f64, u32)>,
+}
+
+impl Depths {
+    pub(crate) fn new(width: usize, height: usize) -> Self {
+        Self { width, height, nearest: vec![(f64::INFINITY, u32::MAX); width * height] }
+    }
+
+    /// Depth of what is in a pixel, and its number.
+    pub(crate) fn at(&self, x: usize, y: usize) -> Option<(f64, usize)> {
+        let (depth, index) = self.nearest[y * self.width + x];
+        (index != u32::MAX).then_some((depth, index as usize))
+    }
+
+    /// Draws a triangle by its number.
+    pub(crate) fn add(&mut self, projection: &Projection, corners: &[Point3<f64>; 3], index: usize) {
+        let local = corners.map(|corner| projection.local(&corner));
+        let polygon = if projection.is_perspective { in_front(&local) } else { local.to_vec() };
+        for corner in 2..polygon.len() {
+            self.fill(projection, [0, corner - 1, corner].map(|corner| projection.pixel(&polygon[corner])), index);
+        }
+    }
+
+    /// Whether something is nearer to the eye than a place, by more than a margin.
+    pub(crate) fn hides(&self, projection: &Projection, place: &Point3<f64>, margin: f64) -> bool {
+        let local = projection.local(place);
+        let [x, y, _] = projection.pixel(&local);
+        let inside = (0.0..self.width as f64).contains(&x) && (0.0..self.height as f64).contains(&y);
+        inside && self.nearest[y as usize * self.width + x as usize].0 < local.z - margin
+    }
+
+    fn fill(&mut self, projection: &Projection, [a, b, c]: [[f64; 3]; 3], index: usize) {
+        let area = edge(&a, &b, &c);
+        if area == 0.0 {
+            return;
+        }
+        let range = |axis: usize, size: usize| {
+            let [low, high] = [f64::min, f64::max].map(|pick| pick(pick(a[axis], b[axis]), c[axis]));
+            (low - 0.5).ceil().max(0.0) as usize..((high - 0.5).floor() + 1.0).clamp(0.0, size as f64) as usize
+        };
+        for y in range(1, self.height) {
+            for x in range(0, self.width) {
+                let place = [x as f64 + 0.5, y as f64 + 0.5, 0.0];
+                let [in_a, in_b, in_c] =
+                    [edge(&b, &c, &place), edge(&c, &a, &place), edge(&a, &b, &place)].map(|part| part / area);
+                if in_a >= 0.0 && in_b >= 0.0 && in_c >= 0.0 {
+                    let depth = projection.depth(in_a * a[2] + in_b * b[2] + in_c * c[2]);
+                    let nearest = &mut self.nearest[y * self.width + x];
+                    if depth < nearest.0 {
+                        *nearest = (depth, index as u32);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Twice the area of a triangle, signed.
+fn edge(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// The part of a triangle that is in front of the eye, as a polygon.
+fn in_front(corners: &[Vector3<f64>; 3]) -> Vec<Vector3<f64>> {
+    let mut polygon = Vec::with_capacity(4);
+    for index in 0..3 {
+        let (from, to) = (corners[index], corners[(index + 1) % 3]);
+        if from.z >= NEAR {
+            polygon.push(from);
+        }
+        if (from.z >= NEAR) != (to.z >= NEAR) {
+            polygon.push(from + (to - from) * ((NEAR - from.z) / (to.z - from.z)));
+        }
+    }
+    polygon
+}

@@ -1,0 +1,190 @@
+//! `usarsim snapshot`.
+
+use std::path::PathBuf;
+
+use gamebots_proto::command::Command;
+use gamebots_proto::{Line, Problem};
+use nalgebra::{Point3, Vector3};
+use picture::Camera;
+use scene_loader::Override;
+use sim_core::scene::{DriveModel, Shape};
+use sim_core::{Options, World};
+
+use crate::{Failure, exit, print, within};
+
+/// Options of `snapshot`.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  usarsim snapshot --map arena --out arena.png\n  \
+    usarsim snapshot --robot KUKA_YouBot --out youbot.png --view front\n  \
+    usarsim snapshot --map slope-4.5 --robot P3AT --start RobotStart2 --seconds 2 \\\n    \
+    --drive \"{Left 2} {Right 2}\" --out slope.png --size 1600x900")]
+pub(crate) struct Arguments {
+    /// A map by name or the path of a map.toml.
+    #[arg(long, default_value = "rough", value_name = "NAME|FILE")]
+    map: String,
+    /// A robot class to put on the map, or the path of its robot.toml.
+    #[arg(long, value_name = "CLASS|FILE")]
+    robot: Option<String>,
+    /// Where the robot stands.
+    #[arg(long, default_value = "PlayerStart_0")]
+    start: String,
+    /// A DRIVE line without its verb, given at once.
+    #[arg(long, value_name = "BLOCKS", requires = "robot")]
+    drive: Option<String>,
+    /// Simulated seconds before the picture is taken.
+    #[arg(long, default_value = "1", value_parser = seconds)]
+    seconds: f64,
+    /// Replace a number, as for `serve`.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Override>,
+    /// How the wheels of Mecanum robots move them, as for `serve`.
+    #[arg(long, value_name = "MODEL")]
+    drive_model: Option<DriveModel>,
+    /// From where one looks.
+    #[arg(long, default_value = "corner")]
+    view: View,
+    /// Distance from the eye to the middle, m; by default so that the robot, or the map, fills the picture.
+    #[arg(long, value_name = "M", value_parser = distance)]
+    distance: Option<f64>,
+    /// Pixels, width x height.
+    #[arg(long, default_value = "1280x720", value_name = "WxH", value_parser = size)]
+    size: [usize; 2],
+    /// The picture.
+    #[arg(long, value_name = "FILE.png")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum View {
+    /// From behind, to the left and above.
+    Corner,
+    /// From straight above, x upward.
+    Top,
+    /// From the right side, a little above.
+    Side,
+    /// From ahead, a little above.
+    Front,
+}
+
+impl View {
+    /// From the middle to the eye, in the robot's axes.
+    fn direction(self) -> Vector3<f64> {
+        match self {
+            Self::Corner => Vector3::new(-0.75, -0.75, -0.65),
+            Self::Top => -Vector3::z(),
+            Self::Side => Vector3::new(0.0, 1.0, -0.2),
+            Self::Front => Vector3::new(1.0, 0.25, -0.3),
+        }
+        .normalize()
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 3600.0)
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    within(text, 0.05, 1000.0)
+}
+
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let parsed = text.split_once('x').and_then(|(wide, high)| Some([wide.parse().ok()?, high.parse().ok()?]));
+    parsed
+        .filter(|size| size.iter().all(|edge| (16..=4096).contains(edge)))
+        .ok_or("expected WxH of 16 to 4096".to_owned())
+}
+
+/// Angle from the lower to the upper edge of the picture, rad.
+const FIELD_OF_VIEW: f64 = 0.6;
+/// Least half width of what is looked at, m.
+const LEAST_REACH: f64 = 0.2;
+/// The picture's height over that of a ball around what is looked at.
+const FILLING: f64 = 1.1;
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let configuration = |error: String| Failure::new(exit::BAD_CONFIGURATION, error);
+    let file = arguments.robot.as_deref().filter(|robot| robot.ends_with(".toml")).map(std::path::Path::new);
+    let files: Vec<&std::path::Path> = file.into_iter().collect();
+    let mut def = scene_loader::load_with(&arguments.map, &files, &arguments.set)
+        .map_err(|error| configuration(error.to_string()))?;
+    def.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
+    let mut world = World::new(def, Options::default());
+    let mut middle = (overview(&world), Vector3::x_axis().into_inner());
+    if let Some(robot) = &arguments.robot {
+        let folder = || file?.parent()?.file_name()?.to_str();
+        let class = folder().unwrap_or(robot);
+        place(&mut world, class, arguments).map_err(configuration)?;
+        if let Some((body, _)) = world.robots().next().and_then(|(id, _, _)| world.state(id)) {
+            middle =
+                ((body.pose.translation.vector.into(), reach_of(&world, class)), body.pose.rotation * Vector3::x());
+        }
+    }
+    let ((target, reach), ahead) = middle;
+    let distance = arguments.distance.unwrap_or(FILLING * reach.max(LEAST_REACH) / (FIELD_OF_VIEW / 2.0).tan());
+    let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), ahead.y.atan2(ahead.x));
+    let eye = target + turn * arguments.view.direction() * distance;
+    let [width, height] = arguments.size;
+    let picture = picture::picture(&world, &Camera { eye, target, field_of_view: FIELD_OF_VIEW }, width, height);
+    let written = picture.to_png().map_err(|error| error.to_string());
+    let written = written.and_then(|png| std::fs::write(&arguments.out, png).map_err(|error| error.to_string()));
+    written.map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", arguments.out.display())))?;
+    print(format_args!("{} ({width} x {height})", arguments.out.display()));
+    Ok(())
+}
+
+/// Puts the robot on the map, drives it, and lets time pass.
+fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), String> {
+    let mut problems: Vec<Problem> = Vec::new();
+    let mut command = |text: String| Command::read(&Line::parse(&text), &mut problems);
+    let init = command(format!("INIT {{ClassName USARBot.{class}}} {{Start {}}}", arguments.start));
+    let drive = arguments.drive.as_ref().and_then(|drive| command(format!("DRIVE {drive}")));
+    if let Some(Command::Init(init)) = init
+        && let Some(robot) = world.init(&init, &mut problems)
+        && let Some(drive) = drive
+    {
+        world.apply(robot, &drive, &mut problems);
+    }
+    if let Some(problem) = problems.first() {
+        return Err(problem.to_string());
+    }
+    let steps = (arguments.seconds / world.time_step()).round() as u64;
+    (0..steps).for_each(|_| drop(world.step()));
+    Ok(())
+}
+
+/// Middle and half width of what stands on the map, m.
+fn overview(world: &World) -> (Point3<f64>, f64) {
+    let map = &world.def().map;
+    let solids = map.solids.iter().filter(|solid| solid.shape != Shape::HalfSpace);
+    let places: Vec<Point3<f64>> =
+        solids.chain(map.objects.iter().map(|object| &object.solid)).flat_map(corners).collect();
+    let (mut low, mut high) = (Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 0.0));
+    if let Some(first) = places.first() {
+        (low, high) = (*first, *first);
+        places.iter().for_each(|place| (low, high) = (low.inf(place), high.sup(place)));
+    }
+    // A map is flat, and is looked at aslant.
+    (nalgebra::center(&low, &high), 0.6 * (high - low).norm() / 2.0)
+}
+
+fn reach_of(world: &World, class: &str) -> f64 {
+    let def = world.def().robots.iter().find(|(name, _)| name.eq_ignore_ascii_case(class)).map(|(_, def)| def);
+    let solids = def.into_iter().flat_map(|def| def.solids.iter().flat_map(corners));
+    let wheels = def.into_iter().flat_map(|def| def.wheels.iter().map(|wheel| Point3::from(wheel.position)));
+    solids.chain(wheels).map(|place| place.coords.norm()).fold(0.0, f64::max)
+}
+
+/// Places that a solid reaches to.
+fn corners(solid: &sim_core::scene::Solid) -> Vec<Point3<f64>> {
+    let pose = solid.pose();
+    let reach = match &solid.shape {
+        Shape::HalfSpace => return Vec::new(),
+        Shape::Hull { points } | Shape::Mesh { vertices: points, .. } => {
+            return points.iter().map(|&point| pose * Point3::from(point)).collect();
+        }
+        Shape::Box { size } => Vector3::from(*size) / 2.0,
+        Shape::Ball { radius } => Vector3::repeat(*radius),
+        Shape::Cylinder { radius, length } => Vector3::new(*radius, *radius, length / 2.0),
+    };
+    [reach, -reach].map(|corner| pose * Point3::from(corner)).to_vec()
+}

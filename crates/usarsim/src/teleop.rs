@@ -1,0 +1,202 @@
+//! `usarsim teleop`.
+
+use std::io::{IsTerminal, Read, Write};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use crossterm::terminal;
+use gamebots_client::Client;
+use gamebots_proto::Line;
+
+use crate::{Failure, connect, exit};
+
+/// Options of `teleop`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim teleop\n  usarsim teleop 192.168.1.7:3000 --robot P3AT --start RobotStart1\n\n\
+    Keys: w s ahead and back, a d aside (Mecanum robots), q e or the arrows turn, space stops, + - change the speed,\n\
+    x or Ctrl-C ends. A terminal does not tell when a key is let go of: the robot stops 0.7 s after the last one."
+)]
+pub(crate) struct Arguments {
+    /// The server.
+    #[arg(value_name = "HOST:PORT", default_value = "127.0.0.1:3000")]
+    address: String,
+    /// Class of the robot that is put on the map.
+    #[arg(long, value_name = "CLASS", default_value = "KUKA_YouBot")]
+    robot: String,
+    /// Start pose by its name on the map.
+    #[arg(long, default_value = "PlayerStart_0")]
+    start: String,
+    /// Name of the robot.
+    #[arg(long, default_value = "Teleop")]
+    name: String,
+}
+
+/// The robot stops so long after the last key: longer than a keyboard takes to repeat the first.
+const HOLD: Duration = Duration::from_millis(700);
+/// How often the server is listened to.
+const POLL: Duration = Duration::from_millis(20);
+/// How long a line may take that is already here.
+const GLANCE: Duration = Duration::from_millis(1);
+/// Longest time for the first answer.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Percent of the limits at first, and by which a key changes it.
+const SPEED: f64 = 40.0;
+const SPEED_STEP: f64 = 10.0;
+
+/// A key that means something.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Key {
+    /// Ahead, to the right, clockwise: -1, 0 or 1.
+    Move([f64; 3]),
+    /// Percent more.
+    Faster(f64),
+    End,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let lost = |error: std::io::Error| Failure::new(exit::UNAVAILABLE, format_args!("the connection is lost: {error}"));
+    let mut client = connect::connect(&arguments.address)?;
+    let Arguments { robot, start, name, .. } = arguments;
+    client.send(&format!("INIT {{ClassName USARBot.{robot}}} {{Name {name}}} {{Start {start}}}")).map_err(lost)?;
+    client.send("GETCONF {Type Robot}").map_err(lost)?;
+    let is_omni = steering(&mut client)?;
+    let raw = RawTerminal::enter();
+    let (sender, keys) = mpsc::channel();
+    std::thread::spawn(move || {
+        std::io::stdin().lock().bytes().map_while(Result::ok).try_for_each(|byte| sender.send(byte))
+    });
+    let result = drive(&mut client, &keys, is_omni).map_err(lost);
+    drop(raw);
+    println!();
+    result
+}
+
+/// Whether the robot goes sideways, by its configuration.
+fn steering(client: &mut Client) -> Result<bool, Failure> {
+    let end = Instant::now() + PATIENCE;
+    while let Ok(Some(line)) = client.next_line(end.saturating_duration_since(Instant::now())) {
+        if line.starts_with("CONF ") {
+            return Ok(Line::parse(&line).get("SteeringType").is_some_and(|steering| steering == "OmniDrive"));
+        }
+    }
+    let hint = "is the class known there? `usarsim robots` lists ours";
+    Err(Failure::new(exit::FAILURE, format_args!("no robot came; {hint}")))
+}
+
+/// Keys to DRIVE lines, until the end.
+fn drive(client: &mut Client, keys: &Receiver<u8>, is_omni: bool) -> std::io::Result<()> {
+    let (mut percent, mut motion, mut since) = (SPEED, [0.0; 3], Instant::now());
+    let (mut sent, mut pose, mut pending) = (String::new(), String::from("waiting for GroundTruth"), Vec::new());
+    loop {
+        match keys.recv_timeout(POLL) {
+            Ok(byte) => pending.push(byte),
+            Err(RecvTimeoutError::Timeout) => pending.clear(),
+            Err(RecvTimeoutError::Disconnected) if motion == [0.0; 3] => return Ok(()),
+            // The last key of a file is held as long as any other.
+            Err(RecvTimeoutError::Disconnected) => std::thread::sleep(POLL),
+        }
+        match key(&pending) {
+            Some(Key::Move(wanted)) => (motion, since) = (wanted, Instant::now()),
+            Some(Key::Faster(more)) => percent = (percent + more).clamp(SPEED_STEP, 100.0),
+            Some(Key::End) => return client.send(&command([0.0; 3], 0.0, is_omni)),
+            None => {}
+        }
+        if key(&pending).is_some() {
+            pending.clear();
+        }
+        if since.elapsed() > HOLD {
+            motion = [0.0; 3];
+        }
+        let line = command(motion, percent, is_omni);
+        if line != sent {
+            client.send(&line)?;
+            sent = line;
+        }
+        while let Some(line) = client.next_line(GLANCE)? {
+            if line.contains("{Type GroundTruth}") {
+                let parsed = Line::parse(&line);
+                let [place, turn] =
+                    ["Location", "Orientation"].map(|key| parsed.get(key).unwrap_or_default().to_owned());
+                pose = format!("x,y,z {place} m   roll,pitch,yaw {turn} rad");
+            }
+        }
+        print!("\r\x1b[2K{percent:3.0} %  {pose}");
+        std::io::stdout().flush()?;
+    }
+}
+
+/// In percent of the limits, so that the unit of wheel speeds does not matter.
+fn command([ahead, right, clockwise]: [f64; 3], percent: f64, is_omni: bool) -> String {
+    if is_omni {
+        let [ahead, right, clockwise] = [ahead, right, clockwise].map(|part| part * percent);
+        return format!(
+            "DRIVE {{Normalized true}} {{LinearVelocity {ahead}}} {{LateralVelocity {right}}} {{RotationalVelocity {clockwise}}}"
+        );
+    }
+    let [left, right] = [ahead + clockwise, ahead - clockwise].map(|part| part * percent);
+    format!("DRIVE {{Normalized true}} {{Left {left}}} {{Right {right}}}")
+}
+
+/// What has been pressed; `None` while it may become an arrow, or means nothing.
+fn key(bytes: &[u8]) -> Option<Key> {
+    Some(match bytes {
+        b"w" | b"W" | b"\x1b[A" => Key::Move([1.0, 0.0, 0.0]),
+        b"s" | b"S" | b"\x1b[B" => Key::Move([-1.0, 0.0, 0.0]),
+        b"a" | b"A" => Key::Move([0.0, -1.0, 0.0]),
+        b"d" | b"D" => Key::Move([0.0, 1.0, 0.0]),
+        b"q" | b"Q" | b"\x1b[D" => Key::Move([0.0, 0.0, -1.0]),
+        b"e" | b"E" | b"\x1b[C" => Key::Move([0.0, 0.0, 1.0]),
+        b"+" | b"=" => Key::Faster(SPEED_STEP),
+        b"-" | b"_" => Key::Faster(-SPEED_STEP),
+        b"x" | b"X" | b"\x03" | b"\x04" => Key::End,
+        b"\x1b" | b"\x1b[" => return None,
+        [] => return None,
+        _ => Key::Move([0.0; 3]),
+    })
+}
+
+/// A terminal that gives each key at once, until it is dropped.
+struct RawTerminal(bool);
+
+impl RawTerminal {
+    fn enter() -> Self {
+        Self(std::io::stdin().is_terminal() && terminal::enable_raw_mode().is_ok())
+    }
+}
+
+impl Drop for RawTerminal {
+    fn drop(&mut self) {
+        if self.0 {
+            // There is nothing else that could be done.
+            let _ = terminal::disable_raw_mode();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_told_apart() {
+        for (bytes, expected) in [
+            (&b"w"[..], Some(Key::Move([1.0, 0.0, 0.0]))),
+            (b"\x1b[C", Some(Key::Move([0.0, 0.0, 1.0]))),
+            (b"\x1b", None),
+            (b"\x1b[", None),
+            (b" ", Some(Key::Move([0.0; 3]))),
+            (b"+", Some(Key::Faster(10.0))),
+            (b"\x03", Some(Key::End)),
+        ] {
+            assert_eq!(key(bytes), expected, "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn commands_are_of_the_robot() {
+        assert_eq!(command([1.0, 0.0, 0.0], 40.0, false), "DRIVE {Normalized true} {Left 40} {Right 40}");
+        let aside = "DRIVE {Normalized true} {LinearVelocity 0} {LateralVelocity 25} {RotationalVelocity 0}";
+        assert_eq!(command([0.0, 1.0, 0.0], 25.0, true), aside);
+    }
+}
