@@ -9,7 +9,7 @@ import readline from 'node:readline';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
-const root = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
+export const root = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
 export const program = resolve(process.env.USARSIM ?? join(root, 'target/release/usarsim'));
 export const pictures = join(root, 'target/screenshots');
 mkdirSync(pictures, { recursive: true });

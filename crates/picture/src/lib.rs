@@ -42,9 +42,9 @@ const SHADOW_SIZE: usize = 2048;
 /// Half the width of what throws shadows, over the distance from eye to target.
 const SHADOW_REACH: f64 = 1.5;
 /// A shadow's surface is nearer to the light by at least this part of the reach.
-const SHADOW_MARGIN: f64 = 0.004;
+const SHADOW_MARGIN: f64 = 0.002;
 /// Toward the light.
-const LIGHT: [f64; 3] = [-0.45, -0.35, -1.0];
+const LIGHT: [f64; 3] = [0.35, -0.6, -1.0];
 /// Part of the light that comes from everywhere.
 const AMBIENT: f64 = 0.5;
 /// Above the horizon, and far away.

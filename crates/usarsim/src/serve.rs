@@ -43,8 +43,8 @@ pub(crate) struct Arguments {
     /// Port of the page with the 3-D view; 0 takes a free one. By default 8080, or a free one if that is taken.
     #[arg(long, env = "USARSIM_HTTP", value_name = "PORT")]
     http: Option<u16>,
-    /// Serve no page.
-    #[arg(long, conflicts_with = "http")]
+    /// Serve no page, whatever else says.
+    #[arg(long)]
     no_http: bool,
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
     #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT")]

@@ -1,0 +1,45 @@
+// Makes the pictures of the page in docs/pictures: `npm run pictures`, with the release build there.
+
+import { join } from 'node:path';
+import { connectRobots, launchBrowser, openPage, root, startServer, waitForNumber } from './server.mjs';
+
+const folder = join(root, 'docs/pictures');
+const browser = await launchBrowser();
+
+async function take(file, serve, options, prepare) {
+  const server = await startServer(...serve);
+  const { page } = await openPage(browser, server.url, options);
+  await prepare(page, server);
+  // The message about a robot that came would hide the picture.
+  await page.evaluate(() => document.getElementById('toasts').replaceChildren());
+  await page.screenshot({ path: join(folder, file) });
+  await page.context().close();
+  await server.stop();
+}
+
+async function drive(page, key) {
+  await page.click('[data-tab=drive]');
+  await page.click('#spawn');
+  await page.waitForSelector('[data-robot]', { state: 'attached' });
+  await page.keyboard.down(key);
+}
+
+const wide = { viewport: { width: 1000, height: 620 }, colorScheme: 'light' };
+const phone = { viewport: { width: 390, height: 780 }, colorScheme: 'light', hasTouch: true, isMobile: true };
+
+await take('page.png', ['--map', 'arena'], wide, async (page, server) => {
+  await connectRobots(server.port, 6, 'P3AT');
+  await drive(page, 'd');
+  await page.click('[data-tab=robots]');
+  await waitForNumber(page, '[data-value=y]', (value) => value > 0.5);
+});
+await take('plots.png', ['--map', 'rough'], wide, async (page) => {
+  await drive(page, 'd');
+  await page.click('[data-tab=plots]');
+  await waitForNumber(page, '#time', (value) => value > 8);
+});
+await take('phone.png', ['--map', 'rough'], phone, async (page) => {
+  await drive(page, 'd');
+  await waitForNumber(page, '#time', (value) => value > 3);
+});
+await browser.close();
