@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test check
+.PHONY: run view test book check
 
 # A server that one can look at.
 run: view
@@ -14,6 +14,13 @@ test: view
 	cargo test
 	cargo build --release
 	cd viewer && npm test
+
+# The book as pages: target/book/index.html. mdBook is built once, into target/tools.
+book: target/tools/bin/mdbook
+	target/tools/bin/mdbook build docs
+
+target/tools/bin/mdbook:
+	cargo install mdbook --version 0.5.4 --locked --no-default-features --features search --root target/tools
 
 # What CI runs.
 check:

@@ -40,7 +40,6 @@ const live = new Live({
     if (before && before.map.name !== scene.map.name) say(`The server shows another map now: ${scene.map.name}`);
   },
   frame(frame) {
-    if (state.frame && frame.time < state.frame.time && !state.status?.resets) say('The server began anew');
     state.frame = frame;
     view.setFrame(frame);
     plots.update();
