@@ -109,7 +109,7 @@ pub struct Ready {
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
     /// The address cannot be listened on.
-    #[error("cannot listen on {host}:{port}: {reason}; is another server running? --port 0 takes a free port")]
+    #[error("cannot listen on {host}:{port}: {reason}; is another server running? Port 0 takes a free one")]
     Listen {
         /// The address.
         host: String,

@@ -129,10 +129,12 @@ pub(crate) struct Broadcast {
     lines: broadcast::Sender<Arc<Line>>,
     /// When each sensor's last scan was told.
     scanned: BTreeMap<(RobotId, String), Instant>,
+    /// Viewers at the last frame.
+    viewers: usize,
     next_frame: Instant,
     next_status: Instant,
-    /// Real and simulated time, s, of the last status.
-    measured: (Instant, f64),
+    /// Real and simulated time, s, of the last measurement, and the real-time factor that it gave.
+    measured: (Instant, f64, f64),
 }
 
 /// Makes the two ends.
@@ -142,8 +144,11 @@ pub(crate) fn broadcast(now: Instant) -> (Broadcast, Channels) {
     let ((notices, _), (lines, _)) = (broadcast::channel(MAX_NOTICES), broadcast::channel(MAX_NOTICES));
     let (speaking, listening) = (notices.clone(), lines.clone());
     let channels = Channels { frames: frames_end, statuses: statuses_end, notices: speaking, lines: listening };
-    let (scanned, measured) = (BTreeMap::new(), (now, 0.0));
-    (Broadcast { frames, statuses, notices, lines, scanned, next_frame: now, next_status: now, measured }, channels)
+    let (scanned, measured) = (BTreeMap::new(), (now, 0.0, 0.0));
+    let (next_frame, next_status) = (now, now);
+    let broadcast =
+        Broadcast { frames, statuses, notices, lines, scanned, viewers: 0, next_frame, next_status, measured };
+    (broadcast, channels)
 }
 
 impl Broadcast {
@@ -158,8 +163,15 @@ impl Broadcast {
     }
 
     /// What is to be told now; to be asked often.
-    pub(crate) fn due(&self, now: Instant) -> Option<Due> {
-        (now >= self.next_frame && self.is_watched()).then_some(Due { status: now >= self.next_status })
+    pub(crate) fn due(&mut self, now: Instant) -> Option<Due> {
+        if now < self.next_frame || !self.is_watched() {
+            return None;
+        }
+        let viewers = self.frames.receiver_count();
+        // Who has just come waits for nothing.
+        let status = now >= self.next_status || viewers > self.viewers;
+        self.viewers = viewers;
+        Some(Due { status })
     }
 
     /// Tells where everything is, and the status when it is due; its real-time factor is measured here.
@@ -168,11 +180,14 @@ impl Broadcast {
         self.frames.send_replace(frame::frame(world).into());
         if let Some(status) = status {
             self.next_status = now + STATUS_INTERVAL;
-            let (before, time) = self.measured;
-            let elapsed = now.duration_since(before).as_secs_f64();
-            let real_time_factor = if elapsed > 0.0 { (world.time() - time).max(0.0) / elapsed } else { 0.0 };
-            self.measured = (now, world.time());
-            let status = Status { real_time_factor, ..status };
+            let (before, time, _) = self.measured;
+            let elapsed = now.duration_since(before);
+            // A shorter time is too uneven to measure by.
+            if elapsed >= STATUS_INTERVAL {
+                let factor = (world.time() - time).max(0.0) / elapsed.as_secs_f64();
+                self.measured = (now, world.time(), factor);
+            }
+            let status = Status { real_time_factor: self.measured.2, ..status };
             self.statuses.send_replace(serde_json::json!({ "status": status }).to_string().into());
         }
     }

@@ -97,7 +97,7 @@ fn an_address_in_use_is_exit_code_69() {
     let server = Serving::start(&[]);
     let output = run(&["serve", "--port", &server.ready["port"].to_string()]);
     assert_eq!(output.status.code(), Some(69));
-    assert!(text(&output.stderr).contains("is another server running? --port 0 takes a free port"));
+    assert!(text(&output.stderr).contains("is another server running? Port 0 takes a free one"));
 }
 
 #[test]

@@ -27,18 +27,31 @@ export function colourOf(robot: number): string {
   return COLOURS[robot % COLOURS.length] ?? '#7a7a7a';
 }
 
-/** Line segments whose number changes from frame to frame. */
+/** Line segments whose number changes from frame to frame. Where they begin can be marked by a point. */
 class Segments {
   readonly lines: THREE.LineSegments;
+  readonly points: THREE.Points | null = null;
   private places = new Float32Array(0);
   private count = 0;
 
-  constructor(material: THREE.LineBasicMaterialParameters) {
-    this.lines = new THREE.LineSegments(
-      new THREE.BufferGeometry(),
-      new THREE.LineBasicMaterial({ transparent: true, ...material }),
-    );
+  constructor(material: THREE.LineBasicMaterialParameters, pointSize = 0) {
+    const geometry = new THREE.BufferGeometry();
+    this.lines = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ transparent: true, ...material }));
     this.lines.frustumCulled = false;
+    if (pointSize > 0) {
+      const { color, depthTest = true } = material;
+      // Transparent things are drawn last, over the floor.
+      const dots = new THREE.PointsMaterial({
+        transparent: true,
+        ...(color && { color }),
+        depthTest,
+        size: pointSize,
+        sizeAttenuation: false,
+      });
+      this.points = new THREE.Points(new THREE.BufferGeometry(), dots);
+      this.points.frustumCulled = false;
+      this.lines.add(this.points);
+    }
   }
 
   begin(): void {
@@ -51,6 +64,9 @@ class Segments {
       more.set(this.places);
       this.places = more;
       this.lines.geometry.setAttribute('position', new THREE.BufferAttribute(more, 3));
+      // Every second place: where a line begins.
+      const starts = new THREE.InterleavedBuffer(more, 6);
+      this.points?.geometry.setAttribute('position', new THREE.InterleavedBufferAttribute(starts, 3, 0));
     }
     from.toArray(this.places, 6 * this.count);
     to.toArray(this.places, 6 * this.count + 3);
@@ -61,6 +77,9 @@ class Segments {
     this.lines.geometry.setDrawRange(0, 2 * this.count);
     const places = this.lines.geometry.getAttribute('position') as THREE.BufferAttribute | undefined;
     if (places) places.needsUpdate = true;
+    const starts = this.points?.geometry.getAttribute('position') as THREE.InterleavedBufferAttribute | undefined;
+    if (starts) starts.data.needsUpdate = true;
+    this.points?.geometry.setDrawRange(0, this.count);
   }
 }
 
@@ -110,7 +129,7 @@ export class Overlay {
   private readonly paths = new THREE.Group();
   private readonly names = new THREE.Group();
   private readonly rays = new THREE.Group();
-  private readonly forces = new Segments({ color: 0x17a05d, depthTest: false });
+  private readonly forces = new Segments({ color: 0x17a05d, depthTest: false }, 6);
   private readonly axes = [0xd92b2b, 0x2e9e5b, 0x2f5fd1].map((color) => new Segments({ color, depthTest: false }));
   private readonly layers: Record<Exclude<Layer, 'grid'>, THREE.Object3D[]>;
 
