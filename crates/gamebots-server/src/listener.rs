@@ -42,7 +42,7 @@ pub(crate) async fn serve(
     let site = Site {
         host: config.host.clone(),
         protocol: reachable(address),
-        scene: scene.unwrap_or_default(),
+        scene: scene.unwrap_or_default().into(),
         channels,
         events: events.downgrade(),
         stall_timeout,

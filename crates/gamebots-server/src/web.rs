@@ -12,6 +12,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
+use axum::body::Bytes;
 use axum::extract::{Request, State};
 use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -43,7 +44,7 @@ pub(crate) struct Site {
     /// Where the protocol is spoken.
     pub(crate) protocol: SocketAddr,
     /// The scene as JSON.
-    pub(crate) scene: String,
+    pub(crate) scene: Bytes,
     pub(crate) channels: Channels,
     /// Weak: a viewer that stays must not keep the world from ending.
     pub(crate) events: WeakSender<Event>,
