@@ -226,7 +226,6 @@ pageTest(
     for (let turn = 0; turn < 6; turn++) await page.mouse.wheel(0, 300);
     await page.waitForTimeout(3000);
     console.log(`# 20 robots: ${await page.textContent('#rate')}`);
-    robots.end();
   },
 );
 
