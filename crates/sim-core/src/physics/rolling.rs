@@ -33,7 +33,9 @@ pub(super) fn load(world: &PhysicsWorld, wheel: &[ColliderHandle]) -> Load {
     for &own in wheel {
         for pair in world.narrow_phase.contact_pairs_with(own).filter(|pair| pair.has_any_active_contact()) {
             let (sign, other) = if pair.collider1 == own { (-1.0, pair.collider2) } else { (1.0, pair.collider1) };
-            let coefficient = of(&world.colliders[own]) + of(&world.colliders[other]);
+            // What has left since the last step is still listed until the next, and holds nothing any more.
+            let (Some(own), Some(other)) = (world.colliders.get(own), world.colliders.get(other)) else { continue };
+            let coefficient = of(own) + of(other);
             let impulse = convert::from_vector(pair.total_impulse()) * sign;
             load.normal += impulse;
             load.resistance += coefficient * impulse.norm();
