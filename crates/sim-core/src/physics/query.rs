@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use rapier3d::parry::query::Ray;
 use rapier3d::prelude::*;
 
-use super::{Physics, RobotBodies, convert};
+use super::{Physics, RobotBodies, convert, shape};
 use crate::scene::{Pose, RobotDef};
 
 /// A clear gap left under a robot that is put on a surface, m: it settles by this in a few steps.
@@ -13,6 +13,8 @@ const CLEARANCE: f64 = 0.001;
 const SKY: f64 = 1000.0;
 /// Most surfaces above each other that are looked at.
 const MAX_LAYERS: usize = 64;
+/// How often a robot is lifted out of others: once for each of a full world.
+const MAX_LIFTS: usize = 256;
 
 /// What a ray meets first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +46,8 @@ impl Physics {
     /// The pose at which a robot asked for at `pose` is put: where it is if it stands free above a surface,
     /// otherwise lifted (or lowered into the world from below) onto the surface next above it.
     ///
-    /// Other robots count as surfaces: the second of two at one place stands on the first.
+    /// Other robots count as surfaces: the second of two at one place stands on the first. Where it would still be inside
+    /// another robot or an object, it is lifted above that.
     pub(crate) fn standing_pose(&self, robot: &RobotDef, pose: &Pose) -> Pose {
         let lifts = robot.wheels.iter().filter_map(|wheel| {
             let centre = pose * Point3::from(wheel.position);
@@ -56,7 +59,28 @@ impl Physics {
         if lift > 0.0 {
             standing.translation.z -= lift + CLEARANCE;
         }
-        standing
+        self.lifted_out_of_bodies(robot, standing)
+    }
+
+    /// What moves must not start inside something else that moves: the engine would fling them apart.
+    fn lifted_out_of_bodies(&self, robot: &RobotDef, mut pose: Pose) -> Pose {
+        let parts = shape::parts(robot);
+        for _ in 0..MAX_LIFTS {
+            let query = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());
+            // Up is negative.
+            let (mut bottom, mut top) = (f64::NEG_INFINITY, f64::INFINITY);
+            for (local, part) in &parts {
+                let place = convert::pose(&(pose * local));
+                bottom = bottom.max(f64::from(part.compute_aabb(&place).maxs.z));
+                let met = query.intersect_shape(place, part.as_ref());
+                top = met.map(|(_, other)| f64::from(other.compute_aabb().mins.z)).fold(top, f64::min);
+            }
+            if !top.is_finite() {
+                break;
+            }
+            pose.translation.z -= bottom - top + CLEARANCE;
+        }
+        pose
     }
 
     /// Height (z) of the surface that something at a place belongs on: the first one below the reference height

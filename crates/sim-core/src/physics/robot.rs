@@ -87,10 +87,25 @@ impl RobotBodies {
 impl Physics {
     /// Puts a robot at a pose of its frame, at rest.
     pub(crate) fn spawn(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        if robot.drive_model == DriveModel::Bodies {
+        let bodies = if robot.drive_model == DriveModel::Bodies {
             self.spawn_multibody(robot, pose)
         } else {
             self.spawn_rigid(robot, pose)
+        };
+        self.enter_queries(&bodies);
+        bodies
+    }
+
+    /// Colliders enter the engine's tree with its next step only. Rays and the next robot that is spawned have to meet them
+    /// at once, however many are spawned between two steps.
+    fn enter_queries(&mut self, bodies: &RobotBodies) {
+        let PhysicsWorld { broad_phase, integration_parameters, colliders, bodies: engine, .. } = &mut self.world;
+        for body in bodies.all.iter().filter_map(|&body| engine.get(body)) {
+            for &handle in body.colliders() {
+                if let Some(collider) = colliders.get(handle) {
+                    broad_phase.set_aabb(integration_parameters, handle, collider.compute_aabb());
+                }
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use rapier3d::prelude::*;
 
 use super::roller::RollerShape;
 use super::{convert, with_material};
-use crate::scene::{self, Material, Rollers};
+use crate::scene::{self, Material, RobotDef, Rollers};
 
 /// Width of the crown of a plain wheel, m.
 const CROWN_WIDTH: f64 = 0.004;
@@ -46,6 +46,19 @@ pub fn hull_surface(corners: &[[f64; 3]]) -> Option<scene::Shape> {
     let (vertices, triangles) = rapier3d::parry::transformation::try_convex_hull(&points).ok()?;
     let vertices = vertices.iter().map(|vertex| vertex.to_array().map(f64::from)).collect();
     Some(scene::Shape::Mesh { vertices, triangles })
+}
+
+/// The outlines of everything that a robot is made of, in its frame: its solids, its wheels as plain discs, its casters.
+pub(super) fn parts(robot: &RobotDef) -> Vec<(scene::Pose, SharedShape)> {
+    let solids = robot.solids.iter().map(|solid| (solid.pose(), shared_shape(&solid.shape)));
+    let wheels = robot.wheels.iter().map(|wheel| {
+        let shape = match wheel.drive {
+            Some(_) => SharedShape::cylinder((wheel.width / 2.0) as Real, wheel.radius as Real),
+            None => SharedShape::ball(wheel.radius as Real),
+        };
+        (wheel.pose(0.0), shape)
+    });
+    solids.chain(wheels).collect()
 }
 
 /// The engine's cylinders stand along y.
