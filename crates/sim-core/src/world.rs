@@ -158,9 +158,9 @@ impl World {
 
     /// One time step: physics first, then the wheels are read, then whatever is due reports, robot by robot.
     pub fn step(&mut self) -> Vec<(RobotId, Message)> {
-        for robot in self.robots.values_mut() {
-            robot.before_step(&mut self.physics);
-        }
+        self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
+        self.robots.values_mut().for_each(|robot| robot.give_velocity(&mut self.physics));
+        self.robots.values().for_each(|robot| self.physics.react(robot.bodies()));
         self.physics.step();
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);

@@ -242,13 +242,17 @@ impl RigidBase {
         }
     }
 
-    /// Gives the velocity to the engine, and the reactions to what was touched.
-    pub(super) fn write(&mut self, world: &mut PhysicsWorld) {
+    /// Gives the velocity to the engine.
+    pub(super) fn give_velocity(&mut self, world: &mut PhysicsWorld) {
         self.given = (convert::vector(self.motion.linear), convert::vector(self.motion.angular));
         if let Some(body) = world.bodies.get_mut(self.body) {
             body.set_linvel(self.given.0, false);
             body.set_angvel(self.given.1, false);
         }
+    }
+
+    /// Gives the reactions to what was touched.
+    pub(super) fn react(&self, world: &mut PhysicsWorld) {
         for (handle, impulse, point) in &self.reactions {
             if let Some(body) = world.bodies.get_mut(*handle) {
                 body.apply_impulse_at_point(convert::vector(*impulse), convert::vector(*point), true);

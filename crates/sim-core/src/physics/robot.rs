@@ -177,17 +177,29 @@ impl Physics {
         }
     }
 
-    /// Gives a robot's motors and wheels their part in the coming step.
+    /// Gives a robot's motors and wheels their part in the coming step. A base of one body is only solved for, so that
+    /// every robot sees the others as the last step left them.
     pub(crate) fn before_step(&mut self, robot: &RobotDef, bodies: &mut RobotBodies) {
         match &mut bodies.drivetrain {
             Drivetrain::Multibody { driven, treads } => {
                 self.set_motors(robot, driven);
                 self.set_rolling_resistance(robot, bodies.chassis, bodies.centre, treads);
             }
-            Drivetrain::Rigid(base) => {
-                base.solve(&self.world);
-                base.write(&mut self.world);
-            }
+            Drivetrain::Rigid(base) => base.solve(&self.world),
+        }
+    }
+
+    /// Gives the engine the velocity that was solved for; to be called when every robot is solved for.
+    pub(crate) fn give_velocity(&mut self, bodies: &mut RobotBodies) {
+        if let Drivetrain::Rigid(base) = &mut bodies.drivetrain {
+            base.give_velocity(&mut self.world);
+        }
+    }
+
+    /// Pushes what the robot's wheels push; to be called when every velocity is given, which would undo it.
+    pub(crate) fn react(&mut self, bodies: &RobotBodies) {
+        if let Drivetrain::Rigid(base) = &bodies.drivetrain {
+            base.react(&mut self.world);
         }
     }
 

@@ -142,6 +142,10 @@ impl Robot {
         physics.before_step(&self.def, &mut self.bodies);
     }
 
+    pub(super) fn give_velocity(&mut self, physics: &mut Physics) {
+        physics.give_velocity(&mut self.bodies);
+    }
+
     pub(super) fn after_step(&mut self, physics: &mut Physics) {
         physics.after_step(&mut self.bodies);
     }

@@ -1,0 +1,138 @@
+//! Robots that touch, stand on each other, come at one place and leave while they are touched.
+
+use sim_core::scene::DriveModel;
+use sim_core::{Options, RobotId, World};
+use system_tests::{apply, init, run};
+
+const MODELS: [DriveModel; 3] = [DriveModel::Bodies, DriveModel::Analytic, DriveModel::Kinematic];
+
+/// A world where every Mecanum robot is moved by one model.
+fn world(map: &str, model: DriveModel) -> World {
+    let mut def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
+    def.robots.values_mut().for_each(|robot| robot.set_drive_model(Some(model)));
+    World::new(def, Options::default())
+}
+
+fn position(world: &World, robot: RobotId) -> nalgebra::Vector3<f64> {
+    world.state(robot).expect("the robot is there").0.pose.translation.vector
+}
+
+fn speed(world: &World, robot: RobotId) -> f64 {
+    world.state(robot).expect("the robot is there").0.linear.norm()
+}
+
+#[test]
+fn a_robot_can_leave_while_others_touch_it() {
+    for model in MODELS {
+        for classes in [["P3AT", "P3AT"], ["KUKA_YouBot", "P3AT"], ["P3AT", "YouBot"], ["P2DX", "CasterSkidRobot"]] {
+            for leaver in [0, 1] {
+                let mut world = world("rough", model);
+                // The second stands on the first.
+                let robots = classes.map(|class| {
+                    init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}"))
+                });
+                run(&mut world, 0.5);
+                world.remove(robots[leaver]);
+                world.observe(robots[1 - leaver]).expect("the other is still there");
+                run(&mut world, 0.5);
+                assert!(position(&world, robots[1 - leaver]).z < 0.01, "{classes:?} {model:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_robot_can_leave_in_the_step_that_it_came_in() {
+    for model in MODELS {
+        let mut world = world("rough", model);
+        for class in ["KUKA_YouBot", "P3AT", "CasterSkidRobot"] {
+            let line = format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}");
+            let stays = init(&mut world, &line);
+            let leaves = init(&mut world, &line);
+            world.remove(leaves);
+            let comes = init(&mut world, &line);
+            run(&mut world, 0.1);
+            assert!(speed(&world, stays) < 1.0 && speed(&world, comes) < 1.0, "{class} {model:?}");
+        }
+    }
+}
+
+/// Robots that come at one place between two steps stand on each other instead of inside each other.
+#[track_caller]
+fn check_come_together(model: DriveModel, lines: &[String]) {
+    let mut world = world("rough", model);
+    let robots: Vec<RobotId> = lines.iter().map(|line| init(&mut world, line)).collect();
+    let mut fastest = 0.0f64;
+    for _ in 0..500 {
+        world.step();
+        fastest = robots.iter().map(|&robot| speed(&world, robot)).fold(fastest, f64::max);
+    }
+    // One that slides off the top of another falls as everything does; nothing is flung.
+    let highest = robots.iter().map(|&robot| -position(&world, robot).z).fold(0.0, f64::max);
+    let fall = (2.0 * 9.81 * highest.max(0.5)).sqrt();
+    assert!(fastest < fall, "{lines:?} {model:?}: {fastest:.2} m/s");
+}
+
+#[test]
+fn robots_that_come_in_one_step_do_not_explode() {
+    let at = |class: &str, x: f64, y: f64, yaw: f64| {
+        format!("INIT {{ClassName USARBot.{class}}} {{Location {x},{y},0}} {{Rotation 0,0,{yaw}}}")
+    };
+    for model in MODELS {
+        for class in ["KUKA_YouBot", "P3AT", "P2DX", "CasterSkidRobot"] {
+            check_come_together(model, &[at(class, 0.0, 0.0, 0.0), at(class, 0.0, 0.0, 0.0)]);
+            // Corner over corner, where no wheel is above the other robot.
+            check_come_together(model, &[at(class, 0.0, 0.0, 0.0), at(class, 0.1, 0.08, 0.7)]);
+            check_come_together(model, &[at(class, 0.0, 0.0, 0.0), at("P3AT", 0.2, 0.2, 0.3)]);
+        }
+    }
+    let five = vec![at("KUKA_YouBot", 0.0, 0.0, 0.0); 5];
+    check_come_together(DriveModel::Analytic, &five);
+    check_come_together(DriveModel::Analytic, &vec![at("P3AT", 0.0, 0.0, 0.0); 20]);
+}
+
+/// How far a youBot is pushed by another that drives against its back; which of the two came first must not matter.
+fn pushed(model: DriveModel, pusher_comes_first: bool) -> f64 {
+    let mut world = world("rough", model);
+    let places = [-0.62, 0.0];
+    let order = if pusher_comes_first { [0, 1] } else { [1, 0] };
+    let mut robots = [RobotId(0); 2];
+    for index in order {
+        let line = format!("INIT {{ClassName USARBot.KUKA_YouBot}} {{Location {},0,0}}", places[index]);
+        robots[index] = init(&mut world, &line);
+    }
+    run(&mut world, 0.5);
+    let from = position(&world, robots[1]);
+    apply(&mut world, robots[0], "DRIVE {Left 4}{Right 4}");
+    run(&mut world, 3.0);
+    (position(&world, robots[1]) - from).x
+}
+
+#[test]
+fn a_robot_is_pushed_alike_whichever_came_first() {
+    let (first, second) = (pushed(DriveModel::Analytic, true), pushed(DriveModel::Analytic, false));
+    println!("pushed by {first:.4} m when the pusher came first, {second:.4} m when it came second");
+    assert!(first > 0.05 && (first - second).abs() < 0.05 * first, "{first} {second}");
+}
+
+#[test]
+fn what_stands_on_an_analytic_robot_weighs_on_its_wheels() {
+    let mut world = world("rough", DriveModel::Analytic);
+    let line = "INIT {ClassName USARBot.KUKA_YouBot} {Start PlayerStart_0}";
+    let (below, above) = (init(&mut world, line), init(&mut world, line));
+    run(&mut world, 1.0);
+    // What the ground pushes, averaged: the two are solved for one after the other, and take turns from step to step.
+    let ground = |world: &World| -> f64 {
+        let contacts = world.observe(below).expect("the robot").contacts;
+        contacts.iter().filter(|contact| contact.point.z > -0.01).map(|contact| -contact.force.z).sum()
+    };
+    let weight = 9.81 * f64::from(world.def().robots["KUKA_YouBot"].mass());
+    let mut sum = 0.0;
+    for _ in 0..100 {
+        world.step();
+        sum += ground(&world) / 100.0;
+    }
+    println!("the ground carries {sum:.2} N, one robot weighs {weight:.2} N");
+    assert!((sum - 2.0 * weight).abs() < 0.02 * weight, "{sum} {weight}");
+    assert!((position(&world, above).z - position(&world, below).z + 0.1).abs() < 0.005);
+}
