@@ -275,7 +275,7 @@ impl Stage {
             log.write(self.world.time(), &line)?;
         }
         let mut problems = Vec::new();
-        let answers = self.controller.execute(text, &mut self.world, &mut problems);
+        let answers = self.controller.execute_line(text, &mut self.world, &mut problems);
         answers.iter().try_for_each(|answer| self.record_out(answer))?;
         Ok(problems)
     }

@@ -3,11 +3,13 @@
 mod drive;
 mod get;
 mod init;
+mod report;
 mod set;
 
 pub use drive::{Drive, WheelSpeed};
 pub use get::{GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
 pub use init::Init;
+pub use report::Report;
 pub use set::Set;
 
 use crate::{Line, Problem};
@@ -43,6 +45,11 @@ macro_rules! commands {
                 None
             }
 
+            /// Its verb, upper case.
+            pub fn verb(&self) -> &'static str {
+                match self { $(Self::$name(_) => $verb,)* }
+            }
+
             /// Writes the command as a line, without its end.
             pub fn write(&self) -> Line {
                 match self { $(Self::$name(command) => command.write(),)* }
@@ -68,6 +75,8 @@ commands! {
     "GETPATHNODES" => GetPathNodes,
     /// Asks for the path node next to a place.
     "GETCLOSESTPATHNODE" => GetClosestPathNode,
+    /// Asks to be told what is wrong with the lines of this connection. Not part of USARSim.
+    "REPORT" => Report,
 }
 
 /// Adds a block unless the text is empty: on the wire the two cannot be told apart.
@@ -122,6 +131,8 @@ mod tests {
             ("GETPATHNODES", "GETPATHNODES"),
             ("GETCLOSESTPATHNODE {Location 1 2 3}", "GETCLOSESTPATHNODE {Location 1,2,3}"),
             ("GETCLOSESTPATHNODE", "GETCLOSESTPATHNODE"),
+            ("REPORT {Errors True}", "REPORT {Errors true}"),
+            ("report", "REPORT {Errors false}"),
         ] {
             let mut problems = Vec::new();
             let command = Command::read(&Line::parse(sent), &mut problems).unwrap();
@@ -189,6 +200,7 @@ mod tests {
             Just(Command::GetPathNodes(GetPathNodes)),
             proptest::option::of(vector())
                 .prop_map(|location| Command::GetClosestPathNode(GetClosestPathNode { location })),
+            any::<bool>().prop_map(|errors| Command::Report(Report { errors })),
         ]
     }
 

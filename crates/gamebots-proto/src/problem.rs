@@ -96,6 +96,15 @@ pub enum Problem {
     #[error("{verb} ignored: there is no robot on this connection; send INIT first")]
     NoRobot {
         /// The verb.
-        verb: String,
+        verb: &'static str,
     },
+    /// A name that another robot has.
+    #[error("{{Name {got}}} is the name of another robot too: GETCONF and people cannot tell them apart")]
+    NameTaken {
+        /// The name.
+        got: String,
+    },
+    /// Not a line of the protocol but a request of a browser, which any web page can make it send.
+    #[error("an HTTP request: the connection is closed, and nothing of it is read")]
+    Http,
 }

@@ -63,7 +63,9 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     if last > MAX_SECONDS {
         return Err(ReplayError(format!("it goes to {last} s: expected at most {MAX_SECONDS}")));
     }
-    let mut world = World::new(def, Options { seed, speed_unit, time_step });
+    // Older logs do not say, and kept them.
+    let keep_robots = log.run.get("keep_robots").is_none_or(|keep| keep == "true");
+    let mut world = World::new(def, Options { seed, speed_unit, time_step, keep_robots });
     let mut controllers: BTreeMap<u64, Controller> = BTreeMap::new();
     let (mut steps, mut states, mut first_difference) = (0, 0, None);
     let mut advance = |world: &mut World, time: f64| {
@@ -78,7 +80,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
         match &entry.record {
             Record::In(line) => {
                 let controller = controllers.entry(line.connection).or_default();
-                controller.execute(&line.line, &mut world, &mut Vec::new());
+                controller.execute_line(&line.line, &mut world, &mut Vec::new());
             }
             Record::Closed(line) => {
                 if let Some(controller) = controllers.remove(&line.connection) {

@@ -55,6 +55,7 @@ impl LogWriter {
             entry("seed", &options.seed),
             entry("time_step", &options.time_step),
             entry("speed_unit", &options.speed_unit),
+            entry("keep_robots", &options.keep_robots),
             entry("scene", &serde_json::to_string(world).unwrap_or_default()),
             entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
         ]);

@@ -15,7 +15,7 @@ use crate::problem::Problems;
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
-const KEYS: &str = "description, steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
+const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
                     caster, sensor, battery";
 
 #[derive(Clone, Copy, Deserialize)]
@@ -129,6 +129,7 @@ pub(crate) fn read(
     let (mut document, mut root) = Document::parse(&shown, text, problems);
     let description = document.required(&mut root, "description", "one sentence about the robot");
     let steering: Option<SteeringEntry> = document.required(&mut root, "steering", "\"skid\" or \"omni\"");
+    let reported_steering = read_reported_steering(&mut document, &mut root);
     let drive_model = read_drive_model(&mut document, &mut root);
     if drive_model != DriveModel::Bodies && !matches!(steering, Some(SteeringEntry::Omni)) {
         document.problem(&(0..0), "`drive_model` other than \"bodies\": expected steering \"omni\"");
@@ -160,6 +161,7 @@ pub(crate) fn read(
         class: class.to_owned(),
         description: description?,
         steering: steering?,
+        reported_steering,
         drive_model,
         one_side_drives,
         parts,
@@ -169,6 +171,16 @@ pub(crate) fn read(
         battery,
         reported_max_torque,
     })
+}
+
+fn read_reported_steering<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Option<String> {
+    const KNOWN: [&str; 4] = ["SkidSteered", "AckermanSteered", "OmniDrive", "None"];
+    let (span, name) = document.section::<String>(root, "reported_steering")?;
+    if !KNOWN.contains(&name.as_str()) {
+        let known = KNOWN.join(", ");
+        document.problem(&span, format_args!("`reported_steering` is `{name}`: expected one of {known}"));
+    }
+    Some(name)
 }
 
 fn read_drive_model<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> DriveModel {

@@ -233,6 +233,10 @@ pub struct RobotDef {
     pub description: String,
     /// How it is steered.
     pub steering: Steering,
+    /// What CONF reports instead of the way it is steered: the NIST bridge and the Player drivers refuse OmniDrive, and drive
+    /// a Mecanum robot well that says SkidSteered.
+    #[serde(default)]
+    pub reported_steering: Option<String>,
     /// How its wheels move it.
     pub drive_model: DriveModel,
     /// Whether `{Left ..}` or `{Right ..}` alone moves its side. USARSim (UDK) wants both; controllers of UT2004's
@@ -260,6 +264,11 @@ impl RobotDef {
         }
     }
 
+    /// `{SteeringType ..}` of CONF.
+    pub fn reported_steering(&self) -> &str {
+        self.reported_steering.as_deref().unwrap_or(self.steering.wire_name())
+    }
+
     /// The driven wheels.
     pub fn driven(&self) -> &[Wheel] {
         let driven = self.wheels.iter().take_while(|wheel| wheel.drive.is_some()).count();
@@ -268,8 +277,11 @@ impl RobotDef {
 
     /// Mass of every part, wheel and roller in kg, summed in 32 bits in file order, as USARSim reports it.
     pub fn mass(&self) -> f32 {
-        let rollers = |wheel: &Wheel| wheel.rollers.as_ref().map_or(Vec::new(), |r| vec![r.mass; r.count as usize]);
-        let wheels = self.wheels.iter().flat_map(|wheel| std::iter::once(wheel.mass).chain(rollers(wheel)));
+        let rollers = |wheel: &Wheel| wheel.rollers.as_ref().map_or((0.0, 0), |r| (r.mass, r.count as usize));
+        let wheels = self.wheels.iter().flat_map(|wheel| {
+            let (mass, count) = rollers(wheel);
+            std::iter::once(wheel.mass).chain(std::iter::repeat_n(mass, count))
+        });
         self.parts.iter().map(|part| part.mass).chain(wheels).fold(0.0, |sum, mass| sum + mass as f32)
     }
 

@@ -41,11 +41,14 @@ pub struct Options {
     pub speed_unit: f64,
     /// Length of a step, s.
     pub time_step: f64,
+    /// Whether only the newest robot of a connection leaves with it, as in USARSim (BotConnection.uc:765-787), where every
+    /// other one stands for ever.
+    pub keep_robots: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 0, speed_unit: 1.0, time_step: TIME_STEP }
+        Self { seed: 0, speed_unit: 1.0, time_step: TIME_STEP, keep_robots: false }
     }
 }
 
@@ -81,6 +84,11 @@ impl World {
         self.options.time_step
     }
 
+    /// Whether robots but the newest stay when their connection ends.
+    pub fn keeps_robots(&self) -> bool {
+        self.options.keep_robots
+    }
+
     /// What the world is made of.
     pub fn def(&self) -> &WorldDef {
         &self.def
@@ -110,6 +118,9 @@ impl World {
         if name.len() < init.name.len() {
             let got = init.name.chars().count();
             problems.push(Problem::NameTooLong { key: "Name", got, limit: MAX_NAME_CHARS });
+        }
+        if !name.is_empty() && self.robots.values().any(|robot| robot.name().eq_ignore_ascii_case(&name)) {
+            problems.push(Problem::NameTaken { got: name.chars().take(60).collect() });
         }
         let robot = Robot::spawn(&mut self.physics, def, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
@@ -150,6 +161,7 @@ impl World {
             Command::GetConf(ask) => answer::conf(robot, ask).map(Message::Conf).into_iter().collect(),
             Command::GetGeo(ask) => answer::geo(robot, ask).map(Message::Geo).into_iter().collect(),
             Command::Init(_)
+            | Command::Report(_)
             | Command::GetStartPoses(_)
             | Command::GetPathNodes(_)
             | Command::GetClosestPathNode(_) => Vec::new(),

@@ -60,6 +60,7 @@ const KEYS: &[(&str, &[&str])] = &[
     ("GETSTARTPOSES", &[]),
     ("GETPATHNODES", &[]),
     ("GETCLOSESTPATHNODE", &["Location"]),
+    ("REPORT", &["Errors"]),
 ];
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {

@@ -10,7 +10,7 @@ use crate::sensor::floats;
 /// The robot's configuration, or that of every matching item; `None` where nothing matches.
 pub(super) fn conf(robot: &Robot, ask: &GetConf) -> Option<Conf> {
     if ask.type_name == "Robot" {
-        return Some(Conf::Robot(robot_conf(robot, &ask.name)));
+        return Some(Conf::Robot(robot_conf(robot)));
     }
     let items: Vec<_> = matching(robot, &ask.type_name, &ask.name).map(|item| item.sensor.conf()).collect();
     // The deprecated mission packages are always answered, here with none.
@@ -21,7 +21,7 @@ pub(super) fn conf(robot: &Robot, ask: &GetConf) -> Option<Conf> {
 /// The robot's geometry, or that of every matching item; `None` where nothing matches.
 pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
     if ask.type_name == "Robot" {
-        return Some(Geo::Robot(robot_geo(robot, &ask.name)));
+        return Some(Geo::Robot(robot_geo(robot)));
     }
     let items: Vec<_> = matching(robot, &ask.type_name, &ask.name)
         .map(|item| ItemGeo {
@@ -34,38 +34,32 @@ pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
     (!items.is_empty()).then(|| Geo::Items { type_name: ask.type_name.clone(), items })
 }
 
-fn robot_conf(robot: &Robot, asked: &str) -> RobotConf {
+/// The name is the class, whatever name was asked for: clients compare it with the mount of the sensors (clients.md 4).
+fn robot_conf(robot: &Robot) -> RobotConf {
     let def = robot.def();
     let speeds = def.driven().iter().filter_map(|wheel| wheel.drive.as_ref()).map(|motor| motor.max_speed);
     // USARSim takes the smallest limit of the wheels, starting from 100 (WheeledVehicle.uc:69-97).
     let max_speed = speeds.fold(100.0, f64::min) / robot.speed_unit();
     RobotConf {
-        name: wire_name(robot, asked),
-        steering_type: def.steering.wire_name().to_owned(),
+        name: def.class.clone(),
+        steering_type: def.reported_steering().to_owned(),
         mass: def.mass(),
         max_speed: max_speed as f32,
         max_torque: def.reported_max_torque as f32,
     }
 }
 
-fn robot_geo(robot: &Robot, asked: &str) -> RobotGeo {
+fn robot_geo(robot: &Robot) -> RobotGeo {
     let def = robot.def();
     let geometry = def.wheel_geometry();
     RobotGeo {
-        name: wire_name(robot, asked),
+        name: def.class.clone(),
         dimensions: floats([geometry.wheel_base, geometry.track, 0.0]),
         centre_of_gravity: floats(total_mass(def).centre.into()),
         wheel_radius: geometry.radius as f32,
         wheel_separation: geometry.track as f32,
         wheel_base: geometry.wheel_base as f32,
     }
-}
-
-/// USARSim answers with the class, whatever name was asked for. The NIST ROS bridge asks by the robot's own name
-/// and again for ever unless that very name comes back; so it does.
-fn wire_name(robot: &Robot, asked: &str) -> String {
-    let own = !asked.is_empty() && asked.eq_ignore_ascii_case(robot.name());
-    if own { asked.to_owned() } else { robot.def().class.clone() }
 }
 
 fn matching<'a>(robot: &'a Robot, type_name: &'a str, name: &'a str) -> impl Iterator<Item = &'a super::robot::Item> {

@@ -8,8 +8,7 @@ use super::{RobotId, World};
 /// A connection as the world knows it: over a socket, in an experiment, or out of a log.
 #[derive(Debug, Clone, Default)]
 pub struct Controller {
-    /// The robots that report here, the newest last. Commands go to the newest, and only the newest leaves with
-    /// the connection (BotConnection.uc:37-47, 765-787).
+    /// The robots that report here, the newest last. Commands go to the newest (BotConnection.uc:37-47).
     robots: Vec<RobotId>,
 }
 
@@ -20,30 +19,33 @@ impl Controller {
     }
 
     /// Does what a line says and returns what it answers.
-    pub fn execute(&mut self, text: &str, world: &mut World, problems: &mut Vec<Problem>) -> Vec<Message> {
-        let line = Line::parse(text);
-        let Some(command) = Command::read(&line, problems) else { return Vec::new() };
-        if let Command::Init(init) = &command {
+    pub fn execute_line(&mut self, text: &str, world: &mut World, problems: &mut Vec<Problem>) -> Vec<Message> {
+        let command = Command::read(&Line::parse(text), problems);
+        command.map_or(Vec::new(), |command| self.execute(&command, world, problems))
+    }
+
+    /// Does what a command says and returns what it answers.
+    pub fn execute(&mut self, command: &Command, world: &mut World, problems: &mut Vec<Problem>) -> Vec<Message> {
+        if let Command::Init(init) = command {
             self.robots.extend(world.init(init, problems));
             return Vec::new();
         }
-        if let Some(answer) = world.ask(&command) {
+        if let Some(answer) = world.ask(command) {
             return vec![answer];
         }
-        match (self.robots.last(), &command) {
-            (Some(&robot), _) => world.apply(robot, &command, problems),
+        match (self.robots.last(), command) {
+            (Some(&robot), _) => world.apply(robot, command, problems),
             (None, Command::Drive(_) | Command::Set(_) | Command::GetConf(_) | Command::GetGeo(_)) => {
-                problems.push(Problem::NoRobot { verb: line.verb.to_ascii_uppercase() });
+                problems.push(Problem::NoRobot { verb: command.verb() });
                 Vec::new()
             }
             (None, _) => Vec::new(),
         }
     }
 
-    /// Ends it: its newest robot leaves the world.
+    /// Ends it: its robots leave the world, or only the newest one if the world keeps robots.
     pub fn end(self, world: &mut World) {
-        if let Some(&newest) = self.robots.last() {
-            world.remove(newest);
-        }
+        let leaving = if world.keeps_robots() { self.robots.len().saturating_sub(1) } else { 0 };
+        self.robots[leaving..].iter().for_each(|&robot| world.remove(robot));
     }
 }

@@ -1,0 +1,22 @@
+//! `REPORT {Errors true}`: an extension for people and tools; no controller of USARSim sends it.
+
+use super::ReadWrite;
+use crate::value::boolean;
+use crate::{Line, Problem};
+
+/// What a connection wants to be told beside its answers.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Report {
+    /// Whether what is wrong with its lines comes back as `NFO {Error ..}`.
+    pub errors: bool,
+}
+
+impl ReadWrite for Report {
+    fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        Self { errors: boolean(line, "Errors", problems).unwrap_or_default() }
+    }
+
+    fn write(&self) -> Line {
+        Line::new("REPORT").with("Errors", self.errors)
+    }
+}
