@@ -2,7 +2,9 @@
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use system_tests::{Peer, Server};
 
@@ -189,4 +191,147 @@ fn robots_without_number_are_refused_at_a_limit() {
     let init = |index: u32| format!("INIT {{ClassName USARBot.CasterSkidRobot}} {{Location {},0,-0.2}}\r\n", 3 * index);
     peer.send_bytes((0..257).map(init).collect::<String>().as_bytes());
     assert_eq!(peer.reply(), "NFO {Error INIT refused: the world holds 256 robots already}");
+}
+
+#[test]
+fn a_connection_is_told_its_mistakes_when_it_asks_for_them() {
+    let server = Server::start("rough", &[], |_| {});
+    let mut peer = server.client();
+    peer.send("FOO");
+    peer.nothing();
+    peer.send("REPORT {Errors true}");
+    peer.send("INIT {ClassName USARBot.KUKAYouBot}");
+    let reply = peer.reply();
+    assert!(reply.starts_with("NFO {Error 'ClassName USARBot.KUKAYouBot' is unknown; expected one of "), "{reply}");
+    for _ in 0..2 {
+        peer.send("INIT {ClassName USARBot.P3AT} {Name Twin} {Location 5,5,0}");
+    }
+    assert!(peer.reply().starts_with("NFO {Error 'Name Twin' is the name of another robot too"));
+    // Nobody else hears of it.
+    let mut other = server.client();
+    other.send("FOO");
+    other.nothing();
+    peer.send("REPORT {Errors false}");
+    peer.send("FOO");
+    peer.nothing();
+}
+
+/// Real time in which a second of simulated time goes by for a client that also asks something.
+fn second(peer: &mut Peer) -> Duration {
+    let start = Instant::now();
+    peer.lines_for(1.0);
+    peer.nothing();
+    start.elapsed()
+}
+
+#[test]
+fn clients_that_never_stop_talking_do_not_hold_up_others() {
+    for line in [
+        "SET {Type RangeScanner} {Opcode SCAN}\r\n".repeat(400),
+        "A\r\n".repeat(5000),
+        "DRIVE {Left 1} {Right 1}\r\n".repeat(600),
+        format!("DRIVE {}\r\n", "{Left 1}".repeat(4096)),
+        format!("A{{{}{{\r\n", "}".repeat(60_000)),
+    ] {
+        let server = Server::start("rough", &[], |_| {});
+        let mut bystander = bystander(&server);
+        let alone = second(&mut bystander);
+        let stop = Arc::new(AtomicBool::new(false));
+        let flood = |index: usize| {
+            let mut stream = TcpStream::connect(server.address).expect("a connection");
+            let mut reader = stream.try_clone().expect("a second handle");
+            let init = format!("INIT {{ClassName USARBot.P3AT}} {{Location {},0,0}}\r\n", 3 * index);
+            let (line, stop) = (line.clone(), stop.clone());
+            // It takes what it is sent, so nothing but the world limits it.
+            std::thread::spawn(move || while reader.read(&mut [0; 65536]).is_ok_and(|count| count > 0) {});
+            std::thread::spawn(move || {
+                let sent = stream.write_all(init.as_bytes());
+                while sent.is_ok() && !stop.load(Ordering::Relaxed) && stream.write_all(line.as_bytes()).is_ok() {}
+            })
+        };
+        let floods: Vec<_> = (0..3).map(flood).collect();
+        bystander.lines_for(0.2);
+        let beside = second(&mut bystander);
+        println!("{:.30}: a second takes {alone:?}, beside floods {beside:?}", line.lines().next().unwrap_or_default());
+        stop.store(true, Ordering::Relaxed);
+        assert!(beside < 4 * alone, "{beside:?} beside floods, {alone:?} alone");
+        // Nor do they hold up the end.
+        server.stop().expect("a clean end");
+        floods.into_iter().for_each(|flood| flood.join().expect("a flood"));
+    }
+}
+
+/// Resident memory of this process, bytes.
+fn resident() -> u64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").expect("Linux");
+    4096 * pages.split(' ').nth(1).and_then(|pages| pages.parse::<u64>().ok()).expect("a number")
+}
+
+#[test]
+fn questions_whose_answers_are_never_read_wait_outside() {
+    let server = Server::start("rough", &[], |_| {});
+    let mut bystander = bystander(&server);
+    let before = resident();
+    for line in ["GETGEO {Type Sonar}\r\n", "A\r\n", "GETPATHNODES\r\n"] {
+        let mut silent = TcpStream::connect(server.address).expect("a connection");
+        silent.set_write_timeout(Some(Duration::from_secs(2))).expect("a timeout");
+        silent
+            .write_all(b"REPORT {Errors true}\r\nINIT {ClassName USARBot.P2AT} {Location 0,0,0}\r\n")
+            .expect("INIT is taken");
+        let (lines, mut taken) = (line.repeat(1000), 0);
+        while taken < 40_000_000
+            && let Ok(count) = silent.write(lines.as_bytes())
+        {
+            taken += count;
+        }
+        let grown = resident().saturating_sub(before) / 1_000_000;
+        println!("{}: {taken} bytes taken, {grown} MB more", line.trim_end());
+        assert!(grown < 100, "{line}: {grown} MB");
+        check_undisturbed(&mut bystander);
+    }
+}
+
+#[test]
+fn web_pages_cannot_talk_to_the_port_of_the_protocol() {
+    let server = Server::start("rough", &[], |_| {});
+    let body = "REPORT {Errors true}\r\nINIT {ClassName USARBot.P3AT} {Location 0,0,0}\r\nGETSTARTPOSES\r\n";
+    let long = format!("POST /{} HTTP/1.1", "x".repeat(100_000));
+    for first in ["POST / HTTP/1.1", "GET /} HTTP/1.1", "OPTIONS * HTTP/1.1", &long] {
+        for pieces in [1, 3] {
+            let mut stream = TcpStream::connect(server.address).expect("a connection");
+            let request = format!("{first}\r\nHost: localhost\r\nContent-Length: {}\r\n\r\n{body}", body.len());
+            for piece in request.as_bytes().chunks(if pieces == 1 { request.len() } else { 3 }).take(200) {
+                // The server may have hung up already.
+                let _ = stream.write_all(piece);
+            }
+            let mut answer = Vec::new();
+            let _ = stream.read_to_end(&mut answer);
+            let answer = String::from_utf8_lossy(&answer);
+            assert!(!answer.contains("StartPoses") && !answer.contains("SEN "), "{first:.40}: {answer:.400}");
+        }
+    }
+    let mut probe = server.client();
+    probe.send("INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
+    assert!(probe.ground_truth().0[2] > -0.2, "no robot was made there");
+}
+
+#[test]
+fn a_client_that_leaves_takes_all_of_its_robots_with_it_unless_robots_are_kept() {
+    for keep_robots in [false, true] {
+        let server = Server::start("rough", &[], |config| config.options.keep_robots = keep_robots);
+        let mut leaver = server.client();
+        for x in [0, 3, 6] {
+            leaver.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Location {x},0,0}}"));
+        }
+        leaver.nothing();
+        leaver.finish();
+        while leaver.line_or_end().is_some() {}
+        let stands = [0, 3, 6].map(|x| {
+            let mut probe = server.client();
+            probe.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Location {x},0,0}}"));
+            // One that is still there is stood on.
+            probe.ground_truth().0[2] < -0.2
+        });
+        assert_eq!(stands, [keep_robots, keep_robots, false]);
+    }
 }

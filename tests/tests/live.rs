@@ -354,3 +354,88 @@ fn a_stalled_viewer_is_dropped_and_holds_nobody_up() {
         viewer.frame("the world goes on", |_| true);
     }
 }
+
+#[test]
+fn a_speed_that_no_clock_can_keep_is_refused() {
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    for speed in ["1e-300", "1e-22", "1e-4", "-1", "1e5"] {
+        viewer.send(&format!("{{\"speed\":{speed}}}"));
+        viewer.said("expected 0.001 to 10000, or 0 for as fast as possible");
+    }
+    viewer.send("{\"speed\":0.001}");
+    viewer.status("the slowest speed", |status| status["speed"] == 0.001);
+    viewer.send("{\"speed\":1}");
+    let now = viewer.frame("a frame", |_| true).time;
+    viewer.frame("time goes on", |frame| frame.time > now + 0.1);
+}
+
+#[test]
+fn a_pause_forgets_the_steps_that_were_still_to_be_taken() {
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    viewer.send("{\"step\":100000}");
+    viewer.send("{\"pause\":true}");
+    viewer.status("a pause", |status| status["paused"] == true);
+    let stopped = viewer.frame("a frame", |_| true).time;
+    viewer.send("{\"step\":5}");
+    let stepped = viewer.frame("five steps", |frame| frame.time > stopped + 0.009).time;
+    viewer.send("{\"pause\":true}");
+    let frames: Vec<f64> = (0..5).map(|_| viewer.frame("a frame", |_| true).time).collect();
+    assert!(frames.iter().all(|&time| time < stepped + 0.02), "{stopped} {stepped} {frames:?}");
+}
+
+#[test]
+fn a_websocket_keeps_its_place_among_the_connections() {
+    let server = serve("rough", |_| {});
+    let mut viewers: Vec<Viewer> = (0..256).map(|_| Viewer::open(&server, "/live")).collect();
+    let mut late = TcpStream::connect(page_of(&server)).unwrap();
+    late.write_all(b"GET /scene.json HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    late.set_read_timeout(Some(Duration::from_millis(500))).unwrap();
+    assert!(late.read(&mut [0; 1]).is_err(), "every place is taken");
+    viewers.pop();
+    late.set_read_timeout(Some(PATIENCE)).unwrap();
+    assert_eq!(late.read(&mut [0; 1]).unwrap(), 1, "one is free");
+}
+
+#[test]
+fn a_page_that_asks_more_than_it_has_read_gets_every_answer() {
+    const QUESTIONS: usize = 40_000;
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/wire");
+    // All is sent before anything is read; what the server cannot take yet waits on the way.
+    for _ in 0..QUESTIONS / 1000 {
+        viewer.send(&"GETSTARTPOSES\r\n".repeat(1000));
+    }
+    let (mut text, mut answers) = (Vec::new(), 0);
+    while answers < QUESTIONS {
+        match viewer.next() {
+            Message::Binary(bytes) => text.extend(bytes),
+            Message::Close(_) => panic!("closed after {answers} answers"),
+            _ => {}
+        }
+        // What is not a whole line yet is kept.
+        let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        answers += String::from_utf8_lossy(&text[..whole]).matches("{StartPoses 3}").count();
+        text.drain(..whole);
+    }
+}
+
+#[test]
+fn the_server_stops_while_viewers_ask_for_more_than_it_does() {
+    let server = serve("rough", |config| config.real_time_factor = 0.0);
+    let address = page_of(&server);
+    let viewers: Vec<_> = (0..8)
+        .map(|_| {
+            std::thread::spawn(move || {
+                let (mut socket, _) = tungstenite::connect(format!("ws://{address}/live")).unwrap();
+                while socket.send(Message::text("{\"step\":1000}")).is_ok() {}
+            })
+        })
+        .collect();
+    Viewer::open(&server, "/live").status("a pause", |status| status["paused"] == true);
+    let (ended, end) = std::sync::mpsc::channel();
+    std::thread::spawn(move || ended.send(server.stop().is_ok()));
+    assert_eq!(end.recv_timeout(PATIENCE), Ok(true), "it hangs");
+    viewers.into_iter().for_each(|viewer| viewer.join().unwrap());
+}

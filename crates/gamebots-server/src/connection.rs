@@ -1,20 +1,26 @@
-//! One client: bytes in, events to the world; lines out of its outbox.
+//! One client: bytes in, commands to the world; lines out of its outbox.
 
 use std::sync::Arc;
+use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-use gamebots_proto::{Framing, Problem};
+use gamebots_proto::{Command, Framing, Line, Problem};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
-use tokio::sync::mpsc::Sender;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tracing::{info, warn};
 
 use crate::control::Control;
 use crate::outbox::Outbox;
 
-/// Bytes read at once: bounds what one event can hold.
+/// Bytes read at once.
 const READ_BYTES: usize = 16 * 1024;
+/// Lines that are handed to the world at once: bounds what waits there for one client, some 100 kB.
+const MAX_REQUESTS: usize = 256;
+
+/// First bytes of a connection that are looked at for a method of HTTP: the longest, and a space.
+const FIRST_BYTES: usize = 8;
 
 /// A fragment that ends with a whole block counts as a line when nothing has followed it for this long: one known
 /// controller never ends its lines (tamsl/swe-thaf).
@@ -23,19 +29,47 @@ const UNENDED_LINE: Duration = Duration::from_millis(500);
 /// Number of a connection, from 1.
 pub(crate) type ConnectionId = u64;
 
-/// Everything that a connection tells the world.
+/// Everything that the world's thread is told.
 pub(crate) enum Event {
     /// A client is here, from this address.
     Opened(ConnectionId, String, Arc<Outbox>),
     /// The lines of one segment, together: what a client sends in one piece is handled before time goes on.
-    Lines(ConnectionId, Vec<Result<String, Problem>>),
+    Requests(ConnectionId, Vec<Request>, Turn),
     /// It is gone.
     Closed(ConnectionId),
-    /// Somebody who watches wishes something of the world.
-    Control(Control),
+    /// Somebody who watches asks something of the world.
+    Control(Control, Turn),
+    /// The server stops.
+    Stop,
 }
 
-/// Serves a client until it leaves, or is thrown out because it takes nothing.
+/// Held while something waits for the world. Whoever sends has one turn, so however much a client sends, one segment of it
+/// waits, and nobody can fill the queue for others.
+pub(crate) type Turn = OwnedSemaphorePermit;
+
+/// One line, read as far as it makes sense.
+pub(crate) struct Request {
+    /// As it was sent; empty for a line that was too long to keep.
+    pub(crate) text: String,
+    pub(crate) command: Option<Command>,
+    pub(crate) problems: Vec<Problem>,
+}
+
+impl Request {
+    /// Reads a line: here, in the connection's task, where it costs the world nothing.
+    pub(crate) fn read(line: Result<String, Problem>) -> Self {
+        match line {
+            Ok(text) => {
+                let mut problems = Vec::new();
+                let command = Command::read(&Line::parse(&text), &mut problems);
+                Self { text, command, problems }
+            }
+            Err(problem) => Self { text: String::new(), command: None, problems: vec![problem] },
+        }
+    }
+}
+
+/// Serves a client until it leaves, or is disconnected because it takes nothing.
 pub(crate) async fn serve(id: ConnectionId, stream: TcpStream, events: Sender<Event>, stall_timeout: Duration) {
     if let Err(error) = stream.set_nodelay(true) {
         warn!(connection = id, %error, "cannot turn off delayed sending");
@@ -43,7 +77,7 @@ pub(crate) async fn serve(id: ConnectionId, stream: TcpStream, events: Sender<Ev
     let peer = stream.peer_addr().map_or_else(|_| "unknown".to_owned(), |peer| peer.to_string());
     let (read, write) = stream.into_split();
     let outbox = Arc::new(Outbox::default());
-    if events.send(Event::Opened(id, peer, outbox.clone())).await.is_err() {
+    if events.send(Event::Opened(id, peer, outbox.clone())).is_err() {
         return;
     }
     let writer = write_lines(write, &outbox, stall_timeout);
@@ -53,8 +87,12 @@ pub(crate) async fn serve(id: ConnectionId, stream: TcpStream, events: Sender<Ev
         reason = reader => (reason, true),
         reason = &mut writer => (reason, false),
     };
+    if !may_still_write {
+        // Nothing that still waits for the world has to wait for this client.
+        outbox.close();
+    }
     // The world closes the outbox when it has seen this, so that the last answers are still sent.
-    let told = events.send(Event::Closed(id)).await.is_ok();
+    let told = events.send(Event::Closed(id)).is_ok();
     if told && may_still_write {
         writer.await;
     }
@@ -68,8 +106,10 @@ async fn read_lines(
     outbox: &Outbox,
     events: &Sender<Event>,
 ) -> &'static str {
+    let turns = Arc::new(Semaphore::new(1));
     let mut framing = Framing::default();
     let mut buffer = vec![0; READ_BYTES];
+    let mut first_bytes = Vec::new();
     loop {
         outbox.ready_for_answers().await;
         let read = read.read(&mut buffer);
@@ -79,18 +119,53 @@ async fn read_lines(
             Some(read.await)
         };
         let (lines, end) = match result {
-            Some(Ok(count)) if count > 0 => (framing.push(&buffer[..count]), None),
+            Some(Ok(count)) if count > 0 => {
+                first_bytes.extend(buffer[..count].iter().take(FIRST_BYTES - first_bytes.len()));
+                (framing.push(&buffer[..count]), None)
+            }
             Some(Ok(_)) => (framing.finish().into_iter().collect(), Some("closed by the client")),
             Some(Err(_)) => (framing.finish().into_iter().collect(), Some("reset by the client")),
             None => (framing.finish().into_iter().collect(), None),
         };
-        if !lines.is_empty() && events.send(Event::Lines(id, lines)).await.is_err() {
-            return "the server stops";
+        if is_http(&first_bytes) {
+            let request = Request { text: String::new(), command: None, problems: vec![Problem::Http] };
+            return match hand_over(id, vec![request], &turns, events).await {
+                Ok(()) => "it speaks HTTP",
+                Err(Stopped) => "the server stops",
+            };
+        }
+        let mut lines = lines.into_iter().peekable();
+        while lines.peek().is_some() {
+            let requests = lines.by_ref().take(MAX_REQUESTS).map(Request::read).collect();
+            if hand_over(id, requests, &turns, events).await.is_err() {
+                return "the server stops";
+            }
         }
         if let Some(end) = end {
             return end;
         }
     }
+}
+
+/// The world is gone.
+struct Stopped;
+
+async fn hand_over(
+    id: ConnectionId,
+    requests: Vec<Request>,
+    turns: &Arc<Semaphore>,
+    events: &Sender<Event>,
+) -> Result<(), Stopped> {
+    let turn = turns.clone().acquire_owned().await.map_err(|_| Stopped)?;
+    events.send(Event::Requests(id, requests, turn)).map_err(|_| Stopped)
+}
+
+/// Any web page can make a browser send a request here, whose body would be read line by line. No verb of the protocol is a
+/// method of HTTP, and the first bytes say it however long the line gets.
+fn is_http(first_bytes: &[u8]) -> bool {
+    const METHODS: [&[u8]; 9] =
+        [b"GET ", b"POST ", b"HEAD ", b"PUT ", b"DELETE ", b"OPTIONS ", b"PATCH ", b"CONNECT ", b"TRACE "];
+    METHODS.iter().any(|method| first_bytes.starts_with(method))
 }
 
 async fn write_lines(mut write: OwnedWriteHalf, outbox: &Outbox, stall_timeout: Duration) -> &'static str {
@@ -100,7 +175,7 @@ async fn write_lines(mut write: OwnedWriteHalf, outbox: &Outbox, stall_timeout: 
             match tokio::time::timeout(stall_timeout, write.write(rest)).await {
                 Ok(Ok(count)) if count > 0 => rest = &rest[count..],
                 Ok(_) => return "reset by the client",
-                Err(_) => return "thrown out: it takes nothing",
+                Err(_) => return "disconnected: it takes nothing",
             }
         }
     }

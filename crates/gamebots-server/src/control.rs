@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-/// A wish for the world's thread.
+/// A request to the world's thread.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Control {
@@ -20,11 +20,22 @@ pub(crate) enum Control {
 
 /// Steps that can be asked for at once.
 const MAX_STEPS: u32 = 100_000;
-/// Highest real-time factor that can be asked for.
-pub(crate) const MAX_SPEED: f64 = 10_000.0;
+/// Real-time factors that can be asked for, beside 0 for as fast as possible: below, a step would take hours.
+const SPEEDS: std::ops::RangeInclusive<f64> = 0.001..=10_000.0;
+
+/// Checks a real-time factor.
+///
+/// # Errors
+/// What was expected, in words.
+pub fn check_real_time_factor(factor: f64) -> Result<f64, String> {
+    if factor == 0.0 || SPEEDS.contains(&factor) {
+        return Ok(factor);
+    }
+    Err(format!("expected {} to {}, or 0 for as fast as possible", SPEEDS.start(), SPEEDS.end()))
+}
 
 impl Control {
-    /// Reads a wish, as in `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`.
+    /// Reads a request, as in `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`.
     ///
     /// # Errors
     /// What is wrong with it, in words.
@@ -35,8 +46,9 @@ impl Control {
             Self::Step(steps) if !(1..=MAX_STEPS).contains(&steps) => {
                 Err(format!("`step` is {steps}: expected 1 to {MAX_STEPS}"))
             }
-            Self::Speed(speed) if !(0.0..=MAX_SPEED).contains(&speed) => {
-                Err(format!("`speed` is {speed}: expected 0 to {MAX_SPEED}"))
+            Self::Speed(speed) => {
+                let checked = check_real_time_factor(speed);
+                checked.map(Self::Speed).map_err(|expected| format!("`speed` is {speed}: {expected}"))
             }
             _ => Ok(control),
         }
@@ -48,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wishes_are_read_and_limited() {
+    fn requests_are_read_and_limited() {
         for (text, expected) in [
             ("{\"pause\":true}", Some(Control::Pause(true))),
             ("{\"step\":5}", Some(Control::Step(5))),
@@ -59,6 +71,9 @@ mod tests {
             ("{\"step\":100001}", None),
             ("{\"speed\":-1}", None),
             ("{\"speed\":1e300}", None),
+            ("{\"speed\":1e-300}", None),
+            ("{\"speed\":1e-22}", None),
+            ("{\"speed\":0.001}", Some(Control::Speed(0.001))),
             ("{\"drive\":1}", None),
             ("{\"pause\":1}", None),
             ("", None),

@@ -1,6 +1,7 @@
 //! The channels of a log, live, for Foxglove and Lichtblick, and the world's time as their services.
 
 use std::sync::Arc;
+use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
 use foxglove::websocket::service::{Request, Service, ServiceSchema};
@@ -9,7 +10,7 @@ use foxglove::{Context, Schema, WebSocketServerHandle};
 use recorder::{Latched, Live, Record, Recorder, StateTimer};
 use sim_core::World;
 use sim_core::scene::WorldDef;
-use tokio::sync::mpsc::WeakSender;
+use tokio::sync::Semaphore;
 
 use crate::ServeError;
 use crate::connection::Event;
@@ -35,7 +36,7 @@ pub(crate) async fn start(
     host: &str,
     port: u16,
     world: &WorldDef,
-    events: WeakSender<Event>,
+    events: Sender<Event>,
 ) -> Result<FoxgloveServer, ServeError> {
     let (context, latched) = (Context::new(), Latched::default());
     let live = Live::new(world, context.clone(), latched.clone())?;
@@ -98,7 +99,8 @@ impl ServerListener for Late {
 }
 
 /// Pause, step, speed and reset, with the same words as on the page.
-fn services(events: &WeakSender<Event>) -> Vec<Service> {
+fn services(events: &Sender<Event>) -> Vec<Service> {
+    let turns = Arc::new(Semaphore::new(1));
     let service = |name: &'static str, argument: &'static str| {
         let request = format!("{{\"type\":\"object\",\"properties\":{{{argument}}}}}");
         let response = "{\"type\":\"object\",\"properties\":{\"success\":{\"type\":\"boolean\"}}}";
@@ -108,10 +110,10 @@ fn services(events: &WeakSender<Event>) -> Vec<Service> {
         let schema = ServiceSchema::new(format!("usarsim.{name}"))
             .with_request("json", schema("Request", &request))
             .with_response("json", schema("Response", response));
-        let events = events.clone();
+        let (events, turns) = (events.clone(), turns.clone());
         Service::builder(name, schema).async_handler_fn(move |request: Request| {
-            let control = wish(name, request.payload());
-            answer(control, events.clone())
+            let control = read(name, request.payload());
+            answer(control, events.clone(), turns.clone())
         })
     };
     vec![
@@ -123,7 +125,7 @@ fn services(events: &WeakSender<Event>) -> Vec<Service> {
 }
 
 /// What a service is asked for: `{"pause":true}`, `{"step":1}`, `{"speed":2}`, or nothing.
-fn wish(service: &str, payload: &[u8]) -> Result<Control, String> {
+fn read(service: &str, payload: &[u8]) -> Result<Control, String> {
     if service == "reset" {
         return Ok(Control::Reset);
     }
@@ -134,8 +136,13 @@ fn wish(service: &str, payload: &[u8]) -> Result<Control, String> {
     }
 }
 
-async fn answer(control: Result<Control, String>, events: WeakSender<Event>) -> Result<&'static [u8], String> {
-    let events = events.upgrade().ok_or("the server stops")?;
-    events.send(Event::Control(control?)).await.map_err(|_| "the server stops")?;
+async fn answer(
+    control: Result<Control, String>,
+    events: Sender<Event>,
+    turns: Arc<Semaphore>,
+) -> Result<&'static [u8], String> {
+    let control = control?;
+    let turn = turns.acquire_owned().await.map_err(|_| "the server stops")?;
+    events.send(Event::Control(control, turn)).map_err(|_| "the server stops")?;
     Ok(b"{\"success\":true}")
 }

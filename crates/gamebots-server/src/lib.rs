@@ -1,12 +1,12 @@
 //! Serves a world to Gamebots clients: the only crate with sockets and a clock.
 //!
 //! ```text
-//! socket -> connection (framing) --Event--> [bounded channel] --> world thread (sessions, pacing, steps)
+//! socket -> connection (bytes to commands) --Event, one a client--> world thread (sessions, pacing, steps)
 //!                ^                                                       |
 //!                +------------------- outbox (bounded) <-----------------+
 //! ```
 //!
-//! One thread owns the world and everything in it; connections are tasks that only move bytes. Nothing a client does
+//! One thread owns the world and everything in it; connections are tasks that move bytes and read lines. Nothing a client does
 //! or fails to do can hold up the world or another client.
 
 mod connection;
@@ -22,6 +22,7 @@ mod session;
 mod web;
 mod world_thread;
 
+pub use control::check_real_time_factor;
 pub use playback::{Playback, play};
 
 use std::net::SocketAddr;

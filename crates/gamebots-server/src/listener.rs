@@ -1,19 +1,19 @@
 //! Accepting clients, and pausing when there are too many.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 use tokio::net::{TcpListener, TcpSocket, lookup_host};
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 use tracing::{info, warn};
 
+use crate::connection::Event;
 use crate::foxglove_server::FoxgloveServer;
 use crate::web::Site;
 use crate::{Config, Page, Ready, ServeError, connection, foxglove_server, live, web, world_thread};
 
-/// Events that may wait for the world; then clients wait.
-const MAX_EVENTS: usize = 1024;
 /// Bytes that may wait in the operating system for one viewer.
 const MAX_UNSENT_TO_VIEWER: u32 = 64 * 1024;
 /// Viewers that may wait to be accepted.
@@ -34,7 +34,8 @@ pub(crate) async fn serve(
         Page::Near(port) => Some(listen_near(&config.host, port).await?),
     };
     let page_address = page.as_ref().map(|page| local_address(page, &config.host, 0)).transpose()?;
-    let (events, receiver) = mpsc::channel(MAX_EVENTS);
+    // Not bounded by itself: whoever sends waits for a turn, see `connection::Turn`.
+    let (events, receiver) = mpsc::channel();
     let (gone, world_gone) = oneshot::channel();
     let (live, channels) = live::broadcast(Instant::now());
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
@@ -44,18 +45,18 @@ pub(crate) async fn serve(
         protocol: reachable(address),
         scene: scene.unwrap_or_default().into(),
         channels,
-        events: events.downgrade(),
+        events: events.clone(),
         stall_timeout,
     };
     let foxglove = match config.foxglove {
-        Some(port) => Some(foxglove_server::start(&config.host, port, &config.world, events.downgrade()).await?),
+        Some(port) => Some(foxglove_server::start(&config.host, port, &config.world, events.clone()).await?),
         None => None,
     };
     let addresses = Ready { address, page: page_address, foxglove: foxglove.as_ref().map(FoxgloveServer::port) };
     let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;
     ready(addresses);
     let mut clients = JoinSet::new();
-    let accepting = accept_clients(&mut clients, listener, address, max_connections, stall_timeout, events);
+    let accepting = accept_clients(&mut clients, listener, address, max_connections, stall_timeout, events.clone());
     let showing = async {
         match page {
             Some(page) => web::serve(page, site).await,
@@ -68,8 +69,9 @@ pub(crate) async fn serve(
         () = shutdown => Ok(()),
         _ = world_gone => Err(ServeError::WorldStopped),
     };
-    // With the last connection goes the last sender of events, and with that the world's thread.
     clients.shutdown().await;
+    // A world that is gone needs not be told.
+    let _ = events.send(Event::Stop);
     world.join().map_err(|_| ServeError::WorldStopped).and(result)
 }
 
@@ -131,7 +133,7 @@ async fn accept_clients(
     address: SocketAddr,
     max: usize,
     stall_timeout: Duration,
-    events: mpsc::Sender<connection::Event>,
+    events: mpsc::Sender<Event>,
 ) {
     let mut listener = Some(listener);
     let mut next_id = 0;

@@ -1,8 +1,8 @@
 //! Lines on their way to one client.
 //!
 //! The policy for a client that does not keep up: its oldest periodic lines (STA, SEN) are dropped first and
-//! counted, its answers never. As answers are never dropped, the connection stops taking commands while too many
-//! of them wait.
+//! counted, its answers never. As answers are never dropped, neither the connection nor the world takes a further
+//! command while too many of them wait.
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -77,15 +77,15 @@ impl Outbox {
         }
     }
 
-    /// Waits until the client has taken enough of its answers to be given more.
+    /// Whether the client has taken enough of its answers to be given more.
+    pub(crate) fn has_room(&self) -> bool {
+        let queue = self.lock();
+        queue.closed || queue.answer_bytes < MAX_ANSWER_BYTES
+    }
+
+    /// Waits until [`Self::has_room`].
     pub(crate) async fn ready_for_answers(&self) {
-        loop {
-            {
-                let queue = self.lock();
-                if queue.closed || queue.answer_bytes < MAX_ANSWER_BYTES {
-                    return;
-                }
-            }
+        while !self.has_room() {
             self.emptied.notified().await;
         }
     }

@@ -7,6 +7,9 @@ const MAX_LAG: Duration = Duration::from_millis(100);
 /// How often falling behind is reported.
 const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
+/// Part of the pace that counts as kept: one pause of the machine in five seconds is no lag.
+const KEPT: f64 = 0.95;
+
 /// Decides when the next step is due.
 pub(crate) struct Pace {
     /// Simulated seconds a real second; 0 is as fast as possible.
@@ -16,12 +19,11 @@ pub(crate) struct Pace {
     start_time: f64,
     window: Instant,
     window_time: f64,
-    lagged: bool,
 }
 
 impl Pace {
     pub(crate) fn new(factor: f64, now: Instant, time: f64) -> Self {
-        Self { factor, start: now, start_time: time, window: now, window_time: time, lagged: false }
+        Self { factor, start: now, start_time: time, window: now, window_time: time }
     }
 
     /// How long to wait before the step that leads on from the simulated `time`; zero when it is due.
@@ -29,24 +31,24 @@ impl Pace {
         if self.factor <= 0.0 {
             return Duration::ZERO;
         }
-        let due = self.start + Duration::from_secs_f64((time - self.start_time) / self.factor);
+        // A factor that makes time stand still is waited for, but no clock can say until when.
+        let wait = Duration::try_from_secs_f64((time - self.start_time) / self.factor).unwrap_or(Duration::MAX);
+        let Some(due) = self.start.checked_add(wait) else { return Duration::MAX };
         if now > due + MAX_LAG {
-            self.lagged = true;
             (self.start, self.start_time) = (now, time);
         }
         due.saturating_duration_since(now)
     }
 
-    /// Every five seconds in which the pace was not kept, the factor that was reached.
+    /// Every five seconds in which less than [`KEPT`] of the pace was kept, the factor that was reached.
     pub(crate) fn lag_report(&mut self, now: Instant, time: f64) -> Option<f64> {
         let elapsed = now.duration_since(self.window);
         if elapsed < REPORT_INTERVAL {
             return None;
         }
         let reached = (time - self.window_time) / elapsed.as_secs_f64();
-        let lagged = std::mem::take(&mut self.lagged);
         (self.window, self.window_time) = (now, time);
-        lagged.then_some(reached)
+        (reached < KEPT * self.factor).then_some(reached)
     }
 }
 
@@ -84,6 +86,24 @@ mod tests {
         assert!((time - 10.5).abs() < 0.1, "{time}");
         assert_eq!(reports.len(), 4);
         assert!(reports.iter().all(|factor| (factor - 0.5).abs() < 0.01), "{reports:?}");
+    }
+
+    #[test]
+    fn a_short_pause_of_the_machine_is_not_reported() {
+        let start = Instant::now();
+        let mut pace = Pace::new(1.0, start, 0.0);
+        let at = |seconds: f64| start + Duration::from_secs_f64(seconds);
+        assert_eq!(pace.wait(at(0.15), 0.0), Duration::ZERO);
+        assert_eq!(pace.lag_report(at(5.0), 4.85), None);
+        assert!(pace.lag_report(at(10.0), 9.5).is_some());
+    }
+
+    #[test]
+    fn a_factor_next_to_nothing_waits_and_does_not_overflow() {
+        for factor in [1e-300, 1e-22, 1e-9, f64::MIN_POSITIVE] {
+            let mut pace = Pace::new(factor, Instant::now(), 0.0);
+            assert!(pace.wait(Instant::now(), STEP) > Duration::from_secs(3600), "{factor}");
+        }
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use gamebots_proto::Problem;
 use gamebots_proto::message::{Message, Nfo};
+use gamebots_proto::{Command, Problem};
 use sim_core::{Controller, RobotId, World};
 use tracing::warn;
 
-use crate::connection::ConnectionId;
+use crate::connection::{ConnectionId, Request, Turn};
 use crate::outbox::Outbox;
 
 /// Problems of one connection that are logged in a second; the rest is counted.
@@ -28,13 +28,76 @@ pub(crate) struct Session {
     lines: u64,
     dropped: u64,
     warnings: Budget,
+    /// Whether problems go back to the client: by the server's own option, or because the client asked for it.
     report_errors: bool,
+    /// What it has sent and is not executed yet; the turn is given back with the last request.
+    requests: std::vec::IntoIter<Request>,
+    turn: Option<Turn>,
+    /// The client has left.
+    is_closed: bool,
+    /// What its requests have cost of late.
+    cost: Duration,
 }
 
 impl Session {
     pub(crate) fn new(id: ConnectionId, peer: String, outbox: Arc<Outbox>, report_errors: bool) -> Self {
-        let (controller, warnings) = (Controller::default(), Budget::default());
-        Self { id, peer, outbox, controller, inits: Vec::new(), lines: 0, dropped: 0, warnings, report_errors }
+        Self {
+            id,
+            peer,
+            outbox,
+            controller: Controller::default(),
+            inits: Vec::new(),
+            lines: 0,
+            dropped: 0,
+            warnings: Budget::default(),
+            report_errors,
+            requests: Vec::new().into_iter(),
+            turn: None,
+            is_closed: false,
+            cost: Duration::ZERO,
+        }
+    }
+
+    /// Takes what the client has sent. Its turn is held, so nothing of it waits already.
+    pub(crate) fn take(&mut self, requests: Vec<Request>, turn: Turn) {
+        (self.requests, self.turn) = (requests.into_iter(), Some(turn));
+    }
+
+    /// The next request to be executed; none while the client does not take the answers that it has already.
+    pub(crate) fn next_request(&mut self) -> Option<Request> {
+        let next = if self.outbox.has_room() { self.requests.next() } else { None };
+        if self.requests.len() == 0 {
+            self.turn = None;
+        }
+        next
+    }
+
+    /// Whether there is a request that can be executed now.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.requests.len() > 0 && self.outbox.has_room()
+    }
+
+    /// The client has left; it is over when all that it had sent is executed.
+    pub(crate) fn close(&mut self) {
+        self.is_closed = true;
+    }
+
+    /// Whether nothing more comes of it.
+    pub(crate) fn is_over(&self) -> bool {
+        self.is_closed && self.requests.len() == 0
+    }
+
+    /// What its requests have cost of late.
+    pub(crate) fn cost(&self) -> Duration {
+        self.cost
+    }
+
+    pub(crate) fn add_cost(&mut self, cost: Duration) {
+        self.cost += cost;
+    }
+
+    pub(crate) fn forget_half(&mut self) {
+        self.cost /= 2;
     }
 
     /// Address of the client.
@@ -60,30 +123,25 @@ impl Session {
         &self.outbox
     }
 
-    /// Handles one line and returns what it answers, and what was logged about it.
-    pub(crate) fn handle(
+    /// Executes a request and returns what it answers, and what was logged about it.
+    pub(crate) fn execute(
         &mut self,
-        line: Result<&str, Problem>,
+        request: &Request,
         world: &mut World,
         now: Instant,
     ) -> (Vec<Message>, Vec<String>) {
         self.lines += 1;
-        let mut warnings = Vec::new();
-        let mut problems = Vec::new();
-        let mut answers = Vec::new();
-        let text = match line {
-            Ok(text) => {
-                answers = self.controller.execute(text, world, &mut problems);
-                if self.controller.robots().len() > self.inits.len() {
-                    self.inits.push(text.to_owned());
-                }
-                text
+        let Request { text, command, problems } = request;
+        let (mut problems, mut warnings, mut answers) = (problems.clone(), Vec::new(), Vec::new());
+        if let Some(Command::Report(report)) = command {
+            self.report_errors = report.errors;
+        }
+        if let Some(command) = command {
+            answers = self.controller.execute(command, world, &mut problems);
+            if self.controller.robots().len() > self.inits.len() {
+                self.inits.push(text.clone());
             }
-            Err(problem) => {
-                problems.push(problem);
-                ""
-            }
-        };
+        }
         for problem in problems {
             warnings.extend(self.warn(text, &problem, now));
             if self.report_errors {
@@ -100,7 +158,7 @@ impl Session {
         robots.into_iter().zip(self.inits.drain(..)).collect()
     }
 
-    /// Removes the newest robot, and lets the client have what still waits for it.
+    /// Removes its robots, and lets the client have what still waits for it.
     pub(crate) fn end(self, world: &mut World) {
         self.controller.end(world);
         self.outbox.close();
@@ -132,12 +190,13 @@ impl Session {
 
 /// A number of warnings a second, so that a client cannot fill the disk.
 #[derive(Default)]
-struct Budget {
+pub(crate) struct Budget {
     second: Option<Instant>,
     spent: u64,
 }
 
-enum Spent {
+/// Whether the present second has room for another warning.
+pub(crate) enum Spent {
     /// Go on; so many were refused in the second before.
     Granted {
         suppressed: u64,
@@ -146,7 +205,7 @@ enum Spent {
 }
 
 impl Budget {
-    fn spend(&mut self, now: Instant) -> Spent {
+    pub(crate) fn spend(&mut self, now: Instant) -> Spent {
         let fresh = self.second.is_none_or(|second| now.duration_since(second) >= Duration::from_secs(1));
         let mut suppressed = 0;
         if fresh {

@@ -9,9 +9,9 @@ mod wire;
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
+use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-use axum::Router;
 use axum::body::Bytes;
 use axum::extract::{Request, State};
 use axum::http::uri::Authority;
@@ -19,21 +19,22 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use axum::{Extension, Router};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::Semaphore;
-use tokio::sync::mpsc::WeakSender;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::JoinSet;
+use tokio_io_timeout::TimeoutStream;
 use tracing::{debug, warn};
 
 use crate::connection::Event;
 use crate::live::Channels;
 
-/// Connections to the page at once; more wait.
+/// Connections to the page at once, WebSockets among them; more wait.
 const MAX_CONNECTIONS: usize = 256;
-/// Longest time for the head of a request.
-const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
+/// Longest time for the head of a request, and for a client that takes nothing of what it has asked for.
+const TIMEOUT: Duration = Duration::from_secs(10);
 /// Pause after an error of accept, which otherwise comes back at once.
 const BACK_OFF: Duration = Duration::from_millis(100);
 
@@ -46,11 +47,13 @@ pub(crate) struct Site {
     /// The scene as JSON.
     pub(crate) scene: Bytes,
     pub(crate) channels: Channels,
-    /// Weak: a viewer that stays must not keep the world from ending.
-    pub(crate) events: WeakSender<Event>,
+    pub(crate) events: Sender<Event>,
     /// A viewer that takes nothing for this long is disconnected.
     pub(crate) stall_timeout: Duration,
 }
+
+/// One of the [`MAX_CONNECTIONS`], held as long as the connection lives, also when it has become a WebSocket.
+pub(crate) type Place = Arc<OwnedSemaphorePermit>;
 
 /// Serves until it is dropped.
 pub(crate) async fn serve(listener: TcpListener, site: Site) {
@@ -70,11 +73,8 @@ pub(crate) async fn serve(listener: TcpListener, site: Site) {
         tokio::select! {
             accepted = listener.accept() => match accepted {
                 Ok((stream, _)) => {
-                    let router = router.clone();
-                    connections.spawn(async move {
-                        serve_connection(stream, router).await;
-                        drop(place);
-                    });
+                    let place: Place = Arc::new(place);
+                    connections.spawn(serve_connection(stream, router.clone().layer(Extension(place))));
                 }
                 Err(error) => {
                     warn!(%error, "cannot accept a viewer");
@@ -90,8 +90,11 @@ async fn serve_connection(stream: TcpStream, router: Router) {
     // Frames are small and must not wait for each other.
     let _ = stream.set_nodelay(true);
     let mut http = hyper::server::conn::http1::Builder::new();
-    http.timer(TokioTimer::new()).header_read_timeout(HEAD_TIMEOUT);
-    let connection = http.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)).with_upgrades();
+    http.timer(TokioTimer::new()).header_read_timeout(TIMEOUT);
+    let mut stream = TimeoutStream::new(stream);
+    stream.set_write_timeout(Some(TIMEOUT));
+    let stream = TokioIo::new(Box::pin(stream));
+    let connection = http.serve_connection(stream, TowerToHyperService::new(router)).with_upgrades();
     if let Err(error) = connection.await {
         debug!(%error, "a viewer's connection ended");
     }
@@ -125,23 +128,30 @@ async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> R
 
 /// Whether a request is meant for this server by a page of its own.
 fn check(headers: &HeaderMap, own_name: &str) -> Result<(), String> {
-    let text = |name: header::HeaderName| headers.get(name).and_then(|value| value.to_str().ok());
+    // What is not text, or stands there twice, is nothing that a browser of ours sends, and not absent.
+    let text = |name: header::HeaderName| -> Option<String> {
+        let values: Vec<_> =
+            headers.get_all(name).iter().map(|value| String::from_utf8_lossy(value.as_bytes())).collect();
+        (!values.is_empty()).then(|| values.join(", "))
+    };
+    let shown = |text: &str| text.chars().take(100).collect::<String>();
     let host = text(header::HOST).unwrap_or_default();
     let known = host.parse::<Authority>().is_ok_and(|authority| {
         let name = authority.host().trim_start_matches('[').trim_end_matches(']').to_ascii_lowercase();
         name.parse::<IpAddr>().is_ok() || name == "localhost" || name == own_name.to_ascii_lowercase()
     });
     if !known {
-        let host: String = host.chars().take(100).collect();
-        return Err(format!("Host is `{host}`: expected localhost, an address, or the name given by --host\n"));
+        return Err(format!(
+            "Host is `{}`: expected localhost, an address, or the name given by --host\n",
+            shown(&host)
+        ));
     }
     let Some(origin) = text(header::ORIGIN) else { return Ok(()) };
     let own = origin.strip_prefix("http://").or(origin.strip_prefix("https://"));
-    if own.is_some_and(|own| own.eq_ignore_ascii_case(host)) {
+    if own.is_some_and(|own| own.eq_ignore_ascii_case(&host)) {
         return Ok(());
     }
-    let origin: String = origin.chars().take(100).collect();
-    Err(format!("Origin is `{origin}`: expected a page of this server, http://{host}\n"))
+    Err(format!("Origin is `{}`: expected a page of this server, http://{host}\n", shown(&origin)))
 }
 
 #[cfg(test)]
@@ -174,5 +184,17 @@ mod tests {
             assert_eq!(check(&headers, own_name).is_ok(), good, "{host} {origin:?} {own_name}");
         }
         assert!(check(&HeaderMap::new(), "127.0.0.1").is_err());
+    }
+
+    #[test]
+    fn an_origin_that_is_no_text_or_stands_there_twice_is_not_absent() {
+        let mut headers = HeaderMap::new();
+        headers.insert(header::HOST, HeaderValue::from_static("localhost:8080"));
+        headers.insert(header::ORIGIN, HeaderValue::from_bytes(b"http://ev\xefl.example").unwrap());
+        assert!(check(&headers, "127.0.0.1").is_err());
+        headers.insert(header::ORIGIN, HeaderValue::from_static("http://localhost:8080"));
+        assert!(check(&headers, "127.0.0.1").is_ok());
+        headers.append(header::ORIGIN, HeaderValue::from_static("http://evil.example"));
+        assert!(check(&headers, "127.0.0.1").is_err());
     }
 }

@@ -1,35 +1,43 @@
 //! The thread that owns the world: takes events, steps at its pace, hands messages to the connections.
 
 use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use gamebots_proto::Problem;
 use gamebots_proto::message::Message;
 use recorder::{Record, WireLine};
 use sim_core::{Options, RobotId, World};
-use tokio::sync::mpsc::Receiver;
-use tokio::sync::mpsc::error::TryRecvError;
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
-use crate::connection::{ConnectionId, Event};
+use crate::connection::{ConnectionId, Event, Request};
 use crate::control::Control;
 use crate::foxglove_server::FoxgloveServer;
 use crate::live::{Broadcast, ClientStatus, Line, RobotStatus, Status};
 use crate::pace::Pace;
 use crate::recording::Recording;
-use crate::session::Session;
+use crate::session::{Budget, Session, Spent};
 use crate::{Config, ServeError};
 
-/// Longest sleep, so that commands are taken soon even when simulated time crawls.
-const MAX_SLEEP: Duration = Duration::from_millis(2);
+/// Longest wait for an event, so that frames and logs are handed over in time even when simulated time crawls.
+const MAX_WAIT: Duration = Duration::from_millis(2);
 /// Events taken between two steps, so that a flood of them cannot stop time.
-const MAX_EVENTS_A_STEP: usize = 256;
+const MAX_EVENTS_A_STEP: usize = 1024;
+/// Requests of one segment that are executed together whatever they cost, so that a question in INIT's own segment is
+/// answered before the first reading at any speed.
+const REQUESTS_TOGETHER: usize = 16;
+/// How long one client's requests are executed before another client has its turn.
+const SLICE: Duration = Duration::from_millis(1);
+/// Time for requests that can be saved up while a world that is due all the time steps.
+const MAX_CREDIT: Duration = Duration::from_millis(4);
+/// What a client has cost counts half after this long.
+const FORGETTING_INTERVAL: Duration = Duration::from_millis(100);
 /// How often dropped lines are reported.
 const DROP_REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Starts the thread. It ends when every sender of events is gone; `gone` is dropped when it ends, however it does.
+/// Starts the thread. It ends when it is told to or when every sender of events is gone; `gone` is dropped when it ends,
+/// however it does.
 pub(crate) fn spawn(
     config: Config,
     events: Receiver<Event>,
@@ -46,12 +54,23 @@ pub(crate) fn spawn(
     let thread = std::thread::Builder::new().name("world".to_owned());
     let run = move || {
         let _gone = gone;
-        let timing = Timing { speed: real_time_factor, paused: false, steps: 0 };
-        let pace = Pace::new(real_time_factor, Instant::now(), world.time());
-        let sessions = BTreeMap::new();
-        let owners = BTreeMap::new();
-        Server { world, options, recording, live, timing, pace, resets: 0, report_errors, sessions, owners }
-            .run(events);
+        let now = Instant::now();
+        let server = Server {
+            options,
+            recording,
+            live,
+            timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
+            pace: Pace::new(real_time_factor, now, world.time()),
+            world,
+            resets: 0,
+            report_errors,
+            sessions: BTreeMap::new(),
+            owners: BTreeMap::new(),
+            credit: Duration::ZERO,
+            forgotten: now,
+            controls: Budget::default(),
+        };
+        server.run(&events);
     };
     thread.spawn(run).map_err(ServeError::Start)
 }
@@ -69,6 +88,13 @@ struct Server {
     sessions: BTreeMap<ConnectionId, Session>,
     /// The connection that each robot reports to.
     owners: BTreeMap<RobotId, ConnectionId>,
+    /// Time that requests may take while the next step is due: as much as steps have taken, so that neither side can hold
+    /// up the other.
+    credit: Duration,
+    /// When what clients have cost was last halved.
+    forgotten: Instant,
+    /// Controls that are logged.
+    controls: Budget,
 }
 
 /// How time is to pass.
@@ -80,14 +106,14 @@ struct Timing {
     steps: u32,
 }
 
+/// The server is to stop.
+struct Stop;
+
 impl Server {
-    fn run(mut self, mut events: Receiver<Event>) {
+    fn run(mut self, events: &Receiver<Event>) {
         let mut drop_report = Instant::now();
-        loop {
-            if !self.take_events(&mut events) {
-                self.recording.stop(&self.world);
-                return;
-            }
+        // Nobody can tell it anything any more, or somebody has told it to stop.
+        while self.take_events(events).is_ok() {
             let now = Instant::now();
             if let Some(due) = self.live.due(now) {
                 let status = due.status.then(|| self.status());
@@ -99,19 +125,34 @@ impl Server {
                 drop_report = now;
             }
             let wait = self.wait(now);
-            if !wait.is_zero() {
+            if wait.is_zero() {
+                self.work_on_credit(now);
+                self.step();
+            } else if !self.work(now + wait.min(MAX_WAIT)) {
                 self.recording.hand_over();
-                std::thread::sleep(wait.min(MAX_SLEEP));
-                continue;
-            }
-            for (robot, message) in self.world.step() {
-                self.live.scan(&self.world, robot, &message);
-                if let Some(&owner) = self.owners.get(&robot) {
-                    self.send(owner, Some(robot.0), &message);
+                let taken = match events.recv_timeout(wait.min(MAX_WAIT)) {
+                    Ok(event) => self.take(event),
+                    Err(RecvTimeoutError::Timeout) => Ok(()),
+                    Err(RecvTimeoutError::Disconnected) => Err(Stop),
+                };
+                if taken.is_err() {
+                    break;
                 }
             }
-            self.recording.record_states(&self.world);
         }
+        self.recording.stop(&self.world);
+    }
+
+    fn step(&mut self) {
+        let start = Instant::now();
+        for (robot, message) in self.world.step() {
+            self.live.scan(&self.world, robot, &message);
+            if let Some(&owner) = self.owners.get(&robot) {
+                self.send(owner, Some(robot.0), &message);
+            }
+        }
+        self.recording.record_states(&self.world);
+        self.credit = (self.credit + start.elapsed()).min(MAX_CREDIT);
     }
 
     /// How long the next step has to wait; a paused world takes only the steps that were asked for.
@@ -119,7 +160,7 @@ impl Server {
         if self.timing.paused {
             let stepping = self.timing.steps > 0;
             self.timing.steps = self.timing.steps.saturating_sub(1);
-            return if stepping { Duration::ZERO } else { MAX_SLEEP };
+            return if stepping { Duration::ZERO } else { MAX_WAIT };
         }
         if let Some(reached) = self.pace.lag_report(now, self.world.time()) {
             warn!(reached = format!("{reached:.2}"), "behind its pace: the real-time factor of the last 5 s");
@@ -128,19 +169,18 @@ impl Server {
         self.pace.wait(now, self.world.time())
     }
 
-    /// Handles what has come; false when nobody can send anything any more.
-    fn take_events(&mut self, events: &mut Receiver<Event>) -> bool {
+    fn take_events(&mut self, events: &Receiver<Event>) -> Result<(), Stop> {
         for _ in 0..MAX_EVENTS_A_STEP {
             match events.try_recv() {
-                Ok(event) => self.handle(event),
-                Err(TryRecvError::Empty) => return true,
-                Err(TryRecvError::Disconnected) => return false,
+                Ok(event) => self.take(event)?,
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => return Err(Stop),
             }
         }
-        true
+        Ok(())
     }
 
-    fn handle(&mut self, event: Event) {
+    fn take(&mut self, event: Event) -> Result<(), Stop> {
         match event {
             Event::Opened(id, peer, outbox) => {
                 self.sessions.insert(id, Session::new(id, peer, outbox, self.report_errors));
@@ -148,27 +188,87 @@ impl Server {
                 self.send(id, None, &greeting);
                 self.live.changed(Instant::now());
             }
-            Event::Lines(id, lines) => lines.into_iter().for_each(|line| self.handle_line(id, line)),
-            Event::Closed(id) => {
-                let robot = self.newest_robot(id);
-                self.recording
-                    .record(&self.world, || Record::Closed(WireLine { connection: id, robot, line: String::new() }));
-                if let Some(mut session) = self.sessions.remove(&id) {
-                    session.report_dropped();
-                    session.robots().iter().for_each(|robot| {
-                        self.owners.remove(robot);
-                    });
-                    session.end(&mut self.world);
+            Event::Requests(id, requests, turn) => {
+                if let Some(session) = self.sessions.get_mut(&id) {
+                    session.take(requests, turn);
                 }
-                self.live.changed(Instant::now());
             }
-            Event::Control(control) => self.control(control),
+            Event::Closed(id) => {
+                if let Some(session) = self.sessions.get_mut(&id) {
+                    session.close();
+                    self.end_if_done(id);
+                }
+            }
+            Event::Control(control, _turn) => self.control(control),
+            Event::Stop => return Err(Stop),
         }
+        Ok(())
+    }
+
+    /// Executes requests while a step is due, for as long as steps have earned.
+    fn work_on_credit(&mut self, now: Instant) {
+        if !self.credit.is_zero() {
+            self.work(now + self.credit);
+            self.credit = self.credit.saturating_sub(now.elapsed());
+        }
+    }
+
+    /// Executes what clients have sent until there is nothing left or time is up, the client first that has cost least; false
+    /// when there was nothing to do.
+    fn work(&mut self, deadline: Instant) -> bool {
+        let mut worked = false;
+        while let Some(id) = self.next_client() {
+            worked = true;
+            self.execute_slice(id);
+            if Instant::now() >= deadline {
+                break;
+            }
+        }
+        if worked && self.forgotten.elapsed() >= FORGETTING_INTERVAL {
+            self.forgotten = Instant::now();
+            self.sessions.values_mut().for_each(Session::forget_half);
+        }
+        worked
+    }
+
+    /// The client whose requests are next: with something to execute and room for the answers.
+    fn next_client(&self) -> Option<ConnectionId> {
+        let ready = self.sessions.iter().filter(|(_, session)| session.is_ready());
+        ready.min_by_key(|(_, session)| session.cost()).map(|(&id, _)| id)
+    }
+
+    fn execute_slice(&mut self, id: ConnectionId) {
+        let start = Instant::now();
+        let mut count = 0;
+        while count < REQUESTS_TOGETHER || start.elapsed() < SLICE {
+            let Some(request) = self.sessions.get_mut(&id).and_then(Session::next_request) else { break };
+            self.execute(id, &request);
+            count += 1;
+        }
+        if let Some(session) = self.sessions.get_mut(&id) {
+            session.add_cost(start.elapsed());
+        }
+        self.end_if_done(id);
+    }
+
+    /// Ends a session that is over, once everything that the client had sent is executed.
+    fn end_if_done(&mut self, id: ConnectionId) {
+        if !self.sessions.get(&id).is_some_and(Session::is_over) {
+            return;
+        }
+        let robot = self.newest_robot(id);
+        self.recording.record(&self.world, || Record::Closed(WireLine { connection: id, robot, line: String::new() }));
+        if let Some(mut session) = self.sessions.remove(&id) {
+            session.report_dropped();
+            session.end(&mut self.world);
+            self.owners.retain(|_, owner| *owner != id);
+        }
+        self.live.changed(Instant::now());
     }
 
     fn control(&mut self, control: Control) {
         match control {
-            Control::Pause(paused) => self.timing.paused = paused,
+            Control::Pause(paused) => (self.timing.paused, self.timing.steps) = (paused, 0),
             Control::Step(steps) => {
                 self.timing.paused = true;
                 self.timing.steps = self.timing.steps.saturating_add(steps);
@@ -184,7 +284,9 @@ impl Server {
                 self.recording.stop(&self.world);
             }
         }
-        info!(?control, time = self.world.time(), "wished by a viewer");
+        if let Spent::Granted { .. } = self.controls.spend(Instant::now()) {
+            info!(?control, time = self.world.time(), "asked by a viewer");
+        }
         self.pace = Pace::new(self.timing.speed, Instant::now(), self.world.time());
         self.live.changed(Instant::now());
     }
@@ -210,21 +312,21 @@ impl Server {
         }
         inits.sort_by_key(|(robot, ..)| *robot);
         for (_, id, line) in inits {
-            self.handle_line(id, Ok(line));
+            self.execute(id, &Request::read(Ok(line)));
         }
         self.live.say("the world began anew");
     }
 
-    fn handle_line(&mut self, id: ConnectionId, line: Result<String, Problem>) {
-        if let Ok(text) = &line {
+    fn execute(&mut self, id: ConnectionId, request: &Request) {
+        let Request { text, .. } = request;
+        if !text.is_empty() {
             let robot = self.newest_robot(id);
             self.recording.record(&self.world, || Record::In(WireLine { connection: id, robot, line: text.clone() }));
             self.tell_line("in", id, robot, text);
         }
         let Some(session) = self.sessions.get_mut(&id) else { return };
         let robots = session.robots().len();
-        let (answers, warnings) =
-            session.handle(line.as_deref().map_err(Clone::clone), &mut self.world, Instant::now());
+        let (answers, warnings) = session.execute(request, &mut self.world, Instant::now());
         if session.robots().len() > robots {
             self.owners.extend(session.robots().last().map(|&robot| (robot, id)));
             self.live.changed(Instant::now());

@@ -76,7 +76,8 @@ enum Command {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    start_logging(&arguments);
+    // Kept to the end: what waits is written when it is dropped.
+    let _logging = start_logging(&arguments);
     let result = match arguments.command {
         Command::Serve(arguments) => serve::run(arguments),
         Command::Teleop(arguments) => teleop::run(&arguments),
@@ -94,7 +95,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure { code, message }) => {
-            eprintln!("usarsim: {message}");
+            complain(message);
             ExitCode::from(code)
         }
     }
@@ -112,7 +113,9 @@ impl Failure {
     }
 }
 
-fn start_logging(arguments: &Arguments) {
+/// Log lines go through a thread of their own: a reader of stderr that has stopped must not stop the server. Lines that find
+/// no room are lost.
+fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::WorkerGuard {
     use std::io::IsTerminal;
     use tracing_subscriber::filter::LevelFilter;
     let level = match (arguments.quiet, arguments.verbose) {
@@ -122,18 +125,27 @@ fn start_logging(arguments: &Arguments) {
         (false, _) => LevelFilter::TRACE,
     };
     let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_ansi(colour)
-        .with_target(false)
-        .with_max_level(level)
-        .init();
+    let (writer, guard) = tracing_appender::non_blocking(std::io::stderr());
+    tracing_subscriber::fmt().with_writer(writer).with_ansi(colour).with_target(false).with_max_level(level).init();
+    guard
 }
 
 /// A number from the command line, within bounds.
 fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     if (least..=most).contains(&value) { Ok(value) } else { Err(format!("expected {least} to {most}")) }
+}
+
+/// Says on stderr what went wrong. Nobody has to listen: a reader that is gone or has stopped is not waited for.
+fn complain(message: impl std::fmt::Display) {
+    use std::io::Write;
+    let text = format!("usarsim: {message}\n");
+    let (written, done) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let _ = std::io::stderr().write_all(text.as_bytes());
+        let _ = written.send(());
+    });
+    let _ = done.recv_timeout(std::time::Duration::from_secs(1));
 }
 
 /// Prints to stdout; a reader that has gone away is not an error.

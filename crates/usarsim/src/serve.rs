@@ -8,7 +8,7 @@ use scene_loader::Override;
 use sim_core::Options;
 use sim_core::scene::DriveModel;
 
-use crate::{Failure, exit, print, within};
+use crate::{Failure, exit, print};
 
 /// Port of the page unless another is asked for.
 const DEFAULT_HTTP_PORT: u16 = 8080;
@@ -67,6 +67,9 @@ pub(crate) struct Arguments {
     /// Tell clients what is wrong with their lines by `NFO {Error ..}`, which USARSim does not.
     #[arg(long, env = "USARSIM_REPORT_ERRORS")]
     report_errors: bool,
+    /// Let only the newest robot of a connection leave with it, as USARSim does: the others stand for ever.
+    #[arg(long, env = "USARSIM_KEEP_ROBOTS")]
+    keep_robots: bool,
     /// Unit of wheel speeds on the wire: radians or revolutions a second.
     #[arg(long, env = "USARSIM_WHEEL_SPEEDS", default_value = "rad")]
     wheel_speeds: WheelSpeeds,
@@ -88,7 +91,8 @@ enum LogFormat {
 }
 
 pub(crate) fn real_time_factor(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 10_000.0)
+    let factor: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    gamebots_server::check_real_time_factor(factor)
 }
 
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
@@ -101,7 +105,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         WheelSpeeds::Rev => std::f64::consts::TAU,
     };
     let config = Config {
-        options: Options { seed: arguments.seed, speed_unit, ..Options::default() },
+        options: Options { seed: arguments.seed, speed_unit, keep_robots: arguments.keep_robots, ..Options::default() },
         host: arguments.host,
         port: arguments.port,
         real_time_factor: arguments.rtf,

@@ -8,7 +8,7 @@ use crossterm::terminal;
 use gamebots_client::Client;
 use gamebots_proto::Line;
 
-use crate::{Failure, connect, exit};
+use crate::{Failure, connect, exit, print};
 
 /// Options of `teleop`.
 #[derive(clap::Args)]
@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     });
     let result = drive(&mut client, &keys, is_omni).map_err(lost);
     drop(raw);
-    println!();
+    print("");
     result
 }
 

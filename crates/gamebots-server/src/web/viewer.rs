@@ -1,18 +1,20 @@
-//! One viewer: frames, status and notices to it, wishes from it.
+//! One viewer: frames, status and notices to it, requests from it.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use axum::Extension;
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
 use serde::Deserialize;
 use serde_json::json;
+use tokio::sync::Semaphore;
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
 
-use super::Site;
+use super::{Place, Site};
 use crate::connection::Event;
 use crate::control::Control;
 use crate::live::{Line, Notice};
@@ -32,9 +34,14 @@ struct Listen {
     wire: bool,
 }
 
-pub(super) async fn upgrade(State(site): State<Arc<Site>>, socket: WebSocketUpgrade) -> Response {
+pub(super) async fn upgrade(
+    State(site): State<Arc<Site>>,
+    Extension(place): Extension<Place>,
+    socket: WebSocketUpgrade,
+) -> Response {
     socket.max_message_size(MAX_TEXT).on_upgrade(|socket| async move {
-        let mut viewer = Viewer { socket, site, lines: None, told: (Instant::now(), 0) };
+        let turns = Arc::new(Semaphore::new(1));
+        let mut viewer = Viewer { socket, site, turns, lines: None, told: (Instant::now(), 0), _place: place };
         // A viewer that has left, or takes nothing, needs no farewell.
         let _ = viewer.run().await;
     })
@@ -43,10 +50,13 @@ pub(super) async fn upgrade(State(site): State<Arc<Site>>, socket: WebSocketUpgr
 struct Viewer {
     socket: WebSocket,
     site: Arc<Site>,
+    /// One request of it waits for the world.
+    turns: Arc<Semaphore>,
     /// The lines of the wire, while it wants them.
     lines: Option<Receiver<Arc<Line>>>,
     /// When the present window began, and how many lines it has been told since.
     told: (Instant, u64),
+    _place: Place,
 }
 
 /// The viewer is gone.
@@ -107,19 +117,19 @@ impl Viewer {
     }
 
     async fn take(&mut self, received: Option<Result<Message, axum::Error>>) -> Result<(), Gone> {
-        let wish = match received {
+        let request = match received {
             Some(Ok(Message::Text(text))) => text,
             Some(Ok(Message::Binary(_) | Message::Ping(_) | Message::Pong(_))) => return Ok(()),
             Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
         };
-        if let Ok(Listen { wire }) = serde_json::from_str(&wish) {
+        if let Ok(Listen { wire }) = serde_json::from_str(&request) {
             self.lines = wire.then(|| self.site.channels.lines());
             return Ok(());
         }
-        match Control::read(&wish) {
+        match Control::read(&request) {
             Ok(control) => {
-                let events = self.site.events.upgrade().ok_or(Gone)?;
-                events.send(Event::Control(control)).await.map_err(|_| Gone)
+                let turn = self.turns.clone().acquire_owned().await.map_err(|_| Gone)?;
+                self.site.events.send(Event::Control(control, turn)).map_err(|_| Gone)
             }
             Err(reason) => self.send(text(&json!({ "said": format!("not understood: {reason}") }))).await,
         }
@@ -130,7 +140,7 @@ impl Viewer {
             Ok(Ok(())) => Ok(()),
             Ok(Err(_)) => Err(Gone),
             Err(_) => {
-                tracing::info!("a viewer takes nothing and is thrown out");
+                tracing::info!("a viewer takes nothing and is disconnected");
                 Err(Gone)
             }
         }

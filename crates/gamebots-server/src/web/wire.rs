@@ -2,23 +2,35 @@
 //! port, with the same rights and limits as every other. Bytes pass through as they are.
 
 use std::sync::Arc;
+use std::time::Duration;
 
+use axum::Extension;
 use axum::extract::State;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt, StreamExt};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
+use tokio::net::tcp::{ReadHalf, WriteHalf};
 use tokio::time::timeout;
 
-use super::Site;
+use super::{Place, Site};
 
 /// Longest message from a browser.
 const MAX_MESSAGE: usize = 64 * 1024;
 /// Code of a WebSocket's end that says that the server cannot do it now.
 const TRY_LATER: u16 = 1013;
 
-pub(super) async fn upgrade(State(site): State<Arc<Site>>, socket: WebSocketUpgrade) -> Response {
-    socket.max_message_size(MAX_MESSAGE).on_upgrade(|socket| async move { bridge(socket, &site).await })
+pub(super) async fn upgrade(
+    State(site): State<Arc<Site>>,
+    Extension(place): Extension<Place>,
+    socket: WebSocketUpgrade,
+) -> Response {
+    socket.max_message_size(MAX_MESSAGE).on_upgrade(|socket| async move {
+        bridge(socket, &site).await;
+        drop(place);
+    })
 }
 
 async fn bridge(mut socket: WebSocket, site: &Site) {
@@ -30,31 +42,37 @@ async fn bridge(mut socket: WebSocket, site: &Site) {
             return;
         }
     };
-    let (mut read, mut write) = stream.split();
-    let mut buffer = vec![0; 16 * 1024];
-    loop {
-        tokio::select! {
-            received = socket.recv() => {
-                let bytes = match received {
-                    Some(Ok(Message::Text(text))) => text.into(),
-                    Some(Ok(Message::Binary(bytes))) => bytes,
-                    Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
-                    Some(Ok(Message::Close(_)) | Err(_)) | None => return,
-                };
-                if !matches!(timeout(site.stall_timeout, write.write_all(&bytes)).await, Ok(Ok(()))) {
-                    return;
-                }
-            }
-            count = read.read(&mut buffer) => {
-                let Some(bytes) = count.ok().filter(|&count| count > 0).map(|count| buffer[..count].to_vec()) else {
-                    let _ = socket.send(Message::Close(None)).await;
-                    return;
-                };
-                // Binary: a piece may end within a character.
-                if !matches!(timeout(site.stall_timeout, socket.send(Message::Binary(bytes.into()))).await, Ok(Ok(()))) {
-                    return;
-                }
-            }
+    let (read, write) = stream.split();
+    let (to_browser, from_browser) = socket.split();
+    // Each direction goes on while the other waits: a server that has to be read before it takes more is read.
+    tokio::select! {
+        () = to_server(from_browser, write, site.stall_timeout) => {}
+        () = to_page(read, to_browser, site.stall_timeout) => {}
+    }
+}
+
+async fn to_server(mut browser: SplitStream<WebSocket>, mut write: WriteHalf<'_>, stall_timeout: Duration) {
+    while let Some(Ok(message)) = browser.next().await {
+        let bytes = match message {
+            Message::Text(text) => text.into(),
+            Message::Binary(bytes) => bytes,
+            Message::Ping(_) | Message::Pong(_) => continue,
+            Message::Close(_) => return,
+        };
+        if !matches!(timeout(stall_timeout, write.write_all(&bytes)).await, Ok(Ok(()))) {
+            return;
         }
     }
+}
+
+async fn to_page(mut read: ReadHalf<'_>, mut browser: SplitSink<WebSocket, Message>, stall_timeout: Duration) {
+    let mut buffer = vec![0; 16 * 1024];
+    while let Ok(count @ 1..) = read.read(&mut buffer).await {
+        // Binary: a piece may end within a character.
+        let bytes = Message::Binary(buffer[..count].to_vec().into());
+        if !matches!(timeout(stall_timeout, browser.send(bytes)).await, Ok(Ok(()))) {
+            return;
+        }
+    }
+    let _ = browser.send(Message::Close(None)).await;
 }

@@ -52,7 +52,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
             }
             // One bad log among many does not hide the others.
             Err(failure) if files.len() > 1 => {
-                eprintln!("usarsim: {}", failure.message);
+                crate::complain(&failure.message);
                 unreadable += 1;
             }
             Err(failure) => return Err(failure),
