@@ -136,3 +136,28 @@ fn what_stands_on_an_analytic_robot_weighs_on_its_wheels() {
     assert!((sum - 2.0 * weight).abs() < 0.02 * weight, "{sum} {weight}");
     assert!((position(&world, above).z - position(&world, below).z + 0.1).abs() < 0.005);
 }
+
+/// No file can say this, see `hostile_files.rs`; should a state break all the same, only what touches it goes with it.
+#[test]
+fn a_robot_whose_state_is_not_finite_is_taken_out_and_the_rest_goes_on() {
+    for model in MODELS {
+        let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+        def.robots.values_mut().for_each(|robot| robot.set_drive_model(Some(model)));
+        let parts = &mut def.robots.get_mut("YouBot").expect("the class").parts;
+        parts[0].inertia *= f64::NAN;
+        let mut world = World::new(def, Options::default());
+        let good = init(&mut world, "INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}");
+        let broken = init(&mut world, "INIT {ClassName USARBot.YouBot} {Name Broken} {Start RobotStart1}");
+        apply(&mut world, broken, "DRIVE {Left 5}{Right 5}");
+        apply(&mut world, good, "DRIVE {Left 1}{Right 1}");
+        for message in run(&mut world, 2.0) {
+            let line = message.write();
+            assert!(!line.contains("NaN") && !line.contains("inf"), "{model:?}: {line}");
+        }
+        let lost: Vec<String> = world.take_lost().into_iter().map(|lost| lost.name).collect();
+        println!("{model:?}: lost {lost:?}");
+        assert!(speed(&world, good).is_finite() && world.observe(good).is_some());
+        assert_eq!(lost, ["Broken"], "{model:?}");
+        assert!(world.state(broken).is_none());
+    }
+}

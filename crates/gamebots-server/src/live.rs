@@ -157,6 +157,11 @@ impl Broadcast {
         self.frames.receiver_count() > 1
     }
 
+    /// A robot has left.
+    pub(crate) fn forget(&mut self, robot: RobotId) {
+        self.scanned.retain(|(scanned, _), _| *scanned != robot);
+    }
+
     /// The next status is due at once: something has happened.
     pub(crate) fn changed(&mut self, now: Instant) {
         self.next_status = now;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use gamebots_proto::message::Message;
 use recorder::{Record, WireLine};
-use sim_core::{Options, RobotId, World};
+use sim_core::{LostRobot, Options, RobotId, World};
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
@@ -151,6 +151,13 @@ impl Server {
                 self.send(owner, Some(robot.0), &message);
             }
         }
+        for LostRobot { id, class, name } in self.world.take_lost() {
+            self.owners.remove(&id);
+            self.live.forget(id);
+            let text = format!("robot {} ({class} {name}) is removed: its state is not finite any more", id.0);
+            warn!("{text}");
+            self.say(&text);
+        }
         self.recording.record_states(&self.world);
         self.credit = (self.credit + start.elapsed()).min(MAX_CREDIT);
     }
@@ -260,6 +267,7 @@ impl Server {
         self.recording.record(&self.world, || Record::Closed(WireLine { connection: id, robot, line: String::new() }));
         if let Some(mut session) = self.sessions.remove(&id) {
             session.report_dropped();
+            session.robots().iter().for_each(|&robot| self.live.forget(robot));
             session.end(&mut self.world);
             self.owners.retain(|_, owner| *owner != id);
         }

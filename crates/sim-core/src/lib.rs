@@ -13,4 +13,4 @@ pub mod sensor;
 mod world;
 
 pub use physics::{BodyState, Contact, WheelState, hull_surface, wheel_spin_inertia};
-pub use world::{Controller, Observation, Options, RobotId, TIME_STEP, World};
+pub use world::{Controller, LostRobot, Observation, Options, RobotId, TIME_STEP, World};

@@ -60,13 +60,25 @@ pub struct World {
     steps: u64,
     robots: BTreeMap<RobotId, Robot>,
     next_id: u64,
+    lost: Vec<LostRobot>,
+}
+
+/// A robot that had to be taken out of the world: its state was not finite any more.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LostRobot {
+    /// Its number.
+    pub id: RobotId,
+    /// Its class.
+    pub class: String,
+    /// Its name from INIT.
+    pub name: String,
 }
 
 impl World {
     /// A world without robots at time zero.
     pub fn new(def: WorldDef, options: Options) -> Self {
         let physics = Physics::new(&def.map, options.time_step);
-        Self { def, options, physics, steps: 0, robots: BTreeMap::new(), next_id: 0 }
+        Self { def, options, physics, steps: 0, robots: BTreeMap::new(), next_id: 0, lost: Vec::new() }
     }
 
     /// Simulated time, s.
@@ -177,11 +189,30 @@ impl World {
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
         let mut messages = Vec::new();
+        self.robots.values_mut().for_each(|robot| robot.after_step(&mut self.physics));
+        self.remove_unsound();
         for (&id, robot) in &mut self.robots {
-            robot.after_step(&mut self.physics);
             robot.report(&self.physics, time, steps, |message| messages.push((id, message)));
         }
         messages
+    }
+
+    /// Nothing that is not a number is ever sent, and one broken robot does not break the others.
+    fn remove_unsound(&mut self) {
+        let unsound = self.robots.iter().filter(|(_, robot)| !self.physics.is_sound(robot.bodies()));
+        let unsound: Vec<RobotId> = unsound.map(|(&id, _)| id).collect();
+        for id in unsound {
+            if let Some(robot) = self.robots.get(&id) {
+                let (class, name) = (robot.def().class.clone(), robot.name().to_owned());
+                self.lost.push(LostRobot { id, class, name });
+            }
+            self.remove(id);
+        }
+    }
+
+    /// Robots that had to be taken out since the last call because their state was not finite any more.
+    pub fn take_lost(&mut self) -> Vec<LostRobot> {
+        std::mem::take(&mut self.lost)
     }
 
     /// The robots with their class and their name, in the order that they came.

@@ -261,6 +261,22 @@ impl Physics {
         }
     }
 
+    /// Whether every number of a robot is one. The engine holds a body whose state is none where it was last, which is no
+    /// better.
+    pub(crate) fn is_sound(&self, bodies: &RobotBodies) -> bool {
+        let BodyState { pose, linear, angular } = self.body(bodies);
+        let body = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(&linear).chain(&angular);
+        let wheels = bodies.wheels();
+        let wheels = wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]);
+        let held = self.world.quarantine();
+        body.copied().chain(wheels).all(f64::is_finite)
+            && !held.bodies().iter().any(|&body| bodies.contains(body))
+            && !held.colliders().iter().any(|&collider| {
+                let parent = self.world.colliders.get(collider).and_then(Collider::parent);
+                parent.is_some_and(|body| bodies.contains(body))
+            })
+    }
+
     /// Pose and velocity of the robot frame.
     pub(crate) fn body(&self, bodies: &RobotBodies) -> BodyState {
         if let Drivetrain::Rigid(base) = &bodies.drivetrain {
