@@ -1,13 +1,25 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
 .PHONY: run view test book check
 
+# Expanded only where something has to be built with it.
+npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
+	`cargo run --release -- serve` does all but the page))
+
+# With the folders: the time of one changes when a file in it is added or removed.
+page_sources := $(shell find viewer/src viewer/public) viewer/index.html viewer/package.json viewer/tsconfig.json \
+	viewer/vite.config.ts
+
 # A server that one can look at.
 run: view
 	cargo run --release -- serve
 
-# The page, which the next build of the server embeds.
-view: viewer/node_modules/.package-lock.json
-	cd viewer && npm run build
+# The page, which the next build of the server embeds: viewer/dist is touched only where the page differs, as the server
+# is linked anew after that.
+view: target/page/index.html
+	@diff -qr target/page viewer/dist/page >/dev/null 2>&1 || (rm -rf viewer/dist/page && cp -r target/page viewer/dist/page)
+
+target/page/index.html: viewer/node_modules/.package-lock.json $(page_sources)
+	cd viewer && $(npm) run build -- --outDir ../target/page
 
 # Everything that is tested, the page in a real browser (chromium) too.
 test: view
@@ -27,4 +39,4 @@ check:
 	.ci/run
 
 viewer/node_modules/.package-lock.json: viewer/package-lock.json
-	cd viewer && npm ci --no-fund --no-audit
+	cd viewer && $(npm) ci --no-fund --no-audit
