@@ -1,4 +1,4 @@
-/** The page: what comes from the server goes to the state, the picture and the panels; wishes go back. */
+/** The page: what comes from the server goes to the state, the picture and the panels; commands go back. */
 
 import './style.css';
 import { Bar } from './panel/bar';
@@ -129,7 +129,8 @@ setInterval(() => {
   bar.updateFrame();
   robots.updateFrame();
   wire.draw();
-  setText(find('rate'), `${view.framesPerSecond()} pictures/s`);
+  const rate = view.framesPerSecond();
+  setText(find('rate'), `${rate} ${rate === 1 ? 'frame' : 'frames'}/s`);
   const metres = view.metresPer100Pixels();
   const round = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((length) => length >= metres) ?? 100;
   const bar100 = find('scale').firstElementChild as HTMLElement;

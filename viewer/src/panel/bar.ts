@@ -20,11 +20,11 @@ export class Bar {
     live: Live,
     private readonly view: View,
   ) {
-    this.pause.onclick = () => live.wish({ pause: !state.status?.paused });
-    find('step').onclick = () => live.wish({ step: 1 });
-    find('reset').onclick = () => live.wish('reset');
-    this.record.onclick = () => live.wish({ record: state.status?.recording === null });
-    this.speed.onchange = () => live.wish({ speed: Number(this.speed.value) });
+    this.pause.onclick = () => live.control({ pause: !state.status?.paused });
+    find('step').onclick = () => live.control({ step: 1 });
+    find('reset').onclick = () => live.control('reset');
+    this.record.onclick = () => live.control({ record: state.status?.recording === null });
+    this.speed.onchange = () => live.control({ speed: Number(this.speed.value) });
     this.camera.onchange = () => this.look();
     find('screenshot').onclick = () => void this.savePicture();
     find('theme').onclick = () => this.setTheme(document.documentElement.dataset.theme !== 'dark');
@@ -53,7 +53,7 @@ export class Bar {
     if (!status) return;
     setText(find('map'), scene?.map.name ?? 'usarsim');
     setText(find('factor'), status.paused ? '0' : status.real_time_factor.toFixed(2));
-    setText(this.pause, status.paused ? 'Go on' : 'Pause');
+    setText(this.pause, status.paused ? 'Resume' : 'Pause');
     this.pause.setAttribute('aria-pressed', String(status.paused));
     setText(this.record, status.recording ? 'Stop recording' : 'Record');
     this.record.setAttribute('aria-pressed', String(status.recording !== null));

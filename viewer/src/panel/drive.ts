@@ -25,7 +25,7 @@ export type Placing = ((place: Vector) => void) | null;
 export class DrivePanel {
   private readonly classes = make('select', { name: 'class' });
   private readonly starts = make('select', { name: 'start' });
-  private readonly name = make('input', { name: 'name', value: 'Hand1', maxlength: '40', autocomplete: 'off' });
+  private readonly name = make('input', { name: 'name', value: 'Robot1', maxlength: '40', autocomplete: 'off' });
   private readonly speed = make('input', { type: 'range', min: '5', max: '100', value: '40', name: 'speed' });
   private readonly own = make('select', { name: 'own' });
   private readonly hint = make('p', { class: 'quiet', 'data-hint': '' });
@@ -41,13 +41,13 @@ export class DrivePanel {
     private readonly say: (text: string) => void,
     private readonly select: (name: string) => void,
   ) {
-    const spawn = make('button', { type: 'submit', id: 'spawn' }, 'Put it there');
+    const spawn = make('button', { type: 'submit', id: 'spawn' }, 'Spawn');
     const form = make(
       'form',
       {},
-      make('h2', {}, 'A robot of your own'),
+      make('h2', {}, 'Spawn a robot'),
       make('label', {}, 'Class', this.classes),
-      make('label', {}, 'Where', this.starts),
+      make('label', {}, 'Start', this.starts),
       make('label', {}, 'Name', this.name),
       make('div', { class: 'row' }, spawn),
     );
@@ -57,8 +57,8 @@ export class DrivePanel {
     };
     const stop = make('button', { type: 'button', id: 'stop' }, 'Stop');
     stop.onclick = () => this.release();
-    const leave = make('button', { type: 'button', id: 'leave' }, 'Take it away');
-    leave.onclick = () => this.driven && this.remove(this.driven, 'it was taken away');
+    const leave = make('button', { type: 'button', id: 'leave' }, 'Remove');
+    leave.onclick = () => this.driven && this.remove(this.driven, 'it was removed');
     this.own.onchange = () => this.drive(this.clients[this.own.selectedIndex] ?? null);
     this.driving.append(
       make('h2', {}, 'Driving'),
@@ -87,7 +87,7 @@ export class DrivePanel {
     if (scene.classes[keep]) this.classes.value = keep;
     this.starts.replaceChildren(
       ...scene.map.starts.map(({ name }) => make('option', { value: name }, name)),
-      make('option', { value: '' }, 'where I click'),
+      make('option', { value: '' }, 'where I click on the map'),
     );
   }
 
@@ -106,7 +106,7 @@ export class DrivePanel {
     const robotClass = this.state.scene?.classes[this.classes.value];
     if (!robotClass) return;
     // A name on the wire has no white space and no braces.
-    const name = this.name.value.replace(/[\s{}]+/g, '_') || 'Hand';
+    const name = this.name.value.replace(/[\s{}]+/g, '_') || 'Robot1';
     const spawn = { robotClass: this.classes.value, name, place };
     const client: Client = new Client(
       spawn,
@@ -139,12 +139,12 @@ export class DrivePanel {
     this.sticks.move.sideways = sideways;
     this.hint.replaceChildren(
       ...keys('W', 'S'),
-      ' ahead and back, ',
-      ...(sideways ? [...keys('A', 'D'), ' aside, '] : []),
+      ' forward and back, ',
+      ...(sideways ? [...keys('A', 'D'), ' sideways, '] : []),
       ...keys('Q', 'E'),
       ' or ',
       ...keys('←', '→'),
-      ' turn; or the sticks in the picture.',
+      ' turn; or use the sticks in the view.',
     );
     this.list();
   }

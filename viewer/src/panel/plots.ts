@@ -27,13 +27,13 @@ const CHARTS: Chart[] = [
     read: ({ pose }) => [pose[0], pose[1], rollPitchYaw(pose)[2]],
   },
   {
-    title: 'Wheel speeds, rad/s: measured, and told (dashed)',
-    series: ({ wheels }) => wheels.flatMap(({ name }) => [name, `${name} told`]),
+    title: 'Wheel speeds, rad/s: measured, and target (dashed)',
+    series: ({ wheels }) => wheels.flatMap(({ name }) => [name, `${name} target`]),
     dashed: (index) => index % 2 === 1,
     read: ({ wheels }) => wheels.flatMap(({ speed, target }) => [speed, target]),
   },
   {
-    title: 'Slip, mm/s: what the wheels would drive less what the robot does',
+    title: 'Slip, mm/s: velocity by the wheels minus velocity of the robot',
     series: () => ['forward', 'right'],
     read: slip,
   },

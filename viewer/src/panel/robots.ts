@@ -43,7 +43,7 @@ export class RobotsPanel {
     if (status.robots.length === 0) {
       const port = this.state.scene?.port ?? 3000;
       this.list.append(
-        make('li', {}, `No robot yet. Put one here in the tab Drive, or connect a controller to port ${port}.`),
+        make('li', {}, `No robot yet. Spawn one in the tab Drive, or connect a controller to port ${port}.`),
       );
     }
     this.clients.replaceChildren(
@@ -118,7 +118,7 @@ export class RobotsPanel {
       row(['forward', 'm/s'], ['right', 'm/s']),
       row(['clockwise', 'rad/s'], ['contacts', '']),
     );
-    const heads = ['wheel', 'told rad/s', 'is rad/s', 'angle rad'];
+    const heads = ['wheel', 'target rad/s', 'measured rad/s', 'angle rad'];
     const wheels = make(
       'table',
       {},

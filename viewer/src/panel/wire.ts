@@ -16,7 +16,12 @@ type Entry = WireLine | { said: string };
 export class WirePanel {
   private readonly text = make('input', { placeholder: 'only lines with …', name: 'filter', 'aria-label': 'Filter' });
   private readonly direction = make('select', { name: 'direction', 'aria-label': 'Direction' });
-  private readonly connection = make('input', { placeholder: 'client', name: 'connection', size: '5' });
+  private readonly connection = make('input', {
+    placeholder: 'client',
+    name: 'connection',
+    size: '5',
+    'aria-label': 'Number of the client',
+  });
   private readonly hold = make('button', { type: 'button', 'aria-pressed': 'false' }, 'Hold');
   private readonly list = make('ol', { id: 'lines' });
   private readonly entries: Entry[] = [];
@@ -26,9 +31,9 @@ export class WirePanel {
 
   constructor() {
     for (const [value, name] of [
-      ['', 'both ways'],
+      ['', 'both directions'],
       ['in', 'to the server'],
-      ['out', 'from it'],
+      ['out', 'from the server'],
     ] as const) {
       this.direction.append(make('option', { value }, name));
     }

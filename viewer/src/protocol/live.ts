@@ -1,4 +1,4 @@
-/** The connection that shows the world, and takes wishes about it. It comes back by itself. */
+/** The connection that shows the world and controls its time, its start and its log. It comes back by itself. */
 
 import { type Frame, type Scan, readMessage } from './frame';
 import { type Scene, fetchScene } from './scene';
@@ -21,7 +21,7 @@ export interface WireLine {
   text: string;
 }
 
-export type Wish = { pause: boolean } | { step: number } | { speed: number } | 'reset' | { record: boolean };
+export type Control = { pause: boolean } | { step: number } | { speed: number } | 'reset' | { record: boolean };
 
 /** What the page does with what comes. */
 export interface Listener {
@@ -55,8 +55,8 @@ export class Live {
     }, 1000);
   }
 
-  wish(wish: Wish): void {
-    this.send(JSON.stringify(wish));
+  control(control: Control): void {
+    this.send(JSON.stringify(control));
   }
 
   /** Whether the lines of the wire are wanted. */

@@ -162,7 +162,7 @@ export class View {
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
   }
 
-  /** Pictures drawn in the last second. */
+  /** Frames drawn in the last second. */
   framesPerSecond(): number {
     const now = performance.now();
     this.drawn = this.drawn.filter((time) => time > now - 1000);
