@@ -2,10 +2,11 @@
 
 import './style.css';
 import { Bar } from './panel/bar';
-import { find, make, setText } from './panel/dom';
+import { find, setText } from './panel/dom';
 import { DrivePanel, type Placing } from './panel/drive';
 import { PlotsPanel } from './panel/plots';
 import { RobotsPanel } from './panel/robots';
+import { Toasts } from './panel/toasts';
 import { WirePanel } from './panel/wire';
 import { Live } from './protocol/live';
 import { State } from './state';
@@ -16,8 +17,6 @@ const PANEL_INTERVAL = 100;
 const PLOT_INTERVAL = 250;
 /** A press that moves farther is no click, px. */
 const CLICK_REACH = 5;
-/** How long a message stays, ms. */
-const TOAST_TIME = 6000;
 
 const state = new State();
 let placing: Placing = null;
@@ -29,6 +28,7 @@ const view = new View(find<HTMLCanvasElement>('canvas'), find('labels'), (id) =>
 const robots = new RobotsPanel(state, select);
 const plots = new PlotsPanel(state);
 const wire = new WirePanel();
+const toasts = new Toasts(state);
 const drive = new DrivePanel(state, place, say, (name) => (expected = name));
 
 const live = new Live({
@@ -83,11 +83,7 @@ function place(next: Placing): void {
 
 function say(text: string): void {
   wire.said(text);
-  const toast = make('p', {}, text);
-  const toasts = find('toasts');
-  toasts.append(toast);
-  while (toasts.childElementCount > 4) toasts.firstElementChild?.remove();
-  setTimeout(() => toast.remove(), TOAST_TIME);
+  toasts.show(text);
 }
 
 /** What is wrong, or null when all is well again. */
