@@ -3,9 +3,11 @@
 import './style.css';
 import { Bar } from './panel/bar';
 import { find, setText } from './panel/dom';
-import { DrivePanel, type Placing } from './panel/drive';
+import { DrivePanel } from './panel/drive';
+import { returnFocusAfterChoice } from './panel/keys';
 import { PlotsPanel } from './panel/plots';
 import { RobotsPanel } from './panel/robots';
+import type { Placing } from './panel/spawn';
 import { Toasts } from './panel/toasts';
 import { WirePanel } from './panel/wire';
 import { Live } from './protocol/live';
@@ -20,8 +22,6 @@ const CLICK_REACH = 5;
 
 const state = new State();
 let placing: Placing = null;
-/** A robot of our own that is to be looked at as soon as it is there. */
-let expected: string | null = null;
 let connected = false;
 
 const view = new View(find<HTMLCanvasElement>('canvas'), find('labels'), (id) => state.robot(id));
@@ -29,7 +29,7 @@ const robots = new RobotsPanel(state, select);
 const plots = new PlotsPanel(state);
 const wire = new WirePanel();
 const toasts = new Toasts(state);
-const drive = new DrivePanel(state, place, say, (name) => (expected = name));
+const drive = new DrivePanel(state, place, say, select);
 
 const live = new Live({
   scene(scene) {
@@ -51,11 +51,7 @@ const live = new Live({
     if (!connected) showBanner(null);
     connected = true;
     if (state.selected !== null && !state.robot(state.selected)) state.selected = null;
-    const own = status.robots.filter(({ name }) => name === expected).pop();
-    if (own) {
-      expected = null;
-      select(own.id);
-    } else if (state.selected === null && status.robots[0]) select(status.robots[0].id);
+    if (state.selected === null && status.robots[0]) select(status.robots[0].id);
     robots.updateStatus();
     bar.updateStatus();
   },
@@ -108,6 +104,8 @@ document.querySelectorAll<HTMLElement>('[role=tab]').forEach((tab) => {
   tab.onclick = () => showTab(tab.dataset.tab ?? '');
 });
 
+returnFocusAfterChoice();
+
 let pressed: PointerEvent | null = null;
 find('canvas').addEventListener('pointerdown', (event) => (pressed = event));
 find('canvas').addEventListener('pointerup', (event) => {
@@ -124,6 +122,7 @@ setInterval(() => plots.draw(), PLOT_INTERVAL);
 setInterval(() => {
   bar.updateFrame();
   robots.updateFrame();
+  drive.updateFrame();
   wire.draw();
   const rate = view.framesPerSecond();
   setText(find('rate'), `${rate} ${rate === 1 ? 'frame' : 'frames'}/s`);

@@ -10,6 +10,8 @@ export class State {
   frame: Frame | null = null;
   /** Number of the robot that is looked at. */
   selected: number | null = null;
+  /** Whether a robot is driven from this page: it gets the keys. */
+  driving = false;
 
   /** Class and name of a robot. */
   robot(id: number | null): Status['robots'][number] | null {

@@ -4,53 +4,8 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { readdirSync, statSync } from 'node:fs';
 import { join } from 'node:path';
-import { after, before, test } from 'node:test';
-import {
-  connectRobots,
-  launchBrowser,
-  number,
-  openPage,
-  pictures,
-  program,
-  startServer,
-  waitForNumber,
-} from './server.mjs';
-
-const X = '[data-value=x]';
-const Y = '[data-value=y]';
-let browser;
-
-before(async () => {
-  browser = await launchBrowser();
-});
-
-after(async () => {
-  await browser.close();
-});
-
-/** A test with a server and a page of its own; nothing may go to the console as an error. */
-function pageTest(name, { serve = [], page: options = {}, mayFail = false }, body) {
-  test(name, { timeout: 120_000 }, async () => {
-    const server = await startServer(...serve);
-    const { page, errors, seconds } = await openPage(browser, server.url, options);
-    try {
-      await body({ page, server, seconds });
-      await page.screenshot({ path: join(pictures, `${name.replaceAll(/\W+/g, '-')}.png`) });
-    } finally {
-      await page.context().close();
-      await server.stop();
-    }
-    if (!mayFail) assert.deepEqual(errors, []);
-  });
-}
-
-async function putRobot(page, { robotClass = 'KUKA_YouBot', start = 'PlayerStart_0' } = {}) {
-  await page.click('[data-tab=drive]');
-  await page.selectOption('select[name=class]', robotClass);
-  await page.selectOption('select[name=start]', start);
-  await page.click('#spawn');
-  await page.waitForSelector('[data-robot]', { state: 'attached' });
-}
+import { X, Y, pageTest, spawnRobot } from './pagetest.mjs';
+import { connectRobots, number, pictures, program, startServer, waitForNumber } from './server.mjs';
 
 pageTest('an empty world is shown at once', { serve: ['--map', 'arena'] }, async ({ page, seconds }) => {
   console.log(`# first picture after ${seconds.toFixed(2)} s`);
@@ -62,8 +17,8 @@ pageTest('an empty world is shown at once', { serve: ['--map', 'arena'] }, async
   assert.ok(picture.length > 15_000, `${picture.length} bytes`);
 });
 
-pageTest('a robot is put on the map and driven by keys', { serve: ['--map', 'arena'] }, async ({ page }) => {
-  await putRobot(page);
+pageTest('a robot is spawned and driven by keys', { serve: ['--map', 'arena'] }, async ({ page }) => {
+  await spawnRobot(page);
   await page.click('[data-tab=robots]');
   await waitForNumber(page, Y, (value) => Math.abs(value) < 0.01);
   await page.keyboard.down('d');
@@ -78,12 +33,12 @@ pageTest('a robot is put on the map and driven by keys', { serve: ['--map', 'are
   await waitForNumber(page, X, (value) => value > 0.1);
   await page.keyboard.up('w');
   await page.click('[data-tab=drive]');
-  await page.click('#leave');
+  await page.click('#remove');
   await page.waitForSelector('[data-robot]', { state: 'detached' });
 });
 
 pageTest('a skid robot is driven by keys too', { serve: ['--map', 'rough'] }, async ({ page }) => {
-  await putRobot(page, { robotClass: 'P3AT' });
+  await spawnRobot(page, { robotClass: 'P3AT' });
   await page.click('[data-tab=robots]');
   await page.keyboard.down('ArrowUp');
   await waitForNumber(page, X, (value) => value > 0.3);
@@ -91,7 +46,7 @@ pageTest('a skid robot is driven by keys too', { serve: ['--map', 'rough'] }, as
   await waitForNumber(page, '[data-value=yaw]', (value) => value > 10);
 });
 
-pageTest('a robot is put where one clicks', { serve: ['--map', 'arena'] }, async ({ page }) => {
+pageTest('a robot is spawned where one clicks', { serve: ['--map', 'arena'] }, async ({ page }) => {
   await page.click('[data-tab=drive]');
   await page.selectOption('select[name=start]', '');
   await page.click('#spawn');
@@ -120,7 +75,7 @@ pageTest('time is paused, stepped and hurried', { serve: ['--map', 'rough'] }, a
 });
 
 pageTest('a reset puts the robots back', { serve: ['--map', 'rough'] }, async ({ page }) => {
-  await putRobot(page, { start: 'RobotStart1' });
+  await spawnRobot(page, { start: 'RobotStart1' });
   await page.click('[data-tab=robots]');
   await page.keyboard.down('w');
   await waitForNumber(page, X, (value) => value > 2.3);
@@ -135,7 +90,7 @@ pageTest('a reset puts the robots back', { serve: ['--map', 'rough'] }, async ({
 pageTest('a log is recorded and reads', { serve: ['--map', 'rough'] }, async ({ page, server }) => {
   await page.click('#record');
   await page.waitForSelector('#record[aria-pressed=true]');
-  await putRobot(page);
+  await spawnRobot(page);
   await waitForNumber(page, '#time', (value) => value > 1);
   await page.click('#record');
   await page.waitForSelector('#record[aria-pressed=false]');
@@ -145,7 +100,7 @@ pageTest('a log is recorded and reads', { serve: ['--map', 'rough'] }, async ({ 
 });
 
 pageTest('plots are drawn', { serve: ['--map', 'rough'] }, async ({ page }) => {
-  await putRobot(page);
+  await spawnRobot(page);
   await page.keyboard.down('d');
   await page.click('[data-tab=plots]');
   await page.waitForFunction(() => {
@@ -161,7 +116,7 @@ pageTest('plots are drawn', { serve: ['--map', 'rough'] }, async ({ page }) => {
 
 pageTest('lines of the wire are shown and filtered', { serve: ['--map', 'rough'] }, async ({ page }) => {
   await page.click('[data-tab=wire]');
-  await putRobot(page);
+  await spawnRobot(page);
   await page.click('[data-tab=wire]');
   await page.waitForSelector('#lines .out:has-text("GroundTruth")');
   await page.fill('[name=filter]', 'STA {');
@@ -240,7 +195,7 @@ pageTest('the page survives a reload and a server that is gone', { mayFail: true
     await page.waitForSelector('#banner', { state: 'hidden' });
     await page.waitForSelector('#toasts :text("another map")');
     assert.equal(await page.textContent('#map'), 'arena');
-    await putRobot(page);
+    await spawnRobot(page);
     await page.screenshot({ path: join(pictures, 'a-server-that-came-back.png') });
   } finally {
     await again.stop();

@@ -10,8 +10,11 @@ async function take(file, serve, options, prepare) {
   const server = await startServer(...serve);
   const { page } = await openPage(browser, server.url, options);
   await prepare(page, server);
-  // The message about a robot that came would hide the picture.
-  await page.evaluate(() => document.getElementById('toasts').replaceChildren());
+  // Messages would hide the view, and who uses no keyboard sees no focus.
+  await page.evaluate(() => {
+    document.getElementById('toasts').replaceChildren();
+    document.activeElement.blur();
+  });
   await page.screenshot({ path: join(folder, file) });
   await page.context().close();
   await server.stop();

@@ -37,20 +37,23 @@ export async function startServer(...options) {
   return { folder, port, http, url: `http://127.0.0.1:${http}/`, stop };
 }
 
-/** Connects clients of the protocol that put a robot on the map each, and drive it. */
+/** Connects a client of the protocol that sends some lines. */
+export async function connectClient(port, ...lines) {
+  const socket = net.connect(port, '127.0.0.1');
+  await new Promise((resolve, failed) => socket.once('connect', resolve).once('error', failed));
+  socket.on('error', () => {});
+  socket.resume();
+  lines.forEach((line) => socket.write(`${line}\r\n`));
+  return { end: () => socket.destroy() };
+}
+
+/** Connects clients that spawn a robot each, and drive it. */
 export async function connectRobots(port, count, robotClass = 'KUKA_YouBot') {
-  const sockets = [];
   for (let number = 0; number < count; number++) {
-    const socket = net.connect(port, '127.0.0.1');
-    await new Promise((resolve, failed) => socket.once('connect', resolve).once('error', failed));
-    socket.on('error', () => {});
-    socket.resume();
     const [x, y] = [-4 + 2 * (number % 5), -2.5 + 1.4 * Math.floor(number / 5)];
-    socket.write(`INIT {ClassName USARBot.${robotClass}} {Name R${number}} {Location ${x},${y},-0.1}\r\n`);
-    socket.write('DRIVE {LinearVelocity 0.1} {LateralVelocity 0.1} {RotationalVelocity 0.5}\r\n');
-    sockets.push(socket);
+    const init = `INIT {ClassName USARBot.${robotClass}} {Name R${number}} {Location ${x},${y},-0.1}`;
+    await connectClient(port, init, 'DRIVE {LinearVelocity 0.1} {LateralVelocity 0.1} {RotationalVelocity 0.5}');
   }
-  return { end: () => sockets.forEach((socket) => socket.destroy()) };
 }
 
 /** Debian's browser, which draws without a graphics card here. */

@@ -5,6 +5,7 @@ import type { State } from '../state';
 import { LAYERS } from '../view/overlay';
 import type { CameraMode, View } from '../view/view';
 import { find, make, remember, remembered, setText } from './dom';
+import { isForControl } from './keys';
 
 /** Layers that are shown at first. */
 const FIRST_LAYERS = ['paths', 'rays', 'names', 'grid'];
@@ -29,11 +30,8 @@ export class Bar {
     find('screenshot').onclick = () => void this.savePicture();
     find('theme').onclick = () => this.setTheme(document.documentElement.dataset.theme !== 'dark');
     find('toggle-panel').onclick = () => (find('panel').hidden = !find('panel').hidden);
-    window.addEventListener('keydown', (event) => {
-      if (event.target instanceof HTMLElement && event.target.matches('input, select, button, summary')) return;
-      if (event.key === ' ') this.pause.click();
-      if (event.key === '.') find('step').click();
-    });
+    window.addEventListener('keydown', (event) => this.key(event, true));
+    window.addEventListener('keyup', (event) => this.key(event, false));
     const dark = matchMedia('(prefers-color-scheme: dark)').matches;
     this.setTheme(remembered('theme') === null ? dark : remembered('theme') === 'dark');
     this.buildLayers();
@@ -63,6 +61,16 @@ export class Bar {
       this.speed.append(make('option', { value: speed }, `${speed} ×`));
     }
     if (document.activeElement !== this.speed) this.speed.value = speed;
+  }
+
+  private key(event: KeyboardEvent, down: boolean): void {
+    if (event.ctrlKey || event.metaKey || event.altKey || isForControl(event, this.state.driving)) return;
+    if (event.key === ' ') {
+      // Else the button that has the focus is pressed, too: by some browsers when the key goes down, by others after it.
+      event.preventDefault();
+      if (down && !event.repeat) this.pause.click();
+    }
+    if (event.key === '.' && down) find('step').click();
   }
 
   private setTheme(dark: boolean): void {

@@ -1,9 +1,10 @@
-/** The tab to put a robot on the map and drive it by keyboard or by sticks. */
+/** The tab to spawn a robot and drive it by keyboard or by sticks. */
 
 import { Client, type Spawn, type Twist } from '../protocol/client';
-import type { Vector } from '../protocol/scene';
 import type { State } from '../state';
-import { find, make } from './dom';
+import { find, make, setText } from './dom';
+import { isForControl } from './keys';
+import { type Placing, SpawnForm } from './spawn';
 import { Stick } from './stick';
 
 const KEYS: Record<string, Partial<Twist>> = {
@@ -19,58 +20,48 @@ const KEYS: Record<string, Partial<Twist>> = {
   ArrowRight: { clockwise: 1 },
 };
 
-/** What a click on the map is for. */
-export type Placing = ((place: Vector) => void) | null;
-
 export class DrivePanel {
-  private readonly classes = make('select', { name: 'class' });
-  private readonly starts = make('select', { name: 'start' });
-  private readonly name = make('input', { name: 'name', value: 'Robot1', maxlength: '40', autocomplete: 'off' });
-  private readonly speed = make('input', { type: 'range', min: '5', max: '100', value: '40', name: 'speed' });
+  private readonly form: SpawnForm;
+  private readonly speed = make('input', { type: 'range', min: '5', max: '100', value: '40', id: 'drive-speed' });
+  private readonly speedOutput = make('output', { for: 'drive-speed' });
   private readonly own = make('select', { name: 'own' });
   private readonly hint = make('p', { class: 'quiet', 'data-hint': '' });
   private readonly driving = make('div', { hidden: '' });
   private readonly clients: Client[] = [];
+  /** Own robots that are not in the world yet, each with the numbers of those that were there before. */
+  private readonly expected = new Map<Client, Set<number>>();
   private readonly pressed = new Set<string>();
   private readonly sticks: { move: Stick; turn: Stick };
   private driven: Client | null = null;
 
   constructor(
     private readonly state: State,
-    private readonly place: (placing: Placing) => void,
+    place: (placing: Placing) => void,
     private readonly say: (text: string) => void,
-    private readonly select: (name: string) => void,
+    private readonly select: (robot: number) => void,
   ) {
-    const spawn = make('button', { type: 'submit', id: 'spawn' }, 'Spawn');
-    const form = make(
-      'form',
-      {},
-      make('h2', {}, 'Spawn a robot'),
-      make('label', {}, 'Class', this.classes),
-      make('label', {}, 'Start', this.starts),
-      make('label', {}, 'Name', this.name),
-      make('div', { class: 'row' }, spawn),
-    );
-    form.onsubmit = (event) => {
-      event.preventDefault();
-      this.spawn();
-    };
+    this.form = new SpawnForm(state, place, say, (spawn) => this.connect(spawn));
     const stop = make('button', { type: 'button', id: 'stop' }, 'Stop');
     stop.onclick = () => this.release();
-    const leave = make('button', { type: 'button', id: 'leave' }, 'Remove');
-    leave.onclick = () => this.driven && this.remove(this.driven, 'it was removed');
+    const remove = make('button', { type: 'button', id: 'remove' }, 'Remove');
+    remove.onclick = () => this.driven && this.remove(this.driven, 'it was removed');
     this.own.onchange = () => this.drive(this.clients[this.own.selectedIndex] ?? null);
     this.driving.append(
       make('h2', {}, 'Driving'),
-      make('label', {}, 'Robot ', this.own),
-      make('label', { class: 'row' }, 'Speed ', this.speed),
-      make('div', { class: 'row' }, stop, leave),
+      make('label', { class: 'row' }, 'Robot', this.own),
+      make('div', { class: 'row' }, make('label', { for: 'drive-speed' }, 'Speed'), this.speed, this.speedOutput),
+      make('div', { class: 'row' }, stop, remove),
       this.hint,
     );
-    find('drive').append(form, this.driving);
-    this.sticks = { move: new Stick(false, () => this.tell()), turn: new Stick(true, () => this.tell()) };
+    find('drive').append(this.driving);
+    this.sticks = { move: new Stick(false, () => this.send()), turn: new Stick(true, () => this.send()) };
     find('sticks').append(this.sticks.move.element, this.sticks.turn.element);
-    this.speed.oninput = () => this.tell();
+    const showSpeed = () => setText(this.speedOutput, `${this.speed.value} %`);
+    showSpeed();
+    this.speed.oninput = () => {
+      showSpeed();
+      this.send();
+    };
     window.addEventListener('keydown', (event) => this.key(event, true));
     window.addEventListener('keyup', (event) => this.key(event, false));
     // Nobody holds a key of a page that is not in front.
@@ -78,52 +69,38 @@ export class DrivePanel {
     document.addEventListener('visibilitychange', () => document.hidden && this.release());
   }
 
-  /** Another world: its classes and its places. */
   updateScene(): void {
-    const { scene } = this.state;
-    if (!scene) return;
-    const keep = this.classes.value || 'KUKA_YouBot';
-    this.classes.replaceChildren(...Object.keys(scene.classes).map((name) => make('option', { value: name }, name)));
-    if (scene.classes[keep]) this.classes.value = keep;
-    this.starts.replaceChildren(
-      ...scene.map.starts.map(({ name }) => make('option', { value: name }, name)),
-      make('option', { value: '' }, 'where I click on the map'),
-    );
+    this.form.updateScene();
+    this.updateFrame();
   }
 
-  private spawn(): void {
-    const robotClass = this.state.scene?.classes[this.classes.value];
-    if (!robotClass) return;
-    const start = this.starts.value;
-    if (start) this.connect({ start });
-    else {
-      this.say('Click on the map where the robot is to stand');
-      this.place((location) => this.connect({ location: [location[0], location[1], location[2] - 0.01], yaw: 0 }));
-    }
+  /** A frame has come: own robots may have arrived, starts may be free or taken. */
+  updateFrame(): void {
+    const robots = this.state.status?.robots ?? [];
+    this.expected.forEach((before, client) => {
+      const own = robots.find(({ id, name }) => name === client.spawn.name && !before.has(id));
+      if (!own || !this.state.robotState(own.id)) return;
+      this.expected.delete(client);
+      this.select(own.id);
+    });
+    this.form.update([...this.expected.keys()].map(({ spawn }) => spawn));
   }
 
-  private connect(place: Spawn['place']): void {
-    const robotClass = this.state.scene?.classes[this.classes.value];
+  private connect(spawn: Spawn): void {
+    const robotClass = this.state.scene?.classes[spawn.robotClass];
     if (!robotClass) return;
-    // A name on the wire has no white space and no braces.
-    const name = this.name.value.replace(/[\s{}]+/g, '_') || 'Robot1';
-    const spawn = { robotClass: this.classes.value, name, place };
-    const client: Client = new Client(
-      spawn,
-      robotClass,
-      (reason) => this.remove(client, reason),
-      () => this.select(name),
-    );
+    const client: Client = new Client(spawn, robotClass, (reason) => this.remove(client, reason));
     this.clients.push(client);
+    this.expected.set(client, new Set(this.state.status?.robots.map(({ id }) => id)));
     this.drive(client);
-    const [, stem = '', number = '1'] = /^(.*?)(\d*)$/.exec(name) ?? [];
-    this.name.value = `${stem}${Number(number) + 1}`;
+    this.updateFrame();
   }
 
   private remove(client: Client, reason: string): void {
     const index = this.clients.indexOf(client);
     if (index < 0) return;
     this.clients.splice(index, 1);
+    this.expected.delete(client);
     client.end();
     this.say(`${client.spawn.name} has left: ${reason}`);
     if (this.driven === client) this.drive(this.clients[0] ?? null);
@@ -133,6 +110,7 @@ export class DrivePanel {
   private drive(client: Client | null): void {
     this.release();
     this.driven = client;
+    this.state.driving = client !== null;
     this.driving.hidden = find('sticks').hidden = client === null;
     const robotClass = client && this.state.scene?.classes[client.spawn.robotClass];
     const sideways = robotClass?.steering === 'OmniDrive';
@@ -155,23 +133,23 @@ export class DrivePanel {
   }
 
   private key(event: KeyboardEvent, down: boolean): void {
-    if (!this.driven || !(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey) return;
-    const typing = event.target instanceof HTMLElement && event.target.matches('input:not([type=range]), select');
-    if (down && typing) return;
+    if (!this.driven || !(event.code in KEYS)) return;
+    if (down) {
+      if (event.ctrlKey || event.metaKey || event.altKey || isForControl(event, true)) return;
+      this.pressed.add(event.code);
+    } else if (!this.pressed.delete(event.code)) return;
     event.preventDefault();
-    if (down) this.pressed.add(event.code);
-    else this.pressed.delete(event.code);
-    this.tell();
+    this.send();
   }
 
   private release(): void {
     this.pressed.clear();
     this.sticks.move.release();
     this.sticks.turn.release();
-    this.tell();
+    this.send();
   }
 
-  private tell(): void {
+  private send(): void {
     const { move, turn } = this.sticks;
     const twist: Twist = { forward: -move.y, right: move.x, clockwise: turn.x };
     this.pressed.forEach((code) => {

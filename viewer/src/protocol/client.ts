@@ -22,33 +22,33 @@ const INTERVAL = 50;
 export class Client {
   private readonly socket: WebSocket;
   private readonly decoder = new TextDecoder();
-  private readonly waiting: string[] = [];
   private text = '';
+  private isGreeted = false;
   private sent = '';
-  private wanted = '';
+  private next = '';
   private timer: number | null = null;
 
   constructor(
     readonly spawn: Spawn,
     private readonly robot: RobotClass,
     left: (reason: string) => void,
-    greeted: () => void,
   ) {
     const { robotClass, name, place } = spawn;
     const where =
       'start' in place
         ? `{Start ${place.start}}`
         : `{Location ${place.location.join(',')}} {Rotation 0,0,${place.yaw}}`;
-    this.waiting.push(`INIT {ClassName USARBot.${robotClass}} {Name ${name}} ${where}`);
+    const init = `INIT {ClassName USARBot.${robotClass}} {Name ${name}} ${where}`;
     this.socket = new WebSocket(socketUrl('wire'));
     this.socket.binaryType = 'arraybuffer';
     this.socket.onmessage = (event: MessageEvent<ArrayBuffer>) => {
       this.text += this.decoder.decode(event.data, { stream: true });
       const lines = this.text.split('\n');
       this.text = lines.pop() ?? '';
-      if (lines.some((line) => line.startsWith('NFO {Gametype'))) {
-        this.waiting.splice(0).forEach((line) => this.send(line));
-        greeted();
+      if (!this.isGreeted && lines.some((line) => line.startsWith('NFO {Gametype'))) {
+        this.isGreeted = true;
+        this.send(init);
+        this.sendNext();
       }
     };
     this.socket.onclose = (event) => {
@@ -57,10 +57,10 @@ export class Client {
     };
   }
 
-  /** Drives; what comes faster than the robot is told is left out but for the last. */
+  /** Drives; of commands that come faster than lines are sent only the last one counts. */
   drive(twist: Twist): void {
-    this.wanted = this.command(twist);
-    if (this.timer === null) this.tell();
+    this.next = this.command(twist);
+    if (this.timer === null) this.sendNext();
   }
 
   /** Ends the connection; the robot leaves with it. */
@@ -69,12 +69,12 @@ export class Client {
     this.socket.close();
   }
 
-  private tell(): void {
+  private sendNext(): void {
     this.timer = null;
-    if (this.wanted !== this.sent) {
-      this.send(this.wanted);
-      this.sent = this.wanted;
-      this.timer = window.setTimeout(() => this.tell(), INTERVAL);
+    if (this.isGreeted && this.next !== this.sent) {
+      this.send(this.next);
+      this.sent = this.next;
+      this.timer = window.setTimeout(() => this.sendNext(), INTERVAL);
     }
   }
 

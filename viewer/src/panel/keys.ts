@@ -1,0 +1,30 @@
+/** Who gets a key: the control that has the focus, or the robot and the world. */
+
+import { find } from './dom';
+
+const ARROWS = ['ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight'];
+
+/** Whether the control that has the focus needs a key for itself. While a robot is driven, space is not for buttons. */
+export function isForControl({ key, target }: KeyboardEvent, driving: boolean): boolean {
+  if (!(target instanceof HTMLElement)) return false;
+  if (target.matches('input[type=range]')) return ARROWS.includes(key);
+  if (target.matches('select')) return key === ' ' || ARROWS.includes(key);
+  if (target.matches('input[type=checkbox]')) return key === ' ';
+  if (target.matches('button, summary')) return key === ' ' && !driving;
+  return target.matches('input');
+}
+
+/** Gives the keys to the robot and the world. */
+export function focusView(): void {
+  find('canvas').focus({ preventScroll: true });
+}
+
+/** A choice made by mouse or finger is done with; by keyboard one may still be on the way to another. */
+export function returnFocusAfterChoice(): void {
+  let byPointer = false;
+  document.addEventListener('pointerdown', () => (byPointer = true), true);
+  document.addEventListener('keydown', () => (byPointer = false), true);
+  document.addEventListener('change', ({ target }) => {
+    if (byPointer && target instanceof HTMLElement && target.matches('select, input[type=checkbox]')) focusView();
+  });
+}

@@ -1,0 +1,251 @@
+// Keys, focus, and what the form to spawn a robot offers.
+
+import assert from 'node:assert/strict';
+import { X, Y, pageTest, spawnRobot } from './pagetest.mjs';
+import { connectClient, number, waitForNumber } from './server.mjs';
+
+const rough = { serve: ['--map', 'rough'] };
+const TARGET = '[data-value=target0]';
+const STARTS = 'select[name=start]';
+
+const paused = (page, pressed) => page.waitForSelector(`#pause[aria-pressed=${pressed}]`);
+const robots = (page) => page.locator('[data-robot]').count();
+const options = (page) => page.locator(`${STARTS} option`).allTextContents();
+const offers = (page, selector, value) =>
+  page.waitForFunction(([selector, value]) => document.querySelector(selector).value === value, [selector, value]);
+
+/** Every DRIVE line that the page sends from now on. */
+function drives(page) {
+  const lines = [];
+  page.on('websocket', (socket) =>
+    socket.on('framesent', ({ payload }) => {
+      if (String(payload).startsWith('DRIVE')) lines.push(String(payload).trim());
+    }),
+  );
+  return lines;
+}
+
+/** Presses a key until the chosen robot's first wheel is to turn. */
+async function drive(page, key) {
+  await page.keyboard.down(key);
+  await waitForNumber(page, TARGET, (value) => value !== 0);
+  await page.keyboard.up(key);
+  await waitForNumber(page, TARGET, (value) => value === 0);
+}
+
+pageTest('space after a spawn pauses and spawns no second robot', rough, async ({ page }) => {
+  await spawnRobot(page);
+  await page.keyboard.press(' ');
+  await paused(page, true);
+  await page.keyboard.press(' ');
+  await paused(page, false);
+  const now = await number(page, '#time');
+  await waitForNumber(page, '#time', (value) => value > now + 0.5);
+  assert.equal(await robots(page), 1);
+});
+
+pageTest('space presses no button while a robot is driven', rough, async ({ page }) => {
+  const theme = () => page.getAttribute('html', 'data-theme');
+  const before = await theme();
+  await page.focus('#theme');
+  await page.keyboard.press(' ');
+  assert.notEqual(await theme(), before);
+  await page.keyboard.press(' ');
+  await spawnRobot(page);
+  let pressed = false;
+  for (const button of ['#spawn', '#remove', '#theme', '#pause', '#layers summary', '[data-tab=wire]']) {
+    await page.focus(button);
+    await page.keyboard.press(' ');
+    pressed = !pressed;
+    await paused(page, pressed);
+  }
+  assert.equal(await robots(page), 1);
+  assert.equal(await theme(), before);
+  assert.ok(await page.isHidden('#layers .menu'));
+  assert.ok(await page.isVisible('#drive'));
+  // By the other key they are pressed.
+  await page.focus('#theme');
+  await page.keyboard.press('Enter');
+  assert.notEqual(await theme(), before);
+});
+
+pageTest('arrows drive after a choice was made', rough, async ({ page }) => {
+  await spawnRobot(page);
+  for (const [control, value] of [
+    ['#camera', 'follow'],
+    ['#camera', 'orbit'],
+    ['#speed', '2'],
+    ['select[name=class]', 'P3AT'],
+    [STARTS, 'RobotStart2'],
+    ['select[name=own]', 'Robot1'],
+  ]) {
+    await page.click(control);
+    await page.selectOption(control, value);
+    await drive(page, 'ArrowUp');
+  }
+  await page.click('#layers summary');
+  await page.click('input[name=frames]');
+  await page.keyboard.press(' ');
+  await paused(page, true);
+  assert.ok(await page.isChecked('input[name=frames]'));
+});
+
+pageTest('a key that is let go beside another drives no longer', rough, async ({ page }) => {
+  await spawnRobot(page);
+  await page.keyboard.down('w');
+  await waitForNumber(page, TARGET, (value) => value > 0);
+  await page.keyboard.down('Control');
+  await page.keyboard.up('w');
+  await waitForNumber(page, TARGET, (value) => value === 0);
+});
+
+pageTest('letters drive while a control has the focus that needs arrows', rough, async ({ page }) => {
+  await spawnRobot(page);
+  for (const control of ['#camera', '#speed', 'select[name=class]', STARTS, '#drive-speed']) {
+    await page.focus(control);
+    const before = await page.inputValue(control);
+    await drive(page, 'e');
+    assert.equal(await page.inputValue(control), before);
+  }
+});
+
+pageTest('arrows move the speed slider while it has the focus, and not the robot', rough, async ({ page }) => {
+  const sent = drives(page);
+  await spawnRobot(page);
+  assert.equal(await page.textContent('#drive output'), '40 %');
+  await page.focus('#drive-speed');
+  for (const key of ['ArrowRight', 'ArrowRight', 'ArrowUp', 'ArrowLeft']) await page.keyboard.press(key);
+  assert.equal(await page.inputValue('#drive-speed'), '42');
+  assert.equal(await page.textContent('#drive output'), '42 %');
+  await drive(page, 'w');
+  const move = (percent) =>
+    `DRIVE {Normalized true} {LinearVelocity ${percent}} {LateralVelocity 0.0} {RotationalVelocity 0.0}`;
+  assert.deepEqual(sent, [move('0.0'), move('42.0'), move('0.0')]);
+});
+
+pageTest('arrows choose while a select has the focus by keyboard', rough, async ({ page }) => {
+  const sent = drives(page);
+  await spawnRobot(page);
+  await page.focus('#screenshot');
+  await page.keyboard.press('Tab');
+  for (const key of ['ArrowDown', 'ArrowDown']) await page.keyboard.press(key);
+  assert.equal(await page.inputValue('#camera'), 'top');
+  assert.deepEqual(sent, []);
+});
+
+pageTest('each robot is spawned at a free start with a free name', rough, async ({ page }) => {
+  await page.click('[data-tab=drive]');
+  // At once, before the first one is in the world.
+  for (let spawned = 0; spawned < 3; spawned++) await page.click('#spawn');
+  await page.waitForSelector('[data-robot="2"][aria-pressed=true]', { state: 'attached' });
+  assert.deepEqual(await page.locator('[data-robot] span').allTextContents(), ['Robot1', 'Robot2', 'Robot3']);
+  const places = [];
+  for (const robot of [0, 1, 2]) {
+    await page.locator(`[data-robot="${robot}"]`).dispatchEvent('click');
+    await page.waitForSelector(`[data-robot="${robot}"][aria-pressed=true]`, { state: 'attached' });
+    places.push([Math.round(await number(page, X)) + 0, Math.round(await number(page, Y)) + 0]);
+  }
+  assert.deepEqual(places, [
+    [0, 0],
+    [2, -2],
+    [-2, 2],
+  ]);
+  assert.deepEqual(await options(page), [
+    'PlayerStart_0 (taken)',
+    'RobotStart1 (taken)',
+    'RobotStart2 (taken)',
+    'where I click on the map',
+  ]);
+  // Nothing is free but the map.
+  await offers(page, STARTS, '');
+  await offers(page, '[name=name]', 'Robot4');
+  await page.click('#spawn');
+  await page.waitForSelector('#view.placing');
+  // The robot at the last start leaves it.
+  await page.keyboard.down('w');
+  await offers(page, STARTS, 'RobotStart2');
+});
+
+pageTest('what another client takes is not offered', rough, async ({ page, server }) => {
+  await page.click('[data-tab=drive]');
+  await offers(page, STARTS, 'PlayerStart_0');
+  const other = await connectClient(
+    server.port,
+    'INIT {ClassName USARBot.P3AT} {Name Robot1} {Location 0.3,-0.6,0} {Rotation 0,0,0}',
+  );
+  await offers(page, STARTS, 'RobotStart1');
+  await offers(page, '[name=name]', 'Robot2');
+  assert.equal(await page.textContent('#name-hint'), '');
+  await page.fill('[name=name]', 'Robot1');
+  await page.waitForSelector('#name-hint:text("There is a robot named Robot1 already.")');
+  await page.fill('[name=name]', 'Robot3');
+  await page.waitForSelector('#name-hint', { state: 'hidden' });
+  // A hint and no more.
+  await page.fill('[name=name]', 'Robot1');
+  await page.click('#spawn');
+  await page.waitForSelector('[data-robot="1"]', { state: 'attached' });
+  // What was chosen stays, also when it is taken.
+  await page.selectOption(STARTS, 'PlayerStart_0');
+  const now = await number(page, '#time');
+  await waitForNumber(page, '#time', (value) => value > now + 0.3);
+  assert.equal(await page.inputValue(STARTS), 'PlayerStart_0');
+  other.end();
+  await page.waitForFunction((starts) => document.querySelector(starts).options[0].text === 'PlayerStart_0', STARTS);
+});
+
+pageTest('a key that is held before the robot is there drives it', rough, async ({ page }) => {
+  await page.click('[data-tab=drive]');
+  await page.evaluate(() => {
+    document.getElementById('spawn').click();
+    window.dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyW', key: 'w' }));
+  });
+  await waitForNumber(page, X, (value) => value > 0.1);
+});
+
+pageTest('that the server is behind its pace is shown once a minute', rough, async ({ page }) => {
+  let [say, heard] = [null, () => {}];
+  await page.routeWebSocket(/\/live$/, (socket) => {
+    socket.connectToServer().onMessage((message) => {
+      socket.send(message);
+      heard();
+    });
+    say = (said) => socket.send(JSON.stringify({ said }));
+  });
+  await page.clock.install();
+  await page.reload();
+  await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
+  await page.evaluate(() => {
+    window.shown = [];
+    const texts = (nodes) => [...nodes].map((node) => node.textContent);
+    const observer = new MutationObserver((records) =>
+      records.forEach(({ addedNodes }) => window.shown.push(...texts(addedNodes))),
+    );
+    observer.observe(document.getElementById('toasts'), { childList: true });
+  });
+  // From here on its time passes only where it is put forward.
+  await page.clock.pauseAt(await page.evaluate(() => Date.now() + 1000));
+  const expected = [];
+  for (const [seconds, factor, isShown] of [
+    [0, '0.98', true],
+    [5, '0.98', false],
+    [5, '0.90', false],
+    [5, '0.87', true],
+    [5, '0.90', false],
+    [50, '0.90', false],
+    [5, '0.90', true],
+  ]) {
+    for (let passed = 0; passed < seconds; passed++) {
+      // In steps, so that the page does not take the server for gone.
+      await new Promise((resolve) => (heard = resolve));
+      await page.clock.fastForward(1000);
+    }
+    const text = `behind its pace: real-time factor ${factor} of the last 5 s`;
+    if (isShown) expected.push(text);
+    say(text);
+    const last = `message ${expected.length}`;
+    expected.push(last);
+    say(last);
+    await page.waitForFunction((last) => window.shown.at(-1) === last, last);
+    assert.deepEqual(await page.evaluate(() => window.shown), expected);
+  }
+});
