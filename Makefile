@@ -16,7 +16,8 @@ run: view
 # The page, which the next build of the server embeds: viewer/dist is touched only where the page differs, as the server
 # is linked anew after that.
 view: target/page/index.html
-	@diff -qr target/page viewer/dist/page >/dev/null 2>&1 || (rm -rf viewer/dist/page && cp -r target/page viewer/dist/page)
+	@diff -qr target/page viewer/dist/page >/dev/null 2>&1 || \
+		(rm -rf viewer/dist/page && cp -r target/page viewer/dist/page)
 
 target/page/index.html: viewer/node_modules/.package-lock.json $(page_sources)
 	cd viewer && $(npm) run build -- --outDir ../target/page

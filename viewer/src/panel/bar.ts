@@ -66,7 +66,7 @@ export class Bar {
   private key(event: KeyboardEvent, down: boolean): void {
     if (event.ctrlKey || event.metaKey || event.altKey || isForControl(event, this.state.driving)) return;
     if (event.key === ' ') {
-      // Else the button that has the focus is pressed, too: by some browsers when the key goes down, by others after it.
+      // Else the button that has the focus is pressed, too; some browsers do so when the key comes up.
       event.preventDefault();
       if (down && !event.repeat) this.pause.click();
     }
