@@ -439,3 +439,26 @@ fn the_server_stops_while_viewers_ask_for_more_than_it_does() {
     assert_eq!(end.recv_timeout(PATIENCE), Ok(true), "it hangs");
     viewers.into_iter().for_each(|viewer| viewer.join().unwrap());
 }
+
+#[test]
+fn pages_of_strangers_are_turned_away_from_foxgloves_port() {
+    let server = serve("rough", |config| config.foxglove = Some(0));
+    let port = server.foxglove.unwrap_or_else(|| panic!("no port"));
+    for (origin, expected) in [
+        ("", "101"),
+        ("Origin: https://app.foxglove.dev\r\n", "101"),
+        ("Origin: http://localhost:8080\r\n", "101"),
+        ("Origin: https://evil.example\r\n", "403"),
+        ("Origin: null\r\n", "403"),
+        ("Origin: http://localhost:8080\r\nOrigin: https://evil.example\r\n", "403"),
+    ] {
+        let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+        let head = "GET / HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+                    Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: foxglove.sdk.v1\r\n";
+        stream.write_all(format!("{head}Host: localhost:{port}\r\n{origin}\r\n").as_bytes()).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let mut status = [0; 12];
+        stream.read_exact(&mut status).unwrap();
+        assert_eq!(&status[9..], expected.as_bytes(), "{origin}");
+    }
+}

@@ -1,5 +1,8 @@
 //! The channels of a log, live, for Foxglove and Lichtblick, and the world's time as their services.
 
+mod gate;
+
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
@@ -10,6 +13,7 @@ use foxglove::{Context, Schema, WebSocketServerHandle};
 use recorder::{Latched, Live, Record, Recorder, StateTimer};
 use sim_core::World;
 use sim_core::scene::WorldDef;
+use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
 
 use crate::ServeError;
@@ -29,37 +33,35 @@ pub(crate) struct FoxgloveServer {
     recorder: Recorder<Live>,
     states: StateTimer,
     next_time: Instant,
+    /// Where clients come in.
+    address: SocketAddr,
 }
 
-/// Starts listening.
+/// Starts serving on a listener.
 pub(crate) async fn start(
+    listener: TcpListener,
     host: &str,
-    port: u16,
     world: &WorldDef,
     events: Sender<Event>,
 ) -> Result<FoxgloveServer, ServeError> {
     let (context, latched) = (Context::new(), Latched::default());
     let live = Live::new(world, context.clone(), latched.clone())?;
-    // An IPv6 address in a URL and here has brackets.
-    let address = if host.contains(':') { format!("[{host}]") } else { host.to_owned() };
-    let server = context.websocket_server().name(format!("usarsim {}", world.map.name)).bind(address, port);
+    let hidden = gate::hidden_address();
+    let server = context.websocket_server().name(format!("usarsim {}", world.map.name)).bind(hidden.to_string(), 0);
     let server = server.capabilities([Capability::Time, Capability::Services]).services(services(&events));
     let server = server.message_backlog_size(BACKLOG).listener(Arc::new(Late(latched)));
-    let handle = server.start().await.map_err(|error| {
-        let reason = match error {
-            foxglove::FoxgloveError::Bind(reason) => reason,
-            other => std::io::Error::other(other.to_string()),
-        };
-        ServeError::Listen { host: host.to_owned(), port, reason }
-    })?;
+    let started = server.start().await;
+    let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;
+    let address = listener.local_addr().map_err(ServeError::Start)?;
+    tokio::spawn(gate::serve(listener, host.to_owned(), SocketAddr::from((hidden, handle.port()))));
     let (recorder, states) = (Recorder::new(live)?, StateTimer::default());
-    Ok(FoxgloveServer { handle, _context: context, recorder, states, next_time: Instant::now() })
+    Ok(FoxgloveServer { handle, _context: context, recorder, states, next_time: Instant::now(), address })
 }
 
 impl FoxgloveServer {
     /// The port that it listens on.
     pub(crate) fn port(&self) -> u16 {
-        self.handle.port()
+        self.address.port()
     }
 
     pub(crate) fn record(&mut self, time: f64, record: Record) {

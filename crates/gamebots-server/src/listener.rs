@@ -49,7 +49,10 @@ pub(crate) async fn serve(
         stall_timeout,
     };
     let foxglove = match config.foxglove {
-        Some(port) => Some(foxglove_server::start(&config.host, port, &config.world, events.clone()).await?),
+        Some(port) => {
+            let listener = listen(&config.host, port).await?;
+            Some(foxglove_server::start(listener, &config.host, &config.world, events.clone()).await?)
+        }
         None => None,
     };
     let addresses = Ready { address, page: page_address, foxglove: foxglove.as_ref().map(FoxgloveServer::port) };

@@ -107,7 +107,7 @@ async fn scene(State(site): State<Arc<Site>>) -> Response {
 
 /// Turns strangers' pages away and tells the browser to let this page do no more than it needs.
 async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
-    if let Err(reason) = check(request.headers(), &site.host) {
+    if let Err(reason) = check(request.headers(), &site.host, |_| false) {
         return (StatusCode::FORBIDDEN, reason).into_response();
     }
     let mut response = next.run(request).await;
@@ -126,8 +126,11 @@ async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> R
     response
 }
 
-/// Whether a request is meant for this server by a page of its own.
-fn check(headers: &HeaderMap, own_name: &str) -> Result<(), String> {
+/// Whether a request is meant for this server by a page of its own, or of another origin that is welcome.
+///
+/// # Errors
+/// What is wrong, in words.
+pub(crate) fn check(headers: &HeaderMap, own_name: &str, is_welcome: impl Fn(&str) -> bool) -> Result<(), String> {
     // What is not text, or stands there twice, is nothing that a browser of ours sends, and not absent.
     let text = |name: header::HeaderName| -> Option<String> {
         let values: Vec<_> =
@@ -148,7 +151,7 @@ fn check(headers: &HeaderMap, own_name: &str) -> Result<(), String> {
     }
     let Some(origin) = text(header::ORIGIN) else { return Ok(()) };
     let own = origin.strip_prefix("http://").or(origin.strip_prefix("https://"));
-    if own.is_some_and(|own| own.eq_ignore_ascii_case(&host)) {
+    if own.is_some_and(|own| own.eq_ignore_ascii_case(&host)) || is_welcome(&origin) {
         return Ok(());
     }
     Err(format!("Origin is `{}`: expected a page of this server, http://{host}\n", shown(&origin)))
@@ -181,9 +184,9 @@ mod tests {
             if let Some(origin) = origin {
                 headers.insert(header::ORIGIN, HeaderValue::from_static(origin));
             }
-            assert_eq!(check(&headers, own_name).is_ok(), good, "{host} {origin:?} {own_name}");
+            assert_eq!(check(&headers, own_name, |_| false).is_ok(), good, "{host} {origin:?} {own_name}");
         }
-        assert!(check(&HeaderMap::new(), "127.0.0.1").is_err());
+        assert!(check(&HeaderMap::new(), "127.0.0.1", |_| false).is_err());
     }
 
     #[test]
@@ -191,10 +194,10 @@ mod tests {
         let mut headers = HeaderMap::new();
         headers.insert(header::HOST, HeaderValue::from_static("localhost:8080"));
         headers.insert(header::ORIGIN, HeaderValue::from_bytes(b"http://ev\xefl.example").unwrap());
-        assert!(check(&headers, "127.0.0.1").is_err());
+        assert!(check(&headers, "127.0.0.1", |_| false).is_err());
         headers.insert(header::ORIGIN, HeaderValue::from_static("http://localhost:8080"));
-        assert!(check(&headers, "127.0.0.1").is_ok());
+        assert!(check(&headers, "127.0.0.1", |_| false).is_ok());
         headers.append(header::ORIGIN, HeaderValue::from_static("http://evil.example"));
-        assert!(check(&headers, "127.0.0.1").is_err());
+        assert!(check(&headers, "127.0.0.1", |_| false).is_err());
     }
 }

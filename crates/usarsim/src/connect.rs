@@ -68,12 +68,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if std::io::stdin().is_terminal() { talk(client) } else { pass_through(client) }
 }
 
-/// Connects, or says what to do.
+/// Connects, or says what to do. A person wants to hear of mistakes, which the protocol has no word for.
 pub(crate) fn connect(address: &str) -> Result<Client, Failure> {
-    Client::connect(address).map_err(|error| {
+    let failed = |error: std::io::Error| {
         let hint = "is a server running there? `usarsim serve` starts one";
         Failure::new(exit::UNAVAILABLE, format_args!("{address}: {error}; {hint}"))
-    })
+    };
+    let mut client = Client::connect(address).map_err(failed)?;
+    client.send("REPORT {Errors true}").map_err(failed)?;
+    Ok(client)
 }
 
 /// Every line of the input to the server, every line of the server to the output.

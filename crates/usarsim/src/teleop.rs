@@ -72,16 +72,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     result
 }
 
-/// Whether the robot goes sideways, by its configuration.
+/// Whether the robot goes sideways, by its configuration; or why there is no robot.
 fn steering(client: &mut Client) -> Result<bool, Failure> {
     let end = Instant::now() + PATIENCE;
+    let mut first_error = None;
     while let Ok(Some(line)) = client.next_line(end.saturating_duration_since(Instant::now())) {
         if line.starts_with("CONF ") {
             return Ok(Line::parse(&line).get("SteeringType").is_some_and(|steering| steering == "OmniDrive"));
         }
+        if let Some(error) = line.strip_prefix("NFO {Error ").and_then(|error| error.strip_suffix('}')) {
+            if error.starts_with("GETCONF ignored") {
+                break;
+            }
+            first_error.get_or_insert_with(|| error.to_owned());
+        }
     }
-    let hint = "is the class known there? `usarsim robots` lists ours";
-    Err(Failure::new(exit::FAILURE, format_args!("no robot came; {hint}")))
+    let reason = first_error.unwrap_or_else(|| "the server does not answer".to_owned());
+    let hint = "`usarsim robots` lists the classes";
+    Err(Failure::new(exit::FAILURE, format_args!("no robot was made: {reason}; {hint}")))
 }
 
 /// Keys to DRIVE lines, until the end.

@@ -22,11 +22,15 @@ struct Serving {
 
 impl Serving {
     fn start(arguments: &[&str]) -> Self {
+        Self::start_with(arguments, Stdio::null())
+    }
+
+    fn start_with(arguments: &[&str], stderr: Stdio) -> Self {
         let mut child = usarsim()
             .args(["serve", "--port", "0", "--json"])
             .args(arguments)
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
+            .stderr(stderr)
             .spawn()
             .expect("usarsim starts");
         let mut line = String::new();
@@ -90,6 +94,38 @@ fn both_signals_end_it_within_a_second_with_clients_connected() {
         assert_eq!(status.code(), Some(0), "{signal}");
         assert!(start.elapsed() < Duration::from_secs(1), "{signal}: {:?}", start.elapsed());
     }
+}
+
+#[test]
+fn a_reader_of_stderr_that_stops_or_leaves_does_not_stop_the_server() {
+    for leaves in [false, true] {
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        let mut server = Serving::start_with(&[], writer.into());
+        let reader = if leaves {
+            drop(reader);
+            None
+        } else {
+            Some(reader)
+        };
+        // Three log lines each: more than a pipe holds.
+        for _ in 0..500 {
+            let mut client = BufReader::new(server.connect());
+            client.get_mut().set_read_timeout(Some(Duration::from_secs(30))).expect("a timeout");
+            client.get_mut().write_all(b"FOO\r\n").expect("a line is taken");
+            assert!(client.read_line(&mut String::new()).is_ok_and(|count| count > 0), "no greeting");
+        }
+        server.signal("TERM");
+        assert_eq!(server.wait().code(), Some(0));
+        drop(reader);
+    }
+}
+
+#[test]
+fn an_output_that_is_closed_changes_no_exit_code() {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let status = usarsim().args(["check", "no-such.toml"]).stdout(Stdio::null()).stderr(writer).status();
+    assert_eq!(status.expect("usarsim runs").code(), Some(65));
 }
 
 #[test]
