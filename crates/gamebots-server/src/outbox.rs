@@ -5,9 +5,15 @@
 //! command while too many of them wait.
 
 use std::collections::VecDeque;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::future::poll_fn;
+use std::sync::PoisonError;
+use std::task::{Context, Poll, Waker};
 
-use tokio::sync::Notify;
+// The feature `loom` tries every order in which the threads can meet; see the tests.
+#[cfg(feature = "loom")]
+use loom::sync::{Mutex, MutexGuard};
+#[cfg(not(feature = "loom"))]
+use std::sync::{Mutex, MutexGuard};
 
 /// Bytes of periodic lines that may wait for a client.
 const MAX_PERIODIC_BYTES: usize = 512 * 1024;
@@ -18,8 +24,6 @@ const MAX_ANSWER_BYTES: usize = 256 * 1024;
 #[derive(Default)]
 pub(crate) struct Outbox {
     queue: Mutex<Queue>,
-    filled: Notify,
-    emptied: Notify,
 }
 
 #[derive(Default)]
@@ -29,6 +33,10 @@ struct Queue {
     answer_bytes: usize,
     dropped: u64,
     closed: bool,
+    /// Who waits for lines: the one that writes them.
+    writer: Option<Waker>,
+    /// Who waits for room: the one that reads commands.
+    reader: Option<Waker>,
 }
 
 struct Outgoing {
@@ -47,47 +55,59 @@ impl Outbox {
         *queue.bytes(periodic) += text.len();
         queue.lines.push_back(Outgoing { text, periodic });
         while queue.periodic_bytes > MAX_PERIODIC_BYTES && queue.drop_oldest_periodic() {}
+        let writer = queue.writer.take();
         drop(queue);
-        self.filled.notify_one();
+        wake(writer);
     }
 
     /// Nothing more is added; what waits is still sent.
     pub(crate) fn close(&self) {
-        self.lock().closed = true;
-        self.filled.notify_one();
-        self.emptied.notify_one();
+        let mut queue = self.lock();
+        queue.closed = true;
+        let (writer, reader) = (queue.writer.take(), queue.reader.take());
+        drop(queue);
+        wake(writer);
+        wake(reader);
     }
 
     /// Waits for lines and takes all of them; `None` when the queue is closed and empty.
     pub(crate) async fn take(&self) -> Option<String> {
-        loop {
-            {
-                let mut queue = self.lock();
-                if !queue.lines.is_empty() {
-                    let text = queue.lines.drain(..).map(|line| line.text).collect();
-                    (queue.periodic_bytes, queue.answer_bytes) = (0, 0);
-                    self.emptied.notify_one();
-                    return Some(text);
-                }
-                if queue.closed {
-                    return None;
-                }
+        poll_fn(|context| self.poll_take(context)).await
+    }
+
+    fn poll_take(&self, context: &mut Context) -> Poll<Option<String>> {
+        let mut queue = self.lock();
+        if queue.lines.is_empty() {
+            if queue.closed {
+                return Poll::Ready(None);
             }
-            self.filled.notified().await;
+            queue.writer = Some(context.waker().clone());
+            return Poll::Pending;
         }
+        let text = queue.lines.drain(..).map(|line| line.text).collect();
+        (queue.periodic_bytes, queue.answer_bytes) = (0, 0);
+        let reader = queue.reader.take();
+        drop(queue);
+        wake(reader);
+        Poll::Ready(Some(text))
     }
 
     /// Whether the client has taken enough of its answers to be given more.
     pub(crate) fn has_room(&self) -> bool {
-        let queue = self.lock();
-        queue.closed || queue.answer_bytes < MAX_ANSWER_BYTES
+        self.lock().has_room()
     }
 
     /// Waits until [`Self::has_room`].
     pub(crate) async fn ready_for_answers(&self) {
-        while !self.has_room() {
-            self.emptied.notified().await;
-        }
+        poll_fn(|context| {
+            let mut queue = self.lock();
+            if queue.has_room() {
+                return Poll::Ready(());
+            }
+            queue.reader = Some(context.waker().clone());
+            Poll::Pending
+        })
+        .await;
     }
 
     /// Periodic lines dropped since the last call.
@@ -101,7 +121,18 @@ impl Outbox {
     }
 }
 
+/// Wakes without the lock, which the one that is woken takes first.
+fn wake(waker: Option<Waker>) {
+    if let Some(waker) = waker {
+        waker.wake();
+    }
+}
+
 impl Queue {
+    fn has_room(&self) -> bool {
+        self.closed || self.answer_bytes < MAX_ANSWER_BYTES
+    }
+
     fn bytes(&mut self, periodic: bool) -> &mut usize {
         if periodic { &mut self.periodic_bytes } else { &mut self.answer_bytes }
     }
@@ -116,7 +147,62 @@ impl Queue {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "loom"))]
+mod model {
+    //! Every order in which world, writer and reader can meet: `cargo test -p gamebots-server --features loom outbox`.
+
+    use std::sync::Arc;
+
+    use loom::future::block_on;
+    use loom::thread;
+
+    use super::*;
+
+    #[test]
+    fn no_line_is_lost_and_nobody_waits_for_ever() {
+        loom::model(|| {
+            let outbox = Arc::new(Outbox::default());
+            let world = {
+                let outbox = outbox.clone();
+                thread::spawn(move || {
+                    outbox.push("CONF".to_owned(), false);
+                    outbox.push("SEN".to_owned(), true);
+                    outbox.close();
+                    outbox.push("late".to_owned(), false);
+                })
+            };
+            let mut text = String::new();
+            while let Some(part) = block_on(outbox.take()) {
+                text.push_str(&part);
+            }
+            assert_eq!(text, "CONF\r\nSEN\r\n");
+            world.join().unwrap();
+        });
+    }
+
+    #[test]
+    fn a_full_queue_is_left_as_soon_as_it_is_taken_or_closed() {
+        for closes in [false, true] {
+            loom::model(move || {
+                let outbox = Arc::new(Outbox::default());
+                outbox.push("x".repeat(MAX_ANSWER_BYTES), false);
+                let reader = {
+                    let outbox = outbox.clone();
+                    thread::spawn(move || block_on(outbox.ready_for_answers()))
+                };
+                if closes {
+                    outbox.close();
+                } else {
+                    block_on(outbox.take());
+                }
+                reader.join().unwrap();
+                assert!(outbox.has_room());
+            });
+        }
+    }
+}
+
+#[cfg(all(test, not(feature = "loom")))]
 mod tests {
     use super::*;
 
