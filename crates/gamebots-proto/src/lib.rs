@@ -6,6 +6,10 @@
 //!
 //! Frame and units on the wire: x forward, y right, z down, metres, radians, seconds; angles are roll, pitch, yaw.
 
+// What strangers send gets here first.
+#![warn(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used)]
+#![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
+
 pub mod command;
 pub mod framing;
 mod line;

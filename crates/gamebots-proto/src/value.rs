@@ -76,7 +76,7 @@ fn limited(key: &str, text: &str, value: f64, problems: &mut Vec<Problem>) -> f6
 fn number_prefix(text: &str) -> Option<f64> {
     let text = text.trim_start();
     let bytes = text.as_bytes();
-    let digits = |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let digits = |from: usize| bytes.iter().skip(from).take_while(|byte| byte.is_ascii_digit()).count();
     let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
     let whole = digits(sign);
     let mut end = sign + whole;
@@ -97,7 +97,7 @@ fn number_prefix(text: &str) -> Option<f64> {
             end += 1 + exponent_sign + exponent;
         }
     }
-    text[..end].parse().ok()
+    text.get(..end)?.parse().ok()
 }
 
 /// At most 60 characters of a value, for an error message.

@@ -120,8 +120,9 @@ async fn read_lines(
         };
         let (lines, end) = match result {
             Some(Ok(count)) if count > 0 => {
-                first_bytes.extend(buffer[..count].iter().take(FIRST_BYTES - first_bytes.len()));
-                (framing.push(&buffer[..count]), None)
+                let bytes = buffer.get(..count).unwrap_or_default();
+                first_bytes.extend(bytes.iter().take(FIRST_BYTES - first_bytes.len()));
+                (framing.push(bytes), None)
             }
             Some(Ok(_)) => (framing.finish().into_iter().collect(), Some("closed by the client")),
             Some(Err(_)) => (framing.finish().into_iter().collect(), Some("reset by the client")),
@@ -173,7 +174,7 @@ async fn write_lines(mut write: OwnedWriteHalf, outbox: &Outbox, stall_timeout: 
         let mut rest = text.as_bytes();
         while !rest.is_empty() {
             match tokio::time::timeout(stall_timeout, write.write(rest)).await {
-                Ok(Ok(count)) if count > 0 => rest = &rest[count..],
+                Ok(Ok(count)) if count > 0 => rest = rest.get(count..).unwrap_or_default(),
                 Ok(_) => return "reset by the client",
                 Err(_) => return "disconnected: it takes nothing",
             }

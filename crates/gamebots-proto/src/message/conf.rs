@@ -93,7 +93,7 @@ impl Conf {
             return RobotConf::read(line).map(Self::Robot);
         }
         let items: Option<_> =
-            split_items(&line.blocks[1..]).iter().map(|item| ItemConf::read(&first.value, item)).collect();
+            split_items(line.blocks.get(1..)?).iter().map(|item| ItemConf::read(&first.value, item)).collect();
         Some(Self::Items { type_name: first.value.clone(), items: items? })
     }
 }

@@ -100,7 +100,7 @@ async fn read_head(client: &mut TcpStream) -> Result<Vec<u8>, String> {
         if count == 0 {
             return Err("closed within the head of a request".to_owned());
         }
-        head.extend_from_slice(&buffer[..count]);
+        head.extend(buffer.iter().take(count));
     }
     Ok(head)
 }

@@ -40,7 +40,8 @@ pub(super) fn frame(world: &World) -> Vec<u8> {
     bytes.u16(robots.len());
     for (id, class, observation) in robots {
         bytes.0.extend((id.0 as u32).to_le_bytes());
-        let rollers = world.def().robots[class].driven().iter().map(|wheel| wheel.roller_count());
+        let wheels = world.def().robots.get(class).map_or(&[][..], |def| def.driven());
+        let rollers = wheels.iter().map(|wheel| wheel.roller_count());
         bytes.robot(observation, rollers);
     }
     let objects: Vec<Pose> = world.objects().collect();
@@ -53,8 +54,8 @@ pub(super) fn frame(world: &World) -> Vec<u8> {
 pub(super) fn scan(world: &World, robot: RobotId, name: &str, ranges: &[f32]) -> Option<Vec<u8>> {
     let (_, class, _) = world.robots().find(|(id, _, _)| *id == robot)?;
     let sensors = &world.def().robots.get(class)?.sensors;
-    let index = sensors.iter().position(|sensor| sensor.name == name)?;
-    let unit = sensors[index].config.max_range()? / f64::from(u16::MAX);
+    let (index, sensor) = sensors.iter().enumerate().find(|(_, sensor)| sensor.name == name)?;
+    let unit = sensor.config.max_range()? / f64::from(u16::MAX);
     let mut bytes = Bytes::of_kind(2);
     bytes.0.extend((robot.0 as u32).to_le_bytes());
     bytes.0.push(index as u8);

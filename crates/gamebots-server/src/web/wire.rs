@@ -69,7 +69,7 @@ async fn to_page(mut read: ReadHalf<'_>, mut browser: SplitSink<WebSocket, Messa
     let mut buffer = vec![0; 16 * 1024];
     while let Ok(count @ 1..) = read.read(&mut buffer).await {
         // Binary: a piece may end within a character.
-        let bytes = Message::Binary(buffer[..count].to_vec().into());
+        let bytes = Message::Binary(buffer.iter().take(count).copied().collect::<Vec<u8>>().into());
         if !matches!(timeout(stall_timeout, browser.send(bytes)).await, Ok(Ok(()))) {
             return;
         }
