@@ -9,9 +9,14 @@
 //! One thread owns the world and everything in it; connections are tasks that move bytes and read lines. Nothing a client does
 //! or fails to do can hold up the world or another client.
 
+// What strangers send gets here first.
+#![warn(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used)]
+#![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
+
 mod connection;
 mod control;
 mod foxglove_server;
+mod journal;
 mod listener;
 mod live;
 mod outbox;
@@ -125,9 +130,19 @@ pub enum ServeError {
     /// The runtime or a thread cannot be started.
     #[error("cannot start: {0}")]
     Start(std::io::Error),
-    /// The world's thread is gone; it has said why.
+    /// The world's thread is gone without a word.
     #[error("the world stopped unexpectedly")]
     WorldStopped,
+    /// The world's thread has panicked: a defect of this program.
+    #[error("a defect: the world panicked at {time:.3} s: {reason}; {report}")]
+    WorldPanicked {
+        /// Simulated time, s.
+        time: f64,
+        /// The panic's message.
+        reason: String,
+        /// Where the report is, or why there is none.
+        report: String,
+    },
 }
 
 /// Serves until `shutdown` completes. `ready` is called once with the addresses, when clients can connect.

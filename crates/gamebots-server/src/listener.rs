@@ -14,6 +14,8 @@ use crate::foxglove_server::FoxgloveServer;
 use crate::web::Site;
 use crate::{Config, Page, Ready, ServeError, connection, foxglove_server, live, web, world_thread};
 
+/// Longest that the last lines to all clients may take.
+const FAREWELL_TIMEOUT: Duration = Duration::from_millis(500);
 /// Bytes that may wait in the operating system for one viewer.
 const MAX_UNSENT_TO_VIEWER: u32 = 64 * 1024;
 /// Viewers that may wait to be accepted.
@@ -66,16 +68,22 @@ pub(crate) async fn serve(
             None => std::future::pending().await,
         }
     };
-    let result = tokio::select! {
-        () = accepting => Ok(()),
-        () = showing => Ok(()),
-        () = shutdown => Ok(()),
-        _ = world_gone => Err(ServeError::WorldStopped),
+    let mut world_gone = world_gone;
+    let is_gone = tokio::select! {
+        () = accepting => false,
+        () = showing => false,
+        () = shutdown => false,
+        _ = &mut world_gone => true,
     };
+    if !is_gone {
+        // A world that is gone by now needs not be told.
+        let _ = events.send(Event::Stop);
+        let _ = world_gone.await;
+    }
+    // It has closed every outbox; what waits there is sent to those who take it.
+    let _ = tokio::time::timeout(FAREWELL_TIMEOUT, async { while clients.join_next().await.is_some() {} }).await;
     clients.shutdown().await;
-    // A world that is gone needs not be told.
-    let _ = events.send(Event::Stop);
-    world.join().map_err(|_| ServeError::WorldStopped).and(result)
+    world.join().map_err(|_| ServeError::WorldStopped)?
 }
 
 async fn listen(host: &str, port: u16) -> Result<TcpListener, ServeError> {

@@ -73,8 +73,15 @@ impl Recording {
     /// Ends the log properly and gives back its file; waits until it is written.
     pub(crate) fn stop(&mut self, world: &World) -> Option<PathBuf> {
         let Open { path, recorder, .. } = self.open.take()?;
-        recorder.finish(world.time(), world.digest());
+        recorder.finish(world.time(), Some(world.digest()));
         Some(path)
+    }
+
+    /// Ends the log of a world that has panicked, with the step in which it did and without a digest.
+    pub(crate) fn stop_broken(&mut self, world: &World) {
+        if let Some(Open { recorder, .. }) = self.open.take() {
+            recorder.finish(world.time() + world.time_step(), None);
+        }
     }
 
     /// Ends the log of a world that is over and begins the next beside it, if one was written.

@@ -1,19 +1,23 @@
 //! The thread that owns the world: takes events, steps at its pace, hands messages to the connections.
 
+use std::any::Any;
 use std::collections::BTreeMap;
+use std::panic::AssertUnwindSafe;
+use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gamebots_proto::message::Message;
 use recorder::{Record, WireLine};
-use sim_core::{LostRobot, Options, RobotId, World};
+use sim_core::{LostRobot, RobotId, World};
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
 use crate::connection::{ConnectionId, Event, Request};
 use crate::control::Control;
 use crate::foxglove_server::FoxgloveServer;
+use crate::journal::Journal;
 use crate::live::{Broadcast, ClientStatus, Line, RobotStatus, Status};
 use crate::pace::Pace;
 use crate::recording::Recording;
@@ -44,7 +48,7 @@ pub(crate) fn spawn(
     live: Broadcast,
     foxglove: Option<FoxgloveServer>,
     gone: oneshot::Sender<()>,
-) -> Result<JoinHandle<()>, ServeError> {
+) -> Result<JoinHandle<Result<(), ServeError>>, ServeError> {
     let Config { world, options, real_time_factor, report_errors, log, ros2_log, unnamed_log, .. } = config;
     let world = World::new(world, options);
     let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
@@ -55,8 +59,7 @@ pub(crate) fn spawn(
     let run = move || {
         let _gone = gone;
         let now = Instant::now();
-        let server = Server {
-            options,
+        let mut server = Server {
             recording,
             live,
             timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
@@ -69,15 +72,17 @@ pub(crate) fn spawn(
             credit: Duration::ZERO,
             forgotten: now,
             controls: Budget::default(),
+            journal: Journal::default(),
         };
-        server.run(&events);
+        // What is left of the world after a panic is only read.
+        let result = std::panic::catch_unwind(AssertUnwindSafe(|| server.run(&events)));
+        server.end(result.err())
     };
     thread.spawn(run).map_err(ServeError::Start)
 }
 
 struct Server {
     world: World,
-    options: Options,
     recording: Recording,
     live: Broadcast,
     timing: Timing,
@@ -95,6 +100,7 @@ struct Server {
     forgotten: Instant,
     /// Controls that are logged.
     controls: Budget,
+    journal: Journal,
 }
 
 /// How time is to pass.
@@ -110,7 +116,7 @@ struct Timing {
 struct Stop;
 
 impl Server {
-    fn run(mut self, events: &Receiver<Event>) {
+    fn run(&mut self, events: &Receiver<Event>) {
         let mut drop_report = Instant::now();
         // Nobody can tell it anything any more, or somebody has told it to stop.
         while self.take_events(events).is_ok() {
@@ -140,7 +146,23 @@ impl Server {
                 }
             }
         }
-        self.recording.stop(&self.world);
+    }
+
+    /// Ends logs and connections; after a panic with a report of it.
+    fn end(mut self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
+        self.sessions.values().for_each(|session| session.outbox().close());
+        let Some(panic) = panic else {
+            self.recording.stop(&self.world);
+            return Ok(());
+        };
+        let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+        let reason = text.unwrap_or("without a message").to_owned();
+        self.recording.stop_broken(&self.world);
+        let report = match self.journal.write(Path::new(""), &self.world, &reason) {
+            Ok(path) => format!("`usarsim log replay {}` makes it again", path.display()),
+            Err(error) => format!("no report could be written: {error}"),
+        };
+        Err(ServeError::WorldPanicked { time: self.world.time(), reason, report })
     }
 
     fn step(&mut self) {
@@ -307,11 +329,12 @@ impl Server {
 
     /// A fresh world; everyone who is connected gets their robots back where they were first put, in the same order.
     fn reset(&mut self) {
-        let fresh = World::new(self.world.def().clone(), self.options);
+        let fresh = World::new(self.world.def().clone(), self.world.options());
         let old = std::mem::replace(&mut self.world, fresh);
         if let Err(error) = self.recording.start_over(&old, &self.world) {
             self.live.say(&error.to_string());
         }
+        self.journal.clear();
         self.owners.clear();
         self.resets += 1;
         let mut inits: Vec<(RobotId, ConnectionId, String)> = Vec::new();
@@ -329,7 +352,9 @@ impl Server {
         let Request { text, .. } = request;
         if !text.is_empty() {
             let robot = self.newest_robot(id);
-            self.recording.record(&self.world, || Record::In(WireLine { connection: id, robot, line: text.clone() }));
+            let record = Record::In(WireLine { connection: id, robot, line: text.clone() });
+            self.journal.add(self.world.time(), record.clone());
+            self.recording.record(&self.world, || record);
             self.tell_line("in", id, robot, text);
         }
         let Some(session) = self.sessions.get_mut(&id) else { return };

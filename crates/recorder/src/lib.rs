@@ -76,8 +76,8 @@ impl StateTimer {
 pub struct End {
     /// Simulated time, s.
     pub time: f64,
-    /// See [`sim_core::World::digest`].
-    pub digest: u64,
+    /// See [`sim_core::World::digest`]; none of a world that has panicked.
+    pub digest: Option<u64>,
     /// Records that did not get into the log.
     pub dropped: u64,
 }

@@ -118,7 +118,7 @@ mod tests {
         let log = LogWriter::create(path, &world, sim_core::Options::default(), &[]).unwrap();
         let mut recorder = Recorder::new(log).unwrap();
         (0..1000).for_each(|number| recorder.record(number as f64 * 0.002, line(number)));
-        recorder.finish(2.0, 0xabc);
+        recorder.finish(2.0, Some(0xabc));
     }
 
     #[test]

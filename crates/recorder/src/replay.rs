@@ -39,6 +39,9 @@ pub struct ReplayError(String);
 
 /// Makes the run of a log again.
 ///
+/// # Panics
+/// When the world does: the report of a panic is replayed to see it again.
+///
 /// # Errors
 /// When the log has no scene or no time step, began in a running world, or has records that were dropped.
 pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
@@ -63,9 +66,10 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     if last > MAX_SECONDS {
         return Err(ReplayError(format!("it goes to {last} s: expected at most {MAX_SECONDS}")));
     }
+    let panic_at = log.run.get("panic_at").and_then(|steps| steps.parse().ok());
     // Older logs do not say, and kept them.
     let keep_robots = log.run.get("keep_robots").is_none_or(|keep| keep == "true");
-    let mut world = World::new(def, Options { seed, speed_unit, time_step, keep_robots });
+    let mut world = World::new(def, Options { seed, speed_unit, time_step, keep_robots, panic_at });
     let mut controllers: BTreeMap<u64, Controller> = BTreeMap::new();
     let (mut steps, mut states, mut first_difference) = (0, 0, None);
     let mut advance = |world: &mut World, time: f64| {

@@ -59,6 +59,7 @@ impl LogWriter {
             entry("scene", &serde_json::to_string(world).unwrap_or_default()),
             entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
         ]);
+        metadata.extend(options.panic_at.map(|steps| entry("panic_at", &steps)));
         let start = || {
             let mut file = LogFile::create(path, "")?;
             file.metadata(RUN, metadata)?;
@@ -113,11 +114,8 @@ impl LogWriter {
     pub fn finish(self, end: End) -> Result<(), RecordError> {
         let entry = |key: &str, value: String| (key.to_owned(), value);
         let End { time, digest, dropped } = end;
-        let metadata = BTreeMap::from([
-            entry("seconds", time.to_string()),
-            entry("digest", format!("{digest:016x}")),
-            entry("dropped", dropped.to_string()),
-        ]);
+        let mut metadata = BTreeMap::from([entry("seconds", time.to_string()), entry("dropped", dropped.to_string())]);
+        metadata.extend(digest.map(|digest| entry("digest", format!("{digest:016x}"))));
         let Self { path, mut file, ros2, .. } = self;
         let finish = || {
             file.metadata(END, metadata)?;
@@ -224,7 +222,7 @@ impl<S: Sink> Recorder<S> {
 
 impl Recorder {
     /// Ends the log properly and waits until it is written.
-    pub fn finish(mut self, time: f64, digest: u64) {
+    pub fn finish(mut self, time: f64, digest: Option<u64>) {
         if let Some(log) = self.stop() {
             let end = End { time, digest, dropped: self.dropped };
             if let Err(error) = log.finish(end) {

@@ -44,11 +44,13 @@ pub struct Options {
     /// Whether only the newest robot of a connection leaves with it, as in USARSim (BotConnection.uc:765-787), where every
     /// other one stands for ever.
     pub keep_robots: bool,
+    /// For tests of what happens then: the number of steps after which the world panics.
+    pub panic_at: Option<u64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 0, speed_unit: 1.0, time_step: TIME_STEP, keep_robots: false }
+        Self { seed: 0, speed_unit: 1.0, time_step: TIME_STEP, keep_robots: false, panic_at: None }
     }
 }
 
@@ -96,9 +98,9 @@ impl World {
         self.options.time_step
     }
 
-    /// Whether robots but the newest stay when their connection ends.
-    pub fn keeps_robots(&self) -> bool {
-        self.options.keep_robots
+    /// How it runs.
+    pub fn options(&self) -> Options {
+        self.options
     }
 
     /// What the world is made of.
@@ -181,7 +183,11 @@ impl World {
     }
 
     /// One time step: physics first, then the wheels are read, then whatever is due reports, robot by robot.
+    ///
+    /// # Panics
+    /// After the steps of [`Options::panic_at`].
     pub fn step(&mut self) -> Vec<(RobotId, Message)> {
+        assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
         self.robots.values_mut().for_each(|robot| robot.give_velocity(&mut self.physics));
         self.robots.values().for_each(|robot| self.physics.react(robot.bodies()));

@@ -22,6 +22,7 @@ mod exit {
     pub(crate) const USAGE: u8 = 2;
     pub(crate) const BAD_DATA: u8 = 65;
     pub(crate) const UNAVAILABLE: u8 = 69;
+    pub(crate) const DEFECT: u8 = 70;
     pub(crate) const BAD_CONFIGURATION: u8 = 78;
 }
 
@@ -31,7 +32,7 @@ mod exit {
     version,
     after_help = "Examples:\n  usarsim serve\n  usarsim serve --map arena --log run.mcap\n  \
     usarsim check maps/rough/map.toml\n\nExit codes: 0 done, 1 failure, 2 usage, 65 bad file, 69 address in use, \
-    78 bad map or robot"
+    70 a defect of this program, 78 bad map or robot"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -78,7 +79,20 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     // Kept to the end: what waits is written when it is dropped.
     let _logging = start_logging(&arguments);
-    let result = match arguments.command {
+    report_panics();
+    match std::panic::catch_unwind(|| dispatch(arguments)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(Failure { code, message })) => {
+            complain(message);
+            ExitCode::from(code)
+        }
+        // The hook has said where.
+        Err(_) => ExitCode::from(exit::DEFECT),
+    }
+}
+
+fn dispatch(arguments: Arguments) -> Result<(), Failure> {
+    match arguments.command {
         Command::Serve(arguments) => serve::run(arguments),
         Command::Teleop(arguments) => teleop::run(&arguments),
         Command::Connect(arguments) => connect::run(&arguments),
@@ -91,14 +105,21 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiment(command) => experiment::run(&command, arguments.quiet),
         Command::Log(command) => log::run(command),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(Failure { code, message }) => {
-            complain(message);
-            ExitCode::from(code)
-        }
     }
+}
+
+/// A panic is said in one line of the log, with its place; `RUST_BACKTRACE=1` adds the calls.
+fn report_panics() {
+    std::panic::set_hook(Box::new(|panic| {
+        let place = panic.location().map(ToString::to_string).unwrap_or_default();
+        let message = panic.payload_as_str().unwrap_or("without a message");
+        let calls = std::backtrace::Backtrace::capture();
+        let calls = match calls.status() {
+            std::backtrace::BacktraceStatus::Captured => format!("\n{calls}"),
+            _ => String::new(),
+        };
+        tracing::error!("a defect of this program: panicked at {place}: {message}{calls}");
+    }));
 }
 
 /// Why the program ends with an exit code other than 0.

@@ -70,6 +70,9 @@ pub(crate) struct Arguments {
     /// Let only the newest robot of a connection leave with it, as USARSim does: the others stand for ever.
     #[arg(long, env = "USARSIM_KEEP_ROBOTS")]
     keep_robots: bool,
+    /// Panic after so many steps, to see what happens then.
+    #[arg(long, hide = true, value_name = "STEPS")]
+    panic_at: Option<u64>,
     /// Unit of wheel speeds on the wire: radians or revolutions a second.
     #[arg(long, env = "USARSIM_WHEEL_SPEEDS", default_value = "rad")]
     wheel_speeds: WheelSpeeds,
@@ -105,7 +108,13 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         WheelSpeeds::Rev => std::f64::consts::TAU,
     };
     let config = Config {
-        options: Options { seed: arguments.seed, speed_unit, keep_robots: arguments.keep_robots, ..Options::default() },
+        options: Options {
+            seed: arguments.seed,
+            speed_unit,
+            keep_robots: arguments.keep_robots,
+            panic_at: arguments.panic_at,
+            ..Options::default()
+        },
         host: arguments.host,
         port: arguments.port,
         real_time_factor: arguments.rtf,
@@ -127,6 +136,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let ready = move |ready: Ready| print(ready_line(ready, &map, &classes, json));
     gamebots_server::run(config, ready, stop_signal()).map_err(|error| match error {
         ServeError::Listen { .. } => Failure::new(exit::UNAVAILABLE, error),
+        ServeError::WorldPanicked { .. } => Failure::new(exit::DEFECT, error),
         _ => Failure::new(exit::FAILURE, error),
     })
 }

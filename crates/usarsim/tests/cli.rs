@@ -121,6 +121,46 @@ fn a_reader_of_stderr_that_stops_or_leaves_does_not_stop_the_server() {
 }
 
 #[test]
+fn a_panic_of_the_world_is_a_report_that_makes_it_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let child = usarsim()
+        .args(["serve", "--port", "0", "--no-http", "--json", "--log", "run.mcap", "--panic-at", "1000"])
+        .current_dir(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn();
+    let mut child = child.expect("usarsim starts");
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().expect("stdout")).read_line(&mut line).expect("a ready line");
+    let ready: serde_json::Value = serde_json::from_str(&line).expect("JSON");
+    let mut client =
+        TcpStream::connect(("127.0.0.1", ready["port"].as_u64().expect("a port") as u16)).expect("a client");
+    client.write_all(b"INIT {ClassName USARBot.P3AT} {Name R1}\r\nDRIVE {Left 1}{Right 1}\r\n").expect("taken");
+    let mut lines = String::new();
+    // A clean end, and everything before it.
+    client.read_to_string(&mut lines).expect("no reset");
+    assert!(lines.contains("{Time 1.9") && lines.ends_with("\r\n"), "{lines}");
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(70));
+    let said = text(&output.stderr);
+    for part in [
+        "a defect of this program: panicked at crates/sim-core/src/world.rs:",
+        "the world panicked at 2.000 s: asked to panic after 1000 steps; `usarsim log replay usarsim-panic-1.mcap`",
+    ] {
+        assert!(said.contains(part), "{part} is not in {said}");
+    }
+    let log =
+        |arguments: &[&str]| usarsim().arg("log").args(arguments).current_dir(folder.path()).output().expect("a log");
+    for file in ["run.mcap", "usarsim-panic-1.mcap"] {
+        assert_eq!(log(&["info", file]).status.code(), Some(0), "{file}");
+        let replay = log(&["replay", file]);
+        assert_eq!(replay.status.code(), Some(70), "{file}");
+        assert!(text(&replay.stderr).contains("asked to panic after 1000 steps"), "{}", text(&replay.stderr));
+    }
+    assert!(text(&log(&["cat", "usarsim-panic-1.mcap"]).stdout).contains("DRIVE {Left 1}{Right 1}"));
+}
+
+#[test]
 fn an_output_that_is_closed_changes_no_exit_code() {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);

@@ -45,7 +45,7 @@ impl Controller {
 
     /// Ends it: its robots leave the world, or only the newest one if the world keeps robots.
     pub fn end(self, world: &mut World) {
-        let leaving = if world.keeps_robots() { self.robots.len().saturating_sub(1) } else { 0 };
+        let leaving = if world.options().keep_robots { self.robots.len().saturating_sub(1) } else { 0 };
         self.robots[leaving..].iter().for_each(|&robot| world.remove(robot));
     }
 }

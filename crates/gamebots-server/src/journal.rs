@@ -1,0 +1,79 @@
+//! What a world was told since it began, kept for the one purpose of making a panic again.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use recorder::{End, LogWriter, Record, RecordError};
+use sim_core::World;
+
+/// Bytes of lines that are kept: hours of a controller that sends fifty lines a second. Beyond, the oldest are lost.
+const MAX_BYTES: usize = 16 * 1024 * 1024;
+/// What an entry costs beside its text.
+const ENTRY_BYTES: usize = 128;
+
+/// The lines that came and the connections that ended, with their simulated times, s.
+#[derive(Default)]
+pub(crate) struct Journal {
+    entries: VecDeque<(f64, Record)>,
+    bytes: usize,
+    /// Simulated time up to which entries were lost.
+    lost_until: Option<f64>,
+}
+
+impl Journal {
+    pub(crate) fn add(&mut self, time: f64, record: Record) {
+        self.bytes += cost(&record);
+        self.entries.push_back((time, record));
+        while self.bytes > MAX_BYTES
+            && let Some((time, record)) = self.entries.pop_front()
+        {
+            self.bytes -= cost(&record);
+            self.lost_until = Some(time);
+        }
+    }
+
+    /// A fresh world begins.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Writes a log that `usarsim log replay` runs to the same panic: with the step in which it happened, and without a
+    /// digest, which nobody could know.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub(crate) fn write(&self, folder: &Path, world: &World, panic: &str) -> Result<PathBuf, RecordError> {
+        let name = |number: u32| folder.join(format!("usarsim-panic-{number}.mcap"));
+        let path = (1..).map(name).find(|path| !path.exists()).unwrap_or_default();
+        let mut description = vec![("panic".to_owned(), panic.to_owned())];
+        description.extend(self.lost_until.map(|time| ("began".to_owned(), time.to_string())));
+        let mut log = LogWriter::create(&path, world.def(), world.options(), &description)?;
+        self.entries.iter().try_for_each(|(time, record)| log.write(*time, record))?;
+        log.finish(End { time: world.time() + world.time_step(), digest: None, dropped: 0 })?;
+        Ok(path)
+    }
+}
+
+fn cost(record: &Record) -> usize {
+    match record {
+        Record::In(line) | Record::Out(line) | Record::Closed(line) => ENTRY_BYTES + line.line.len(),
+        _ => ENTRY_BYTES,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use recorder::WireLine;
+
+    #[test]
+    fn the_oldest_lines_are_lost_and_that_is_known() {
+        let mut journal = Journal::default();
+        for number in 0..300u32 {
+            let line = WireLine { connection: 1, robot: None, line: "x".repeat(64 * 1024) };
+            journal.add(f64::from(number), Record::In(line));
+        }
+        assert!(journal.bytes <= MAX_BYTES && journal.entries.len() > 200);
+        assert_eq!(journal.lost_until, Some(299.0 - journal.entries.len() as f64));
+    }
+}
