@@ -74,6 +74,31 @@ fn a_robot_at_rest_stays_where_it_is_and_its_wheels_too() {
     }
 }
 
+/// Lets a robot fall flat onto the floor: every one is as heavy on its left as on its right, so it comes to rest as it fell.
+#[track_caller]
+fn check_lands_straight(class: &str, model: &str, height: f64, heading: f64) {
+    let model = format!("{class}.drive_model=\"{model}\"").parse().expect("an override");
+    let def = scene_loader::load_with("rough", &[], &[model]).unwrap_or_else(|error| panic!("{error}"));
+    let mut world = World::new(def, Options::default());
+    let start = format!("{{Location 1,2,-{height}}} {{Rotation 0,0,{heading}}}");
+    let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {start}"));
+    run(&mut world, 3.0);
+    let ([x, y, _], yaw, _) = place(&world, robot);
+    let (turned, moved) = (yaw - heading, (x - 1.0).hypot(y - 2.0));
+    println!("{class} from {height} m at {heading} rad: turned {turned:+.6} rad, moved {:.3} mm", 1e3 * moved);
+    assert!(turned.abs() < 1e-3 && moved < 2e-3, "{class} from {height} m at {heading} rad: {turned} rad, {moved} m");
+}
+
+#[test]
+fn a_robot_that_falls_flat_lands_straight() {
+    for (height, heading) in [(0.4, 0.0), (0.4, 0.7), (1.0, 0.0), (1.0, 0.7), (2.0, -2.2)] {
+        for class in scene_loader::robot_names() {
+            check_lands_straight(&class, "bodies", height, heading);
+        }
+        check_lands_straight("KUKA_YouBot", "analytic", height, heading);
+    }
+}
+
 #[test]
 fn skid_robots_go_straight_by_wheel_speed_times_radius() {
     for (class, radius) in

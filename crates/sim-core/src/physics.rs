@@ -46,11 +46,20 @@ pub struct WheelState {
     pub speed: f64,
 }
 
+/// Sweeps of the solver over the contacts while a robot lands. One is enough where the last step's impulses are a good
+/// guess. In an impact it gives the whole momentum to the wheel that comes first, and friction takes hold of what
+/// follows from that: a robot that falls flat from 1 m then turns by up to 0.1 rad.
+const LANDING_SWEEPS: usize = 20;
+/// How long a robot lands after its fall, s: until the overlap of the impact is pushed out.
+const LANDING_TIME: f64 = 0.1;
+
 /// The bodies of the world and the engine that moves them.
 pub(crate) struct Physics {
     world: PhysicsWorld,
     /// The bodies of the map's objects, in its order.
     objects: Vec<RigidBodyHandle>,
+    /// Time left of the landing of a robot, s; `LANDING_TIME` while one falls.
+    landing: f64,
 }
 
 impl Physics {
@@ -88,11 +97,17 @@ impl Physics {
         }
         // The colliders enter the query structure with the first step; of nothing, it moves nothing.
         world.step();
-        Self { world, objects }
+        Self { world, objects, landing: 0.0 }
     }
 
     /// Advances by one time step.
     pub(crate) fn step(&mut self) {
+        let sweeps = if self.landing > 0.0 { LANDING_SWEEPS } else { 1 };
+        let parameters = &mut self.world.integration_parameters;
+        // With the velocity that pushes out overlaps, and without it.
+        parameters.num_internal_pgs_iterations = sweeps;
+        parameters.num_internal_stabilization_iterations = sweeps;
+        self.landing -= f64::from(parameters.dt);
         self.world.step();
     }
 
