@@ -99,6 +99,24 @@ fn a_robot_that_falls_flat_lands_straight() {
     }
 }
 
+/// Where the ground pushed a wheel while it landed does not brake it when it stands elsewhere.
+#[test]
+fn on_a_slope_a_robot_that_fell_sets_out_like_one_that_was_put_there() {
+    let set_out = |z: &str| {
+        let mut world = world("slope-4.5", 1);
+        let robot = init(&mut world, &format!("INIT {{ClassName USARBot.CasterSkidRobot}} {{Location 4,0,{z}}}"));
+        run(&mut world, 1.5);
+        let (from, ..) = place(&world, robot);
+        apply(&mut world, robot, "DRIVE {Left 1}{Right 1}");
+        run(&mut world, 0.2);
+        let (to, ..) = place(&world, robot);
+        (to[0] - from[0]).hypot(to[2] - from[2])
+    };
+    let (put, fell) = (set_out("0"), set_out("-0.6"));
+    println!("put there {put:.6} m, fallen {fell:.6} m");
+    assert_near(fell, put, 0.01);
+}
+
 #[test]
 fn skid_robots_go_straight_by_wheel_speed_times_radius() {
     for (class, radius) in

@@ -15,6 +15,7 @@ mod traction;
 mod wheel_contact;
 
 use nalgebra::Vector3;
+use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
 pub(crate) use mass::total_mass;
@@ -133,4 +134,14 @@ fn with_material(collider: ColliderBuilder, material: &Material) -> ColliderBuil
         .friction_combine_rule(CoefficientCombineRule::Average)
         .restitution(material.restitution as Real)
         .restitution_combine_rule(CoefficientCombineRule::Average)
+}
+
+/// The contacts of a manifold that the last step solved for. The engine chooses four of its points at most; the others
+/// keep the impulses that they had when they were last chosen, which its own sums count in.
+fn solved(manifold: &ContactManifold) -> impl Iterator<Item = &ContactData> {
+    let chosen = |index: usize| {
+        let mut contacts = manifold.data.solver_contacts.iter();
+        contacts.any(|contact| contact.contact_indices()[0] as usize == index)
+    };
+    manifold.points.iter().enumerate().filter(move |(index, _)| chosen(*index)).map(|(_, point)| &point.data)
 }

@@ -5,7 +5,7 @@
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
-use super::convert;
+use super::{convert, solved};
 use crate::scene::Material;
 
 /// What one wheel stands on.
@@ -36,7 +36,10 @@ pub(super) fn load(world: &PhysicsWorld, wheel: &[ColliderHandle]) -> Load {
             // What has left since the last step is still listed until the next, and holds nothing any more.
             let (Some(own), Some(other)) = (world.colliders.get(own), world.colliders.get(other)) else { continue };
             let coefficient = of(own) + of(other);
-            let impulse = convert::from_vector(pair.total_impulse()) * sign;
+            let push = |manifold: &ContactManifold| {
+                manifold.data.normal * solved(manifold).map(|data| data.impulse).sum::<Real>()
+            };
+            let impulse = convert::from_vector(pair.solver_manifolds().iter().map(push).sum::<Vector>()) * sign;
             load.normal += impulse;
             load.resistance += coefficient * impulse.norm();
         }
