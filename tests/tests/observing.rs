@@ -9,17 +9,14 @@ const GRAVITY: f64 = 9.81;
 
 fn world(map: &str, model: DriveModel) -> World {
     let mut def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
-    def.robots.values_mut().for_each(|robot| robot.set_drive_model(Some(model)));
-    // It acts at the hub, not where the wheel touches.
-    let wheels = def.robots.values_mut().flat_map(|robot| &mut robot.wheels);
-    wheels.flat_map(|wheel| wheel.rollers.as_mut()).for_each(|rollers| rollers.material.rolling_resistance = 0.0);
-    def.map.solids.iter_mut().for_each(|solid| solid.material.rolling_resistance = 0.0);
+    let mecanum = def.robots.values_mut().filter(|robot| robot.wheels.iter().any(|wheel| wheel.rollers.is_some()));
+    mecanum.for_each(|robot| robot.set_drive_model(Some(model)));
     World::new(def, Options::default())
 }
 
-/// The mean force on a robot over a tenth of a second: hand-overs between rollers make single steps uneven.
+/// The mean force on a robot over a second: hand-overs between rollers make single steps uneven.
 fn force(world: &mut World, robot: sim_core::RobotId) -> Vector3<f64> {
-    let steps = 50;
+    let steps = 500;
     let sum = |observation: Observation| observation.contacts.iter().map(|contact| contact.force).sum::<Vector3<f64>>();
     let total: Vector3<f64> = (0..steps)
         .map(|_| {
@@ -30,22 +27,39 @@ fn force(world: &mut World, robot: sim_core::RobotId) -> Vector3<f64> {
     total / f64::from(steps)
 }
 
-/// On a slope everything that pushes a standing robot holds up its weight, friction included.
-#[test]
-fn forces_on_a_standing_robot_hold_its_weight() {
+/// Everything that pushes a robot, friction and rolling resistance included, holds up its weight: at rest on the floor and
+/// on a slope, and while it drives at a constant speed.
+#[track_caller]
+fn check_weight_is_held(class: &str, model: DriveModel) {
     for (map, start) in [("rough", "PlayerStart_0"), ("slope-4.5", "RobotStart2")] {
-        for model in [DriveModel::Bodies, DriveModel::Analytic] {
-            let mut world = world(map, model);
-            let robot = init(&mut world, &format!("INIT {{ClassName USARBot.KUKA_YouBot}} {{Start {start}}}"));
+        let mut world = world(map, model);
+        let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start {start}}}"));
+        let weight = world.def().robots[class].mass() as f64 * GRAVITY;
+        let wheels = world.def().robots[class].wheels.len();
+        for drive in ["DRIVE {Left 0}{Right 0}", "DRIVE {Left 2}{Right 2}"] {
+            apply(&mut world, robot, drive);
             run(&mut world, 1.0);
             let force = force(&mut world, robot);
-            let weight = world.def().robots["KUKA_YouBot"].mass() as f64 * GRAVITY;
             let off = (force + Vector3::z() * weight).norm() / weight;
-            let tilt = world.observe(robot).unwrap().body.pose.rotation.angle().to_degrees();
-            println!("{map} {model:?}, {tilt:.2} degrees: {force:?}, weight {weight:.2}, off {off:.4}");
-            assert!(off < 0.001, "{map} {model:?}: {force:?} for {weight}");
+            println!(
+                "{class} {model:?} on {map}, {drive}: {:.4?} of its weight, off {off:.4}",
+                (force / weight).as_slice()
+            );
+            assert!(off < 0.001, "{class} {model:?} on {map}, {drive}: {force:?} for {weight}");
             let contacts = world.observe(robot).unwrap().contacts;
-            assert!(contacts.len() >= 4, "{contacts:?}");
+            assert!(contacts.len() >= wheels, "{class} {model:?} on {map}, {drive}: {contacts:?}");
+        }
+    }
+}
+
+#[test]
+fn forces_on_a_robot_hold_its_weight() {
+    for class in scene_loader::robot_names() {
+        check_weight_is_held(&class, DriveModel::Bodies);
+    }
+    for class in ["KUKA_YouBot", "YouBot"] {
+        for model in [DriveModel::Analytic, DriveModel::Kinematic, DriveModel::KinematicTextbook] {
+            check_weight_is_held(class, model);
         }
     }
 }

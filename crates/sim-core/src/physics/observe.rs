@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
 use super::robot::Drivetrain;
-use super::{Physics, RobotBodies, convert};
+use super::{Physics, RobotBodies, convert, solved};
 use crate::scene::RobotDef;
 
 /// A place where something pushes a robot.
@@ -12,7 +12,7 @@ use crate::scene::RobotDef;
 pub struct Contact {
     /// Where, world frame, m.
     pub point: Vector3<f64>,
-    /// Force on the robot over the last step, world axes, N: the normal force and friction together.
+    /// Force on the robot over the last step, world axes, N: the normal force, friction and rolling resistance together.
     pub force: Vector3<f64>,
 }
 
@@ -45,33 +45,61 @@ impl Physics {
         angles
     }
 
-    /// Everything that pushed a robot in the last step.
+    /// Everything that pushed a robot in the last step. Rolling resistance is a force on a hub; it is added to the
+    /// contacts of its wheel, so that the sum is what the ground did.
     pub(crate) fn contacts(&self, bodies: &RobotBodies) -> Vec<Contact> {
         let time_step = f64::from(self.world.integration_parameters.dt);
         let mut contacts = Vec::new();
-        for body in bodies.all().iter().filter_map(|&body| self.world.bodies.get(body)) {
+        if let Some(chassis) = bodies.all().first().and_then(|&chassis| self.world.bodies.get(chassis)) {
+            self.add_contacts(chassis.colliders(), &mut contacts);
+        }
+        match bodies.drivetrain() {
+            Drivetrain::Multibody { treads, .. } => {
+                for tread in treads {
+                    let before = contacts.len();
+                    self.add_contacts(&tread.colliders, &mut contacts);
+                    share(&mut contacts[before..], tread.resistance);
+                }
+            }
+            Drivetrain::Rigid(base) => {
+                let before = contacts.len();
+                contacts.extend(
+                    base.pushes().iter().map(|&(point, impulse)| Contact { point, force: impulse / time_step }),
+                );
+                share(&mut contacts[before..], base.shared() / time_step);
+            }
+        }
+        contacts
+    }
+
+    /// What the engine found for some colliders.
+    fn add_contacts(&self, colliders: &[ColliderHandle], contacts: &mut Vec<Contact>) {
+        let time_step = f64::from(self.world.integration_parameters.dt);
+        for &own in colliders {
+            let parent = self.world.colliders.get(own).and_then(Collider::parent);
+            let Some(body) = parent.and_then(|body| self.world.bodies.get(body)) else { continue };
             let centre = convert::from_vector(body.center_of_mass());
-            for &own in body.colliders() {
-                for pair in self.world.narrow_phase.contact_pairs_with(own) {
-                    let first = pair.collider1 == own;
-                    let sign = if first { 1.0 } else { -1.0 };
-                    for manifold in pair.manifolds().iter().filter(|manifold| !manifold.data.solver_contacts.is_empty())
-                    {
-                        let normal = -convert::from_vector(manifold.data.normal);
-                        for data in manifold.points.iter().map(|point| &point.data).filter(|data| data.impulse > 0.0) {
-                            let friction = convert::from_vector(data.warmstart_tangent_world);
-                            let arm = if first { data.solver_dp1 } else { data.solver_dp2 };
-                            let force = (normal * f64::from(data.impulse) + friction) * (sign / time_step);
-                            contacts.push(Contact { point: centre + convert::from_vector(arm), force });
-                        }
+            for pair in self.world.narrow_phase.contact_pairs_with(own) {
+                let first = pair.collider1 == own;
+                let sign = if first { 1.0 } else { -1.0 };
+                for manifold in pair.solver_manifolds() {
+                    let normal = -convert::from_vector(manifold.data.normal);
+                    for data in solved(manifold).filter(|data| data.impulse > 0.0) {
+                        let friction = convert::from_vector(data.warmstart_tangent_world);
+                        let arm = if first { data.solver_dp1 } else { data.solver_dp2 };
+                        let force = (normal * f64::from(data.impulse) + friction) * (sign / time_step);
+                        contacts.push(Contact { point: centre + convert::from_vector(arm), force });
                     }
                 }
             }
         }
-        if let Drivetrain::Rigid(base) = bodies.drivetrain() {
-            contacts
-                .extend(base.pushes().iter().map(|&(point, impulse)| Contact { point, force: impulse / time_step }));
-        }
-        contacts
+    }
+}
+
+/// Adds a force to contacts, to each by what it carries.
+fn share(contacts: &mut [Contact], force: Vector3<f64>) {
+    let total: f64 = contacts.iter().map(|contact| contact.force.norm()).sum();
+    for contact in contacts.iter_mut().filter(|_| total > 0.0) {
+        contact.force += force * (contact.force.norm() / total);
     }
 }

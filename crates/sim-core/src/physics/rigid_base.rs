@@ -109,6 +109,9 @@ pub(super) struct RigidBase {
     contacts: Vec<WheelContact>,
     /// Where the ground pushed its wheels in the last step, and the impulse, N s: to be looked at.
     pushes: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// The impulse of the ground in the last step that no single contact has, N s: rolling resistance, which is a force
+    /// on the hubs, and what makes the base follow its commands.
+    shared: Vector3<f64>,
     /// Angles of the rollers, wheel by wheel, rad: to be looked at. They have no inertia, so nothing depends on them.
     roller_angles: Vec<Vec<f64>>,
 }
@@ -142,6 +145,7 @@ impl RigidBase {
             reactions: Vec::new(),
             contacts: Vec::new(),
             pushes: Vec::new(),
+            shared: zero,
             roller_angles: robot.driven().iter().map(|wheel| vec![0.0; wheel.roller_count()]).collect(),
         }
     }
@@ -169,6 +173,11 @@ impl RigidBase {
         &self.pushes
     }
 
+    /// The impulse of the ground in the last step that no single one of these has, N s.
+    pub(super) fn shared(&self) -> Vector3<f64> {
+        self.shared
+    }
+
     /// Angles of its rollers, wheel by wheel, rad.
     pub(super) fn roller_angles(&self) -> impl Iterator<Item = f64> {
         self.roller_angles.iter().flatten().copied()
@@ -183,6 +192,7 @@ impl RigidBase {
         let mut momentum = self.momentum.clone();
         let fall = convert::from_vector(world.gravity) * time_step;
         self.resist_rolling(&mut momentum, fall);
+        self.shared = momentum.linear - self.momentum.linear;
         momentum.linear += fall * self.mass.mass;
         momentum.linear /= 1.0 + self.linear_damping * time_step;
         momentum.angular /= 1.0 + self.angular_damping * time_step;
@@ -226,11 +236,11 @@ impl RigidBase {
         self.pushes.clear();
         self.loads.fill(Load::default());
         for (row, impulse) in rows.iter().zip(impulses) {
-            if let (Some(_), Some(point)) = (row.wheel, row.point) {
-                match self.pushes.last_mut().filter(|(known, _)| *known == point) {
-                    Some((_, push)) => *push += row.direction * impulse,
-                    None => self.pushes.push((point, row.direction * impulse)),
-                }
+            match (row.wheel, row.point, self.pushes.last_mut()) {
+                (Some(_), Some(point), Some((known, push))) if *known == point => *push += row.direction * impulse,
+                (Some(_), Some(point), _) => self.pushes.push((point, row.direction * impulse)),
+                (None, Some(_), _) => self.shared += row.direction * impulse,
+                (_, None, _) => {}
             }
             if let (Some((wheel, _)), Limit::Push) = (row.wheel, row.limit) {
                 self.loads[wheel].normal += row.direction * impulse;

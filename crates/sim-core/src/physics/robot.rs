@@ -30,8 +30,8 @@ pub(crate) struct RobotBodies {
 pub(super) enum Drivetrain {
     Multibody {
         driven: Vec<MultibodyWheel>,
-        /// What touches the ground of every wheel, casters too.
-        treads: Vec<Vec<ColliderHandle>>,
+        /// Of every wheel, casters too.
+        treads: Vec<Tread>,
     },
     Rigid(Box<RigidBase>),
 }
@@ -42,6 +42,13 @@ pub(super) struct MultibodyWheel {
     servo: Servo,
     /// Its angle in f64, where the engine's f32 would lose digits within minutes.
     state: WheelState,
+}
+
+/// What touches the ground of a wheel.
+pub(super) struct Tread {
+    pub(super) colliders: Vec<ColliderHandle>,
+    /// Rolling resistance in the last step, N.
+    pub(super) resistance: Vector3<f64>,
 }
 
 impl RobotBodies {
@@ -125,7 +132,8 @@ impl Physics {
             let before = all.len();
             self.insert_wheel(pose, wheel, &centre, &mut all, &mut joints, &mut roller_damping);
             let bodies = all[before..].iter().filter_map(|&body| self.world.bodies.get(body));
-            treads.push(bodies.flat_map(|body| body.colliders().iter().copied()).collect());
+            let colliders = bodies.flat_map(|body| body.colliders().iter().copied()).collect();
+            treads.push(Tread { colliders, resistance: Vector3::zeros() });
         }
         self.set_joint_parameters(robot, &joints, &roller_damping);
         let wheel = |joint| MultibodyWheel { joint, servo: Servo::default(), state: WheelState::default() };
@@ -244,12 +252,12 @@ impl Physics {
         robot: &RobotDef,
         chassis: RigidBodyHandle,
         centre: Vector3<f64>,
-        treads: &[Vec<ColliderHandle>],
+        treads: &mut [Tread],
     ) {
         let time_step = f64::from(self.world.integration_parameters.dt);
         let fall = convert::from_vector(self.world.gravity) * time_step;
         let share = f64::from(robot.mass()) / treads.len() as f64;
-        let loads: Vec<Load> = treads.iter().map(|tread| rolling::load(&self.world, tread)).collect();
+        let loads: Vec<Load> = treads.iter().map(|tread| rolling::load(&self.world, &tread.colliders)).collect();
         let Some(chassis) = self.world.bodies.get_mut(chassis) else { return };
         let down = fall.normalize().dot(&convert::from_vector(chassis.linvel()));
         if FALLING_SPEEDS.contains(&down) && loads.iter().all(|load| load.normal == Vector3::zeros()) {
@@ -257,7 +265,7 @@ impl Physics {
         }
         chassis.reset_forces(false);
         chassis.reset_torques(false);
-        for (wheel, load) in robot.wheels.iter().zip(&loads).filter(|(_, load)| load.resistance > 0.0) {
+        for ((wheel, load), tread) in robot.wheels.iter().zip(&loads).zip(treads) {
             let hub = chassis.position() * convert::vector(Vector3::from(wheel.position) - centre);
             let mut velocity = convert::from_vector(chassis.velocity_at_point(hub)) + fall;
             if wheel.drive.is_some() && wheel.rollers.is_none() {
@@ -265,8 +273,8 @@ impl Physics {
                 let ahead = convert::from_vector(chassis.rotation() * Vector::X);
                 velocity = ahead * ahead.dot(&velocity);
             }
-            let force = rolling::impulse(load, velocity, share) / time_step;
-            chassis.add_force_at_point(convert::vector(force), hub, true);
+            tread.resistance = rolling::impulse(load, velocity, share) / time_step;
+            chassis.add_force_at_point(convert::vector(tread.resistance), hub, true);
         }
     }
 
