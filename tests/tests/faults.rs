@@ -335,3 +335,17 @@ fn a_client_that_leaves_takes_all_of_its_robots_with_it_unless_robots_are_kept()
         assert_eq!(stands, [keep_robots, keep_robots, false]);
     }
 }
+
+/// A scan that starts again at each brace takes ten thousand times as long as one over as much text.
+#[test]
+fn stray_braces_are_passed_over_once() {
+    let time = |line: &str| {
+        let start = Instant::now();
+        (0..10).for_each(|_| assert_eq!(gamebots_proto::Line::parse(line).blocks.len(), 1));
+        start.elapsed()
+    };
+    let braces = time(&format!("A{{{}{{", "}".repeat(64_000)));
+    let text = time(&format!("A{{{}}}", "x".repeat(64_000)));
+    println!("{braces:?} for braces, {text:?} for text");
+    assert!(braces < 500 * text, "{braces:?} for braces, {text:?} for text");
+}

@@ -120,19 +120,6 @@ mod tests {
         assert_eq!(line.get("Right"), None);
     }
 
-    /// A scan that starts again at each brace takes ten thousand times as long as one over as much text.
-    #[test]
-    fn stray_braces_are_passed_over_once() {
-        let time = |line: &str| {
-            let start = std::time::Instant::now();
-            (0..10).for_each(|_| assert_eq!(Line::parse(line).blocks.len(), 1));
-            start.elapsed()
-        };
-        let (braces, text) =
-            (time(&format!("A{{{}{{", "}".repeat(64_000))), time(&format!("A{{{}}}", "x".repeat(64_000))));
-        assert!(braces < 500 * text, "{braces:?} for braces, {text:?} for text");
-    }
-
     #[test]
     fn blocks_beyond_the_limit_are_not_read() {
         let line = Line::parse(&"{a b}".repeat(MAX_BLOCKS + 1));
