@@ -347,5 +347,5 @@ fn stray_braces_are_passed_over_once() {
     let braces = time(&format!("A{{{}{{", "}".repeat(64_000)));
     let text = time(&format!("A{{{}}}", "x".repeat(64_000)));
     println!("{braces:?} for braces, {text:?} for text");
-    assert!(braces < 500 * text, "{braces:?} for braces, {text:?} for text");
+    assert!(braces < 20 * text, "{braces:?} for braces, {text:?} for text");
 }
