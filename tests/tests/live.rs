@@ -10,6 +10,7 @@ use gamebots_server::{Config, Page};
 use serde_json::Value;
 use system_tests::{Peer, Server};
 use tungstenite::client::IntoClientRequest;
+use tungstenite::protocol::Role;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
@@ -399,19 +400,23 @@ fn a_websocket_keeps_its_place_among_the_connections() {
 }
 
 #[test]
-fn a_page_that_asks_more_than_it_has_read_gets_every_answer() {
+fn a_page_that_asks_faster_than_it_is_answered_gets_every_answer() {
     const QUESTIONS: usize = 120_000;
     let server = serve("rough", |_| {});
     let mut viewer = Viewer::open(&server, "/wire");
-    // All is sent before anything is read; what the server cannot take yet waits on the way.
+    let MaybeTlsStream::Plain(stream) = viewer.socket.get_ref() else { panic!("no plain stream") };
+    let stream = stream.try_clone().unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    let mut reader = WebSocket::from_raw_socket(stream, Role::Client, None);
     // The spaces make it more than the operating system keeps.
     let questions = format!("GETSTARTPOSES{}\r\n", " ".repeat(240)).repeat(250);
-    for _ in 0..QUESTIONS / 250 {
-        viewer.send(&questions);
-    }
+    let sending = std::thread::spawn(move || {
+        (0..QUESTIONS / 250).for_each(|_| viewer.send(&questions));
+        viewer
+    });
     let (mut text, mut answers) = (Vec::new(), 0);
     while answers < QUESTIONS {
-        match viewer.next() {
+        match reader.read().unwrap() {
             Message::Binary(bytes) => text.extend(bytes),
             Message::Close(_) => panic!("closed after {answers} answers"),
             _ => {}
@@ -421,6 +426,7 @@ fn a_page_that_asks_more_than_it_has_read_gets_every_answer() {
         answers += String::from_utf8_lossy(&text[..whole]).matches("{StartPoses 3}").count();
         text.drain(..whole);
     }
+    drop(sending.join().unwrap());
 }
 
 #[test]
