@@ -48,6 +48,8 @@ fn check_weight_is_held(class: &str, model: DriveModel) {
             assert!(off < 0.001, "{class} {model:?} on {map}, {drive}: {force:?} for {weight}");
             let contacts = world.observe(robot).unwrap().contacts;
             assert!(contacts.len() >= wheels, "{class} {model:?} on {map}, {drive}: {contacts:?}");
+            let pushes = |contact: &sim_core::Contact| contact.force.norm() > 0.0;
+            assert!(contacts.iter().all(pushes), "{class} {model:?} on {map}, {drive}: {contacts:?}");
         }
     }
 }

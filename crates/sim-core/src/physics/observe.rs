@@ -63,9 +63,8 @@ impl Physics {
             }
             Drivetrain::Rigid(base) => {
                 let before = contacts.len();
-                contacts.extend(
-                    base.pushes().iter().map(|&(point, impulse)| Contact { point, force: impulse / time_step }),
-                );
+                let pushes = base.pushes().iter().filter(|(_, impulse)| *impulse != Vector3::zeros());
+                contacts.extend(pushes.map(|&(point, impulse)| Contact { point, force: impulse / time_step }));
                 share(&mut contacts[before..], base.shared() / time_step);
             }
         }
