@@ -66,6 +66,46 @@ fn forces_on_a_robot_hold_its_weight() {
     }
 }
 
+/// Puts a robot onto another, a youBot onto a plate or onto wheels that reach above it, and returns how high it stands.
+/// What holds both up from below has to be both weights.
+#[track_caller]
+fn check_carries(carrier: &str, on_wheels: bool, model: DriveModel) -> f64 {
+    let wheels = [("FL", 0.2355, -0.15), ("FR", 0.2355, 0.15), ("BL", -0.2355, -0.15), ("BR", -0.2355, 0.15)];
+    let below = wheels.iter().filter(|_| on_wheels).map(|(name, x, y)| {
+        format!("{carrier}.wheel.{name}Wheel.position=[{x},{y},0.0]").parse().expect("an override")
+    });
+    let below: Vec<_> = below.collect();
+    let mut def = scene_loader::load_with("rough", &[], &below).unwrap_or_else(|error| panic!("{error}"));
+    def.robots.get_mut("KUKA_YouBot").unwrap().set_drive_model(Some(model));
+    let weight = |class: &str| def.robots[class].mass() as f64 * GRAVITY;
+    let weight = weight(carrier) + weight("KUKA_YouBot");
+    let mut world = World::new(def, Options::default());
+    let [carrier_id, youbot] = [carrier, "KUKA_YouBot"].map(|class| {
+        let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}"));
+        run(&mut world, 1.0);
+        robot
+    });
+    let steps = 500;
+    let up = (0..steps).map(|_| {
+        world.step();
+        world.observe(carrier_id).unwrap().contacts.iter().map(|contact| (-contact.force.z).max(0.0)).sum::<f64>()
+    });
+    let up = up.sum::<f64>() / f64::from(steps);
+    println!("youBot {model:?} on a {carrier} (on its wheels: {on_wheels}): {up:.2} N for {weight:.2}");
+    assert!((up - weight).abs() < 0.01 * weight, "{model:?} on {carrier}, {on_wheels}: {up} N for {weight}");
+    -world.observe(youbot).unwrap().body.pose.translation.z
+}
+
+/// Whatever a robot is made of: what touches it feels what its wheels and rollers do.
+#[test]
+fn a_robot_carries_another() {
+    for (carrier, on_wheels) in [("BasicSkidRobot", false), ("BasicSkidRobot", true), ("P3AT", false)] {
+        for model in [DriveModel::Bodies, DriveModel::Analytic, DriveModel::Kinematic] {
+            check_carries(carrier, on_wheels, model);
+        }
+    }
+}
+
 /// Sideways the rollers that touch turn, in both models alike; that the wheels turn does not count.
 #[test]
 fn rollers_turn_when_the_robot_goes_sideways() {

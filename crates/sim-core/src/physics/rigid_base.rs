@@ -261,11 +261,17 @@ impl RigidBase {
         }
     }
 
-    /// Gives the reactions to what was touched.
+    /// Gives the reactions to what was touched. A link of a multibody has its velocity from the multibody, and an impulse on
+    /// it is lost: it gets a force for one step.
     pub(super) fn react(&self, world: &mut PhysicsWorld) {
+        let time_step = world.integration_parameters.dt;
         for (handle, impulse, point) in &self.reactions {
-            if let Some(body) = world.bodies.get_mut(*handle) {
-                body.apply_impulse_at_point(convert::vector(*impulse), convert::vector(*point), true);
+            let (impulse, point) = (convert::vector(*impulse), convert::vector(*point));
+            let is_link = world.multibody_joints.rigid_body_link(*handle).is_some();
+            match world.bodies.get_mut(*handle) {
+                Some(link) if is_link => link.add_force_at_point(impulse / time_step, point, true),
+                Some(body) => body.apply_impulse_at_point(impulse, point, true),
+                None => {}
             }
         }
     }

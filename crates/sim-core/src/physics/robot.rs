@@ -194,6 +194,7 @@ impl Physics {
     pub(crate) fn before_step(&mut self, robot: &RobotDef, bodies: &mut RobotBodies) {
         match &mut bodies.drivetrain {
             Drivetrain::Multibody { driven, treads } => {
+                self.reset_forces(&bodies.all);
                 self.set_motors(robot, driven);
                 self.set_rolling_resistance(robot, bodies.chassis, bodies.centre, treads);
             }
@@ -233,6 +234,19 @@ impl Physics {
         }
     }
 
+    /// Ends the forces of the last step: rolling resistance, and what the wheels of others did.
+    fn reset_forces(&mut self, bodies: &[RigidBodyHandle]) {
+        for &handle in bodies {
+            let pushed = |body: &RigidBody| body.user_force() != Vector::ZERO || body.user_torque() != Vector::ZERO;
+            if self.world.bodies.get(handle).is_some_and(pushed)
+                && let Some(body) = self.world.bodies.get_mut(handle)
+            {
+                body.reset_forces(false);
+                body.reset_torques(false);
+            }
+        }
+    }
+
     fn set_motors(&mut self, robot: &RobotDef, wheels: &mut [MultibodyWheel]) {
         let time_step = f64::from(self.world.integration_parameters.dt);
         let motors = robot.driven().iter().filter_map(|wheel| wheel.drive.as_ref());
@@ -263,8 +277,6 @@ impl Physics {
         if FALLING_SPEEDS.contains(&down) && loads.iter().all(|load| load.normal == Vector3::zeros()) {
             self.landing = LANDING_TIME;
         }
-        chassis.reset_forces(false);
-        chassis.reset_torques(false);
         for ((wheel, load), tread) in robot.wheels.iter().zip(&loads).zip(treads) {
             let hub = chassis.position() * convert::vector(Vector3::from(wheel.position) - centre);
             let mut velocity = convert::from_vector(chassis.velocity_at_point(hub)) + fall;
