@@ -18,8 +18,8 @@ use nalgebra::Vector3;
 use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
-pub(crate) use mass::total_mass;
 pub use mass::wheel_spin_inertia;
+pub(crate) use mass::{body_mass, total_mass};
 pub use observe::Contact;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;

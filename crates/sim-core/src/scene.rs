@@ -3,6 +3,8 @@
 //! The crate `scene-loader` makes these from files; nothing here reads anything. Written as JSON, as in a log, they read back
 //! with the same bits.
 
+pub mod check;
+
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 

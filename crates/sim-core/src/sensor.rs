@@ -164,6 +164,14 @@ impl Config {
         }
     }
 
+    /// How many rays one reading casts.
+    pub(crate) fn rays(&self) -> usize {
+        match self {
+            Self::Sonar(config) => config.rays(),
+            _ => self.fan().map_or(0, |fan| fan.rays()),
+        }
+    }
+
     /// Checks the numbers.
     ///
     /// # Errors
@@ -176,9 +184,8 @@ impl Config {
             Self::Sonar(config) => config.validate(),
             Self::Encoder(config) => config.validate(),
             Self::Ins(config) => config.validate(),
-            Self::GroundTruth(_) | Self::Odometry(_) | Self::Tachometer(_) | Self::Camera(_) | Self::Battery(_) => {
-                Ok(())
-            }
+            Self::Camera(config) => config.validate(),
+            Self::GroundTruth(_) | Self::Odometry(_) | Self::Tachometer(_) | Self::Battery(_) => Ok(()),
         }
     }
 }

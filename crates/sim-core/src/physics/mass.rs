@@ -77,7 +77,7 @@ pub(crate) fn total_mass(robot: &RobotDef) -> Mass {
 }
 
 /// Mass of the robot's body without wheels.
-pub(super) fn body_mass(robot: &RobotDef) -> Mass {
+pub(crate) fn body_mass(robot: &RobotDef) -> Mass {
     combined(part_masses(robot))
 }
 

@@ -36,6 +36,16 @@ pub(super) struct Mounted {
 }
 
 impl Config {
+    /// Angles that a zoom can be kept within.
+    pub(super) fn validate(&self) -> Result<(), &'static str> {
+        let angles = [0.0, self.min_field_of_view, self.field_of_view, self.max_field_of_view, std::f64::consts::PI];
+        if angles.is_sorted() {
+            Ok(())
+        } else {
+            Err("min_field_of_view <= field_of_view <= max_field_of_view, all 0 to pi")
+        }
+    }
+
     pub(super) fn build(&self, mount: Mount) -> Mounted {
         let [default, min, max] = [self.field_of_view, self.min_field_of_view, self.max_field_of_view]
             .map(|angle| angle.to_degrees().round());

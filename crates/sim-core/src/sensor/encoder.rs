@@ -42,8 +42,8 @@ pub(super) struct Mounted {
 impl Config {
     /// Numbers that ticks can be counted with.
     pub(super) fn validate(&self) -> Result<(), &'static str> {
-        let good = self.resolution > 0.0 && (0.0..1.0).contains(&self.noise);
-        if good { Ok(()) } else { Err("resolution more than 0, noise 0 to 1") }
+        let good = (1e-6..=TAU).contains(&self.resolution) && (0.0..1.0).contains(&self.noise);
+        if good { Ok(()) } else { Err("resolution 1e-6 to 2 pi, noise 0 to less than 1") }
     }
 }
 

@@ -53,8 +53,8 @@ pub(super) struct Mounted {
 impl Config {
     /// Numbers that noise can be drawn with.
     pub(super) fn validate(&self) -> Result<(), &'static str> {
-        let good = self.precision > 0.0 && (0.0..=10.0).contains(&self.sigma);
-        if good { Ok(()) } else { Err("precision more than 0, sigma 0 to 10") }
+        let good = (1e-3..=1e9).contains(&self.precision) && (0.0..=10.0).contains(&self.sigma);
+        if good { Ok(()) } else { Err("precision 0.001 to 1e9, sigma 0 to 10") }
     }
 }
 

@@ -29,6 +29,13 @@ pub struct Fan {
     pub level: bool,
 }
 
+impl Fan {
+    /// How many beams it has.
+    pub(super) fn rays(&self) -> usize {
+        (2.0 * self.first / self.resolution) as usize + 1
+    }
+}
+
 macro_rules! scanner {
     ($(#[$doc:meta])* $name:ident { max_range: $max:literal, field_of_view: $fov:literal, resolution: $resolution:literal }) => {
         $(#[$doc])*
@@ -67,13 +74,15 @@ macro_rules! scanner {
             pub(super) fn validate(&self) -> Result<(), &'static str> {
                 let good = self.max_range > 0.0
                     && self.max_range <= 10_000.0
+                    && (0.0..=self.max_range).contains(&self.min_range)
                     && (0.0..=std::f64::consts::TAU).contains(&self.field_of_view)
                     && self.resolution > 0.0
+                    && self.resolution <= std::f64::consts::TAU
                     && self.field_of_view / self.resolution <= 10_000.0;
                 if good {
                     Ok(())
                 } else {
-                    Err("max_range 0 to 10000 m, field_of_view 0 to 2 pi, resolution more than 0 and at most 10000 beams")
+                    Err("min_range <= max_range, both 0 to 10000 m, field_of_view and resolution 0 to 2 pi, at most 10000 beams")
                 }
             }
 

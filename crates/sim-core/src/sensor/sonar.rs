@@ -62,13 +62,19 @@ impl Config {
             && self.min_range < self.max_range
             && self.max_range <= 10_000.0
             && (0.0..=std::f64::consts::PI).contains(&self.beam_angle)
+            && (0.0..=std::f64::consts::PI).contains(&self.max_angle_of_incidence)
             && self.number_of_cones <= 100
             && self.traces_per_cone <= 1000;
-        if good { Ok(()) } else { Err("min_range < max_range, beam_angle 0 to pi, at most 100 cones of 1000 traces") }
+        if good { Ok(()) } else { Err("min_range < max_range, angles 0 to pi, at most 100 cones of 1000 traces") }
     }
 }
 
 impl Config {
+    /// The beam ahead and those of the cones.
+    pub(super) fn rays(&self) -> usize {
+        (self.number_of_cones as usize).saturating_mul(self.traces_per_cone as usize).saturating_add(1)
+    }
+
     pub(super) fn build(&self, mount: Mount) -> Mounted {
         let step = radians(rotation_units(self.beam_angle / 2.0 / f64::from(self.number_of_cones.max(1))));
         let cone_beams = (1..=self.number_of_cones).flat_map(|cone| {
