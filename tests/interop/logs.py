@@ -23,6 +23,7 @@ from rosbags.typesys import Stores, get_typestore
 
 NATIVE = {
     "usarsim.WireLine",
+    "usarsim.RobotLeft",
     "usarsim.RobotState",
     "usarsim.ObjectState",
     "foxglove.FrameTransforms",

@@ -210,11 +210,17 @@ fn a_viewer_begins_and_ends_a_log_and_a_reset_begins_the_next() {
     viewer.said("recording to");
     let status = viewer.status("recording", |status| status["recording"].is_string());
     assert_eq!(status["recording"].as_str(), path.to_str());
-    peer.lines_for(0.5);
+    // The next log begins a second later at the earliest.
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(1) {
+        peer.line();
+    }
     viewer.send("\"reset\"");
+    viewer.said(&format!("recorded {}", path.display()));
     viewer.status("reset", |status| status["resets"] == 1 && status["recording"].as_str() != path.to_str());
     peer.lines_for(0.5);
     viewer.send("{\"record\":false}");
+    viewer.said(&format!("recorded {}", folder.path().join("run-2.mcap").display()));
     viewer.status("no recording", |status| status["recording"].is_null());
     let read = |path: &std::path::Path| recorder::read(path).unwrap_or_else(|error| panic!("{error}"));
     let refused = recorder::replay(&read(&path)).unwrap_err().to_string();

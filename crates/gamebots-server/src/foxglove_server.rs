@@ -30,7 +30,7 @@ pub(crate) struct FoxgloveServer {
     handle: WebSocketServerHandle,
     /// The channels live as long as their context.
     _context: Arc<Context>,
-    recorder: Recorder<Live>,
+    recorder: Recorder,
     states: StateTimer,
     next_time: Instant,
     /// Where clients come in.

@@ -1,12 +1,18 @@
-//! Where a served world is recorded: in a log, one from the start or as many as somebody wishes, and live for Foxglove.
+//! Where a served world is recorded: in a log, one from the start or as many as somebody asks for, and live for Foxglove.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use recorder::{LogWriter, Record, RecordError, Recorder, StateTimer};
+use recorder::{Closing, LogWriter, Record, RecordError, Recorder, StateTimer, Storage};
 use sim_core::{Options, World};
 
 use crate::foxglove_server::FoxgloveServer;
+
+/// Least real time between the beginnings of two logs.
+const BEGIN_INTERVAL: Duration = Duration::from_secs(1);
+/// Logs whose ends may be waiting for the disk when another begins; each may hold what is queued for it.
+const MAX_CLOSING: usize = 4;
 
 /// What logs are written with, and the two places where records go.
 pub(crate) struct Recording {
@@ -16,14 +22,37 @@ pub(crate) struct Recording {
     /// Where a log goes that nobody has named.
     unnamed: PathBuf,
     open: Option<Open>,
+    /// Logs that are being ended, with their files.
+    closing: Vec<(PathBuf, Closing)>,
+    /// The last number given to a file of each name.
+    numbers: BTreeMap<PathBuf, u32>,
+    /// When the last log was begun.
+    begun: Option<Instant>,
     foxglove: Option<FoxgloveServer>,
+    storage: fn(&Path) -> std::io::Result<Box<dyn Storage>>,
 }
 
 /// The log that is being written.
 struct Open {
     path: PathBuf,
+    /// Its name without a number.
+    name: PathBuf,
     recorder: Recorder,
     states: StateTimer,
+}
+
+/// Why no log begins.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum BeginError {
+    /// Somebody asks for logs without end.
+    #[error("the last log was begun less than a second ago: try again in a second")]
+    TooSoon,
+    /// The disk does not take them.
+    #[error("{0} logs are still being written: the disk is too slow for another one now")]
+    TooMany(usize),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Log(#[from] RecordError),
 }
 
 impl Recording {
@@ -35,52 +64,53 @@ impl Recording {
         unnamed: PathBuf,
         foxglove: Option<FoxgloveServer>,
     ) -> Self {
-        Self { options, real_time_factor, ros2, unnamed, open: None, foxglove }
+        let (open, closing, numbers, begun, storage) = (None, Vec::new(), BTreeMap::new(), None, recorder::storage);
+        Self { options, real_time_factor, ros2, unnamed, open, closing, numbers, begun, foxglove, storage }
     }
 
     /// The file that is being written.
     pub(crate) fn path(&self) -> Option<&Path> {
-        self.open.as_ref().map(|open| open.path.as_path())
+        self.open.as_ref().filter(|open| open.recorder.is_writing()).map(|open| open.path.as_path())
     }
 
-    /// Begins a log; one that is being written ends.
+    /// Begins a log of this name, replacing an old one; one that is being written ends.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub(crate) fn start(&mut self, path: &Path, world: &World) -> Result<(), RecordError> {
-        self.stop(world);
-        let mut description = vec![("real_time_factor".to_owned(), self.real_time_factor.to_string())];
-        if !world.is_untouched() {
-            description.push(("began".to_owned(), world.time().to_string()));
-        }
-        let mut log = LogWriter::create(path, world.def(), self.options, &description)?;
-        if self.ros2 {
-            log = log.with_ros2(world.def())?;
-        }
-        let (recorder, states) = (Recorder::new(log)?, StateTimer::default());
-        self.open = Some(Open { path: path.to_owned(), recorder, states });
-        Ok(())
+        self.numbers.insert(path.to_owned(), 1);
+        self.begin(path.to_owned(), path, world)
     }
 
     /// Begins a log under a name that is free.
     ///
     /// # Errors
-    /// When the file cannot be written.
-    pub(crate) fn start_unnamed(&mut self, world: &World) -> Result<(), RecordError> {
-        self.start(&free(&self.unnamed), world)
+    /// When it is too soon, or the file cannot be written.
+    pub(crate) fn start_unnamed(&mut self, now: Instant, world: &World) -> Result<(), BeginError> {
+        self.may_begin(now)?;
+        self.begun = Some(now);
+        let name = self.unnamed.clone();
+        let path = self.free(&name);
+        Ok(self.begin(path, &name, world)?)
     }
 
-    /// Ends the log properly and gives back its file; waits until it is written.
-    pub(crate) fn stop(&mut self, world: &World) -> Option<PathBuf> {
-        let Open { path, recorder, .. } = self.open.take()?;
-        recorder.finish(world.time(), Some(world.digest()));
-        Some(path)
+    /// Ends the log properly. The world does not wait for that: [`Recording::news`] says when it is done.
+    pub(crate) fn stop(&mut self, world: &World) {
+        self.end(world);
+    }
+
+    /// Whether the world may begin anew now: a log that is being written would be followed by another.
+    ///
+    /// # Errors
+    /// When that would be too soon.
+    pub(crate) fn may_start_over(&self, now: Instant) -> Result<(), BeginError> {
+        self.open.as_ref().map_or(Ok(()), |_| self.may_begin(now))
     }
 
     /// Ends the log of a world that has panicked, with the step in which it did and without a digest.
     pub(crate) fn stop_broken(&mut self, world: &World) {
-        if let Some(Open { recorder, .. }) = self.open.take() {
-            recorder.finish(world.time() + world.time_step(), None);
+        if let Some(Open { path, recorder, .. }) = self.open.take() {
+            self.closing.push((path, recorder.finish(world.time() + world.time_step(), None)));
         }
     }
 
@@ -88,11 +118,30 @@ impl Recording {
     ///
     /// # Errors
     /// When the next file cannot be written.
-    pub(crate) fn start_over(&mut self, old: &World, new: &World) -> Result<(), RecordError> {
+    pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) -> Result<(), RecordError> {
         if let Some(foxglove) = &mut self.foxglove {
             foxglove.start_over();
         }
-        self.stop(old).map_or(Ok(()), |path| self.start(&free(&path), new))
+        let Some(name) = self.end(old) else { return Ok(()) };
+        self.begun = Some(now);
+        let path = self.free(&name);
+        self.begin(path, &name, new)
+    }
+
+    /// What has become of logs since the last call, in words: those that are complete, and why one ended by itself.
+    pub(crate) fn news(&mut self) -> Vec<String> {
+        let mut news = Vec::new();
+        if let Some(error) = self.open.as_mut().and_then(|open| open.recorder.failure()) {
+            news.push(format!("the recording ended: {error}"));
+            self.open = None;
+        }
+        for (path, closing) in self.closing.extract_if(.., |(_, closing)| closing.is_done()) {
+            news.push(match closing.wait() {
+                Ok(()) => format!("recorded {}", path.display()),
+                Err(error) => format!("the recording is not complete: {error}"),
+            });
+        }
+        news
     }
 
     /// Takes what `record` gives, if anybody wants it.
@@ -127,17 +176,253 @@ impl Recording {
         }
     }
 
-    /// Hands what was recorded to the disk; to be called when there is nothing else to do.
-    pub(crate) fn hand_over(&mut self) {
-        if let Some(open) = &mut self.open {
-            open.recorder.hand_over();
+    fn may_begin(&self, now: Instant) -> Result<(), BeginError> {
+        if self.begun.is_some_and(|begun| now.duration_since(begun) < BEGIN_INTERVAL) {
+            return Err(BeginError::TooSoon);
+        }
+        let waiting = self.closing.iter().filter(|(_, closing)| !closing.is_done()).count();
+        if waiting >= MAX_CLOSING { Err(BeginError::TooMany(waiting)) } else { Ok(()) }
+    }
+
+    fn begin(&mut self, path: PathBuf, name: &Path, world: &World) -> Result<(), RecordError> {
+        self.end(world);
+        let mut description = vec![("real_time_factor".to_owned(), self.real_time_factor.to_string())];
+        if !world.is_untouched() {
+            description.push(("began".to_owned(), world.time().to_string()));
+        }
+        let file = (self.storage)(&path).map_err(|reason| RecordError::new(&path, &reason))?;
+        let mut log = LogWriter::create_on(file, &path, world.def(), self.options, &description)?;
+        if self.ros2 {
+            log = log.with_ros2(world.def(), self.storage)?;
+        }
+        let (recorder, states) = (Recorder::new(log)?, StateTimer::default());
+        self.open = Some(Open { path, name: name.to_owned(), recorder, states });
+        Ok(())
+    }
+
+    /// Ends the log, if one is written, and gives back its name.
+    fn end(&mut self, world: &World) -> Option<PathBuf> {
+        let Open { path, name, recorder, .. } = self.open.take()?;
+        self.closing.push((path, recorder.finish(world.time(), Some(world.digest()))));
+        Some(name)
+    }
+
+    /// The path, or the same with the next number that makes it a new file: `run.mcap`, `run-2.mcap`, `run-3.mcap` ...
+    fn free(&mut self, name: &Path) -> PathBuf {
+        let stem = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let last = self.numbers.entry(name.to_owned()).or_default();
+        loop {
+            *last += 1;
+            let path = if *last == 1 { name.to_owned() } else { name.with_file_name(format!("{stem}-{last}.mcap")) };
+            if !path.exists() {
+                return path;
+            }
         }
     }
 }
 
-/// The path, or the same with the first number that makes it a new file: `run.mcap`, `run-2.mcap`, `run-3.mcap` ...
-fn free(path: &Path) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let numbered = |number: u32| path.with_file_name(format!("{stem}-{number}.mcap"));
-    std::iter::once(path.to_owned()).chain((2..).map(numbered)).find(|path| !path.exists()).unwrap_or_default()
+#[cfg(test)]
+mod tests {
+    use std::io::{Error, ErrorKind, Result as IoResult, Write};
+    use std::sync::{Condvar, Mutex};
+
+    use sim_core::scene::{MapDef, WorldDef};
+
+    use super::*;
+
+    fn world() -> World {
+        let map = MapDef {
+            name: "none".to_owned(),
+            description: String::new(),
+            gravity: 9.81,
+            time_limit: 0,
+            solids: Vec::new(),
+            objects: Vec::new(),
+            starts: Vec::new(),
+            path_nodes: Vec::new(),
+        };
+        World::new(WorldDef { map, robots: BTreeMap::new() }, Options::default())
+    }
+
+    fn recording(folder: &Path) -> Recording {
+        Recording::new(Options::default(), 1.0, false, folder.join("run.mcap"), None)
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
+        let mut names: Vec<String> = entries.map(|name| name.to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    /// Waits until there is something to say.
+    fn news(recording: &mut Recording) -> Vec<String> {
+        loop {
+            let news = recording.news();
+            if !news.is_empty() {
+                return news;
+            }
+            std::thread::yield_now();
+        }
+    }
+
+    #[test]
+    fn a_log_is_begun_at_most_once_a_second() {
+        let (folder, world) = (tempfile::tempdir().expect("a folder"), world());
+        let (mut recording, now) = (recording(folder.path()), Instant::now());
+        let after = |milliseconds| now + Duration::from_millis(milliseconds);
+        let begun = |result: Result<(), BeginError>| result.map_err(|error| error.to_string());
+        let too_soon = Err("the last log was begun less than a second ago: try again in a second".to_owned());
+        assert_eq!(begun(recording.may_start_over(now)), Ok(()), "nothing is written");
+        assert_eq!(begun(recording.start_unnamed(now, &world)), Ok(()));
+        assert_eq!(begun(recording.start_unnamed(after(999), &world)), too_soon);
+        assert_eq!(begun(recording.may_start_over(after(999))), too_soon);
+        assert_eq!(begun(recording.may_start_over(after(1000))), Ok(()));
+        recording.start_over(after(1000), &world, &world).expect("a log");
+        assert_eq!(begun(recording.start_unnamed(after(1999), &world)), too_soon);
+        recording.stop(&world);
+        assert_eq!(begun(recording.may_start_over(after(1001))), Ok(()), "nothing is written");
+        assert_eq!(begun(recording.start_unnamed(after(2000), &world)), Ok(()));
+        drop(recording);
+        assert_eq!(names(folder.path()), ["run-2.mcap", "run-3.mcap", "run.mcap"]);
+    }
+
+    #[test]
+    fn the_next_log_of_a_name_has_the_next_number() {
+        let (folder, world) = (tempfile::tempdir().expect("a folder"), world());
+        let (mut recording, now) = (recording(folder.path()), Instant::now());
+        std::fs::write(folder.path().join("mine-2.mcap"), "old").expect("a file");
+        recording.start(&folder.path().join("mine.mcap"), &world).expect("a log");
+        for _ in 0..3 {
+            recording.start_over(now, &world, &world).expect("a log");
+        }
+        recording.start_unnamed(now + BEGIN_INTERVAL, &world).expect("a log");
+        let path = recording.path().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+        assert_eq!(path.as_deref(), Some("run.mcap"));
+        drop(recording);
+        let expected = ["mine-2.mcap", "mine-3.mcap", "mine-4.mcap", "mine-5.mcap", "mine.mcap", "run.mcap"];
+        assert_eq!(names(folder.path()), expected);
+        assert_eq!(std::fs::read(folder.path().join("mine-2.mcap")).expect("a file"), b"old");
+    }
+
+    #[test]
+    fn two_servers_do_not_write_one_log() {
+        let (folder, world) = (tempfile::tempdir().expect("a folder"), world());
+        let path = folder.path().join("run.mcap");
+        let [mut first, mut second] = [recording(folder.path()), recording(folder.path())];
+        first.start(&path, &world).expect("a log");
+        let refused = second.start(&path, &world).expect_err("it is written").to_string();
+        assert!(refused.contains("another program is writing it: end that program"), "{refused}");
+        assert_eq!(second.path(), None);
+        first.stop(&world);
+        assert_eq!(news(&mut first), [format!("recorded {}", path.display())]);
+        assert!(recorder::read(&path).is_ok_and(|log| log.damage.is_none() && !log.end.is_empty()));
+        second.start(&path, &world).expect("it is free again");
+    }
+
+    /// A disk that has room for the beginning of a log.
+    struct Small(usize);
+
+    impl Write for Small {
+        fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
+            self.0 = self.0.checked_sub(bytes.len()).ok_or(Error::from(ErrorKind::StorageFull))?;
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    impl Storage for Small {
+        fn sync(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_log_on_a_full_disk_ends_with_a_word_and_the_world_goes_on() {
+        let (folder, mut world) = (tempfile::tempdir().expect("a folder"), world());
+        let mut recording = recording(folder.path());
+        recording.storage = |_| Ok(Box::new(Small(20_000)));
+        recording.start_unnamed(Instant::now(), &world).expect("a log");
+        assert!(recording.path().is_some() && recording.news().is_empty());
+        let mut number = 0_u32;
+        while recording.path().is_some() {
+            // Numbers that LZ4 makes nothing smaller of.
+            number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            recording.record(&world, || Record::Warning(format!("{number:x}")));
+            world.step();
+        }
+        let said = news(&mut recording);
+        assert!(said.len() == 1 && said[0].starts_with("the recording ended: log "), "{said:?}");
+        assert!(said[0].ends_with("run.mcap: no storage space"), "{said:?}");
+        assert!(recording.news().is_empty(), "it is said once");
+        recording.record(&world, || Record::Warning("nobody hears it".to_owned()));
+        recording.stop(&world);
+        recording.storage = recorder::storage;
+        recording.start_unnamed(Instant::now() + BEGIN_INTERVAL, &world).expect("another disk");
+    }
+
+    #[test]
+    fn a_folder_that_is_gone_is_named_when_the_next_log_begins() {
+        let (folder, world) = (tempfile::tempdir().expect("a folder"), world());
+        let (mut recording, now) = (recording(folder.path()), Instant::now());
+        recording.start_unnamed(now, &world).expect("a log");
+        drop(folder);
+        recording.record(&world, || Record::Warning("into nothing".to_owned()));
+        let refused = recording.start_over(now, &world, &world).expect_err("no folder").to_string();
+        assert!(refused.contains("run-2.mcap: No such file or directory"), "{refused}");
+        assert_eq!(recording.path(), None);
+    }
+
+    /// A disk that takes the beginnings of logs, which other threads write than the rest, and no more for a while.
+    struct Stalled;
+
+    static TAKES: (Mutex<bool>, Condvar) = (Mutex::new(false), Condvar::new());
+
+    impl Write for Stalled {
+        fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
+            if std::thread::current().name() == Some("recorder") {
+                let takes = TAKES.0.lock().expect("no test panics here");
+                drop(TAKES.1.wait_while(takes, |takes| !*takes));
+            }
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    impl Storage for Stalled {
+        fn sync(&mut self) -> IoResult<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn the_world_does_not_wait_for_the_ends_of_logs_on_a_stalled_disk() {
+        let (folder, world) = (tempfile::tempdir().expect("a folder"), world());
+        let (mut recording, now) = (recording(folder.path()), Instant::now());
+        recording.storage = |_| Ok(Box::new(Stalled));
+        let mut later = (0..).map(|second| now + Duration::from_secs(second));
+        for _ in 0..MAX_CLOSING {
+            recording.start_unnamed(later.next().unwrap_or(now), &world).expect("a log");
+            recording.record(&world, || Record::Warning("it waits".to_owned()));
+            recording.stop(&world);
+            assert_eq!(recording.path(), None);
+        }
+        assert!(recording.news().is_empty(), "none is complete");
+        let refused = recording.start_unnamed(later.next().unwrap_or(now), &world).expect_err("too many").to_string();
+        assert!(refused.starts_with("4 logs are still being written: the disk is too slow"), "{refused}");
+        *TAKES.0.lock().expect("no test panics here") = true;
+        TAKES.1.notify_all();
+        let mut complete = Vec::new();
+        while complete.len() < MAX_CLOSING {
+            complete.extend(news(&mut recording));
+        }
+        assert!(complete.iter().all(|text| text.starts_with("recorded ")), "{complete:?}");
+        recording.start_unnamed(later.next().unwrap_or(now), &world).expect("a log");
+    }
 }

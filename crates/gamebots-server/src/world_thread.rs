@@ -126,6 +126,10 @@ impl Server {
                 self.live.tell(now, &self.world, status);
             }
             self.recording.tell(now, &self.world);
+            for news in self.recording.news() {
+                self.live.say(&news);
+                self.live.changed(now);
+            }
             if now.duration_since(drop_report) >= DROP_REPORT_INTERVAL {
                 self.sessions.values_mut().for_each(Session::report_dropped);
                 drop_report = now;
@@ -135,7 +139,6 @@ impl Server {
                 self.work_on_credit(now);
                 self.step();
             } else if !self.work(now + wait.min(MAX_WAIT)) {
-                self.recording.hand_over();
                 let taken = match events.recv_timeout(wait.min(MAX_WAIT)) {
                     Ok(event) => self.take(event),
                     Err(RecvTimeoutError::Timeout) => Ok(()),
@@ -176,6 +179,7 @@ impl Server {
         for LostRobot { id, class, name } in self.world.take_lost() {
             self.owners.remove(&id);
             self.live.forget(id);
+            self.recording.record(&self.world, || Record::Left(id.0));
             let text = format!("robot {} ({class} {name}) is removed: its state is not finite any more", id.0);
             warn!("{text}");
             self.say(&text);
@@ -285,14 +289,19 @@ impl Server {
         if !self.sessions.get(&id).is_some_and(Session::is_over) {
             return;
         }
-        let robot = self.newest_robot(id);
-        self.recording.record(&self.world, || Record::Closed(WireLine { connection: id, robot, line: String::new() }));
         if let Some(mut session) = self.sessions.remove(&id) {
             session.report_dropped();
-            session.robots().iter().for_each(|&robot| self.live.forget(robot));
+            let robots = session.robots().to_vec();
             session.end(&mut self.world);
+            for robot in robots {
+                self.live.forget(robot);
+                if self.world.state(robot).is_none() {
+                    self.record(Record::Left(robot.0));
+                }
+            }
             self.owners.retain(|_, owner| *owner != id);
         }
+        self.record(Record::Closed(WireLine { connection: id, robot: None, line: String::new() }));
         self.live.changed(Instant::now());
     }
 
@@ -305,14 +314,11 @@ impl Server {
             }
             Control::Speed(speed) => self.timing.speed = speed,
             Control::Reset => self.reset(),
-            Control::Record(true) => match self.recording.start_unnamed(&self.world) {
-                Ok(()) => self.say_recording("recording to"),
+            Control::Record(true) => match self.recording.start_unnamed(Instant::now(), &self.world) {
+                Ok(()) => self.say_recording(),
                 Err(error) => self.say(&error.to_string()),
             },
-            Control::Record(false) => {
-                self.say_recording("recorded");
-                self.recording.stop(&self.world);
-            }
+            Control::Record(false) => self.recording.stop(&self.world),
         }
         if let Spent::Granted { .. } = self.controls.spend(Instant::now()) {
             info!(?control, time = self.world.time(), "asked by a viewer");
@@ -321,17 +327,21 @@ impl Server {
         self.live.changed(Instant::now());
     }
 
-    fn say_recording(&mut self, what: &str) {
+    fn say_recording(&mut self) {
         if let Some(path) = self.recording.path() {
-            self.live.say(&format!("{what} {}", path.display()));
+            self.live.say(&format!("recording to {}", path.display()));
         }
     }
 
     /// A fresh world; everyone who is connected gets their robots back where they were first put, in the same order.
     fn reset(&mut self) {
+        let now = Instant::now();
+        if let Err(error) = self.recording.may_start_over(now) {
+            return self.say(&format!("not begun anew: {error}"));
+        }
         let fresh = World::new(self.world.def().clone(), self.world.options());
         let old = std::mem::replace(&mut self.world, fresh);
-        if let Err(error) = self.recording.start_over(&old, &self.world) {
+        if let Err(error) = self.recording.start_over(now, &old, &self.world) {
             self.live.say(&error.to_string());
         }
         self.journal.clear();
@@ -352,9 +362,7 @@ impl Server {
         let Request { text, .. } = request;
         if !text.is_empty() {
             let robot = self.newest_robot(id);
-            let record = Record::In(WireLine { connection: id, robot, line: text.clone() });
-            self.journal.add(self.world.time(), record.clone());
-            self.recording.record(&self.world, || record);
+            self.record(Record::In(WireLine { connection: id, robot, line: text.clone() }));
             self.tell_line("in", id, robot, text);
         }
         let Some(session) = self.sessions.get_mut(&id) else { return };
@@ -367,6 +375,12 @@ impl Server {
         warnings.iter().for_each(|warning| self.say(warning));
         let robot = self.newest_robot(id);
         answers.iter().for_each(|answer| self.send(id, robot, answer));
+    }
+
+    /// Records what happened to the world, for logs and for the report of a panic.
+    fn record(&mut self, record: Record) {
+        self.journal.add(self.world.time(), record.clone());
+        self.recording.record(&self.world, || record);
     }
 
     /// The number of the robot that a connection's commands go to.

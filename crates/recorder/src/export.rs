@@ -11,6 +11,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
+use crate::file::storage;
 use crate::ros2::Ros2;
 use crate::table::Table;
 use crate::writer::refused;
@@ -42,17 +43,14 @@ pub fn parquet(table: &Table, path: &Path) -> Result<(), RecordError> {
 /// Writes the messages of [`crate::ros2`] that the server would have written, to a file.
 ///
 /// # Errors
-/// When the log has no scene, or the file cannot be written.
+/// When the log has no scene that a world can be made of, or the file cannot be written.
 pub fn ros2(log: &Log, path: &Path) -> Result<(), RecordError> {
-    let scene = log.run.get("scene").map(|scene| serde_json::from_str(scene));
-    let Some(Ok(world)) = scene else {
-        return Err(refused(path, "the log has no scene: nothing is known of its sensors"));
-    };
-    let write = || {
-        let mut file = crate::ros2::create(path)?;
-        let mut ros2 = Ros2::new(&world);
-        log.entries.iter().try_for_each(|entry| ros2.write(entry.time, &entry.record, &mut file))?;
-        file.finish()
-    };
-    write().map_err(|reason: mcap::McapError| refused(path, reason))
+    // Without it nothing is known of its sensors.
+    let world = log.scene().map_err(|reason| refused(path, reason))?;
+    let mut file = crate::ros2::begin(storage(path).map_err(|reason| refused(path, reason))?, path)?;
+    let mut ros2 = Ros2::new(&world);
+    for entry in &log.entries {
+        file.with(|file| ros2.write(entry.time, &entry.record, file))?;
+    }
+    file.finish()
 }

@@ -1,19 +1,62 @@
 //! An MCAP file of messages with their schemas.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
 use foxglove::Encode;
 use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
 use mcap::{Compression, McapResult, WriteOptions, Writer};
 
-use crate::Put;
+use crate::records::MAX_RECORD_BYTES;
+use crate::writer::refused;
+use crate::{Put, RecordError};
 
-/// A file that is being written.
+/// Largest message or metadata: a chunk that has it beside the megabyte that chunks have can still be read.
+const MAX_BYTES: usize = MAX_RECORD_BYTES - (4 << 20);
+
+/// What a log is written to, from its beginning to its end: a file, or in a test one that fails.
+pub trait Storage: Write + Send {
+    /// Waits until everything is on the disk.
+    ///
+    /// # Errors
+    /// When it is not.
+    fn sync(&mut self) -> io::Result<()>;
+}
+
+impl Storage for File {
+    fn sync(&mut self) -> io::Result<()> {
+        self.sync_all()
+    }
+}
+
+/// The file of a log, empty, and locked against others who write logs.
+///
+/// # Errors
+/// When it cannot be written, or somebody writes it.
+pub fn storage(path: &Path) -> io::Result<Box<dyn Storage>> {
+    // What is in it is lost only when it is ours.
+    let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            return Err(io::Error::other("another program is writing it: end that program, or choose another file"));
+        }
+        // Some file systems have no locks.
+        Ok(()) | Err(TryLockError::Error(_)) => {}
+    }
+    if file.metadata()?.is_file() {
+        file.set_len(0)?;
+    }
+    Ok(Box::new(file))
+}
+
+/// A file that is being written. A chunk is made in memory and written whole, so a file that is cut off has no half-written
+/// lengths.
 pub(crate) struct LogFile {
-    writer: Writer<BufWriter<File>>,
+    path: PathBuf,
+    writer: Writer<NoSeek<BufWriter<Box<dyn Storage>>>>,
     channels: BTreeMap<String, u16>,
     sequence: u32,
     /// Whole second of the last message: each second ends a chunk, so that a file that is cut off loses less than one.
@@ -22,15 +65,27 @@ pub(crate) struct LogFile {
 }
 
 impl LogFile {
-    /// Creates the file, replacing an old one. The profile is MCAP's: empty, or `ros2`.
-    pub(crate) fn create(path: &Path, profile: &str) -> McapResult<Self> {
+    /// Begins the file. The path is its name in messages, the profile is MCAP's: empty, or `ros2`.
+    pub(crate) fn begin(storage: Box<dyn Storage>, path: &Path, profile: &str) -> Result<Self, RecordError> {
         let library = concat!("usarsim ", env!("CARGO_PKG_VERSION"));
         let options = WriteOptions::new().compression(Some(Compression::Lz4)).profile(profile).library(library);
-        let writer = options.create(BufWriter::new(File::create(path)?))?;
-        Ok(Self { writer, channels: BTreeMap::new(), sequence: 0, second: 0, buffer: Vec::new() })
+        let writer = options.disable_seeking(true).create(NoSeek::new(BufWriter::new(storage)));
+        let (path, writer) = (path.to_owned(), writer.map_err(|reason| refused(path, reason))?);
+        Ok(Self { path, writer, channels: BTreeMap::new(), sequence: 0, second: 0, buffer: Vec::new() })
+    }
+
+    /// Does something with the file; what goes wrong is said with its name.
+    pub(crate) fn with<T>(&mut self, act: impl FnOnce(&mut Self) -> McapResult<T>) -> Result<T, RecordError> {
+        act(self).map_err(|reason| refused(&self.path, reason))
+    }
+
+    /// Its name.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
     }
 
     pub(crate) fn metadata(&mut self, name: &str, metadata: BTreeMap<String, String>) -> McapResult<()> {
+        check_size(metadata.iter().map(|(key, value)| key.len() + value.len()).sum())?;
         self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata })
     }
 
@@ -49,9 +104,12 @@ impl LogFile {
         self.writer.flush()
     }
 
-    pub(crate) fn finish(mut self) -> McapResult<()> {
-        self.writer.finish()?;
-        Ok(self.writer.into_inner().flush()?)
+    /// Writes the index, and waits until everything is on the disk.
+    pub(crate) fn finish(mut self) -> Result<(), RecordError> {
+        self.with(|file| file.writer.finish())?;
+        let file = self.writer.into_inner().into_inner().into_inner();
+        let synced = file.map_err(io::IntoInnerError::into_error).and_then(|mut file| file.sync());
+        synced.map_err(|reason| refused(&self.path, reason))
     }
 }
 
@@ -66,7 +124,8 @@ impl Put for LogFile {
             None => self.add_channel::<T>(topic)?,
         };
         self.buffer.clear();
-        message.encode(&mut self.buffer).map_err(|error| std::io::Error::other(error.to_string()))?;
+        message.encode(&mut self.buffer).map_err(|error| io::Error::other(error.to_string()))?;
+        check_size(self.buffer.len())?;
         let nanoseconds = nanoseconds(time);
         self.sequence = self.sequence.wrapping_add(1);
         let header =
@@ -77,4 +136,9 @@ impl Put for LogFile {
 
 pub(crate) fn nanoseconds(time: f64) -> u64 {
     (time * 1e9).round() as u64
+}
+
+fn check_size(bytes: usize) -> io::Result<()> {
+    let text = || format!("a message of {bytes} bytes: expected at most {MAX_BYTES}");
+    if bytes > MAX_BYTES { Err(io::Error::other(text())) } else { Ok(()) }
 }

@@ -15,20 +15,23 @@ mod file;
 mod live;
 mod messages;
 pub mod native;
+mod places;
 mod reader;
+mod records;
 mod recover;
 mod replay;
 pub mod ros2;
 mod table;
 mod writer;
 
+pub use file::{Storage, storage};
 pub use live::{Latched, Live};
-pub use messages::{ObjectState, Quaternion, RobotState, Vector, WireLine};
+pub use messages::{ObjectState, Quaternion, RobotLeft, RobotState, Vector, WireLine};
 pub use reader::{Entry, Log, ReadError, read};
 pub use recover::{RecoverError, Recovered, recover};
 pub use replay::{Replay, ReplayError, replay};
 pub use table::{Column, Table};
-pub use writer::{LogWriter, RecordError, Recorder, Sink};
+pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink};
 
 use foxglove::Encode;
 use mcap::McapResult;
@@ -41,6 +44,8 @@ const STATE_INTERVAL: f64 = 0.02;
 const RUN: &str = "run";
 /// Name of the metadata that ends a log.
 const END: &str = "end";
+/// Topic of the robots that leave.
+const LEFT: &str = "/robots/left";
 
 /// Says when the states of robots and objects are to be recorded.
 #[derive(Debug, Default)]
@@ -86,6 +91,9 @@ pub struct End {
 pub(crate) trait Put {
     /// Takes a message of a simulated time in seconds; the channel is made when it is first used.
     fn put<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()>;
+
+    /// Nothing that was said on the topics that begin so is true any more.
+    fn forget(&mut self, _topics: &str) {}
 }
 
 /// One thing to record.
@@ -95,12 +103,31 @@ pub enum Record {
     In(WireLine),
     /// A line that was sent.
     Out(WireLine),
-    /// A connection that ended.
+    /// A connection that ended; without a robot or a line.
     Closed(WireLine),
+    /// A robot that left the world, by its number, with its connection or by itself.
+    Left(u64),
     /// Where a robot is.
     State(RobotState),
     /// Where an object is that has moved.
     Object(ObjectState),
     /// Something that is wrong, in words.
     Warning(String),
+}
+
+impl Record {
+    /// Bytes that it takes in memory with its time, about: what it points to has no more room than it needs.
+    pub(crate) fn size(&self) -> usize {
+        let held = match self {
+            Self::In(line) | Self::Out(line) | Self::Closed(line) => line.line.len(),
+            Self::State(state) => {
+                let numbers = state.wheel_angles.len() + state.wheel_speeds.len();
+                state.class.len() + state.name.len() + numbers * size_of::<f64>()
+            }
+            Self::Object(object) => object.name.len(),
+            Self::Warning(text) => text.len(),
+            Self::Left(_) => 0,
+        };
+        size_of::<(f64, Self)>() + held
+    }
 }

@@ -10,10 +10,10 @@ use sim_core::scene::WorldDef;
 use crate::file::nanoseconds;
 use crate::native::Native;
 use crate::writer::{Sink, refused};
-use crate::{Put, Record, RecordError};
+use crate::{End, LEFT, Put, Record, RecordError};
 
 /// Topics whose last message says nothing about now.
-const PASSING: [&str; 2] = ["/wire/", "/log"];
+const PASSING: [&str; 3] = ["/wire/", "/log", LEFT];
 
 /// Turns records into messages on the channels of a Foxglove context.
 pub struct Live {
@@ -66,6 +66,10 @@ impl Sink for Live {
     fn flush(&mut self) -> Result<(), RecordError> {
         Ok(())
     }
+
+    fn finish(self, _end: End) -> Result<(), RecordError> {
+        Ok(())
+    }
 }
 
 impl Latched {
@@ -105,6 +109,10 @@ impl Put for Channels {
         latched.insert(topic.to_owned(), Last { channel, message: buffer, time });
         Ok(())
     }
+
+    fn forget(&mut self, topics: &str) {
+        self.latched.lock().retain(|topic, _| !topic.starts_with(topics));
+    }
 }
 
 impl Channels {
@@ -114,5 +122,38 @@ impl Channels {
         let channel = channel.map_err(|error| std::io::Error::other(error.to_string()))?;
         self.by_topic.insert(topic.to_owned(), channel.clone());
         Ok(channel)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RobotState;
+    use sim_core::scene::MapDef;
+
+    #[test]
+    fn nothing_is_kept_of_robots_that_left() {
+        let map = MapDef {
+            name: "none".to_owned(),
+            description: String::new(),
+            gravity: 9.81,
+            time_limit: 0,
+            solids: Vec::new(),
+            objects: Vec::new(),
+            starts: Vec::new(),
+            path_nodes: Vec::new(),
+        };
+        let (world, latched) = (WorldDef { map, robots: BTreeMap::new() }, Latched::default());
+        let mut live = Live::new(&world, Context::new(), latched.clone()).expect("channels");
+        let topics = || latched.lock().keys().cloned().collect::<Vec<_>>();
+        let before = topics();
+        for robot in 0..1000 {
+            let state = RobotState { robot, class: "none".to_owned(), ..RobotState::default() };
+            live.write(0.0, &Record::State(state)).expect("a message");
+            assert!(topics().contains(&"/robot/0/pose".to_owned()));
+            live.write(0.0, &Record::Left(robot)).expect("a message");
+            assert_eq!(topics(), before, "robot {robot}");
+        }
+        assert!(live.channels.by_topic.len() < 12, "{:?}", live.channels.by_topic.keys());
     }
 }

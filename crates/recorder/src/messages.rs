@@ -32,7 +32,7 @@ macro_rules! encode {
     )*};
 }
 
-encode! { WireLine, RobotState, ObjectState, }
+encode! { WireLine, RobotLeft, RobotState, ObjectState, }
 
 impl RobotState {
     /// The state of a robot (number, class, name) as the world gives it.

@@ -2,8 +2,6 @@
 //! `docs/logs.md` lists the channels. The frame `map` is z up; `world` in it, half a turn about x, is the wire's: x forward, y
 //! right, z down. Every number but that one transform is in `world`, in the robot (x forward, y right, z down) or in the sensor.
 
-use std::collections::BTreeMap;
-
 use foxglove::messages::log::Level;
 use foxglove::messages::scene_entity_deletion::Type as DeletionType;
 use foxglove::messages::{
@@ -15,13 +13,14 @@ use mcap::McapResult;
 use sim_core::scene::{self, Pose, RobotDef, WorldDef};
 
 use crate::file::nanoseconds;
-use crate::{ObjectState, Put, Record, RobotState, WireLine, drawing};
+use crate::places::{Placed, Places};
+use crate::{LEFT, ObjectState, Put, Record, RobotLeft, RobotState, WireLine, drawing};
 
 /// Turns records into messages.
 pub(crate) struct Native {
     world: WorldDef,
-    /// Classes of the robots that have been drawn.
-    robots: BTreeMap<u64, String>,
+    /// The robots that have been drawn.
+    places: Places,
 }
 
 impl Native {
@@ -30,7 +29,7 @@ impl Native {
         let upside_down = scene::pose([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]);
         file.put(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
         file.put(0.0, "/map/scene", &added(0.0, drawing::map(&world.map)))?;
-        Ok(Self { world: world.clone(), robots: BTreeMap::new() })
+        Ok(Self { world: world.clone(), places: Places::default() })
     }
 
     pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut impl Put) -> McapResult<()> {
@@ -42,8 +41,10 @@ impl Native {
             }
             Record::Closed(line) => {
                 file.put(time, "/wire/closed", line)?;
-                self.write_left(time, line, file)
+                let text = format!("connection {} ended", line.connection);
+                file.put(time, "/log", &log(time, Level::Info, text))
             }
+            Record::Left(robot) => self.write_left(time, *robot, file),
             Record::State(state) => self.write_state(time, state, file),
             Record::Object(object) => write_object(time, object, file),
             Record::Warning(text) => file.put(time, "/log", &log(time, Level::Warning, text.clone())),
@@ -51,12 +52,13 @@ impl Native {
     }
 
     fn write_state(&mut self, time: f64, state: &RobotState, file: &mut impl Put) -> McapResult<()> {
-        if !self.robots.contains_key(&state.robot) {
-            self.write_come(time, state, file)?;
-        }
         let RobotState { robot, class, .. } = state;
-        let (frame, pose) = (robot_frame(*robot), state.pose());
-        let topic = |name: &str| format!("/robot/{robot}/{name}");
+        let place = match self.places.get(*robot) {
+            Some(placed) => placed.place,
+            None => self.write_come(time, state, file)?,
+        };
+        let (frame, pose) = (robot_frame(place), state.pose());
+        let topic = |name: &str| topic(place, name);
         file.put(time, &topic("state"), state)?;
         let in_world = PoseInFrame {
             timestamp: Some(timestamp(time)),
@@ -80,37 +82,35 @@ impl Native {
         file.put(time, &topic("tf"), &transforms(all))
     }
 
-    /// A robot that is seen for the first time.
-    fn write_come(&mut self, time: f64, state: &RobotState, file: &mut impl Put) -> McapResult<()> {
+    /// A robot that is seen for the first time; its place.
+    fn write_come(&mut self, time: f64, state: &RobotState, file: &mut impl Put) -> McapResult<u64> {
         let RobotState { robot, class, name, .. } = state;
-        self.robots.insert(*robot, class.clone());
+        let place = self.places.come(*robot, class);
         let text = format!("robot {robot} came: {class} {name}");
         file.put(time, "/log", &log(time, Level::Info, text.trim_end().to_owned()))?;
-        let Some(def) = self.world.robots.get(class) else { return Ok(()) };
-        let frame = robot_frame(*robot);
+        let Some(def) = self.world.robots.get(class) else { return Ok(place) };
+        let frame = robot_frame(place);
         let mount = |sensor: &scene::SensorDef| {
             let pose = scene::pose(sensor.position, sensor.direction);
             transform(time, &frame, &format!("{frame}/{}", sensor.name), &pose)
         };
         let mounts = transforms(def.sensors.iter().map(mount).collect());
-        file.put(time, &format!("/robot/{robot}/tf_static"), &mounts)?;
-        file.put(time, &format!("/robot/{robot}/scene"), &added(time, drawing::robot(&frame, def)))
+        file.put(time, &topic(place, "tf_static"), &mounts)?;
+        file.put(time, &topic(place, "scene"), &added(time, drawing::robot(&frame, def)))?;
+        Ok(place)
     }
 
-    /// A robot that left with its connection.
-    fn write_left(&mut self, time: f64, line: &WireLine, file: &mut impl Put) -> McapResult<()> {
-        let WireLine { connection, robot, .. } = line;
-        let Some(robot) = robot.filter(|robot| self.robots.remove(robot).is_some()) else {
-            return file.put(time, "/log", &log(time, Level::Info, format!("connection {connection} ended")));
-        };
-        let text = format!("connection {connection} ended, robot {robot} left");
-        file.put(time, "/log", &log(time, Level::Info, text))?;
-        erase(time, robot, file)
+    fn write_left(&mut self, time: f64, robot: u64, file: &mut impl Put) -> McapResult<()> {
+        file.put(time, LEFT, &RobotLeft { robot })?;
+        // Without a place it left before its first state.
+        let Some(place) = self.places.leave(robot) else { return Ok(()) };
+        file.put(time, "/log", &log(time, Level::Info, format!("robot {robot} left")))?;
+        erase(time, place, file)
     }
 
     /// Every robot is gone: a fresh world begins.
     pub(crate) fn start_over(&mut self, time: f64, file: &mut impl Put) -> McapResult<()> {
-        std::mem::take(&mut self.robots).into_keys().try_for_each(|robot| erase(time, robot, file))
+        self.places.clear().try_for_each(|place| erase(time, place, file))
     }
 
     fn write_reading(&self, time: f64, line: &WireLine, file: &mut impl Put) -> McapResult<()> {
@@ -123,12 +123,13 @@ impl Native {
             return Ok(());
         };
         let RangeScanner { name, ranges, .. } = scan;
-        let sensor = self.robots.get(robot).and_then(|class| self.world.sensor(class, &name));
+        let Some(Placed { place, class }) = self.places.get(*robot) else { return Ok(()) };
+        let sensor = self.world.sensor(class, &name);
         let Some(fan) = sensor.and_then(|sensor| sensor.config.fan()).filter(|fan| fan.level) else { return Ok(()) };
         let steps = ranges.len().saturating_sub(1) as f64;
         let scan = fox::LaserScan {
             timestamp: Some(timestamp(time)),
-            frame_id: format!("{}/{name}", robot_frame(*robot)),
+            frame_id: format!("{}/{name}", robot_frame(*place)),
             pose: Some(drawing::fox_pose(&Pose::identity())),
             // From the right to the left; z is down, so the right is positive.
             start_angle: fan.first,
@@ -136,18 +137,20 @@ impl Native {
             ranges: ranges.into_iter().map(f64::from).collect(),
             intensities: Vec::new(),
         };
-        file.put(time, &format!("/robot/{robot}/sensor/{name}"), &scan)
+        file.put(time, &topic(*place, &format!("sensor/{name}")), &scan)
     }
 }
 
 /// Takes a robot out of the picture.
-fn erase(time: f64, robot: u64, file: &mut impl Put) -> McapResult<()> {
+fn erase(time: f64, place: u64, file: &mut impl Put) -> McapResult<()> {
     let all = SceneEntityDeletion {
         timestamp: Some(timestamp(time)),
         r#type: DeletionType::All as i32,
         ..SceneEntityDeletion::default()
     };
-    file.put(time, &format!("/robot/{robot}/scene"), &SceneUpdate { deletions: vec![all], entities: Vec::new() })
+    file.put(time, &topic(place, "scene"), &SceneUpdate { deletions: vec![all], entities: Vec::new() })?;
+    file.forget(&topic(place, ""));
+    Ok(())
 }
 
 fn write_object(time: f64, object: &ObjectState, file: &mut impl Put) -> McapResult<()> {
@@ -157,8 +160,12 @@ fn write_object(time: f64, object: &ObjectState, file: &mut impl Put) -> McapRes
     file.put(time, &format!("/map/object/{number}/tf"), &transforms(vec![placed]))
 }
 
-fn robot_frame(robot: u64) -> String {
-    format!("robot/{robot}")
+fn robot_frame(place: u64) -> String {
+    format!("robot/{place}")
+}
+
+fn topic(place: u64, name: &str) -> String {
+    format!("/robot/{place}/{name}")
 }
 
 fn timestamp(time: f64) -> Timestamp {

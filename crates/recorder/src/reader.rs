@@ -1,14 +1,28 @@
-//! Reading a log back, whole or cut off.
+//! Reading a log back, whole, cut off or damaged.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use foxglove::messages::{Log as LogMessage, log::Level};
-use mcap::read::{ChunkFlattener, Options};
-use mcap::records::Record as Raw;
-use prost::{DecodeError, Message};
+use gamebots_proto::framing::MAX_LINE_BYTES;
+use mcap::MAGIC;
+use prost::Message;
+use sim_core::scene::WorldDef;
 
-use crate::{END, ObjectState, RUN, Record, RobotState, WireLine};
+use crate::records::{self, Damage, Record as Raw};
+use crate::{END, LEFT, ObjectState, RUN, Record, RobotLeft, RobotState, WireLine};
+
+/// Most bytes in memory for a byte of the file; the log of a youBot takes three. More is a file that was made to fill the
+/// memory: LZ4 alone makes 255 bytes of one.
+const MAX_EXPANSION: u64 = 32;
+/// A small file may take as much in any case.
+const ALWAYS_ALLOWED: u64 = 64 << 20;
+/// Longest line from a client: what the server takes, where each byte that is no UTF-8 has become three.
+const MAX_LINE: usize = 3 * MAX_LINE_BYTES;
+/// Most driven wheels of a robot, as in a scene: a table has columns for all wheels of the robot that has most.
+const MAX_WHEELS: usize = 32;
 
 /// One record with its simulated time, s.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +42,21 @@ pub struct Log {
     pub end: BTreeMap<String, String>,
     /// What was recorded, in its order.
     pub entries: Vec<Entry>,
+    /// Why the rest of the file cannot be read; `None` for a log that is whole.
+    pub damage: Option<String>,
+}
+
+impl Log {
+    /// The scene with every number in effect, if a world can be made of it.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub fn scene(&self) -> Result<WorldDef, String> {
+        let text = self.run.get("scene").ok_or("no `scene` in its metadata")?;
+        let scene: WorldDef = serde_json::from_str(text).map_err(|error| format!("its scene: {error}"))?;
+        scene.check().map_err(|problem| format!("its scene: {problem}"))?;
+        Ok(scene)
+    }
 }
 
 /// A log that cannot be read at all.
@@ -38,72 +67,136 @@ pub struct ReadError {
     reason: String,
 }
 
-/// Reads a log. One that was cut off gives what is whole in it.
+/// Reads a log. One that was cut off or is damaged gives what is whole before that.
 ///
 /// # Errors
 /// When the file cannot be read or is no log of this program.
 pub fn read(path: &Path) -> Result<Log, ReadError> {
-    let error = |reason: &dyn std::fmt::Display| unreadable(path, reason);
-    let bytes = std::fs::read(path).map_err(|reason| error(&reason))?;
-    if !bytes.starts_with(mcap::MAGIC) {
-        return Err(error(&"not an MCAP file"));
-    }
-    let records = ChunkFlattener::new_with_options(&bytes, Options::IgnoreEndMagic.into());
+    let (file, size) = open(path)?;
+    let mut room = size.saturating_mul(MAX_EXPANSION).max(ALWAYS_ALLOWED);
     let (mut log, mut topics) = (Log::default(), BTreeMap::new());
-    // An error is the end of what was written before the process died.
-    for record in records.map_err(|reason| error(&reason))?.map_while(Result::ok) {
+    let read = records::each(file, |record| {
         match record {
-            Raw::Metadata(metadata) if metadata.name == RUN => log.run = metadata.metadata,
-            Raw::Metadata(metadata) if metadata.name == END => log.end = metadata.metadata,
-            Raw::Channel(channel) => drop(topics.insert(channel.id, channel.topic)),
+            Raw::Metadata { name: RUN, entries } => log.run = entries,
+            Raw::Metadata { name: END, entries } => log.end = entries,
+            Raw::Channel { id, topic, .. } => drop(topics.insert(id, Topic::of(topic))),
             Raw::Message { header, data } => {
-                let topic = topics.get(&header.channel_id).map_or("", String::as_str);
-                let record = parse(topic, &data).map_err(|reason| error(&format_args!("{topic}: {reason}")))?;
-                log.entries.extend(record.map(|record| Entry { time: header.log_time as f64 / 1e9, record }));
+                let topic = topics.get(&header.channel_id).copied().unwrap_or(Topic::Other);
+                let Some(mut record) = topic.parse(data)? else { return Ok(()) };
+                // In an old log the end of a connection says which robot left with it.
+                let left = match &mut record {
+                    Record::Closed(line) => line.robot.take().map(Record::Left),
+                    _ => None,
+                };
+                for record in left.into_iter().chain([record]) {
+                    room = room.checked_sub(record.size() as u64).ok_or_else(|| {
+                        Damage(format!("it takes more than {MAX_EXPANSION} times the memory that it has on the disk"))
+                    })?;
+                    log.entries.push(Entry { time: header.log_time as f64 / 1e9, record });
+                }
             }
             _ => {}
         }
-    }
+        Ok::<(), Damage>(())
+    });
+    log.damage = read.err().map(|damage| damage.to_string());
     if log.run.is_empty() && log.entries.is_empty() {
-        return Err(error(&"no log of usarsim: expected the metadata `run`, or a message"));
+        let reason = log.damage.map_or(String::new(), |damage| format!("; {damage}"));
+        return Err(unreadable(
+            path,
+            format_args!("no log of usarsim: expected the metadata `run`, or a message{reason}"),
+        ));
     }
     Ok(log)
+}
+
+/// An MCAP file from its beginning, and its size in bytes.
+pub(crate) fn open(path: &Path) -> Result<(impl Read, u64), ReadError> {
+    let open = || {
+        let (mut magic, mut file) = (Vec::new(), File::open(path)?);
+        (&mut file).take(MAGIC.len() as u64).read_to_end(&mut magic)?;
+        Ok((magic, file.metadata()?.len(), file))
+    };
+    let (magic, size, file) = open().map_err(|reason: std::io::Error| unreadable(path, reason))?;
+    if magic != MAGIC {
+        return Err(unreadable(path, "not an MCAP file"));
+    }
+    Ok((MAGIC.chain(file), size))
 }
 
 pub(crate) fn unreadable(path: &Path, reason: impl std::fmt::Display) -> ReadError {
     ReadError { file: path.display().to_string(), reason: reason.to_string() }
 }
 
-/// `None` for a topic that only shows what another one says.
-fn parse(topic: &str, data: &[u8]) -> Result<Option<Record>, DecodeError> {
-    let record = match topic {
-        "/wire/in" => Record::In(WireLine::decode(data)?),
-        "/wire/out" => Record::Out(WireLine::decode(data)?),
-        "/wire/closed" => Record::Closed(WireLine::decode(data)?),
-        "/log" => {
-            let LogMessage { level, message, .. } = LogMessage::decode(data)?;
-            return Ok((level == Level::Warning as i32).then_some(Record::Warning(message)));
+/// What a channel's messages are to a reader.
+#[derive(Debug, Clone, Copy)]
+enum Topic {
+    In,
+    Out,
+    Closed,
+    Left,
+    State,
+    Object,
+    Log,
+    /// It only shows what another one says.
+    Other,
+}
+
+impl Topic {
+    fn of(topic: &str) -> Self {
+        match topic {
+            "/wire/in" => Self::In,
+            "/wire/out" => Self::Out,
+            "/wire/closed" => Self::Closed,
+            LEFT => Self::Left,
+            "/log" => Self::Log,
+            _ => match topic.split('/').collect::<Vec<_>>()[..] {
+                ["", "robot", _, "state"] => Self::State,
+                ["", "map", "object", _] => Self::Object,
+                _ => Self::Other,
+            },
         }
-        _ => match topic.split('/').collect::<Vec<_>>()[..] {
-            ["", "robot", _, "state"] => Record::State(RobotState::decode(data)?),
-            ["", "map", "object", _] => Record::Object(ObjectState::decode(data)?),
-            _ => return Ok(None),
-        },
-    };
-    Ok(Some(record))
+    }
+
+    fn parse(self, data: &[u8]) -> Result<Option<Record>, Damage> {
+        let parsed = match self {
+            Self::In => WireLine::decode(data).map(Record::In),
+            Self::Out => WireLine::decode(data).map(Record::Out),
+            Self::Closed => WireLine::decode(data).map(Record::Closed),
+            Self::Left => RobotLeft::decode(data).map(|left| Record::Left(left.robot)),
+            Self::State => RobotState::decode(data).map(Record::State),
+            Self::Object => ObjectState::decode(data).map(Record::Object),
+            Self::Log => match LogMessage::decode(data) {
+                Ok(log) if log.level != Level::Warning as i32 => return Ok(None),
+                log => log.map(|log| Record::Warning(log.message)),
+            },
+            Self::Other => return Ok(None),
+        };
+        let record = parsed.map_err(|reason| Damage(format!("a message of {self:?}: {reason}")))?;
+        match &record {
+            Record::In(line) if line.line.len() > MAX_LINE => {
+                Err(Damage(format!("a line of {} bytes: expected at most {MAX_LINE}", line.line.len())))
+            }
+            Record::State(state) if state.wheel_angles.len().max(state.wheel_speeds.len()) > MAX_WHEELS => {
+                let wheels = state.wheel_angles.len().max(state.wheel_speeds.len());
+                Err(Damage(format!("a robot with {wheels} wheels: expected at most {MAX_WHEELS}")))
+            }
+            _ => Ok(Some(record)),
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{LogWriter, Recorder};
-    use sim_core::scene::{MapDef, WorldDef};
+    use sim_core::scene::MapDef;
 
     fn line(number: u64) -> Record {
         Record::In(WireLine { connection: number, robot: None, line: format!("DRIVE {{Left {number}}}") })
     }
 
-    fn written(path: &Path) {
+    fn world() -> WorldDef {
         let map = MapDef {
             name: "none".to_owned(),
             description: String::new(),
@@ -114,8 +207,11 @@ mod tests {
             starts: Vec::new(),
             path_nodes: Vec::new(),
         };
-        let world = WorldDef { map, robots: BTreeMap::new() };
-        let log = LogWriter::create(path, &world, sim_core::Options::default(), &[]).unwrap();
+        WorldDef { map, robots: BTreeMap::new() }
+    }
+
+    fn written(path: &Path) {
+        let log = LogWriter::create(path, &world(), sim_core::Options::default(), &[]).unwrap();
         let mut recorder = Recorder::new(log).unwrap();
         (0..1000).for_each(|number| recorder.record(number as f64 * 0.002, line(number)));
         recorder.finish(2.0, Some(0xabc));
@@ -125,10 +221,22 @@ mod tests {
     fn a_log_reads_back_as_it_was_recorded() {
         let file = tempfile::NamedTempFile::new().unwrap();
         written(file.path());
-        let Log { run, end, entries } = read(file.path()).unwrap();
+        let Log { run, end, entries, damage } = read(file.path()).unwrap();
+        assert_eq!(damage, None);
         assert_eq!((run["map"].as_str(), end["digest"].as_str()), ("none", "0000000000000abc"));
         assert_eq!(entries.len(), 1000);
         assert_eq!(entries[999], Entry { time: 1.998, record: line(999) });
+    }
+
+    #[test]
+    fn the_end_of_a_connection_in_an_old_log_is_also_that_of_its_robot() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let closed = |robot| Record::Closed(WireLine { connection: 1, robot, line: String::new() });
+        let mut log = LogWriter::create(file.path(), &world(), sim_core::Options::default(), &[]).unwrap();
+        [closed(Some(4)), Record::Left(5), closed(None)].iter().for_each(|record| log.write(0.0, record).unwrap());
+        drop(log);
+        let records: Vec<Record> = read(file.path()).unwrap().entries.into_iter().map(|entry| entry.record).collect();
+        assert_eq!(records, [Record::Left(4), closed(None), Record::Left(5), closed(None)]);
     }
 
     #[test]

@@ -1,25 +1,27 @@
-//! A log that was cut off, made whole.
+//! A log that was cut off or damaged, made whole.
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Read};
 use std::path::Path;
 
-use mcap::read::{ChunkFlattener, Options};
-use mcap::records::Record;
-use mcap::{Compression, McapResult, WriteOptions};
+use mcap::records::Metadata;
+use mcap::{Compression, McapError, McapResult, WriteOptions, Writer};
 
 use crate::RecordError;
-use crate::reader::{ReadError, unreadable};
+use crate::reader::{ReadError, open};
+use crate::records::{self, Damage, Record};
 use crate::writer::refused;
 
 /// What could be saved.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recovered {
     /// Messages saved.
     pub messages: u64,
     /// Simulated time of the last of them, s.
     pub seconds: f64,
+    /// Why the rest could not be read; `None` for a file that was whole.
+    pub damage: Option<String>,
 }
 
 /// Why nothing was saved.
@@ -33,51 +35,122 @@ pub enum RecoverError {
     Write(#[from] RecordError),
 }
 
-/// Copies everything up to the damage to a new file, with the index that readers want. Works for any MCAP file.
+/// Most bytes of schemas and channels, which the index repeats and memory holds; those of a log are some thousand.
+const MAX_DEFINITIONS: usize = 64 << 20;
+
+/// Copies everything up to the damage to a new file, with the index that readers want. Works for any MCAP file whose chunks
+/// are compressed with LZ4 or not at all.
 ///
 /// # Errors
-/// When the file cannot be read or is not MCAP, or the new one cannot be written.
+/// When the file cannot be read or is not MCAP, or the new one exists or cannot be written; nothing is left of it then.
 pub fn recover(path: &Path, to: &Path) -> Result<Recovered, RecoverError> {
-    let bytes = std::fs::read(path).map_err(|reason| unreadable(path, reason))?;
-    if !bytes.starts_with(mcap::MAGIC) {
-        return Err(unreadable(path, "not an MCAP file").into());
-    }
-    copy(&bytes, to).map_err(|reason| refused(to, reason).into())
+    let (source, _) = open(path)?;
+    let file = File::create_new(to).map_err(|reason| refused(to, reason))?;
+    copy(source, file).map_err(|reason| {
+        // Half a file would only be in the way of the next try.
+        let _ = std::fs::remove_file(to);
+        refused(to, reason).into()
+    })
 }
 
-fn copy(bytes: &[u8], to: &Path) -> McapResult<Recovered> {
-    let records = ChunkFlattener::new_with_options(bytes, Options::IgnoreEndMagic.into())?;
-    let mut options = WriteOptions::new().compression(Some(Compression::Lz4));
-    let mut records = records.map_while(Result::ok).peekable();
-    if let Some(Record::Header(header)) = records.peek() {
-        options = options.profile(header.profile.clone()).library(header.library.clone());
+/// Why copying stopped.
+enum Stop {
+    Damaged(String),
+    Refused(McapError),
+}
+
+impl From<Damage> for Stop {
+    fn from(damage: Damage) -> Self {
+        Self::Damaged(damage.to_string())
     }
-    let mut writer = options.create(BufWriter::new(File::create(to)?))?;
-    let (mut schemas, mut channels) = (BTreeMap::from([(0, 0)]), BTreeMap::new());
-    let mut recovered = Recovered::default();
-    for record in records {
-        match record {
-            Record::Schema { header, data } => {
-                schemas.insert(header.id, writer.add_schema(&header.name, &header.encoding, &data)?);
-            }
-            Record::Channel(channel) => {
-                let schema = schemas.get(&channel.schema_id).copied().unwrap_or(0);
-                let (topic, encoding) = (&channel.topic, &channel.message_encoding);
-                channels.insert(channel.id, writer.add_channel(schema, topic, encoding, &channel.metadata)?);
-            }
-            Record::Message { mut header, data } => {
-                let Some(&channel) = channels.get(&header.channel_id) else { continue };
-                header.channel_id = channel;
-                recovered.messages += 1;
-                recovered.seconds = recovered.seconds.max(header.log_time as f64 / 1e9);
-                writer.write_to_known_channel(&header, &data)?;
-            }
-            Record::Metadata(metadata) => writer.write_metadata(&metadata)?,
-            // What comes after the data is made anew.
-            Record::DataEnd(_) => break,
-            _ => {}
+}
+
+impl From<McapError> for Stop {
+    fn from(error: McapError) -> Self {
+        match error {
+            McapError::Io(_) => Self::Refused(error),
+            // The writer refuses what is no MCAP: more channels than there are numbers, a schema that is not there.
+            error => Self::Damaged(error.to_string()),
         }
     }
-    writer.finish()?;
-    Ok(recovered)
+}
+
+fn copy(source: impl Read, file: File) -> McapResult<Recovered> {
+    let (mut file, mut copy) = (Some(file), None);
+    let mut begin = |profile: &str, library: &str| {
+        let options = WriteOptions::new().compression(Some(Compression::Lz4)).profile(profile).library(library);
+        // It is called once.
+        file.take().map(|file| options.create(BufWriter::new(file)).map(Copy::new)).transpose()
+    };
+    let read = records::each(source, |record| {
+        if let (None, Record::Header { profile, library }) = (&copy, &record) {
+            copy = begin(profile, library)?;
+        }
+        if copy.is_none() {
+            copy = begin("", "")?;
+        }
+        copy.as_mut().map_or(Ok(()), |copy| copy.take(record))
+    });
+    let damage = match read {
+        Ok(()) => None,
+        Err(Stop::Damaged(damage)) => Some(damage),
+        Err(Stop::Refused(error)) => return Err(error),
+    };
+    let Some(mut copy) = copy.map_or_else(|| begin("", ""), |copy| Ok(Some(copy)))? else {
+        return Ok(Recovered::default());
+    };
+    copy.writer.finish()?;
+    Ok(Recovered { damage, ..copy.recovered })
+}
+
+struct Copy {
+    writer: Writer<BufWriter<File>>,
+    /// Numbers here by numbers there.
+    schemas: BTreeMap<u16, u16>,
+    channels: BTreeMap<u16, u16>,
+    definitions: usize,
+    recovered: Recovered,
+}
+
+impl Copy {
+    fn new(writer: Writer<BufWriter<File>>) -> Self {
+        let (schemas, channels) = (BTreeMap::from([(0, 0)]), BTreeMap::new());
+        Self { writer, schemas, channels, definitions: 0, recovered: Recovered::default() }
+    }
+
+    fn take(&mut self, record: Record<'_>) -> Result<(), Stop> {
+        match record {
+            Record::Header { .. } => {}
+            Record::Schema { id, name, encoding, data } => {
+                self.define(name.len() + encoding.len() + data.len())?;
+                self.schemas.insert(id, self.writer.add_schema(name, encoding, data)?);
+            }
+            Record::Channel { id, schema, topic, encoding, metadata } => {
+                let entries: usize = metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
+                self.define(topic.len() + encoding.len() + entries)?;
+                let schema = self.schemas.get(&schema).copied().unwrap_or(0);
+                self.channels.insert(id, self.writer.add_channel(schema, topic, encoding, &metadata)?);
+            }
+            Record::Message { mut header, data } => {
+                let Some(&channel) = self.channels.get(&header.channel_id) else { return Ok(()) };
+                header.channel_id = channel;
+                self.writer.write_to_known_channel(&header, data)?;
+                self.recovered.messages += 1;
+                self.recovered.seconds = self.recovered.seconds.max(header.log_time as f64 / 1e9);
+            }
+            Record::Metadata { name, entries } => {
+                self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata: entries })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn define(&mut self, bytes: usize) -> Result<(), Stop> {
+        self.definitions = self.definitions.saturating_add(bytes);
+        if self.definitions > MAX_DEFINITIONS {
+            let text = format!("its schemas and channels are more than {MAX_DEFINITIONS} bytes");
+            return Err(Stop::Damaged(text));
+        }
+        Ok(())
+    }
 }

@@ -2,13 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use sim_core::scene::WorldDef;
-use sim_core::{Controller, Options, World};
+use sim_core::{Controller, Options, RobotId, World};
 
-use crate::{Log, Record, RobotState};
+use crate::{Log, Record, RobotState, STATE_INTERVAL};
 
 /// Longest replay, simulated seconds: a month.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
+/// Longest time without a record in a world without robots, simulated seconds: a server that was left alone for a day.
+const MAX_IDLE: f64 = 24.0 * 3600.0;
+/// Longest time without a record while robots are there, s: each is recorded at every interval, or at the first step after it.
+const MAX_GAP: f64 = 2.0 * STATE_INTERVAL;
+/// Steps that a world can have, s.
+const TIME_STEPS: std::ops::RangeInclusive<f64> = 1e-4..=0.02;
+/// What a wheel-speed unit can be, rad/s: rad/s are 1 and revolutions a second 2 pi.
+const SPEED_UNITS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
 /// What a replay came to.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,17 +50,18 @@ pub struct ReplayError(String);
 /// When the world does: the report of a panic is replayed to see it again.
 ///
 /// # Errors
-/// When the log has no scene or no time step, began in a running world, or has records that were dropped.
+/// When the log has no scene that a world can be made of, or no time step, began in a running world, has records that were dropped, or times that no run has.
 pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     let entry = |key: &str| log.run.get(key).ok_or_else(|| ReplayError(format!("no `{key}` in its metadata")));
     let number = |key: &str| entry(key)?.parse::<f64>().map_err(|_| ReplayError(format!("`{key}` is no number")));
-    let def: WorldDef =
-        serde_json::from_str(entry("scene")?).map_err(|error| ReplayError(format!("its scene: {error}")))?;
+    let within = |key: &str, range: std::ops::RangeInclusive<f64>| {
+        let number = number(key)?;
+        let expected = || ReplayError(format!("`{key}` is {number}: expected {} to {}", range.start(), range.end()));
+        range.contains(&number).then_some(number).ok_or_else(expected)
+    };
+    let def = log.scene().map_err(ReplayError)?;
     let seed = entry("seed")?.parse().map_err(|_| ReplayError("`seed` is no whole number".to_owned()))?;
-    let (time_step, speed_unit) = (number("time_step")?, number("speed_unit")?);
-    if !(1e-4..=0.02).contains(&time_step) {
-        return Err(ReplayError(format!("`time_step` is {time_step}: expected 0.0001 to 0.02")));
-    }
+    let (time_step, speed_unit) = (within("time_step", TIME_STEPS)?, within("speed_unit", SPEED_UNITS)?);
     if let Some(began) = log.run.get("began") {
         return Err(ReplayError(format!("it began in a running world, at {began} s: expected a log from the start")));
     }
@@ -67,30 +75,23 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
         return Err(ReplayError(format!("it goes to {last} s: expected at most {MAX_SECONDS}")));
     }
     let panic_at = log.run.get("panic_at").and_then(|steps| steps.parse().ok());
-    // Older logs do not say, and kept them.
-    let keep_robots = log.run.get("keep_robots").is_none_or(|keep| keep == "true");
-    let mut world = World::new(def, Options { seed, speed_unit, time_step, keep_robots, panic_at });
+    // Who leaves, and when, is in the log.
+    let mut world = World::new(def, Options { seed, speed_unit, time_step, panic_at, ..Options::default() });
     let mut controllers: BTreeMap<u64, Controller> = BTreeMap::new();
-    let (mut steps, mut states, mut first_difference) = (0, 0, None);
-    let mut advance = |world: &mut World, time: f64| {
-        let wanted = (time / time_step).round() as u64;
-        while steps < wanted {
-            world.step();
-            steps += 1;
-        }
-    };
+    let (mut states, mut first_difference) = (0, None);
+    // The report of a panic has no states.
+    let most = if log.run.contains_key("panic") { MAX_IDLE } else { MAX_GAP };
     for entry in &log.entries {
-        advance(&mut world, entry.time);
+        advance(&mut world, entry.time, most)?;
         match &entry.record {
             Record::In(line) => {
                 let controller = controllers.entry(line.connection).or_default();
                 controller.execute_line(&line.line, &mut world, &mut Vec::new());
             }
             Record::Closed(line) => {
-                if let Some(controller) = controllers.remove(&line.connection) {
-                    controller.end(&mut world);
-                }
+                controllers.remove(&line.connection);
             }
+            Record::Left(robot) => world.remove(RobotId(*robot)),
             Record::State(state) => {
                 states += 1;
                 if first_difference.is_none() && now(&world, state.robot).as_ref() != Some(state) {
@@ -108,10 +109,28 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
         }
     }
     if let Some(end) = end {
-        advance(&mut world, end);
+        advance(&mut world, end, most)?;
     }
     let recorded = log.end.get("digest").and_then(|digest| u64::from_str_radix(digest, 16).ok());
     Ok(Replay { seconds: world.time(), digest: world.digest(), recorded, states, first_difference })
+}
+
+/// Steps up to the time of the next record, if a run can have come there from the last; with robots not more than `most` seconds
+/// later.
+fn advance(world: &mut World, time: f64, most: f64) -> Result<(), ReplayError> {
+    let (now, time_step) = (world.time(), world.time_step());
+    // Times in a log are whole nanoseconds.
+    let steps = ((time - now) / time_step).round();
+    if steps < 0.0 {
+        return Err(ReplayError(format!("its times go back from {now} s to {time} s")));
+    }
+    let (gap, most) = (time - now, if world.robots().next().is_some() { most } else { MAX_IDLE });
+    if gap > most + time_step {
+        let text = format!("nothing is recorded from {now} s to {time} s: expected at most {most} s without a record");
+        return Err(ReplayError(text));
+    }
+    (0..steps as u64).for_each(|_| drop(world.step()));
+    Ok(())
 }
 
 fn now(world: &World, robot: u64) -> Option<RobotState> {

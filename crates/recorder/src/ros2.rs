@@ -4,7 +4,6 @@
 
 mod messages;
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use gamebots_proto::message::{Ins, Message, Reading, Sen};
@@ -14,29 +13,30 @@ use sim_core::scene::{self, Pose, RobotDef, SensorDef, WorldDef};
 use sim_core::sensor::{Config, Fan};
 
 use self::messages as ros;
-use crate::file::{LogFile, nanoseconds};
-use crate::{ObjectState, Put, Record, RobotState, WireLine};
+use crate::file::{LogFile, Storage, nanoseconds};
+use crate::places::{Placed, Places};
+use crate::{ObjectState, Put, Record, RecordError, RobotState, WireLine};
 
 /// What stands in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
 const NOT_MEASURED: f64 = -1.0;
 
 /// A file for the messages.
-pub(crate) fn create(path: &Path) -> McapResult<LogFile> {
-    LogFile::create(path, "ros2")
+pub(crate) fn begin(storage: Box<dyn Storage>, path: &Path) -> Result<LogFile, RecordError> {
+    LogFile::begin(storage, path, "ros2")
 }
 
 /// Turns records into messages.
 pub(crate) struct Ros2 {
     world: WorldDef,
-    /// Robots seen, with their class.
-    robots: BTreeMap<u64, String>,
+    /// The robots that have been seen.
+    places: Places,
     /// Last time on `/clock`, ns.
     clock: Option<u64>,
 }
 
 impl Ros2 {
     pub(crate) fn new(world: &WorldDef) -> Self {
-        Self { world: world.clone(), robots: BTreeMap::new(), clock: None }
+        Self { world: world.clone(), places: Places::default(), clock: None }
     }
 
     pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut LogFile) -> McapResult<()> {
@@ -44,6 +44,10 @@ impl Ros2 {
             Record::State(state) => self.write_state(time, state, file),
             Record::Object(object) => self.write_object(time, object, file),
             Record::Out(line) => self.write_reading(time, line, file),
+            Record::Left(robot) => {
+                self.places.leave(*robot);
+                Ok(())
+            }
             Record::In(_) | Record::Closed(_) | Record::Warning(_) => Ok(()),
         }
     }
@@ -59,12 +63,14 @@ impl Ros2 {
     fn write_state(&mut self, time: f64, state: &RobotState, file: &mut LogFile) -> McapResult<()> {
         self.write_clock(time, file)?;
         let RobotState { robot, class, .. } = state;
-        let frame = robot_frame(*robot);
+        let place = self.places.get(*robot).map(|placed| placed.place);
+        let (came, place) = (place.is_none(), place.unwrap_or_else(|| self.places.come(*robot, class)));
+        let frame = robot_frame(place);
         let def = self.world.robots.get(class);
-        if self.robots.insert(*robot, class.clone()).is_none() {
+        if came {
             let mount = |sensor: &SensorDef| {
                 let pose = scene::pose(sensor.position, sensor.direction);
-                transform(time, &frame, &sensor_frame(*robot, &sensor.name), &pose)
+                transform(time, &frame, &sensor_frame(place, &sensor.name), &pose)
             };
             let mounts = def.map_or(&[][..], |def| &def.sensors).iter().map(mount).collect();
             file.put(time, "/tf_static", &ros::TFMessage { transforms: mounts })?;
@@ -107,15 +113,15 @@ impl Ros2 {
     }
 
     fn write_reading(&self, time: f64, line: &WireLine, file: &mut LogFile) -> McapResult<()> {
-        let Some(robot) = line.robot else { return Ok(()) };
-        let Some(class) = self.robots.get(&robot) else { return Ok(()) };
+        let Some(Placed { place, class }) = line.robot.and_then(|robot| self.places.get(robot)) else { return Ok(()) };
+        let place = *place;
         if !line.line.starts_with("SEN") {
             return Ok(());
         }
         let Some(Message::Sen(Sen { reading, .. })) = Message::read(&line.line) else { return Ok(()) };
         let sensor = |name: &str| self.world.sensor(class, name).map(|sensor| (sensor, &sensor.config));
-        let topic = |sensor: &str| format!("/{}/sensor/{}", robot_frame(robot), name(sensor));
-        let header = |sensor: &str| header(time, &sensor_frame(robot, sensor));
+        let topic = |sensor: &str| format!("/{}/sensor/{}", robot_frame(place), name(sensor));
+        let header = |sensor: &str| header(time, &sensor_frame(place, sensor));
         match reading {
             Reading::RangeScanner(scan) => match sensor(&scan.name).map(|(sensor, config)| (sensor, config.fan())) {
                 Some((sensor, Some(fan))) if fan.level => {
@@ -144,7 +150,7 @@ impl Ros2 {
                 let pose = scene::pose([x, y, 0.0], [0.0, 0.0, theta]);
                 let mut message = ros::Odometry {
                     header: header(&odometry.name),
-                    child_frame_id: robot_frame(robot),
+                    child_frame_id: robot_frame(place),
                     pose: ros::PoseWithCovariance { pose: ros_pose(&pose), covariance: [[0.0; 6]; 6] },
                     twist: ros::TwistWithCovariance::default(),
                 };
@@ -188,12 +194,12 @@ fn imu(header: ros::Header, ins: &Ins) -> ros::Imu {
     }
 }
 
-fn robot_frame(robot: u64) -> String {
-    format!("robot_{robot}")
+fn robot_frame(place: u64) -> String {
+    format!("robot_{place}")
 }
 
-fn sensor_frame(robot: u64, sensor: &str) -> String {
-    format!("robot_{robot}/{}", name(sensor))
+fn sensor_frame(place: u64, sensor: &str) -> String {
+    format!("robot_{place}/{}", name(sensor))
 }
 
 /// A name as ROS allows it: letters, digits and `_`, no digit first.

@@ -58,24 +58,20 @@ impl Table {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
-    /// The table as CSV with a line of names. Numbers read back with the same bits.
-    pub fn to_csv(&self) -> String {
+    /// The table as lines of CSV, first the names. Numbers read back with the same bits.
+    pub fn to_csv(&self) -> impl Iterator<Item = String> {
         let names: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
-        let mut text = names.join(",");
-        text.push('\n');
-        for row in 0..self.rows() {
+        let line = |row: usize| {
             let numbers: Vec<String> = self.columns.iter().map(|column| column.values[row].to_string()).collect();
-            text.push_str(&numbers.join(","));
-            text.push('\n');
-        }
-        text
+            numbers.join(",")
+        };
+        std::iter::once(names.join(",")).chain((0..self.rows()).map(line))
     }
 
-    /// The poses as evo and the TUM tools read them: `time x y z qx qy qz qw`, in the world frame.
-    pub fn to_tum(&self) -> String {
+    /// The poses as lines that evo and the TUM tools read: `time x y z qx qy qz qw`, in the world frame.
+    pub fn to_tum(&self) -> impl Iterator<Item = String> {
         let columns = ["time", "x", "y", "z", "qx", "qy", "qz", "qw"].map(|name| self.column(name).unwrap_or_default());
-        let line = |row: usize| columns.map(|values| values[row].to_string()).join(" ") + "\n";
-        (0..self.rows()).map(line).collect()
+        (0..self.rows()).map(move |row| columns.map(|values| values[row].to_string()).join(" "))
     }
 }
 

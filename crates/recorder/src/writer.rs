@@ -1,24 +1,24 @@
 //! Writing: a file, and for a live world a queue and a thread before it.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::path::Path;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use sim_core::Options;
 use sim_core::scene::WorldDef;
 
-use crate::file::LogFile;
+use crate::file::{LogFile, Storage, storage};
 use crate::native::Native;
 use crate::ros2::{self, Ros2};
 use crate::{END, End, RUN, Record};
 
-/// Records that are handed over at once.
+/// Records that are worth waking the thread for.
 const BATCH: usize = 256;
-/// Batches that may wait for the disk; more are dropped and counted.
-const QUEUE: usize = 256;
-/// Longest time that a record stays out of the file.
+/// Bytes of records that may wait for the disk; more records are dropped and counted. Two minutes of ten youBots in real time.
+const MAX_QUEUED: usize = 64 << 20;
+/// Longest time that a record stays out of the file, of a clock that nobody can set.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 /// A log that cannot be written.
@@ -31,7 +31,6 @@ pub struct RecordError {
 
 /// Writes a log record by record, waiting for the disk.
 pub struct LogWriter {
-    path: PathBuf,
     file: LogFile,
     native: Native,
     ros2: Option<(LogFile, Ros2)>,
@@ -43,6 +42,21 @@ impl LogWriter {
     /// # Errors
     /// When the file cannot be written.
     pub fn create(
+        path: &Path,
+        world: &WorldDef,
+        options: Options,
+        description: &[(String, String)],
+    ) -> Result<Self, RecordError> {
+        let storage = storage(path).map_err(|reason| refused(path, reason))?;
+        Self::create_on(storage, path, world, options, description)
+    }
+
+    /// The same on a storage of another kind; the path is its name.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn create_on(
+        storage: Box<dyn Storage>,
         path: &Path,
         world: &WorldDef,
         options: Options,
@@ -60,24 +74,28 @@ impl LogWriter {
             entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
         ]);
         metadata.extend(options.panic_at.map(|steps| entry("panic_at", &steps)));
-        let start = || {
-            let mut file = LogFile::create(path, "")?;
+        let mut file = LogFile::begin(storage, path, "")?;
+        let native = file.with(|file| {
             file.metadata(RUN, metadata)?;
-            let native = Native::new(world, &mut file)?;
+            let native = Native::new(world, file)?;
             file.flush()?;
-            Ok(Self { path: path.to_owned(), file, native, ros2: None })
-        };
-        start().map_err(|reason: mcap::McapError| refused(path, reason))
+            Ok(native)
+        })?;
+        Ok(Self { file, native, ros2: None })
     }
 
-    /// Writes the messages of [`crate::ros2`] as well, to a file of their own beside the log: `run.ros2.mcap` for `run.mcap`.
+    /// Writes the messages of [`crate::ros2`] as well, to a storage of their own: `run.ros2.mcap` for `run.mcap`.
     ///
     /// # Errors
-    /// When that file cannot be written.
-    pub fn with_ros2(mut self, world: &WorldDef) -> Result<Self, RecordError> {
-        let path = self.path.with_extension("ros2.mcap");
-        let file = ros2::create(&path).map_err(|reason| refused(&path, reason))?;
-        self.ros2 = Some((file, Ros2::new(world)));
+    /// When that cannot be written.
+    pub fn with_ros2(
+        mut self,
+        world: &WorldDef,
+        storage: impl FnOnce(&Path) -> std::io::Result<Box<dyn Storage>>,
+    ) -> Result<Self, RecordError> {
+        let path = self.file.path().with_extension("ros2.mcap");
+        let storage = storage(&path).map_err(|reason| refused(&path, reason))?;
+        self.ros2 = Some((ros2::begin(storage, &path)?, Ros2::new(world)));
         Ok(self)
     }
 
@@ -86,13 +104,10 @@ impl LogWriter {
     /// # Errors
     /// When the disk takes no more.
     pub fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError> {
-        let mut write = || {
-            if let Some((file, ros2)) = &mut self.ros2 {
-                ros2.write(time, record, file)?;
-            }
-            self.native.write(time, record, &mut self.file)
-        };
-        write().map_err(|reason| refused(&self.path, reason))
+        if let Some((file, ros2)) = &mut self.ros2 {
+            file.with(|file| ros2.write(time, record, file))?;
+        }
+        self.file.with(|file| self.native.write(time, record, file))
     }
 
     /// Hands everything written so far to the operating system.
@@ -102,7 +117,7 @@ impl LogWriter {
     pub fn flush(&mut self) -> Result<(), RecordError> {
         let files = std::iter::once(&mut self.file).chain(self.ros2.iter_mut().map(|(file, _)| file));
         for file in files {
-            file.flush().map_err(|reason| refused(&self.path, reason))?;
+            file.with(LogFile::flush)?;
         }
         Ok(())
     }
@@ -116,13 +131,17 @@ impl LogWriter {
         let End { time, digest, dropped } = end;
         let mut metadata = BTreeMap::from([entry("seconds", time.to_string()), entry("dropped", dropped.to_string())]);
         metadata.extend(digest.map(|digest| entry("digest", format!("{digest:016x}"))));
-        let Self { path, mut file, ros2, .. } = self;
-        let finish = || {
-            file.metadata(END, metadata)?;
-            file.finish()?;
-            ros2.map_or(Ok(()), |(file, _)| file.finish())
-        };
-        finish().map_err(|reason| refused(&path, reason))
+        let Self { mut file, ros2, .. } = self;
+        file.with(|file| file.metadata(END, metadata))?;
+        file.finish()?;
+        ros2.map_or(Ok(()), |(file, _)| file.finish())
+    }
+}
+
+impl RecordError {
+    /// A file that the operating system refuses.
+    pub fn new(file: &Path, reason: &std::io::Error) -> Self {
+        Self { file: file.display().to_string(), reason: reason.to_string() }
     }
 }
 
@@ -146,6 +165,12 @@ pub trait Sink: Send + 'static {
     /// # Errors
     /// When it takes no more.
     fn flush(&mut self) -> Result<(), RecordError>;
+
+    /// Takes how the world ended.
+    ///
+    /// # Errors
+    /// When it takes no more.
+    fn finish(self, end: End) -> Result<(), RecordError>;
 }
 
 impl Sink for LogWriter {
@@ -156,98 +181,220 @@ impl Sink for LogWriter {
     fn flush(&mut self) -> Result<(), RecordError> {
         Self::flush(self)
     }
+
+    fn finish(self, end: End) -> Result<(), RecordError> {
+        Self::finish(self, end)
+    }
 }
 
 /// Writes a log from a thread of its own until it is finished or dropped.
-///
-/// Records are handed over in batches: waking the thread for each would cost more than writing it.
-pub struct Recorder<S: Sink = LogWriter> {
-    queue: Option<SyncSender<Vec<Timed>>>,
-    batch: Vec<Timed>,
-    thread: Option<JoinHandle<Option<S>>>,
-    dropped: u64,
+pub struct Recorder {
+    queue: Arc<Queue>,
+    thread: Option<JoinHandle<Result<(), RecordError>>>,
 }
 
 /// A record and its simulated time, s.
 type Timed = (f64, Record);
 
-impl<S: Sink> Recorder<S> {
+impl Recorder {
     /// Goes on with a log that has been begun.
     ///
     /// # Errors
     /// When there is no thread for it.
-    pub fn new(log: S) -> Result<Self, RecordError> {
-        let (queue, batches) = sync_channel(QUEUE);
-        let run =
-            move || write_all(log, &batches).inspect_err(|error| tracing::error!(%error, "the log ends here")).ok();
+    pub fn new(log: impl Sink) -> Result<Self, RecordError> {
+        let queue = Arc::new(Queue::default());
+        let run = {
+            let queue = queue.clone();
+            move || {
+                let _closes = Closes(&queue);
+                write_all(log, &queue).inspect_err(|error| tracing::error!(%error, "the log ends here"))
+            }
+        };
         let thread = std::thread::Builder::new().name("recorder".to_owned()).spawn(run);
         let thread = thread.map_err(|reason| refused("of this run", reason))?;
-        Ok(Self { queue: Some(queue), batch: Vec::with_capacity(BATCH), thread: Some(thread), dropped: 0 })
+        Ok(Self { queue, thread: Some(thread) })
     }
 
-    /// Takes a record of a simulated time in seconds; never waits.
+    /// Takes a record of a simulated time in seconds; never waits for the disk.
     pub fn record(&mut self, time: f64, record: Record) {
-        self.batch.push((time, record));
-        if self.batch.len() >= BATCH {
-            self.hand_over();
-        }
+        self.queue.push(time, record);
     }
 
-    /// Hands what was recorded to the thread; to be called when there is nothing else to do.
+    /// Wakes the thread, which otherwise takes its time: to be called where somebody is waiting for what was recorded.
     pub fn hand_over(&mut self) {
-        let Some(queue) = self.queue.as_ref().filter(|_| !self.batch.is_empty()) else { return self.batch.clear() };
-        match queue.try_send(std::mem::replace(&mut self.batch, Vec::with_capacity(BATCH))) {
-            Ok(()) => {}
-            Err(TrySendError::Full(batch)) => {
-                if self.dropped == 0 {
-                    tracing::warn!("the disk is too slow: records are missing in the log");
-                }
-                self.dropped += batch.len() as u64;
-            }
-            // The thread has said why it ended.
-            Err(TrySendError::Disconnected(_)) => self.queue = None,
-        }
+        self.queue.hand_over();
     }
 
-    /// Waits until everything is written and takes the log back, unless it could not be written.
-    fn stop(&mut self) -> Option<S> {
-        if let Some(queue) = self.queue.take() {
-            // A thread that has ended has said why.
-            let _ = queue.send(std::mem::take(&mut self.batch));
-        }
-        // A panic of the thread has been printed where it happened.
-        self.thread.take()?.join().ok()?
+    /// Whether what is recorded still goes anywhere.
+    pub fn is_writing(&self) -> bool {
+        self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
+    }
+
+    /// Why the log ended by itself; said once.
+    pub fn failure(&mut self) -> Option<RecordError> {
+        let thread = self.thread.take_if(|thread| thread.is_finished())?;
+        ended(thread).err()
+    }
+
+    /// Ends the log properly, with the simulated time and the digest of the world, if it has one; the thread does the work.
+    pub fn finish(mut self, time: f64, digest: Option<u64>) -> Closing {
+        self.queue.end(Ending::World { time, digest });
+        Closing { thread: self.thread.take() }
     }
 }
 
-impl Recorder {
-    /// Ends the log properly and waits until it is written.
-    pub fn finish(mut self, time: f64, digest: Option<u64>) {
-        if let Some(log) = self.stop() {
-            let end = End { time, digest, dropped: self.dropped };
-            if let Err(error) = log.finish(end) {
-                tracing::error!(%error, "the log ends here");
-            }
-        }
-    }
-}
-
-impl<S: Sink> Drop for Recorder<S> {
+impl Drop for Recorder {
     fn drop(&mut self) {
-        self.stop();
+        self.queue.end(Ending::Abandoned);
+        // The thread has said what went wrong.
+        self.thread.take().map(ended);
     }
 }
 
-fn write_all<S: Sink>(mut log: S, batches: &Receiver<Vec<Timed>>) -> Result<S, RecordError> {
-    let mut flush_at = Instant::now() + FLUSH_INTERVAL;
-    loop {
-        match batches.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
-            Ok(batch) => batch.iter().try_for_each(|(time, record)| log.write(*time, record))?,
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => {
-                log.flush()?;
-                return Ok(log);
+/// A log whose end is being written. To drop it is to wait for that.
+pub struct Closing {
+    thread: Option<JoinHandle<Result<(), RecordError>>>,
+}
+
+impl Closing {
+    /// Whether it would not have to be waited for.
+    pub fn is_done(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Waits until everything is written.
+    ///
+    /// # Errors
+    /// When something could not be written.
+    pub fn wait(mut self) -> Result<(), RecordError> {
+        self.thread.take().map_or(Ok(()), ended)
+    }
+}
+
+impl Drop for Closing {
+    fn drop(&mut self) {
+        // The thread has said what went wrong.
+        self.thread.take().map(ended);
+    }
+}
+
+/// How a thread that writes ended.
+fn ended(thread: JoinHandle<Result<(), RecordError>>) -> Result<(), RecordError> {
+    thread.join().unwrap_or_else(|_| Err(refused("of this run", "its thread panicked, and has said where")))
+}
+
+/// Records on their way to the thread.
+#[derive(Default)]
+struct Queue {
+    waiting: Mutex<Waiting>,
+    news: Condvar,
+}
+
+#[derive(Default)]
+struct Waiting {
+    records: Vec<Timed>,
+    /// Bytes of the records that wait, and of those that are just being written.
+    bytes: usize,
+    dropped: u64,
+    /// The thread is to take them now.
+    handed_over: bool,
+    ending: Option<Ending>,
+    /// The thread is gone: nobody takes anything any more.
+    closed: bool,
+}
+
+/// Why nothing more comes.
+#[derive(Clone, Copy)]
+enum Ending {
+    /// The world is over.
+    World { time: f64, digest: Option<u64> },
+    /// Nobody has said how.
+    Abandoned,
+}
+
+impl Queue {
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        // It is valid after each statement.
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn push(&self, time: f64, record: Record) {
+        let mut waiting = self.lock();
+        let bytes = waiting.bytes + record.size();
+        if waiting.closed {
+            return;
+        }
+        if bytes > MAX_QUEUED {
+            if waiting.dropped == 0 {
+                tracing::warn!("the disk is too slow: records are missing in the log");
             }
+            waiting.dropped += 1;
+            return;
+        }
+        waiting.bytes = bytes;
+        waiting.records.push((time, record));
+        // To wake the thread for each would cost more than to write it.
+        if waiting.records.len().is_multiple_of(BATCH) {
+            self.news.notify_one();
+        }
+    }
+
+    fn hand_over(&self) {
+        let mut waiting = self.lock();
+        if !waiting.records.is_empty() && !waiting.handed_over {
+            waiting.handed_over = true;
+            self.news.notify_one();
+        }
+    }
+
+    fn end(&self, ending: Ending) {
+        self.lock().ending.get_or_insert(ending);
+        self.news.notify_one();
+    }
+
+    /// Takes what waits when that is a batch, when it was handed over, when nothing more comes, or at the latest at a time.
+    fn take(&self, records: &mut Vec<Timed>, latest: Instant) -> Option<Ending> {
+        let mut waiting = self.lock();
+        while waiting.records.len() < BATCH && !waiting.handed_over && waiting.ending.is_none() {
+            let left = latest.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                break;
+            }
+            waiting = self.news.wait_timeout(waiting, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
+        waiting.handed_over = false;
+        std::mem::swap(&mut waiting.records, records);
+        waiting.ending
+    }
+}
+
+/// Lets go of what waits when the thread ends, however it does.
+struct Closes<'a>(&'a Queue);
+
+impl Drop for Closes<'_> {
+    fn drop(&mut self) {
+        let mut waiting = self.0.lock();
+        (waiting.records, waiting.closed) = (Vec::new(), true);
+    }
+}
+
+fn write_all(mut log: impl Sink, queue: &Queue) -> Result<(), RecordError> {
+    let (mut records, mut flush_at) = (Vec::new(), Instant::now() + FLUSH_INTERVAL);
+    loop {
+        let ending = queue.take(&mut records, flush_at);
+        let bytes: usize = records.iter().map(|(_, record)| record.size()).sum();
+        records.drain(..).try_for_each(|(time, record)| log.write(time, &record))?;
+        // After a rush it needs no more room than before.
+        records.shrink_to(2 * BATCH);
+        let dropped = {
+            let mut waiting = queue.lock();
+            waiting.bytes -= bytes;
+            waiting.dropped
+        };
+        match ending {
+            Some(Ending::World { time, digest }) => return log.finish(End { time, digest, dropped }),
+            Some(Ending::Abandoned) => return log.flush(),
+            None => {}
         }
         if Instant::now() >= flush_at {
             log.flush()?;

@@ -8,6 +8,7 @@ mod recover;
 mod replay;
 
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::Path;
 
 use recorder::{Log, Record};
@@ -50,7 +51,17 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
 }
 
 fn read(file: &Path) -> Result<Log, Failure> {
-    recorder::read(file).map_err(|error| Failure::new(exit::BAD_DATA, error))
+    let log = recorder::read(file).map_err(|error| Failure::new(exit::BAD_DATA, error))?;
+    report_damage(file, log.damage.as_deref());
+    Ok(log)
+}
+
+/// Says that a file gives less than was in it.
+fn report_damage(file: &Path, damage: Option<&str>) {
+    if let Some(damage) = damage {
+        // Nobody has to listen.
+        let _ = writeln!(std::io::stderr(), "usarsim: {}: {damage}; what comes before is used", file.display());
+    }
 }
 
 /// Class and name of the robots that were in the world, by number.

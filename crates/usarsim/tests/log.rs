@@ -1,10 +1,11 @@
 //! `usarsim log` as a process, on the log of a run.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use experiments::plan::Plan;
 use rand::{RngExt, SeedableRng};
@@ -174,8 +175,101 @@ fn every_log_of_a_folder_is_replayed() {
     assert!(folder.refused(65, &["replay", "."]).contains("1 of 3 logs not replayed"));
 }
 
+#[test]
+fn damaged_logs_are_refused_or_used_up_to_the_damage() {
+    let folder = Folder::new();
+    let good = std::fs::read(folder.path("run.mcap")).expect("the log");
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(6);
+    for number in 0..12 {
+        let (mut bytes, at) = (good.clone(), random.random_range(8..good.len()));
+        match number % 4 {
+            0 => bytes[at] ^= 1 << random.random_range(0..8),
+            1 => bytes.splice(at..at, random.random::<[u8; 9]>()).for_each(drop),
+            2 => bytes.splice(at..at, good[at / 2..at].to_vec()).for_each(drop),
+            // A length of a record, most of them.
+            _ => bytes[at] = 0xff,
+        }
+        std::fs::write(folder.path("harmed.mcap"), &bytes).expect("a file");
+        let _ = std::fs::remove_file(folder.path("saved.mcap"));
+        for arguments in [
+            &["info"][..],
+            &["cat"],
+            &["replay"],
+            &["plot", "--out", "path.svg"],
+            &["export", "--csv"],
+            &["export", "--ros2", "--out", "run.ros2.mcap"],
+            &["recover", "--out", "saved.mcap"],
+        ] {
+            let output = folder.run(&[&arguments[..1], &["harmed.mcap"], &arguments[1..]].concat());
+            let said = String::from_utf8_lossy(&output.stderr);
+            let known = output.status.code().is_some_and(|code| [0, 1, 65].contains(&code));
+            assert!(known && !said.contains("panicked"), "{number}, {arguments:?}: {}: {said}", output.status);
+            // Nothing is left out in silence.
+            assert!(said.contains("harmed.mcap: ") || said.contains("differ"), "{number}, {arguments:?}: {said}");
+        }
+    }
+}
+
+/// The simulated time of a reading.
+fn time_of(line: &str) -> Option<f64> {
+    line.split_once("{Time ")?.1.split_once('}')?.0.parse().ok()
+}
+
+#[test]
+fn a_server_killed_at_any_moment_loses_at_most_the_last_second() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(9);
+    for number in 0..20 {
+        let log = folder.path().join(format!("{number}.mcap"));
+        let arguments = ["serve", "--port", "0", "--no-http", "--json", "--rtf", "20", "--log"];
+        let mut serving = usarsim(&arguments, &log);
+        let port = ready_port(&mut serving.0);
+        let client = TcpStream::connect(("127.0.0.1", port)).expect("a connection");
+        let init = b"INIT {ClassName USARBot.P3AT} {Location 0,0,0}\r\nDRIVE {Left 2} {Right 1}\r\n";
+        (&client).write_all(init).expect("it is taken");
+        let lifetime = Duration::from_millis(random.random_range(100..2500));
+        // Readings with the time at which each was here.
+        let mut readings: Vec<(Instant, f64)> = Vec::new();
+        let mut killed = None;
+        for line in BufReader::new(client).lines().map_while(Result::ok) {
+            let now = Instant::now();
+            readings.extend(time_of(&line).filter(|_| line.starts_with("SEN")).map(|time| (now, time)));
+            if killed.is_none() && readings.first().is_some_and(|(first, _)| now.duration_since(*first) >= lifetime) {
+                killed = Some(now);
+                serving.0.kill().expect("it is killed");
+            }
+        }
+        let killed = killed.expect("it was killed");
+        let log = recorder::read(&log).unwrap_or_else(|error| panic!("{number}: {error}"));
+        assert!(log.end.is_empty(), "it was cut off");
+        let last =
+            log.entries.iter().rfind(|entry| matches!(entry.record, Record::Out(_))).map_or(-1.0, |last| last.time);
+        let lost = readings.iter().find(|(_, time)| *time > last + 1e-3);
+        let lost = lost.map_or(Duration::ZERO, |(first, _)| killed.saturating_duration_since(*first));
+        assert!(lost <= Duration::from_secs(1), "{number}: {lost:?} lost of {lifetime:?}");
+        let replay = recorder::replay(&log).unwrap_or_else(|error| panic!("{number}: {error}"));
+        assert!(replay.is_same(), "{number}: {replay:?}");
+        println!("killed after {lifetime:?}: {lost:?} lost, {:.1} simulated seconds kept", last.max(0.0));
+    }
+}
+
 /// A process that is killed when the test ends.
 struct Playing(Child);
+
+/// Starts `usarsim` with a file as its last argument.
+fn usarsim(arguments: &[&str], file: &Path) -> Playing {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_usarsim"));
+    command.args(arguments).arg(file).stdout(Stdio::piped()).stderr(Stdio::null());
+    command.spawn().map(Playing).expect("usarsim starts")
+}
+
+/// The port in a line of JSON that says that it is ready.
+fn ready_port(child: &mut Child) -> u16 {
+    let mut ready = String::new();
+    BufReader::new(child.stdout.take().expect("stdout")).read_line(&mut ready).expect("a ready line");
+    let ready: serde_json::Value = serde_json::from_str(&ready).unwrap_or_else(|error| panic!("{ready}: {error}"));
+    ready["port"].as_u64().expect("a port") as u16
+}
 
 impl Drop for Playing {
     fn drop(&mut self) {
@@ -187,18 +281,9 @@ impl Drop for Playing {
 #[test]
 fn a_log_is_played_to_each_client_line_by_line() {
     let folder = Folder::new();
-    let mut playing = Command::new(env!("CARGO_BIN_EXE_usarsim"))
-        .args(["log", "replay", "run.mcap", "--serve", "--port", "0", "--rtf", "0", "--json"])
-        .current_dir(&folder.folder)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .map(Playing)
-        .expect("usarsim starts");
-    let mut ready = String::new();
-    BufReader::new(playing.0.stdout.take().expect("stdout")).read_line(&mut ready).expect("a ready line");
-    let ready: serde_json::Value = serde_json::from_str(&ready).unwrap_or_else(|error| panic!("{ready}: {error}"));
-    let port = ready["port"].as_u64().expect("a port") as u16;
+    let arguments = ["log", "replay", "--serve", "--port", "0", "--rtf", "0", "--json"];
+    let mut playing = usarsim(&arguments, &folder.path("run.mcap"));
+    let port = ready_port(&mut playing.0);
     let sent = folder.log.entries.iter().filter_map(|entry| match &entry.record {
         Record::Out(line) => Some(format!("{}\r\n", line.line)),
         _ => None,

@@ -1,5 +1,7 @@
 //! `usarsim log export`.
 
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use recorder::{Table, export};
@@ -53,7 +55,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return export::parquet(&table, out).map_err(failed);
     }
     if *csv {
-        return write(&table.to_csv(), out);
+        return write(table.to_csv(), out);
     }
     let robots = super::robots(&log);
     if robot.is_none() && robots.len() > 1 {
@@ -61,15 +63,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let text = format!("a trajectory is of one robot: say --robot, one of {}", robots.join(", "));
         return Err(Failure::new(exit::USAGE, text));
     }
-    write(&table.to_tum(), out)
+    write(table.to_tum(), out)
 }
 
-/// To a file, or to a stdout whose reader may go away.
-fn write(text: &str, out: Option<&Path>) -> Result<(), Failure> {
+/// Writes lines to a file, or to a stdout whose reader may go away.
+fn write(mut lines: impl Iterator<Item = String>, out: Option<&Path>) -> Result<(), Failure> {
     let Some(path) = out else {
-        use std::io::Write;
-        let _ = std::io::stdout().lock().write_all(text.as_bytes());
+        let mut stdout = BufWriter::new(std::io::stdout().lock());
+        let _ = lines.try_for_each(|line| writeln!(stdout, "{line}")).and_then(|()| stdout.flush());
         return Ok(());
     };
-    std::fs::write(path, text).map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display())))
+    let mut write = || {
+        let mut file = BufWriter::new(File::create(path)?);
+        lines.try_for_each(|line| writeln!(file, "{line}"))?;
+        file.flush()
+    };
+    write().map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display())))
 }

@@ -31,6 +31,7 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
             Record::In(_) => "lines in",
             Record::Out(_) => "lines out",
             Record::Closed(_) => "connections closed",
+            Record::Left(_) => "robots that left",
             Record::State(_) => "states",
             Record::Object(_) => "states of objects",
             Record::Warning(_) => "warnings",
@@ -44,7 +45,7 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
         let run: BTreeMap<_, _> = log.run.iter().filter(|(key, _)| *key != "scene").collect();
         print(json!({
             "file": file.display().to_string(), "seconds": seconds, "complete": complete, "robots": robots,
-            "counts": counts, "run": run, "end": log.end,
+            "counts": counts, "run": run, "end": log.end, "damage": log.damage,
         }));
         return Ok(());
     }

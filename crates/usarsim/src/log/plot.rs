@@ -1,11 +1,12 @@
 //! `usarsim log plot`.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use charts::{Chart, Series};
 use nalgebra::Point3;
 use recorder::{Log, Table};
-use sim_core::scene::{Shape, Solid, WorldDef};
+use sim_core::scene::{Shape, Solid};
 
 use crate::{Failure, exit, print};
 
@@ -44,18 +45,17 @@ pub(super) fn run(Arguments { file, field, robot, out }: &Arguments) -> Result<(
     Ok(())
 }
 
+/// Largest coordinate that is drawn, either way, in the unit of its axis: with larger ones an axis has no numbers.
+const MAX_DRAWN: f64 = 1e12;
+
 /// Lines of a robot each, by its number.
-fn by_robot(table: &Table, x: &str, y: &str) -> Vec<(u64, Vec<(f64, f64)>)> {
+fn by_robot(table: &Table, x: &str, y: &str) -> BTreeMap<u64, Vec<(f64, f64)>> {
     let column = |name| table.column(name).unwrap_or_default();
-    let mut lines: Vec<(u64, Vec<(f64, f64)>)> = Vec::new();
+    let mut lines: BTreeMap<u64, Vec<(f64, f64)>> = BTreeMap::new();
     for ((&robot, &x), &y) in column("robot").iter().zip(column(x)).zip(column(y)) {
-        let robot = robot as u64;
-        let index = lines.iter().position(|(known, _)| *known == robot).unwrap_or_else(|| {
-            lines.push((robot, Vec::new()));
-            lines.len() - 1
-        });
-        if y.is_finite() {
-            lines[index].1.push((x, y));
+        let line = lines.entry(robot as u64).or_default();
+        if x.abs() <= MAX_DRAWN && y.abs() <= MAX_DRAWN {
+            line.push((x, y));
         }
     }
     lines
@@ -74,7 +74,7 @@ fn path(log: &Log, table: &Table) -> Chart {
         joined: true,
         dots: false,
     });
-    let scene: Option<WorldDef> = log.run.get("scene").and_then(|scene| serde_json::from_str(scene).ok());
+    let scene = log.scene().ok();
     let solids = scene.iter().flat_map(|scene| &scene.map.solids).filter_map(outline);
     Chart {
         title: format!("map {}, seen from above", log.run.get("map").map_or("", String::as_str)),

@@ -27,13 +27,14 @@ pub(super) fn run(Arguments { file, out, json }: &Arguments) -> Result<(), Failu
         let text = format!("{} exists: give another with --out", out.display());
         return Err(Failure::new(exit::USAGE, text));
     }
-    let Recovered { messages, seconds } = recorder::recover(file, &out).map_err(|error| match error {
+    let Recovered { messages, seconds, damage } = recorder::recover(file, &out).map_err(|error| match error {
         RecoverError::Read(error) => Failure::new(exit::BAD_DATA, error),
         RecoverError::Write(error) => Failure::new(exit::FAILURE, error),
     })?;
+    super::report_damage(file, damage.as_deref());
     let out = out.display();
     if *json {
-        print(json!({"file": out.to_string(), "messages": messages, "seconds": seconds}));
+        print(json!({"file": out.to_string(), "messages": messages, "seconds": seconds, "damage": damage}));
     } else {
         print(format_args!("{out}: {messages} messages up to {seconds:.3} s"));
     }

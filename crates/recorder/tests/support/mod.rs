@@ -1,0 +1,79 @@
+//! A short run and its records, as tests write them.
+
+#![allow(dead_code, reason = "each test uses a part")]
+
+use std::path::Path;
+
+use recorder::{End, LogWriter, Record, RobotState, StateTimer, Vector, WireLine};
+use sim_core::scene::WorldDef;
+use sim_core::{Controller, Options, World};
+
+/// The map `rough` and the class of one robot.
+pub(crate) fn world() -> WorldDef {
+    let mut world = scene_loader::load("rough", &[]).expect("the map");
+    world.robots.retain(|class, _| class == "P3AT");
+    world
+}
+
+/// A line of the first connection.
+pub(crate) fn line(text: impl Into<String>) -> WireLine {
+    WireLine { connection: 1, robot: None, line: text.into() }
+}
+
+/// A state as short as it can be.
+pub(crate) fn state(robot: u64, class: &str) -> RobotState {
+    RobotState {
+        robot,
+        class: class.to_owned(),
+        position: Some(Vector { x: 1.0, y: 2.0, z: 3.0 }),
+        ..RobotState::default()
+    }
+}
+
+/// Two robots drive for half a second; the second leaves half way.
+pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
+    let (mut world, mut states) = (World::new(world(), Options::default()), StateTimer::default());
+    let mut records = Vec::new();
+    let mut controllers = [Controller::default(), Controller::default()];
+    let say = |world: &mut World, controller: &mut Controller, records: &mut Vec<_>, connection, text: &str| {
+        let line =
+            WireLine { connection, robot: controller.robots().last().map(|robot| robot.0), line: text.to_owned() };
+        records.push((world.time(), Record::In(line)));
+        controller.execute_line(text, world, &mut Vec::new());
+    };
+    for (connection, y) in [(1, 0), (2, 3)] {
+        let controller = &mut controllers[connection - 1];
+        let init = format!("INIT {{ClassName USARBot.P3AT}} {{Name R{connection}}} {{Location 2,{y},0}}");
+        say(&mut world, controller, &mut records, connection as u64, &init);
+        say(&mut world, controller, &mut records, connection as u64, "DRIVE {Left 2} {Right 1}");
+    }
+    for step in 0..250 {
+        for (robot, message) in world.step() {
+            let line = WireLine { connection: robot.0 + 1, robot: Some(robot.0), line: message.write() };
+            records.push((world.time(), Record::Out(line)));
+        }
+        records.extend(states.due(&world).into_iter().map(|record| (world.time(), record)));
+        if step == 125 {
+            let robot = controllers[1].robots()[0];
+            world.remove(robot);
+            records.push((world.time(), Record::Left(robot.0)));
+            records.push((world.time(), Record::Closed(WireLine { connection: 2, robot: None, line: String::new() })));
+        }
+    }
+    records.push((world.time(), Record::Warning("behind its pace".to_owned())));
+    let end = End { time: world.time(), digest: Some(world.digest()), dropped: 0 };
+    (records, end)
+}
+
+/// A log of records, ended properly.
+pub(crate) fn write(path: &Path, world: &WorldDef, records: &[(f64, Record)], end: End) {
+    let mut log = LogWriter::create(path, world, Options::default(), &[]).expect("a log");
+    for (index, (time, record)) in records.iter().enumerate() {
+        log.write(*time, record).expect("a record");
+        // Several chunks.
+        if index % 20 == 19 {
+            log.flush().expect("a chunk");
+        }
+    }
+    log.finish(end).expect("an end");
+}
