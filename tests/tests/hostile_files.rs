@@ -1,9 +1,18 @@
 //! Files and scenes of strangers: what a world cannot be made with is refused by name, what is just within the bounds
 //! keeps every number finite.
 
-use nalgebra::Matrix3;
-use sim_core::scene::{Battery, Object, RobotDef, Shape, Solid, WorldDef};
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sim_core::scene::check::{self, Range};
+use sim_core::scene::{
+    Battery, DriveModel, MapDef, Material, Motor, Object, Part, RobotDef, Rollers, Shape, Solid, Steering, WorldDef,
+};
 use sim_core::sensor::Config;
+use sim_core::{Observation, Options, World};
+use system_tests::{apply, init};
 
 /// Every built-in robot on a map with a mesh, and something to push.
 fn scene() -> WorldDef {
@@ -101,7 +110,7 @@ fn what_no_world_can_be_made_with_is_refused_by_name() {
     );
     check(
         p2dx(|it| it.parts[0].inertia *= 1e-5),
-        "robot P2DX: its body's radius of gyration is 0.000270 m: expected 0.002084 (a hundredth of the way to its farthest wheel) to 100",
+        "robot P2DX: its body's radius of gyration is 0.000270 m: expected 0.002084 (a hundredth of the way to its farthest wheel) to 100 m",
     );
     check(
         p2dx(|it| {
@@ -200,4 +209,700 @@ fn what_no_world_can_be_made_with_is_refused_by_name() {
         |def| def.map.objects[0].solid.shape = Shape::HalfSpace,
         "the map, solid crate: a mass: expected a box, a cylinder, a ball or a hull",
     );
+}
+
+const CART: &str = r#"description = "a cart"
+steering = "skid"
+
+[[part]]
+name = "body"
+mass = 4.0
+position = [0.0, 0.0, -0.02]
+size = [0.3, 0.2, 0.08]
+material = "aluminium"
+
+[wheels]
+radius = 0.06
+width = 0.03
+mass = 0.3
+material = "rubber-tyre"
+max_speed = 10.0
+gain = 1.0
+max_torque = 3.0
+
+[[wheel]]
+name = "Left"
+side = "left"
+position = [0.05, -0.13, 0.0]
+
+[[wheel]]
+name = "Right"
+side = "right"
+position = [0.05, 0.13, 0.0]
+
+[[caster]]
+name = "Caster"
+position = [-0.12, 0.0, 0.04]
+radius = 0.02
+mass = 0.1
+material = "nylon"
+
+[[sensor]]
+class = "Odometry"
+name = "Odometer"
+"#;
+
+const HALL: &str = r#"description = "a hall"
+gravity = 9.81
+
+[[half_space]]
+name = "floor"
+material = "concrete"
+
+[[box]]
+name = "crate"
+material = "plywood"
+position = [1.0, 0.0, -0.1]
+rotation = [0.0, 0.0, 0.0]
+size = [0.2, 0.2, 0.2]
+mass = 1.0
+
+[[ramp]]
+name = "ramp"
+material = "plywood"
+position = [2.0, 1.5, 0.0]
+length = 1.5
+width = 1.0
+height = 0.15
+
+[[mesh]]
+name = "ground"
+material = "plywood"
+file = "ground.obj"
+
+[[start]]
+name = "Start"
+position = [0.0, 0.0, 0.0]
+"#;
+
+/// A tetrahedron.
+const GROUND: &str = "v 3 0 0\nv 4 0 0\nv 3 1 0\nv 3 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+const BASE: &str = r#"<robot name="cart">
+  <link name="base">
+    <inertial><mass value="4"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>
+    <collision><geometry><mesh filename="package://base.obj" scale="0.1 0.1 0.1"/></geometry></collision>
+  </link>
+  <link name="left"><inertial><mass value="0.3"/>
+    <inertia ixx="1e-3" ixy="0" ixz="0" iyy="1e-3" iyz="0" izz="1e-3"/></inertial></link>
+  <joint name="left_wheel" type="continuous">
+    <origin xyz="0 0.13 0" rpy="0 0 0"/><parent link="base"/><child link="left"/><limit effort="3" velocity="10"/>
+  </joint>
+</robot>
+"#;
+
+/// The cart with its body and its left wheel from the URDF.
+fn urdf_cart() -> String {
+    let body = CART.find("[[part]]").expect("a part")..CART.find("[wheels]").expect("wheels");
+    let mut cart = CART.to_owned();
+    cart.replace_range(body, "");
+    let cart = cart.replace("steering = \"skid\"", "steering = \"skid\"\nurdf = \"base.urdf\"");
+    cart.replace("side = \"left\"\nposition = [0.05, -0.13, 0.0]", "side = \"left\"\njoint = \"left_wheel\"")
+}
+
+/// Checks the first of some files and compares every problem, one a line.
+#[track_caller]
+fn check_files(files: &[(&str, &str)], expected: &[&str]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let result = scene_loader::check(&folder.path().join(files[0].0));
+    let prefix = format!("{}/", folder.path().display());
+    let problems = result.map_or_else(|error| error.to_string().replace(&prefix, ""), |()| "good".to_owned());
+    assert_eq!(problems.lines().collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn a_map_with_a_hostile_number_is_refused_with_its_line() {
+    #[track_caller]
+    fn check(from: &str, to: &str, expected: &[&str]) {
+        assert!(from.is_empty() || HALL.contains(from), "{from}");
+        let text = if from.is_empty() { to.to_owned() } else { HALL.replace(from, to) };
+        check_files(&[("map.toml", &text), ("ground.obj", GROUND)], expected);
+    }
+    check("gravity", "gravity", &["good"]);
+    check("9.81", "nan", &["map.toml:2:11: `gravity` is NaN: expected 0 to 100 m/s²"]);
+    check(
+        "rotation = [0.0, 0.0, 0.0]",
+        "rotation = [nan, 0.0, 0.0]",
+        &["map.toml:8:1: `rotation` is [NaN, 0, 0]: expected numbers of -1000 to 1000 rad"],
+    );
+    check(
+        "[0.2, 0.2, 0.2]",
+        "[0.2, 0.2, 1e-5]",
+        &["map.toml:8:1: `size` is [0.2, 0.2, 1e-5]: expected numbers of 0.0001 to 100000 m"],
+    );
+    check("mass = 1.0", "mass = 1e-40", &["map.toml:8:1: `mass` is 1e-40: expected 0.001 to 100000 kg"]);
+    check(
+        "[1.0, 0.0, -0.1]",
+        "[inf, 0.0, -0.1]",
+        &["map.toml:8:1: `position` is [inf, 0, -0.1]: expected numbers of -100000 to 100000 m"],
+    );
+    check("height = 0.15", "height = 901.0", &["map.toml:16:1: `height` is 901: expected 0 to 900 m"]);
+    check("width = 1.0", "width = -1.0", &["map.toml:16:1: `width` is -1: expected 0.0001 to 100000 m"]);
+    check(
+        "file = \"ground.obj\"",
+        "file = \"ground.obj\"\nscale = 0.0",
+        &["map.toml:24:1: `scale` is 0: expected 1e-6 to 1000000"],
+    );
+    check(
+        "file = \"ground.obj\"",
+        "file = \"ground.obj\"\nscale = 1e6",
+        &["map.toml:24:1: `corner` is [3000000, 0, 0]: expected numbers of -100000 to 100000 m"],
+    );
+    check(
+        "\"ground.obj\"",
+        "\"/dev/zero.obj\"",
+        &["map.toml:24:1: /dev/zero.obj: cannot be read: No such file or directory (os error 2)"],
+    );
+    let long = "a".repeat(257);
+    let expected = format!("map.toml:29:1: name `{}`: expected a name without spaces and braces", "a".repeat(60));
+    check("\"Start\"", &format!("\"{long}\""), &[&expected]);
+    let starts = "[[start]]\nname = \"S\"\nposition = [0, 0, 0]\n".repeat(1001);
+    check("", &format!("description = \"m\"\n{starts}"), &["map.toml:1:1: 1001 start poses: expected at most 1000"]);
+    let boxes = "[[box]]\nname = \"b\"\nmaterial = \"plywood\"\nsize = [1, 1, 1]\n".repeat(10_001);
+    let boxes = format!("description = \"m\"\n{boxes}[[start]]\nname = \"S\"\nposition = [0, 0, 0]\n");
+    check("", &boxes, &["map.toml:1:1: 10001 solids: expected at most 10000"]);
+}
+
+#[test]
+fn a_mesh_with_a_hostile_number_is_refused_by_its_name() {
+    #[track_caller]
+    fn check(mesh: &str, expected: &str) {
+        check_files(&[("map.toml", HALL), ("ground.obj", mesh)], &[&format!("map.toml:24:1: {expected}")]);
+    }
+    check(
+        &GROUND.replace("v 4 0 0", "v 1e19 0 0"),
+        "`corner` is [9.999999980506448e18, 0, 0]: expected numbers of -100000 to 100000 m",
+    );
+    check(&GROUND.replace("v 4 0 0", "v nan 0 0"), "`corner` is [NaN, 0, 0]: expected numbers of -100000 to 100000 m");
+    check(&GROUND.replace("f 1 3 2", "f 1 3 9"), "mesh `ground.obj`: face vertex index out of bounds");
+    check(&GROUND.replace("f 1 3 2", "f 1 3 -9"), "mesh `ground.obj`: face vertex index out of bounds");
+    check("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n", "a mesh of 1 triangles and 0 m²: expected a surface");
+    // What is said of textures and normals does not count.
+    check_files(&[("map.toml", HALL), ("ground.obj", &GROUND.replace("f 1 3 2", "f 1/-11/7 3//99 2/5"))], &["good"]);
+}
+
+/// What a file says of itself is not believed, and what it does not end is not read to the end.
+#[cfg(unix)]
+#[test]
+fn a_file_is_read_only_as_far_as_it_may_be_long() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let problem = |name: &str| {
+        let result = scene_loader::check(&path(name));
+        let prefix = format!("{}/", folder.path().display());
+        result.expect_err("a problem").to_string().replace(&prefix, "")
+    };
+    let file = std::fs::File::create(path("map.toml")).expect("a file");
+    file.set_len(5 << 20).expect("a long file");
+    assert_eq!(problem("map.toml"), "map.toml: cannot be read: more than 4194304 bytes: expected at most so many");
+    std::fs::write(path("map.toml"), HALL).expect("a file");
+    let mesh = std::fs::File::create(path("ground.obj")).expect("a file");
+    mesh.set_len(65 << 20).expect("a long file");
+    let expected = "map.toml:24:1: ground.obj: cannot be read: more than 67108864 bytes: expected at most so many";
+    assert_eq!(problem("map.toml"), expected);
+    std::fs::remove_file(path("ground.obj")).expect("a file");
+    std::os::unix::fs::symlink("/dev/zero", path("ground.obj")).expect("a link");
+    assert_eq!(problem("map.toml"), "map.toml:24:1: ground.obj: cannot be read: not a regular file");
+    // A head that promises four thousand million triangles.
+    let mut stl = vec![0; 80];
+    stl.extend([255; 4]);
+    std::fs::write(path("ground.stl"), stl).expect("a file");
+    std::fs::write(path("map.toml"), HALL.replace("ground.obj", "ground.stl")).expect("a file");
+    assert_eq!(problem("map.toml"), "map.toml:24:1: mesh `ground.stl`: failed to fill whole buffer");
+}
+
+#[test]
+fn what_is_nested_too_deep_is_refused_before_anything_recurses() {
+    const MANY: usize = 30_000;
+    let toml = [
+        (format!("a = {}{}", "[".repeat(MANY), "]".repeat(MANY)), 85),
+        (format!("a = {}1{}", "{a=".repeat(MANY), "}".repeat(MANY)), 245),
+        (format!("{}a = 1", "a.".repeat(MANY)), 1),
+        (format!("[{}a]", "a.".repeat(MANY)), 1),
+        (format!("[[{}a]]", "a.".repeat(MANY)), 1),
+    ];
+    for (text, column) in toml {
+        let expected = format!("map.toml:1:{column}: nested too deep: expected at most 80 levels");
+        check_files(&[("map.toml", &text)], &[&expected]);
+        // An override reads the text before.
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("map.toml");
+        std::fs::write(&path, &text).expect("a file");
+        let set = "map.gravity=1".parse().expect("an override");
+        let error = scene_loader::map(path.to_str().expect("a path"), &[set]).expect_err("too deep").to_string();
+        assert!(error.ends_with(&format!(":1:{column}: nested too deep: expected at most 80 levels")), "{error}");
+    }
+    let nested = |open: &str, close: &str| {
+        BASE.replace(
+            "<link name=\"left\">",
+            &format!("{}{}<link name=\"left\">", open.repeat(MANY), close.repeat(MANY)),
+        )
+    };
+    check_files(&[("base.urdf", &nested("<a>", "</a>"))], &["base.urdf:6:189: <a> is too deep: expected 64 levels"]);
+    let declared =
+        (0..MANY).map(|index| format!("<a xmlns:n{index}=\"x\">")).collect::<String>() + &"</a>".repeat(MANY);
+    check_files(
+        &[("base.urdf", &BASE.replace("<link name=\"left\">", &format!("{declared}<link name=\"left\">")))],
+        &["base.urdf:1:1: 30000 namespaces: expected at most 100"],
+    );
+}
+
+#[test]
+fn a_robot_with_a_hostile_number_is_refused_with_its_line() {
+    #[track_caller]
+    fn check(from: &str, to: &str, expected: &[&str]) {
+        assert!(CART.contains(from), "{from}");
+        check_files(&[("robot.toml", &CART.replace(from, to))], expected);
+    }
+    check("steering", "steering", &["good"]);
+    // In [wheels] it is said once, in a wheel there.
+    check("radius = 0.06", "radius = 0.0019", &["robot.toml:11:1: `radius` is 0.0019: expected 0.004 to 10 m"]);
+    check("width = 0.03", "width = 1e-4", &["robot.toml:11:1: `width` is 0.0001: expected 0.001 to 20 m"]);
+    check("mass = 0.3", "mass = 1e-40", &["robot.toml:11:1: `mass` is 1e-40: expected 0.001 to 10000 kg"]);
+    check("gain = 1.0", "gain = inf", &["robot.toml:11:1: `gain` is inf: expected 1e-6 to 1000000 N m s/rad"]);
+    check(
+        "name = \"Left\"",
+        "name = \"Left\"\narmature = -1.0",
+        &["robot.toml:20:1: `armature` is -1: expected 0 to 100 kg m²"],
+    );
+    check("mass = 4.0", "mass = -4.0", &["robot.toml:4:1: `mass` is -4: expected 1e-9 to 100000 kg"]);
+    check(
+        "size = [0.3, 0.2, 0.08]",
+        "size = [0.3, 0.2, 0.0]\nrotation = [nan, 0.0, 0.0]",
+        &[
+            "robot.toml:4:1: `rotation` is [NaN, 0, 0]: expected numbers of -1000 to 1000 rad",
+            "robot.toml:4:1: `size` is [0.3, 0.2, 0]: expected numbers of 0.0001 to 100 m",
+        ],
+    );
+    check(
+        "size = [0.3, 0.2, 0.08]",
+        "size = [0.0003, 0.0002, 0.0001]",
+        &["robot.toml:1:1: its body's radius of gyration is 0.000065 m: expected 0.001407 (a hundredth of the way to \
+             its farthest wheel) to 100 m"],
+    );
+    check("radius = 0.02", "radius = 1e-3", &["robot.toml:30:1: `radius` is 0.001: expected 0.004 to 10 m"]);
+    check(
+        "position = [0.05, 0.13, 0.0]",
+        "position = [0.05, 0.0, 0.0]",
+        &["robot.toml:25:1: `position` has y 0: expected 0.001 m or more of a right wheel, as y is to the right"],
+    );
+    check(
+        "name = \"Odometer\"",
+        "name = \"Odometer\"\nscan_interval = 1e-9",
+        &["robot.toml:37:1: `scan_interval` is 1e-9: expected 0 or 0.002 to 3600 s"],
+    );
+    check(
+        "class = \"Odometry\"",
+        "class = \"Sonar\"\nnumber_of_cones = 100\ntraces_per_cone = 1000",
+        &["robot.toml:1:1: 100001 rays: expected at most 20000"],
+    );
+    check(
+        "class = \"Odometry\"",
+        "class = \"Camera\"\nmin_field_of_view = 3.0",
+        &[
+            "robot.toml:37:1: sensor Odometer: expected min_field_of_view <= field_of_view <= max_field_of_view, all 0 to \
+             pi",
+        ],
+    );
+    let wheel = &CART[CART.find("[[wheel]]").expect("a wheel")..CART.find("[[caster]]").expect("a caster")];
+    check(
+        "[[caster]]",
+        &format!("{}[[caster]]", wheel.repeat(20)),
+        &["robot.toml:1:1: 43 wheels: expected at most 32"],
+    );
+}
+
+#[test]
+fn a_urdf_with_a_hostile_number_is_refused_with_its_line() {
+    #[track_caller]
+    fn check(from: &str, to: &str, expected: &[&str]) {
+        assert!(BASE.contains(from), "{from}");
+        let cart = urdf_cart();
+        check_files(&[("robot.toml", &cart), ("base.urdf", &BASE.replace(from, to)), ("base.obj", GROUND)], expected);
+    }
+    check("base", "base", &["good"]);
+    check("0 0.13 0", "0 1e308 0", &["base.urdf:9:5: xyz=\"0 1e308 0\": expected -100 to 100 m"]);
+    // One mistake, and nothing that follows from it.
+    check("rpy=\"0 0 0\"", "rpy=\"0 0\"", &["base.urdf:9:5: rpy=\"0 0\": expected 3 finite number(s)"]);
+    check("rpy=\"0 0 0\"", "rpy=\"0 0 nan\"", &["base.urdf:9:5: rpy=\"0 0 nan\": expected 3 finite number(s)"]);
+    let moments = "expected three above 0, none more than the other two together";
+    for (izz, got) in [("0.06", "0.02, 0.03 and 0.06"), ("0", "0, 0.02 and 0.03"), ("-0.04", "-0.04, 0.02 and 0.03")] {
+        let expected = format!("base.urdf:2:3: link base: `inertia` has the principal moments {got} kg m²: {moments}");
+        check("izz=\"0.04\"", &format!("izz=\"{izz}\""), &[&expected]);
+    }
+    check(
+        "mass value=\"4\"",
+        "mass value=\"-4\"",
+        &["base.urdf:2:3: link base: `mass` is -4: expected 1e-9 to 100000 kg"],
+    );
+    // The mass of a wheel counts where the wheel is used.
+    check("mass value=\"0.3\"", "mass value=\"0\"", &["robot.toml:14:1: `mass` is 0: expected 0.001 to 10000 kg"]);
+    check(
+        "0.1 0.1 0.1",
+        "0.1 0 0.1",
+        &["base.urdf:4:5: link base: `scale` is [0.1, 0, 0.1]: expected numbers of 1e-6 to 1000000, either sign"],
+    );
+    check("0.1 0.1 0.1", "0.1 inf 0.1", &["base.urdf:4:26: scale=\"0.1 inf 0.1\": expected 3 finite number(s)"]);
+    check(
+        "0.1 0.1 0.1",
+        "0.1 0.1 1e-6",
+        &["base.urdf:4:5: link base: a hull of 3 points in one plane: expected a volume"],
+    );
+    let links = "<link name=\"a\"/>".repeat(999);
+    check(
+        "<link name=\"left\">",
+        &format!("{links}<link name=\"left\">"),
+        &["base.urdf:1:1: 1001 <link>: expected at most 1000"],
+    );
+}
+
+#[test]
+fn a_mistake_has_no_follow_ups() {
+    // A wheel on a joint that is not there, with those that are.
+    let cart = urdf_cart();
+    let files = |cart: &str, expected: &[&str]| {
+        check_files(&[("robot.toml", cart), ("base.urdf", BASE), ("base.obj", GROUND)], expected);
+    };
+    files(
+        &cart.replace("left_wheel", "${ns}left_wheel"),
+        &["robot.toml:14:1: joint `${ns}left_wheel`: expected a continuous joint of the URDF: one of left_wheel"],
+    );
+    files(
+        &cart.replace("base.urdf", "none.urdf"),
+        &["robot.toml:3:8: none.urdf: cannot be read: No such file or directory (os error 2)"],
+    );
+    let unknown = "unknown field `gian`, expected one of `name`, `side`, `joint`, `position`, `radius`, `width`, `mass`, \
+                   `material`, `max_speed`, `gain`, `max_torque`, `integral_time`, `armature`, `gear`, `torque_constant`, \
+                   `max_current`, `rotor_inertia`, `roller_angle`, `first_roller`";
+    check_files(&[("robot.toml", &CART.replace("gain", "gian"))], &[&format!("robot.toml:17:1: {unknown}")]);
+    check_files(
+        &[("robot.toml", &CART.replace("[wheels]", "[wheels"))],
+        &["robot.toml:11:8: unclosed table, expected `]`"],
+    );
+    // A map that stops making sense somewhere.
+    let map = |text: &str, expected: &[&str]| check_files(&[("map.toml", text), ("ground.obj", GROUND)], expected);
+    map(&HALL.replace("[[start]]", "[[start]"), &["map.toml:29:9: unclosed array table, expected `]`"]);
+    map(&HALL.replace("0.2, 0.2]", "0.2, 0.2"), &["map.toml:14:1: missing comma between array elements, expected `,`"]);
+    map(&HALL.replace("= \"a hall\"", "\"a hall\""), &["map.toml:1:13: key with no value, expected `=`"]);
+    let without_start = &HALL[..HALL.find("[[start]]").expect("a start")];
+    map(without_start, &["map.toml:1:1: no [[start]]: expected at least one start pose"]);
+}
+
+#[test]
+fn an_unexpanded_xacro_is_named_as_such() {
+    #[track_caller]
+    fn check(from: &str, to: &str, expected: &str) {
+        let text = BASE.replace(from, to);
+        let how = "is of xacro: expected a URDF; expand it first: `xacro robot.xacro > robot.urdf`";
+        let expected = if expected == "good" { expected.to_owned() } else { format!("{expected} {how}") };
+        check_files(&[("base.urdf", &text), ("base.obj", GROUND)], &[&expected]);
+    }
+    let declared = "name=\"cart\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"";
+    let property = ">\n  <xacro:property name=\"mass\" value=\"4\"/>\n  <link name=\"base\">";
+    check("left_wheel", "${ns}left_wheel", "base.urdf:8:3: `${ns}left_wheel`");
+    check("package://base", "$(find cart)/base", "base.urdf:4:26: `$(find cart)/base.obj`");
+    check(
+        "name=\"cart\">\n  <link name=\"base\">",
+        &format!("{declared}{property}"),
+        "base.urdf:2:3: `<xacro:property>`",
+    );
+    check("name=\"cart\">\n  <link name=\"base\">", &format!("name=\"cart\"{property}"), "base.urdf:2:4: `<xacro:..>`");
+    // Expanded files keep the declaration, and what was is often left in a comment.
+    check("name=\"cart\">", &format!("{declared}><!-- ${{ns}} <xacro:a/> -->"), "good");
+}
+
+#[test]
+fn what_cannot_be_loaded_is_said_in_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("a file");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    write("base.urdf", BASE);
+    let error = scene_loader::robot(&path("base.urdf"), &[]).expect_err("a URDF").to_string();
+    let expected = "expected a robot.toml; a URDF is named in one, as in `urdf = \"robot.urdf\"`";
+    assert_eq!(error, format!("{}: {expected}", path("base.urdf")));
+    let error = scene_loader::map(&path("base.urdf"), &[]).expect_err("a URDF").to_string();
+    assert_eq!(error, format!("{}: expected a map.toml", path("base.urdf")));
+
+    for (overrides, expected) in [
+        (&["robot.wheels.gian=2"][..], "override `robot.wheels.gian=2`: robots/"),
+        (&["robot.wheels.gain=2", "robot.wheels.gain=-1"], "override `robot.wheels.gain=-1`: robots/"),
+        (
+            &["P3AT.wheels.mass=1e-9"],
+            "override `P3AT.wheels.mass=1e-9`: robots/P3AT/robot.toml: `mass` is 1e-9: expected",
+        ),
+        (&["map.gravity=nan"], "override `map.gravity=nan`: rough/map.toml: `gravity` is NaN: expected 0 to 100 m/s²"),
+        (&["map.gravity=a"], "override `map.gravity=a`: rough/map.toml: invalid type: string \"a\", expected f64"),
+        (
+            &["material.carpet.friction=99"],
+            "override `material.carpet.friction=99`: assets/materials.toml: `friction` is",
+        ),
+        (&["robot.wheelz.gain=2"], "override `robot.wheelz.gain=2`: nothing has that name; `usarsim show"),
+        // Each is good without the other.
+        (
+            &["P2DX.part.Chassis.mass=1000", "P2DX.wheel.0.mass=0.002"],
+            "override `P2DX.part.Chassis.mass=1000`, `P2DX.wheel.0.mass=0.002`: robots/P2DX/robot.toml: its body, wheels",
+        ),
+    ] {
+        let sets: Vec<_> = overrides.iter().map(|text| text.parse().expect("an override")).collect();
+        let error = scene_loader::load_with("rough", &[], &sets).expect_err(expected).to_string();
+        assert!(error.starts_with(expected) && error.lines().count() == 1, "{error}");
+    }
+}
+
+/// Puts a robot on a map and drives it about; every number that comes of it has to be finite.
+fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
+    let def = WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into() };
+    def.check().map_err(|problem| problem.to_string())?;
+    let commands = match robot.steering {
+        Steering::Skid => ["{Left 60} {Right 60}", "{Left -100} {Right 100}", "{Left 0} {Right 0}"],
+        Steering::Omni => [
+            "{Front-Left 60} {Front-Right 60} {Back-Left 60} {Back-Right 60}",
+            "{Front-Left -100} {Front-Right 100} {Back-Left 100} {Back-Right -100}",
+            "{Front-Left 0} {Front-Right 0} {Back-Left 0} {Back-Right 0}",
+        ],
+    };
+    let mut world = World::new(def, Options::default());
+    let id = init(&mut world, &format!("INIT {{ClassName {}}} {{Start {}}}", robot.class, map.starts[0].name));
+    let steps = (seconds / world.time_step()) as usize;
+    for step in 0..steps {
+        if let (0, Some(command)) = (step % (steps / 3), commands.get(3 * step / steps)) {
+            apply(&mut world, id, &format!("DRIVE {{Normalized true}} {command}"));
+        }
+        let messages = world.step();
+        let Observation { body, wheels, targets, rollers, contacts } = world.observe(id).expect("the robot");
+        let mut numbers = [targets, rollers].concat();
+        numbers.extend(wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]));
+        numbers.extend([body.linear, body.angular].iter().flatten());
+        numbers.extend(contacts.iter().flat_map(|contact| [contact.point, contact.force]).flat_map(<[f64; 3]>::from));
+        for pose in world.objects().chain([body.pose]) {
+            numbers.extend(pose.translation.vector.iter().chain(pose.rotation.coords.iter()));
+        }
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return Err(format!("step {step}: {numbers:?}"));
+        }
+        // On the wire what is not finite is a 0.
+        let debug = format!("{messages:?}");
+        if debug.split(|c: char| !c.is_alphanumeric()).any(|word| word == "NaN" || word == "inf") {
+            return Err(format!("step {step}: {debug}"));
+        }
+    }
+    Ok(())
+}
+
+/// A change of a map and of the robot on it.
+type Change = fn(&mut MapDef, &mut RobotDef);
+
+/// Drives a P2DX, and a youBot in every drive model, after each change.
+fn check_driving(seconds: f64, changes: &[(&str, Change)]) {
+    for (name, change) in changes {
+        let youbots = DriveModel::ALL.map(|(_, model)| ("YouBot", model));
+        for (class, model) in [("P2DX", DriveModel::Bodies)].into_iter().chain(youbots) {
+            let mut map = scene_loader::map("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+            let mut robot = scene_loader::robot(class, &[]).unwrap_or_else(|error| panic!("{error}"));
+            robot.drive_model = model;
+            change(&mut map, &mut robot);
+            drive(&map, &robot, seconds).unwrap_or_else(|problem| panic!("{name}, {class}, {model:?}: {problem}"));
+        }
+    }
+}
+
+fn motors(robot: &mut RobotDef) -> impl Iterator<Item = &mut Motor> {
+    robot.wheels.iter_mut().filter_map(|wheel| wheel.drive.as_mut())
+}
+
+fn rollers(robot: &mut RobotDef) -> impl Iterator<Item = &mut Rollers> {
+    robot.wheels.iter_mut().filter_map(|wheel| wheel.rollers.as_mut())
+}
+
+/// The masses of body, wheels and rollers.
+fn weigh(robot: &mut RobotDef, body: f64, wheel: f64, roller: f64) {
+    let before: f64 = robot.parts.iter().map(|part| part.mass).sum();
+    for part in &mut robot.parts {
+        part.mass *= body / before;
+        part.inertia *= body / before;
+    }
+    robot.wheels.iter_mut().for_each(|it| it.mass = wheel);
+    rollers(robot).for_each(|it| it.mass = roller);
+}
+
+/// Wheels of another radius with rollers of the same form.
+fn resize(robot: &mut RobotDef, radius: f64, width: f64) {
+    for wheel in &mut robot.wheels {
+        wheel.rollers.iter_mut().for_each(|rollers| rollers.axis_circle *= radius / wheel.radius);
+        (wheel.radius, wheel.width) = (radius, width);
+    }
+}
+
+/// Principal moments of the body as one part at the origin, over its mass.
+fn shape_mass(robot: &mut RobotDef, moments: [f64; 3]) {
+    let mass = robot.parts.iter().map(|part| part.mass).sum();
+    robot.parts.truncate(1);
+    let inertia = Matrix3::from_diagonal(&moments.into()) * mass;
+    robot.parts[0] = Part { mass, centre: Vector3::zeros(), inertia, ..robot.parts[0].clone() };
+}
+
+#[test]
+fn a_robot_just_within_the_bounds_stays_finite() {
+    check_driving(
+        2.0,
+        &[
+            ("the smallest wheels", |_, robot| resize(robot, 0.004, 0.001)),
+            ("the largest wheels", |_, robot| resize(robot, 10.0, 20.0)),
+            ("the lightest wheels", |_, robot| weigh(robot, 10.0, 1e-3, 1e-4)),
+            ("the heaviest wheels", |_, robot| weigh(robot, 0.1, 1e4, 1e3)),
+            ("the lightest robot", |_, robot| weigh(robot, 1.001e-3, 1e-3, 1e-4)),
+            ("the heaviest robot", |_, robot| weigh(robot, 9.99e4, 1e4, 1e3)),
+            ("the least inertia", |_, robot| shape_mass(robot, [8e-6; 3])),
+            ("the largest inertia", |_, robot| shape_mass(robot, [9.9e3; 3])),
+            ("an inertia at the edge of the triangle rule", |_, robot| shape_mass(robot, [0.01, 0.01, 0.0202])),
+            ("a rod", |_, robot| shape_mass(robot, [8e-6, 0.03, 0.03])),
+            ("the weakest motors", |_, robot| {
+                motors(robot).for_each(|it| (it.max_speed, it.gain, it.max_torque) = (1e-3, 1e-6, 1e-6));
+            }),
+            ("the strongest motors", |_, robot| {
+                motors(robot).for_each(|it| (it.max_speed, it.gain, it.max_torque) = (1e3, 1e6, 1e6));
+                motors(robot).for_each(|it| it.integral_time = Some(1e-3));
+            }),
+            ("the heaviest rotors", |_, robot| motors(robot).for_each(|it| it.armature = 100.0)),
+            ("three long rollers", |_, robot| {
+                rollers(robot).for_each(|it| (it.count, it.axis_circle, it.last_phase) = (3, 0.024, PI / 3.0));
+                rollers(robot).for_each(|it| it.angle = 0.1 * it.angle.signum());
+            }),
+            ("the thinnest rollers", |_, robot| {
+                rollers(robot).for_each(|it| it.axis_circle = 0.998 * 0.05 * (PI / 6.0).cos());
+                rollers(robot).for_each(|it| it.angle = 1.5 * it.angle.signum());
+            }),
+            ("the stiffest rollers", |_, robot| rollers(robot).for_each(|it| it.damping = 10.0)),
+        ],
+    );
+}
+
+#[test]
+fn a_robot_of_many_rollers_stays_finite() {
+    // A step of so many bodies takes 20 ms.
+    check_driving(
+        0.2,
+        &[("32 rollers a wheel", |_, robot| {
+            rollers(robot).for_each(|it| (it.count, it.last_phase) = (32, PI / 32.0));
+        })],
+    );
+}
+
+#[test]
+fn a_map_just_within_the_bounds_stays_finite() {
+    fn materials(map: &mut MapDef, robot: &mut RobotDef, change: fn(&mut Material)) {
+        map.solids.iter_mut().chain(&mut robot.solids).for_each(|it| change(&mut it.material));
+        robot.wheels.iter_mut().for_each(|it| change(&mut it.material));
+        rollers(robot).for_each(|it| change(&mut it.material));
+    }
+    fn add(map: &mut MapDef, shape: Shape, position: [f64; 3]) {
+        map.solids.push(Solid { name: "more".to_owned(), shape, position, ..map.solids[0].clone() });
+    }
+    check_driving(
+        2.0,
+        &[
+            ("no gravity", |map, _| map.gravity = 0.0),
+            ("the most gravity", |map, _| map.gravity = 100.0),
+            ("no friction", |map, robot| materials(map, robot, |it| it.friction = 0.0)),
+            ("the most friction", |map, robot| materials(map, robot, |it| it.friction = 10.0)),
+            ("what bounces and resists", |map, robot| {
+                materials(map, robot, |it| (it.restitution, it.rolling_resistance) = (1.0, 1.0));
+            }),
+            ("the most damping", |map, robot| {
+                materials(map, robot, |it| (it.linear_damping, it.angular_damping) = (1000.0, 1000.0));
+            }),
+            ("at the end of the map", |map, _| map.starts[0].position = [1e5, -1e5, 0.0]),
+            ("in a mountain", |map, _| add(map, Shape::Box { size: [1e5, 1e5, 900.0] }, [0.0, 0.0, 449.0])),
+            ("over dust", |map, _| {
+                (1..20).for_each(|x| add(map, Shape::Box { size: [1e-4; 3] }, [0.05 * f64::from(x), 0.165, 0.0]));
+            }),
+            ("over a mesh with triangles that are none", |map, _| {
+                let vertices =
+                    vec![[-3.0, -3.0, -0.1], [3.0, -3.0, -0.1], [0.0, 3.0, -0.1], [1e5, 1e5, 1e5], [0.0, 0.0, -0.1]];
+                let triangles = vec![[0, 0, 0], [0, 1, 1], [0, 1, 2], [0, 1, 2], [0, 2, 1], [4, 4, 4], [2, 3, 2]];
+                add(map, Shape::Mesh { vertices, triangles }, [0.0; 3]);
+            }),
+            ("into the lightest object", |map, _| {
+                let shape = Shape::Ball { radius: 0.05 };
+                let solid =
+                    Solid { name: "ball".to_owned(), shape, position: [0.5, 0.0, -0.05], ..map.solids[0].clone() };
+                map.objects.push(Object { solid, mass: 1e-3 });
+            }),
+            ("into the heaviest object", |map, _| {
+                let shape = Shape::Box { size: [0.2; 3] };
+                let solid =
+                    Solid { name: "box".to_owned(), shape, position: [0.5, 0.0, -0.1], ..map.solids[0].clone() };
+                map.objects.push(Object { solid, mass: 1e5 });
+            }),
+        ],
+    );
+}
+
+/// Robots drawn from the whole of every range, some of them at its ends: of those that pass, none loses a finite state.
+#[test]
+fn robots_drawn_at_random_that_pass_stay_finite() {
+    let mut random = ChaCha8Rng::seed_from_u64(12);
+    let mut drawn = |range: Range| {
+        let least = range.least.max(range.most * 1e-9);
+        match random.random_range(0..10) {
+            0 => range.least,
+            1 => range.most,
+            _ => least * (range.most / least).powf(random.random()),
+        }
+    };
+    let mut passed = 0;
+    while passed < 60 {
+        let class = if passed % 3 == 0 { "P2DX" } else { "YouBot" };
+        let mut map = scene_loader::map("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+        let mut robot = scene_loader::robot(class, &[]).unwrap_or_else(|error| panic!("{error}"));
+        robot.set_drive_model(Some(DriveModel::ALL[passed % 4].1));
+        map.gravity = drawn(check::GRAVITY);
+        map.solids[0].material.friction = drawn(check::FRICTION);
+        let size = drawn(Range { least: 0.1, most: 100.0, unit: "" });
+        let radius = drawn(Range { least: 0.02 * size, most: 0.5 * size, unit: "" });
+        resize(&mut robot, radius, drawn(check::WHEEL_WIDTH));
+        weigh(&mut robot, drawn(check::BODY_MASS), drawn(check::WHEEL_MASS), drawn(check::ROLLER_MASS));
+        shape_mass(&mut robot, [drawn(Range { least: 1e-4, most: 0.3, unit: "" }) * size * size; 3]);
+        for solid in &mut robot.solids {
+            solid.shape = Shape::Box { size: [size, 0.3 * size, 0.1 * size] };
+        }
+        let motor = Motor {
+            max_speed: drawn(check::MAX_SPEED),
+            gain: drawn(check::GAIN),
+            max_torque: drawn(check::MAX_TORQUE),
+            integral_time: Some(drawn(check::INTEGRAL_TIME)).filter(|_| passed % 2 == 0),
+            armature: drawn(check::ARMATURE),
+        };
+        motors(&mut robot).for_each(|it| *it = motor.clone());
+        let (friction, damping) = (drawn(check::FRICTION), drawn(check::ROLLER_DAMPING));
+        let (circle, angle) = (drawn(Range { least: 0.1, most: 0.86, unit: "" }), drawn(check::ROLLER_ANGLE));
+        for wheel in &mut robot.wheels {
+            wheel.position.iter_mut().for_each(|coordinate| *coordinate *= size);
+            wheel.material.friction = friction;
+            if let Some(rollers) = &mut wheel.rollers {
+                rollers.axis_circle = circle * radius;
+                rollers.angle = angle * rollers.angle.signum();
+                rollers.damping = damping;
+                rollers.material.friction = friction;
+            }
+        }
+        let def = WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into() };
+        if def.check().is_ok() {
+            passed += 1;
+            drive(&map, &robot, 1.0).unwrap_or_else(|problem| panic!("{passed}: {problem}\n{robot:#?}"));
+        }
+    }
 }

@@ -46,7 +46,9 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
     }
     let map = map(map_name, overrides)?;
     overrides::check_used(overrides)?;
-    Ok(WorldDef { map, robots })
+    let world = WorldDef { map, robots };
+    world.check()?;
+    Ok(world)
 }
 
 /// A map by its name, or by the path of its file.
@@ -54,17 +56,18 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
 /// # Errors
 /// As [`load`].
 pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
-    let materials = built_in_materials(overrides)?;
     let path = Path::new(name);
     let (source, file, name) = match MAPS.get_dir(name) {
         Some(dir) => (Source::BuiltIn(dir), "map.toml".to_owned(), name.to_owned()),
-        None if path.is_file() => (Source::of_file(path), file_name(path), name_of(path, "map")),
+        None if path.is_file() => (Source::of_file(path), file_name(path, "a map.toml")?, name_of(path, "map")),
         None => return Err(unknown("map", name, &map_names())),
     };
-    let mut problems = Problems::default();
-    let text = overrides::apply(source.text(&file)?, overrides, &["map"]);
-    let map = map_file::read(&source, &file, &name, &text, &materials, &mut problems);
-    problems.into_result(map)?.ok_or_else(|| unknown("map", &name, &map_names()))
+    overrides::blame(overrides, |overrides| {
+        let mut problems = Problems::default();
+        let text = overrides::apply(source.text(&file)?, overrides, &["map"]);
+        let map = map_file::read(&source, &file, &name, &text, &built_in_materials(overrides)?, &mut problems);
+        problems.into_result(map)?.ok_or_else(|| unknown("map", &name, &map_names()))
+    })
 }
 
 /// A robot class by its name, in any case, or by the path of its file.
@@ -79,17 +82,20 @@ pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> 
     match folder {
         Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", class, overrides),
         None if path.is_file() => {
-            read_robot(&Source::of_file(path), &file_name(path), &name_of(path, "robot"), overrides)
+            let file = file_name(path, "a robot.toml; a URDF is named in one, as in `urdf = \"robot.urdf\"`")?;
+            read_robot(&Source::of_file(path), &file, &name_of(path, "robot"), overrides)
         }
         None => Err(unknown("robot", name, &names)),
     }
 }
 
 fn read_robot(source: &Source, file: &str, class: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
-    let mut problems = Problems::default();
-    let text = overrides::apply(source.text(file)?, overrides, &["robot", class]);
-    let robot = robot_file::read(source, file, class, &text, &built_in_materials(overrides)?, &mut problems);
-    problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
+    overrides::blame(overrides, |overrides| {
+        let mut problems = Problems::default();
+        let text = overrides::apply(source.text(file)?, overrides, &["robot", class]);
+        let robot = robot_file::read(source, file, class, &text, &built_in_materials(overrides)?, &mut problems);
+        problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
+    })
 }
 
 pub(crate) fn built_in_materials(overrides: &[Override]) -> Result<Materials, LoadError> {
@@ -109,8 +115,12 @@ fn name_of(path: &Path, kind: &str) -> String {
     name.replace(|c: char| c.is_whitespace() || "{}".contains(c) || (kind == "robot" && c == '.'), "_")
 }
 
-fn file_name(path: &Path) -> String {
-    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+/// The name of a TOML file; what else could be meant is said in `expected`.
+fn file_name(path: &Path, expected: &'static str) -> Result<String, LoadError> {
+    if path.extension().is_none_or(|extension| extension != "toml") {
+        return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
+    }
+    Ok(path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default())
 }
 
 fn folders(dir: &'static Dir) -> Vec<String> {

@@ -4,14 +4,15 @@ use std::ops::Range;
 
 use serde::de::DeserializeOwned;
 use sim_core::scene::Material;
+use sim_core::scene::check::Range as Bounds;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 use crate::materials::Materials;
-use crate::problem::Problems;
+use crate::problem::{Problems, Unread, listed};
 
-/// Largest coordinate or length in a file, m.
-const MAX_LENGTH: f64 = 1e5;
+/// Said of tables and arrays inside each other: the parser takes 80 levels.
+const TOO_DEEP: &str = "nested too deep: expected at most 80 levels";
 
 /// A file, its text, and the problems found in it.
 pub(crate) struct Document<'a> {
@@ -27,18 +28,45 @@ pub(crate) struct Table<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Reads the syntax; mistakes in it are noted and the rest is kept.
-    pub(crate) fn parse(file: &'a str, text: &'a str, problems: &'a mut Problems) -> (Self, Table<'a>) {
-        let (root, errors) = DeTable::parse_recoverable(text);
-        for error in errors {
-            problems.at(file, text, error.span().map_or(0, |span| span.start), error.message());
+    /// Reads the syntax. The first mistake in it is noted alone: what comes behind may be meant otherwise.
+    pub(crate) fn parse(file: &'a str, text: &'a str, problems: &'a mut Problems) -> Option<(Self, Table<'a>)> {
+        match DeTable::parse(text) {
+            Ok(root) => Some((Self { file, text, problems }, Table { span: 0..0, entries: root.into_inner() })),
+            Err(error) => {
+                let place = error.span().map_or(0, |span| span.start);
+                // The parser gives up before it recurses too far, and says so in two ways.
+                match error.message() {
+                    message if message.contains("recurs") => problems.at(file, text, place, TOO_DEEP),
+                    message => problems.at(file, text, place, message),
+                }
+                None
+            }
         }
-        (Self { file, text, problems }, Table { span: 0..0, entries: root.into_inner() })
     }
 
     /// Notes a problem at a place.
     pub(crate) fn problem(&mut self, span: &Range<usize>, message: impl std::fmt::Display) {
         self.problems.at(self.file, self.text, span.start, message);
+    }
+
+    /// Notes what is wrong with what stands at a place.
+    pub(crate) fn wrong(&mut self, span: &Range<usize>, messages: impl IntoIterator<Item = String>) {
+        messages.into_iter().for_each(|message| self.problem(span, message));
+    }
+
+    /// Notes a problem unless a number is within its range.
+    pub(crate) fn within(&mut self, span: &Range<usize>, key: &str, value: f64, range: Bounds) -> bool {
+        let problem = range.problem(key, value);
+        let good = problem.is_none();
+        self.wrong(span, problem);
+        good
+    }
+
+    /// Notes what is wrong with everything together, where nothing else is wrong.
+    pub(crate) fn as_a_whole(&mut self, check: impl FnOnce() -> Vec<String>) {
+        if self.problems.count() == 0 {
+            self.wrong(&(0..0), check());
+        }
     }
 
     /// The problems, for what is read from other files.
@@ -79,14 +107,13 @@ impl<'a> Document<'a> {
         tables
     }
 
-    /// Takes one table.
+    /// Takes one table or value with its place.
     pub(crate) fn section<T: DeserializeOwned>(
         &mut self,
         table: &mut Table<'a>,
         key: &str,
-    ) -> Option<(Range<usize>, T)> {
-        let value = table.entries.remove(key)?;
-        self.read(value)
+    ) -> Result<Option<(Range<usize>, T)>, Unread> {
+        table.entries.remove(key).map(|value| self.read(value).ok_or(Unread)).transpose()
     }
 
     /// Takes every entry that is left as a table by name.
@@ -118,37 +145,13 @@ impl<'a> Document<'a> {
         self.result(&span, read(ValueDeserializer::from(value)))
     }
 
-    /// Notes a problem unless a number is finite and greater than zero.
-    pub(crate) fn positive(&mut self, span: &Range<usize>, key: &str, value: f64) -> bool {
-        let good = value.is_finite() && value > 0.0 && value <= MAX_LENGTH;
-        if !good {
-            self.problem(span, format_args!("`{key}` is {value}: expected more than 0 and at most {MAX_LENGTH}"));
-        }
-        good
-    }
-
-    /// Notes a problem unless every coordinate is finite and within reason.
-    pub(crate) fn within_reason(&mut self, span: &Range<usize>, key: &str, values: &[f64]) {
-        if !values.iter().all(|value| value.abs() <= MAX_LENGTH) {
-            self.problem(span, format_args!("`{key}` is {values:?}: expected numbers within ±{MAX_LENGTH}"));
-        }
-    }
-
-    /// Notes a problem unless a name can be sent on the wire.
-    pub(crate) fn wire_name(&mut self, span: &Range<usize>, name: &str) {
-        if name.is_empty() || name.contains(|c: char| c.is_whitespace() || c == '{' || c == '}') {
-            self.problem(span, format_args!("name `{name}`: expected a name without spaces and braces"));
-        }
-    }
-
-    /// Looks a material up.
-    pub(crate) fn material(&mut self, span: &Range<usize>, name: &str, materials: &Materials) -> Option<Material> {
-        let material = materials.get(name).cloned();
-        if material.is_none() {
-            let names: Vec<&str> = materials.keys().map(String::as_str).collect();
-            self.problem(span, format_args!("unknown material `{name}`: expected one of {}", names.join(", ")));
-        }
-        material
+    /// Looks a material up; one that is not known is noted, and what is made of it can still be checked.
+    pub(crate) fn material(&mut self, span: &Range<usize>, name: &str, materials: &Materials) -> Material {
+        materials.get(name).cloned().unwrap_or_else(|| {
+            let names = listed(materials.keys().map(String::as_str));
+            self.problem(span, format_args!("unknown material `{name}`: expected one of {names}"));
+            Material::default()
+        })
     }
 
     fn elements(&mut self, table: &mut Table<'a>, key: &str) -> Vec<Spanned<DeValue<'a>>> {

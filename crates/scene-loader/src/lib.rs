@@ -22,6 +22,7 @@ pub use problem::{FileProblem, LoadError};
 use std::path::Path;
 
 use problem::Problems;
+use sim_core::scene::Material;
 use source::Source;
 
 /// Checks a robot.toml, a map.toml, a materials.toml or a URDF and returns everything wrong with it.
@@ -32,14 +33,18 @@ pub fn check(path: &Path) -> Result<(), LoadError> {
     let source = Source::of_file(path);
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let problems = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("urdf") => {
+        Some("urdf" | "xacro") => {
             let mut problems = Problems::default();
             let text = source.text(name)?;
-            urdf::read(&source, name, &text, &catalogue::built_in_materials(&[])?, None, &mut problems);
+            // Why it could not be read stands in the problems.
+            let _ = urdf::read(&source, name, &text, Material::default(), &mut problems);
             problems
         }
         Some("toml") => check_toml(&source, name)?,
-        _ => return Err(LoadError::UnknownKind { file: path.display().to_string() }),
+        _ => {
+            let expected = "a .toml (robot, map or materials) or a .urdf file";
+            return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
+        }
     };
     problems.into_result(()).map(|_| ())
 }

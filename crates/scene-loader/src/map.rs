@@ -1,6 +1,6 @@
 //! `map.toml`: what stands on a map, of what material, and where robots start.
 
-use sim_core::scene::{MapDef, NamedPose, Object, Shape, Solid};
+use sim_core::scene::{MapDef, NamedPose, Object, Shape, Solid, check};
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
@@ -19,22 +19,21 @@ pub(crate) fn read(
     problems: &mut Problems,
 ) -> Option<MapDef> {
     let shown = source.display(file);
-    let (mut document, mut root) = Document::parse(&shown, text, problems);
+    let (mut document, mut root) = Document::parse(&shown, text, problems)?;
     let description = document.required(&mut root, "description", "one sentence about the map");
-    let gravity = document.optional(&mut root, "gravity").unwrap_or(9.81);
+    let gravity = document.section(&mut root, "gravity").ok().flatten().map_or(9.81, |(span, gravity)| {
+        document.within(&span, "gravity", gravity, check::GRAVITY);
+        gravity
+    });
     let time_limit = document.optional(&mut root, "time_limit").unwrap_or(20);
-    if !(0.0..=100.0).contains(&gravity) {
-        document.problem(&(0..0), format_args!("`gravity` is {gravity}: expected 0 to 100 m/s²"));
-    }
     let (mut solids, mut objects) = (Vec::new(), Vec::new());
     for kind in ["half_space", "box", "ramp", "cylinder", "mesh"] {
-        for mut table in document.tables(&mut root, kind) {
-            // A mass makes a solid that can be pushed.
-            let mass = if matches!(kind, "box" | "cylinder") { read_mass(&mut document, &mut table) } else { None };
-            let solid = read_solid(source, &mut document, kind, table, materials);
-            match (solid, mass) {
-                (Some(solid), Some(mass)) => objects.push(Object { solid, mass }),
-                (solid, _) => solids.extend(solid),
+        for table in document.tables(&mut root, kind) {
+            match read_solid(source, &mut document, kind, table, materials) {
+                // A mass makes a solid that can be pushed.
+                Some((solid, Some(mass))) => objects.push(Object { solid, mass }),
+                Some((solid, None)) => solids.push(solid),
+                None => {}
             }
         }
     }
@@ -44,21 +43,10 @@ pub(crate) fn read(
     let starts = read_poses(&mut document, &mut root, "start");
     let path_nodes = read_poses(&mut document, &mut root, "path_node");
     document.finish(root, KEYS);
-    Some(MapDef {
-        name: name.to_owned(),
-        description: description?,
-        gravity,
-        time_limit,
-        solids,
-        objects,
-        starts,
-        path_nodes,
-    })
-}
-
-fn read_mass<'a>(document: &mut Document<'a>, table: &mut Table<'a>) -> Option<f64> {
-    let span = table.span();
-    document.optional(table, "mass").filter(|&mass| document.positive(&span, "mass", mass))
+    let description = description?;
+    let map = MapDef { name: name.to_owned(), description, gravity, time_limit, solids, objects, starts, path_nodes };
+    document.as_a_whole(|| check::map(&map));
+    Some(map)
 }
 
 fn read_solid<'a>(
@@ -67,25 +55,28 @@ fn read_solid<'a>(
     kind: &str,
     mut table: Table<'a>,
     materials: &Materials,
-) -> Option<Solid> {
+) -> Option<(Solid, Option<f64>)> {
     let span = table.span();
     let name: Option<String> = document.required(&mut table, "name", "a name for the solid");
     let material: Option<String> = document.required(&mut table, "material", "the name of a material");
     let position: Vector = document.optional(&mut table, "position").unwrap_or_default();
     let rotation: Vector = document.optional(&mut table, "rotation").unwrap_or_default();
-    let mut length = |document: &mut Document<'a>, key: &str| {
-        let value: Option<f64> = document.required(&mut table, key, "a length in metres");
-        value.filter(|&value| document.positive(&span, key, value))
+    let mut mass: Option<f64> = None;
+    if matches!(kind, "box" | "cylinder") {
+        mass = document.optional(&mut table, "mass");
+    }
+    let mut length = |document: &mut Document<'a>, key: &str| -> Option<f64> {
+        document.required(&mut table, key, "a length in metres")
     };
     let (shape, keys) = match kind {
         "half_space" => (Some(Shape::HalfSpace), ""),
         "box" => {
             let size: Option<Vector> = document.required(&mut table, "size", "edge lengths [x, y, z] in metres");
-            let good = size.filter(|size| size.iter().all(|&edge| document.positive(&span, "size", edge)));
-            (good.map(|size| Shape::Box { size }), ", size, mass")
+            (size.map(|size| Shape::Box { size }), ", size, mass")
         }
         "ramp" => {
-            let edges = ["length", "width", "height"].map(|key| length(document, key));
+            let edges = ["length", "width", "height"]
+                .map(|key| length(document, key).filter(|&edge| document.within(&span, key, edge, check::MAP_SIZE)));
             let shape = match edges {
                 [Some(length), Some(width), Some(height)] => Some(ramp(length, width, height)),
                 _ => None,
@@ -99,19 +90,20 @@ fn read_solid<'a>(
         _ => {
             let file: Option<String> = document.required(&mut table, "file", "an .stl or .obj file beside the map");
             let scale = document.optional(&mut table, "scale").unwrap_or(1.0);
-            let mesh =
-                file.filter(|_| document.positive(&span, "scale", scale)).map(|file| mesh::read(source, &file, scale));
+            let file = file.filter(|_| document.within(&span, "scale", scale, mesh::SCALE));
+            let mesh = file.map(|file| mesh::read(source, &file, [scale; 3]));
             let mesh = mesh.and_then(|mesh| mesh.map_err(|reason| document.problem(&span, reason)).ok());
             (mesh, ", file, scale")
         }
     };
     document.finish(table, &format!("name, material, position, rotation{keys}"));
-    document.within_reason(&span, "position", &position);
-    document.within_reason(&span, "rotation", &rotation);
-    let (name, material) = (name?, material?);
-    document.wire_name(&span, &name);
-    let material = document.material(&span, &material, materials)?;
-    Some(Solid { name, shape: shape?, position, rotation, material })
+    let (name, material) = (name?, document.material(&span, &material?, materials));
+    let solid = Solid { name, shape: shape?, position, rotation, material };
+    match mass {
+        None => document.wrong(&span, check::map_solid(&solid)),
+        Some(mass) => document.wrong(&span, check::object(&Object { solid: solid.clone(), mass })),
+    }
+    Some((solid, mass))
 }
 
 /// A wedge: its low edge lies on the y axis, it rises along x to `height` and ends in an upright face.
@@ -129,10 +121,9 @@ fn read_poses<'a>(document: &mut Document<'a>, root: &mut Table<'a>, key: &str) 
         let rotation: Vector = document.optional(&mut table, "rotation").unwrap_or_default();
         document.finish(table, "name, position, rotation");
         if let (Some(name), Some(position)) = (name, position) {
-            document.wire_name(&span, &name);
-            document.within_reason(&span, "position", &position);
-            document.within_reason(&span, "rotation", &rotation);
-            poses.push(NamedPose { name, position, rotation });
+            let pose = NamedPose { name, position, rotation };
+            document.wrong(&span, check::named_pose(&pose));
+            poses.push(pose);
         }
     }
     poses

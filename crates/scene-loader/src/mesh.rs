@@ -3,31 +3,32 @@
 use std::io::Cursor;
 
 use sim_core::scene::Shape;
+use sim_core::scene::check::{MAX_TRIANGLES, Range};
 
 use crate::LoadError;
-use crate::source::Source;
+use crate::source::{MAX_MESH, Source};
 
-/// Most triangles of one mesh.
-const MAX_TRIANGLES: usize = 2_000_000;
+/// By how much a mesh is scaled: files are in metres, millimetres or inches.
+pub(crate) const SCALE: Range = Range { least: 1e-6, most: 1e6, unit: "" };
 
-/// Reads a mesh and scales it. Files are z up, as is usual; the result is in the frame of the solid, z down.
-pub(crate) fn read(source: &Source, name: &str, scale: f64) -> Result<Shape, String> {
+/// Reads a mesh and scales it along the axes of its file. Files are z up, as is usual; the result is in the frame of the
+/// solid, z down.
+pub(crate) fn read(source: &Source, name: &str, scale: [f64; 3]) -> Result<Shape, String> {
     let parse = match name.rsplit('.').next().map(str::to_ascii_lowercase).as_deref() {
         Some("stl") => stl,
         Some("obj") => obj,
         _ => return Err(format!("mesh `{name}`: expected a file that ends in .stl or .obj")),
     };
-    let bytes = source.bytes(name).map_err(|error: LoadError| error.to_string())?;
+    let bytes = source.bytes(name, MAX_MESH).map_err(|error: LoadError| error.to_string())?;
     let (vertices, triangles) = parse(&bytes).map_err(|reason| format!("mesh `{name}`: {reason}"))?;
     if triangles.is_empty() || triangles.len() > MAX_TRIANGLES {
         return Err(format!("mesh `{name}` has {} triangles: expected 1 to {MAX_TRIANGLES}", triangles.len()));
     }
-    let z_down = |[x, y, z]: [f32; 3]| [x, -y, -z].map(|component| f64::from(component) * scale);
-    let vertices: Vec<[f64; 3]> = vertices.into_iter().map(z_down).collect();
-    if !vertices.iter().flatten().all(|component| component.is_finite()) {
-        return Err(format!("mesh `{name}` has a coordinate that is not finite"));
-    }
-    Ok(Shape::Mesh { vertices, triangles })
+    let z_down = |[x, y, z]: [f32; 3]| {
+        let [x, y, z] = [x, y, z].map(f64::from);
+        [x * scale[0], -y * scale[1], -z * scale[2]]
+    };
+    Ok(Shape::Mesh { vertices: vertices.into_iter().map(z_down).collect(), triangles })
 }
 
 type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
@@ -43,8 +44,9 @@ fn obj(bytes: &[u8]) -> Result<Mesh, String> {
     let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
     // Material libraries are about looks; the physical material is the map's.
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::GenericFailure);
+    let geometry = geometry(&String::from_utf8_lossy(bytes));
     let (models, _) =
-        tobj::load_obj_buf(&mut Cursor::new(bytes), &options, no_materials).map_err(|error| error.to_string())?;
+        tobj::load_obj_buf(&mut Cursor::new(geometry), &options, no_materials).map_err(|error| error.to_string())?;
     let (mut vertices, mut triangles): Mesh = (Vec::new(), Vec::new());
     for model in models {
         let first = vertices.len() as u32;
@@ -53,4 +55,20 @@ fn obj(bytes: &[u8]) -> Result<Mesh, String> {
         triangles.extend(faces.map(|face| [face[0] + first, face[1] + first, face[2] + first]));
     }
     Ok((vertices, triangles))
+}
+
+/// Corners and faces alone: tobj trusts the indices of textures and normals, and nobody needs them.
+fn geometry(text: &str) -> String {
+    let mut geometry = String::with_capacity(text.len());
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        let Some(kind @ ("v" | "f")) = words.next() else { continue };
+        geometry.push_str(kind);
+        for word in words {
+            geometry.push(' ');
+            geometry.push_str(word.split('/').next().unwrap_or_default());
+        }
+        geometry.push('\n');
+    }
+    geometry
 }

@@ -66,8 +66,33 @@ pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str]) -> Str
 pub fn check_used(overrides: &[Override]) -> Result<(), LoadError> {
     match overrides.iter().find(|it| !it.used.load(Ordering::Relaxed)) {
         None => Ok(()),
-        Some(it) => Err(LoadError::Override { text: it.text.clone() }),
+        Some(it) => {
+            let reason = "nothing has that name; `usarsim show robot|map NAME` lists what there is".to_owned();
+            Err(LoadError::Override { text: it.text.clone(), reason })
+        }
     }
+}
+
+/// Reads with overrides. What is wrong only with them is said of the first that is wrong alone, else of all.
+///
+/// # Errors
+/// As `read`.
+pub(crate) fn blame<T>(
+    overrides: &[Override],
+    read: impl Fn(&[Override]) -> Result<T, LoadError>,
+) -> Result<T, LoadError> {
+    let error = match read(overrides) {
+        Err(LoadError::Bad(problems)) if !overrides.is_empty() && read(&[]).is_ok() => problems,
+        result => return result,
+    };
+    let alone = overrides.iter().find_map(|it| match read(std::slice::from_ref(it)) {
+        Err(LoadError::Bad(problems)) => Some((it.text.clone(), problems)),
+        _ => None,
+    });
+    let together = || (overrides.iter().map(|it| it.text.as_str()).collect::<Vec<_>>().join("`, `"), error);
+    let (text, problems) = alone.unwrap_or_else(together);
+    let first = problems.first().map_or_else(String::new, |problem| format!("{}: {}", problem.file, problem.message));
+    Err(LoadError::Override { text, reason: first })
 }
 
 /// Sets the value at a path. New keys are made in tables that are there; the reader of the file refuses those that it

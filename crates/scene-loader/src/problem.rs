@@ -2,6 +2,13 @@
 
 use std::fmt;
 
+use sim_core::scene::check::SceneProblem;
+
+/// Most problems that are told: a file of a million mistakes is no file of this kind.
+const MAX_PROBLEMS: usize = 100;
+/// Most names that a message lists.
+const MAX_LISTED: usize = 30;
+
 /// One mistake in a file, with its place. Written as compilers do: `file:line:column: message`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileProblem {
@@ -42,18 +49,25 @@ pub enum LoadError {
         /// The names there are.
         expected: String,
     },
-    /// A file of which the kind cannot be told.
-    #[error("{file}: expected a .toml (robot, map or materials) or a .urdf file")]
+    /// A file of another kind.
+    #[error("{file}: expected {expected}")]
     UnknownKind {
         /// The file.
         file: String,
+        /// The kinds there are.
+        expected: &'static str,
     },
-    /// An override whose path leads nowhere.
-    #[error("override `{text}`: nothing has that name; `usarsim show robot|map NAME` lists what there is")]
+    /// An override whose path leads nowhere, or whose value is none.
+    #[error("override `{text}`: {reason}")]
     Override {
         /// As it was written.
         text: String,
+        /// What is wrong with it.
+        reason: String,
     },
+    /// Files that are good, each by itself, but make no world.
+    #[error(transparent)]
+    Scene(#[from] SceneProblem),
     /// Mistakes in a file, one a line.
     #[error("{}", list(.0))]
     Bad(Vec<FileProblem>),
@@ -70,6 +84,9 @@ pub(crate) struct Problems(Vec<FileProblem>);
 impl Problems {
     /// Notes a problem at a byte offset of a text.
     pub(crate) fn at(&mut self, file: &str, text: &str, offset: usize, message: impl fmt::Display) {
+        if self.0.len() >= MAX_PROBLEMS {
+            return;
+        }
         let before = text.get(..offset).unwrap_or(text);
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         self.0.push(FileProblem {
@@ -80,9 +97,27 @@ impl Problems {
         });
     }
 
-    /// The value if nothing is wrong, otherwise every problem in the order of the lines.
+    /// How many there are so far.
+    pub(crate) fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// The value if nothing is wrong, otherwise every problem once, in the order of the lines.
     pub(crate) fn into_result<T>(mut self, value: T) -> Result<T, LoadError> {
         self.0.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
+        self.0.dedup();
         if self.0.is_empty() { Ok(value) } else { Err(LoadError::Bad(self.0)) }
     }
+}
+
+/// What could not be read; the problems say why. Nothing that follows from it is a problem of its own.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Unread;
+
+/// Names for a message.
+pub(crate) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.into_iter().collect();
+    let more = names.len().saturating_sub(MAX_LISTED);
+    let text = names[..names.len() - more].join(", ");
+    if more == 0 { text } else { format!("{text} and {more} more") }
 }

@@ -5,13 +5,13 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
 use sim_core::scene::{
-    self, Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel,
+    Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel, check,
 };
 use sim_core::sensor;
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
-use crate::problem::Problems;
+use crate::problem::{Problems, Unread, listed};
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
@@ -126,56 +126,52 @@ pub(crate) fn read(
     problems: &mut Problems,
 ) -> Option<RobotDef> {
     let shown = source.display(file);
-    let (mut document, mut root) = Document::parse(&shown, text, problems);
+    let (mut document, mut root) = Document::parse(&shown, text, problems)?;
     let description = document.required(&mut root, "description", "one sentence about the robot");
     let steering: Option<SteeringEntry> = document.required(&mut root, "steering", "\"skid\" or \"omni\"");
     let reported_steering = read_reported_steering(&mut document, &mut root);
     let drive_model = read_drive_model(&mut document, &mut root);
-    if drive_model != DriveModel::Bodies && !matches!(steering, Some(SteeringEntry::Omni)) {
-        document.problem(&(0..0), "`drive_model` other than \"bodies\": expected steering \"omni\"");
-    }
     let one_side_drives = document.optional(&mut root, "one_side_drives").unwrap_or(false);
     let reported_max_torque = document.optional(&mut root, "reported_max_torque").unwrap_or(50000.0);
-    let urdf = read_urdf(source, &mut document, &mut root, materials);
-    let (mut parts, mut solids) =
-        urdf.as_ref().map_or_else(Default::default, |urdf| (urdf.parts.clone(), urdf.solids.clone()));
-    read_links(&mut document, &mut root, &mut parts);
-    read_parts(&mut document, &mut root, materials, &mut parts, &mut solids);
-    if parts.is_empty() {
+    if !root.has("part") && !root.has("urdf") {
         document.problem(&(0..0), "no [[part]] and no `urdf`: expected at least one part with a mass");
     }
-    let mut wheels = read_wheels(&mut document, &mut root, urdf.as_ref(), materials);
-    let steering = match steering {
-        Some(SteeringEntry::Omni) => {
-            check_omni(&mut document, &wheels);
-            Some(Steering::Omni)
-        }
-        Some(SteeringEntry::Skid) => Some(Steering::Skid),
-        None => None,
+    let urdf = read_urdf(source, &mut document, &mut root, materials);
+    let (mut parts, mut solids) = match &urdf {
+        Ok(Some(urdf)) => (urdf.parts.clone(), urdf.solids.clone()),
+        _ => Default::default(),
     };
-    wheels.extend(read_casters(&mut document, &mut root, materials));
-    let sensors = read_sensors(&mut document, &mut root, &wheels);
+    read_links(&mut document, &mut root, urdf.is_ok().then_some(&mut parts));
+    read_parts(&mut document, &mut root, materials, &mut parts, &mut solids);
+    let wheels = read_wheels(&mut document, &mut root, &urdf, materials);
+    let casters = read_casters(&mut document, &mut root, materials);
+    let sensors = read_sensors(&mut document, &mut root, wheels.as_ref().ok().map(Vec::len));
     let battery = read_battery(&mut document, &mut root);
     document.finish(root, KEYS);
-    Some(RobotDef {
+    let robot = RobotDef {
         class: class.to_owned(),
         description: description?,
-        steering: steering?,
+        steering: match steering? {
+            SteeringEntry::Skid => Steering::Skid,
+            SteeringEntry::Omni => Steering::Omni,
+        },
         reported_steering,
         drive_model,
         one_side_drives,
         parts,
         solids,
-        wheels,
+        wheels: wheels.ok()?.into_iter().chain(casters).collect(),
         sensors,
         battery,
         reported_max_torque,
-    })
+    };
+    document.as_a_whole(|| check::robot(&robot));
+    Some(robot)
 }
 
 fn read_reported_steering<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Option<String> {
     const KNOWN: [&str; 4] = ["SkidSteered", "AckermanSteered", "OmniDrive", "None"];
-    let (span, name) = document.section::<String>(root, "reported_steering")?;
+    let (span, name) = document.section::<String>(root, "reported_steering").ok().flatten()?;
     if !KNOWN.contains(&name.as_str()) {
         let known = KNOWN.join(", ");
         document.problem(&span, format_args!("`reported_steering` is `{name}`: expected one of {known}"));
@@ -184,7 +180,7 @@ fn read_reported_steering<'a>(document: &mut Document<'a>, root: &mut Table<'a>)
 }
 
 fn read_drive_model<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> DriveModel {
-    let Some((span, name)) = document.section::<String>(root, "drive_model") else { return DriveModel::default() };
+    let Ok(Some((span, name))) = document.section::<String>(root, "drive_model") else { return DriveModel::default() };
     name.parse().unwrap_or_else(|error: String| {
         document.problem(&span, error);
         DriveModel::default()
@@ -196,34 +192,38 @@ fn read_urdf<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
     materials: &Materials,
-) -> Option<Urdf> {
-    let (span, file) = document.section::<String>(root, "urdf")?;
+) -> Result<Option<Urdf>, Unread> {
     let material: String = document.optional(root, "urdf_material").unwrap_or_else(|| "unreal-default".to_owned());
+    let Some((span, file)) = document.section::<String>(root, "urdf")? else { return Ok(None) };
     let material = document.material(&span, &material, materials);
     match source.text(&file) {
-        Ok(text) => urdf::read(source, &file, &text, materials, material, document.problems()),
+        Ok(text) => urdf::read(source, &file, &text, material, document.problems()).map(Some),
         Err(error) => {
             document.problem(&span, error);
-            None
+            Err(Unread)
         }
     }
 }
 
-/// A mass changes the inertia with it; a centre moves the mass and leaves the shape.
-fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, parts: &mut [Part]) {
-    for (span, LinkEntry { name, mass, centre }) in document.list::<LinkEntry>(root, "link") {
+/// A mass changes the inertia with it; a centre moves the mass and leaves the shape. Without `parts` the URDF could not be
+/// read.
+fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, parts: Option<&mut Vec<Part>>) {
+    let links = document.list::<LinkEntry>(root, "link");
+    let Some(parts) = parts else { return };
+    for (span, LinkEntry { name, mass, centre }) in links {
         let Some(part) = parts.iter_mut().find(|part| part.name == name) else {
-            document.problem(&span, format_args!("link `{name}`: expected a link of the URDF's body"));
+            let names = listed(parts.iter().map(|part| part.name.as_str()));
+            document.problem(&span, format_args!("link `{name}`: expected a link of the URDF's body: {names}"));
             continue;
         };
-        if let Some(mass) = mass.filter(|&mass| document.positive(&span, "mass", mass)) {
+        if let Some(mass) = mass.filter(|&mass| document.within(&span, "mass", mass, check::PART_MASS)) {
             part.inertia *= mass / part.mass;
             part.mass = mass;
         }
         if let Some(centre) = centre {
-            document.within_reason(&span, "centre", &centre);
             part.centre = centre.into();
         }
+        document.wrong(&span, check::part(part));
     }
 }
 
@@ -235,24 +235,16 @@ fn read_parts<'a>(
     solids: &mut Vec<Solid>,
 ) {
     for (span, entry) in document.list::<PartEntry>(root, "part") {
-        document.positive(&span, "mass", entry.mass);
-        entry.size.iter().for_each(|&edge| {
-            document.positive(&span, "size", edge);
-        });
-        document.within_reason(&span, "position", &entry.position);
-        let pose = scene::pose(entry.position, entry.rotation);
-        let turn = pose.rotation.to_rotation_matrix();
-        let inertia = turn.matrix() * box_inertia(entry.mass, entry.size) * turn.matrix().transpose();
-        parts.push(Part { name: entry.name.clone(), mass: entry.mass, centre: Vector3::from(entry.position), inertia });
-        let material = document.material(&span, &entry.material, materials);
-        if let Some(material) = material.filter(|_| entry.collides) {
-            solids.push(Solid {
-                name: entry.name,
-                shape: Shape::Box { size: entry.size },
-                position: entry.position,
-                rotation: entry.rotation,
-                material,
-            });
+        let PartEntry { name, mass, position, rotation, size, material, collides } = entry;
+        let material = document.material(&span, &material, materials);
+        let solid = Solid { name: name.clone(), shape: Shape::Box { size }, position, rotation, material };
+        document.wrong(&span, check::body_solid(&solid));
+        document.within(&span, "mass", mass, check::PART_MASS);
+        let turn = solid.pose().rotation.to_rotation_matrix();
+        let inertia = turn.matrix() * box_inertia(mass, size) * turn.matrix().transpose();
+        parts.push(Part { name, mass, centre: position.into(), inertia });
+        if collides {
+            solids.push(solid);
         }
     }
 }
@@ -262,20 +254,37 @@ fn box_inertia(mass: f64, [x, y, z]: Vector) -> Matrix3<f64> {
     Matrix3::from_diagonal(&(diagonal * (mass / 12.0)))
 }
 
+/// The driven wheels, if all of them could be read.
 fn read_wheels<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
-    urdf: Option<&Urdf>,
+    urdf: &Result<Option<Urdf>, Unread>,
     materials: &Materials,
-) -> Vec<Wheel> {
-    let common = document.section::<WheelEntry>(root, "wheels").map(|(_, common)| common).unwrap_or_default();
+) -> Result<Vec<Wheel>, Unread> {
+    let common = document.section::<WheelEntry>(root, "wheels");
     let rollers = document.section::<RollersEntry>(root, "rollers");
     if !root.has("wheel") {
         document.problem(&(0..0), "no [[wheel]]: expected at least one driven wheel");
     }
+    let noted = document.problems().count();
     let entries = document.list::<WheelEntry>(root, "wheel");
-    let wheel = |(span, entry)| read_wheel(document, &span, entry, &common, rollers.as_ref(), urdf, materials);
-    entries.into_iter().filter_map(wheel).collect()
+    let (Ok(common), Ok(rollers), Ok(urdf)) = (common, rollers, urdf) else { return Err(Unread) };
+    let (place, common) = common.unwrap_or_default();
+    let wheel = |(span, entry): (Range<usize>, _)| {
+        let wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), urdf.as_ref(), materials);
+        wheel.map(|wheel| (span, wheel))
+    };
+    let wheels: Vec<(Range<usize>, Wheel)> = entries.into_iter().filter_map(wheel).collect();
+    let wrong: Vec<Vec<String>> = wheels.iter().map(|(_, wheel)| check::wheel(wheel)).collect();
+    for ((span, _), messages) in wheels.iter().zip(&wrong) {
+        for message in messages {
+            // What is wrong with every wheel stands in [wheels].
+            let shared = wrong.len() > 1 && !place.is_empty() && wrong.iter().all(|other| other.contains(message));
+            document.problem(if shared { &place } else { span }, message);
+        }
+    }
+    let wheels = wheels.into_iter().map(|(_, wheel)| wheel).collect();
+    if document.problems().count() == noted { Ok(wheels) } else { Err(Unread) }
 }
 
 fn read_wheel(
@@ -287,19 +296,29 @@ fn read_wheel(
     urdf: Option<&Urdf>,
     materials: &Materials,
 ) -> Option<Wheel> {
-    let joint = entry.joint.as_ref().and_then(|name| {
-        let joint = urdf.and_then(|urdf| urdf.wheels.iter().find(|wheel| &wheel.joint == name));
-        if joint.is_none() {
-            document.problem(span, format_args!("joint `{name}`: expected a continuous joint of the URDF"));
-        }
-        joint
-    });
-    let mut number = |key: &str, own: Option<f64>, urdf: Option<f64>, common: Option<f64>| {
-        let Some(value) = own.or(urdf).or(common) else {
-            document.problem(span, format_args!("missing `{key}`: expected it here, in [wheels] or in the URDF"));
+    let joint = match (&entry.joint, urdf) {
+        (None, _) => None,
+        (Some(name), None) => {
+            document.problem(span, format_args!("joint `{name}`: expected a `urdf` that has it"));
             return None;
-        };
-        document.positive(span, key, value).then_some(value)
+        }
+        (Some(name), Some(urdf)) => {
+            let joint = urdf.wheels.iter().find(|wheel| &wheel.joint == name);
+            if joint.is_none() {
+                let names = listed(urdf.wheels.iter().map(|wheel| wheel.joint.as_str()));
+                let expected = if names.is_empty() { "it has none".to_owned() } else { format!("one of {names}") };
+                let message = format!("joint `{name}`: expected a continuous joint of the URDF: {expected}");
+                document.problem(span, message);
+            }
+            Some(joint?)
+        }
+    };
+    let mut number = |key: &str, own: Option<f64>, urdf: Option<f64>, common: Option<f64>| {
+        let value = own.or(urdf).or(common);
+        if value.is_none() {
+            document.problem(span, format_args!("missing `{key}`: expected it here, in [wheels] or in the URDF"));
+        }
+        value
     };
     let radius = number("radius", entry.radius, None, common.radius);
     let width = number("width", entry.width, None, common.width);
@@ -315,9 +334,6 @@ fn read_wheel(
     );
     let armature = entry.armature.or(common.armature).or(gearbox.armature).unwrap_or(0.0);
     let integral_time = entry.integral_time.or(common.integral_time);
-    if let Some(time) = integral_time {
-        document.positive(span, "integral_time", time);
-    }
     let mut missing = |key: &str| document.problem(span, format_args!("missing `{key}`"));
     let position = entry.position.or(joint.map(|joint| joint.position));
     let material = entry.material.or(common.material.clone());
@@ -331,14 +347,11 @@ fn read_wheel(
             missing(key);
         }
     }
-    let material = document.material(span, &material?, materials)?;
+    let material = document.material(span, &material?, materials);
     let rollers = match (entry.roller_angle.or(common.roller_angle), rollers) {
         (Some(angle), Some((place, rollers))) => {
             let first_roller = entry.first_roller.or(common.first_roller).unwrap_or(0.0);
-            if first_roller.abs() > 7.0 {
-                document.problem(span, format_args!("`first_roller` is {first_roller}: expected -7 to 7 rad"));
-            }
-            let rollers = read_rollers(document, place, span, rollers, angle, radius?, materials)?;
+            let rollers = read_rollers(document, place, rollers, angle, radius?, materials)?;
             Some(Rollers { first_roller, ..rollers })
         }
         (Some(_), None) => {
@@ -351,11 +364,7 @@ fn read_wheel(
         SideEntry::Left => Side::Left,
         SideEntry::Right => Side::Right,
     };
-    if !(0.0..=100.0).contains(&armature) {
-        document.problem(span, format_args!("`armature` is {armature}: expected 0 to 100 kg m²"));
-    }
     let drive = Some(Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, integral_time, armature });
-    document.within_reason(span, "position", &position?);
     Some(Wheel {
         name: entry.name?,
         side,
@@ -388,47 +397,26 @@ fn gearbox(entry: &WheelEntry, common: &WheelEntry) -> Gearbox {
 fn read_rollers(
     document: &mut Document,
     place: &Range<usize>,
-    wheel: &Range<usize>,
     entry: &RollersEntry,
     angle: f64,
     wheel_radius: f64,
     materials: &Materials,
 ) -> Option<Rollers> {
-    if !(3..=32).contains(&entry.count) {
-        document.problem(place, format_args!("`count` is {}: expected 3 to 32 rollers", entry.count));
-        return None;
-    }
-    if !(0.1..=1.5).contains(&angle.abs()) {
-        document.problem(wheel, format_args!("`roller_angle` is {angle}: expected 0.1 to 1.5 rad, either sign"));
-        return None;
-    }
-    document.positive(place, "mass", entry.mass);
-    if !(0.0..=10.0).contains(&entry.damping) {
-        document.problem(place, format_args!("`damping` is {}: expected 0 to 10 N m s/rad", entry.damping));
-    }
-    // At the ends the axis is farthest out; the roller must still be inside the wheel there.
-    let end = entry.axis_circle / (std::f64::consts::PI / f64::from(entry.count)).cos();
-    if !(entry.axis_circle > 0.0 && end < wheel_radius) {
-        let most = wheel_radius * (std::f64::consts::PI / f64::from(entry.count)).cos();
-        document.problem(
-            place,
-            format_args!("`axis_circle` is {}: expected more than 0 and less than {most:.4}", entry.axis_circle),
-        );
-        return None;
-    }
-    let mut material = document.material(place, &entry.material, materials)?;
+    let mut material = document.material(place, &entry.material, materials);
     if let Some(friction) = entry.friction {
-        if !(0.0..=10.0).contains(&friction) {
-            document.problem(place, format_args!("`friction` is {friction}: expected 0 to 10"));
-        }
+        document.within(place, "friction", friction, check::FRICTION);
         material.friction = friction;
     }
     let RollersEntry { count, axis_circle, mass, damping, .. } = *entry;
     let last_phase = std::f64::consts::PI / f64::from(count);
     let mut rollers = Rollers { count, axis_circle, angle, first_roller: 0.0, last_phase, mass, damping, material };
-    if let Some(half_length) = entry.half_length {
+    // What a wheel of no size or an angle that is none makes of its rollers is said of those.
+    let sound = check::WHEEL_RADIUS.holds(wheel_radius) && check::ROLLER_ANGLE.holds(angle.abs());
+    let wrong = if sound { check::rollers(&rollers, wheel_radius) } else { Vec::new() };
+    if let Some(half_length) = entry.half_length.filter(|_| sound && wrong.is_empty()) {
         rollers.last_phase = last_phase_of(document, place, &rollers, half_length, wheel_radius)?;
     }
+    document.wrong(place, wrong);
     Some(rollers)
 }
 
@@ -461,85 +449,54 @@ fn last_phase_of(
     Some(low)
 }
 
-/// An omni base has four wheels with rollers in a fixed order, as its kinematics and its encoders count them.
-fn check_omni(document: &mut Document, wheels: &[Wheel]) {
-    const ORDER: [(f64, Side, f64); 4] =
-        [(1.0, Side::Left, 1.0), (1.0, Side::Right, -1.0), (-1.0, Side::Left, -1.0), (-1.0, Side::Right, 1.0)];
-    let fits = |(wheel, (front, side, angle)): (&Wheel, (f64, Side, f64))| {
-        wheel.position[0] * front > 0.0
-            && wheel.side == side
-            && wheel.rollers.as_ref().is_some_and(|rollers| rollers.angle * angle > 0.0)
-    };
-    if wheels.len() != 4 || !wheels.iter().zip(ORDER).all(fits) {
-        document.problem(
-            &(0..0),
-            "steering \"omni\": expected four wheels front left, front right, back left, back right with \
-             `roller_angle` +, -, -, +",
-        );
-    }
-}
-
 fn read_casters<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materials: &Materials) -> Vec<Wheel> {
     let mut casters = Vec::new();
     for (span, entry) in document.list::<CasterEntry>(root, "caster") {
-        document.positive(&span, "radius", entry.radius);
-        document.positive(&span, "mass", entry.mass);
-        document.within_reason(&span, "position", &entry.position);
-        let side = if entry.position[1] < 0.0 { Side::Left } else { Side::Right };
         let CasterEntry { name, position, radius, mass, material } = entry;
-        if let Some(material) = document.material(&span, &material, materials) {
-            let width = 2.0 * radius;
-            casters.push(Wheel { name, side, position, radius, width, mass, material, drive: None, rollers: None });
-        }
+        let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
+        let material = document.material(&span, &material, materials);
+        let width = 2.0 * radius;
+        let caster = Wheel { name, side, position, radius, width, mass, material, drive: None, rollers: None };
+        document.wrong(&span, check::wheel(&caster));
+        casters.push(caster);
     }
     casters
 }
 
-fn read_sensors<'a>(document: &mut Document<'a>, root: &mut Table<'a>, wheels: &[Wheel]) -> Vec<SensorDef> {
+/// The sensors; `wheels` is how many driven wheels there are, if they could be read.
+fn read_sensors<'a>(document: &mut Document<'a>, root: &mut Table<'a>, wheels: Option<usize>) -> Vec<SensorDef> {
     let mut sensors = Vec::new();
     for mut table in document.tables(root, "sensor") {
         let span = table.span();
-        let classes = || sensor::CLASSES.iter().map(|(class, _)| *class).collect::<Vec<_>>().join(", ");
+        let classes = || listed(sensor::CLASSES.iter().map(|(class, _)| *class));
         let class: Option<String> = document.required(&mut table, "class", &classes());
         let name: Option<String> = document.required(&mut table, "name", "the name of the sensor on the wire");
         let position: Vector = document.optional(&mut table, "position").unwrap_or_default();
         let direction: Vector = document.optional(&mut table, "direction").unwrap_or_default();
         let scan_interval: Option<f64> = document.optional(&mut table, "scan_interval");
         let (Some(class), Some(name)) = (class, name) else { continue };
-        document.wire_name(&span, &name);
-        document.within_reason(&span, "position", &position);
-        document.within_reason(&span, "direction", &direction);
         let Some(&(_, default_interval)) = sensor::CLASSES.iter().find(|(known, _)| *known == class) else {
             document.problem(&span, format_args!("unknown sensor class `{class}`: expected one of {}", classes()));
             continue;
         };
         let scan_interval = scan_interval.unwrap_or(default_interval);
-        if !(scan_interval == 0.0 || (0.002..=3600.0).contains(&scan_interval)) {
-            document.problem(&span, format_args!("`scan_interval` is {scan_interval}: expected 0 or 0.002 to 3600 s"));
-        }
         let read = |settings| sensor::Config::read(&class, settings).transpose();
         let Some(config) = document.rest(table, read).flatten() else { continue };
-        if let sensor::Config::Encoder(encoder) = &config
-            && encoder.wheel.is_some_and(|wheel| wheel >= wheels.len())
+        if let (sensor::Config::Encoder(encoder), Some(wheels)) = (&config, wheels)
+            && encoder.wheel.is_some_and(|wheel| wheel >= wheels)
         {
-            document
-                .problem(&span, format_args!("`wheel` of {name}: expected 0 to {}", wheels.len().saturating_sub(1)));
+            document.problem(&span, format_args!("`wheel` of {name}: expected 0 to {}", wheels.saturating_sub(1)));
         }
-        if let Err(expected) = config.validate() {
-            document.problem(&span, format_args!("sensor {name}: expected {expected}"));
-        }
-        sensors.push(SensorDef { name, position, direction, scan_interval, config });
+        let sensor = SensorDef { name, position, direction, scan_interval, config };
+        document.wrong(&span, check::sensor(&sensor));
+        sensors.push(sensor);
     }
     sensors
 }
 
 fn read_battery<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Option<Battery> {
-    let (span, BatteryEntry { max_energy, life }) = document.section(root, "battery")?;
-    let good = [("max_energy", max_energy), ("life", life)].map(|(key, value)| {
-        value.is_finite() && value > 0.0 || {
-            document.problem(&span, format_args!("`{key}` is {value}: expected more than 0"));
-            false
-        }
-    });
-    good.iter().all(|&good| good).then_some(Battery { max_energy, life })
+    let (span, BatteryEntry { max_energy, life }) = document.section(root, "battery").ok().flatten()?;
+    let battery = Battery { max_energy, life };
+    document.wrong(&span, check::battery(&battery));
+    Some(battery)
 }

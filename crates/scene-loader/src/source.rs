@@ -1,10 +1,17 @@
 //! Where files come from: a folder on disk, or one built into the program.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use include_dir::Dir;
 
 use crate::LoadError;
+
+/// Largest text file, bytes: ten thousand solids have 1.5 MB.
+const MAX_TEXT: u64 = 4 << 20;
+/// Largest mesh, bytes: a million triangles have 50 MB in a binary STL.
+pub(crate) const MAX_MESH: u64 = 64 << 20;
 
 /// A folder that the files of a robot or map lie in.
 pub(crate) enum Source {
@@ -18,21 +25,27 @@ impl Source {
         Self::Folder(path.parent().map(Path::to_owned).unwrap_or_default())
     }
 
-    /// The content of a file of the folder.
-    pub(crate) fn bytes(&self, name: &str) -> Result<Vec<u8>, LoadError> {
+    /// The content of a file of the folder that has at most so many bytes.
+    pub(crate) fn bytes(&self, name: &str, most: u64) -> Result<Vec<u8>, LoadError> {
         let unreadable = |reason: String| LoadError::Unreadable { file: self.display(name), reason };
         match self {
             Self::BuiltIn(dir) => {
                 let file = dir.get_file(dir.path().join(name));
                 file.map(|file| file.contents().to_owned()).ok_or_else(|| unreadable("not built in".to_owned()))
             }
-            Self::Folder(folder) => std::fs::read(folder.join(name)).map_err(|error| unreadable(error.to_string())),
+            Self::Folder(folder) => {
+                let content = read_file(&folder.join(name), most).map_err(|error| unreadable(error.to_string()))?;
+                if content.len() as u64 > most {
+                    return Err(unreadable(format!("more than {most} bytes: expected at most so many")));
+                }
+                Ok(content)
+            }
         }
     }
 
     /// The content of a text file.
     pub(crate) fn text(&self, name: &str) -> Result<String, LoadError> {
-        String::from_utf8(self.bytes(name)?).map_err(|error| LoadError::Unreadable {
+        String::from_utf8(self.bytes(name, MAX_TEXT)?).map_err(|error| LoadError::Unreadable {
             file: self.display(name),
             reason: format!("not UTF-8 at byte {}", error.utf8_error().valid_up_to()),
         })
@@ -45,4 +58,14 @@ impl Source {
             Self::Folder(folder) => folder.join(name).display().to_string(),
         }
     }
+}
+
+/// The content of a file, cut one byte behind the most that is wanted. A pipe or a device could go on for ever.
+fn read_file(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("not a regular file"));
+    }
+    let mut content = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut content)?;
+    Ok(content)
 }

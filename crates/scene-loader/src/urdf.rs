@@ -5,14 +5,23 @@
 //! URDF is x forward, y left, z up; here it is turned into the robot frame, z down, once.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
-use roxmltree::Node;
-use sim_core::scene::{Material, Part, Pose, Shape, Solid};
+use roxmltree::{Node, NodeType, ParsingOptions};
+use sim_core::scene::check::{ANGLE, INERTIA, ROBOT_REACH, Range};
+use sim_core::scene::{Material, Part, Pose, Shape, Solid, check};
 use urdf_rs::{Geometry, JointType};
 
-use crate::materials::Materials;
 use crate::mesh;
-use crate::problem::Problems;
+use crate::problem::{Problems, Unread, listed};
 use crate::source::Source;
+
+/// Most elements inside each other: the URDF library recurses into them. A URDF has six, extensions of simulators twelve.
+const MAX_DEPTH: usize = 64;
+/// Most elements, attributes and texts of a file.
+const MAX_NODES: u32 = 500_000;
+/// Most declarations of namespaces: the XML library copies them to every element that declares one more.
+const MAX_NAMESPACES: usize = 100;
+/// Most links and most joints.
+const MAX_LINKS: usize = 1000;
 
 /// What a robot takes from its URDF, in the robot frame.
 pub(crate) struct Urdf {
@@ -32,48 +41,67 @@ pub(crate) struct UrdfWheel {
 
 const JOINT_TYPES: [&str; 6] = ["fixed", "continuous", "revolute", "prismatic", "floating", "planar"];
 
-/// Reads a URDF; `material` is of what the body is made, the first known one if it is not given.
+/// Reads a URDF; `material` is of what the body is made.
 pub(crate) fn read(
     source: &Source,
     file: &str,
     text: &str,
-    materials: &Materials,
-    material: Option<Material>,
+    material: Material,
     problems: &mut Problems,
-) -> Option<Urdf> {
+) -> Result<Urdf, Unread> {
     let shown = source.display(file);
-    let document = match roxmltree::Document::parse(text) {
-        Ok(document) => document,
-        Err(error) => {
-            let place = error.pos();
-            let line_start: usize = text.split_inclusive('\n').take(place.row as usize - 1).map(str::len).sum();
-            problems.at(&shown, text, line_start + place.col as usize - 1, format_args!("not XML: {error}"));
-            return None;
-        }
-    };
+    let mut at = |offset: usize, message: String| problems.at(&shown, text, offset, message);
+    let namespaces = text.matches("xmlns").count();
+    if namespaces > MAX_NAMESPACES {
+        at(0, format!("{namespaces} namespaces: expected at most {MAX_NAMESPACES}"));
+        return Err(Unread);
+    }
+    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+    let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
+        let place = error.pos();
+        let line_start: usize = text.split_inclusive('\n').take(place.row as usize - 1).map(str::len).sum();
+        let xacro = matches!(&error, roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro");
+        let message = if xacro { unexpanded("<xacro:..>") } else { format!("not XML: {error}") };
+        at(line_start + place.col as usize - 1, message);
+        Unread
+    })?;
     let mut check = Check { file: &shown, text, problems, good: true };
     check.robot(document.root_element());
     if !check.good {
-        return None;
+        return Err(Unread);
     }
-    let robot = match urdf_rs::read_from_string(text) {
-        Ok(robot) => robot,
-        Err(error) => {
-            problems.at(&shown, text, 0, format_args!("not a URDF: {error}"));
-            return None;
-        }
-    };
-    let material = material.or_else(|| materials.values().next().cloned())?;
+    let robot = urdf_rs::read_from_string(text).map_err(|error| {
+        problems.at(&shown, text, 0, format_args!("not a URDF: {error}"));
+        Unread
+    })?;
     let mut urdf = Urdf { parts: Vec::new(), solids: Vec::new(), wheels: Vec::new() };
     let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
-    let root = robot.links.iter().find(|link| !is_child(&link.name))?;
+    let root = robot.links.iter().find(|link| !is_child(&link.name)).ok_or(Unread)?;
     let mut open = vec![(root, Isometry3::identity())];
+    let noted = problems.count();
     while let Some((link, pose)) = open.pop() {
-        if let Err(reason) = add_link(source, link, &pose, &material, &mut urdf) {
-            problems.at(&shown, text, 0, format_args!("link {}: {reason}", link.name));
+        let node = named(&document, "link", &link.name);
+        let mut wrong = |node: Option<Node>, message: String| {
+            let place = node.map_or(0, |node| node.range().start);
+            problems.at(&shown, text, place, format_args!("link {}: {message}", link.name));
+        };
+        if let Some(part) = part(link, &pose) {
+            check::part(&part).into_iter().for_each(|message| wrong(node, message));
+            urdf.parts.push(part);
+        }
+        let mut nodes = node.into_iter().flat_map(|node| node.children()).filter(|node| node.has_tag_name("collision"));
+        for collision in &link.collision {
+            let node = nodes.next();
+            match solid(source, link, collision, &pose, &material) {
+                Ok(solid) => {
+                    check::body_solid(&solid).into_iter().for_each(|message| wrong(node, message));
+                    urdf.solids.push(solid);
+                }
+                Err(reason) => wrong(node, reason),
+            }
         }
         for joint in robot.joints.iter().filter(|joint| joint.parent.link == link.name) {
-            let child = robot.links.iter().find(|link| link.name == joint.child.link)?;
+            let child = robot.links.iter().find(|link| link.name == joint.child.link).ok_or(Unread)?;
             let place = pose * isometry(&joint.origin);
             match joint.joint_type {
                 JointType::Continuous => urdf.wheels.push(UrdfWheel {
@@ -88,7 +116,18 @@ pub(crate) fn read(
             }
         }
     }
-    Some(urdf)
+    if problems.count() == noted { Ok(urdf) } else { Err(Unread) }
+}
+
+/// The element of a link or joint.
+fn named<'a>(document: &'a roxmltree::Document, tag: &str, name: &str) -> Option<Node<'a, 'a>> {
+    let mut nodes = document.root_element().children();
+    nodes.find(|node| node.has_tag_name(tag) && node.attribute("name") == Some(name))
+}
+
+/// What is said of a file with something in it that only xacro understands.
+fn unexpanded(what: &str) -> String {
+    format!("`{what}` is of xacro: expected a URDF; expand it first: `xacro robot.xacro > robot.urdf`")
 }
 
 /// From the URDF's axes to the robot frame: half a turn about x, exactly.
@@ -101,48 +140,65 @@ fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {
     Isometry3::from_parts(Vector3::from(*origin.xyz).into(), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
 }
 
-fn add_link(
-    source: &Source,
-    link: &urdf_rs::Link,
-    pose: &Pose,
-    material: &Material,
-    urdf: &mut Urdf,
-) -> Result<(), String> {
+/// What a link weighs; a frame weighs nothing.
+fn part(link: &urdf_rs::Link, pose: &Pose) -> Option<Part> {
     let inertial = &link.inertial;
     let mass = inertial.mass.value;
-    if mass > 0.0 {
-        let centre = pose * isometry(&inertial.origin);
-        let urdf_rs::Inertia { ixx, ixy, ixz, iyy, iyz, izz } = inertial.inertia;
-        let inertia = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
-        let turn = (z_down() * centre.rotation).to_rotation_matrix();
-        urdf.parts.push(Part {
-            name: link.name.clone(),
-            mass,
-            centre: z_down() * centre.translation.vector,
-            inertia: turn.matrix() * inertia * turn.matrix().transpose(),
-        });
+    if mass == 0.0 {
+        return None;
     }
-    for collision in &link.collision {
-        let place = Isometry3::from_parts(Default::default(), z_down()) * pose * isometry(&collision.origin);
-        // Shapes are symmetric about their z axis but for meshes, which `mesh` turns z down by themselves.
-        let (shape, turn) = match &collision.geometry {
-            Geometry::Box { size } => (Shape::Box { size: **size }, UnitQuaternion::identity()),
-            Geometry::Cylinder { radius, length } => {
-                (Shape::Cylinder { radius: *radius, length: *length }, UnitQuaternion::identity())
-            }
-            Geometry::Sphere { radius } => (Shape::Ball { radius: *radius }, UnitQuaternion::identity()),
-            Geometry::Mesh { filename, scale } => {
-                let scale = scale.map_or(1.0, |scale| scale[0]);
-                let name = filename.rsplit("://").next().unwrap_or(filename);
-                let Shape::Mesh { vertices, .. } = mesh::read(source, name, scale)? else { continue };
-                (Shape::Hull { points: vertices }, z_down())
-            }
-            other => return Err(format!("geometry {other:?}: expected box, cylinder, sphere or mesh")),
-        };
-        let (position, rotation) = sim_core::scene::position_and_rotation(&(place * turn));
-        urdf.solids.push(Solid { name: link.name.clone(), shape, position, rotation, material: material.clone() });
+    let centre = pose * isometry(&inertial.origin);
+    let urdf_rs::Inertia { ixx, ixy, ixz, iyy, iyz, izz } = inertial.inertia;
+    let inertia = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
+    let turn = (z_down() * centre.rotation).to_rotation_matrix();
+    Some(Part {
+        name: link.name.clone(),
+        mass,
+        centre: z_down() * centre.translation.vector,
+        inertia: turn.matrix() * inertia * turn.matrix().transpose(),
+    })
+}
+
+/// The shape of a link, in the robot frame.
+fn solid(
+    source: &Source,
+    link: &urdf_rs::Link,
+    collision: &urdf_rs::Collision,
+    pose: &Pose,
+    material: &Material,
+) -> Result<Solid, String> {
+    let place = Isometry3::from_parts(Default::default(), z_down()) * pose * isometry(&collision.origin);
+    // Shapes are symmetric about their z axis but for meshes, which `mesh` turns z down by themselves.
+    let (shape, turn) = match &collision.geometry {
+        Geometry::Box { size } => (Shape::Box { size: **size }, UnitQuaternion::identity()),
+        Geometry::Cylinder { radius, length } => {
+            (Shape::Cylinder { radius: *radius, length: *length }, UnitQuaternion::identity())
+        }
+        Geometry::Sphere { radius } => (Shape::Ball { radius: *radius }, UnitQuaternion::identity()),
+        Geometry::Mesh { filename, scale } => (hull(source, filename, scale.map(|scale| *scale))?, z_down()),
+        other => return Err(format!("geometry {other:?}: expected box, cylinder, sphere or mesh")),
+    };
+    let (position, rotation) = sim_core::scene::position_and_rotation(&(place * turn));
+    Ok(Solid { name: link.name.clone(), shape, position, rotation, material: material.clone() })
+}
+
+/// The convex hull of a mesh: only its corners, of the many that a drawing has. A mirrored scale is fine for a hull.
+fn hull(source: &Source, filename: &str, scale: Option<[f64; 3]>) -> Result<Shape, String> {
+    let scale = scale.unwrap_or([1.0; 3]);
+    if let Some(problem) = mesh::SCALE.problem_in("scale", &scale.map(f64::abs)) {
+        return Err(format!("{problem}, either sign"));
     }
-    Ok(())
+    let name = filename.rsplit("://").next().unwrap_or(filename);
+    let Shape::Mesh { vertices, .. } = mesh::read(source, name, scale)? else {
+        return Err(format!("mesh `{name}`: expected triangles"));
+    };
+    if let Some(problem) = vertices.iter().find_map(|corner| ROBOT_REACH.problem_in("corner", corner)) {
+        return Err(format!("mesh `{name}`: {problem}"));
+    }
+    match sim_core::hull_surface(&vertices) {
+        Some(Shape::Mesh { vertices, .. }) => Ok(Shape::Hull { points: vertices }),
+        _ => Err(format!("mesh `{name}` has its points in one plane: expected a volume")),
+    }
 }
 
 /// Finds mistakes with their lines, which the URDF library does not tell.
@@ -160,11 +216,27 @@ impl Check<'_> {
     }
 
     fn robot(&mut self, robot: Node) {
+        if let Some((node, what)) = robot.descendants().find_map(|node| Some((node, of_xacro(node)?))) {
+            self.problem(node, unexpanded(&what));
+            return;
+        }
+        let deep = |node: &Node| node.ancestors().nth(MAX_DEPTH).is_some();
+        if let Some(node) = robot.descendants().find(deep) {
+            self.problem(node, format_args!("<{}> is too deep: expected {MAX_DEPTH} levels", node.tag_name().name()));
+            return;
+        }
         if robot.tag_name().name() != "robot" {
             self.problem(robot, format_args!("<{}>: expected <robot>", robot.tag_name().name()));
             return;
         }
         let children = |tag: &'static str| robot.children().filter(move |node| node.has_tag_name(tag));
+        for tag in ["link", "joint"] {
+            let count = children(tag).count();
+            if count > MAX_LINKS {
+                self.problem(robot, format_args!("{count} <{tag}>: expected at most {MAX_LINKS}"));
+                return;
+            }
+        }
         let links: Vec<&str> = children("link").filter_map(|link| link.attribute("name")).collect();
         if links.is_empty() {
             self.problem(robot, "no <link>: expected at least one");
@@ -205,7 +277,10 @@ impl Check<'_> {
             if let Some(link) = self.attribute(node, "link")
                 && !links.contains(&link)
             {
-                self.problem(node, format_args!("unknown link `{link}`: expected one of {}", links.join(", ")));
+                self.problem(
+                    node,
+                    format_args!("unknown link `{link}`: expected one of {}", listed(links.iter().copied())),
+                );
             }
         }
     }
@@ -218,22 +293,43 @@ impl Check<'_> {
         value
     }
 
-    /// Attributes that are numbers everywhere in a URDF.
+    /// Attributes that are numbers everywhere in a URDF, with their range where they have one everywhere.
     fn numbers(&mut self, node: Node) {
         for attribute in node.attributes() {
-            let count = match attribute.name() {
-                "xyz" | "rpy" | "size" => 3,
-                "radius" | "length" | "ixx" | "ixy" | "ixz" | "iyy" | "iyz" | "izz" | "velocity" | "effort" => 1,
-                "value" if node.has_tag_name("mass") => 1,
+            let (count, range) = match attribute.name() {
+                "xyz" => (3, ROBOT_REACH),
+                "rpy" => (3, ANGLE),
+                "size" | "scale" => (3, FINITE),
+                "ixx" | "ixy" | "ixz" | "iyy" | "iyz" | "izz" => (1, INERTIA),
+                "radius" | "length" | "velocity" | "effort" => (1, FINITE),
+                "value" if node.has_tag_name("mass") => (1, FINITE),
                 _ => continue,
             };
-            let numbers: Vec<Option<f64>> =
-                attribute.value().split_whitespace().map(|word| word.parse().ok()).collect();
-            if numbers.len() != count || !numbers.iter().all(|number| number.is_some_and(f64::is_finite)) {
-                let message =
-                    format!("{}=\"{}\": expected {count} finite number(s)", attribute.name(), attribute.value());
-                self.problem(node, message);
+            let (key, value) = (attribute.name(), attribute.value());
+            let numbers: Vec<f64> = value.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+            let all = numbers.len() == count && value.split_whitespace().count() == count;
+            if !all || !numbers.iter().all(|number| number.is_finite()) {
+                self.problem(node, format_args!("{key}=\"{value}\": expected {count} finite number(s)"));
+            } else if !numbers.iter().all(|&number| range.holds(number)) {
+                self.problem(node, format_args!("{key}=\"{value}\": expected {range}"));
             }
         }
+    }
+}
+
+const FINITE: Range = Range { least: f64::MIN, most: f64::MAX, unit: "" };
+
+/// What in a node only xacro understands. That it is declared is no harm: it often stays when it is expanded.
+fn of_xacro(node: Node) -> Option<String> {
+    let substitution = |text: &str| text.contains("${") || text.contains("$(");
+    match node.node_type() {
+        NodeType::Element => {
+            let tag = node.tag_name();
+            let own = tag.namespace().is_some_and(|namespace| namespace.ends_with("/xacro"));
+            let value = || node.attributes().map(|attribute| attribute.value()).find(|value| substitution(value));
+            if own { Some(format!("<xacro:{}>", tag.name())) } else { value().map(str::to_owned) }
+        }
+        NodeType::Text => node.text().filter(|text| substitution(text)).map(|text| text.trim().to_owned()),
+        _ => None,
     }
 }

@@ -162,7 +162,8 @@ impl Range {
             .then(|| format!("`{key}` is [{}]: expected numbers of {self}", all()))
     }
 
-    fn holds(self, value: f64) -> bool {
+    /// Whether a number is within it.
+    pub fn holds(self, value: f64) -> bool {
         (self.least..=self.most).contains(&value)
     }
 }
@@ -227,7 +228,8 @@ fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     }
     for it in &def.wheels {
         let materials = std::iter::once(&it.material).chain(it.rollers.iter().map(|rollers| &rollers.material));
-        let wrong = wheel(it).into_iter().chain(materials.flat_map(material));
+        let rollers = it.rollers.iter().flat_map(|it_rollers| rollers(it_rollers, it.radius));
+        let wrong = wheel(it).into_iter().chain(rollers).chain(materials.flat_map(material));
         first(&format!("{class}, wheel {}", shown(&it.name)), wrong)?;
     }
     for it in &def.sensors {
@@ -289,7 +291,8 @@ pub fn named_pose(def: &NamedPose) -> Vec<String> {
 
 /// What is wrong with a solid of a map; its material is checked by itself.
 pub fn map_solid(def: &Solid) -> Vec<String> {
-    let mut wrong = solid(def, MAP_REACH, MAP_SIZE);
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(solid(def, MAP_REACH, MAP_SIZE));
     if wrong.is_empty() {
         wrong.extend(height(def));
     }
@@ -308,7 +311,8 @@ pub fn object(def: &Object) -> Vec<String> {
 
 /// What is wrong with a solid of a robot's body; its material is checked by itself.
 pub fn body_solid(def: &Solid) -> Vec<String> {
-    let mut wrong = solid(def, ROBOT_REACH, ROBOT_SIZE);
+    let mut wrong = name("name", &def.name);
+    wrong.extend(solid(def, ROBOT_REACH, ROBOT_SIZE));
     if matches!(def.shape, Shape::HalfSpace | Shape::Mesh { .. }) {
         wrong.push(
             "a shape without an end or without a volume: expected a box, a cylinder, a ball or a hull".to_owned(),
@@ -318,8 +322,7 @@ pub fn body_solid(def: &Solid) -> Vec<String> {
 }
 
 fn solid(def: &Solid, reach: Range, size: Range) -> Vec<String> {
-    let mut wrong = name("name", &def.name);
-    wrong.extend(reach.problem_in("position", &def.position));
+    let mut wrong: Vec<String> = reach.problem_in("position", &def.position).into_iter().collect();
     wrong.extend(ANGLE.problem_in("rotation", &def.rotation));
     wrong.extend(shape(&def.shape, reach, size));
     wrong
@@ -435,7 +438,8 @@ fn principal_moments(inertia: &Matrix3<f64>) -> [f64; 3] {
     moments.map(|moment| if moment.abs() < 1e-12 { 0.0 } else { moment * size })
 }
 
-/// What is wrong with a wheel or a caster; its materials are checked by themselves.
+/// What is wrong with a wheel or a caster; its materials are checked by themselves, and what its rollers share with those
+/// of other wheels.
 pub fn wheel(def: &Wheel) -> Vec<String> {
     let mut wrong = name("name", &def.name);
     wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
@@ -457,7 +461,12 @@ pub fn wheel(def: &Wheel) -> Vec<String> {
         wrong.push(format!("`position` has y {}: {expected}", Number(def.position[1])));
     }
     wrong.extend(def.drive.iter().flat_map(motor));
-    wrong.extend(def.rollers.iter().flat_map(|it| rollers(it, def.radius)));
+    if let Some(rollers) = &def.rollers {
+        if !ROLLER_ANGLE.holds(rollers.angle.abs()) {
+            wrong.push(format!("`roller_angle` is {}: expected {ROLLER_ANGLE}", Number(rollers.angle)));
+        }
+        wrong.extend(FIRST_ROLLER.problem("first_roller", rollers.first_roller));
+    }
     if def.drive.is_none() && def.rollers.is_some() {
         wrong.push("a caster with rollers: expected a ball".to_owned());
     }
@@ -478,19 +487,15 @@ fn motor(def: &Motor) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with the rollers of a wheel; their material is checked by itself.
+/// What is wrong with the rollers of a wheel of a good radius; their material is checked by itself.
 pub fn rollers(def: &Rollers, wheel_radius: f64) -> Vec<String> {
     let mut wrong = Vec::new();
     for (range, key, value) in [
         (ROLLER_COUNT, "count", f64::from(def.count)),
-        (FIRST_ROLLER, "first_roller", def.first_roller),
         (ROLLER_MASS, "mass", def.mass),
         (ROLLER_DAMPING, "damping", def.damping),
     ] {
         wrong.extend(range.problem(key, value));
-    }
-    if !ROLLER_ANGLE.holds(def.angle.abs()) {
-        wrong.push(format!("`roller_angle` is {}: expected {ROLLER_ANGLE}", Number(def.angle)));
     }
     // At the ends the axis is farthest out; the roller must still be inside the wheel there.
     let least_phase = std::f64::consts::PI / f64::from(def.count.max(3));
@@ -597,7 +602,7 @@ fn masses(def: &RobotDef) -> Vec<String> {
     let [moment, ..] = principal_moments(&body.inertia);
     let (gyration, least) = ((moment / body.mass).max(0.0).sqrt(), LEAST_GYRATION * farthest);
     if !(least..=ROBOT_SIZE.most).contains(&gyration) {
-        let expected = format!("{least:.6} (a hundredth of the way to its farthest wheel) to {}", ROBOT_SIZE.most);
+        let expected = format!("{least:.6} (a hundredth of the way to its farthest wheel) to {} m", ROBOT_SIZE.most);
         wrong.push(format!("its body's radius of gyration is {gyration:.6} m: expected {expected}"));
     }
     wrong
