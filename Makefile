@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test book check
+.PHONY: run view test book fuzz check
 
 # Expanded only where something has to be built with it.
 npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
@@ -34,6 +34,17 @@ book: target/tools/bin/mdbook
 
 target/tools/bin/mdbook:
 	cargo install mdbook --version 0.5.4 --locked --no-default-features --features search --root target/tools
+
+# Random inputs guided by coverage, for everything that a stranger can send: docs/reliability.md. Needs a C++ compiler.
+# `make fuzz SECONDS=600 TARGET=world`, `make fuzz JOBS=2`.
+SECONDS = 60
+JOBS = 1
+TARGET =
+fuzz: target/tools/bin/cargo-fuzz
+	fuzz/run $(SECONDS) $(JOBS) $(TARGET)
+
+target/tools/bin/cargo-fuzz:
+	cargo install cargo-fuzz --version 0.13.2 --locked --root target/tools
 
 # What CI runs.
 check:

@@ -37,6 +37,33 @@ use std::time::Duration;
 use sim_core::Options;
 use sim_core::scene::WorldDef;
 
+/// What strangers' requests go through, for the fuzz targets.
+#[doc(hidden)]
+pub mod fuzzing {
+    use std::time::Instant;
+
+    use axum::http::{HeaderMap, HeaderValue, header};
+
+    use crate::control::Control;
+    use crate::pace::Pace;
+
+    /// A request of a viewer or of Foxglove; a speed is kept for an hour.
+    pub fn control(text: &str) {
+        if let Ok(Control::Speed(speed)) = Control::read(text) {
+            Pace::new(speed, Instant::now(), 0.0).wait(Instant::now(), 3600.0);
+        }
+    }
+
+    /// Whether the page is given to who sends these headers; not where one cannot be a header.
+    pub fn accepts(host: &[u8], origins: &[&[u8]], own_name: &str) -> bool {
+        let headers =
+            std::iter::once((header::HOST, host)).chain(origins.iter().map(|origin| (header::ORIGIN, *origin)));
+        let headers = headers.map(|(name, value)| HeaderValue::from_bytes(value).map(|value| (name, value)));
+        let headers = headers.collect::<Result<HeaderMap, _>>();
+        headers.is_ok_and(|headers| crate::web::check(&headers, own_name, |_| false).is_ok())
+    }
+}
+
 /// What to serve and how.
 #[derive(Debug, Clone)]
 pub struct Config {

@@ -42,6 +42,14 @@ fn golden_lines_are_written_back_byte_for_byte() {
 }
 
 #[test]
+fn a_tachometer_has_a_speed_for_each_angle() {
+    for blocks in ["{Vel 1,2} {Pos 1}", "{Vel 1}", "{Pos 1}", "{Vel 1} {Pos 1"] {
+        let text = format!("SEN {{Type Tachometer}} {{Name T}} {blocks}");
+        assert_eq!(Message::read(&text), None, "{text}");
+    }
+}
+
+#[test]
 fn lines_that_are_no_message_are_none() {
     for text in ["", "RES {Type x}", "SEN {Type Laser}", "STA {Time x}", "NFO", "GEO {Type GroundVehicle}", "CONF"] {
         assert_eq!(Message::read(text).filter(|message| !matches!(message, Message::Geo(_))), None, "{text}");

@@ -29,6 +29,8 @@ impl ReadWrite for Tachometer {
 
     fn read(line: &Line) -> Option<Self> {
         let values = |key| line.get(key).map_or(Some(Vec::new()), floats);
-        Some(Self { name: name(line)?, velocities: values("Vel")?, positions: values("Pos")? })
+        let (velocities, positions) = (values("Vel")?, values("Pos")?);
+        let whole = velocities.len() == positions.len();
+        if whole { Some(Self { name: name(line)?, velocities, positions }) } else { None }
     }
 }

@@ -1,0 +1,151 @@
+//! Files that somebody gives: robots, maps, materials, URDF, meshes.
+//!
+//! They are written to a folder and read as the program does. Whatever is accepted has to make a world that can be driven in.
+
+use std::path::{Path, PathBuf};
+
+use scene_loader::LoadError;
+use sim_core::scene::WorldDef;
+use sim_core::{Controller, Options, World};
+use tempfile::TempDir;
+
+use crate::assert_finite;
+
+const STEPS: usize = 50;
+
+/// A robot whose body is a URDF, with wheels of its own; and one whose wheels are joints of the URDF.
+const ROBOT_OF_URDF: &str = include_str!("files/robot.toml");
+const ROBOT_OF_JOINTS: &str = include_str!("../../assets/robots/KUKA_YouBot/robot.toml");
+const URDF_WITH_JOINTS: &str = include_str!("../../assets/robots/KUKA_YouBot/robot.urdf");
+/// A body whose shape is a mesh.
+const URDF_OF_STL: &str = include_str!("files/stl.urdf");
+const URDF_OF_OBJ: &str = include_str!("files/obj.urdf");
+/// A floor with a mesh upon it.
+const MAP_OF_STL: &str = include_str!("files/stl.toml");
+const MAP_OF_OBJ: &str = include_str!("files/obj.toml");
+/// A small mesh for files that name one.
+const MESH: &str = include_str!("files/part.obj");
+
+/// A robot.toml. The URDF that it may name is there.
+pub fn robot(bytes: &[u8]) {
+    let folder = Folder::new(&[("robot.urdf", URDF_WITH_JOINTS.as_bytes())]);
+    drive_robot(&folder.with("robot.toml", bytes));
+}
+
+/// A map.toml. A mesh that it may name is there.
+pub fn map(bytes: &[u8]) {
+    let folder = Folder::new(&[("part.obj", MESH.as_bytes())]);
+    drive_on_map(&folder.with("map.toml", bytes));
+}
+
+/// A materials.toml, which is only checked: a world takes those that are built in.
+pub fn material(bytes: &[u8]) {
+    assert_lines(&scene_loader::check(&Folder::new(&[]).with("materials.toml", bytes)));
+}
+
+/// A URDF, checked by itself and as the body of two robots. A mesh that it may name is there.
+pub fn urdf(bytes: &[u8]) {
+    let folder = Folder::new(&[
+        ("robot.toml", ROBOT_OF_URDF.as_bytes()),
+        ("jointed.toml", ROBOT_OF_JOINTS.as_bytes()),
+        ("part.obj", MESH.as_bytes()),
+    ]);
+    assert_lines(&scene_loader::check(&folder.with("robot.urdf", bytes)));
+    drive_robot(&folder.path("robot.toml"));
+    drive_robot(&folder.path("jointed.toml"));
+}
+
+/// An STL file as a part of a map and as the body of a robot.
+pub fn stl(bytes: &[u8]) {
+    mesh("part.stl", bytes, MAP_OF_STL, URDF_OF_STL);
+}
+
+/// An OBJ file as a part of a map and as the body of a robot.
+pub fn obj(bytes: &[u8]) {
+    mesh("part.obj", bytes, MAP_OF_OBJ, URDF_OF_OBJ);
+}
+
+fn mesh(name: &str, bytes: &[u8], map: &str, urdf: &str) {
+    let folder = Folder::new(&[
+        (name, bytes),
+        ("map.toml", map.as_bytes()),
+        ("robot.urdf", urdf.as_bytes()),
+        ("robot.toml", ROBOT_OF_URDF.as_bytes()),
+    ]);
+    drive_on_map(&folder.path("map.toml"));
+    drive_robot(&folder.path("robot.toml"));
+}
+
+/// A folder of its own, which goes when it is dropped.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new(files: &[(&str, &[u8])]) -> Self {
+        let folder = Self(tempfile::tempdir().expect("a folder for files"));
+        for (name, bytes) in files {
+            folder.with(name, bytes);
+        }
+        folder
+    }
+
+    fn with(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        std::fs::write(self.path(name), bytes).expect("a file is written");
+        self.path(name)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+}
+
+/// What is called good can be loaded and driven on the map that has the most to touch.
+fn drive_robot(file: &Path) {
+    let checked = scene_loader::check(file);
+    assert_lines(&checked);
+    if checked.is_ok() {
+        let class = scene_loader::robot(&file.display().to_string(), &[]).expect("what is called good").class;
+        drive(scene_loader::load("arena", &[file]).expect("what is called good"), &class);
+    }
+}
+
+fn drive_on_map(file: &Path) {
+    let checked = scene_loader::check(file);
+    assert_lines(&checked);
+    if checked.is_ok() {
+        drive(scene_loader::load(&file.display().to_string(), &[]).expect("what is called good"), "P3AT");
+    }
+}
+
+fn drive(definition: WorldDef, class: &str) {
+    let start = definition.map.starts[0].name.clone();
+    let mut world = World::new(definition, Options::default());
+    let (mut controller, mut problems) = (Controller::default(), Vec::new());
+    for line in [
+        format!("INIT {{ClassName {class}}} {{Start {start}}}"),
+        "DRIVE {Left 2} {Right 3} {Front-Left 2} {Front-Right 3} {Back-Left 1} {Back-Right 2}".to_owned(),
+        "GETCONF {Type Robot}".to_owned(),
+        "GETGEO {Type Robot}".to_owned(),
+    ] {
+        assert_finite("an answer", &controller.execute_line(&line, &mut world, &mut problems));
+    }
+    let robot = controller.robots()[0];
+    assert_finite("the start", &world.observe(robot));
+    for step in 0..STEPS {
+        assert_finite("a message", &world.step());
+        assert_eq!(world.take_lost(), [], "step {step}");
+        assert_finite(&format!("step {step}"), &world.observe(robot));
+        assert_finite("the objects", &world.objects().collect::<Vec<_>>());
+    }
+}
+
+/// Every mistake has a place.
+fn assert_lines(checked: &Result<(), LoadError>) {
+    match checked {
+        Err(LoadError::Bad(problems)) => {
+            assert!(!problems.is_empty(), "refused without a reason");
+            assert!(problems.iter().all(|problem| problem.line > 0 && problem.column > 0), "{problems:?}");
+        }
+        Err(LoadError::Unreadable { .. }) | Ok(()) => {}
+        Err(other) => panic!("{other}"),
+    }
+}

@@ -1,0 +1,109 @@
+//! Lines with times into a world of robots that touch.
+
+use std::fmt::Write;
+use std::sync::LazyLock;
+
+use sim_core::scene::{DriveModel, WorldDef};
+use sim_core::{Controller, Options, RobotId, World};
+
+use crate::assert_finite;
+
+/// Maps that an input can choose, the first unless it names one.
+const MAPS: [&str; 3] = ["rough", "arena", "slope-4.5"];
+/// Most steps of one input; and most at once.
+const MAX_STEPS: u32 = 200;
+/// Most robots in the world at once.
+const MAX_ROBOTS: usize = 3;
+/// Most lines of one input: what counts is what happens between them.
+const MAX_LINES: usize = 200;
+
+static WORLDS: LazyLock<Vec<WorldDef>> = LazyLock::new(|| {
+    let load = |map: &&str| scene_loader::load(map, &[]).expect("a built-in map");
+    MAPS.iter().map(load).collect()
+});
+
+/// A text such as
+///
+/// ```text
+/// arena analytic
+/// a INIT {ClassName USARBot.P3AT} {Location 0,0,0}
+/// b INIT {ClassName KUKA_YouBot} {Location 0.5,0,0}
+/// a DRIVE {Left 5} {Right 5}
+/// 40
+/// b
+/// ```
+///
+/// says the map and the drive model of Mecanum robots, then what the connections a, b and c send, how many steps pass, and
+/// which connection ends.
+///
+/// Every number in a message and in what is seen of a robot is finite, no robot has to be taken out because its state is not,
+/// time goes on by steps, and the same input again gives the same lines and the same digest.
+pub fn world(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let first = run(&text);
+    let second = run(&text);
+    assert!(first == second, "two runs differ:\n{}\nand\n{}", first.1, second.1);
+}
+
+/// The digest of the world at the end and everything that was sent.
+fn run(text: &str) -> (u64, String) {
+    let (scene, lines) = text.split_once('\n').unwrap_or((text, ""));
+    let mut world = World::new(definition(scene), Options::default());
+    let mut controllers: [Controller; 3] = Default::default();
+    let (mut steps, mut sent) = (0, String::new());
+    for line in lines.lines().take(MAX_LINES) {
+        if let Ok(wanted) = line.trim().parse::<u32>() {
+            let wanted = wanted.min(MAX_STEPS - steps);
+            (0..wanted).for_each(|_| step(&mut world, &mut sent));
+            steps += wanted;
+        } else {
+            act(line, &mut controllers, &mut world, &mut sent);
+        }
+    }
+    assert_eq!(world.time(), f64::from(steps) * world.time_step());
+    (world.digest(), sent)
+}
+
+fn definition(scene: &str) -> WorldDef {
+    let mut words = scene.split_whitespace();
+    let map = words.next().and_then(|name| MAPS.iter().position(|map| *map == name)).unwrap_or_default();
+    let model = words.next().and_then(|name| name.parse::<DriveModel>().ok());
+    let mut definition = WORLDS[map].clone();
+    definition.robots.values_mut().for_each(|robot| robot.set_drive_model(model));
+    definition
+}
+
+fn act(line: &str, controllers: &mut [Controller; 3], world: &mut World, sent: &mut String) {
+    let connection = line.bytes().next().unwrap_or_default();
+    let text = line.get(1..).unwrap_or_default().trim();
+    let controller = &mut controllers[usize::from(connection) % 3];
+    let full = world.robots().count() >= MAX_ROBOTS;
+    if text.is_empty() {
+        std::mem::take(controller).end(world);
+    } else if !(full && text.get(..4).is_some_and(|verb| verb.eq_ignore_ascii_case("INIT"))) {
+        for message in controller.execute_line(text, world, &mut Vec::new()) {
+            assert_finite("an answer", &message);
+            let _ = writeln!(sent, "{}", message.write());
+        }
+        see(world);
+    }
+}
+
+fn step(world: &mut World, sent: &mut String) {
+    let before = world.time();
+    for (RobotId(robot), message) in world.step() {
+        assert_finite("a message", &message);
+        let _ = writeln!(sent, "{robot} {}", message.write());
+    }
+    assert!(world.time() > before);
+    assert_eq!(world.take_lost(), []);
+    see(world);
+}
+
+/// Looks at everything that can be seen.
+fn see(world: &World) {
+    for (id, class, _) in world.robots() {
+        assert_finite(class, &world.observe(id));
+    }
+    assert_finite("the objects", &world.objects().collect::<Vec<_>>());
+}
