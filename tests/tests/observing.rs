@@ -1,5 +1,7 @@
 //! What a viewer is told of a robot: its rollers and what pushes it.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
 use nalgebra::Vector3;
 use sim_core::scene::DriveModel;
 use sim_core::{Observation, Options, World};

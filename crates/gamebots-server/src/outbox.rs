@@ -147,7 +147,8 @@ impl Queue {
     }
 }
 
-#[cfg(all(test, feature = "loom"))]
+#[cfg(test)]
+#[cfg(feature = "loom")]
 mod model {
     //! Every order in which world, writer and reader can meet: `cargo test -p gamebots-server --features loom outbox`.
 
@@ -202,7 +203,8 @@ mod model {
     }
 }
 
-#[cfg(all(test, not(feature = "loom")))]
+#[cfg(test)]
+#[cfg(not(feature = "loom"))]
 mod tests {
     use super::*;
 
