@@ -3,7 +3,7 @@
 
     python3 -m venv venv && venv/bin/pip install mujoco numpy
     cargo build --release
-    venv/bin/python bench/compare.py [--seconds 10] [--repeat 3] [--out docs/comparison.md]
+    venv/bin/python bench/compare.py [--seconds 10] [--repeat 3] [--out docs/comparison.md] [--check docs/comparison.md]
 
 Both are driven forward, to the right and on the spot at 1 rad/s and compared with the exact kinematics of wheels with six
 rollers for the angles that the wheels turned. MuJoCo gets the robot that `usarsim show robot KUKA_YouBot` prints, with its
@@ -127,8 +127,16 @@ def mujoco_row(definition, shape, cone, dt, seconds):
 def usarsim_row(drive_model, dt, seconds):
     command = [USARSIM, "bench", "--drive-model", drive_model, "--dt", str(dt), "--seconds", str(seconds), "--json"]
     report = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
-    ratios = {name: motion["ratio"] for name, motion in report["motions"].items()}
+    ratios = {name: report["motions"][name]["ratio"] for name in ("forward", "right", "clockwise")}
     return {"factor": report["real_time_factor"], "error": report["worst_error_percent"], "ratios": ratios}
+
+
+def check(made, shown):
+    """Ends the program if two lists of rows differ in more than the times, the third cell of a row."""
+    untimed = [[row.split("|")[:3] + row.split("|")[4:] for row in rows] for rows in (made, shown)]
+    if untimed[0] != untimed[1]:
+        raise SystemExit("\n".join(["", "not what usarsim gives (`make figures` renews it):", *shown, "made:", *made]))
+    print("\rthe rows of usarsim are those that it gives")
 
 
 def main():
@@ -136,12 +144,15 @@ def main():
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--out", help="write the table as Markdown")
+    parser.add_argument("--check", help="compare with the rows of usarsim in this file, all but times; MuJoCo is not run")
     arguments = parser.parse_args()
     definition, seconds = robot(), arguments.seconds
     peers = [(shape, cone, dt) for shape in ("ellipsoid", "chain 5", "chain 9") for cone in ("pyramidal", "elliptic") for dt in (0.002, 0.004, 0.008, 0.012, 0.016, 0.02)]
     runs = {f"MuJoCo {mujoco.__version__}, {shape}, {cone}|{1e3 * dt:g}": (lambda s=shape, c=cone, t=dt: mujoco_row(definition, s, c, t, seconds)) for shape, cone, dt in peers}
     ours = [("bodies", 0.002), ("bodies", 0.004), ("analytic", 0.002), ("analytic", 0.004), ("analytic", 0.008), ("analytic", 0.012), ("analytic", 0.016), ("analytic", 0.02), ("kinematic", 0.016)]
     runs |= {f"usarsim, {name}|{1e3 * dt:g}": (lambda n=name, t=dt: usarsim_row(n, t, seconds)) for name, dt in ours}
+    if arguments.check:
+        arguments.repeat, runs = 1, {key: run for key, run in runs.items() if key.startswith("usarsim")}
     best = {}
     for turn in range(arguments.repeat):
         for key, run in runs.items():
@@ -154,6 +165,10 @@ def main():
         name, dt = key.split("|")
         ratios = " | ".join(f"{ratio:.4f}" for ratio in row["ratios"].values())
         lines.append(f"| {name} | {dt} | {row['factor']:.0f} | {row['error']:.2f} | {ratios} |")
+    if arguments.check:
+        with open(arguments.check) as file:
+            check(lines[2:], [line.rstrip("\n") for line in file if line.startswith("| usarsim")])
+        return
     good = [row["factor"] for key, row in best.items() if key.startswith("MuJoCo") and row["error"] <= 1]
     analytic = max(row["factor"] for key, row in best.items() if "analytic" in key and row["error"] <= 0.3)
     verdict = f"MuJoCo's best at an error of at most 1 %: {max(good, default=0):.0f} times real time. " if good else "MuJoCo is never within 1 %. "
@@ -162,8 +177,7 @@ def main():
     text = "\n".join(lines) + "\n\n" + verdict
     print("\r" + text)
     if arguments.out:
-        command = "venv/bin/python bench/compare.py --out docs/comparison.md"
-        head = f"# usarsim beside MuJoCo\n\nOne youBot at 1 rad/s on one core, each row the fastest of {arguments.repeat} turns of 3 x {seconds:g} simulated seconds. Made by `{command}`; see there what is compared.\n\n"
+        head = f"# usarsim beside MuJoCo\n\nOne youBot at 1 rad/s on one core, each row the fastest of {arguments.repeat} turns of 3 x {seconds:g} simulated seconds. Made by `bench/compare.py`; see there what is compared.\n\n"
         with open(arguments.out, "w") as file:
             file.write(head + text + "\n")
 

@@ -164,7 +164,7 @@ page is made by `bench/validation.py`; `cargo test -p system-tests --test valida
 
 * `bodies`, checks 7 and 9: of a contact that slides, the engine solves both tangents by their own masses and then cuts their
   length, so friction leans toward the direction across a roller, where it is light, and about a tenth of Coulomb's limit is lost.
-  Check 3 turns at 2 rad/s against rolling resistance and stands at its very bound; at 1 rad/s it is 0.997.
+  Check 3 turns at 2 rad/s against rolling resistance and stands at its very bound.
 * `kinematic` knows no forces but its own: checks 7 to 11 are not meant for it.
 * Check 11 pushes against a smooth bar as high as the hubs. What it pushes back with takes load off the front wheels, which slide
   first: 11 % before four equal wheels would.
