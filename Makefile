@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test book fuzz check
+.PHONY: run view test book figures fuzz check
 
 # Expanded only where something has to be built with it.
 npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
@@ -49,6 +49,16 @@ target/tools/bin/cargo-fuzz:
 # What CI runs.
 check:
 	.ci/run
+
+# Every measured number that README.md and docs show, made anew: a quarter of an hour on a machine that does nothing else.
+figures: target/interop/venv/bin/python
+	UPDATE_FIGURES=1 cargo test --release -p usarsim --test figures -- --nocapture
+	$< -m pip install --quiet --requirement tests/interop/requirements.txt
+	$< bench/validation.py
+	$< bench/compare.py --out docs/comparison.md
+
+target/interop/venv/bin/python:
+	python3 -m venv target/interop/venv
 
 viewer/node_modules/.package-lock.json: viewer/package-lock.json
 	cd viewer && $(npm) ci --no-fund --no-audit

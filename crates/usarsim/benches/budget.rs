@@ -14,41 +14,58 @@ const SECONDS: f64 = 10.0;
 /// Clock ticks a second in /proc/PID/stat; fixed on Linux.
 const TICKS: f64 = 100.0;
 
+/// A group to choose rows by, what is measured, how, and what is wanted.
+pub(crate) type Row = (&'static str, &'static str, fn() -> String, &'static str);
+
+/// Every row, in the order of its table.
+pub(crate) const ROWS: [Row; 11] = [
+    ("start", "start to ready, median of 5", start, "under 1000 ms"),
+    (
+        "drive",
+        "one youBot driving on `rough`",
+        || drive("rough", "KUKA_YouBot", 1),
+        "at most 80 % of a core, under 300 MB",
+    ),
+    ("drive", "10 P3ATs with laser driving in `arena`", || drive("arena", "P3AT", 10), "real time, under 300 MB"),
+    ("listen", "64 listening clients beside a youBot", || listen(64), "no line lost, under 300 MB"),
+    ("log", "ten youBots in `bodies` with a log", || log_ten("bodies"), "less than 5 %"),
+    ("log", "ten youBots in `analytic` with a log", || log_ten("analytic"), "less than 5 %"),
+    ("log", "log of one youBot in `bodies`", || log_one("bodies"), "under 200 MB"),
+    ("log", "log of one youBot in `analytic`", || log_one("analytic"), "under 200 MB"),
+    ("watch", "ten youBots in `bodies` seen by one viewer, by ten", || watch_ten("bodies"), "less than 5 % for one"),
+    (
+        "watch",
+        "ten youBots in `analytic` seen by one viewer, by ten",
+        || watch_ten("analytic"),
+        "less than 5 % for one",
+    ),
+    ("watch", "state of ten youBots with lasers for one viewer", watch_in_real_time, "under 200 kB/s"),
+];
+
 fn main() {
     // `cargo test --benches` and the like only want to know that it runs.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
     // `-- watch` measures the rows about viewers alone.
-    let rows: &[(&str, fn())] = &[
-        ("start", start),
-        ("drive", || drive("one youBot driving", "KUKA_YouBot", 1, "at most 80 % of a core")),
-        ("drive", || drive("10 P3ATs with laser driving", "P3AT", 10, "real time")),
-        ("listen", || listen(64)),
-        ("log", || log_ten("bodies")),
-        ("log", || log_ten("analytic")),
-        ("log", log_one),
-        ("watch", || watch_ten("bodies")),
-        ("watch", || watch_ten("analytic")),
-        ("watch", watch_in_real_time),
-    ];
     let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     println!("| measured | got | wanted |");
     println!("|---|---|---|");
-    for (_, measure) in rows.iter().filter(|(name, _)| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name))
-    {
-        measure();
+    for (group, what, measure, bar) in ROWS {
+        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == group) {
+            println!("| {what} | {} | {bar} |", measure());
+        }
     }
 }
 
-fn start() {
+fn start() -> String {
     let mut starts: Vec<f64> = (0..5).map(|_| Server::start("rough").started_in).collect();
     starts.sort_by(f64::total_cmp);
-    println!("| start to ready, median of 5 | {:.0} ms | under 1000 ms |", 1e3 * starts[2]);
+    format!("{:.0} ms", 1e3 * starts[2])
 }
 
 /// Ten youBots as fast as possible, with a log and without, in turns.
-fn log_ten(model: &str) {
+fn log_ten(model: &str) -> String {
     let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
     let log = folder.path().join("ten.mcap").display().to_string();
     let arguments = ["--rtf", "0", "--drive-model", model];
@@ -61,14 +78,11 @@ fn log_ten(model: &str) {
         factors.sort_by(f64::total_cmp);
         factors[1]
     });
-    println!(
-        "| ten youBots in {model} with a log | real-time factor {with:.2}, {without:.2} without: {:+.1} % | less than 5 % |",
-        100.0 * (with / without - 1.0)
-    );
+    format!("real-time factor {with:.2}, {without:.2} without: {:+.1} %", 100.0 * (with / without - 1.0))
 }
 
 /// Ten youBots as fast as possible with no viewer, one and ten, in turns.
-fn watch_ten(model: &str) {
+fn watch_ten(model: &str) -> String {
     let arguments = ["--rtf", "0", "--drive-model", model];
     let mut factors = [0, 1, 10].map(|viewers| (viewers, Vec::new()));
     for _ in 0..3 {
@@ -83,33 +97,30 @@ fn watch_ten(model: &str) {
         factors[1]
     });
     let change = |factor: f64| 100.0 * (factor / none - 1.0);
-    println!(
-        "| ten youBots in {model} seen by one viewer, by ten | real-time factor {none:.2} unseen, {one:.2} ({:+.1} %), {ten:.2} ({:+.1} %) | less than 5 % for one |",
-        change(one),
-        change(ten),
-    );
+    format!("real-time factor {none:.2} unseen, {one:.2} ({:+.1} %), {ten:.2} ({:+.1} %)", change(one), change(ten))
 }
 
 /// What one viewer of ten youBots with lasers is sent.
-fn watch_in_real_time() {
+fn watch_in_real_time() -> String {
     let server = Server::start_with("rough", &["--drive-model", "analytic"]);
     let viewer = server.watch();
     let factor = fastest(&server, 10);
     drop(server);
     let kilobytes = viewer.join().unwrap_or_default() as f64 / 1000.0 / (SECONDS + 0.5);
-    println!(
-        "| state of ten youBots with lasers for one viewer | {kilobytes:.0} kB/s at real-time factor {factor:.2} | under 200 kB/s |"
-    );
+    format!("{kilobytes:.0} kB/s at real-time factor {factor:.2}")
 }
 
-/// How large the log of one youBot gets.
-fn log_one() {
+/// How large the log of one youBot gets, and the one for ROS 2 beside it.
+fn log_one(model: &str) -> String {
     let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
-    let log = folder.path().join("one.mcap");
-    let factor = fastest(&Server::start_with("rough", &["--rtf", "20", "--log", &log.display().to_string()]), 1);
-    let bytes = std::fs::metadata(&log).map_or(0, |data| data.len());
-    let megabytes = bytes as f64 / (factor * SECONDS) * 3600.0 / 1e6;
-    println!("| log of one youBot | {megabytes:.0} MB an hour | under 200 MB |");
+    let log = folder.path().join("one.mcap").display().to_string();
+    let arguments = ["--rtf", "20", "--drive-model", model, "--log", &log, "--log-format", "ros2"];
+    let factor = fastest(&Server::start_with("rough", &arguments), 1);
+    let [own, ros2] = ["one.mcap", "one.ros2.mcap"].map(|file| {
+        let bytes = std::fs::metadata(folder.path().join(file)).map_or(0, |data| data.len());
+        bytes as f64 / (factor * SECONDS) * 3600.0 / 1e6
+    });
+    format!("{own:.0} MB an hour, and {ros2:.0} MB as ROS 2")
 }
 
 /// Simulated seconds a second with so many youBots that drive.
@@ -133,9 +144,9 @@ fn factor(lines: &[(Instant, String)]) -> f64 {
     ends.map_or(0.0, |(last, first)| (last.1 - first.1) / last.0.duration_since(first.0).as_secs_f64())
 }
 
-/// Robots drive in real time in the arena; how busy is the server, and does it keep its pace?
-fn drive(what: &str, class: &str, count: usize, wanted: &str) {
-    let server = Server::start(if count == 1 { "rough" } else { "arena" });
+/// Robots drive in real time; how busy is the server, and does it keep its pace?
+fn drive(map: &str, class: &str, count: usize) -> String {
+    let server = Server::start(map);
     let mut clients: Vec<Client> = (0..count)
         .map(|index| {
             let mut client = server.connect();
@@ -152,18 +163,14 @@ fn drive(what: &str, class: &str, count: usize, wanted: &str) {
     let share = (server.processor_seconds() - busy) / wall;
     let factor = factor(&lines[0]);
     let scans: usize = lines.iter().flatten().filter(|(_, line)| line.contains("{Type RangeScanner}")).count();
-    println!(
-        "| {what} | real-time factor {:.3}, {:.0} % of a core, {scans} scans, {:.0} MB | {wanted}, under 300 MB |",
-        factor,
-        100.0 * share,
-        server.peak_megabytes(),
-    );
+    let (percent, megabytes) = (100.0 * share, server.peak_megabytes());
+    format!("real-time factor {factor:.3}, {percent:.0} % of a core, {scans} scans, {megabytes:.0} MB")
 }
 
 /// Clients that only listen beside one that has a robot: does that one lose a line?
-fn listen(count: usize) {
+fn listen(count: usize) -> String {
     let server = Server::start("rough");
-    let idle: Vec<Client> = (0..count).map(|_| server.connect()).collect();
+    let _idle: Vec<Client> = (0..count).map(|_| server.connect()).collect();
     let mut client = server.connect();
     send(&mut client, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}");
     let lines = read(client, SECONDS);
@@ -173,12 +180,8 @@ fn listen(count: usize) {
         .filter_map(|(_, line)| time_of(line))
         .collect();
     let gaps = truths.windows(2).filter(|pair| (pair[1] - pair[0] - 0.1).abs() > 1e-3).count();
-    println!(
-        "| {} listening clients beside a youBot | {} ground truths in {SECONDS} s, {gaps} gaps, {:.0} MB | no line lost, under 300 MB |",
-        idle.len(),
-        truths.len(),
-        server.peak_megabytes(),
-    );
+    let (seen, megabytes) = (truths.len(), server.peak_megabytes());
+    format!("{seen} ground truths in {SECONDS} s, {gaps} gaps, {megabytes:.0} MB")
 }
 
 /// Every line that comes, with the moment it came.

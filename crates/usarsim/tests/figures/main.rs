@@ -1,0 +1,107 @@
+//! The measured numbers that README.md and docs/*.md show are those that the program gives, with robots and maps as
+//! shipped.
+//!
+//! They stand between `<!-- figures: NAME -->` and `<!-- end -->`. `cargo test` makes each of them anew and compares,
+//! and leaves alone what no two machines agree on: times, sizes of logs, memory. With `UPDATE_FIGURES=1` it writes what
+//! it made; in a release build, which is `make figures`, it measures those, too.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../../benches/budget.rs"]
+#[expect(dead_code, reason = "its main is that of `cargo bench`")]
+mod budget;
+mod makers;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use regex::{Captures, Regex};
+
+/// What stands for a number that was not measured.
+const UNTIMED: &str = "~";
+
+/// Makes the text of a figure; with `true` it takes times as well.
+type Maker = fn(bool) -> String;
+
+const FIGURES: [(&str, Maker); 10] = [
+    ("session", |_| makers::session()),
+    ("motion", |_| makers::motion()),
+    ("drive-models", makers::drive_models),
+    ("robots", makers::robots),
+    ("cost", |timed| makers::cost(timed, &["start", "drive", "listen"])),
+    ("cost-of-logs", |timed| makers::cost(timed, &["log"])),
+    ("cost-of-viewers", |timed| makers::cost(timed, &["watch"])),
+    ("kinematics", |_| makers::kinematics()),
+    ("thesis", |_| makers::thesis()),
+    ("thesis-runs", |_| makers::thesis_runs()),
+];
+
+#[test]
+fn figures_in_the_documents_are_those_that_the_program_gives() {
+    let update = std::env::var_os("UPDATE_FIGURES").is_some();
+    let mut made = make(update && !cfg!(debug_assertions));
+    let block = Regex::new("(?s)(<!-- figures: ([a-z-]+) -->)(.*?)(<!-- end -->)").unwrap();
+    let mut wrong = String::new();
+    for path in documents() {
+        let shown = path.file_name().unwrap().display();
+        let old = fs::read_to_string(&path).unwrap();
+        let new = block.replace_all(&old, |found: &Captures| {
+            let [start, name, old, end] = [1, 2, 3, 4].map(|group| &found[group]);
+            let made =
+                made.remove(name).unwrap_or_else(|| panic!("{shown}: nobody makes `{name}`, or it stands twice"));
+            let new: Vec<String> = made.split('\n').map(|line| with_old_times(line, old)).collect();
+            let new = new.join("\n");
+            if new != old || new.contains(UNTIMED) {
+                wrong += &format!("{shown}, {name}:\n{}", difference(old, &new));
+            }
+            format!("{start}{new}{end}")
+        });
+        if update && new != old {
+            fs::write(&path, new.as_ref()).unwrap();
+        }
+    }
+    assert!(made.is_empty(), "in no document: {:?}", made.keys());
+    assert!(update || wrong.is_empty(), "not what the program gives (`make figures` renews them):\n{wrong}");
+}
+
+/// Every figure; side by side unless times are taken.
+fn make(timed: bool) -> BTreeMap<&'static str, String> {
+    if timed {
+        return FIGURES.iter().map(|(name, make)| (*name, make(true))).collect();
+    }
+    thread::scope(|scope| {
+        let makers = FIGURES.map(|(name, make)| (name, scope.spawn(move || make(false))));
+        makers.into_iter().map(|(name, maker)| (name, maker.join().unwrap())).collect()
+    })
+}
+
+/// A row with what was not measured filled in from the old row that begins alike.
+fn with_old_times(new: &str, old: &str) -> String {
+    let old = new.split_once(UNTIMED).and_then(|(label, _)| old.lines().find(|line| line.starts_with(label)));
+    let Some(old) = old else { return new.to_owned() };
+    let cells = new.split('|').zip(old.split('|'));
+    cells.map(|(new, old)| if new.trim() == UNTIMED { old } else { new }).collect::<Vec<_>>().join("|")
+}
+
+fn difference(old: &str, new: &str) -> String {
+    let only = |sign: char, these: &str, those: &str| -> String {
+        these
+            .lines()
+            .filter(|line| !those.lines().any(|other| other == *line))
+            .map(|line| format!("{sign} {line}\n"))
+            .collect()
+    };
+    only('-', old, new) + &only('+', new, old)
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn documents() -> Vec<PathBuf> {
+    let pages = fs::read_dir(repository().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = pages.filter(|path| path.extension().is_some_and(|end| end == "md"));
+    pages.chain([repository().join("README.md")]).collect()
+}

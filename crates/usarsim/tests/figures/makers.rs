@@ -1,0 +1,264 @@
+//! What each figure is made of. Makers take `true` where times are to be measured, too.
+
+use std::path::Path;
+use std::process::Command;
+
+use experiments::claim::Claims;
+use experiments::plan::{Plan, Run};
+use experiments::run::{self, Outcome};
+use experiments::{Course, Motion, Travel};
+use gamebots_proto::message::{Message, Reading};
+use kinematics::FiniteRollers;
+use kinematics::thesis::{Sizes, base_velocity, printed};
+use sim_core::scene::{DriveModel, WorldDef};
+use sim_core::{Controller, Options, World};
+
+use crate::{UNTIMED, budget, repository};
+
+/// A table in Markdown, with the empty lines around it.
+fn table(head: &str, rows: impl IntoIterator<Item = String>) -> String {
+    let rule = "---|".repeat(head.matches('|').count() - 1);
+    let rows: String = rows.into_iter().map(|row| row + "\n").collect();
+    format!("\n\n{head}\n|{rule}\n{rows}\n")
+}
+
+/// A number with three digits at least, or what stands for it.
+fn time(timed: bool, number: &serde_json::Value) -> String {
+    let number = number.as_f64().unwrap();
+    match timed {
+        false => UNTIMED.to_owned(),
+        true if number < 10.0 => format!("{number:.2}"),
+        true if number < 100.0 => format!("{number:.1}"),
+        true => format!("{number:.0}"),
+    }
+}
+
+/// What `usarsim bench --json` reports with these arguments. Of times, the fastest of three.
+fn bench(timed: bool, arguments: &[&str]) -> serde_json::Value {
+    let run = || -> serde_json::Value {
+        eprintln!("usarsim bench {}", arguments.join(" "));
+        let mut program = Command::new(env!("CARGO_BIN_EXE_usarsim"));
+        let output = program.args(["bench", "--json"]).args(arguments).current_dir(repository()).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let step = |report: &serde_json::Value| report["microseconds_per_step"].as_f64().unwrap();
+    let runs = (0..if timed { 3 } else { 1 }).map(|_| run());
+    runs.min_by(|a, b| step(a).total_cmp(&step(b))).unwrap()
+}
+
+pub(crate) fn drive_models(timed: bool) -> String {
+    let [plane, solid, mesh] = ["rough", "bench/floors/box.toml", "bench/floors/mesh.toml"];
+    let rows = [
+        ("bodies", "0.002", plane),
+        ("bodies", "0.004", plane),
+        ("bodies", "0.004", solid),
+        ("bodies", "0.004", mesh),
+        ("analytic", "0.002", plane),
+        ("analytic", "0.008", plane),
+        ("analytic", "0.016", plane),
+        ("analytic", "0.02", plane),
+        ("analytic", "0.016", solid),
+        ("analytic", "0.016", mesh),
+        ("kinematic", "0.016", plane),
+    ];
+    let row = |(model, step, map): (&str, &str, &str)| {
+        let report = bench(timed, &["--drive-model", model, "--dt", step, "--map", map]);
+        let [factor, microseconds] = ["real_time_factor", "microseconds_per_step"].map(|key| time(timed, &report[key]));
+        let error = report["worst_error_percent"].as_f64().unwrap();
+        let motions = report["motions"].as_object().unwrap().values();
+        let ripple = motions.map(|motion| motion["ripple_mm"].as_f64().unwrap()).fold(0.0, f64::max);
+        format!("| {model} | {step} | `{map}` | {factor} | {microseconds} | {error:.2} % | {ripple:.3} mm |")
+    };
+    let head = "| M, model | S, time step, s | F, map | times real time | us a step | worst error | ripple |";
+    table(head, rows.map(row))
+}
+
+pub(crate) fn robots(timed: bool) -> String {
+    let microseconds = |model: &str, robots: &str| match timed {
+        false => UNTIMED.to_owned(),
+        true => {
+            let arguments = ["--drive-model", model, "--dt", "0.002", "--robots", robots, "--seconds", "1"];
+            time(true, &bench(true, &arguments)["microseconds_per_step"])
+        }
+    };
+    let row = |model: &str| {
+        format!("| {model} | {} |", ["1", "10", "20"].map(|robots| microseconds(model, robots)).join(" | "))
+    };
+    table("| M, model | N = 1 | 10 | 20 |", ["bodies", "analytic", "kinematic"].map(row))
+}
+
+pub(crate) fn cost(timed: bool, groups: &[&str]) -> String {
+    let rows = budget::ROWS.iter().filter(|(group, ..)| groups.contains(group)).map(|(_, what, measure, bar)| {
+        if timed {
+            eprintln!("{what}");
+        }
+        let got = if timed { measure() } else { UNTIMED.to_owned() };
+        format!("| {what} | {got} | {bar} |")
+    });
+    table("| measured | got | wanted |", rows)
+}
+
+/// A world as shipped.
+fn world(map: &str) -> WorldDef {
+    scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The motions of the youBot, their units, and the signs of its wheels: front left, front right, back left, back right.
+const MOTIONS: [(Motion, &str, &str, [f64; 4]); 3] = [
+    (Motion::Forward, "forward", "m", [1.0, 1.0, 1.0, 1.0]),
+    (Motion::Right, "to the right", "m", [1.0, -1.0, -1.0, 1.0]),
+    (Motion::Clockwise, "turning", "rad", [1.0, -1.0, 1.0, -1.0]),
+];
+
+/// Ten seconds of a youBot whose wheels are commanded 1 rad/s, by its own drive model or another.
+fn youbot(map: &str, model: Option<DriveModel>, motion: Motion) -> Travel {
+    let mut def = world(map);
+    def.robots.get_mut("KUKA_YouBot").unwrap().set_drive_model(model);
+    let mut course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0).unwrap();
+    course.run(10.0);
+    course.travel().unwrap()
+}
+
+/// What a radian of the youBot's wheels gives, m or rad: by the textbook, by finite rollers in the mean over their
+/// phases, and by the Jacobians of the thesis as printed.
+fn by_kinematics(motion: Motion, signs: [f64; 4]) -> [f64; 3] {
+    let rollers = sim_core::drive::finite_rollers(&world("rough").robots["KUKA_YouBot"]).unwrap();
+    let FiniteRollers { base, axis_circle, .. } = rollers;
+    let twist = base.forward(signs);
+    let part = [1.0, rollers.mean_lateral_ratio(), rollers.mean_rotation_ratio()];
+    let jacobians = printed(&Sizes {
+        wheel_radius: base.wheel_radius,
+        roller_radius: base.wheel_radius - axis_circle,
+        half_track: base.half_track,
+        half_wheelbase: base.half_wheelbase,
+    });
+    let [front_left, front_right, back_left, back_right] = signs;
+    let velocity = base_velocity(&jacobians, [front_right, front_left, back_left, back_right]).unwrap();
+    let axis = motion as usize;
+    let textbook = [twist.forward, twist.right, twist.clockwise][axis];
+    // Its x is to the right, its y ahead, its yaw counterclockwise.
+    [textbook, textbook * part[axis], [velocity.y, velocity.x, -velocity.z][axis]]
+}
+
+pub(crate) fn motion() -> String {
+    let mut rows = Vec::new();
+    for map in ["rough", "smooth"] {
+        for (motion, name, unit, signs) in MOTIONS {
+            let Travel { moved, turned, ratio, .. } = youbot(map, None, motion);
+            let moved = moved[motion as usize];
+            let (by_wheels, commanded) = (moved / ratio, 10.0 * by_kinematics(motion, signs)[1]);
+            rows.push(format!(
+                "| youBot on `{map}` | {name}, 1 rad/s | {moved:.3} {unit} | {turned:.2} rad | {by_wheels:.3} {unit} \
+                 | {commanded:.3} {unit} |"
+            ));
+        }
+    }
+    rows.push(p3at());
+    table("| robot | motion | measured | wheels turned | exact for this angle | exact for the speed commanded |", rows)
+}
+
+fn p3at() -> String {
+    let mut world = World::new(world("rough"), Options::default());
+    let mut controller = Controller::default();
+    let place = |world: &World, controller: &Controller| {
+        let (body, wheels) = world.state(controller.robots()[0]).unwrap();
+        (body.pose.translation.x, wheels.iter().map(|wheel| wheel.angle).sum::<f64>() / wheels.len() as f64)
+    };
+    controller.execute_line("INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}", &mut world, &mut Vec::new());
+    run_for(&mut world, 0.5);
+    controller.execute_line("DRIVE {Left 3} {Right 3}", &mut world, &mut Vec::new());
+    run_for(&mut world, 2.0);
+    let from = place(&world, &controller);
+    run_for(&mut world, 10.0);
+    let to = place(&world, &controller);
+    let (moved, turned) = (to.0 - from.0, to.1 - from.1);
+    let radius = world.def().robots["P3AT"].wheels[0].radius;
+    let (by_wheels, commanded) = (radius * turned, radius * 30.0);
+    format!(
+        "| P3AT on `rough` | forward, 3 rad/s | {moved:.3} m | {turned:.2} rad | {by_wheels:.3} m | {commanded:.3} m |"
+    )
+}
+
+/// Lets time pass and returns the lines that are sent.
+fn run_for(world: &mut World, seconds: f64) -> Vec<Message> {
+    let steps = (seconds / world.time_step()).round() as u64;
+    (0..steps).flat_map(|_| world.step()).map(|(_, message)| message).collect()
+}
+
+/// What is typed, and the answers; of what streams for some seconds after it, the last status and ground truth.
+pub(crate) fn session() -> String {
+    let mut world = World::new(world("rough"), Options::default());
+    let mut controller = Controller::default();
+    let mut text = format!("\n\n```console\n$ nc 127.0.0.1 3000\n{}\n", world.greeting().write());
+    for (typed, seconds) in [
+        ("INIT {ClassName USARBot.KUKA_YouBot} {Name R1} {Start PlayerStart_0}", 0.0),
+        ("GETCONF {Type Robot}", 1.0),
+        ("DRIVE {Front-Left 1}{Front-Right -1}{Back-Left -1}{Back-Right 1}", 5.0),
+        ("DRIVE {LinearVelocity 0.2} {RotationalVelocity 0.5}", 0.0),
+        ("DRIVE {Left 0} {Right 0}", 0.0),
+    ] {
+        text += &format!("> {typed}\n");
+        for answer in controller.execute_line(typed, &mut world, &mut Vec::new()) {
+            text += &format!("{}\n", answer.write());
+        }
+        let streamed = run_for(&mut world, seconds);
+        let is_truth =
+            |message: &&Message| matches!(message, Message::Sen(sen) if matches!(sen.reading, Reading::GroundTruth(_)));
+        let status = streamed.iter().rfind(|message| matches!(message, Message::Sta(_)));
+        for message in status.into_iter().chain(streamed.iter().rfind(is_truth)) {
+            text += &format!("{}\n", message.write());
+        }
+        text += if streamed.is_empty() { "" } else { "...\n" };
+    }
+    text + "```\n\n"
+}
+
+/// The three kinematics beside what the model without inertia of rollers gives.
+pub(crate) fn kinematics() -> String {
+    let rows = MOTIONS.map(|(motion, name, unit, signs)| {
+        let Travel { moved, turned, .. } = youbot("rough", Some(DriveModel::Analytic), motion);
+        let measured = moved[motion as usize] / turned;
+        let [textbook, exact, printed] = by_kinematics(motion, signs);
+        let scaled = format!(", and {:.4} by the factor of (6.34)", printed * std::f64::consts::FRAC_1_SQRT_2);
+        let scaled = if motion == Motion::Right { &scaled } else { "" };
+        format!("| {name} | {textbook:.4} {unit} | {exact:.4} | {printed:.4}{scaled} | {measured:.4} |")
+    });
+    table("| motion | textbook | finite rollers, mean | thesis as printed | measured in `analytic` |", rows)
+}
+
+pub(crate) fn thesis_runs() -> String {
+    thesis_plans().iter().map(|plan| plan.runs().len()).sum::<usize>().to_string()
+}
+
+fn thesis_plans() -> Vec<Plan> {
+    let files = experiments::thesis::files().into_iter();
+    files.map(|(file, text)| Plan::read(Path::new(&file), text).unwrap_or_else(|error| panic!("{error}"))).collect()
+}
+
+/// Claims of the thesis about its simulation forward that need no more than some of the runs of one experiment.
+pub(crate) fn thesis() -> String {
+    let mut plan = thesis_plans().into_iter().find(|plan| plan.name == "forward").unwrap();
+    plan.keep_models(&[DriveModel::Bodies]);
+    let runs = plan.runs();
+    let has = |run: &Run, name: &str, values: &[&str]| {
+        run.labels.iter().any(|(axis, value)| axis == name && values.contains(&value.as_str()))
+    };
+    let wanted = runs
+        .iter()
+        .filter(|run| has(run, "centre", &["body"]) && has(run, "ground", &["rough", "slope 1.5", "slope 4.5"]));
+    let outcomes: Vec<Outcome> = wanted.map(|run| run::run(&plan, run, None).unwrap()).collect();
+    let Claims { claims } = toml::from_str(experiments::thesis::claims()).unwrap();
+    let rows = [
+        "Forward on carpet, simulated",
+        "Forward, 0 to 1.5 degrees, simulated",
+        "Forward, 1.5 to 4.5 degrees, simulated",
+        "Mechanism",
+    ];
+    let row = |start: &str| {
+        let claim = claims.iter().find(|claim| claim.text.starts_with(start)).unwrap();
+        let (number, found, unit) = (claim.number.unwrap(), claim.found(&outcomes, "bodies").unwrap(), &claim.unit);
+        format!("| {} | {number} {unit} | {found:.2} {unit} |", claim.text)
+    };
+    table("| claim | the thesis | `bodies` |", rows.map(row))
+}
