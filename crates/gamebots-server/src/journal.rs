@@ -9,7 +9,7 @@ use sim_core::World;
 /// Bytes of lines that are kept: hours of a controller that sends fifty lines a second. Beyond, the oldest are lost.
 const MAX_BYTES: usize = 16 * 1024 * 1024;
 /// What an entry costs beside its text.
-const ENTRY_BYTES: usize = 128;
+const ENTRY_BYTES: usize = 264;
 
 /// The lines that came and the connections that ended, with their simulated times, s.
 #[derive(Default)]
