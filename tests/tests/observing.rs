@@ -108,6 +108,20 @@ fn a_robot_carries_another() {
     }
 }
 
+/// A wheel that is stood on holds with the robot that it is on, not with its own small mass: nobody sinks into it.
+#[test]
+fn a_robot_stands_as_high_on_another_in_every_drive_model() {
+    for on_wheels in [false, true] {
+        let [bodies, analytic, kinematic] = [DriveModel::Bodies, DriveModel::Analytic, DriveModel::Kinematic]
+            .map(|model| check_carries("BasicSkidRobot", on_wheels, model));
+        println!("on wheels: {on_wheels}: {bodies:.5} m, {analytic:.5} m, {kinematic:.5} m");
+        assert!(
+            (analytic - bodies).abs() < 5e-4 && (kinematic - bodies).abs() < 5e-4,
+            "{bodies} {analytic} {kinematic}"
+        );
+    }
+}
+
 /// Sideways the rollers that touch turn, in both models alike; that the wheels turn does not count.
 #[test]
 fn rollers_turn_when_the_robot_goes_sideways() {

@@ -5,7 +5,7 @@
 //! nothing of it that it does not touch itself, and adds what happens to the body's own shape (walls, boxes, other robots).
 
 use kinematics::{FiniteRollers, Mecanum, Twist};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
 
@@ -207,7 +207,7 @@ impl RigidBase {
                 let other = dynamic_body(world, collider).map(|(handle, body)| {
                     touched.iter().position(|&known| known == handle).unwrap_or_else(|| {
                         touched.push(handle);
-                        others.push(other_body(body));
+                        others.push(other_body(world, handle, body));
                         touched.len() - 1
                     })
                 });
@@ -488,16 +488,33 @@ fn dynamic_body<'a>(world: &'a PhysicsWorld, collider: &Collider) -> Option<(Rig
     world.bodies.get(handle).filter(|body| body.is_dynamic()).map(|body| (handle, body))
 }
 
-fn other_body(body: &RigidBody) -> Other {
+fn other_body(world: &PhysicsWorld, handle: RigidBodyHandle, body: &RigidBody) -> Other {
+    Other {
+        inverse_inertia: inverse_of_link(world, handle).unwrap_or_else(|| inverse_of_body(body)),
+        centre: convert::from_vector(body.mass_properties().world_com),
+        linear: convert::from_vector(body.linvel()),
+        angular: convert::from_vector(body.angvel()),
+    }
+}
+
+fn inverse_of_body(body: &RigidBody) -> Matrix6<f64> {
     let properties = body.mass_properties();
     let inverse = properties.effective_world_inv_inertia;
     let [xx, xy, xz, yy, yz, zz] =
         [inverse.m11, inverse.m12, inverse.m13, inverse.m22, inverse.m23, inverse.m33].map(f64::from);
-    Other {
-        inverse_mass: f64::from(properties.effective_inv_mass.x),
-        inverse_inertia: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
-        centre: convert::from_vector(properties.world_com),
-        linear: convert::from_vector(body.linvel()),
-        angular: convert::from_vector(body.angvel()),
+    let mut matrix = Matrix6::from_diagonal_element(f64::from(properties.effective_inv_mass.x));
+    matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz));
+    matrix
+}
+
+/// What is felt at a link of a multibody, with all that hangs on it. `None` for other bodies, and before the first step.
+fn inverse_of_link(world: &PhysicsWorld, handle: RigidBodyHandle) -> Option<Matrix6<f64>> {
+    let link = world.multibody_joints.rigid_body_link(handle)?;
+    let multibody = world.multibody_joints.get_multibody(link.multibody)?;
+    let (jacobian, mass) = (multibody.body_jacobian(link.id), multibody.inv_augmented_mass());
+    if mass.lu_internal().nrows() != multibody.ndofs() || jacobian.ncols() != multibody.ndofs() {
+        return None;
     }
+    let response = jacobian * mass.solve(&jacobian.transpose())?;
+    Some(Matrix6::from_fn(|row, column| f64::from(response[(row, column)])))
 }

@@ -6,7 +6,7 @@
 //! each is where it belongs; should that not settle, projected Gauss-Seidel goes on from there. All in f64, world axes,
 //! SI units.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Most changes of the active set.
 const MAX_CHANGES: u32 = 40;
@@ -71,8 +71,8 @@ pub(super) struct Momentum {
 /// A body that is touched, as far as its contacts need it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Other {
-    pub(super) inverse_mass: f64,
-    pub(super) inverse_inertia: Matrix3<f64>,
+    /// Velocity, linear and angular about the centre, by an impulse and a turning impulse there.
+    pub(super) inverse_inertia: Matrix6<f64>,
     pub(super) centre: Vector3<f64>,
     pub(super) linear: Vector3<f64>,
     pub(super) angular: Vector3<f64>,
@@ -274,19 +274,24 @@ impl<'a> System<'a> {
 }
 
 impl Other {
-    fn turning(&self, row: &Row) -> Vector3<f64> {
-        row.point.map_or_else(Vector3::zeros, |point| (point - self.centre).cross(&row.direction))
+    /// The impulse of a row and the turning impulse about the centre.
+    fn wrench(&self, row: &Row) -> Vector6<f64> {
+        let turning = row.point.map_or_else(Vector3::zeros, |point| (point - self.centre).cross(&row.direction));
+        stacked(row.direction, turning)
     }
 
     fn velocity(&self, row: &Row) -> f64 {
-        row.direction.dot(&self.linear) + self.turning(row).dot(&self.angular)
+        self.wrench(row).dot(&stacked(self.linear, self.angular))
     }
 
     /// Velocity along one row by an impulse along another.
     fn response(&self, row: &Row, peer: &Row) -> f64 {
-        row.direction.dot(&peer.direction) * self.inverse_mass
-            + self.turning(row).dot(&(self.inverse_inertia * self.turning(peer)))
+        self.wrench(row).dot(&(self.inverse_inertia * self.wrench(peer)))
     }
+}
+
+fn stacked(linear: Vector3<f64>, angular: Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }
 
 /// What the impulses have to do: `matrix * impulses = wanted` for the rows that hold.
