@@ -145,12 +145,12 @@ fn iridiumse_asks_on_one_connection_and_drives_on_another() {
 }
 
 #[test]
-fn the_nist_ros_bridge_gets_the_names_it_asks_for() {
+fn the_nist_ros_bridge_gets_the_class_of_its_robot_and_the_names_of_its_sensors() {
     let Some(exchanges) = assert_moves("usarsim_inf", 0.3) else { return };
     for start in [
         "NFO {StartPoses 3}",
-        "CONF {Name ROSbot} {Type GroundVehicle} {SteeringType SkidSteered}",
-        "GEO {Type GroundVehicle} {Name ROSbot}",
+        "CONF {Name P3AT} {Type GroundVehicle} {SteeringType SkidSteered}",
+        "GEO {Type GroundVehicle} {Name P3AT}",
         "GEO {Type GroundTruth} {Name GndTruth}",
         "CONF {Type INS} {Name InsTest}",
         "GEO {Type INS} {Name InsTest}",
