@@ -61,6 +61,8 @@ pub(crate) struct Physics {
     objects: Vec<RigidBodyHandle>,
     /// Time left of the landing of a robot, s; `LANDING_TIME` while one falls.
     landing: f64,
+    /// What stands until the next step in the places of colliders that were removed.
+    placeholders: Vec<ColliderHandle>,
 }
 
 impl Physics {
@@ -98,7 +100,7 @@ impl Physics {
         }
         // The colliders enter the query structure with the first step; of nothing, it moves nothing.
         world.step();
-        Self { world, objects, landing: 0.0 }
+        Self { world, objects, landing: 0.0, placeholders: Vec::new() }
     }
 
     /// Advances by one time step.
@@ -109,6 +111,10 @@ impl Physics {
         parameters.num_internal_pgs_iterations = sweeps;
         parameters.num_internal_stabilization_iterations = sweeps;
         self.landing -= f64::from(parameters.dt);
+        // Backwards, so that their places are taken again in the order in which they would have been.
+        for placeholder in self.placeholders.drain(..).rev() {
+            self.world.remove_collider(placeholder);
+        }
         self.world.step();
     }
 

@@ -16,6 +16,9 @@ use crate::scene::{DriveModel, Pose, RobotDef, Rollers, Wheel};
 /// 0.14 m/s; what is faster has fallen off the map and lands nowhere.
 const FALLING_SPEEDS: std::ops::Range<f64> = 0.2..20.0;
 
+/// Where no ray comes, m.
+const FAR_AWAY: Vector = Vector::new(1e6, 1e6, 1e6);
+
 /// The bodies of one robot.
 pub(crate) struct RobotBodies {
     chassis: RigidBodyHandle,
@@ -183,9 +186,17 @@ impl Physics {
     }
 
     /// Takes a robot out of the world.
+    ///
+    /// The engine forgets what a removed collider was near to only if no other one has taken its place by the next step;
+    /// otherwise it keeps that for ever. So something that touches nothing takes the places until then.
     pub(crate) fn remove(&mut self, bodies: &RobotBodies) {
+        let mut places = 0;
         for &body in bodies.all.iter().rev() {
-            self.world.remove_body_with_colliders(body, true);
+            places += self.world.remove_body_with_colliders(body, true).map_or(0, |body| body.colliders().len());
+        }
+        for _ in 0..places {
+            let placeholder = ColliderBuilder::ball(0.001).translation(FAR_AWAY).enabled(false);
+            self.placeholders.push(self.world.insert_collider(placeholder, None));
         }
     }
 
