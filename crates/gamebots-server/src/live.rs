@@ -87,6 +87,8 @@ pub(crate) struct ClientStatus {
     pub(crate) lines: u64,
     /// Periodic lines that it was too slow to take.
     pub(crate) dropped: u64,
+    /// Bytes on their way to it.
+    pub(crate) waiting_bytes: usize,
 }
 
 /// What is to be told now beside where everything is.

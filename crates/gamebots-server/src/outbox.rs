@@ -110,6 +110,12 @@ impl Outbox {
         .await;
     }
 
+    /// Bytes that the client has not been sent yet.
+    pub(crate) fn waiting_bytes(&self) -> usize {
+        let queue = self.lock();
+        queue.periodic_bytes + queue.answer_bytes
+    }
+
     /// Periodic lines dropped since the last call.
     pub(crate) fn take_dropped(&self) -> u64 {
         std::mem::take(&mut self.lock().dropped)

@@ -77,6 +77,11 @@ impl Session {
         self.requests.len() > 0 && self.outbox.has_room()
     }
 
+    /// Whether the next request makes a robot.
+    pub(crate) fn is_next_init(&self) -> bool {
+        matches!(self.requests.as_slice(), [Request { command: Some(Command::Init(_)), .. }, ..])
+    }
+
     /// The client has left; it is over when all that it had sent is executed.
     pub(crate) fn close(&mut self) {
         self.is_closed = true;

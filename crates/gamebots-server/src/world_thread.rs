@@ -33,7 +33,7 @@ const MAX_EVENTS_A_STEP: usize = 1024;
 const REQUESTS_TOGETHER: usize = 16;
 /// How long one client's requests are executed before another client has its turn.
 const SLICE: Duration = Duration::from_millis(1);
-/// Time for requests that can be saved up while a world that is due all the time steps.
+/// Time for requests that can be saved up while a world that is due all the time steps; more only when one step takes more.
 const MAX_CREDIT: Duration = Duration::from_millis(4);
 /// What a client has cost counts half after this long.
 const FORGETTING_INTERVAL: Duration = Duration::from_millis(100);
@@ -185,7 +185,8 @@ impl Server {
             self.say(&text);
         }
         self.recording.record_states(&self.world);
-        self.credit = (self.credit + start.elapsed()).min(MAX_CREDIT);
+        let took = start.elapsed();
+        self.credit = (self.credit + took).min(MAX_CREDIT.max(took));
     }
 
     /// How long the next step has to wait; a paused world takes only the steps that were asked for.
@@ -216,7 +217,12 @@ impl Server {
     fn take(&mut self, event: Event) -> Result<(), Stop> {
         match event {
             Event::Opened(id, peer, outbox) => {
-                self.sessions.insert(id, Session::new(id, peer, outbox, self.report_errors));
+                // It begins behind those that cost little, so that leaving and coming again gains nothing.
+                let clients = self.sessions.len().max(1) as u32;
+                let mean = self.sessions.values().map(Session::cost).sum::<Duration>() / clients;
+                let mut session = Session::new(id, peer, outbox, self.report_errors);
+                session.add_cost(mean);
+                self.sessions.insert(id, session);
                 let greeting = self.world.greeting();
                 self.send(id, None, &greeting);
                 self.live.changed(Instant::now());
@@ -277,6 +283,10 @@ impl Server {
             let Some(request) = self.sessions.get_mut(&id).and_then(Session::next_request) else { break };
             self.execute(id, &request);
             count += 1;
+            // A robot takes milliseconds to make, and many in one segment are not to hold up others.
+            if self.sessions.get(&id).is_some_and(Session::is_next_init) {
+                break;
+            }
         }
         if let Some(session) = self.sessions.get_mut(&id) {
             session.add_cost(start.elapsed());
@@ -421,6 +431,7 @@ impl Server {
             peer: session.peer().to_owned(),
             lines: session.lines(),
             dropped: session.dropped(),
+            waiting_bytes: session.outbox().waiting_bytes(),
         };
         Status {
             real_time_factor: 0.0,
