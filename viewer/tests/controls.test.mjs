@@ -193,6 +193,16 @@ pageTest('what another client takes is not offered', rough, async ({ page, serve
   await page.waitForFunction((starts) => document.querySelector(starts).options[0].text === 'PlayerStart_0', STARTS);
 });
 
+pageTest('a robot that is refused gives back its start and says why', rough, async ({ page, server }) => {
+  const init = (index) => `INIT {ClassName USARBot.CasterSkidRobot} {Location ${10 + index},50,-0.2}`;
+  await connectClient(server.port, ...Array.from({ length: 256 }, (_, index) => init(index)));
+  await page.waitForSelector('[data-robot="255"]', { state: 'attached' });
+  await page.click('[data-tab=drive]');
+  await page.click('#spawn');
+  await page.waitForSelector('#toasts :text("Robot1 was refused: the world holds 256 robots already")');
+  await page.waitForFunction((starts) => document.querySelector(starts).options[0].text === 'PlayerStart_0', STARTS);
+});
+
 pageTest('a key that is held before the robot is there drives it', rough, async ({ page }) => {
   await page.click('[data-tab=drive]');
   await page.evaluate(() => {

@@ -44,7 +44,7 @@ export class DrivePanel {
     const stop = make('button', { type: 'button', id: 'stop' }, 'Stop');
     stop.onclick = () => this.release();
     const remove = make('button', { type: 'button', id: 'remove' }, 'Remove');
-    remove.onclick = () => this.driven && this.remove(this.driven, 'it was removed');
+    remove.onclick = () => this.driven && this.remove(this.driven, 'was removed');
     this.own.onchange = () => this.drive(this.clients[this.own.selectedIndex] ?? null);
     this.driving.append(
       make('h2', {}, 'Driving'),
@@ -89,20 +89,20 @@ export class DrivePanel {
   private connect(spawn: Spawn): void {
     const robotClass = this.state.scene?.classes[spawn.robotClass];
     if (!robotClass) return;
-    const client: Client = new Client(spawn, robotClass, (reason) => this.remove(client, reason));
+    const client: Client = new Client(spawn, robotClass, (what) => this.remove(client, what));
     this.clients.push(client);
     this.expected.set(client, new Set(this.state.status?.robots.map(({ id }) => id)));
     this.drive(client);
     this.updateFrame();
   }
 
-  private remove(client: Client, reason: string): void {
+  private remove(client: Client, what: string): void {
     const index = this.clients.indexOf(client);
     if (index < 0) return;
     this.clients.splice(index, 1);
     this.expected.delete(client);
     client.end();
-    this.say(`${client.spawn.name} has left: ${reason}`);
+    this.say(`${client.spawn.name} ${what}`);
     if (this.driven === client) this.drive(this.clients[0] ?? null);
     else this.list();
   }

@@ -31,29 +31,19 @@ export class Client {
   constructor(
     readonly spawn: Spawn,
     private readonly robot: RobotClass,
-    left: (reason: string) => void,
+    private readonly ended: (what: string) => void,
   ) {
-    const { robotClass, name, place } = spawn;
-    const where =
-      'start' in place
-        ? `{Start ${place.start}}`
-        : `{Location ${place.location.join(',')}} {Rotation 0,0,${place.yaw}}`;
-    const init = `INIT {ClassName USARBot.${robotClass}} {Name ${name}} ${where}`;
     this.socket = new WebSocket(socketUrl('wire'));
     this.socket.binaryType = 'arraybuffer';
     this.socket.onmessage = (event: MessageEvent<ArrayBuffer>) => {
       this.text += this.decoder.decode(event.data, { stream: true });
       const lines = this.text.split('\n');
       this.text = lines.pop() ?? '';
-      if (!this.isGreeted && lines.some((line) => line.startsWith('NFO {Gametype'))) {
-        this.isGreeted = true;
-        this.send(init);
-        this.sendNext();
-      }
+      for (const line of lines) this.receive(line.trimEnd());
     };
     this.socket.onclose = (event) => {
       if (this.timer !== null) clearTimeout(this.timer);
-      left(event.reason || 'its connection ended');
+      ended(`has left: ${event.reason || 'its connection ended'}`);
     };
   }
 
@@ -67,6 +57,27 @@ export class Client {
   end(): void {
     this.socket.onclose = null;
     this.socket.close();
+  }
+
+  private receive(line: string): void {
+    if (!this.isGreeted && line.startsWith('NFO {Gametype')) {
+      this.isGreeted = true;
+      this.init();
+      this.sendNext();
+    }
+    // With a class and a start of the scene there is no other reason for which a robot is not made.
+    const [, reason] = /^NFO \{Error INIT refused: (.*)\}$/.exec(line) ?? [];
+    if (reason) this.ended(`was refused: ${reason}`);
+  }
+
+  private init(): void {
+    const { robotClass, name, place } = this.spawn;
+    const where =
+      'start' in place
+        ? `{Start ${place.start}}`
+        : `{Location ${place.location.join(',')}} {Rotation 0,0,${place.yaw}}`;
+    this.send('REPORT {Errors true}');
+    this.send(`INIT {ClassName USARBot.${robotClass}} {Name ${name}} ${where}`);
   }
 
   private sendNext(): void {
