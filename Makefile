@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test book figures fuzz check
+.PHONY: run view test book figures fuzz soak attack check
 
 # Expanded only where something has to be built with it.
 npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
@@ -45,6 +45,19 @@ fuzz: target/tools/bin/cargo-fuzz
 
 target/tools/bin/cargo-fuzz:
 	cargo install cargo-fuzz --version 0.13.2 --locked --root target/tools
+
+# A server and a world that clients come to and leave for a simulated day, and robots by the ten thousand: docs/reliability.md.
+# `make soak HOURS=1 LEAVINGS=5000`. `cargo test` runs the same for a minute.
+HOURS = 24
+LEAVINGS = 65536
+soak:
+	USARSIM_SOAK_HOURS=$(HOURS) USARSIM_SOAK_LEAVINGS=$(LEAVINGS) \
+		cargo test --release -p system-tests -p usarsim --test soak -- --nocapture --test-threads=1
+
+# Ten minutes of 64 hostile clients, made from the recordings that USARSIM_CAPTURES names, beside an honest one.
+attack:
+	@[ -n "$$USARSIM_CAPTURES" ] || { echo "USARSIM_CAPTURES has to name the folder of the recordings" >&2; exit 64; }
+	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test attack -- --nocapture
 
 # What CI runs.
 check:

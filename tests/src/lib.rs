@@ -1,10 +1,19 @@
-//! Helpers of the system tests: worlds in this process, servers on a socket, transcripts.
+//! Helpers of the system tests: worlds in this process, servers on a socket or as a process, clients good and bad, transcripts.
 
+mod honest;
+mod program;
+mod recordings;
 mod server;
+pub mod sessions;
 mod transcript;
+mod watch;
 
+pub use honest::Honest;
+pub use program::{Program, Usage};
+pub use recordings::recordings;
 pub use server::{Peer, Server};
 pub use transcript::{Transcript, run_transcript};
+pub use watch::{Seen, Watch};
 
 use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Line};

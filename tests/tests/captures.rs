@@ -4,12 +4,10 @@
 //! say that they are skipped.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use gamebots_proto::Line;
-use serde_json::Value;
-use system_tests::{Peer, Server};
+use system_tests::{Peer, Server, recordings};
 
 /// Simulated and replayed seconds a second.
 const SPEED: f64 = 4.0;
@@ -51,17 +49,12 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 
 /// Replays a recording on the default map; `None` without the recordings.
 fn replay(name: &str) -> Option<Vec<Exchange>> {
-    let Some(folder) = std::env::var_os("USARSIM_CAPTURES") else {
-        println!("skipped: USARSIM_CAPTURES does not name the folder of the recordings");
-        return None;
-    };
-    let path = PathBuf::from(folder).join("clients").join(format!("{name}.jsonl"));
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let events = recordings()?.remove(name).unwrap_or_else(|| panic!("no recording of {name}"));
     let server = Server::start("rough", &[], |config| config.real_time_factor = SPEED);
     let start = Instant::now();
     let mut peers: BTreeMap<u64, Peer> = BTreeMap::new();
     let mut exchanges: BTreeMap<u64, Exchange> = BTreeMap::new();
-    for event in text.lines().map(|line| serde_json::from_str::<Value>(line).expect("a JSON object")) {
+    for event in events {
         let at = start + Duration::from_secs_f64(event["t"].as_f64().expect("t") / SPEED);
         let connection = event["connection"].as_u64().expect("connection");
         for (id, peer) in &mut peers {

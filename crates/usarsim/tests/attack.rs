@@ -1,0 +1,73 @@
+//! Hostile clients by the dozen against the program, beside one that must not notice. `make attack` runs it for long.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use system_tests::sessions::{Tally, hostile, play_until, streams};
+use system_tests::{Honest, Program, Watch, recordings};
+
+/// Hostile clients at once.
+const HOSTILE: u64 = 64;
+/// Seconds of the attack, unless `USARSIM_ATTACK_SECONDS` says otherwise.
+const SECONDS: u64 = 10;
+/// What the server may take, bytes.
+const MAX_MEMORY: u64 = 300_000_000;
+/// How long an answer may take in 99 of 100 cases when the attack is a long one.
+const MAX_LATENCY: Duration = Duration::from_millis(50);
+/// Pause between an answer and the next question.
+const PAUSE: Duration = Duration::from_millis(5);
+
+#[test]
+fn captured_clients_that_are_damaged_do_not_disturb_an_honest_one() {
+    let Some(recordings) = recordings() else { return };
+    let streams = streams(&recordings);
+    let seconds = std::env::var("USARSIM_ATTACK_SECONDS").ok().map(|text| text.parse::<u64>().expect("seconds"));
+    // More connections than clients: one that has left is still counted until the server has seen it.
+    // A battery would be flat after 20 minutes.
+    let arguments = ["--max-connections", "80", "--set", "P3AT.battery.life=1e6"];
+    let mut server = Program::serve(env!("CARGO_BIN_EXE_usarsim"), &arguments);
+    let watch = Watch::start(server.page);
+    let mut honest = Honest::join(server.address);
+    let answers = honest.answers();
+    honest.ask_until(Instant::now() + Duration::from_secs(1), PAUSE, &answers);
+    let alone = honest.latency();
+    honest.latencies.clear();
+
+    let end = Instant::now() + Duration::from_secs(seconds.unwrap_or(SECONDS));
+    let tally = Arc::new(Tally::default());
+    let attack = {
+        let (address, tally) = (server.address, tally.clone());
+        let make = move |random: &mut _, number: u64| hostile(random, &streams[number as usize % streams.len()]);
+        std::thread::spawn(move || play_until(|| Instant::now() >= end, address, HOSTILE, 1, &tally, make))
+    };
+    honest.ask_until(end, PAUSE, &answers);
+    attack.join().expect("the attack");
+    let (memory, beside) = (server.usage().peak, honest.latency());
+    let robots = watch.seen().most_robots;
+    // Whatever they left behind is gone, and the world goes on.
+    watch.wait_for("one robot and one client", |seen| seen.robots() == 1 && seen.clients() == 1);
+    honest.ask_until(Instant::now() + Duration::from_secs(1), PAUSE, &answers);
+    assert_eq!(server.stop().code(), Some(0));
+
+    let [sessions, refused, bytes] =
+        [&tally.sessions, &tally.refused, &tally.bytes].map(|count| count.load(Ordering::Relaxed));
+    let milliseconds = |times: [Duration; 3]| times.map(|time| format!("{:.1}", 1e3 * time.as_secs_f64())).join(", ");
+    println!("{sessions} hostile sessions, {refused} refused, {:.1} MB sent by them", bytes as f64 / 1e6);
+    println!(
+        "honest client: {} answers, {} readings, {} gaps",
+        honest.latencies.len(),
+        honest.readings,
+        honest.gaps.len()
+    );
+    println!(
+        "an answer takes (p50, p99, max) {} ms alone, {} ms beside them",
+        milliseconds(alone),
+        milliseconds(beside)
+    );
+    println!("peak memory of the server {:.1} MB, at most {robots} robots", memory as f64 / 1e6);
+    assert_eq!(honest.gaps, Vec::<String>::new());
+    assert!(sessions > 10 * HOSTILE, "{sessions} sessions only");
+    assert!(memory < MAX_MEMORY, "{memory} bytes");
+    assert!(seconds.is_none() || beside[1] < MAX_LATENCY, "{beside:?}");
+}

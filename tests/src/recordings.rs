@@ -1,0 +1,27 @@
+//! Recorded streams of real controllers. They are not part of this repository: `USARSIM_CAPTURES` names their folder.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde_json::Value;
+
+/// Every recording by its name: what its clients did, in order. `None`, with a word about it, without the recordings.
+///
+/// # Panics
+/// If they cannot be read.
+pub fn recordings() -> Option<BTreeMap<String, Vec<Value>>> {
+    let Some(folder) = std::env::var_os("USARSIM_CAPTURES") else {
+        println!("skipped: USARSIM_CAPTURES does not name the folder of the recordings");
+        return None;
+    };
+    let folder = PathBuf::from(folder).join("clients");
+    let files = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut recordings = BTreeMap::new();
+    for path in files.filter_map(|file| file.ok()).map(|file| file.path()) {
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let event = |line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        recordings.insert(name, text.lines().map(event).collect());
+    }
+    Some(recordings)
+}

@@ -1,0 +1,290 @@
+//! Sessions as data: what one client sends, whether it reads, and how it leaves. Made from a seed, so that the same bytes can
+//! be sent again.
+
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
+use tokio::task::JoinSet;
+use tokio::time::{sleep, timeout};
+
+/// Longest pause of a recording that is kept.
+const MAX_PAUSE: Duration = Duration::from_millis(300);
+/// A session that has not been taken for this long is broken off, as its end says.
+const MAX_SENDING: Duration = Duration::from_secs(4);
+/// How long a client listens on that has ended its own side.
+const HALF_CLOSED: Duration = Duration::from_millis(200);
+
+/// What one client does.
+#[derive(Debug, Clone)]
+pub struct Session {
+    /// What it sends.
+    pub pieces: Vec<Piece>,
+    /// Whether it takes what it is sent.
+    pub reads: bool,
+    /// How it leaves.
+    pub end: End,
+}
+
+/// One segment.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Piece {
+    /// Time before it.
+    pub pause: Duration,
+    /// What is sent.
+    pub bytes: Vec<u8>,
+}
+
+/// How a client leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// It closes.
+    Close,
+    /// It ends its own side, and closes later.
+    HalfClose,
+    /// It resets the connection.
+    Reset,
+    /// It neither sends nor takes anything for so long, and then closes.
+    Stall(Duration),
+}
+
+/// What a crowd of clients has done.
+#[derive(Debug, Default)]
+pub struct Tally {
+    /// Sessions.
+    pub sessions: AtomicU64,
+    /// Connections that were refused.
+    pub refused: AtomicU64,
+    /// Bytes that were taken by the server's machine.
+    pub bytes: AtomicU64,
+}
+
+impl Piece {
+    /// A segment without a pause before it.
+    pub fn now(bytes: impl Into<Vec<u8>>) -> Self {
+        Self { pause: Duration::ZERO, bytes: bytes.into() }
+    }
+
+    /// A segment after a pause.
+    pub fn after(milliseconds: u64, bytes: impl Into<Vec<u8>>) -> Self {
+        Self { pause: Duration::from_millis(milliseconds), bytes: bytes.into() }
+    }
+}
+
+/// What each connection of the recordings sent, with its pauses.
+pub fn streams(recordings: &BTreeMap<String, Vec<Value>>) -> Vec<Vec<Piece>> {
+    let mut streams = Vec::new();
+    for events in recordings.values() {
+        let mut connections: BTreeMap<u64, (f64, Vec<Piece>)> = BTreeMap::new();
+        for event in events {
+            let (Some(time), Some(id)) = (event["t"].as_f64(), event["connection"].as_u64()) else { continue };
+            let (last, pieces) = connections.entry(id).or_insert((time, Vec::new()));
+            if let Some(text) = event["send"].as_str() {
+                let pause = Duration::from_secs_f64((time - *last).max(0.0)).min(MAX_PAUSE);
+                pieces.push(Piece { pause, bytes: text.as_bytes().to_vec() });
+                *last = time;
+            }
+        }
+        streams.extend(connections.into_values().map(|(_, pieces)| pieces));
+    }
+    streams
+}
+
+/// A hostile session: a stream that was recorded and is damaged, or one of the kinds of abuse below.
+pub fn hostile(random: &mut ChaCha8Rng, stream: &[Piece]) -> Session {
+    let end = match random.random_range(0..4) {
+        0 => End::Close,
+        1 => End::HalfClose,
+        2 => End::Reset,
+        _ => End::Stall(Duration::from_millis(random.random_range(100..2000))),
+    };
+    let (pieces, reads) = match random.random_range(0..20) {
+        0..13 => (damaged(random, stream), random.random_bool(0.8)),
+        13..15 => (flood(random), true),
+        15..17 => (flood(random), false),
+        17 => (crowd(random), random.random_bool(0.5)),
+        // Connects and leaves at once.
+        _ => (Vec::new(), false),
+    };
+    Session { pieces, reads, end }
+}
+
+/// A stream whose segments are split, joined, delayed, flipped, cut and repeated.
+pub fn damaged(random: &mut ChaCha8Rng, stream: &[Piece]) -> Vec<Piece> {
+    let mut pieces = stream.to_vec();
+    for _ in 0..random.random_range(1..8) {
+        if pieces.is_empty() {
+            break;
+        }
+        let at = random.random_range(0..pieces.len());
+        match random.random_range(0..7) {
+            // Split.
+            0 => {
+                let bytes = &mut pieces[at].bytes;
+                let tail = bytes.split_off(random.random_range(0..=bytes.len()));
+                pieces.insert(at + 1, Piece::after(random.random_range(0..20), tail));
+            }
+            // Joined with the next.
+            1 if at + 1 < pieces.len() => {
+                let next = pieces.remove(at + 1);
+                pieces[at].bytes.extend(next.bytes);
+            }
+            // All in one.
+            2 => pieces = vec![Piece::now(pieces.iter().flat_map(|piece| piece.bytes.clone()).collect::<Vec<u8>>())],
+            // Delayed, over the time after which a line without an end counts.
+            3 => pieces[at].pause += Duration::from_millis(random.random_range(0..700)),
+            // Bits flipped.
+            4 => {
+                for _ in 0..random.random_range(1..9) {
+                    let bytes = &mut pieces[at].bytes;
+                    if !bytes.is_empty() {
+                        let byte = random.random_range(0..bytes.len());
+                        bytes[byte] ^= 1 << random.random_range(0..8);
+                    }
+                }
+            }
+            // Cut, and what follows is lost.
+            5 => {
+                let bytes = &mut pieces[at].bytes;
+                bytes.truncate(random.random_range(0..=bytes.len()));
+                pieces.truncate(at + 1);
+            }
+            // Repeated.
+            _ => {
+                let piece = Piece { pause: Duration::ZERO, ..pieces[at].clone() };
+                let times = random.random_range(1..5);
+                pieces.splice(at..at, std::iter::repeat_n(piece, times));
+            }
+        }
+    }
+    pieces
+}
+
+/// A robot, and then some megabytes of one line as fast as they are taken.
+fn flood(random: &mut ChaCha8Rng) -> Vec<Piece> {
+    let unit = match random.random_range(0..6) {
+        0 => "SET {Type RangeScanner} {Opcode SCAN}\r\n".repeat(400),
+        1 => "A\r\n".repeat(5000),
+        2 => "DRIVE {Left 1} {Right -1}\r\n".repeat(600),
+        3 => format!("DRIVE {}\r\n", "{Left 1}".repeat(4096)),
+        4 => "GETGEO {Type Sonar}\r\n".repeat(700),
+        _ => format!("A{{{}{{\r\n", "}".repeat(60_000)),
+    };
+    let class = ["P3AT", "P2AT"][random.random_range(0..2)];
+    let init = format!("INIT {{ClassName USARBot.{class}}} {}\r\n", place(random));
+    let mut pieces = vec![Piece::now(init)];
+    pieces.extend(vec![Piece::now(unit); 100]);
+    pieces
+}
+
+/// Many robots at one place in one segment.
+fn crowd(random: &mut ChaCha8Rng) -> Vec<Piece> {
+    let class = ["P3AT", "KUKA_YouBot", "P2DX", "CasterSkidRobot"][random.random_range(0..4)];
+    let init = format!("INIT {{ClassName USARBot.{class}}} {}\r\n", place(random));
+    let count = random.random_range(2..6);
+    vec![Piece::now(init.repeat(count)), Piece::after(random.random_range(0..200), "DRIVE {Left 2} {Right 3}\r\n")]
+}
+
+/// Somewhere within 3 m.
+pub fn place(random: &mut ChaCha8Rng) -> String {
+    let mut within = |most: f64| random.random_range(-most..most);
+    let (x, y, yaw) = (within(3.0), within(3.0), within(3.1));
+    format!("{{Location {x:.2},{y:.2},0}} {{Rotation 0,0,{yaw:.2}}}")
+}
+
+/// How often clients that play are asked whether it is over.
+const OVER_INTERVAL: Duration = Duration::from_millis(10);
+
+/// Clients that play one session after the other until it is over. The n-th session of client i is what `make` makes of that
+/// client's random numbers and i + n.
+///
+/// All of them share one thread, so that however many there are, they leave the server a processor.
+///
+/// # Panics
+/// If there is no runtime.
+pub fn play_until(
+    is_over: impl Fn() -> bool,
+    address: SocketAddr,
+    clients: u64,
+    seed: u64,
+    tally: &Arc<Tally>,
+    make: impl Fn(&mut ChaCha8Rng, u64) -> Session + Send + Sync + 'static,
+) {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime = runtime.unwrap_or_else(|error| panic!("{error}"));
+    let make = Arc::new(make);
+    runtime.block_on(async {
+        let mut tasks = JoinSet::new();
+        for client in 0..clients {
+            let (make, tally) = (make.clone(), tally.clone());
+            tasks.spawn(async move {
+                let mut random = ChaCha8Rng::seed_from_u64(seed);
+                random.set_stream(client);
+                for number in client.. {
+                    play(make(&mut random, number), address, &tally).await;
+                }
+            });
+        }
+        while !is_over() {
+            sleep(OVER_INTERVAL).await;
+        }
+    });
+}
+
+/// Plays one session to its end.
+pub async fn play(session: Session, address: SocketAddr, tally: &Tally) {
+    let Ok(stream) = TcpStream::connect(address).await else {
+        tally.refused.fetch_add(1, Ordering::Relaxed);
+        // The server is not to be asked again at once.
+        return sleep(Duration::from_millis(20)).await;
+    };
+    tally.sessions.fetch_add(1, Ordering::Relaxed);
+    let (read, mut write) = stream.into_split();
+    let mut reading = std::pin::pin!(take_all(read, session.reads));
+    tokio::select! {
+        () = &mut reading => return,
+        _ = timeout(MAX_SENDING, send(&session.pieces, &mut write, tally)) => {}
+    }
+    match session.end {
+        End::Close => {}
+        End::HalfClose => {
+            let _ = write.shutdown().await;
+            let _ = timeout(HALF_CLOSED, reading).await;
+        }
+        End::Reset => {
+            let _ = write.as_ref().set_zero_linger();
+            // Which would end its side politely first.
+            write.forget();
+        }
+        End::Stall(time) => sleep(time).await,
+    }
+}
+
+async fn send(pieces: &[Piece], write: &mut OwnedWriteHalf, tally: &Tally) {
+    for Piece { pause, bytes } in pieces {
+        sleep(*pause).await;
+        let mut rest = &bytes[..];
+        while !rest.is_empty() {
+            let Ok(count) = write.write(rest).await else { return };
+            tally.bytes.fetch_add(count as u64, Ordering::Relaxed);
+            rest = &rest[count..];
+        }
+    }
+}
+
+/// Takes what comes until the server ends the connection; nothing, for ever, if it is not to be read.
+async fn take_all(mut read: OwnedReadHalf, reads: bool) {
+    let mut buffer = vec![0; 16 * 1024];
+    while reads && read.read(&mut buffer).await.is_ok_and(|count| count > 0) {}
+    if !reads {
+        std::future::pending().await
+    }
+}

@@ -1,0 +1,115 @@
+//! A viewer of the page's WebSocket that keeps the newest status.
+
+use std::net::{SocketAddr, TcpStream};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tungstenite::Message;
+use tungstenite::stream::MaybeTlsStream;
+
+use crate::server::PATIENCE;
+
+/// Watches until the server ends, or it is dropped.
+pub struct Watch {
+    newest: Arc<Mutex<Seen>>,
+    socket: TcpStream,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What a viewer has been sent.
+#[derive(Debug, Clone, Default)]
+pub struct Seen {
+    /// Frames and scans.
+    pub frames: u64,
+    /// Sensor lines that those clients lost which are connected now, by the newest status.
+    pub dropped: u64,
+    /// The most of that in any status.
+    pub most_dropped: u64,
+    /// Bytes on their way to clients, by the newest status.
+    pub waiting_bytes: u64,
+    /// The most robots in any status.
+    pub most_robots: usize,
+    /// The newest status.
+    pub status: Value,
+}
+
+impl Seen {
+    fn take(&mut self, message: &Message) {
+        let Message::Text(text) = message else {
+            self.frames += 1;
+            return;
+        };
+        let Some(status) = serde_json::from_str::<Value>(text).ok().and_then(|text| text.get("status").cloned()) else {
+            return;
+        };
+        let clients = status["clients"].as_array().map_or(&[][..], Vec::as_slice);
+        let sum = |key: &str| clients.iter().filter_map(|client| client[key].as_u64()).sum();
+        (self.dropped, self.waiting_bytes) = (sum("dropped"), sum("waiting_bytes"));
+        self.most_dropped = self.most_dropped.max(self.dropped);
+        self.status = status;
+        self.most_robots = self.most_robots.max(self.robots());
+    }
+
+    /// How many robots there are.
+    pub fn robots(&self) -> usize {
+        self.status["robots"].as_array().map_or(0, Vec::len)
+    }
+
+    /// How many clients are connected.
+    pub fn clients(&self) -> usize {
+        self.status["clients"].as_array().map_or(0, Vec::len)
+    }
+}
+
+impl Watch {
+    /// Begins to watch a page.
+    ///
+    /// # Panics
+    /// If it is not let in.
+    pub fn start(page: SocketAddr) -> Self {
+        let (mut viewer, _) =
+            tungstenite::connect(format!("ws://{page}/live")).unwrap_or_else(|error| panic!("{error}"));
+        let MaybeTlsStream::Plain(socket) = viewer.get_ref() else { panic!("not a plain socket") };
+        let socket = socket.try_clone().unwrap_or_else(|error| panic!("{error}"));
+        let newest = Arc::new(Mutex::new(Seen::default()));
+        let shared = newest.clone();
+        let thread = std::thread::spawn(move || {
+            while let Ok(message) = viewer.read() {
+                shared.lock().unwrap_or_else(PoisonError::into_inner).take(&message);
+            }
+        });
+        Self { newest, socket, thread: Some(thread) }
+    }
+
+    /// What has come so far.
+    pub fn seen(&self) -> Seen {
+        self.newest.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Waits until a status fits.
+    ///
+    /// # Panics
+    /// If none does within half a minute.
+    pub fn wait_for(&self, what: &str, fits: impl Fn(&Seen) -> bool) {
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let seen = self.seen();
+            if fits(&seen) {
+                return;
+            }
+            assert!(Instant::now() < end, "never seen: {what}; newest status: {}", seen.status);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        let _ = self.socket.shutdown(std::net::Shutdown::Both);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
