@@ -6,10 +6,8 @@ use std::path::{Path, PathBuf};
 use recorder::{End, LogWriter, Record, RecordError};
 use sim_core::World;
 
-/// Bytes of lines that are kept: hours of a controller that sends fifty lines a second. Beyond, the oldest are lost.
+/// Memory that is kept: hours of a controller that sends fifty lines a second. Beyond, the oldest are lost.
 const MAX_BYTES: usize = 16 * 1024 * 1024;
-/// What an entry costs beside its text.
-const ENTRY_BYTES: usize = 264;
 
 /// The lines that came and the connections that ended, with their simulated times, s.
 #[derive(Default)]
@@ -22,12 +20,12 @@ pub(crate) struct Journal {
 
 impl Journal {
     pub(crate) fn add(&mut self, time: f64, record: Record) {
-        self.bytes += cost(&record);
+        self.bytes += record.size();
         self.entries.push_back((time, record));
         while self.bytes > MAX_BYTES
             && let Some((time, record)) = self.entries.pop_front()
         {
-            self.bytes -= cost(&record);
+            self.bytes -= record.size();
             self.lost_until = Some(time);
         }
     }
@@ -51,13 +49,6 @@ impl Journal {
         self.entries.iter().try_for_each(|(time, record)| log.write(*time, record))?;
         log.finish(End { time: world.time() + world.time_step(), digest: None, dropped: 0 })?;
         Ok(path)
-    }
-}
-
-fn cost(record: &Record) -> usize {
-    match record {
-        Record::In(line) | Record::Out(line) | Record::Closed(line) => ENTRY_BYTES + line.line.len(),
-        _ => ENTRY_BYTES,
     }
 }
 

@@ -234,3 +234,30 @@ impl Broadcast {
         let _ = self.notices.send(Notice::Said(text.into()));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use gamebots_proto::message::Sonar;
+    use sim_core::Options;
+    use sim_core::scene::WorldDef;
+
+    use super::*;
+
+    #[test]
+    fn when_a_sensor_was_last_shown_is_known_only_while_it_is_there_and_somebody_looks() {
+        let world = World::new(WorldDef::default(), Options::default());
+        let (mut broadcast, channels) = broadcast(Instant::now());
+        let scan = |broadcast: &mut Broadcast, robot| {
+            let reading = Reading::Sonar(Sonar { name: "F1".to_owned(), range: 1.0 });
+            broadcast.scan(&world, RobotId(robot), &Message::Sen(Sen { time: Some(0.0), reading }));
+            broadcast.scanned.len()
+        };
+        assert_eq!(scan(&mut broadcast, 0), 0);
+        let viewer = channels.frames();
+        assert_eq!([scan(&mut broadcast, 0), scan(&mut broadcast, 0), scan(&mut broadcast, 1)], [1, 1, 2]);
+        broadcast.forget(RobotId(0));
+        assert_eq!(broadcast.scanned.keys().map(|(robot, _)| robot.0).collect::<Vec<_>>(), [1]);
+        drop(viewer);
+        assert_eq!(scan(&mut broadcast, 1), 0);
+    }
+}

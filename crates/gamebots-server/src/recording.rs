@@ -226,22 +226,12 @@ mod tests {
     use std::io::{Error, ErrorKind, Result as IoResult, Write};
     use std::sync::{Condvar, Mutex};
 
-    use sim_core::scene::{MapDef, WorldDef};
+    use sim_core::scene::WorldDef;
 
     use super::*;
 
     fn world() -> World {
-        let map = MapDef {
-            name: "none".to_owned(),
-            description: String::new(),
-            gravity: 9.81,
-            time_limit: 0,
-            solids: Vec::new(),
-            objects: Vec::new(),
-            starts: Vec::new(),
-            path_nodes: Vec::new(),
-        };
-        World::new(WorldDef { map, robots: BTreeMap::new() }, Options::default())
+        World::new(WorldDef::default(), Options::default())
     }
 
     fn recording(folder: &Path) -> Recording {

@@ -117,7 +117,7 @@ pub enum Record {
 
 impl Record {
     /// Bytes that it takes in memory with its time, about: what it points to has no more room than it needs.
-    pub(crate) fn size(&self) -> usize {
+    pub fn size(&self) -> usize {
         let held = match self {
             Self::In(line) | Self::Out(line) | Self::Closed(line) => line.line.len(),
             Self::State(state) => {

@@ -137,7 +137,7 @@ pub struct NamedPose {
 }
 
 /// A map: what stands and lies on it, and where robots start.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct MapDef {
     /// Name, sent as `{Level ..}`.
     pub name: String,
@@ -471,7 +471,7 @@ pub struct SensorDef {
 }
 
 /// Everything that a world needs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct WorldDef {
     /// The map.
     pub map: MapDef,
