@@ -11,6 +11,7 @@ mod robot;
 mod roller;
 mod rolling;
 mod shape;
+mod touching;
 mod traction;
 mod wheel_contact;
 

@@ -189,8 +189,10 @@ impl World {
     pub fn step(&mut self) -> Vec<(RobotId, Message)> {
         assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
-        self.robots.values_mut().for_each(|robot| robot.give_velocity(&mut self.physics));
+        self.physics.solve_touching(self.robots.values_mut().map(Robot::bodies_mut));
+        self.robots.values_mut().for_each(|robot| self.physics.give_velocity(robot.bodies_mut()));
         self.robots.values().for_each(|robot| self.physics.react(robot.bodies()));
+        self.robots.values_mut().for_each(|robot| self.physics.note_pushes(robot.bodies_mut()));
         self.physics.step();
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);

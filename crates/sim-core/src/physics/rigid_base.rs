@@ -12,7 +12,7 @@ use rapier3d::prelude::*;
 use super::mass::{Mass, wheel_spin_inertia};
 use super::motor::Servo;
 use super::rolling::{self, Load};
-use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel};
+use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel, Velocity};
 use super::wheel_contact::{RollerRing, WheelContact};
 use super::{WheelState, convert};
 use crate::drive;
@@ -79,6 +79,21 @@ struct Touch<'a> {
     other: Option<usize>,
 }
 
+/// What a step asks of the solver, and its answer: kept while bases that touch each other are solved in turn.
+#[derive(Default)]
+struct Problem {
+    wheels: Vec<SpinningWheel>,
+    /// At the end of the step, without contacts and motors.
+    momentum: Momentum,
+    /// The part of it that is rolling resistance, N s.
+    resistance: Vector3<f64>,
+    rows: Vec<Row>,
+    /// What is touched and can be moved, as the rows count it.
+    touched: Vec<RigidBodyHandle>,
+    others: Vec<Other>,
+    impulses: Vec<f64>,
+}
+
 /// How a base that follows its commands counts its twist from its wheels' speeds.
 enum Following {
     Textbook(Mecanum),
@@ -103,9 +118,11 @@ pub(super) struct RigidBase {
     angles: Vec<f64>,
     /// The velocity given to the engine.
     given: (Vector, Vector),
-    /// What the engine changed of the velocity, linear and angular, in the last step and in the one before.
-    changes: [(Vector3<f64>, Vector3<f64>); 2],
-    reactions: Vec<(RigidBodyHandle, Vector3<f64>, Vector3<f64>)>,
+    problem: Problem,
+    /// What the wheels of other bases changed of the velocity, linear and angular, in the last step.
+    pushed: Velocity,
+    /// What the engine changed of it, in the last step and in the one before.
+    changes: [Velocity; 2],
     contacts: Vec<WheelContact>,
     /// Where the ground pushed its wheels in the last step, and the impulse, N s: to be looked at.
     pushes: Vec<(Vector3<f64>, Vector3<f64>)>,
@@ -141,8 +158,9 @@ impl RigidBase {
             momentum: Momentum { linear: zero, angular: zero, spins: vec![0.0; count] },
             angles: vec![0.0; count],
             given: (Vector::ZERO, Vector::ZERO),
+            problem: Problem::default(),
+            pushed: (zero, zero),
             changes: [(zero, zero); 2],
-            reactions: Vec::new(),
             contacts: Vec::new(),
             pushes: Vec::new(),
             shared: zero,
@@ -183,16 +201,17 @@ impl RigidBase {
         self.roller_angles.iter().flatten().copied()
     }
 
-    /// Finds the velocity at the end of the step, with gravity and everything that its wheels touch.
+    /// Finds the velocity at the end of the step, with gravity and everything that its wheels touch, as others moved in
+    /// the last step.
     pub(super) fn solve(&mut self, world: &PhysicsWorld) {
         let time_step = f64::from(world.integration_parameters.dt);
-        let spinning = self.spinning_wheels(time_step);
-        let base = self.base(&spinning);
+        let wheels = self.spinning_wheels(time_step);
+        let base = self.base(&wheels);
         let twist = self.twist();
         let mut momentum = self.momentum.clone();
         let fall = convert::from_vector(world.gravity) * time_step;
         self.resist_rolling(&mut momentum, fall);
-        self.shared = momentum.linear - self.momentum.linear;
+        let resistance = momentum.linear - self.momentum.linear;
         momentum.linear += fall * self.mass.mass;
         momentum.linear /= 1.0 + self.linear_damping * time_step;
         momentum.angular /= 1.0 + self.angular_damping * time_step;
@@ -226,30 +245,70 @@ impl RigidBase {
             let weight = f64::from(world.gravity.length()) * self.mass.mass;
             rows.extend(self.twist_rows(twist, weight * time_step));
         }
-        let (mut motion, impulses) = base.solve(&momentum, self.expected(), &rows, &others, time_step);
-        if twist.is_some() {
+        self.problem = Problem { wheels, momentum, resistance, rows, touched, others, impulses: Vec::new() };
+        self.solve_pushed(self.pushed, time_step);
+    }
+
+    /// Finds the velocity at the end of the step when the wheels of other bases add `pushed` to it, and returns by how much
+    /// it is another one than was found before, m/s.
+    pub(super) fn solve_pushed(&mut self, pushed: Velocity, time_step: f64) -> f64 {
+        let mut problem = std::mem::take(&mut self.problem);
+        let Problem { wheels, momentum, resistance, rows, others, .. } = &problem;
+        let base = self.base(wheels);
+        let (linear, angular) = self.expected();
+        let expected = (linear + pushed.0, angular + pushed.1);
+        let (mut motion, impulses) = base.solve(momentum, expected, rows, others, time_step);
+        if self.following.is_some() {
             motion.spins = self.servos.iter().map(Servo::target).collect();
         }
+        let change = (motion.linear - self.motion.linear).norm();
         self.momentum = base.momentum(&motion);
         self.motion = motion;
-        self.reactions.clear();
+        self.shared = *resistance;
         self.pushes.clear();
         self.loads.fill(Load::default());
-        for (row, impulse) in rows.iter().zip(impulses) {
+        for (row, impulse) in rows.iter().zip(&impulses) {
             match (row.wheel, row.point, self.pushes.last_mut()) {
-                (Some(_), Some(point), Some((known, push))) if *known == point => *push += row.direction * impulse,
-                (Some(_), Some(point), _) => self.pushes.push((point, row.direction * impulse)),
-                (None, Some(_), _) => self.shared += row.direction * impulse,
+                (Some(_), Some(point), Some((known, push))) if *known == point => *push += row.direction * *impulse,
+                (Some(_), Some(point), _) => self.pushes.push((point, row.direction * *impulse)),
+                (None, Some(_), _) => self.shared += row.direction * *impulse,
                 (_, None, _) => {}
             }
             if let (Some((wheel, _)), Limit::Push) = (row.wheel, row.limit) {
-                self.loads[wheel].normal += row.direction * impulse;
+                self.loads[wheel].normal += row.direction * *impulse;
                 self.loads[wheel].resistance += row.rolling_resistance * impulse;
             }
-            if let (Some(other), Some(point)) = (row.other, row.point) {
-                self.reactions.push((touched[other], row.direction * -impulse, point));
-            }
         }
+        problem.impulses = impulses;
+        self.problem = problem;
+        change
+    }
+
+    /// Its body in the engine.
+    pub(super) fn body(&self) -> RigidBodyHandle {
+        self.body
+    }
+
+    /// Velocity of the centre of mass, and angular velocity, as far as they are solved for.
+    pub(super) fn solved(&self) -> Velocity {
+        (self.motion.linear, self.motion.angular)
+    }
+
+    /// What its wheels touch and can be moved.
+    pub(super) fn touched(&self) -> &[RigidBodyHandle] {
+        &self.problem.touched
+    }
+
+    /// By what its wheels change the velocity of one of these.
+    pub(super) fn change_of(&self, touched: usize) -> Velocity {
+        let Problem { rows, others, impulses, .. } = &self.problem;
+        others[touched].change(rows.iter().zip(impulses).filter(|(row, _)| row.other == Some(touched)))
+    }
+
+    /// How one of these moves when its wheels do not push it.
+    pub(super) fn set_velocity_of(&mut self, touched: usize, velocity: Velocity) {
+        let other = &mut self.problem.others[touched];
+        (other.linear, other.angular) = velocity;
     }
 
     /// Gives the velocity to the engine.
@@ -265,10 +324,12 @@ impl RigidBase {
     /// it is lost: it gets a force for one step.
     pub(super) fn react(&self, world: &mut PhysicsWorld) {
         let time_step = world.integration_parameters.dt;
-        for (handle, impulse, point) in &self.reactions {
-            let (impulse, point) = (convert::vector(*impulse), convert::vector(*point));
-            let is_link = world.multibody_joints.rigid_body_link(*handle).is_some();
-            match world.bodies.get_mut(*handle) {
+        for (row, impulse) in self.problem.rows.iter().zip(&self.problem.impulses) {
+            let (Some(other), Some(point)) = (row.other, row.point) else { continue };
+            let handle = self.problem.touched[other];
+            let (impulse, point) = (convert::vector(row.direction * -impulse), convert::vector(point));
+            let is_link = world.multibody_joints.rigid_body_link(handle).is_some();
+            match world.bodies.get_mut(handle) {
                 Some(link) if is_link => link.add_force_at_point(impulse / time_step, point, true),
                 Some(body) => body.apply_impulse_at_point(impulse, point, true),
                 None => {}
@@ -276,16 +337,25 @@ impl RigidBase {
         }
     }
 
+    /// Looks how other bases have pushed it; to be called when all have.
+    pub(super) fn note_pushes(&mut self, world: &PhysicsWorld) {
+        self.pushed = world.bodies.get(self.body).map_or_else(Default::default, |body| self.change_since_given(body));
+    }
+
+    /// What has happened to the velocity that was given to the engine.
+    fn change_since_given(&self, body: &RigidBody) -> Velocity {
+        (convert::from_vector(body.linvel() - self.given.0), convert::from_vector(body.angvel() - self.given.1))
+    }
+
     /// Moves on by a step: by itself as long as the engine has not touched the body, else with the engine.
     pub(super) fn advance(&mut self, world: &mut PhysicsWorld) {
         let time_step = f64::from(world.integration_parameters.dt);
         let Some(body) = world.bodies.get_mut(self.body) else { return };
+        let change = self.change_since_given(body);
         for (angle, spin) in self.angles.iter_mut().zip(&self.motion.spins) {
             *angle += spin * time_step;
         }
-        let change =
-            (convert::from_vector(body.linvel() - self.given.0), convert::from_vector(body.angvel() - self.given.1));
-        self.changes = [change, self.changes[0]];
+        self.changes = [(change.0 - self.pushed.0, change.1 - self.pushed.1), self.changes[0]];
         let turn = self.pose.rotation.to_rotation_matrix();
         if change.0.amax().max(change.1.amax()) > ROUNDING {
             self.motion.linear += change.0;
@@ -308,7 +378,7 @@ impl RigidBase {
     }
 
     /// A change by the engine that goes on, as a wall or a pushed box makes; a single hit does not count.
-    fn expected(&self) -> (Vector3<f64>, Vector3<f64>) {
+    fn expected(&self) -> Velocity {
         let [last, before] = &self.changes;
         let common = |a: f64, b: f64| if a * b > 0.0 { a.abs().min(b.abs()).copysign(a) } else { 0.0 };
         (last.0.zip_map(&before.0, common), last.1.zip_map(&before.1, common))

@@ -9,6 +9,7 @@ use super::mass::{Mass, body_mass, total_mass, wheel_mass};
 use super::motor::{Servo, Torque};
 use super::rigid_base::RigidBase;
 use super::rolling::{self, Load};
+use super::touching::solve_touching;
 use super::{BodyState, LANDING_TIME, Physics, WheelState, convert, shape, with_material};
 use crate::scene::{DriveModel, Pose, RobotDef, Rollers, Wheel};
 
@@ -62,6 +63,13 @@ impl RobotBodies {
 
     pub(super) fn drivetrain(&self) -> &Drivetrain {
         &self.drivetrain
+    }
+
+    fn base_mut(&mut self) -> Option<&mut RigidBase> {
+        match &mut self.drivetrain {
+            Drivetrain::Rigid(base) => Some(base),
+            Drivetrain::Multibody { .. } => None,
+        }
     }
 
     /// Whether a body is one of the robot's.
@@ -213,9 +221,15 @@ impl Physics {
         }
     }
 
+    /// Solves anew for robots that stand on each other; to be called when every robot is solved for by itself.
+    pub(crate) fn solve_touching<'a>(&self, robots: impl Iterator<Item = &'a mut RobotBodies>) {
+        let mut bases: Vec<&mut RigidBase> = robots.filter_map(RobotBodies::base_mut).collect();
+        solve_touching(&mut bases, f64::from(self.world.integration_parameters.dt));
+    }
+
     /// Gives the engine the velocity that was solved for; to be called when every robot is solved for.
     pub(crate) fn give_velocity(&mut self, bodies: &mut RobotBodies) {
-        if let Drivetrain::Rigid(base) = &mut bodies.drivetrain {
+        if let Some(base) = bodies.base_mut() {
             base.give_velocity(&mut self.world);
         }
     }
@@ -224,6 +238,13 @@ impl Physics {
     pub(crate) fn react(&mut self, bodies: &RobotBodies) {
         if let Drivetrain::Rigid(base) = &bodies.drivetrain {
             base.react(&mut self.world);
+        }
+    }
+
+    /// Notes what the wheels of others push; to be called when all have.
+    pub(crate) fn note_pushes(&self, bodies: &mut RobotBodies) {
+        if let Some(base) = bodies.base_mut() {
+            base.note_pushes(&self.world);
         }
     }
 

@@ -57,8 +57,11 @@ pub(super) struct Motion {
     pub(super) spins: Vec<f64>,
 }
 
+/// Velocities of a body: linear of its centre of mass, and angular.
+pub(super) type Velocity = (Vector3<f64>, Vector3<f64>);
+
 /// Momentum belonging to a [`Motion`]: along, about the centre of mass, and of each wheel about its axle.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Momentum {
     /// Mass times velocity.
     pub(super) linear: Vector3<f64>,
@@ -142,7 +145,7 @@ impl Base<'_> {
     pub(super) fn solve(
         &self,
         momentum: &Momentum,
-        expected: (Vector3<f64>, Vector3<f64>),
+        expected: Velocity,
         rows: &[Row],
         others: &[Other],
         time_step: f64,
@@ -226,13 +229,7 @@ impl<'a> System<'a> {
         Jacobian { linear, angular, wheel, spin, reduced, turning: self.inverse_inertia * reduced }
     }
 
-    fn equations(
-        &self,
-        expected: (Vector3<f64>, Vector3<f64>),
-        rows: &[Row],
-        jacobians: &[Jacobian],
-        others: &[Other],
-    ) -> Equations {
+    fn equations(&self, expected: Velocity, rows: &[Row], jacobians: &[Jacobian], others: &[Other]) -> Equations {
         let count = rows.len();
         let (mut matrix, mut wanted) = (vec![0.0; count * count], Vec::with_capacity(count));
         let (linear, angular) = (self.free.linear + expected.0, self.free.angular + expected.1);
@@ -282,6 +279,13 @@ impl Other {
 
     fn velocity(&self, row: &Row) -> f64 {
         self.wrench(row).dot(&stacked(self.linear, self.angular))
+    }
+
+    /// The change of its velocity by the impulses of rows on what touches it.
+    pub(super) fn change<'a>(&self, rows: impl Iterator<Item = (&'a Row, &'a f64)>) -> Velocity {
+        let wrench = rows.map(|(row, impulse)| self.wrench(row) * -impulse).sum::<Vector6<f64>>();
+        let change = self.inverse_inertia * wrench;
+        (change.fixed_rows::<3>(0).into(), change.fixed_rows::<3>(3).into())
     }
 
     /// Velocity along one row by an impulse along another.

@@ -82,6 +82,10 @@ impl Robot {
         &self.bodies
     }
 
+    pub(super) fn bodies_mut(&mut self) -> &mut RobotBodies {
+        &mut self.bodies
+    }
+
     pub(super) fn items(&self) -> &[Item] {
         &self.items
     }
@@ -140,10 +144,6 @@ impl Robot {
 
     pub(super) fn before_step(&mut self, physics: &mut Physics) {
         physics.before_step(&self.def, &mut self.bodies);
-    }
-
-    pub(super) fn give_velocity(&mut self, physics: &mut Physics) {
-        physics.give_velocity(&mut self.bodies);
     }
 
     pub(super) fn after_step(&mut self, physics: &mut Physics) {
