@@ -76,7 +76,11 @@ pub(crate) fn read(
     })?;
     let mut urdf = Urdf { parts: Vec::new(), solids: Vec::new(), wheels: Vec::new() };
     let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
-    let root = robot.links.iter().find(|link| !is_child(&link.name)).ok_or(Unread)?;
+    // The URDF library has an XML reader of its own, which need not find what was checked before.
+    let root = robot.links.iter().find(|link| !is_child(&link.name)).ok_or_else(|| {
+        problems.at(&shown, text, 0, "not a URDF: no link is found that is no joint's child");
+        Unread
+    })?;
     let mut open = vec![(root, Isometry3::identity())];
     let noted = problems.count();
     while let Some((link, pose)) = open.pop() {
@@ -101,7 +105,10 @@ pub(crate) fn read(
             }
         }
         for joint in robot.joints.iter().filter(|joint| joint.parent.link == link.name) {
-            let child = robot.links.iter().find(|link| link.name == joint.child.link).ok_or(Unread)?;
+            let Some(child) = robot.links.iter().find(|link| link.name == joint.child.link) else {
+                wrong(node, format!("joint {}: its child {} is not found", joint.name, joint.child.link));
+                continue;
+            };
             let place = pose * isometry(&joint.origin);
             match joint.joint_type {
                 JointType::Continuous => urdf.wheels.push(UrdfWheel {
