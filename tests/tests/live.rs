@@ -441,10 +441,8 @@ fn the_server_stops_while_viewers_ask_for_more_than_it_does() {
     let address = page_of(&server);
     let viewers: Vec<_> = (0..8)
         .map(|_| {
-            std::thread::spawn(move || {
-                let (mut socket, _) = tungstenite::connect(format!("ws://{address}/live")).unwrap();
-                while socket.send(Message::text("{\"step\":1000}")).is_ok() {}
-            })
+            let (mut socket, _) = tungstenite::connect(format!("ws://{address}/live")).unwrap();
+            std::thread::spawn(move || while socket.send(Message::text("{\"step\":1000}")).is_ok() {})
         })
         .collect();
     Viewer::open(&server, "/live").status("a pause", |status| status["paused"] == true);
