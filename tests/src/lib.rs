@@ -1,6 +1,7 @@
 //! Helpers of the system tests: worlds in this process, servers on a socket or as a process, clients good and bad, transcripts.
 
 mod honest;
+mod measuring;
 mod program;
 mod recordings;
 mod server;
@@ -9,6 +10,7 @@ mod transcript;
 mod watch;
 
 pub use honest::Honest;
+pub use measuring::{alone, setting};
 pub use program::{Program, Usage};
 pub use recordings::recordings;
 pub use server::{Peer, Server};

@@ -1,14 +1,13 @@
 //! A world that robots come to and leave, for long: its memory stays the same, and so does what comes of a seed.
 //! `make soak` runs these for as long as they are meant to run.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim_core::scene::DriveModel;
 use sim_core::{Controller, Options, TIME_STEP, World};
-use system_tests::{Usage, sessions};
+use system_tests::{Usage, alone, sessions, setting};
 
 /// Robots that come and leave, unless `USARSIM_SOAK_LEAVINGS` says otherwise.
 const LEAVINGS: u64 = 2_000;
@@ -18,18 +17,6 @@ const MAX_FALL: u64 = 100;
 const HOURS: f64 = 2.0 / 60.0;
 /// Steps in a second.
 const SECOND: u64 = (1.0 / TIME_STEP) as u64;
-
-/// One test at a time measures the memory of this process.
-fn alone() -> MutexGuard<'static, ()> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// A number from the environment.
-fn setting<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
-    let Ok(text) = std::env::var(name) else { return otherwise };
-    text.parse().unwrap_or_else(|_| panic!("{name}={text}: expected a number"))
-}
 
 /// Both kinds of Mecanum robots: `KUKA_YouBot` as one body, `YouBot` with its rollers.
 fn world(map: &str, seed: u64) -> World {

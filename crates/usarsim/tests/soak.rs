@@ -1,15 +1,15 @@
 //! The program under clients that come, drive, collide and leave for long: what it takes of the machine stays the same.
 //! `make soak` runs these for as long as they are meant to run.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use gamebots_client::Client;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use system_tests::sessions::{End, Piece, Session, Tally, place, play_until};
-use system_tests::{Honest, Program, Usage, Watch};
+use system_tests::{Honest, Program, Usage, Watch, alone, setting};
 
 /// Simulated hours of the soak, unless `USARSIM_SOAK_HOURS` says otherwise.
 const HOURS: f64 = 0.1;
@@ -29,17 +29,6 @@ const MAX_JOURNAL_LINES: usize = 140_000;
 const IDLE_LINE: &str = "IDLE {Left 12.34} {Right 12.34}\r\n";
 /// Longest that a line is waited for.
 const PATIENCE: Duration = Duration::from_secs(30);
-
-/// One server at a time.
-fn alone() -> MutexGuard<'static, ()> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn setting<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
-    let Ok(text) = std::env::var(name) else { return otherwise };
-    text.parse().unwrap_or_else(|_| panic!("{name}={text}: expected a number"))
-}
 
 fn megabytes(bytes: u64) -> f64 {
     bytes as f64 / 1e6
