@@ -13,7 +13,7 @@ pub use honest::Honest;
 pub use measuring::{alone, setting};
 pub use program::{Program, Usage};
 pub use recordings::recordings;
-pub use server::{Peer, Server};
+pub use server::{PATIENCE, Peer, Server};
 pub use transcript::{Transcript, run_transcript};
 pub use watch::{Seen, Watch};
 

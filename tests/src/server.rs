@@ -12,7 +12,7 @@ use gamebots_server::{Config, Ready, ServeError};
 use tokio::sync::oneshot;
 
 /// Longest that a test waits for what has to come.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
+pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A running server; it stops when it is dropped.
 pub struct Server {

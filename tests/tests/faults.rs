@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use system_tests::{Peer, Server};
+use system_tests::{Peer, Server, Usage};
 
 /// A client with a robot that must not notice anything.
 fn bystander(server: &Server) -> Peer {
@@ -266,17 +266,11 @@ fn clients_that_never_stop_talking_do_not_hold_up_others() {
     }
 }
 
-/// Resident memory of this process, bytes.
-fn resident() -> u64 {
-    let pages = std::fs::read_to_string("/proc/self/statm").expect("Linux");
-    4096 * pages.split(' ').nth(1).and_then(|pages| pages.parse::<u64>().ok()).expect("a number")
-}
-
 #[test]
 fn questions_whose_answers_are_never_read_wait_outside() {
     let server = Server::start("rough", &[], |_| {});
     let mut bystander = bystander(&server);
-    let before = resident();
+    let before = Usage::of("self").resident;
     for line in ["GETGEO {Type Sonar}\r\n", "A\r\n", "GETPATHNODES\r\n"] {
         let mut silent = TcpStream::connect(server.address).expect("a connection");
         silent.set_write_timeout(Some(Duration::from_secs(2))).expect("a timeout");
@@ -289,7 +283,7 @@ fn questions_whose_answers_are_never_read_wait_outside() {
         {
             taken += count;
         }
-        let grown = resident().saturating_sub(before) / 1_000_000;
+        let grown = Usage::of("self").resident.saturating_sub(before) / 1_000_000;
         println!("{}: {taken} bytes taken, {grown} MB more", line.trim_end());
         assert!(grown < 100, "{line}: {grown} MB");
         check_undisturbed(&mut bystander);

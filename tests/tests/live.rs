@@ -8,13 +8,11 @@ use std::time::{Duration, Instant};
 
 use gamebots_server::{Config, Page};
 use serde_json::Value;
-use system_tests::{Peer, Server};
+use system_tests::{PATIENCE, Peer, Server};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::Role;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
-
-const PATIENCE: Duration = Duration::from_secs(30);
 
 fn serve(map: &str, change: impl FnOnce(&mut Config)) -> Server {
     Server::start(map, &[], |config| {

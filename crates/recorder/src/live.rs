@@ -129,21 +129,10 @@ impl Channels {
 mod tests {
     use super::*;
     use crate::RobotState;
-    use sim_core::scene::MapDef;
 
     #[test]
     fn nothing_is_kept_of_robots_that_left() {
-        let map = MapDef {
-            name: "none".to_owned(),
-            description: String::new(),
-            gravity: 9.81,
-            time_limit: 0,
-            solids: Vec::new(),
-            objects: Vec::new(),
-            starts: Vec::new(),
-            path_nodes: Vec::new(),
-        };
-        let (world, latched) = (WorldDef { map, robots: BTreeMap::new() }, Latched::default());
+        let (world, latched) = (WorldDef::default(), Latched::default());
         let mut live = Live::new(&world, Context::new(), latched.clone()).expect("channels");
         let topics = || latched.lock().keys().cloned().collect::<Vec<_>>();
         let before = topics();

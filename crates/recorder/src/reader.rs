@@ -190,28 +190,15 @@ impl Topic {
 mod tests {
     use super::*;
     use crate::{LogWriter, Recorder};
-    use sim_core::scene::MapDef;
 
     fn line(number: u64) -> Record {
         Record::In(WireLine { connection: number, robot: None, line: format!("DRIVE {{Left {number}}}") })
     }
 
-    fn world() -> WorldDef {
-        let map = MapDef {
-            name: "none".to_owned(),
-            description: String::new(),
-            gravity: 9.81,
-            time_limit: 0,
-            solids: Vec::new(),
-            objects: Vec::new(),
-            starts: Vec::new(),
-            path_nodes: Vec::new(),
-        };
-        WorldDef { map, robots: BTreeMap::new() }
-    }
-
     fn written(path: &Path) {
-        let log = LogWriter::create(path, &world(), sim_core::Options::default(), &[]).unwrap();
+        let mut world = WorldDef::default();
+        world.map.name = "none".to_owned();
+        let log = LogWriter::create(path, &world, sim_core::Options::default(), &[]).unwrap();
         let mut recorder = Recorder::new(log).unwrap();
         (0..1000).for_each(|number| recorder.record(number as f64 * 0.002, line(number)));
         recorder.finish(2.0, Some(0xabc));
@@ -232,7 +219,7 @@ mod tests {
     fn the_end_of_a_connection_in_an_old_log_is_also_that_of_its_robot() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let closed = |robot| Record::Closed(WireLine { connection: 1, robot, line: String::new() });
-        let mut log = LogWriter::create(file.path(), &world(), sim_core::Options::default(), &[]).unwrap();
+        let mut log = LogWriter::create(file.path(), &WorldDef::default(), sim_core::Options::default(), &[]).unwrap();
         [closed(Some(4)), Record::Left(5), closed(None)].iter().for_each(|record| log.write(0.0, record).unwrap());
         drop(log);
         let records: Vec<Record> = read(file.path()).unwrap().entries.into_iter().map(|entry| entry.record).collect();

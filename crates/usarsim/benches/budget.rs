@@ -8,6 +8,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gamebots_client::Client;
+use system_tests::Usage;
 
 /// Seconds of each measurement.
 const SECONDS: f64 = 10.0;
@@ -242,7 +243,7 @@ impl Server {
 
     /// User and system time of the process, fields 14 and 15 of /proc/PID/stat.
     fn processor_seconds(&self) -> f64 {
-        let stat = self.proc("stat");
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap_or_default();
         let after_name = stat.rsplit(')').next().unwrap_or_default();
         let fields = after_name.split_whitespace().skip(11).take(2);
         fields.filter_map(|field| field.parse::<f64>().ok()).sum::<f64>() / TICKS
@@ -250,13 +251,7 @@ impl Server {
 
     /// Largest resident memory so far.
     fn peak_megabytes(&self) -> f64 {
-        let status = self.proc("status");
-        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        line.and_then(|line| line.trim().split(' ').next()?.parse::<f64>().ok()).unwrap_or(f64::NAN) / 1024.0
-    }
-
-    fn proc(&self, file: &str) -> String {
-        std::fs::read_to_string(format!("/proc/{}/{file}", self.child.id())).unwrap_or_default()
+        Usage::of(&self.child.id().to_string()).peak as f64 / f64::from(1 << 20)
     }
 }
 

@@ -9,7 +9,7 @@ use gamebots_client::Client;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use system_tests::sessions::{End, Piece, Session, Tally, place, play_until};
-use system_tests::{Honest, Program, Usage, Watch, alone, setting};
+use system_tests::{Honest, PATIENCE, Program, Usage, Watch, alone, setting};
 
 /// Simulated hours of the soak, unless `USARSIM_SOAK_HOURS` says otherwise.
 const HOURS: f64 = 0.1;
@@ -27,8 +27,6 @@ const VISITORS: u64 = 3;
 const MAX_JOURNAL_LINES: usize = 140_000;
 /// As long as lines of controllers are; it does nothing.
 const IDLE_LINE: &str = "IDLE {Left 12.34} {Right 12.34}\r\n";
-/// Longest that a line is waited for.
-const PATIENCE: Duration = Duration::from_secs(30);
 
 fn megabytes(bytes: u64) -> f64 {
     bytes as f64 / 1e6
