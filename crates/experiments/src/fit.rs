@@ -25,7 +25,7 @@ use crate::run::{RunError, Step};
 const TURN_ARM: f64 = 0.3;
 /// What no one measures better than, m.
 const FINEST: f64 = 1e-4;
-/// Correlation from which on two parameters with wide intervals are only known together.
+/// Correlation from which on two parameters are only known together when the interval of either is wide.
 const CORRELATED: f64 = 0.9;
 /// Part of its range from which on an interval asks for caution.
 const WIDE: f64 = 0.2;
@@ -244,17 +244,21 @@ impl Fit {
         if at_end(place) {
             return Some("at the end of its range: widen it, or fix this parameter; the others lean on it".to_owned());
         }
-        let ([least, greatest], [low, high]) = (range(place), bootstrap.intervals[place]);
-        let wide = high - low > WIDE * (greatest - least);
+        let is_wide = |place: usize| {
+            let ([least, greatest], [low, high]) = (range(place), bootstrap.intervals[place]);
+            high - low > WIDE * (greatest - least)
+        };
         let correlated = |other: &usize| *other != place && bootstrap.correlation[(place, *other)].abs() > CORRELATED;
-        if let Some(other) = (0..active.len()).filter(correlated).find(|&other| wide || at_end(other)) {
+        let unsure = |&other: &usize| is_wide(place) || is_wide(other) || at_end(other);
+        if let Some(other) = (0..active.len()).filter(correlated).find(unsure) {
             let name = &self.parameters[active[other]].name;
             return Some(format!("known only together with `{name}`: what one gains the other can lose"));
         }
+        let [low, high] = bootstrap.intervals[place];
         if !(low..=high).contains(&best[active[place]]) {
             return Some("the search did not settle: look at its picture (--out)".to_owned());
         }
-        wide.then(|| "poorly known: the interval is much of the range".to_owned())
+        is_wide(place).then(|| "poorly known: the interval is much of the range".to_owned())
     }
 
     /// Root mean square distance of predicted steps from the measured ones, m.
