@@ -162,9 +162,8 @@ page is made by `bench/validation.py`; `cargo test -p system-tests --test valida
 {tables()}
 **no** marks what is out of bounds. `right` is for `bodies`; `analytic` is held to 0.3 % in checks 1 to 3.
 
-* `bodies`, checks 7 and 9: of a contact that slides, the engine solves both tangents by their own masses and then cuts their
-  length, so friction leans toward the direction across a roller, where it is light, and about a tenth of Coulomb's limit is lost.
-  Check 3 turns at 2 rad/s against rolling resistance and stands at its very bound.
+* `bodies`, check 9: of a contact that slides, the engine solves both tangents by their own masses and then cuts their length, so
+  friction leans toward the direction across a roller, where it is light, and up to an eighth of Coulomb's limit is lost.
 * `kinematic` knows no forces but its own: checks 7 to 11 are not meant for it.
 * Check 11 pushes against a smooth bar as high as the hubs. What it pushes back with takes load off the front wheels, which slide
   first: 11 % before four equal wheels would.

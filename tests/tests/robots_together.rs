@@ -1,5 +1,6 @@
 //! Robots that touch, stand on each other, come at one place and leave while they are touched.
 
+use nalgebra::Vector3;
 use sim_core::scene::DriveModel;
 use sim_core::{Options, RobotId, World};
 use system_tests::{apply, init, run};
@@ -13,7 +14,7 @@ fn world(map: &str, model: DriveModel) -> World {
     World::new(def, Options::default())
 }
 
-fn position(world: &World, robot: RobotId) -> nalgebra::Vector3<f64> {
+fn position(world: &World, robot: RobotId) -> Vector3<f64> {
     world.state(robot).expect("the robot is there").0.pose.translation.vector
 }
 
@@ -104,36 +105,37 @@ fn a_stack_of_analytic_robots_stands() {
     }
 }
 
-/// How far a youBot whose wheels are held, and which is light, is pushed by another that drives against its back. One as
-/// heavy would not move: the wheels of both grip alike.
-fn pushed(model: DriveModel, pusher_comes_first: bool) -> f64 {
-    let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
-    def.robots.values_mut().for_each(|robot| robot.set_drive_model(Some(model)));
-    let mut light = def.robots["KUKA_YouBot"].clone();
-    light.class = "Light".to_owned();
-    light.parts.iter_mut().for_each(|part| (part.mass, part.inertia) = (part.mass / 4.0, part.inertia / 4.0));
-    def.robots.insert(light.class.clone(), light);
-    let mut world = World::new(def, Options::default());
-    let (places, classes) = ([-0.62, 0.0], ["KUKA_YouBot", "Light"]);
+/// The speeds of two youBots ahead and to the side, m/s: one drives at 4 rad/s against the back of another that drives at
+/// 3.5 rad/s. (Wheels that are held would slide, and to the side nothing holds a Mecanum base that slides ahead.)
+fn pushed(model: DriveModel, pusher_comes_first: bool) -> [Vector3<f64>; 2] {
+    let mut world = world("rough", model);
+    let places = [-0.575, 0.0];
     let order = if pusher_comes_first { [0, 1] } else { [1, 0] };
     let mut robots = [RobotId(0); 2];
     for index in order {
-        let line = format!("INIT {{ClassName USARBot.{}}} {{Location {},0,0}}", classes[index], places[index]);
-        robots[index] = init(&mut world, &line);
+        robots[index] =
+            init(&mut world, &format!("INIT {{ClassName USARBot.KUKA_YouBot}} {{Location {},0,0}}", places[index]));
     }
     run(&mut world, 0.5);
-    let from = position(&world, robots[1]);
     apply(&mut world, robots[0], "DRIVE {Left 4}{Right 4}");
-    run(&mut world, 3.0);
-    (position(&world, robots[1]) - from).x
+    apply(&mut world, robots[1], "DRIVE {Left 3.5}{Right 3.5}");
+    run(&mut world, 1.0);
+    let from = robots.map(|robot| position(&world, robot));
+    run(&mut world, 2.0);
+    [0, 1].map(|index| (position(&world, robots[index]) - from[index]) / 2.0)
 }
 
+/// Equal servos of equal robots meet in the middle, which the pushes from step to step miss by up to 4 %; one that follows its
+/// commands is held back to the slower speed.
 #[test]
 fn a_robot_is_pushed_alike_whichever_came_first() {
-    for model in [DriveModel::Analytic, DriveModel::Kinematic] {
+    for (model, expected) in [(DriveModel::Analytic, 3.75 * 0.05), (DriveModel::Kinematic, 3.5 * 0.05)] {
         let (first, second) = (pushed(model, true), pushed(model, false));
-        println!("{model:?}: by {first:.4} m when the pusher came first, {second:.4} m when it came second");
-        assert!(first > 0.4 && (first - second).abs() < 0.05 * first, "{model:?}: {first} {second}");
+        println!("{model:?}: {first:.5?} when the pusher came first, {second:.5?} when it came second");
+        for speed in first.iter().chain(&second) {
+            assert!((speed.x / expected - 1.0).abs() < 0.05 && speed.y.abs() < 0.005, "{model:?}: {speed:?}");
+        }
+        assert!((first[1].x - second[1].x).abs() < 0.03 * expected, "{model:?}: {first:?} {second:?}");
     }
 }
 

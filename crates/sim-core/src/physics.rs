@@ -71,9 +71,9 @@ impl Physics {
     pub(crate) fn new(map: &MapDef, time_step: f64) -> Self {
         let mut world = PhysicsWorld::new();
         world.narrow_phase.set_query_dispatcher(contact::RollerDispatcher);
-        world.gravity = Vector::new(0.0, 0.0, map.gravity as Real);
+        world.gravity = Vector::new(0.0, 0.0, map.gravity);
         let parameters = &mut world.integration_parameters;
-        parameters.dt = time_step as Real;
+        parameters.dt = time_step;
         // One iteration with friction solved together with the penetration is what makes free rollers roll
         // right; without it four iterations are slower and worse. Recycled contacts lag behind a turning roller.
         parameters.num_solver_iterations = 1;
@@ -92,10 +92,9 @@ impl Physics {
         for Object { solid, mass } in &map.objects {
             let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose())).can_sleep(false);
             let material = &solid.material;
-            let body =
-                body.linear_damping(material.linear_damping as Real).angular_damping(material.angular_damping as Real);
+            let body = body.linear_damping(material.linear_damping).angular_damping(material.angular_damping);
             let body = world.insert_body(body);
-            let collider = shape::collider(&solid.shape, &Pose::identity(), &solid.material).mass(*mass as Real);
+            let collider = shape::collider(&solid.shape, &Pose::identity(), &solid.material).mass(*mass);
             world.insert_collider(collider, Some(body));
             objects.push(body);
         }
@@ -111,7 +110,7 @@ impl Physics {
         // With the velocity that pushes out overlaps, and without it.
         parameters.num_internal_pgs_iterations = sweeps;
         parameters.num_internal_stabilization_iterations = sweeps;
-        self.landing -= f64::from(parameters.dt);
+        self.landing -= parameters.dt;
         // Backwards, so that their places are taken again in the order in which they would have been.
         for placeholder in self.placeholders.drain(..).rev() {
             self.world.remove_collider(placeholder);
@@ -125,21 +124,22 @@ impl Physics {
     }
 
     /// Mixes the state of every body into a digest, in the order that they were made.
-    pub(crate) fn digest(&self, mut mix: impl FnMut(u32)) {
-        for (_, body) in self.world.bodies.iter() {
+    pub(crate) fn digest(&self, mix: impl FnMut(f64)) {
+        let numbers = self.world.bodies.iter().flat_map(|(_, body)| {
             let (position, velocity) = (body.position(), body.vels());
-            let numbers = [position.translation.to_array(), velocity.linvel.to_array(), velocity.angvel.to_array()];
-            numbers.iter().flatten().chain(&position.rotation.to_array()).for_each(|number| mix(number.to_bits()));
-        }
+            let vectors = [position.translation, velocity.linvel, velocity.angvel].map(|vector| vector.to_array());
+            vectors.into_iter().flatten().chain(position.rotation.to_array())
+        });
+        numbers.for_each(mix);
     }
 }
 
 /// Friction, restitution and rolling resistance of a collider. Both sides average, which is [`Material::pair`].
 fn with_material(collider: ColliderBuilder, material: &Material) -> ColliderBuilder {
     rolling::mark(collider, material)
-        .friction(material.friction as Real)
+        .friction(material.friction)
         .friction_combine_rule(CoefficientCombineRule::Average)
-        .restitution(material.restitution as Real)
+        .restitution(material.restitution)
         .restitution_combine_rule(CoefficientCombineRule::Average)
 }
 

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::sensor;
 
-/// Position and orientation in f64.
+/// Position and orientation.
 pub type Pose = Isometry3<f64>;
 
 /// A pose from a position in metres and roll, pitch, yaw in radians (yaw first, then pitch, then roll).

@@ -197,7 +197,7 @@ impl World {
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
         let mut messages = Vec::new();
-        self.robots.values_mut().for_each(|robot| robot.after_step(&mut self.physics));
+        self.robots.values_mut().for_each(|robot| robot.after_step(&self.physics));
         self.remove_unsound();
         for (&id, robot) in &mut self.robots {
             robot.report(&self.physics, time, steps, |message| messages.push((id, message)));
@@ -231,7 +231,7 @@ impl World {
     /// Pose and velocity of a robot, and its wheels.
     pub fn state(&self, id: RobotId) -> Option<(BodyState, Vec<WheelState>)> {
         let robot = self.robots.get(&id)?;
-        Some((self.physics.body(robot.bodies()), robot.bodies().wheels()))
+        Some((self.physics.body(robot.bodies()), self.physics.wheels(robot.bodies())))
     }
 
     /// What there is to see of a robot.
@@ -254,9 +254,11 @@ impl World {
     pub fn digest(&self) -> u64 {
         let mut hash = seed::Fnv::default();
         hash.mix(&self.steps.to_le_bytes());
-        self.physics.digest(|bits| hash.mix(&bits.to_le_bytes()));
+        let mut mix = |number: f64| hash.mix(&number.to_bits().to_le_bytes());
+        self.physics.digest(&mut mix);
         for robot in self.robots.values() {
-            robot.bodies().digest(|bits| hash.mix(&bits.to_le_bytes()));
+            let wheels = self.physics.wheels(robot.bodies());
+            wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]).for_each(&mut mix);
         }
         hash.value()
     }

@@ -1,25 +1,25 @@
-//! Between the world's f64 and the engine's f32.
+//! Between nalgebra's types, which the world has, and the engine's.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
-use rapier3d::glamx::{Pose3, Quat, Vec3};
+use rapier3d::math::{Pose as EnginePose, Rotation, Vector};
 
 use crate::scene::Pose;
 
-pub(super) fn vector(value: impl Into<[f64; 3]>) -> Vec3 {
-    Vec3::from_array(value.into().map(|component| component as f32))
+pub(super) fn vector(value: impl Into<[f64; 3]>) -> Vector {
+    Vector::from_array(value.into())
 }
 
-pub(super) fn from_vector(value: Vec3) -> Vector3<f64> {
-    Vector3::from(value.to_array().map(f64::from))
+pub(super) fn from_vector(value: Vector) -> Vector3<f64> {
+    Vector3::from(value.to_array())
 }
 
-pub(super) fn pose(value: &Pose) -> Pose3 {
-    let [x, y, z, w] = value.rotation.coords.map(|component| component as f32).into();
-    Pose3::from_parts(vector(value.translation.vector), Quat::from_xyzw(x, y, z, w))
+pub(super) fn pose(value: &Pose) -> EnginePose {
+    let [x, y, z, w] = value.rotation.coords.into();
+    EnginePose::from_parts(vector(value.translation.vector), Rotation::from_xyzw(x, y, z, w))
 }
 
-pub(super) fn from_pose(value: &Pose3) -> Pose {
-    let [x, y, z, w] = value.rotation.to_array().map(f64::from);
+pub(super) fn from_pose(value: &EnginePose) -> Pose {
+    let [x, y, z, w] = value.rotation.to_array();
     let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
     Pose::from_parts(Translation3::from(from_vector(value.translation)), rotation)
 }

@@ -1,7 +1,7 @@
 //! What a robot and its parts weigh, and how it is spread.
 
 use nalgebra::{Matrix3, Vector3};
-use rapier3d::glamx::Mat3;
+use rapier3d::math::Matrix;
 use rapier3d::prelude::*;
 
 use super::{convert, shape};
@@ -21,18 +21,14 @@ pub(crate) struct Mass {
 impl Mass {
     /// The same for the engine.
     pub(super) fn to_engine(self) -> MassProperties {
-        let columns: [f32; 9] = std::array::from_fn(|index| self.inertia.as_slice()[index] as f32);
-        MassProperties::with_inertia_matrix(
-            convert::vector(self.centre),
-            self.mass as Real,
-            Mat3::from_cols_array(&columns),
-        )
+        let inertia = Matrix::from_cols_array_2d(&self.inertia.into());
+        MassProperties::with_inertia_matrix(convert::vector(self.centre), self.mass, inertia)
     }
 }
 
 /// A wheel without its rollers, about its centre.
 pub(super) fn wheel_mass(wheel: &Wheel) -> MassProperties {
-    MassProperties::new(Vector::ZERO, wheel.mass as Real, convert::vector(wheel_inertia(wheel)))
+    MassProperties::new(Vector::ZERO, wheel.mass, convert::vector(wheel_inertia(wheel)))
 }
 
 /// Moments of inertia, kg m²: a plain wheel as a solid disc, the hub of a Mecanum wheel as a disc out to the roller axes,

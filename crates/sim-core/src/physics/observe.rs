@@ -48,7 +48,7 @@ impl Physics {
     /// Everything that pushed a robot in the last step. Rolling resistance is a force on a hub; it is added to the
     /// contacts of its wheel, so that the sum is what the ground did.
     pub(crate) fn contacts(&self, bodies: &RobotBodies) -> Vec<Contact> {
-        let time_step = f64::from(self.world.integration_parameters.dt);
+        let time_step = self.world.integration_parameters.dt;
         let mut contacts = Vec::new();
         if let Some(chassis) = bodies.all().first().and_then(|&chassis| self.world.bodies.get(chassis)) {
             self.add_contacts(chassis.colliders(), &mut contacts);
@@ -73,7 +73,7 @@ impl Physics {
 
     /// What the engine found for some colliders.
     fn add_contacts(&self, colliders: &[ColliderHandle], contacts: &mut Vec<Contact>) {
-        let time_step = f64::from(self.world.integration_parameters.dt);
+        let time_step = self.world.integration_parameters.dt;
         for &own in colliders {
             let parent = self.world.colliders.get(own).and_then(Collider::parent);
             let Some(body) = parent.and_then(|body| self.world.bodies.get(body)) else { continue };
@@ -86,7 +86,7 @@ impl Physics {
                     for data in solved(manifold).filter(|data| data.impulse > 0.0) {
                         let friction = convert::from_vector(data.warmstart_tangent_world);
                         let arm = if first { data.solver_dp1 } else { data.solver_dp2 };
-                        let force = (normal * f64::from(data.impulse) + friction) * (sign / time_step);
+                        let force = (normal * data.impulse + friction) * (sign / time_step);
                         contacts.push(Contact { point: centre + convert::from_vector(arm), force });
                     }
                 }

@@ -39,8 +39,8 @@ impl Physics {
         let filter = QueryFilter::default().predicate(&not_own);
         let ray = Ray::new(convert::vector(origin.coords), convert::vector(*direction));
         let query = self.world.query_pipeline_with_filter(filter);
-        let (_, hit) = query.cast_ray_and_get_normal(&ray, max_distance as Real, true)?;
-        Some(RayHit { distance: f64::from(hit.time_of_impact), normal: convert::from_vector(hit.normal) })
+        let (_, hit) = query.cast_ray_and_get_normal(&ray, max_distance, true)?;
+        Some(RayHit { distance: hit.time_of_impact, normal: convert::from_vector(hit.normal) })
     }
 
     /// The pose at which a robot asked for at `pose` is put: where it is if it stands free above a surface,
@@ -71,9 +71,9 @@ impl Physics {
             let (mut bottom, mut top) = (f64::NEG_INFINITY, f64::INFINITY);
             for (local, part) in &parts {
                 let place = convert::pose(&(pose * local));
-                bottom = bottom.max(f64::from(part.compute_aabb(&place).maxs.z));
+                bottom = bottom.max(part.compute_aabb(&place).maxs.z);
                 let met = query.intersect_shape(place, part.as_ref());
-                top = met.map(|(_, other)| f64::from(other.compute_aabb().mins.z)).fold(top, f64::min);
+                top = met.map(|(_, other)| other.compute_aabb().mins.z).fold(top, f64::min);
             }
             if !top.is_finite() {
                 break;
@@ -100,10 +100,8 @@ impl Physics {
     fn layers(&self, place: &Point3<f64>, reference: f64) -> Vec<Layer> {
         let query = self.world.query_pipeline();
         let ray = Ray::new(convert::vector([place.x, place.y, reference - SKY]), Vector::Z);
-        let mut layers: Vec<Layer> = query
-            .intersect_ray(ray, 2.0 * SKY as Real, true)
-            .flat_map(|(_, collider, _)| layers_of(collider, ray))
-            .collect();
+        let mut layers: Vec<Layer> =
+            query.intersect_ray(ray, 2.0 * SKY, true).flat_map(|(_, collider, _)| layers_of(collider, ray)).collect();
         layers.sort_by(|a, b| a.top.total_cmp(&b.top));
         // What touches or overlaps is one: a box on the floor goes on in the floor.
         layers.dedup_by(|lower, upper| {
@@ -119,20 +117,20 @@ impl Physics {
 
 /// The layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh.
 fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
-    let cast = |ray: &Ray| collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY as Real, false);
+    let cast = |ray: &Ray| collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY, false);
     let mut layers = Vec::new();
     let mesh = collider.shape().as_trimesh().map(|mesh| mesh.num_triangles() as u32);
     while layers.len() < MAX_LAYERS
         && let Some(hit) = cast(&ray)
     {
-        let top = f64::from(ray.point_at(hit.time_of_impact).z);
+        let top = ray.point_at(hit.time_of_impact).z;
         ray.origin = ray.point_at(hit.time_of_impact + 1e-3);
         match (mesh, hit.feature) {
             // A face hit from behind has a number beyond those of the faces.
             (Some(faces), FeatureId::Face(face)) if face >= faces => {}
             (Some(_), _) => layers.push(Layer { top, bottom: top }),
             (None, _) => {
-                let bottom = cast(&ray).map_or(f64::INFINITY, |exit| f64::from(ray.point_at(exit.time_of_impact).z));
+                let bottom = cast(&ray).map_or(f64::INFINITY, |exit| ray.point_at(exit.time_of_impact).z);
                 return vec![Layer { top, bottom }];
             }
         }

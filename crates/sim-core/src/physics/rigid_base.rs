@@ -1,8 +1,8 @@
 //! A robot with Mecanum wheels as one body: its wheels only spin, its rollers are only geometry.
 //!
 //! A free roller without inertia carries force along its own axis only. So each touch of a roller needs two rows in
-//! [`super::traction`]: its normal force, and friction along the axis of the roller. The engine has the body, integrates
-//! nothing of it that it does not touch itself, and adds what happens to the body's own shape (walls, boxes, other robots).
+//! [`super::traction`]: its normal force, and friction along the axis of the roller. The engine moves the body with the
+//! velocity that is found, and adds what happens to its own shape (walls, boxes, other robots).
 
 use kinematics::{FiniteRollers, Mecanum, Twist};
 use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
@@ -34,10 +34,6 @@ const SAME_SURFACE: f64 = 0.99;
 const LEAST_BOUNCE: f64 = 0.2;
 /// A surface whose normal leans toward the axle by more than this cosine meets the side of the wheel.
 const SIDE: f64 = 0.7;
-/// Distance between the engine's place of a body and ours at which the engine's is set, m or rad.
-const DRIFT: f64 = 1e-5;
-/// Change of a velocity by the engine, m/s or rad/s, that is its rounding and no touch.
-const ROUNDING: f64 = 1e-9;
 
 /// A wheel of the base.
 struct BaseWheel {
@@ -204,7 +200,7 @@ impl RigidBase {
     /// Finds the velocity at the end of the step, with gravity and everything that its wheels touch, as others moved in
     /// the last step.
     pub(super) fn solve(&mut self, world: &PhysicsWorld) {
-        let time_step = f64::from(world.integration_parameters.dt);
+        let time_step = world.integration_parameters.dt;
         let wheels = self.spinning_wheels(time_step);
         let base = self.base(&wheels);
         let twist = self.twist();
@@ -242,7 +238,7 @@ impl RigidBase {
         if let Some(twist) = twist
             && !rows.is_empty()
         {
-            let weight = f64::from(world.gravity.length()) * self.mass.mass;
+            let weight = world.gravity.length() * self.mass.mass;
             rows.extend(self.twist_rows(twist, weight * time_step));
         }
         self.problem = Problem { wheels, momentum, resistance, rows, touched, others, impulses: Vec::new() };
@@ -347,34 +343,21 @@ impl RigidBase {
         (convert::from_vector(body.linvel() - self.given.0), convert::from_vector(body.angvel() - self.given.1))
     }
 
-    /// Moves on by a step: by itself as long as the engine has not touched the body, else with the engine.
-    pub(super) fn advance(&mut self, world: &mut PhysicsWorld) {
-        let time_step = f64::from(world.integration_parameters.dt);
-        let Some(body) = world.bodies.get_mut(self.body) else { return };
+    /// Moves on by a step, with what the engine has changed.
+    pub(super) fn advance(&mut self, world: &PhysicsWorld) {
+        let time_step = world.integration_parameters.dt;
+        let Some(body) = world.bodies.get(self.body) else { return };
         let change = self.change_since_given(body);
         for (angle, spin) in self.angles.iter_mut().zip(&self.motion.spins) {
             *angle += spin * time_step;
         }
         self.changes = [(change.0 - self.pushed.0, change.1 - self.pushed.1), self.changes[0]];
         let turn = self.pose.rotation.to_rotation_matrix();
-        if change.0.amax().max(change.1.amax()) > ROUNDING {
-            self.motion.linear += change.0;
-            self.motion.angular += change.1;
-            self.momentum.linear += change.0 * self.mass.mass;
-            self.momentum.angular += turn * self.mass.inertia * (turn.inverse() * change.1);
-            self.pose = convert::from_pose(body.position());
-            return;
-        }
-        let centre = self.pose * nalgebra::Point3::from(self.mass.centre);
-        let rotation = UnitQuaternion::from_scaled_axis(self.motion.angular * time_step) * self.pose.rotation;
-        let rotation = UnitQuaternion::new_normalize(rotation.into_inner());
-        let origin = centre.coords + self.motion.linear * time_step - rotation * self.mass.centre;
-        self.pose = Pose::from_parts(origin.into(), rotation);
-        let engine = convert::from_pose(body.position());
-        let apart = (engine.translation.vector - origin).abs().max();
-        if apart > DRIFT || engine.rotation.angle_to(&rotation) > DRIFT {
-            body.set_position(convert::pose(&self.pose), false);
-        }
+        self.motion.linear += change.0;
+        self.motion.angular += change.1;
+        self.momentum.linear += change.0 * self.mass.mass;
+        self.momentum.angular += turn * self.mass.inertia * (turn.inverse() * change.1);
+        self.pose = convert::from_pose(body.position());
     }
 
     /// A change by the engine that goes on, as a wall or a pushed box makes; a single hit does not count.
@@ -413,7 +396,7 @@ impl RigidBase {
         let (wheel, angle) = (&self.wheels[wheel], self.angles[wheel]);
         let hub = self.pose * Pose::from_parts(wheel.hub.into(), UnitQuaternion::identity());
         let reach = PREDICTION + self.motion.linear.norm() * time_step;
-        let half = Vector::splat((wheel.radius + reach) as Real);
+        let half = Vector::splat(wheel.radius + reach);
         let near = Aabb::from_half_extents(convert::vector(hub.translation.vector), half);
         let query = world.query_pipeline();
         for (handle, collider) in query.intersect_aabb_conservative(near) {
@@ -445,7 +428,7 @@ impl RigidBase {
             return;
         }
         let row = self.normal_row(touch, base, time_step);
-        let coefficient = (wheel.material.friction + f64::from(collider.friction())) / 2.0;
+        let coefficient = (wheel.material.friction + collider.friction()) / 2.0;
         let limit = Limit::Friction { normal: rows.len(), coefficient };
         rows.push(row);
         let along = (axis - normal * axis.dot(&normal)).normalize();
@@ -469,7 +452,7 @@ impl RigidBase {
         let Touch { wheel: index, contact, collider, other } = *touch;
         let WheelContact { point, normal, gap, .. } = *contact;
         let speed = normal.dot(&self.velocity_of_wheel(index, point, base));
-        let restitution = (self.wheels[index].material.restitution + f64::from(collider.restitution())) / 2.0;
+        let restitution = (self.wheels[index].material.restitution + collider.restitution()) / 2.0;
         let push = if gap > 0.0 { -gap / time_step } else { -gap / (time_step + RECOVERY_TIME) };
         Row {
             direction: normal,
@@ -570,9 +553,8 @@ fn other_body(world: &PhysicsWorld, handle: RigidBodyHandle, body: &RigidBody) -
 fn inverse_of_body(body: &RigidBody) -> Matrix6<f64> {
     let properties = body.mass_properties();
     let inverse = properties.effective_world_inv_inertia;
-    let [xx, xy, xz, yy, yz, zz] =
-        [inverse.m11, inverse.m12, inverse.m13, inverse.m22, inverse.m23, inverse.m33].map(f64::from);
-    let mut matrix = Matrix6::from_diagonal_element(f64::from(properties.effective_inv_mass.x));
+    let [xx, xy, xz, yy, yz, zz] = [inverse.m11, inverse.m12, inverse.m13, inverse.m22, inverse.m23, inverse.m33];
+    let mut matrix = Matrix6::from_diagonal_element(properties.effective_inv_mass.x);
     matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz));
     matrix
 }
@@ -586,5 +568,5 @@ fn inverse_of_link(world: &PhysicsWorld, handle: RigidBodyHandle) -> Option<Matr
         return None;
     }
     let response = jacobian * mass.solve(&jacobian.transpose())?;
-    Some(Matrix6::from_fn(|row, column| f64::from(response[(row, column)])))
+    Some(Matrix6::from_fn(|row, column| response[(row, column)]))
 }

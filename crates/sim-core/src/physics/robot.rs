@@ -2,7 +2,7 @@
 //! [`super::rigid_base`].
 
 use nalgebra::{Translation3, Vector3};
-use rapier3d::glamx::Pose3;
+use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
 
 use super::mass::{Mass, body_mass, total_mass, wheel_mass};
@@ -44,8 +44,6 @@ pub(super) enum Drivetrain {
 pub(super) struct MultibodyWheel {
     joint: MultibodyJointHandle,
     servo: Servo,
-    /// Its angle in f64, where the engine's f32 would lose digits within minutes.
-    state: WheelState,
 }
 
 /// What touches the ground of a wheel.
@@ -84,24 +82,6 @@ impl RobotBodies {
                 driven.iter_mut().zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
             }
             Drivetrain::Rigid(base) => base.set_wheel_speeds(speeds),
-        }
-    }
-
-    /// The driven wheels, in order.
-    pub(crate) fn wheels(&self) -> Vec<WheelState> {
-        match &self.drivetrain {
-            Drivetrain::Multibody { driven, .. } => driven.iter().map(|wheel| wheel.state).collect(),
-            Drivetrain::Rigid(base) => base.wheels().collect(),
-        }
-    }
-
-    /// Mixes what the engine does not hold into a digest.
-    pub(crate) fn digest(&self, mut mix: impl FnMut(u64)) {
-        self.wheels().iter().flat_map(|wheel| [wheel.angle, wheel.speed]).for_each(|number| mix(number.to_bits()));
-        if let Drivetrain::Rigid(base) = &self.drivetrain {
-            let (pose, (linear, angular)) = (base.pose(), base.velocity());
-            let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter());
-            numbers.chain(linear.iter()).chain(angular.iter()).for_each(|number| mix(number.to_bits()));
         }
     }
 }
@@ -147,7 +127,7 @@ impl Physics {
             treads.push(Tread { colliders, resistance: Vector3::zeros() });
         }
         self.set_joint_parameters(robot, &joints, &roller_damping);
-        let wheel = |joint| MultibodyWheel { joint, servo: Servo::default(), state: WheelState::default() };
+        let wheel = |joint| MultibodyWheel { joint, servo: Servo::default() };
         let driven = joints.into_iter().map(wheel).collect();
         let drivetrain = Drivetrain::Multibody { driven, treads };
         RobotBodies { chassis, centre, all, drivetrain }
@@ -157,14 +137,14 @@ impl Physics {
         let mass = total_mass(robot);
         let chassis = self.insert_chassis(pose, robot, Vector3::zeros(), mass);
         for caster in robot.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
-            let ball = with_material(ColliderBuilder::ball(caster.radius as Real), &caster.material).friction(0.0);
+            let ball = with_material(ColliderBuilder::ball(caster.radius), &caster.material).friction(0.0);
             let ball = ball.translation(convert::vector(caster.position)).density(0.0);
             self.world.insert_collider(ball, Some(chassis));
         }
         // The wheels are only seen, by rays and by the wheels of others. As one collider they cost one box a step.
         let disc = |wheel: &Wheel| {
-            let cylinder = SharedShape::cylinder((wheel.width / 2.0) as Real, wheel.radius as Real);
-            (Pose3::from_translation(convert::vector(wheel.position)), cylinder)
+            let cylinder = SharedShape::cylinder(wheel.width / 2.0, wheel.radius);
+            (EnginePose::from_translation(convert::vector(wheel.position)), cylinder)
         };
         let discs = SharedShape::compound(robot.driven().iter().map(disc).collect());
         let discs = ColliderBuilder::new(discs).collision_groups(InteractionGroups::none()).density(0.0);
@@ -224,7 +204,7 @@ impl Physics {
     /// Solves anew for robots that stand on each other; to be called when every robot is solved for by itself.
     pub(crate) fn solve_touching<'a>(&self, robots: impl Iterator<Item = &'a mut RobotBodies>) {
         let mut bases: Vec<&mut RigidBase> = robots.filter_map(RobotBodies::base_mut).collect();
-        solve_touching(&mut bases, f64::from(self.world.integration_parameters.dt));
+        solve_touching(&mut bases, self.world.integration_parameters.dt);
     }
 
     /// Gives the engine the velocity that was solved for; to be called when every robot is solved for.
@@ -248,21 +228,20 @@ impl Physics {
         }
     }
 
-    /// Reads the wheels after a step.
-    pub(crate) fn after_step(&mut self, bodies: &mut RobotBodies) {
-        let time_step = f64::from(self.world.integration_parameters.dt);
-        match &mut bodies.drivetrain {
+    /// Takes on what the step did to a base of one body.
+    pub(crate) fn after_step(&self, bodies: &mut RobotBodies) {
+        if let Some(base) = bodies.base_mut() {
+            base.advance(&self.world);
+        }
+    }
+
+    /// The driven wheels, in order.
+    pub(crate) fn wheels(&self, bodies: &RobotBodies) -> Vec<WheelState> {
+        match &bodies.drivetrain {
             Drivetrain::Multibody { driven, .. } => {
-                for MultibodyWheel { joint, state, .. } in driven {
-                    if let Some((multibody, link)) = self.world.multibody_joints.get(*joint)
-                        && let Some(link) = multibody.link(link)
-                    {
-                        let speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| f64::from(speed));
-                        *state = WheelState { angle: state.angle + speed * time_step, speed };
-                    }
-                }
+                driven.iter().map(|wheel| wheel_state(&self.world, wheel.joint)).collect()
             }
-            Drivetrain::Rigid(base) => base.advance(&mut self.world),
+            Drivetrain::Rigid(base) => base.wheels().collect(),
         }
     }
 
@@ -280,14 +259,15 @@ impl Physics {
     }
 
     fn set_motors(&mut self, robot: &RobotDef, wheels: &mut [MultibodyWheel]) {
-        let time_step = f64::from(self.world.integration_parameters.dt);
+        let time_step = self.world.integration_parameters.dt;
         let motors = robot.driven().iter().filter_map(|wheel| wheel.drive.as_ref());
-        for (MultibodyWheel { joint, servo, state }, motor) in wheels.iter_mut().zip(motors) {
-            let Torque { at_rest, gain } = servo.torque(motor, state.angle, state.speed, time_step);
+        for (MultibodyWheel { joint, servo }, motor) in wheels.iter_mut().zip(motors) {
+            let WheelState { angle, speed } = wheel_state(&self.world, *joint);
+            let Torque { at_rest, gain } = servo.torque(motor, angle, speed, time_step);
             if let Some((multibody, link)) = self.world.multibody_joints.get_mut(*joint)
                 && let Some(link) = multibody.link_mut(link)
             {
-                link.joint.data.set_motor_velocity(JointAxis::AngX, (at_rest / gain) as Real, gain as Real);
+                link.joint.data.set_motor_velocity(JointAxis::AngX, at_rest / gain, gain);
             }
         }
     }
@@ -300,7 +280,7 @@ impl Physics {
         centre: Vector3<f64>,
         treads: &mut [Tread],
     ) {
-        let time_step = f64::from(self.world.integration_parameters.dt);
+        let time_step = self.world.integration_parameters.dt;
         let fall = convert::from_vector(self.world.gravity) * time_step;
         let share = f64::from(robot.mass()) / treads.len() as f64;
         let loads: Vec<Load> = treads.iter().map(|tread| rolling::load(&self.world, &tread.colliders)).collect();
@@ -327,7 +307,7 @@ impl Physics {
     pub(crate) fn is_sound(&self, bodies: &RobotBodies) -> bool {
         let BodyState { pose, linear, angular } = self.body(bodies);
         let body = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(&linear).chain(&angular);
-        let wheels = bodies.wheels();
+        let wheels = self.wheels(bodies);
         let wheels = wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]);
         let held = self.world.quarantine();
         body.copied().chain(wheels).all(f64::is_finite)
@@ -372,7 +352,7 @@ impl Physics {
         all.push(body);
         let anchor = convert::vector(Vector3::from(wheel.position) - centre);
         let Some(motor) = &wheel.drive else {
-            let ball = with_material(ColliderBuilder::ball(wheel.radius as Real), &wheel.material).density(0.0);
+            let ball = with_material(ColliderBuilder::ball(wheel.radius), &wheel.material).density(0.0);
             self.world.insert_collider(ball, Some(body));
             let joint = SphericalJointBuilder::new().local_anchor1(anchor);
             self.world.multibody_joints.insert(chassis, body, joint, true);
@@ -381,13 +361,13 @@ impl Physics {
         // A positive angle about the left (-y) rolls the robot forward: the axis of USARSim's wheel joints.
         let joint = RevoluteJointBuilder::new(-Vector::Y)
             .local_anchor1(anchor)
-            .motor_velocity(0.0, motor.gain as Real)
-            .motor_max_force(motor.max_torque as Real)
+            .motor_velocity(0.0, motor.gain)
+            .motor_max_force(motor.max_torque)
             .motor_model(MotorModel::ForceBased);
         joints.extend(self.world.multibody_joints.insert(chassis, body, joint, true));
         match &wheel.rollers {
             Some(rollers) => {
-                roller_damping.extend(std::iter::repeat_n(rollers.damping as Real, rollers.count as usize));
+                roller_damping.extend(std::iter::repeat_n(rollers.damping, rollers.count as usize));
                 self.insert_rollers(&pose, body, wheel.radius, rollers, all);
             }
             None => {
@@ -407,7 +387,7 @@ impl Physics {
     ) {
         let roller_shape = shape::roller(rollers, wheel_radius);
         let inertia = convert::vector(shape::roller_inertia(rollers, wheel_radius));
-        let mass = MassProperties::new(Vector::ZERO, rollers.mass as Real, inertia);
+        let mass = MassProperties::new(Vector::ZERO, rollers.mass, inertia);
         for index in 0..rollers.count {
             let local = rollers.pose(index);
             let body = self.insert_body(&(wheel * local), mass);
@@ -438,19 +418,26 @@ impl Physics {
         }
         for (&degree_of_freedom, wheel) in wheels.iter().take(driven).zip(robot.driven()) {
             let armature = wheel.drive.as_ref().map_or(0.0, |motor| motor.armature);
-            multibody.armature_mut()[degree_of_freedom] = armature as Real;
+            multibody.armature_mut()[degree_of_freedom] = armature;
         }
         let damping = multibody.damping_mut();
         damping.fill(0.0);
         if let Some(solid) = robot.solids.first() {
             // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
             let body = body_mass(robot);
-            damping.rows_mut(0, 3).fill((solid.material.linear_damping * body.mass) as Real);
+            damping.rows_mut(0, 3).fill(solid.material.linear_damping * body.mass);
             let inertia = body.inertia.trace() / 3.0;
-            damping.rows_mut(3, 3).fill((solid.material.angular_damping * inertia) as Real);
+            damping.rows_mut(3, 3).fill(solid.material.angular_damping * inertia);
         }
         for (&degree_of_freedom, &value) in rollers.iter().zip(roller_damping) {
             damping[degree_of_freedom] = value;
         }
     }
+}
+
+fn wheel_state(world: &PhysicsWorld, joint: MultibodyJointHandle) -> WheelState {
+    let link = world.multibody_joints.get(joint).and_then(|(multibody, link)| Some((multibody, multibody.link(link)?)));
+    let Some((multibody, link)) = link else { return WheelState::default() };
+    let speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| speed);
+    WheelState { angle: link.joint.coords()[JointAxis::AngX as usize], speed }
 }

@@ -14,7 +14,7 @@ use rapier3d::parry::shape::{FeatureId, Shape, ShapeType, SupportMap, TypedShape
 
 use crate::scene::Rollers;
 
-/// Halvings of the axis in a search: 60 mm become 4 nm, below the resolution of an f32 coordinate.
+/// Halvings of the axis in a search: 60 mm become 4 nm, less than any contact is known to.
 pub(super) const HALVINGS: u32 = 24;
 /// A ray ends where it is this close to the surface, m.
 const RAY_TOLERANCE: Real = 1e-5;
@@ -36,10 +36,10 @@ impl RollerShape {
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
         let sin = rollers.angle.abs().sin();
         Self {
-            wheel_radius: wheel_radius as Real,
-            axis_circle: rollers.axis_circle as Real,
-            sin_angle: sin as Real,
-            half_axis: (rollers.axis_circle * rollers.last_phase.tan() / sin) as Real,
+            wheel_radius,
+            axis_circle: rollers.axis_circle,
+            sin_angle: sin,
+            half_axis: (rollers.axis_circle * rollers.last_phase.tan() / sin),
         }
     }
 
@@ -186,7 +186,7 @@ impl Shape for RollerShape {
     }
 
     fn ccd_angular_thickness(&self) -> Real {
-        std::f32::consts::PI
+        std::f64::consts::PI
     }
 
     fn is_convex(&self) -> bool {
@@ -226,10 +226,10 @@ mod tests {
     fn a_ring_of_rollers_is_round() {
         let roller = youbot();
         for degrees in -30..=30 {
-            let (sin, cos) = (degrees as Real).to_radians().sin_cos();
+            let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
             // The roller turned by this phase from the bottom (z down); its axis leans 45 degrees toward the axle (y).
             let centre = Vector::new(sin, 0.0, cos) * 0.036;
-            let axis = (Vector::new(cos, 0.0, -sin) + Vector::Y) * std::f32::consts::FRAC_1_SQRT_2;
+            let axis = (Vector::new(cos, 0.0, -sin) + Vector::Y) * std::f64::consts::FRAC_1_SQRT_2;
             let along = roller.farthest_along(axis.z);
             let lowest = centre.z + along * axis.z + roller.radius_at(along);
             assert!((lowest - 0.05).abs() < 1e-6, "{degrees} degrees: {lowest}");

@@ -1,8 +1,8 @@
 //! Shapes and mass of solids, wheels and rollers.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use rapier3d::glamx::{Pose3, Quat};
+use rapier3d::math::{Pose as EnginePose, Rotation};
 use rapier3d::parry::shape::{HalfSpace, TriMeshFlags};
 use rapier3d::prelude::*;
 
@@ -27,11 +27,9 @@ fn shared_shape(shape: &scene::Shape) -> SharedShape {
     let dot = || SharedShape::ball(1e-6);
     match shape {
         scene::Shape::HalfSpace => SharedShape::new(HalfSpace::new(-Vector::Z)),
-        scene::Shape::Box { size: [x, y, z] } => {
-            SharedShape::cuboid((x / 2.0) as Real, (y / 2.0) as Real, (z / 2.0) as Real)
-        }
-        scene::Shape::Cylinder { radius, length } => cylinder(*radius, *length, Quat::from_rotation_x(PI as f32 / 2.0)),
-        scene::Shape::Ball { radius } => SharedShape::ball(*radius as Real),
+        scene::Shape::Box { size: [x, y, z] } => SharedShape::cuboid(x / 2.0, y / 2.0, z / 2.0),
+        scene::Shape::Cylinder { radius, length } => cylinder(*radius, *length, Rotation::from_rotation_x(FRAC_PI_2)),
+        scene::Shape::Ball { radius } => SharedShape::ball(*radius),
         scene::Shape::Hull { points: corners } => SharedShape::convex_hull(&points(corners)).unwrap_or_else(dot),
         scene::Shape::Mesh { vertices, triangles } => {
             let flags = TriMeshFlags::MERGE_DUPLICATE_VERTICES | TriMeshFlags::FIX_INTERNAL_EDGES;
@@ -44,7 +42,7 @@ fn shared_shape(shape: &scene::Shape) -> SharedShape {
 pub fn hull_surface(corners: &[[f64; 3]]) -> Option<scene::Shape> {
     let points: Vec<Vector> = corners.iter().map(|&point| convert::vector(point)).collect();
     let (vertices, triangles) = rapier3d::parry::transformation::try_convex_hull(&points).ok()?;
-    let vertices = vertices.iter().map(|vertex| vertex.to_array().map(f64::from)).collect();
+    let vertices = vertices.iter().map(|vertex| vertex.to_array()).collect();
     Some(scene::Shape::Mesh { vertices, triangles })
 }
 
@@ -53,8 +51,8 @@ pub(super) fn parts(robot: &RobotDef) -> Vec<(scene::Pose, SharedShape)> {
     let solids = robot.solids.iter().map(|solid| (solid.pose(), shared_shape(&solid.shape)));
     let wheels = robot.wheels.iter().map(|wheel| {
         let shape = match wheel.drive {
-            Some(_) => SharedShape::cylinder((wheel.width / 2.0) as Real, wheel.radius as Real),
-            None => SharedShape::ball(wheel.radius as Real),
+            Some(_) => SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
+            None => SharedShape::ball(wheel.radius),
         };
         (wheel.pose(0.0), shape)
     });
@@ -62,16 +60,15 @@ pub(super) fn parts(robot: &RobotDef) -> Vec<(scene::Pose, SharedShape)> {
 }
 
 /// The engine's cylinders stand along y.
-fn cylinder(radius: f64, length: f64, rotation: Quat) -> SharedShape {
-    let cylinder = SharedShape::cylinder((length / 2.0) as Real, radius as Real);
-    SharedShape::compound(vec![(Pose3::from_rotation(rotation), cylinder)])
+fn cylinder(radius: f64, length: f64, rotation: Rotation) -> SharedShape {
+    let cylinder = SharedShape::cylinder(length / 2.0, radius);
+    SharedShape::compound(vec![(EnginePose::from_rotation(rotation), cylinder)])
 }
 
 /// A plain wheel about the robot's y axis: a narrow crown that carries the load, so that it stands in the middle
 /// of the wheel and not on either edge, and the whole width a little below it, for walls and kerbs.
 pub(super) fn tread(radius: f64, width: f64) -> SharedShape {
-    let cylinder =
-        |radius: f64, width: f64| (Pose3::IDENTITY, SharedShape::cylinder((width / 2.0) as Real, radius as Real));
+    let cylinder = |radius: f64, width: f64| (EnginePose::IDENTITY, SharedShape::cylinder(width / 2.0, radius));
     SharedShape::compound(vec![cylinder(radius, CROWN_WIDTH.min(width)), cylinder(radius - CROWN_HEIGHT, width)])
 }
 
@@ -129,7 +126,7 @@ mod tests {
             axis_circle: 0.036,
             angle: PI / 4.0,
             first_roller: 0.0,
-            last_phase: std::f64::consts::PI / 6.0,
+            last_phase: PI / 6.0,
             mass: 1.0,
             damping: 0.0,
             material,

@@ -3,7 +3,7 @@
 //! The unknowns are the velocity of the body and the speed of each wheel relative to it; motors are implicit in their
 //! speeds, so a stiff servo is stable at any step. Every contact is a row: its velocity along a direction, and the
 //! impulse along it within its limit. The impulses are found by elimination, with rows moved to their limits and back until
-//! each is where it belongs; should that not settle, projected Gauss-Seidel goes on from there. All in f64, world axes,
+//! each is where it belongs; should that not settle, projected Gauss-Seidel goes on from there. World axes,
 //! SI units.
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use rapier3d::parry::bounding_volume::Aabb;
-use rapier3d::parry::math::{Pose as EnginePose, Real, Vector};
+use rapier3d::parry::math::{Pose as EnginePose, Vector};
 use rapier3d::parry::query::details::NormalConstraints;
 use rapier3d::parry::shape::Shape;
 use rapier3d::prelude::*;
@@ -97,7 +97,7 @@ impl RollerRing {
             touch(None, shape, None);
             return;
         };
-        let reach = Vector::splat((self.reach + prediction) as Real);
+        let reach = Vector::splat(self.reach + prediction);
         let near = Aabb::from_half_extents(convert::vector(hub.translation.vector), reach);
         for part in composite.bvh().intersect_aabb(&near) {
             composite.map_part_at(part, &mut touch);
@@ -120,7 +120,7 @@ impl RollerRing {
             None => distance(part, centre),
         };
         let Some((gap, normal)) = nearest else { return };
-        if f64::from(gap) > self.reach + prediction {
+        if gap > self.reach + prediction {
             return;
         }
         let toward = hub.rotation.inverse() * -convert::from_vector(normal);
@@ -135,7 +135,7 @@ impl RollerRing {
                 continue;
             }
             let pose = wheel * roller;
-            if let Some(touch) = touch_part(&self.shape, &convert::pose(&pose), part, constraints, prediction as Real) {
+            if let Some(touch) = touch_part(&self.shape, &convert::pose(&pose), part, constraints, prediction) {
                 found(index, &pose, touch);
             }
         }
@@ -144,9 +144,9 @@ impl RollerRing {
     fn contact(&self, frame: &Pose, index: usize, roller: &Pose, touch: Touch, other: ColliderHandle) -> WheelContact {
         let normal = convert::from_vector(touch.normal);
         let axis = roller.rotation * Vector3::x();
-        let radius = f64::from(self.shape.radius_at(touch.along));
-        let gap = f64::from(touch.gap);
-        let point = roller.translation.vector + axis * f64::from(touch.along) - normal * (radius + gap / 2.0);
+        let radius = self.shape.radius_at(touch.along);
+        let gap = touch.gap;
+        let point = roller.translation.vector + axis * touch.along - normal * (radius + gap / 2.0);
         WheelContact {
             point: (frame * nalgebra::Point3::from(point)).coords,
             normal: frame.rotation * normal,

@@ -1,7 +1,7 @@
 //! What a scene may hold: the range of every number, and the rules between them. Files and logs are held to the same.
 //!
-//! The engine reckons in 32 bits and never says that it cannot go on: with a wheel of 1e-40 kg every number of its robot
-//! is NaN after one step. So ranges go far beyond any rescue robot and its arena, and end well before the engine does.
+//! The engine never says that it cannot go on: where a mass is next to nothing every number of its robot is NaN after one
+//! step. So ranges go far beyond any rescue robot and its arena, and end well before the engine does.
 //! Where they end was tried: 1200 robots drawn at random from the ranges and their ends, on a plane of any friction and
 //! gravity, in every drive model; none lost a finite state.
 
@@ -26,11 +26,11 @@ pub struct Range {
     pub unit: &'static str,
 }
 
-/// Coordinates on a map. At its ends an f32 tells places 8 mm apart; shipped robots still stand and drive there.
+/// Coordinates on a map. Shipped robots drive at its ends as at the origin.
 pub const MAP_REACH: Range = Range { least: -1e5, most: 1e5, unit: " m" };
 /// Coordinates on a robot. USARSim's largest robots have a few metres; with a mass 10 km away the state is lost.
 pub const ROBOT_REACH: Range = Range { least: -100.0, most: 100.0, unit: " m" };
-/// Edges of solids on a map. What is thinner is thinner than f32 coordinates of an arena are fine.
+/// Edges of solids on a map. What is thinner no robot would notice.
 pub const MAP_SIZE: Range = Range { least: 1e-4, most: MAP_REACH.most, unit: " m" };
 /// Edges of solids on a robot.
 pub const ROBOT_SIZE: Range = Range { least: 1e-4, most: ROBOT_REACH.most, unit: " m" };
@@ -55,7 +55,7 @@ pub const BODY_MASS: Range = Range { least: 1e-3, most: 1e5, unit: " kg" };
 pub const WHEEL_MASS: Range = Range { least: 1e-3, most: 1e4, unit: " kg" };
 /// Mass of a roller. At 1e-8 kg on a light robot the inverse of its inertia ends the state.
 pub const ROLLER_MASS: Range = Range { least: 1e-4, most: 1e3, unit: " kg" };
-/// Heaviest over lightest of body, wheels and rollers: an f32 has seven digits, two of which have to be left.
+/// Heaviest over lightest of body, wheels and rollers: found with an engine of 32 bits, and more than any robot has.
 pub const MASS_RATIO: f64 = 1e5;
 /// Moments and products of inertia: the heaviest part at the end of the longest robot.
 pub const INERTIA: Range = Range { least: -1e9, most: 1e9, unit: " kg m²" };
@@ -86,7 +86,7 @@ pub const ROLLER_COUNT: Range = Range { least: 3.0, most: 32.0, unit: " rollers"
 pub const ROLLER_ANGLE: Range = Range { least: 0.1, most: 1.5, unit: " rad, either sign" };
 /// Least circle of the rollers' axes over the radius of the wheel; real ones have 0.6 to 0.9.
 const LEAST_AXIS_CIRCLE: f64 = 0.1;
-/// Least radius of the end of a roller over that of the wheel: in f32 a thinner one has none.
+/// Least radius of the end of a roller over that of the wheel: found with an engine of 32 bits.
 const LEAST_ROLLER_END: f64 = 1e-3;
 /// Where the first roller sits: once around either way.
 pub const FIRST_ROLLER: Range = Range { least: -7.0, most: 7.0, unit: " rad" };

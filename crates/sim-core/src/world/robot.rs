@@ -60,7 +60,7 @@ impl Robot {
         let bodies = physics.spawn(&def, pose);
         let drive = DriveState::new(&def);
         let mut robot = Self { def, name, bodies, drive, items: Vec::new(), spawned, options };
-        let wheels = robot.bodies.wheels();
+        let wheels = physics.wheels(&robot.bodies);
         let view = view(&robot.def, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
         let mount = |(index, def): (usize, &SensorDef)| {
             let rng = seed::stream(options.seed, id.0, &def.name, index);
@@ -105,7 +105,7 @@ impl Robot {
     pub(super) fn observe(&self, physics: &Physics) -> Observation {
         Observation {
             body: physics.body(&self.bodies),
-            wheels: self.bodies.wheels(),
+            wheels: physics.wheels(&self.bodies),
             targets: self.drive.targets.clone(),
             rollers: physics.roller_angles(&self.def, &self.bodies),
             contacts: physics.contacts(&self.bodies),
@@ -119,7 +119,7 @@ impl Robot {
 
     /// Delivers a SET to every item that it names; a scan asked for goes out at once.
     pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> Vec<Message> {
-        let wheels = self.bodies.wheels();
+        let wheels = physics.wheels(&self.bodies);
         let (items, view) = self.items_and_view(physics, time, &wheels);
         let opcode = set.opcode.to_ascii_uppercase();
         let mut messages = Vec::new();
@@ -146,7 +146,7 @@ impl Robot {
         physics.before_step(&self.def, &mut self.bodies);
     }
 
-    pub(super) fn after_step(&mut self, physics: &mut Physics) {
+    pub(super) fn after_step(&mut self, physics: &Physics) {
         physics.after_step(&mut self.bodies);
     }
 
@@ -162,7 +162,7 @@ impl Robot {
         if battery <= 0 || !self.items.iter().any(due) {
             return;
         }
-        let wheels = self.bodies.wheels();
+        let wheels = physics.wheels(&self.bodies);
         let (items, view) = self.items_and_view(physics, time, &wheels);
         for item in items.iter_mut().filter(|item| due(item)) {
             if let Some(reading) = item.sensor.sense(&view) {
