@@ -154,28 +154,26 @@ fn wheels_out_of_phase_roll_as_exactly() {
     }
 }
 
-/// 100 m from the origin the engine's 32-bit positions are 8 micrometres apart, a tenth of what a robot moves in a step.
-/// `bodies` has them; the others keep their own place.
 #[test]
 fn far_from_the_origin_the_way_is_as_exact() {
-    for (model, most) in [(DriveModel::Bodies, 0.02), (DriveModel::Analytic, 5e-4), (DriveModel::Kinematic, 5e-4)] {
-        let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
-        def.robots.get_mut("KUKA_YouBot").expect("the youBot").drive_model = model;
-        let mut world = sim_core::World::new(def, Options::default());
-        let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Location 100,0,0}");
-        run(&mut world, 0.5);
-        apply(&mut world, robot, "DRIVE {Front-Left 1} {Front-Right 1} {Back-Left 1} {Back-Right 1}");
-        run(&mut world, 1.0);
-        let now = |world: &sim_core::World| {
-            let (body, wheels) = world.state(robot).expect("the robot");
-            (body.pose.translation.x, wheels.iter().map(|wheel| wheel.angle).sum::<f64>() / 4.0)
-        };
-        let before = now(&world);
-        run(&mut world, 8.0);
-        let after = now(&world);
-        let ratio = (after.0 - before.0) / (0.05 * (after.1 - before.1));
-        println!("{}, 100 m from the origin: {ratio:.5} of R theta", model.name());
-        assert!((ratio - 1.0).abs() < most, "{}: {ratio:.5}", model.name());
+    for (model, most) in [(DriveModel::Bodies, 1e-5), (DriveModel::Analytic, 1e-4), (DriveModel::Kinematic, 1e-4)] {
+        for motion in Motion::ALL {
+            let ratio = |distance: f64| {
+                let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+                def.robots.get_mut("KUKA_YouBot").expect("the youBot").drive_model = model;
+                def.map.starts[0].position = [distance, -distance, 0.0];
+                let course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0);
+                let mut course = course.expect("a course");
+                course.run(4.0);
+                course.travel().expect("a robot").ratio
+            };
+            let near = ratio(0.0);
+            for distance in [100.0, 1000.0] {
+                let (what, far) = (format!("{}, {}, {distance} m away", model.name(), motion.name()), ratio(distance));
+                println!("{what}: {far:.6} of the exact way, {near:.6} at the origin");
+                assert!((far - near).abs() < most, "{what}: {far}, {near}");
+            }
+        }
     }
 }
 

@@ -114,7 +114,8 @@ pub struct Travel {
 }
 
 impl Course {
-    /// Puts robots of a class on the map, lets them settle and brings their wheels to `speed`, rad/s.
+    /// Puts robots of a class on the map, side by side from its first start, lets them settle and brings their wheels to
+    /// `speed`, rad/s.
     ///
     /// # Errors
     /// When the class is unknown or has no rollers.
@@ -128,10 +129,11 @@ impl Course {
     ) -> Result<Self, MotionError> {
         let robot = def.robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.to_owned()))?;
         let kinematics = drive::finite_rollers(robot).ok_or_else(|| MotionError::NotOmni(class.to_owned()))?;
+        let [x, y, z] = def.map.starts.first().map_or([0.0; 3], |start| start.position);
         let mut world = World::new(def, options);
         let mut robots = Vec::new();
         for index in 0..count {
-            let location = [0.0, f64::from(index) * SPACING, 0.0];
+            let location = [x, y + f64::from(index) * SPACING, z];
             let init = Init { class_name: class.to_owned(), location, ..Init::default() };
             let mut problems = Vec::new();
             robots.push(world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?);

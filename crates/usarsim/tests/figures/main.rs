@@ -25,11 +25,12 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure; with `true` it takes times as well.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 10] = [
+const FIGURES: [(&str, Maker); 11] = [
     ("session", |_| makers::session()),
     ("motion", |_| makers::motion()),
     ("drive-models", makers::drive_models),
     ("robots", makers::robots),
+    ("far", |_| makers::far()),
     ("cost", |timed| makers::cost(timed, &["start", "drive", "listen"])),
     ("cost-of-logs", |timed| makers::cost(timed, &["log"])),
     ("cost-of-viewers", |timed| makers::cost(timed, &["watch"])),

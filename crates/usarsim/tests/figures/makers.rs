@@ -111,9 +111,11 @@ const MOTIONS: [(Motion, &str, &str, [f64; 4]); 3] = [
     (Motion::Clockwise, "turning", "rad", [1.0, -1.0, 1.0, -1.0]),
 ];
 
-/// Ten seconds of a youBot whose wheels are commanded 1 rad/s, by its own drive model or another.
-fn youbot(map: &str, model: Option<DriveModel>, motion: Motion) -> Travel {
+/// Ten seconds of a youBot whose wheels are commanded 1 rad/s, by its own drive model or another, from as far
+/// along x and along y, m.
+fn youbot(map: &str, model: Option<DriveModel>, motion: Motion, away: f64) -> Travel {
     let mut def = world(map);
+    def.map.starts[0].position = [away, away, 0.0];
     def.robots.get_mut("KUKA_YouBot").unwrap().set_drive_model(model);
     let mut course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0).unwrap();
     course.run(10.0);
@@ -141,11 +143,21 @@ fn by_kinematics(motion: Motion, signs: [f64; 4]) -> [f64; 3] {
     [textbook, textbook * part[axis], [velocity.y, velocity.x, -velocity.z][axis]]
 }
 
+pub(crate) fn far() -> String {
+    let rows = [DriveModel::Bodies, DriveModel::Analytic].into_iter().flat_map(|model| {
+        [0.0, 100.0, 1000.0].map(|away| {
+            let ratio = |motion| format!("{:.5}", youbot("rough", Some(model), motion, away).ratio);
+            format!("| {} | {away} m | {} |", model.name(), Motion::ALL.map(ratio).join(" | "))
+        })
+    });
+    table("| model | x and y of the start | forward | right | turning |", rows)
+}
+
 pub(crate) fn motion() -> String {
     let mut rows = Vec::new();
     for map in ["rough", "smooth"] {
         for (motion, name, unit, signs) in MOTIONS {
-            let Travel { moved, turned, ratio, .. } = youbot(map, None, motion);
+            let Travel { moved, turned, ratio, .. } = youbot(map, None, motion, 0.0);
             let moved = moved[motion as usize];
             let (by_wheels, commanded) = (moved / ratio, 10.0 * by_kinematics(motion, signs)[1]);
             rows.push(format!(
@@ -217,7 +229,7 @@ pub(crate) fn session() -> String {
 /// The three kinematics beside what the model without inertia of rollers gives.
 pub(crate) fn kinematics() -> String {
     let rows = MOTIONS.map(|(motion, name, unit, signs)| {
-        let Travel { moved, turned, .. } = youbot("rough", Some(DriveModel::Analytic), motion);
+        let Travel { moved, turned, .. } = youbot("rough", Some(DriveModel::Analytic), motion, 0.0);
         let measured = moved[motion as usize] / turned;
         let [textbook, exact, printed] = by_kinematics(motion, signs);
         let scaled = format!(", and {:.4} by the factor of (6.34)", printed * std::f64::consts::FRAC_1_SQRT_2);
