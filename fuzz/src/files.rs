@@ -4,8 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
+use scene::WorldDef;
 use scene_loader::LoadError;
-use sim_core::scene::WorldDef;
 use sim_core::{Controller, Options, World};
 use tempfile::TempDir;
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::sync::LazyLock;
 
-use sim_core::scene::{DriveModel, WorldDef};
+use scene::{DriveModel, WorldDef};
 use sim_core::{Controller, Options, RobotId, World};
 
 use crate::assert_finite;

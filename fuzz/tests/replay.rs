@@ -14,7 +14,7 @@ use mcap::records::Record as Raw;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use recorder::{End, LogWriter, Record, StateTimer, WireLine};
-use sim_core::scene::WorldDef;
+use scene::WorldDef;
 use sim_core::{Controller, Options, World};
 
 /// The inputs of a target in the order of their names.

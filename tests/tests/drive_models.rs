@@ -1,7 +1,7 @@
 //! What every drive model of a Mecanum base has to do beside driving straight: stand, climb, push, slide, carry.
 
 use nalgebra::{Matrix3, Vector3};
-use sim_core::scene::{DriveModel, Part, WorldDef};
+use scene::{DriveModel, Part, WorldDef};
 use sim_core::{BodyState, Options, RobotId, World};
 use system_tests::{apply, init, run};
 

@@ -10,7 +10,7 @@ use experiments::run::{self, Outcome, RunError, Step};
 use experiments::{report, thesis};
 use gamebots_proto::message::{Message, Reading, Sen};
 use recorder::Record;
-use sim_core::scene::DriveModel;
+use scene::DriveModel;
 use system_tests::Server;
 
 /// The four moves of the thesis in two samples that differ.

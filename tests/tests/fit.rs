@@ -5,7 +5,7 @@ use std::path::Path;
 use experiments::fit::{Estimate, Fit, Found};
 use experiments::plan::Plan;
 use experiments::{run, table};
-use sim_core::scene::DriveModel;
+use scene::DriveModel;
 
 /// The radius that the measured robot has; the file of the robot says 0.05.
 const RADIUS: f64 = 0.0497;

@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sim_core::scene::check::{self, Range};
-use sim_core::scene::{
+use scene::check::{self, Range};
+use scene::sensor::Config;
+use scene::{
     Battery, DriveModel, MapDef, Material, Motor, Object, Part, RobotDef, Rollers, Shape, Solid, Steering, WorldDef,
 };
-use sim_core::sensor::Config;
 use sim_core::{Observation, Options, World};
 use system_tests::{apply, init};
 

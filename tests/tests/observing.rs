@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use nalgebra::Vector3;
-use sim_core::scene::DriveModel;
+use scene::DriveModel;
 use sim_core::{Observation, Options, World};
 use system_tests::{apply, init, run};
 

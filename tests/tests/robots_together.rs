@@ -1,7 +1,7 @@
 //! Robots that touch, stand on each other, come at one place and leave while they are touched.
 
 use nalgebra::Vector3;
-use sim_core::scene::DriveModel;
+use scene::DriveModel;
 use sim_core::{Options, RobotId, World};
 use system_tests::{apply, init, run};
 

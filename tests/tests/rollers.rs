@@ -1,8 +1,8 @@
 //! Mecanum wheels with exact rollers go where the exact kinematics of finite rollers say, on every kind of floor.
 
 use experiments::{Course, Motion, Travel};
+use scene::DriveModel;
 use sim_core::Options;
-use sim_core::scene::DriveModel;
 use system_tests::{apply, init, run};
 
 /// A floor of one solid; its table of the map file.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use gamebots_proto::Command;
-use sim_core::scene::{Shape, Side, WorldDef};
+use scene::{Shape, Side, WorldDef};
 use sim_core::{Options, World};
 use system_tests::{command, run};
 

@@ -1,7 +1,7 @@
 //! Sensors measure what is there: numbers worked out by hand for simple scenes.
 
 use gamebots_proto::message::{Message, Reading};
-use sim_core::scene::{NamedPose, Shape, Solid, WorldDef};
+use scene::{NamedPose, Shape, Solid, WorldDef};
 use sim_core::{Options, RobotId, World};
 use system_tests::{apply, init, run};
 
@@ -167,7 +167,7 @@ fn odometry_can_count_the_rollers() {
     for (finite, expected) in [(false, 1.0 / 0.955), (true, 1.0)] {
         let WorldDef { map, mut robots } = scene_loader::load("rough", &[]).expect("a built-in map");
         for sensor in &mut robots.get_mut("KUKA_YouBot").expect("the youBot").sensors {
-            if let sim_core::sensor::Config::Odometry(config) = &mut sensor.config {
+            if let scene::sensor::Config::Odometry(config) = &mut sensor.config {
                 config.finite_rollers = finite;
             }
         }

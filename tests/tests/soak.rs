@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sim_core::scene::DriveModel;
+use scene::DriveModel;
 use sim_core::{Controller, Options, TIME_STEP, World};
 use system_tests::{Usage, alone, sessions, setting};
 

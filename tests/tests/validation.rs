@@ -1,8 +1,8 @@
 //! The twelve checks of `usarsim validate`, with shorter drives.
 
 use experiments::validation::{CHECKS, Subject, check};
+use scene::DriveModel;
 use sim_core::Options;
-use sim_core::scene::DriveModel;
 
 /// What the reference does not reach, and how much of it there is at least: of a contact that slides, the engine solves
 /// both tangents by their own masses and then cuts their length, so friction leans toward the direction across a roller,

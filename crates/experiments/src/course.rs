@@ -4,7 +4,7 @@ use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Problem};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::UnitQuaternion;
-use sim_core::scene::WorldDef;
+use scene::WorldDef;
 use sim_core::{BodyState, Options, RobotId, WheelState, World, drive};
 
 /// Seconds that a robot stands before it drives, to settle on its floor.

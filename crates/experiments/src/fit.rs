@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use charts::{Chart, Series};
+use scene::DriveModel;
 use serde::{Deserialize, Serialize};
-use sim_core::scene::DriveModel;
 
 use self::bootstrap::{Bootstrap, bootstrap};
 use self::measured::{Measured, measurements};

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use scene::DriveModel;
 use scene_loader::Override;
 use serde::Deserialize;
-use sim_core::scene::DriveModel;
 
 use crate::plot::Plot;
 

@@ -7,9 +7,9 @@ use gamebots_proto::message::{Message, Reading};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
+use scene::{MapDef, Pose, RobotDef, WorldDef};
 use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
-use sim_core::scene::{self, MapDef, Pose, RobotDef, WorldDef};
 use sim_core::{Controller, Options, World};
 
 use crate::course::told;

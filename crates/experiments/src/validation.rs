@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use gamebots_proto::command::Init;
 use nalgebra::{UnitQuaternion, Vector3};
-use sim_core::scene::{self, DriveModel, MapDef, Material, RobotDef, Shape, Solid, WheelGeometry, WorldDef};
-use sim_core::{BodyState, Options, RobotId, WheelState, World, drive, wheel_spin_inertia};
+use scene::{DriveModel, MapDef, Material, RobotDef, Shape, Solid, WheelGeometry, WorldDef};
+use sim_core::{BodyState, Options, RobotId, WheelState, World, drive};
 
 use crate::course::{MotionError, SETTLING, angles, drive_command, exact_step};
 
@@ -371,7 +371,7 @@ fn coasting(subject: &Subject) -> Subject {
 fn rolling_mass(robot: &RobotDef) -> f64 {
     let wheels = robot.driven().iter().map(|wheel| {
         let armature = wheel.drive.as_ref().map_or(0.0, |motor| motor.armature);
-        (wheel_spin_inertia(wheel) + armature) / wheel.radius.powi(2)
+        (wheel.spin_inertia() + armature) / wheel.radius.powi(2)
     });
     f64::from(robot.mass()) + wheels.sum::<f64>()
 }
@@ -520,7 +520,7 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
             .zip(&wheels)
             .map(|(wheel, state)| {
                 let armature = wheel.drive.as_ref().map_or(0.0, |motor| motor.armature);
-                (wheel_spin_inertia(wheel) + armature) * state.speed.powi(2) / 2.0
+                (wheel.spin_inertia() + armature) * state.speed.powi(2) / 2.0
             })
             .sum();
         // z is down.

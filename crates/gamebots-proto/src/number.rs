@@ -4,9 +4,6 @@
 //! ([`engine_float`], [`engine_vector`]) rounds. Which message uses which is part of its format.
 //! A number that is not finite is written as 0: no client can read `NaN`.
 
-/// Engine rotation units per radian: 65536 a turn (DefaultUSAR.ini:39).
-const ROTATION_UNITS_PER_RADIAN: f32 = 10430.378;
-
 /// `%Fn`: fixed point with `decimals` digits, truncated toward zero; `-` whenever the value is below zero.
 pub fn fixed(value: f32, decimals: u32) -> String {
     let value = finite(value);
@@ -35,16 +32,6 @@ pub fn engine_vector(value: [f32; 3]) -> String {
 /// Three [`engine_float`] numbers with commas between.
 pub fn engine_floats(values: &[f32]) -> String {
     values.iter().map(|&value| engine_float(value)).collect::<Vec<_>>().join(",")
-}
-
-/// Radians to whole engine rotation units, truncated: the resolution of every angle of a USARSim scan.
-pub fn rotation_units(radians: f64) -> i32 {
-    (radians * 10430.3783505) as i32
-}
-
-/// Engine rotation units to radians.
-pub fn radians(rotation_units: i32) -> f32 {
-    rotation_units as f32 / ROTATION_UNITS_PER_RADIAN
 }
 
 fn finite(value: f32) -> f32 {
@@ -89,16 +76,5 @@ mod tests {
         assert_eq!(engine_float(std::f32::consts::TAU), "6.2832");
         assert_eq!(engine_vector([-5.468, 27.82, 1.27]), "-5.47,27.82,1.27");
         assert_eq!(engine_vector([-0.001, 0.0, 0.0]), "-0.00,0.00,0.00");
-    }
-
-    #[test]
-    fn angles_pass_through_rotation_units() {
-        for (angle, units) in [(3.14159, 32767), (0.01745, 182), (4.189, 43692), (1.5707963, 16383), (6.2832, 65536)] {
-            assert_eq!(rotation_units(angle), units, "{angle}");
-        }
-        for (units, expected) in [(16384, "1.5707"), (182, "0.0174"), (32767, "3.1414"), (65536, "6.2831")] {
-            assert_eq!(fixed(radians(units), 4), expected, "{units}");
-        }
-        assert_eq!(engine_float(radians(16384)), "1.5708");
     }
 }

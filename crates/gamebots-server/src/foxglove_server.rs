@@ -11,8 +11,8 @@ use foxglove::websocket::service::{Request, Service, ServiceSchema};
 use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
 use foxglove::{Context, Schema, WebSocketServerHandle};
 use recorder::{Latched, Live, Record, Recorder, StateTimer};
+use scene::WorldDef;
 use sim_core::World;
-use sim_core::scene::WorldDef;
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
 

@@ -34,8 +34,8 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use scene::WorldDef;
 use sim_core::Options;
-use sim_core::scene::WorldDef;
 
 /// What strangers' requests go through, for the fuzz targets.
 #[doc(hidden)]

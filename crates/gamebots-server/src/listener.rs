@@ -41,7 +41,7 @@ pub(crate) async fn serve(
     let (gone, world_gone) = oneshot::channel();
     let (live, channels) = live::broadcast(Instant::now());
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
-    let scene = page.as_ref().map(|_| live::scene(&config.world, config.options.seed, address.port()).to_string());
+    let scene = page.as_ref().map(|_| live::scene_json(&config.world, config.options.seed, address.port()).to_string());
     let site = Site {
         host: config.host.clone(),
         protocol: reachable(address),

@@ -5,7 +5,7 @@
 //! everything, and of the wire's [`Line`]s if it wants them, until it is too far behind and is told how many it missed.
 
 mod frame;
-mod scene;
+mod scene_json;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use serde::Serialize;
 use sim_core::{RobotId, World};
 use tokio::sync::{broadcast, watch};
 
-pub(crate) use scene::scene;
+pub(crate) use scene_json::scene_json;
 
 /// Real time between two frames.
 const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
@@ -238,8 +238,8 @@ impl Broadcast {
 #[cfg(test)]
 mod tests {
     use gamebots_proto::message::Sonar;
+    use scene::WorldDef;
     use sim_core::Options;
-    use sim_core::scene::WorldDef;
 
     use super::*;
 

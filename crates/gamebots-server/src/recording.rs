@@ -226,7 +226,7 @@ mod tests {
     use std::io::{Error, ErrorKind, Result as IoResult, Write};
     use std::sync::{Condvar, Mutex};
 
-    use sim_core::scene::WorldDef;
+    use scene::WorldDef;
 
     use super::*;
 

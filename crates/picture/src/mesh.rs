@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
+use scene::{Pose, RobotDef, Shape, Solid, Wheel};
 use sim_core::World;
-use sim_core::scene::{self, Pose, RobotDef, Shape, Solid, Wheel};
 
 /// A piece of surface.
 pub(crate) struct Triangle {
@@ -124,7 +124,7 @@ impl Scene {
                 self.add_lathe(&[[-length / 2.0, *radius], [length / 2.0, *radius]], &upright, colour);
             }
             Shape::Hull { points } => {
-                if let Some(surface) = sim_core::hull_surface(points) {
+                if let Some(surface) = scene::hull_surface(points) {
                     self.add(&surface, pose, colour);
                 }
             }

@@ -6,7 +6,7 @@ use foxglove::messages::{
     Color, CubePrimitive, CylinderPrimitive, Point3, Pose as FoxPose, Quaternion, SceneEntity, SpherePrimitive,
     TriangleListPrimitive, Vector3,
 };
-use sim_core::scene::{self, MapDef, Pose, RobotDef, Rollers, Shape, Wheel};
+use scene::{MapDef, Pose, RobotDef, Rollers, Shape, Wheel};
 
 /// Edge of the square that stands for a plane without end, m.
 const PLANE_EDGE: f64 = 100.0;
@@ -111,7 +111,7 @@ fn add(drawn: &mut SceneEntity, shape: &Shape, pose: &Pose, colour: Color) {
             color,
         }),
         Shape::Hull { points } => {
-            if let Some(surface) = sim_core::hull_surface(points) {
+            if let Some(surface) = scene::hull_surface(points) {
                 add(drawn, &surface, pose, colour);
             }
         }

@@ -35,8 +35,8 @@ pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink};
 
 use foxglove::Encode;
 use mcap::McapResult;
+use scene::Pose;
 use sim_core::World;
-use sim_core::scene::Pose;
 
 /// Seconds between two recorded states of the robots.
 const STATE_INTERVAL: f64 = 0.02;

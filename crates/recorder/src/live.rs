@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use foxglove::{Context, Encode, PartialMetadata, RawChannel, SinkId};
 use mcap::McapResult;
-use sim_core::scene::WorldDef;
+use scene::WorldDef;
 
 use crate::file::nanoseconds;
 use crate::native::Native;

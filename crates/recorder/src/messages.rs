@@ -4,7 +4,7 @@ use foxglove::{Encode, Schema};
 use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
 use prost::Message;
 use prost::bytes::BufMut;
-use sim_core::scene::Pose;
+use scene::Pose;
 use sim_core::{RobotId, World};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));

@@ -10,7 +10,7 @@ use foxglove::messages::{
 };
 use gamebots_proto::message::{Message, RangeScanner, Reading, Sen};
 use mcap::McapResult;
-use sim_core::scene::{self, Pose, RobotDef, WorldDef};
+use scene::{Pose, RobotDef, WorldDef};
 
 use crate::file::nanoseconds;
 use crate::places::{Placed, Places};

@@ -9,7 +9,7 @@ use foxglove::messages::{Log as LogMessage, log::Level};
 use gamebots_proto::framing::MAX_LINE_BYTES;
 use mcap::MAGIC;
 use prost::Message;
-use sim_core::scene::WorldDef;
+use scene::WorldDef;
 
 use crate::records::{self, Damage, Record as Raw};
 use crate::{END, LEFT, ObjectState, RUN, Record, RobotLeft, RobotState, WireLine};

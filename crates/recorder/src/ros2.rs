@@ -9,8 +9,8 @@ use std::path::Path;
 use gamebots_proto::message::{Ins, Message, Reading, Sen};
 use mcap::McapResult;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use sim_core::scene::{self, Pose, RobotDef, SensorDef, WorldDef};
-use sim_core::sensor::{Config, Fan};
+use scene::sensor::{Config, Fan};
+use scene::{Pose, RobotDef, SensorDef, WorldDef};
 
 use self::messages as ros;
 use crate::file::{LogFile, Storage, nanoseconds};

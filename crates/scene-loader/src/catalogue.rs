@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use include_dir::{Dir, include_dir};
-use sim_core::scene::{MapDef, RobotDef, WorldDef};
+use scene::{MapDef, RobotDef, WorldDef};
 
 use crate::materials::{self, Materials};
 use crate::overrides::{self, Override};

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use scene::Material;
+use scene::check::Range as Bounds;
 use serde::de::DeserializeOwned;
-use sim_core::scene::Material;
-use sim_core::scene::check::Range as Bounds;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 

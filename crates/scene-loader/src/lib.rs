@@ -1,4 +1,4 @@
-//! Robots, maps and materials: files in, plain definitions of `sim_core::scene` out. Every file is read here.
+//! Robots, maps and materials: files in, plain definitions of `scene` out. Every file is read here.
 //!
 //! The robots, maps and materials of this repository are built into the program; others are named by their path.
 //! Files are in SI units and in the world frame (x forward, y right, z down), but for URDF and meshes, which are
@@ -22,7 +22,7 @@ pub use problem::{FileProblem, LoadError};
 use std::path::Path;
 
 use problem::Problems;
-use sim_core::scene::Material;
+use scene::Material;
 use source::Source;
 
 /// Checks a robot.toml, a map.toml, a materials.toml or a URDF and returns everything wrong with it.

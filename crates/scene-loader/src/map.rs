@@ -1,6 +1,6 @@
 //! `map.toml`: what stands on a map, of what material, and where robots start.
 
-use sim_core::scene::{MapDef, NamedPose, Object, Shape, Solid, check};
+use scene::{MapDef, NamedPose, Object, Shape, Solid, check};
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use scene::{Material, check};
 use serde::Deserialize;
-use sim_core::scene::{Material, check};
 
 use crate::document::Document;
 use crate::problem::Problems;

@@ -2,8 +2,8 @@
 
 use std::io::Cursor;
 
-use sim_core::scene::Shape;
-use sim_core::scene::check::{MAX_TRIANGLES, Range};
+use scene::Shape;
+use scene::check::{MAX_TRIANGLES, Range};
 
 use crate::LoadError;
 use crate::source::{MAX_MESH, Source};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use sim_core::scene::check::SceneProblem;
+use scene::check::SceneProblem;
 
 /// Most problems that are told: a file of a million mistakes is no file of this kind.
 const MAX_PROBLEMS: usize = 100;

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
-use serde::Deserialize;
-use sim_core::scene::{
+use scene::sensor;
+use scene::{
     Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel, check,
 };
-use sim_core::sensor;
+use serde::Deserialize;
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;

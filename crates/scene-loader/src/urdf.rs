@@ -6,8 +6,8 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Node, NodeType, ParsingOptions};
-use sim_core::scene::check::{ANGLE, INERTIA, ROBOT_REACH, Range};
-use sim_core::scene::{Material, Part, Pose, Shape, Solid, check};
+use scene::check::{ANGLE, INERTIA, ROBOT_REACH, Range};
+use scene::{Material, Part, Pose, Shape, Solid, check};
 use urdf_rs::{Geometry, JointType};
 
 use crate::mesh;
@@ -185,7 +185,7 @@ fn solid(
         Geometry::Mesh { filename, scale } => (hull(source, filename, scale.map(|scale| *scale))?, z_down()),
         other => return Err(format!("geometry {other:?}: expected box, cylinder, sphere or mesh")),
     };
-    let (position, rotation) = sim_core::scene::position_and_rotation(&(place * turn));
+    let (position, rotation) = scene::position_and_rotation(&(place * turn));
     Ok(Solid { name: link.name.clone(), shape, position, rotation, material: material.clone() })
 }
 
@@ -202,7 +202,7 @@ fn hull(source: &Source, filename: &str, scale: Option<[f64; 3]>) -> Result<Shap
     if let Some(problem) = vertices.iter().find_map(|corner| ROBOT_REACH.problem_in("corner", corner)) {
         return Err(format!("mesh `{name}`: {problem}"));
     }
-    match sim_core::hull_surface(&vertices) {
+    match scene::hull_surface(&vertices) {
         Some(Shape::Mesh { vertices, .. }) => Ok(Shape::Hull { points: vertices }),
         _ => Err(format!("mesh `{name}` has its points in one plane: expected a volume")),
     }

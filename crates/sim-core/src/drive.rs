@@ -7,7 +7,7 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use kinematics::{FiniteRollers, Mecanum, Twist};
 
-use crate::scene::{RobotDef, Side, Steering};
+use scene::{RobotDef, Side, Steering};
 
 /// What a robot remembers between two `DRIVE` lines.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,9 +8,8 @@
 
 pub mod drive;
 mod physics;
-pub mod scene;
-pub mod sensor;
+mod sensor;
 mod world;
 
-pub use physics::{BodyState, Contact, WheelState, hull_surface, wheel_spin_inertia};
+pub use physics::{BodyState, Contact, WheelState};
 pub use world::{Controller, LostRobot, Observation, Options, RobotId, TIME_STEP, World};

@@ -2,7 +2,6 @@
 
 mod contact;
 mod convert;
-mod mass;
 mod motor;
 mod observe;
 mod query;
@@ -19,14 +18,11 @@ use nalgebra::Vector3;
 use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
-pub use mass::wheel_spin_inertia;
-pub(crate) use mass::{body_mass, total_mass};
 pub use observe::Contact;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
-pub use shape::hull_surface;
 
-use crate::scene::{MapDef, Material, Object, Pose};
+use scene::{MapDef, Material, Object, Pose};
 
 /// Where a body is and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -12,12 +12,12 @@ use gamebots_proto::command::{Command, Init};
 use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
 
 use crate::physics::Physics;
-use crate::scene::{self, NamedPose, Pose, WorldDef};
 use crate::sensor::floats;
 use crate::{BodyState, WheelState};
 pub use controller::Controller;
 pub use robot::Observation;
 use robot::Robot;
+use scene::{NamedPose, Pose, WorldDef};
 
 /// Length of a step, s, unless it is chosen: 500 Hz, where free rollers are within 0.3 % of their exact kinematics.
 pub const TIME_STEP: f64 = 0.002;

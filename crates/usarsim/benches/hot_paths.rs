@@ -3,7 +3,7 @@
 use divan::Bencher;
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Line};
-use sim_core::scene::DriveModel;
+use scene::DriveModel;
 use sim_core::{Options, World};
 
 fn main() {

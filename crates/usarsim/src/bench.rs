@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use experiments::{Course, Moment, Motion};
+use scene::{DriveModel, WorldDef};
 use scene_loader::Override;
 use serde_json::json;
 use sim_core::Options;
-use sim_core::scene::{DriveModel, WorldDef};
 
 use crate::{Failure, exit, print, within};
 

@@ -13,8 +13,8 @@ use experiments::plan::Plan;
 use experiments::run::{self, Outcome, RunError};
 use experiments::{report, thesis};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use scene::DriveModel;
 use serde_json::json;
-use sim_core::scene::DriveModel;
 
 use crate::{Failure, exit, print, within};
 

@@ -1,8 +1,8 @@
 //! `usarsim maps` and `usarsim robots`.
 
+use scene::RobotDef;
 use scene_loader::LoadError;
 use serde_json::json;
-use sim_core::scene::RobotDef;
 
 use crate::{Failure, exit, print};
 

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use gamebots_server::{Config, Page, Ready, ServeError};
+use scene::DriveModel;
 use scene_loader::Override;
 use sim_core::Options;
-use sim_core::scene::DriveModel;
 
 use crate::{Failure, exit, print};
 

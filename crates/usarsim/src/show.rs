@@ -1,10 +1,10 @@
 //! `usarsim show`: every number of a robot or a map as the world gets it.
 
 use clap::ValueEnum;
+use scene::DriveModel;
 use scene_loader::Override;
 use serde::Serialize;
 use serde_json::Value;
-use sim_core::scene::DriveModel;
 
 use crate::{Failure, exit, print};
 

@@ -6,8 +6,8 @@ use gamebots_proto::command::Command;
 use gamebots_proto::{Line, Problem};
 use nalgebra::{Point3, Vector3};
 use picture::Camera;
+use scene::{DriveModel, Shape};
 use scene_loader::Override;
-use sim_core::scene::{DriveModel, Shape};
 use sim_core::{Options, World};
 
 use crate::{Failure, exit, print, within};
@@ -175,7 +175,7 @@ fn reach_of(world: &World, class: &str) -> f64 {
 }
 
 /// Places that a solid reaches to.
-fn corners(solid: &sim_core::scene::Solid) -> Vec<Point3<f64>> {
+fn corners(solid: &scene::Solid) -> Vec<Point3<f64>> {
     let pose = solid.pose();
     let reach = match &solid.shape {
         Shape::HalfSpace => return Vec::new(),

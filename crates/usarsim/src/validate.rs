@@ -2,10 +2,10 @@
 
 use experiments::validation::{self, CHECKS, Finding, Subject};
 use indicatif::{ProgressBar, ProgressStyle};
+use scene::DriveModel;
 use scene_loader::Override;
 use serde_json::json;
 use sim_core::Options;
-use sim_core::scene::DriveModel;
 
 use crate::{Failure, exit, print, within};
 

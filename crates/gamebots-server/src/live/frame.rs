@@ -24,7 +24,7 @@
 
 use std::f64::consts::PI;
 
-use sim_core::scene::Pose;
+use scene::Pose;
 use sim_core::{Contact, Observation, RobotId, World};
 
 /// Contacts of one robot that are told, the strongest first.

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use recorder::{End, LogWriter, Record, RobotState, StateTimer, Vector, WireLine};
-use sim_core::scene::WorldDef;
+use scene::WorldDef;
 use sim_core::{Controller, Options, World};
 
 /// The map `rough` and the class of one robot.

@@ -6,7 +6,7 @@ use gamebots_proto::command::Drive;
 use kinematics::Twist;
 
 use super::{mecanum, of_side};
-use crate::scene::RobotDef;
+use scene::RobotDef;
 
 /// Speed of each wheel that the command names by wheel or side, in the unit of the command.
 pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive) -> Vec<Option<f64>> {

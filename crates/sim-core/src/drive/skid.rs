@@ -4,7 +4,7 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 
 use super::of_side;
-use crate::scene::RobotDef;
+use scene::RobotDef;
 
 /// Speed of each driven wheel in the unit of the command; `None` leaves it as it is.
 pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {

@@ -1,9 +1,9 @@
 //! Between nalgebra's types, which the world has, and the engine's.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
-use rapier3d::math::{Pose as EnginePose, Rotation, Vector};
-
-use crate::scene::Pose;
+use rapier3d::dynamics::MassProperties;
+use rapier3d::math::{Matrix, Pose as EnginePose, Rotation, Vector};
+use scene::{Mass, Pose};
 
 pub(super) fn vector(value: impl Into<[f64; 3]>) -> Vector {
     Vector::from_array(value.into())
@@ -22,4 +22,9 @@ pub(super) fn from_pose(value: &EnginePose) -> Pose {
     let [x, y, z, w] = value.rotation.to_array();
     let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
     Pose::from_parts(Translation3::from(from_vector(value.translation)), rotation)
+}
+
+pub(super) fn mass(value: &Mass) -> MassProperties {
+    let inertia = Matrix::from_cols_array_2d(&value.inertia.into());
+    MassProperties::with_inertia_matrix(vector(value.centre), value.mass, inertia)
 }

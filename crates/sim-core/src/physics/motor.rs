@@ -1,6 +1,6 @@
 //! The servo of a wheel, the same for every drive model.
 
-use crate::scene::Motor;
+use scene::Motor;
 
 /// A wheel commanded to stand that turns slower than this is held where it is, rad/s.
 const HOLDING_SPEED: f64 = 0.5;

@@ -5,7 +5,7 @@ use rapier3d::prelude::*;
 
 use super::robot::Drivetrain;
 use super::{Physics, RobotBodies, convert, solved};
-use crate::scene::RobotDef;
+use scene::RobotDef;
 
 /// A place where something pushes a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]

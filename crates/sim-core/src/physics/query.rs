@@ -5,7 +5,7 @@ use rapier3d::parry::query::Ray;
 use rapier3d::prelude::*;
 
 use super::{Physics, RobotBodies, convert, shape};
-use crate::scene::{Pose, RobotDef};
+use scene::{Pose, RobotDef};
 
 /// A clear gap left under a robot that is put on a surface, m: it settles by this in a few steps.
 const CLEARANCE: f64 = 0.001;

@@ -9,14 +9,13 @@ use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
 
-use super::mass::{Mass, wheel_spin_inertia};
 use super::motor::Servo;
 use super::rolling::{self, Load};
 use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel, Velocity};
 use super::wheel_contact::{RollerRing, WheelContact};
 use super::{WheelState, convert};
 use crate::drive;
-use crate::scene::{DriveModel, Material, Motor, Pose, RobotDef, Wheel};
+use scene::{DriveModel, Mass, Material, Motor, Pose, RobotDef, Wheel};
 
 /// Stiffness of a roller's tread, N/m. It shares the load between the wheels.
 const STIFFNESS: f64 = 1e8;
@@ -57,7 +56,7 @@ impl BaseWheel {
             hub: wheel.position.into(),
             ring: RollerRing::new(rollers, wheel.radius),
             radius: wheel.radius,
-            inertia: wheel_spin_inertia(wheel),
+            inertia: wheel.spin_inertia(),
             roller_damping: rollers.damping,
             material: rollers.material.clone(),
             motor: motor.clone(),

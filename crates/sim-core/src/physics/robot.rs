@@ -5,13 +5,12 @@ use nalgebra::{Translation3, Vector3};
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
 
-use super::mass::{Mass, body_mass, total_mass, wheel_mass};
 use super::motor::{Servo, Torque};
 use super::rigid_base::RigidBase;
 use super::rolling::{self, Load};
 use super::touching::solve_touching;
 use super::{BodyState, LANDING_TIME, Physics, WheelState, convert, shape, with_material};
-use crate::scene::{DriveModel, Pose, RobotDef, Rollers, Wheel};
+use scene::{DriveModel, Mass, Pose, RobotDef, Rollers, Wheel};
 
 /// A robot of which no wheel carries anything falls when it goes down so fast, m/s. Put onto a surface it comes down with
 /// 0.14 m/s; what is faster has fallen off the map and lands nowhere.
@@ -112,7 +111,7 @@ impl Physics {
     }
 
     fn spawn_multibody(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        let mass = body_mass(robot);
+        let mass = robot.body_mass();
         // The engine moves the origin of a multibody's root with the velocity of its centre of mass, so they have to be one.
         let centre = mass.centre;
         let centred = Mass { centre: Vector3::zeros(), ..mass };
@@ -134,7 +133,7 @@ impl Physics {
     }
 
     fn spawn_rigid(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        let mass = total_mass(robot);
+        let mass = robot.total_mass();
         let chassis = self.insert_chassis(pose, robot, Vector3::zeros(), mass);
         for caster in robot.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
             let ball = with_material(ColliderBuilder::ball(caster.radius), &caster.material).friction(0.0);
@@ -164,7 +163,7 @@ impl Physics {
 
     /// The chassis with its shapes; `centre` is the place of the body's origin in the robot frame.
     fn insert_chassis(&mut self, pose: &Pose, robot: &RobotDef, centre: Vector3<f64>, mass: Mass) -> RigidBodyHandle {
-        let chassis = self.insert_body(pose, mass.to_engine());
+        let chassis = self.insert_body(pose, convert::mass(&mass));
         for solid in &robot.solids {
             let local = Translation3::from(-centre) * solid.pose();
             let collider = shape::collider(&solid.shape, &local, &solid.material);
@@ -348,7 +347,7 @@ impl Physics {
         let chassis = all[0];
         let anchor = Pose::translation(wheel.position[0], wheel.position[1], wheel.position[2]);
         let pose = robot * anchor;
-        let body = self.insert_body(&pose, wheel_mass(wheel));
+        let body = self.insert_body(&pose, convert::mass(&wheel.hub_mass()));
         all.push(body);
         let anchor = convert::vector(Vector3::from(wheel.position) - centre);
         let Some(motor) = &wheel.drive else {
@@ -386,8 +385,8 @@ impl Physics {
         all: &mut Vec<RigidBodyHandle>,
     ) {
         let roller_shape = shape::roller(rollers, wheel_radius);
-        let inertia = convert::vector(shape::roller_inertia(rollers, wheel_radius));
-        let mass = MassProperties::new(Vector::ZERO, rollers.mass, inertia);
+        let inertia = rollers.inertia(wheel_radius);
+        let mass = convert::mass(&Mass { mass: rollers.mass, centre: Vector3::zeros(), inertia });
         for index in 0..rollers.count {
             let local = rollers.pose(index);
             let body = self.insert_body(&(wheel * local), mass);
@@ -424,7 +423,7 @@ impl Physics {
         damping.fill(0.0);
         if let Some(solid) = robot.solids.first() {
             // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
-            let body = body_mass(robot);
+            let body = robot.body_mass();
             damping.rows_mut(0, 3).fill(solid.material.linear_damping * body.mass);
             let inertia = body.inertia.trace() / 3.0;
             damping.rows_mut(3, 3).fill(solid.material.angular_damping * inertia);

@@ -12,7 +12,7 @@ use rapier3d::parry::math::{Pose, Real, Vector};
 use rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
 use rapier3d::parry::shape::{FeatureId, Shape, ShapeType, SupportMap, TypedShape};
 
-use crate::scene::Rollers;
+use scene::Rollers;
 
 /// Halvings of the axis in a search: 60 mm become 4 nm, less than any contact is known to.
 pub(super) const HALVINGS: u32 = 24;
@@ -203,7 +203,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::scene::Material;
+    use scene::Material;
 
     fn youbot() -> RollerShape {
         let angle = std::f64::consts::FRAC_PI_4;

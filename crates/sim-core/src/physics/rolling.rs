@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
 use super::{convert, solved};
-use crate::scene::Material;
+use scene::Material;
 
 /// What one wheel stands on.
 #[derive(Debug, Clone, Copy, Default)]

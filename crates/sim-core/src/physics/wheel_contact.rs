@@ -10,7 +10,7 @@ use rapier3d::prelude::*;
 use super::contact::{Touch, distance, touch_part};
 use super::convert;
 use super::roller::RollerShape;
-use crate::scene::{Pose, Rollers};
+use scene::{Pose, Rollers};
 
 /// Rollers this far off the direction to a surface are looked at beside the nearest one, rad: a contact is up to 21 mm
 /// beside the hub, so where a surface ends obliquely its point nearest to the hub is up to 15 mm before or behind it.

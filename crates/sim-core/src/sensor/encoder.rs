@@ -7,28 +7,9 @@ use gamebots_proto::command::Set;
 use gamebots_proto::message::{Encoder, ItemConf, Reading};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View};
-
-/// Numbers of an encoder.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Angle of one tick, rad.
-    pub resolution: f64,
-    /// Half width of the uniform noise, as a part of the angle turned.
-    pub noise: f64,
-    /// The driven wheel that it reads, from 0. Without: every wheel i for which the name contains `W<i>`, as USARSim.
-    pub wheel: Option<usize>,
-}
-
-impl Default for Config {
-    /// DefaultUSAR.ini:89-92.
-    fn default() -> Self {
-        Self { resolution: 0.01745, noise: 0.005, wheel: None }
-    }
-}
+use scene::sensor::encoder::Config;
 
 pub(super) struct Mounted {
     name: String,
@@ -39,32 +20,22 @@ pub(super) struct Mounted {
     rng: ChaCha8Rng,
 }
 
-impl Config {
-    /// Numbers that ticks can be counted with.
-    pub(super) fn validate(&self) -> Result<(), &'static str> {
-        let good = (1e-6..=TAU).contains(&self.resolution) && (0.0..1.0).contains(&self.noise);
-        if good { Ok(()) } else { Err("resolution 1e-6 to 2 pi, noise 0 to less than 1") }
-    }
-}
-
-impl Config {
-    pub(super) fn build(&self, mount: Mount) -> Mounted {
-        let states = mount.view.wheels;
-        let wheels = match self.wheel {
-            Some(wheel) => vec![(mount.name.to_owned(), wheel)],
-            None => {
-                let named = (0..states.len()).map(|wheel| (format!("W{wheel}"), wheel));
-                named.filter(|(label, _)| mount.name.contains(label)).collect()
-            }
-        };
-        let wheels = wheels.into_iter().filter_map(|(label, wheel)| Some((label, wheel, states.get(wheel)?.angle)));
-        Mounted {
-            name: mount.name.to_owned(),
-            resolution: self.resolution,
-            noise: self.noise,
-            wheels: wheels.collect(),
-            rng: mount.rng,
+pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
+    let states = mount.view.wheels;
+    let wheels = match config.wheel {
+        Some(wheel) => vec![(mount.name.to_owned(), wheel)],
+        None => {
+            let named = (0..states.len()).map(|wheel| (format!("W{wheel}"), wheel));
+            named.filter(|(label, _)| mount.name.contains(label)).collect()
         }
+    };
+    let wheels = wheels.into_iter().filter_map(|(label, wheel)| Some((label, wheel, states.get(wheel)?.angle)));
+    Mounted {
+        name: mount.name.to_owned(),
+        resolution: config.resolution,
+        noise: config.noise,
+        wheels: wheels.collect(),
+        rng: mount.rng,
     }
 }
 

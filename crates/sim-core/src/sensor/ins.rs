@@ -8,34 +8,15 @@ use std::f64::consts::TAU;
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{Ins, ItemConf, Reading};
-use gamebots_proto::number::{radians, rotation_units};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
+use scene::rotation_units;
 
 use super::{Effect, Mount, Sensor, View, floats};
-use crate::scene::{Pose, position_and_rotation};
-
-/// Numbers of an inertial navigation.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Whether increments are biased, by numbers drawn once.
-    pub drifting: bool,
-    /// Linear biases are within ±0.5 / precision, angular ones within ±0.5 / precision².
-    pub precision: f64,
-    /// Standard deviation of the noise of one increment, as a part of it.
-    pub sigma: f64,
-}
-
-impl Default for Config {
-    /// DefaultUSAR.ini:51-59; the sigma of its section has no effect, the one of Sensor.uc:18 counts.
-    fn default() -> Self {
-        Self { drifting: true, precision: 1000.0, sigma: 0.05 }
-    }
-}
+use scene::sensor::ins::Config;
+use scene::{Pose, position_and_rotation};
 
 pub(super) struct Mounted {
     name: String,
@@ -50,32 +31,22 @@ pub(super) struct Mounted {
     rng: ChaCha8Rng,
 }
 
-impl Config {
-    /// Numbers that noise can be drawn with.
-    pub(super) fn validate(&self) -> Result<(), &'static str> {
-        let good = (1e-3..=1e9).contains(&self.precision) && (0.0..=10.0).contains(&self.sigma);
-        if good { Ok(()) } else { Err("precision 0.001 to 1e9, sigma 0 to 10") }
-    }
-}
-
-impl Config {
-    pub(super) fn build(&self, mut mount: Mount) -> Mounted {
-        let mut bias =
-            |range: f64| [(); 3].map(|()| if self.drifting { mount.rng.random_range(-0.5..0.5) / range } else { 0.0 });
-        let (angle_bias, position_bias) = (bias(self.precision.powi(2)), bias(self.precision));
-        let (position, angles) = position_and_rotation(&(mount.view.body.pose * mount.pose));
-        Mounted {
-            name: mount.name.to_owned(),
-            scan_interval: mount.scan_interval,
-            sigma: self.sigma,
-            position: position.into(),
-            angles: angles.map(|angle| angle.rem_euclid(TAU)),
-            angle_bias,
-            position_bias,
-            last: mount.view.body.pose,
-            integrating: false,
-            rng: mount.rng,
-        }
+pub(super) fn build(config: &Config, mut mount: Mount) -> Mounted {
+    let mut bias =
+        |range: f64| [(); 3].map(|()| if config.drifting { mount.rng.random_range(-0.5..0.5) / range } else { 0.0 });
+    let (angle_bias, position_bias) = (bias(config.precision.powi(2)), bias(config.precision));
+    let (position, angles) = position_and_rotation(&(mount.view.body.pose * mount.pose));
+    Mounted {
+        name: mount.name.to_owned(),
+        scan_interval: mount.scan_interval,
+        sigma: config.sigma,
+        position: position.into(),
+        angles: angles.map(|angle| angle.rem_euclid(TAU)),
+        angle_bias,
+        position_bias,
+        last: mount.view.body.pose,
+        integrating: false,
+        rng: mount.rng,
     }
 }
 
@@ -89,8 +60,8 @@ impl Mounted {
         let ((now, angles), (before, last_angles)) = (position_and_rotation(pose), position_and_rotation(&self.last));
         let turned: [f64; 3] = std::array::from_fn(|axis| {
             // In whole rotation units, as the engine's angles are: a resting robot does not turn at all.
-            let change = rotation_units(angles[axis]) - rotation_units(last_angles[axis]);
-            let change = f64::from(radians(change));
+            let change = rotation_units::from_radians(angles[axis]) - rotation_units::from_radians(last_angles[axis]);
+            let change = f64::from(rotation_units::to_radians(change));
             change - TAU * (change / TAU).round()
         });
         if self.integrating {

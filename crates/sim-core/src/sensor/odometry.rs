@@ -6,20 +6,11 @@
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Odometry, Reading};
 use kinematics::{FiniteRollers, Mecanum, PlanarPose, Skid, Twist};
-use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View};
-use crate::scene::{RobotDef, Side, Steering};
 use crate::{WheelState, drive};
-
-/// How an odometry reckons.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Omni robots: follow the phases of the rollers. The textbook over-reports ways to the side by the 4.5 % that
-    /// six rollers lose.
-    pub finite_rollers: bool,
-}
+use scene::sensor::odometry::Config;
+use scene::{RobotDef, Side, Steering};
 
 enum Base {
     Skid {
@@ -41,15 +32,13 @@ pub(super) struct Mounted {
     last_angles: Vec<f64>,
 }
 
-impl Config {
-    pub(super) fn build(&self, mount: Mount) -> Mounted {
-        Mounted {
-            name: mount.name.to_owned(),
-            scan_interval: mount.scan_interval,
-            base: base(mount.view.robot, self.finite_rollers),
-            pose: PlanarPose::default(),
-            last_angles: angles(mount.view.wheels),
-        }
+pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
+    Mounted {
+        name: mount.name.to_owned(),
+        scan_interval: mount.scan_interval,
+        base: base(mount.view.robot, config.finite_rollers),
+        pose: PlanarPose::default(),
+        last_angles: angles(mount.view.wheels),
     }
 }
 

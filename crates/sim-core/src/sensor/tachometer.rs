@@ -2,14 +2,8 @@
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Reading, Tachometer};
-use serde::{Deserialize, Serialize};
 
 use super::{Effect, Mount, Sensor, View};
-
-/// A tachometer has no numbers of its own.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Config {}
 
 pub(super) struct Mounted {
     name: String,
@@ -21,16 +15,14 @@ pub(super) struct Mounted {
     reference: Vec<f64>,
 }
 
-impl Config {
-    pub(super) fn build(&self, mount: Mount) -> Mounted {
-        let angles: Vec<f64> = mount.view.wheels.iter().map(|wheel| wheel.angle).collect();
-        Mounted {
-            name: mount.name.to_owned(),
-            scan_interval: mount.scan_interval,
-            last_time: mount.view.time,
-            last: angles.clone(),
-            reference: angles,
-        }
+pub(super) fn build(mount: Mount) -> Mounted {
+    let angles: Vec<f64> = mount.view.wheels.iter().map(|wheel| wheel.angle).collect();
+    Mounted {
+        name: mount.name.to_owned(),
+        scan_interval: mount.scan_interval,
+        last_time: mount.view.time,
+        last: angles.clone(),
+        reference: angles,
     }
 }
 

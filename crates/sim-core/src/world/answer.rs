@@ -4,7 +4,6 @@ use gamebots_proto::command::{GetConf, GetGeo};
 use gamebots_proto::message::{Conf, Geo, ItemGeo, RobotConf, RobotGeo};
 
 use super::robot::Robot;
-use crate::physics::total_mass;
 use crate::sensor::floats;
 
 /// The robot's configuration, or that of every matching item; `None` where nothing matches.
@@ -55,7 +54,7 @@ fn robot_geo(robot: &Robot) -> RobotGeo {
     RobotGeo {
         name: def.class.clone(),
         dimensions: floats([geometry.wheel_base, geometry.track, 0.0]),
-        centre_of_gravity: floats(total_mass(def).centre.into()),
+        centre_of_gravity: floats(def.total_mass().centre.into()),
         wheel_radius: geometry.radius as f32,
         wheel_separation: geometry.track as f32,
         wheel_base: geometry.wheel_base as f32,

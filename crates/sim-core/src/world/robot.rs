@@ -7,9 +7,9 @@ use gamebots_proto::message::{Message, Sta};
 use super::{Options, RobotId, seed};
 use crate::drive::DriveState;
 use crate::physics::{Physics, RobotBodies};
-use crate::scene::{Pose, RobotDef, SensorDef};
 use crate::sensor::{self, Effect, Sensor, View};
 use crate::{BodyState, Contact, WheelState};
+use scene::{Pose, RobotDef, SensorDef};
 
 /// Seconds between two STA lines (USARVehicle.uc:264).
 const STATUS_INTERVAL: f64 = 0.1;

@@ -10,7 +10,7 @@ use gamebots_client::Client;
 use gamebots_proto::message::{Message, Reading, Sen};
 use gamebots_server::{Config, Ready};
 use recorder::Record;
-use sim_core::scene::{self, Pose};
+use scene::Pose;
 
 /// Longest wait for a line of the server.
 const PATIENCE: Duration = Duration::from_secs(30);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use charts::{Chart, Series};
 use nalgebra::Point3;
 use recorder::{Log, Table};
-use sim_core::scene::{Shape, Solid};
+use scene::{Shape, Solid};
 
 use crate::{Failure, exit, print};
 

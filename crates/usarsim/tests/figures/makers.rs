@@ -10,7 +10,7 @@ use experiments::{Course, Motion, Travel};
 use gamebots_proto::message::{Message, Reading};
 use kinematics::FiniteRollers;
 use kinematics::thesis::{Sizes, base_velocity, printed};
-use sim_core::scene::{DriveModel, WorldDef};
+use scene::{DriveModel, WorldDef};
 use sim_core::{Controller, Options, World};
 
 use crate::{UNTIMED, budget, repository};

@@ -1,13 +1,13 @@
 //! The scene as a viewer gets it: the definitions, with what a viewer would have to work out itself worked out.
 
+use scene::{MapDef, NamedPose, Pose, RobotDef, Shape, Solid, Wheel, WorldDef};
 use serde_json::{Value, json};
-use sim_core::scene::{MapDef, NamedPose, Pose, RobotDef, Shape, Solid, Wheel, WorldDef};
 
 /// Pieces of cones that a roller is drawn by.
 const ROLLER_PIECES: u32 = 8;
 
 /// The map and every class of robot as JSON. Poses are `[x, y, z, qx, qy, qz, qw]` in the frame of what they are in.
-pub(crate) fn scene(world: &WorldDef, seed: u64, port: u16) -> Value {
+pub(crate) fn scene_json(world: &WorldDef, seed: u64, port: u16) -> Value {
     let WorldDef { map, robots } = world;
     let classes: serde_json::Map<String, Value> =
         robots.iter().map(|(class, def)| (class.clone(), class_json(def))).collect();
@@ -33,10 +33,10 @@ fn map_json(map: &MapDef) -> Value {
 }
 
 fn class_json(def: &RobotDef) -> Value {
-    let sensor = |sensor: &sim_core::scene::SensorDef| {
+    let sensor = |sensor: &scene::SensorDef| {
         json!({
             "name": sensor.name,
-            "pose": pose(&sim_core::scene::pose(sensor.position, sensor.direction)),
+            "pose": pose(&scene::pose(sensor.position, sensor.direction)),
             "max_range": sensor.config.max_range(),
             "fan": sensor.config.fan().map(|fan| json!({
                 "first": fan.first, "resolution": fan.resolution, "level": fan.level,
@@ -83,7 +83,7 @@ fn wheel(wheel: &Wheel) -> Value {
 
 fn solid(solid: &Solid) -> Value {
     let hull = match &solid.shape {
-        Shape::Hull { points } => sim_core::hull_surface(points),
+        Shape::Hull { points } => scene::hull_surface(points),
         _ => None,
     };
     json!({

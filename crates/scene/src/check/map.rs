@@ -1,0 +1,98 @@
+//! What a map may hold.
+
+use nalgebra::Vector3;
+
+use super::limits::*;
+use super::shape::{hull_points, solid, triangles};
+use super::{SceneProblem, count, first, shown, text, wire_name};
+use crate::{MapDef, Material, NamedPose, Object, Shape, Solid};
+
+pub(super) fn check_map(def: &MapDef) -> Result<(), SceneProblem> {
+    first("the map", map(def))?;
+    let solids = def.solids.iter().map(|it| (it, map_solid(it)));
+    let objects = def.objects.iter().map(|it| (&it.solid, object(it)));
+    for (it, wrong) in solids.chain(objects) {
+        first(&format!("the map, solid {}", shown(&it.name)), wrong.into_iter().chain(material(&it.material)))?;
+    }
+    for pose in def.starts.iter().chain(&def.path_nodes) {
+        first(&format!("the map, pose {}", shown(&pose.name)), named_pose(pose))?;
+    }
+    Ok(())
+}
+
+/// What is wrong with a map as a whole; its solids and poses are checked by themselves.
+pub fn map(def: &MapDef) -> Vec<String> {
+    let shapes = || def.solids.iter().chain(def.objects.iter().map(|object| &object.solid)).map(|solid| &solid.shape);
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(text("description", &def.description));
+    wrong.extend(GRAVITY.problem("gravity", def.gravity));
+    wrong.extend(count("solids", def.solids.len(), MAX_SOLIDS));
+    wrong.extend(count("objects", def.objects.len(), MAX_OBJECTS));
+    wrong.extend(count("start poses", def.starts.len(), MAX_POSES));
+    wrong.extend(count("path nodes", def.path_nodes.len(), MAX_POSES));
+    wrong.extend(count("triangles", shapes().map(triangles).sum(), MAX_TRIANGLES));
+    wrong.extend(count("corners of hulls", shapes().map(hull_points).sum(), MAX_HULL_POINTS));
+    wrong
+}
+
+/// What is wrong with a material.
+pub fn material(def: &Material) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    for (range, key, value) in [
+        (FRICTION, "friction", def.friction),
+        (SHARE, "restitution", def.restitution),
+        (SHARE, "rolling_resistance", def.rolling_resistance),
+        (BODY_DAMPING, "linear_damping", def.linear_damping),
+        (BODY_DAMPING, "angular_damping", def.angular_damping),
+    ] {
+        wrong.extend(range.problem(key, value));
+    }
+    wrong.extend(SHARE.problem_in("colour", &def.colour));
+    wrong.extend(text("source", &def.source));
+    wrong
+}
+
+/// What is wrong with a named place of a map.
+pub fn named_pose(def: &NamedPose) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(MAP_REACH.problem_in("position", &def.position));
+    wrong.extend(ANGLE.problem_in("rotation", &def.rotation));
+    wrong
+}
+
+/// What is wrong with a solid of a map; its material is checked by itself.
+pub fn map_solid(def: &Solid) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(solid(def, MAP_REACH, MAP_SIZE));
+    if wrong.is_empty() {
+        wrong.extend(height(def));
+    }
+    wrong
+}
+
+/// What is wrong with an object of a map; its material is checked by itself.
+pub fn object(def: &Object) -> Vec<String> {
+    let mut wrong = map_solid(&def.solid);
+    if matches!(def.solid.shape, Shape::HalfSpace | Shape::Mesh { .. }) {
+        wrong.push("a mass: expected a box, a cylinder, a ball or a hull".to_owned());
+    }
+    wrong.extend(BODY_MASS.problem("mass", def.mass));
+    wrong
+}
+
+/// From the lowest to the highest point of a solid as it stands.
+fn height(def: &Solid) -> Option<String> {
+    let turn = def.pose().rotation;
+    let down = turn.inverse() * Vector3::z();
+    let height = match &def.shape {
+        Shape::HalfSpace | Shape::Mesh { .. } => return None,
+        Shape::Box { size } => Vector3::from(*size).dot(&down.abs()),
+        Shape::Cylinder { radius, length } => length * down.z.abs() + 2.0 * radius * down.x.hypot(down.y),
+        Shape::Ball { radius } => 2.0 * radius,
+        Shape::Hull { points } => {
+            let depths = || points.iter().map(|point| Vector3::from(*point).dot(&down));
+            depths().fold(f64::MIN, f64::max) - depths().fold(f64::MAX, f64::min)
+        }
+    };
+    SOLID_HEIGHT.problem("height", height)
+}

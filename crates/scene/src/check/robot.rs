@@ -1,0 +1,252 @@
+//! What a robot may be.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::limits::*;
+use super::map::material;
+use super::shape::{hull_points, solid};
+use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
+use crate::{Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel};
+
+pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
+    let class = format!("robot {}", shown(&def.class));
+    // Sums over parts come last: they need numbers.
+    first(&class, counts(def))?;
+    for it in &def.parts {
+        first(&format!("{class}, part {}", shown(&it.name)), part(it))?;
+    }
+    for it in &def.solids {
+        let wrong = body_solid(it).into_iter().chain(material(&it.material));
+        first(&format!("{class}, solid {}", shown(&it.name)), wrong)?;
+    }
+    for it in &def.wheels {
+        let materials = std::iter::once(&it.material).chain(it.rollers.iter().map(|rollers| &rollers.material));
+        let rollers = it.rollers.iter().flat_map(|it_rollers| rollers(it_rollers, it.radius));
+        let wrong = wheel(it).into_iter().chain(rollers).chain(materials.flat_map(material));
+        first(&format!("{class}, wheel {}", shown(&it.name)), wrong)?;
+    }
+    for it in &def.sensors {
+        first(&format!("{class}, sensor {}", shown(&it.name)), sensor(it))?;
+    }
+    first(&class, def.battery.iter().flat_map(battery))?;
+    first(&class, robot(def))
+}
+
+/// What is wrong with a solid of a robot's body; its material is checked by itself.
+pub fn body_solid(def: &Solid) -> Vec<String> {
+    let mut wrong = name("name", &def.name);
+    wrong.extend(solid(def, ROBOT_REACH, ROBOT_SIZE));
+    if matches!(def.shape, Shape::HalfSpace | Shape::Mesh { .. }) {
+        wrong.push(
+            "a shape without an end or without a volume: expected a box, a cylinder, a ball or a hull".to_owned(),
+        );
+    }
+    wrong
+}
+
+/// What is wrong with a part of a robot's body.
+pub fn part(def: &Part) -> Vec<String> {
+    let mut wrong = name("name", &def.name);
+    wrong.extend(PART_MASS.problem("mass", def.mass));
+    wrong.extend(ROBOT_REACH.problem_in("centre", def.centre.as_slice()));
+    wrong.extend(inertia(&def.inertia));
+    wrong
+}
+
+/// A moment of inertia sums the squares of two coordinates over the mass, so none is more than the other two together.
+fn inertia(def: &Matrix3<f64>) -> Option<String> {
+    if let Some(wrong) = INERTIA.problem_in("inertia", def.as_slice()) {
+        return Some(wrong);
+    }
+    let size = def.amax();
+    if (def - def.transpose()).amax() > 1e-9 * size {
+        return Some("`inertia` is not symmetric: expected the same product of inertia for x y and y x".to_owned());
+    }
+    let [least, middle, most] = principal_moments(def);
+    if least > 0.0 && least + middle >= most * (1.0 - TRIANGLE_TOLERANCE) {
+        return None;
+    }
+    let [least, middle, most] = [least, middle, most].map(Number);
+    let expected = "expected three above 0, none more than the other two together";
+    Some(format!("`inertia` has the principal moments {least}, {middle} and {most} kg m²: {expected}"))
+}
+
+/// Principal moments of an inertia, the least first.
+fn principal_moments(inertia: &Matrix3<f64>) -> [f64; 3] {
+    // So small moments are not lost in squares.
+    let size = inertia.amax().max(f64::MIN_POSITIVE);
+    let mut moments: [f64; 3] = (inertia / size).symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    // What rounding leaves of a moment that is zero.
+    moments.map(|moment| if moment.abs() < 1e-12 { 0.0 } else { moment * size })
+}
+
+/// What is wrong with a wheel or a caster; its materials are checked by themselves, and what its rollers share with those
+/// of other wheels.
+pub fn wheel(def: &Wheel) -> Vec<String> {
+    let mut wrong = name("name", &def.name);
+    wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
+    for (range, key, value) in
+        [(WHEEL_RADIUS, "radius", def.radius), (WHEEL_WIDTH, "width", def.width), (WHEEL_MASS, "mass", def.mass)]
+    {
+        wrong.extend(range.problem(key, value));
+    }
+    let (side, sign) = match def.side {
+        Side::Left => ("left", -1.0),
+        Side::Right => ("right", 1.0),
+    };
+    // Odometry and Mecanum kinematics divide by the distance between the sides.
+    let outward = Range { least: LEAST_OFFSET, ..ROBOT_REACH };
+    if def.drive.is_some() && !outward.holds(def.position[1] * sign) {
+        let beyond = if sign < 0.0 { "less" } else { "more" };
+        let expected =
+            format!("expected {} m or {beyond} of a {side} wheel, as y is to the right", sign * LEAST_OFFSET);
+        wrong.push(format!("`position` has y {}: {expected}", Number(def.position[1])));
+    }
+    wrong.extend(def.drive.iter().flat_map(motor));
+    if let Some(rollers) = &def.rollers {
+        if !ROLLER_ANGLE.holds(rollers.angle.abs()) {
+            wrong.push(format!("`roller_angle` is {}: expected {ROLLER_ANGLE}", Number(rollers.angle)));
+        }
+        wrong.extend(FIRST_ROLLER.problem("first_roller", rollers.first_roller));
+    }
+    if def.drive.is_none() && def.rollers.is_some() {
+        wrong.push("a caster with rollers: expected a ball".to_owned());
+    }
+    wrong
+}
+
+fn motor(def: &Motor) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for (range, key, value) in [
+        (MAX_SPEED, "max_speed", Some(def.max_speed)),
+        (GAIN, "gain", Some(def.gain)),
+        (MAX_TORQUE, "max_torque", Some(def.max_torque)),
+        (INTEGRAL_TIME, "integral_time", def.integral_time),
+        (ARMATURE, "armature", Some(def.armature)),
+    ] {
+        wrong.extend(value.and_then(|value| range.problem(key, value)));
+    }
+    wrong
+}
+
+/// What is wrong with the rollers of a wheel of a good radius; their material is checked by itself.
+pub fn rollers(def: &Rollers, wheel_radius: f64) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for (range, key, value) in [
+        (ROLLER_COUNT, "count", f64::from(def.count)),
+        (ROLLER_MASS, "mass", def.mass),
+        (ROLLER_DAMPING, "damping", def.damping),
+    ] {
+        wrong.extend(range.problem(key, value));
+    }
+    // At the ends the axis is farthest out; the roller must still be inside the wheel there.
+    let least_phase = std::f64::consts::PI / f64::from(def.count.max(3));
+    let (least, outermost) = (LEAST_AXIS_CIRCLE * wheel_radius, (1.0 - LEAST_ROLLER_END) * wheel_radius);
+    let most = outermost * least_phase.cos();
+    if !(least..=most).contains(&def.axis_circle) {
+        let got = Number(def.axis_circle);
+        wrong.push(format!("`axis_circle` is {got}: expected {least:.4} to {most:.4} m"));
+    }
+    let most_phase = (def.axis_circle / outermost).acos();
+    if wrong.is_empty() && !(least_phase * (1.0 - 1e-9)..=most_phase * (1.0 + 1e-9)).contains(&def.last_phase) {
+        let got = Number(def.last_phase);
+        wrong.push(format!("`last_phase` is {got}: expected {least_phase:.4} to {most_phase:.4} rad"));
+    }
+    wrong
+}
+
+/// What is wrong with a sensor.
+pub fn sensor(def: &SensorDef) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
+    wrong.extend(ANGLE.problem_in("direction", &def.direction));
+    if def.scan_interval != 0.0 && !SCAN_INTERVAL.holds(def.scan_interval) {
+        let got = Number(def.scan_interval);
+        wrong.push(format!("`scan_interval` is {got}: expected 0 or {SCAN_INTERVAL}"));
+    }
+    wrong.extend(def.config.validate().err().map(|expected| format!("sensor {}: expected {expected}", def.name)));
+    wrong
+}
+
+/// What is wrong with a battery.
+pub fn battery(def: &Battery) -> Vec<String> {
+    let energy = BATTERY_ENERGY.problem("max_energy", def.max_energy);
+    energy.into_iter().chain(BATTERY_LIFE.problem("life", def.life)).collect()
+}
+
+fn counts(def: &RobotDef) -> Vec<String> {
+    let rays = def.sensors.iter().map(|sensor| sensor.config.rays()).fold(0, usize::saturating_add);
+    let mut wrong = wire_name("class", &def.class);
+    wrong.extend(text("description", &def.description));
+    wrong.extend(count("parts", def.parts.len(), MAX_PARTS));
+    wrong.extend(count("solids", def.solids.len(), MAX_PARTS));
+    wrong.extend(count("wheels", def.wheels.len(), MAX_WHEELS));
+    wrong.extend(count("rollers", def.wheels.iter().map(Wheel::roller_count).sum(), MAX_ROLLERS));
+    wrong.extend(count("sensors", def.sensors.len(), MAX_SENSORS));
+    wrong.extend(count("corners of hulls", def.solids.iter().map(|it| hull_points(&it.shape)).sum(), MAX_HULL_POINTS));
+    wrong.extend(count("rays", rays, MAX_RAYS));
+    wrong
+}
+
+/// What is wrong with a robot as a whole; its parts, solids, wheels, sensors and battery are checked by themselves, and
+/// have to be right.
+pub fn robot(def: &RobotDef) -> Vec<String> {
+    let mut wrong = counts(def);
+    wrong.extend(REPORTED_TORQUE.problem("reported_max_torque", def.reported_max_torque));
+    if def.parts.is_empty() {
+        wrong.push("no part: expected at least one with a mass".to_owned());
+    }
+    if def.driven().is_empty() {
+        wrong.push("no driven wheel: expected at least one".to_owned());
+    }
+    if def.wheels.iter().filter(|wheel| wheel.drive.is_some()).count() != def.driven().len() {
+        wrong.push("a driven wheel behind a caster: expected driven wheels first".to_owned());
+    }
+    wrong.extend(omni(def));
+    if wrong.is_empty() {
+        wrong.extend(masses(def));
+    }
+    wrong
+}
+
+/// An omni base has four wheels with rollers in a fixed order, as its kinematics and its encoders count them.
+fn omni(def: &RobotDef) -> Option<String> {
+    const ORDER: [(f64, Side, f64); 4] =
+        [(1.0, Side::Left, 1.0), (1.0, Side::Right, -1.0), (-1.0, Side::Left, -1.0), (-1.0, Side::Right, 1.0)];
+    if def.steering != Steering::Omni {
+        let bodies = def.drive_model == DriveModel::Bodies;
+        return (!bodies).then(|| "`drive_model` other than \"bodies\": expected steering \"omni\"".to_owned());
+    }
+    let fits = |(wheel, (front, side, angle)): (&Wheel, (f64, Side, f64))| {
+        wheel.position[0] * front >= LEAST_OFFSET
+            && wheel.side == side
+            && wheel.rollers.as_ref().is_some_and(|rollers| rollers.angle * angle > 0.0)
+    };
+    let good = def.driven().len() == 4 && def.driven().iter().zip(ORDER).all(fits);
+    let expected = "expected four wheels front left, front right, back left, back right with `roller_angle` +, -, -, +";
+    (!good).then(|| format!("steering \"omni\": {expected}"))
+}
+
+fn masses(def: &RobotDef) -> Vec<String> {
+    let body = def.body_mass();
+    let rollers = def.wheels.iter().filter_map(|wheel| wheel.rollers.as_ref()).map(|rollers| rollers.mass);
+    let masses = || std::iter::once(body.mass).chain(def.wheels.iter().map(|wheel| wheel.mass)).chain(rollers.clone());
+    let (least, most) = (masses().fold(f64::MAX, f64::min), masses().fold(0.0, f64::max));
+    let mut wrong: Vec<String> = BODY_MASS.problem("mass of the body", body.mass).into_iter().collect();
+    if most > least * MASS_RATIO {
+        let (least, most) = (Number(least), Number(most));
+        wrong.push(format!(
+            "its body, wheels and rollers weigh {least} to {most} kg: expected at most {MASS_RATIO} times the lightest"
+        ));
+    }
+    let farthest =
+        def.wheels.iter().map(|wheel| (Vector3::from(wheel.position) - body.centre).norm()).fold(0.0, f64::max);
+    let [moment, ..] = principal_moments(&body.inertia);
+    let (gyration, least) = ((moment / body.mass).max(0.0).sqrt(), LEAST_GYRATION * farthest);
+    if !(least..=ROBOT_SIZE.most).contains(&gyration) {
+        let expected = format!("{least:.6} (a hundredth of the way to its farthest wheel) to {} m", ROBOT_SIZE.most);
+        wrong.push(format!("its body's radius of gyration is {gyration:.6} m: expected {expected}"));
+    }
+    wrong
+}

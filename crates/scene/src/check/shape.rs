@@ -1,0 +1,70 @@
+//! What a shape may be.
+
+use nalgebra::Vector3;
+
+use super::limits::*;
+use super::{Number, Range};
+use crate::{Shape, Solid, hull_surface};
+
+pub(super) fn solid(def: &Solid, reach: Range, size: Range) -> Vec<String> {
+    let mut wrong: Vec<String> = reach.problem_in("position", &def.position).into_iter().collect();
+    wrong.extend(ANGLE.problem_in("rotation", &def.rotation));
+    wrong.extend(shape(&def.shape, reach, size));
+    wrong
+}
+
+fn shape(shape: &Shape, reach: Range, size: Range) -> Vec<String> {
+    match shape {
+        Shape::HalfSpace => Vec::new(),
+        Shape::Box { size: edges } => size.problem_in("size", edges).into_iter().collect(),
+        Shape::Cylinder { radius, length } => {
+            size.problem("radius", *radius).into_iter().chain(size.problem("length", *length)).collect()
+        }
+        Shape::Ball { radius } => size.problem("radius", *radius).into_iter().collect(),
+        Shape::Hull { points } => {
+            let far = corners(points, reach);
+            let flat = far.is_none() && volume(points) < LEAST_VOLUME;
+            let flat = flat.then(|| format!("a hull of {} points in one plane: expected a volume", points.len()));
+            far.into_iter().chain(flat).collect()
+        }
+        Shape::Mesh { vertices, triangles } => mesh(vertices, triangles, reach),
+    }
+}
+
+/// The first corner out of reach.
+fn corners(points: &[[f64; 3]], reach: Range) -> Option<String> {
+    points.iter().find_map(|point| reach.problem_in("corner", point))
+}
+
+/// Volume of the convex hull of some points, m³.
+fn volume(points: &[[f64; 3]]) -> f64 {
+    let Some(Shape::Mesh { vertices, triangles }) = hull_surface(points) else { return 0.0 };
+    let corner = |index: u32| Vector3::from(vertices[index as usize]) - Vector3::from(vertices[0]);
+    let sixfold = |&[a, b, c]: &[u32; 3]| corner(a).cross(&corner(b)).dot(&corner(c));
+    triangles.iter().map(sixfold).sum::<f64>().abs() / 6.0
+}
+
+fn mesh(vertices: &[[f64; 3]], triangles: &[[u32; 3]], reach: Range) -> Vec<String> {
+    if let Some(far) = corners(vertices, reach) {
+        return vec![far];
+    }
+    if let Some(index) = triangles.iter().flatten().find(|&&index| index as usize >= vertices.len()) {
+        return vec![format!("a triangle has the corner {index}: expected less than {}", vertices.len())];
+    }
+    let corner = |index: u32| Vector3::from(vertices[index as usize]);
+    let surface = |&[a, b, c]: &[u32; 3]| (corner(b) - corner(a)).cross(&(corner(c) - corner(a))).norm() / 2.0;
+    let surface: f64 = triangles.iter().map(surface).sum();
+    if surface < LEAST_SURFACE {
+        let count = triangles.len();
+        return vec![format!("a mesh of {count} triangles and {} m²: expected a surface", Number(surface))];
+    }
+    Vec::new()
+}
+
+pub(super) fn triangles(shape: &Shape) -> usize {
+    if let Shape::Mesh { vertices, triangles } = shape { triangles.len().max(vertices.len()) } else { 0 }
+}
+
+pub(super) fn hull_points(shape: &Shape) -> usize {
+    if let Shape::Hull { points } = shape { points.len() } else { 0 }
+}

@@ -1,0 +1,71 @@
+//! What a world is made of: plain data in SI units, in the world frame (x forward, y right, z down).
+//!
+//! The crate `scene-loader` makes these from files; nothing here reads anything, and nothing here moves. Written as JSON, as in a
+//! log, they read back with the same bits.
+
+pub mod check;
+mod hull;
+mod map;
+mod mass;
+mod material;
+mod robot;
+pub mod rotation_units;
+pub mod sensor;
+mod shape;
+mod wheel;
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+
+pub use hull::hull_surface;
+pub use map::{MapDef, NamedPose, Object};
+pub use mass::Mass;
+pub use material::Material;
+pub use robot::{Battery, DriveModel, Part, RobotDef, Side, Steering, WheelGeometry};
+pub use sensor::SensorDef;
+pub use shape::{Shape, Solid};
+pub use wheel::{Motor, Rollers, Wheel};
+
+/// Position and orientation.
+pub type Pose = Isometry3<f64>;
+
+/// A pose from a position in metres and roll, pitch, yaw in radians (yaw first, then pitch, then roll).
+pub fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
+    Pose::from_parts(Translation3::from(position), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+}
+
+/// Position in metres and roll, pitch, yaw in radians of a pose; the inverse of [`pose`].
+pub fn position_and_rotation(pose: &Pose) -> ([f64; 3], [f64; 3]) {
+    let (roll, pitch, yaw) = pose.rotation.euler_angles();
+    (pose.translation.vector.into(), [roll, pitch, yaw])
+}
+
+/// Everything that a world needs.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct WorldDef {
+    /// The map.
+    pub map: MapDef,
+    /// The classes that clients can ask for, by name.
+    pub robots: BTreeMap<String, RobotDef>,
+}
+
+impl WorldDef {
+    /// A sensor of a class by its name on the wire.
+    pub fn sensor(&self, class: &str, name: &str) -> Option<&SensorDef> {
+        self.robots.get(class)?.sensors.iter().find(|sensor| sensor.name == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_gives_back_its_numbers() {
+        let (position, rotation) = position_and_rotation(&pose([1.0, 2.0, 3.0], [0.1, -0.2, 2.5]));
+        assert!(position.iter().zip([1.0, 2.0, 3.0]).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-12));
+        assert!(rotation.iter().zip([0.1, -0.2, 2.5]).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-12));
+    }
+}

@@ -1,0 +1,132 @@
+//! What a robot and its parts weigh, and how it is spread.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::{RobotDef, Rollers, Wheel};
+
+/// Mass of a body and how it is spread.
+#[derive(Debug, Clone, Copy)]
+pub struct Mass {
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass in the frame of the robot or of the wheel, m.
+    pub centre: Vector3<f64>,
+    /// About the centre, along the axes of that frame, kg m².
+    pub inertia: Matrix3<f64>,
+}
+
+impl RobotDef {
+    /// Mass of the robot with its wheels held.
+    pub fn total_mass(&self) -> Mass {
+        let wheels =
+            self.wheels.iter().map(|wheel| Mass { centre: wheel.position.into(), ..wheel.mass_with_rollers() });
+        combined(self.part_masses().chain(wheels))
+    }
+
+    /// Mass of the robot's body without wheels.
+    pub fn body_mass(&self) -> Mass {
+        combined(self.part_masses())
+    }
+
+    fn part_masses(&self) -> impl Iterator<Item = Mass> {
+        self.parts.iter().map(|part| Mass { mass: part.mass, centre: part.centre, inertia: part.inertia })
+    }
+}
+
+impl Wheel {
+    /// Mass without rollers: a plain wheel as a solid disc, the hub of a Mecanum wheel as a disc out to the roller axes, a
+    /// caster as a ball.
+    pub fn hub_mass(&self) -> Mass {
+        let radius = self.rollers.as_ref().map_or(self.radius, |rollers| rollers.axis_circle);
+        let spin = self.mass * radius * radius / 2.0;
+        let tilt = self.mass * (3.0 * radius * radius + self.width * self.width) / 12.0;
+        let moments = if self.drive.is_some() { [tilt, spin, tilt] } else { [0.4 * self.mass * radius * radius; 3] };
+        Mass { mass: self.mass, centre: Vector3::zeros(), inertia: Matrix3::from_diagonal(&moments.into()) }
+    }
+
+    /// Inertia of a wheel with its rollers about its axle, kg m²; that of the motor's rotor is not in it.
+    pub fn spin_inertia(&self) -> f64 {
+        self.mass_with_rollers().inertia[(1, 1)]
+    }
+
+    fn mass_with_rollers(&self) -> Mass {
+        let hub = self.hub_mass();
+        let Some(rollers) = &self.rollers else { return hub };
+        let own = rollers.inertia(self.radius);
+        let mut inertia = hub.inertia;
+        for index in 0..rollers.count {
+            let pose = rollers.pose(index);
+            let turn = pose.rotation.to_rotation_matrix();
+            inertia += turn * own * turn.inverse() + point_inertia(rollers.mass, pose.translation.vector);
+        }
+        Mass { mass: hub.mass + f64::from(rollers.count) * rollers.mass, inertia, ..hub }
+    }
+}
+
+impl Rollers {
+    /// Inertia of a roller along the x axis, as a solid of the exact profile, kg m².
+    pub fn inertia(&self, wheel_radius: f64) -> Matrix3<f64> {
+        let (axial, transverse) = self.inertia_per_mass(wheel_radius);
+        Matrix3::from_diagonal(&Vector3::new(axial, transverse, transverse)) * self.mass
+    }
+
+    /// Moments of inertia about the axis and across it for a mass of 1, m², by summing thin discs.
+    fn inertia_per_mass(&self, wheel_radius: f64) -> (f64, f64) {
+        const DISCS: u32 = 200;
+        let (mut volume, mut axial, mut transverse) = (0.0, 0.0, 0.0);
+        for edges in self.outline(wheel_radius, DISCS).windows(2) {
+            let ([from, from_radius], [to, to_radius]) = (edges[0], edges[1]);
+            let (thickness, along, radius) = (to - from, (to + from) / 2.0, (to_radius + from_radius) / 2.0);
+            let disc_volume = PI * radius * radius * thickness;
+            volume += disc_volume;
+            axial += disc_volume * radius * radius / 2.0;
+            transverse += disc_volume * (radius * radius / 4.0 + along * along);
+        }
+        (axial / volume, transverse / volume)
+    }
+}
+
+/// Inertia of a point about the origin.
+fn point_inertia(mass: f64, position: Vector3<f64>) -> Matrix3<f64> {
+    (Matrix3::identity() * position.norm_squared() - position * position.transpose()) * mass
+}
+
+fn combined(parts: impl Iterator<Item = Mass>) -> Mass {
+    let parts: Vec<Mass> = parts.collect();
+    let mass: f64 = parts.iter().map(|part| part.mass).sum();
+    let centre = parts.iter().map(|part| part.centre * part.mass).sum::<Vector3<f64>>() / mass;
+    let inertia = parts.iter().map(|part| part.inertia + point_inertia(part.mass, part.centre - centre)).sum();
+    Mass { mass, centre, inertia }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
+    use super::*;
+    use crate::Material;
+
+    /// R = 50, a = 36 mm, six rollers at 45 degrees: computed independently (fidelity.md 3.2, 3.3).
+    #[test]
+    fn the_profile_has_the_known_numbers() {
+        let rollers = Rollers {
+            count: 6,
+            axis_circle: 0.036,
+            angle: FRAC_PI_4,
+            first_roller: 0.0,
+            last_phase: PI / 6.0,
+            mass: 1.0,
+            damping: 0.0,
+            material: Material::default(),
+        };
+        let (end, end_radius) =
+            (rollers.half_length_at(rollers.last_phase, 0.05), rollers.radius_at(rollers.last_phase, 0.05));
+        assert!((2.0 * end - 0.06475).abs() < 1e-5, "length {end}");
+        assert!((end_radius - 0.00789).abs() < 1e-5, "end radius {end_radius}");
+        let (axial, transverse) = rollers.inertia_per_mass(0.05);
+        assert!((axial - 79.1e-6).abs() < 0.2e-6, "axial {axial}");
+        assert!((transverse - 300.4e-6).abs() < 0.5e-6, "transverse {transverse}");
+    }
+}

@@ -1,0 +1,186 @@
+//! Classes of robots.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::{SensorDef, Solid, Wheel};
+
+/// How a robot is steered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Steering {
+    /// Left and right wheels turn by side.
+    Skid,
+    /// Four Mecanum wheels, in the order front left, front right, back left, back right.
+    Omni,
+}
+
+impl Steering {
+    /// The word in `{SteeringType ..}` of CONF, as clients know it.
+    pub fn wire_name(self) -> &'static str {
+        match self {
+            Self::Skid => "SkidSteered",
+            Self::Omni => "OmniDrive",
+        }
+    }
+}
+
+/// How the wheels of a Mecanum robot move it. Other robots are always made of bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum DriveModel {
+    /// Chassis, wheels and rollers are bodies of the engine, their contacts Coulomb's: the reference.
+    #[default]
+    Bodies,
+    /// One body; rollers without inertia whose forces are found in closed form for all wheels together.
+    Analytic,
+    /// The base follows the twist of its wheels' commands, counted with finite rollers, as long as it stands on something.
+    Kinematic,
+    /// The same by the textbook's matrix.
+    KinematicTextbook,
+}
+
+impl DriveModel {
+    /// All of them, with their names in robot.toml and on the command line.
+    pub const ALL: [(&str, Self); 4] = [
+        ("bodies", Self::Bodies),
+        ("analytic", Self::Analytic),
+        ("kinematic", Self::Kinematic),
+        ("kinematic-textbook", Self::KinematicTextbook),
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+}
+
+impl std::str::FromStr for DriveModel {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let known = Self::ALL.iter().find(|(known, _)| *known == name);
+        known.map(|&(_, model)| model).ok_or_else(|| {
+            let names = Self::ALL.map(|(name, _)| name).join(", ");
+            format!("unknown drive model `{name}`: expected one of {names}")
+        })
+    }
+}
+
+/// The side of a wheel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Side {
+    /// Driven by `{Left ..}`.
+    Left,
+    /// Driven by `{Right ..}`.
+    Right,
+}
+
+/// A class of robots.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RobotDef {
+    /// Class name as in `USARBot.<class>`; the name of its folder.
+    pub class: String,
+    /// One sentence.
+    pub description: String,
+    /// How it is steered.
+    pub steering: Steering,
+    /// What CONF reports instead of the way it is steered: the NIST bridge and the Player drivers refuse OmniDrive, and drive
+    /// a Mecanum robot well that says SkidSteered.
+    #[serde(default)]
+    pub reported_steering: Option<String>,
+    /// How its wheels move it.
+    pub drive_model: DriveModel,
+    /// Whether `{Left ..}` or `{Right ..}` alone moves its side. USARSim (UDK) wants both; controllers of UT2004's
+    /// robots send one.
+    pub one_side_drives: bool,
+    /// Parts that make up the body, all fixed to each other.
+    pub parts: Vec<Part>,
+    /// Shapes of the body that touch the world, in the robot frame.
+    pub solids: Vec<Solid>,
+    /// Driven wheels first, in the order that encoders and tachometers number them, then casters.
+    pub wheels: Vec<Wheel>,
+    /// What it carries, in mounting order.
+    pub sensors: Vec<SensorDef>,
+    /// Its battery; without one STA reports 99999.
+    pub battery: Option<Battery>,
+    /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).
+    pub reported_max_torque: f64,
+}
+
+impl RobotDef {
+    /// Takes another drive model, where one is given and the robot has Mecanum wheels; others are always made of bodies.
+    pub fn set_drive_model(&mut self, model: Option<DriveModel>) {
+        if let Some(model) = model.filter(|_| self.steering == Steering::Omni) {
+            self.drive_model = model;
+        }
+    }
+
+    /// `{SteeringType ..}` of CONF.
+    pub fn reported_steering(&self) -> &str {
+        self.reported_steering.as_deref().unwrap_or(self.steering.wire_name())
+    }
+
+    /// The driven wheels.
+    pub fn driven(&self) -> &[Wheel] {
+        let driven = self.wheels.iter().take_while(|wheel| wheel.drive.is_some()).count();
+        &self.wheels[..driven]
+    }
+
+    /// Mass of every part, wheel and roller in kg, summed in 32 bits in file order, as USARSim reports it.
+    pub fn mass(&self) -> f32 {
+        let rollers = |wheel: &Wheel| wheel.rollers.as_ref().map_or((0.0, 0), |r| (r.mass, r.count as usize));
+        let wheels = self.wheels.iter().flat_map(|wheel| {
+            let (mass, count) = rollers(wheel);
+            std::iter::once(wheel.mass).chain(std::iter::repeat_n(mass, count))
+        });
+        self.parts.iter().map(|part| part.mass).chain(wheels).fold(0.0, |sum, mass| sum + mass as f32)
+    }
+
+    /// Wheel radius, track and wheel base, m: of the foremost left and the rearmost right driven wheel
+    /// (WheeledVehicle.uc:19-66).
+    pub fn wheel_geometry(&self) -> WheelGeometry {
+        let on = |side| self.driven().iter().filter(move |wheel| wheel.side == side);
+        let front_left = on(Side::Left).max_by(|a, b| a.position[0].total_cmp(&b.position[0]));
+        let rear_right = on(Side::Right).min_by(|a, b| a.position[0].total_cmp(&b.position[0]));
+        match (front_left, rear_right) {
+            (Some(left), Some(right)) => WheelGeometry {
+                radius: left.radius,
+                track: right.position[1] - left.position[1],
+                wheel_base: left.position[0] - right.position[0],
+            },
+            _ => WheelGeometry::default(),
+        }
+    }
+}
+
+/// The numbers of a base that odometry and clients use, m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WheelGeometry {
+    /// Radius of the wheels.
+    pub radius: f64,
+    /// Distance between left and right wheels.
+    pub track: f64,
+    /// Distance between front and rear wheels.
+    pub wheel_base: f64,
+}
+
+/// One part of the body: what it weighs and where.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Its name.
+    pub name: String,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass in the robot frame, m.
+    pub centre: Vector3<f64>,
+    /// Inertia about the centre of mass, robot axes, kg m².
+    pub inertia: Matrix3<f64>,
+}
+
+/// A battery that falls linearly, whatever the robot does (Battery.uc:44-129).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Battery {
+    /// Energy at the start, J.
+    pub max_energy: f64,
+    /// Seconds from full to empty.
+    pub life: f64,
+}

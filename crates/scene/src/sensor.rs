@@ -1,0 +1,119 @@
+//! Sensors: one file each with its numbers and what they may be.
+//!
+//! To add one: write its file, add its line to the list `sensors!` below, and what it measures to `sim-core`.
+
+pub mod battery;
+pub mod camera;
+pub mod encoder;
+pub mod ground_truth;
+pub mod ins;
+pub mod odometry;
+pub mod range_scanner;
+pub mod sonar;
+pub mod tachometer;
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+pub use range_scanner::{Fan, RangeScanner};
+
+/// A sensor on a robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SensorDef {
+    /// Name on the wire.
+    pub name: String,
+    /// Position in the robot frame, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw in the robot frame, rad.
+    pub direction: [f64; 3],
+    /// Seconds between two readings; 0 for none.
+    pub scan_interval: f64,
+    /// What it is and its numbers.
+    pub config: Config,
+}
+
+macro_rules! sensors {
+    ($($(#[$doc:meta])* $class:literal, $interval:literal => $name:ident($config:path), $read:expr;)*) => {
+        /// The numbers of a sensor of any class.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        pub enum Config { $($(#[$doc])* $name($config),)* }
+
+        /// Every class of sensor with its default scan interval, s.
+        pub const CLASSES: &[(&str, f64)] = &[$(($class, $interval)),*];
+
+        impl Config {
+            /// Reads the settings of a class; `None` for a class that is not in [`CLASSES`].
+            pub fn read<'de, D: Deserializer<'de>>(class: &str, settings: D) -> Option<Result<Self, D::Error>> {
+                match class {
+                    $($class => Some($read(settings).map(Self::$name)),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+sensors! {
+    /// Exact pose of the robot.
+    "GroundTruth", 0.1 => GroundTruth(ground_truth::Config), Deserialize::deserialize;
+    /// Inertial navigation that drifts.
+    "INS", 0.2 => Ins(ins::Config), Deserialize::deserialize;
+    /// Pose from the wheels.
+    "Odometry", 0.1 => Odometry(odometry::Config), Deserialize::deserialize;
+    /// Ticks of wheel encoders.
+    "Encoder", 0.1 => Encoder(encoder::Config), Deserialize::deserialize;
+    /// Speeds of the wheels.
+    "Tachometer", 0.2 => Tachometer(tachometer::Config), Deserialize::deserialize;
+    /// A coarse laser.
+    "RangeScanner", 0.2 => RangeScanner(RangeScanner), |settings| range_scanner::PLAIN.changed(settings);
+    /// SICK LMS 200.
+    "SICK", 0.2 => Sick(RangeScanner), |settings| range_scanner::SICK.changed(settings);
+    /// Hokuyo URG-04LX.
+    "HokuyoURG04LX", 0.3 => HokuyoUrg04Lx(RangeScanner), |settings| range_scanner::HOKUYO_URG_04LX.changed(settings);
+    /// One ultrasonic cone.
+    "Sonar", 0.2 => Sonar(sonar::Config), Deserialize::deserialize;
+    /// A camera's line; pictures are another server's.
+    "Camera", 0.1 => Camera(camera::Config), Deserialize::deserialize;
+    /// The battery as an item: it answers GETCONF and sends nothing.
+    "Battery", 0.1 => Battery(battery::Config), Deserialize::deserialize;
+}
+
+impl Config {
+    /// The beams of a laser; `None` for every other sensor.
+    pub fn fan(&self) -> Option<Fan> {
+        match self {
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) => Some(config.fan()),
+            _ => None,
+        }
+    }
+
+    /// What a laser or a sonar reads where there is nothing, m; `None` for every other sensor.
+    pub fn max_range(&self) -> Option<f64> {
+        match self {
+            Self::Sonar(config) => Some(config.max_range),
+            _ => self.fan().map(|fan| fan.max_range),
+        }
+    }
+
+    /// How many rays one reading casts.
+    pub fn rays(&self) -> usize {
+        match self {
+            Self::Sonar(config) => config.rays(),
+            _ => self.fan().map_or(0, |fan| fan.rays()),
+        }
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// What was expected, in words.
+    pub fn validate(&self) -> Result<(), &'static str> {
+        match self {
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) => config.validate(),
+            Self::Sonar(config) => config.validate(),
+            Self::Encoder(config) => config.validate(),
+            Self::Ins(config) => config.validate(),
+            Self::Camera(config) => config.validate(),
+            Self::GroundTruth(_) | Self::Odometry(_) | Self::Tachometer(_) | Self::Battery(_) => Ok(()),
+        }
+    }
+}

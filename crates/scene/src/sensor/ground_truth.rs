@@ -1,0 +1,18 @@
+//! Numbers of a ground truth sensor (GroundTruth.uc).
+
+use serde::{Deserialize, Serialize};
+
+/// Numbers of a ground truth sensor.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// True: the pose of the robot's body. False: of the sensor.
+    pub fixed_to_platform: bool,
+}
+
+impl Default for Config {
+    /// DefaultUSAR.ini:70-72.
+    fn default() -> Self {
+        Self { fixed_to_platform: true }
+    }
+}

@@ -1,0 +1,63 @@
+//! Geometry of solids.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Material, Pose, pose};
+
+/// Geometry of a solid, in its own frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Shape {
+    /// Everything on the far side of the plane z = 0: up (negative z) is free.
+    HalfSpace,
+    /// A box around the origin, by its edge lengths, m.
+    Box {
+        /// Edge lengths along x, y, z.
+        size: [f64; 3],
+    },
+    /// A cylinder around the z axis, centred on the origin, m.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Length along z.
+        length: f64,
+    },
+    /// A ball around the origin, m.
+    Ball {
+        /// Radius.
+        radius: f64,
+    },
+    /// The convex hull of points, m.
+    Hull {
+        /// At least four points that are not in one plane.
+        points: Vec<[f64; 3]>,
+    },
+    /// A surface of triangles, m.
+    Mesh {
+        /// Corners.
+        vertices: Vec<[f64; 3]>,
+        /// Indices of three corners each.
+        triangles: Vec<[u32; 3]>,
+    },
+}
+
+/// A shape at a place, of a material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Solid {
+    /// Its name, for messages and viewers.
+    pub name: String,
+    /// Geometry.
+    pub shape: Shape,
+    /// Position in the frame of the map or of the robot, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw, rad.
+    pub rotation: [f64; 3],
+    /// What its surface is made of.
+    pub material: Material,
+}
+
+impl Solid {
+    /// Its place.
+    pub fn pose(&self) -> Pose {
+        pose(self.position, self.rotation)
+    }
+}

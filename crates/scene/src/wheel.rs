@@ -1,0 +1,169 @@
+//! Wheels, their motors and their rollers.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::{Material, Pose, Side, pose};
+
+/// A wheel about the robot's y axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Wheel {
+    /// Its name.
+    pub name: String,
+    /// Which side it is on.
+    pub side: Side,
+    /// Centre in the robot frame, m.
+    pub position: [f64; 3],
+    /// Outer radius, m.
+    pub radius: f64,
+    /// Width along its axle, m.
+    pub width: f64,
+    /// Mass without rollers, kg.
+    pub mass: f64,
+    /// What its tread is made of.
+    pub material: Material,
+    /// Its motor; `None` makes it a caster, a ball free to turn about every axis.
+    pub drive: Option<Motor>,
+    /// Rollers of a Mecanum wheel.
+    pub rollers: Option<Rollers>,
+}
+
+impl Wheel {
+    /// How many rollers it has.
+    pub fn roller_count(&self) -> usize {
+        self.rollers.as_ref().map_or(0, |rollers| rollers.count as usize)
+    }
+
+    /// Pose of the wheel in the robot frame after it turned forward by an angle in radians.
+    pub fn pose(&self, angle: f64) -> Pose {
+        pose(self.position, [0.0, -angle, 0.0])
+    }
+}
+
+/// A velocity servo: torque = gain x (target - actual), limited.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Motor {
+    /// Speed limit, rad/s.
+    pub max_speed: f64,
+    /// Servo gain, N m s/rad.
+    pub gain: f64,
+    /// Torque limit, N m.
+    pub max_torque: f64,
+    /// Time constant of integral action, s; without it the speed droops under a load by torque over gain.
+    pub integral_time: Option<f64>,
+    /// Inertia of the rotor as felt at the wheel, kg m². The engine's sliding friction leans toward the direction
+    /// in which a contact is heavier; on a skid robot, whose wheels slide sideways in every turn, this has to be
+    /// of the order of (mass / 4) radius², or the robot hardly turns.
+    pub armature: f64,
+}
+
+/// The free rollers of a Mecanum wheel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Rollers {
+    /// How many.
+    pub count: u32,
+    /// Distance of a roller's axis from the wheel's axis, m.
+    pub axis_circle: f64,
+    /// Angle between the two axes, rad; positive where the roller at the ground points forward-right.
+    pub angle: f64,
+    /// How far past the front of the wheel, downward, the first roller sits when the wheel's angle is 0, rad.
+    pub first_roller: f64,
+    /// Phase of the contact at the end of a roller, rad: pi / count hands over to the next roller without a gap or an
+    /// overlap, more makes longer rollers.
+    pub last_phase: f64,
+    /// Mass of one roller, kg.
+    pub mass: f64,
+    /// Viscous friction of its bearing, N m s/rad.
+    pub damping: f64,
+    /// What it is made of.
+    pub material: Material,
+}
+
+impl Rollers {
+    /// Pose of a roller in the frame of its wheel, its axis along x. Roller k sits at the angle `first + k 2 pi / count`
+    /// from the front downward; its axis leans by the roller angle from the wheel's axis toward the direction of turning
+    /// (thesis Appendix A, lines 741 to 762).
+    pub fn pose(&self, index: u32) -> Pose {
+        let (sin_angle, cos_angle) = self.angle.abs().sin_cos();
+        let (sin, cos) = (self.first_roller + TAU * f64::from(index) / f64::from(self.count)).sin_cos();
+        let centre = Vector3::new(cos, 0.0, sin) * self.axis_circle;
+        let tangent = Vector3::new(-sin, 0.0, cos);
+        let axis = tangent * sin_angle - Vector3::y() * cos_angle * self.angle.signum();
+        let turn = UnitQuaternion::rotation_between(&Vector3::x(), &axis);
+        Pose::from_parts(centre.into(), turn.unwrap_or_default())
+    }
+
+    /// The outline of a roller: places along its axis from its middle, m, and the radius there, m, from end to end.
+    pub fn outline(&self, wheel_radius: f64, pieces: u32) -> Vec<[f64; 2]> {
+        let edge = |piece: u32| {
+            let phase = self.last_phase * (2.0 * f64::from(piece) / f64::from(pieces) - 1.0);
+            [self.half_length_at(phase, wheel_radius), self.radius_at(phase, wheel_radius)]
+        };
+        (0..=pieces).map(edge).collect()
+    }
+
+    /// Radius of the hub that is drawn between the rollers, m: as far as they leave it free.
+    pub fn hub_radius(&self, wheel_radius: f64) -> f64 {
+        self.axis_circle - self.radius_at(0.0, wheel_radius)
+    }
+
+    /// Radius of a roller where it touches at a phase of the contact, m; at the place [`half_length_at`] that phase.
+    ///
+    /// [`half_length_at`]: Self::half_length_at
+    pub fn radius_at(&self, phase: f64, wheel_radius: f64) -> f64 {
+        let cos_angle = self.angle.abs().cos();
+        (wheel_radius * phase.cos() - self.axis_circle) * (1.0 + (cos_angle * phase.tan()).powi(2)).sqrt()
+    }
+
+    /// Half the length of a roller along its axis, m, that ends at a phase (Gfrerrer, "Geometry and kinematics of the
+    /// Mecanum wheel").
+    pub fn half_length_at(&self, phase: f64, wheel_radius: f64) -> f64 {
+        let (sin, cos) = self.angle.abs().sin_cos();
+        wheel_radius * phase.sin() * sin + self.axis_circle * phase.tan() * cos.powi(2) / sin
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, PI};
+
+    /// Places and axes of the six rollers of either handedness, worked out from the thesis's Appendix A by the rules
+    /// of Unreal's rotators. Its ring has a radius of 0.0475 m.
+    #[test]
+    fn rollers_sit_and_point_as_in_the_thesis() {
+        let material = Material::default();
+        let half = FRAC_1_SQRT_2;
+        let table = [
+            ([0.0475, 0.0], [0.0, -half, half]),
+            ([0.02375, 0.04114], [-0.6124, -half, 0.3536]),
+            ([-0.02375, 0.04114], [-0.6124, -half, -0.3536]),
+            ([-0.0475, 0.0], [0.0, -half, -half]),
+            ([-0.02375, -0.04114], [0.6124, -half, -0.3536]),
+            ([0.02375, -0.04114], [0.6124, -half, 0.3536]),
+        ];
+        for sign in [1.0, -1.0] {
+            let angle = sign * FRAC_PI_4;
+            let material = material.clone();
+            let rollers = Rollers {
+                count: 6,
+                axis_circle: 0.0475,
+                angle,
+                first_roller: 0.0,
+                last_phase: PI / 6.0,
+                mass: 0.1,
+                damping: 0.0,
+                material,
+            };
+            for (index, ([x, z], axis)) in (0..).zip(table) {
+                let pose = rollers.pose(index);
+                let place = pose.translation.vector - Vector3::new(x, 0.0, z);
+                let direction = pose.rotation * Vector3::x() - Vector3::new(axis[0], sign * axis[1], axis[2]);
+                assert!(place.norm() < 1e-4 && direction.norm() < 1e-3, "roller {index}, {sign}: {pose}");
+            }
+        }
+    }
+}
