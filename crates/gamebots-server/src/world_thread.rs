@@ -349,7 +349,7 @@ impl Server {
         if let Err(error) = self.recording.may_start_over(now) {
             return self.say(&format!("not begun anew: {error}"));
         }
-        let fresh = World::new(self.world.def().clone(), self.world.options());
+        let fresh = World::new(self.world.scene().clone(), self.world.options());
         let old = std::mem::replace(&mut self.world, fresh);
         if let Err(error) = self.recording.start_over(now, &old, &self.world) {
             self.live.say(&error.to_string());

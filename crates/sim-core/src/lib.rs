@@ -6,10 +6,12 @@
 //!
 //! World frame = the wire's: x forward, y right, z down, right-handed; metres, kilograms, seconds, radians.
 
+mod compiled;
 pub mod drive;
 mod physics;
 mod sensor;
 mod world;
 
-pub use physics::{BodyState, Contact, WheelState};
+pub use compiled::CompiledScene;
+pub use physics::{BodyState, Contact, Identity, WheelState};
 pub use world::{Controller, LostRobot, Observation, Options, RobotId, TIME_STEP, World};

@@ -1,7 +1,9 @@
 //! Rigid bodies and contacts: the only place that names rapier3d and parry3d.
 
+mod compile;
 mod contact;
 mod convert;
+mod identity;
 mod motor;
 mod observe;
 mod query;
@@ -14,15 +16,19 @@ mod touching;
 mod traction;
 mod wheel_contact;
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
+pub(crate) use compile::{CompiledMap, CompiledRobot, Materials};
+pub use identity::Identity;
 pub use observe::Contact;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
 
-use scene::{MapDef, Material, Object, Pose};
+use scene::Pose;
 
 /// Where a body is and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +60,7 @@ const LANDING_TIME: f64 = 0.1;
 /// The bodies of the world and the engine that moves them.
 pub(crate) struct Physics {
     world: PhysicsWorld,
+    materials: Arc<Materials>,
     /// The bodies of the map's objects, in its order.
     objects: Vec<RigidBodyHandle>,
     /// Time left of the landing of a robot, s; `LANDING_TIME` while one falls.
@@ -64,7 +71,7 @@ pub(crate) struct Physics {
 
 impl Physics {
     /// What is on a map, and no robot yet.
-    pub(crate) fn new(map: &MapDef, time_step: f64) -> Self {
+    pub(crate) fn new(map: &CompiledMap, materials: Arc<Materials>, time_step: f64) -> Self {
         let mut world = PhysicsWorld::new();
         world.narrow_phase.set_query_dispatcher(contact::RollerDispatcher);
         world.gravity = Vector::new(0.0, 0.0, map.gravity);
@@ -80,23 +87,18 @@ impl Physics {
         // at 1 m/s.
         parameters.normalized_prediction_distance = 0.002;
         let ground = world.insert_body(RigidBodyBuilder::fixed());
-        for solid in &map.solids {
-            let collider = shape::collider(&solid.shape, &solid.pose(), &solid.material);
-            world.insert_collider(collider, Some(ground));
+        for (index, solid) in (0..).zip(&map.solids) {
+            world.insert_collider(solid.collider(Identity::Solid(index)), Some(ground));
         }
         let mut objects = Vec::new();
-        for Object { solid, mass } in &map.objects {
-            let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose())).can_sleep(false);
-            let material = &solid.material;
-            let body = body.linear_damping(material.linear_damping).angular_damping(material.angular_damping);
-            let body = world.insert_body(body);
-            let collider = shape::collider(&solid.shape, &Pose::identity(), &solid.material).mass(*mass);
-            world.insert_collider(collider, Some(body));
+        for (index, object) in (0..).zip(&map.objects) {
+            let body = world.insert_body(object.body.clone());
+            world.insert_collider(object.surface.collider(Identity::Object(index)), Some(body));
             objects.push(body);
         }
         // The colliders enter the query structure with the first step; of nothing, it moves nothing.
         world.step();
-        Self { world, objects, landing: 0.0, placeholders: Vec::new() }
+        Self { world, materials, objects, landing: 0.0, placeholders: Vec::new() }
     }
 
     /// Advances by one time step.
@@ -128,15 +130,6 @@ impl Physics {
         });
         numbers.for_each(mix);
     }
-}
-
-/// Friction, restitution and rolling resistance of a collider. Both sides average, which is [`Material::pair`].
-fn with_material(collider: ColliderBuilder, material: &Material) -> ColliderBuilder {
-    rolling::mark(collider, material)
-        .friction(material.friction)
-        .friction_combine_rule(CoefficientCombineRule::Average)
-        .restitution(material.restitution)
-        .restitution_combine_rule(CoefficientCombineRule::Average)
 }
 
 /// The contacts of a manifold that the last step solved for. The engine chooses four of its points at most; the others

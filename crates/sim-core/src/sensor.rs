@@ -19,7 +19,8 @@ use rand_chacha::ChaCha8Rng;
 use scene::sensor::Config;
 use scene::{Pose, RobotDef, SensorDef};
 
-use crate::physics::{Physics, RayHit, RobotBodies};
+use crate::RobotId;
+use crate::physics::{Physics, RayHit};
 use crate::{BodyState, WheelState};
 
 /// What a sensor may see. It cannot change the world.
@@ -35,13 +36,14 @@ pub(crate) struct View<'a> {
     /// One wheel-speed unit of the wire, rad/s.
     pub(crate) speed_unit: f64,
     pub(crate) physics: &'a Physics,
-    pub(crate) bodies: &'a RobotBodies,
+    /// The robot itself, which no ray meets.
+    pub(crate) id: RobotId,
 }
 
 impl View<'_> {
     /// First hit of a ray from a place in world coordinates.
     pub(crate) fn cast_ray(&self, origin: &Point3<f64>, direction: &Vector3<f64>, max: f64) -> Option<RayHit> {
-        self.physics.cast_ray(origin, direction, max, self.bodies)
+        self.physics.cast_ray(origin, direction, max, self.id)
     }
 }
 

@@ -6,12 +6,14 @@ mod robot;
 mod seed;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::{Command, Init};
 use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
 
-use crate::physics::Physics;
+use crate::CompiledScene;
+use crate::physics::{CompiledRobot, Physics};
 use crate::sensor::floats;
 use crate::{BodyState, WheelState};
 pub use controller::Controller;
@@ -56,7 +58,7 @@ impl Default for Options {
 
 /// A deterministic function of (definition, options, commands by step).
 pub struct World {
-    def: WorldDef,
+    scene: CompiledScene,
     options: Options,
     physics: Physics,
     steps: u64,
@@ -78,9 +80,10 @@ pub struct LostRobot {
 
 impl World {
     /// A world without robots at time zero.
-    pub fn new(def: WorldDef, options: Options) -> Self {
-        let physics = Physics::new(&def.map, options.time_step);
-        Self { def, options, physics, steps: 0, robots: BTreeMap::new(), next_id: 0, lost: Vec::new() }
+    pub fn new(scene: impl Into<CompiledScene>, options: Options) -> Self {
+        let scene = scene.into();
+        let physics = Physics::new(scene.map(), scene.materials(), options.time_step);
+        Self { scene, options, physics, steps: 0, robots: BTreeMap::new(), next_id: 0, lost: Vec::new() }
     }
 
     /// Simulated time, s.
@@ -105,12 +108,17 @@ impl World {
 
     /// What the world is made of.
     pub fn def(&self) -> &WorldDef {
-        &self.def
+        self.scene.def()
+    }
+
+    /// The same for another world.
+    pub fn scene(&self) -> &CompiledScene {
+        &self.scene
     }
 
     /// The greeting of a connection.
     pub fn greeting(&self) -> Message {
-        let map = &self.def.map;
+        let map = &self.def().map;
         Message::Nfo(Nfo::Greeting { level: map.name.clone(), time_limit: map.time_limit })
     }
 
@@ -119,13 +127,13 @@ impl World {
     /// A pose inside or below the ground is lifted onto it; one above it falls. An unknown start is the origin,
     /// as in USARSim (BotConnection.uc:452-473).
     pub fn init(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<RobotId> {
-        let def = self.class(init, problems)?;
+        let class = self.class(init, problems)?;
         if self.robots.len() >= MAX_ROBOTS {
             problems.push(Problem::TooManyRobots { limit: MAX_ROBOTS });
             return None;
         }
         let pose = self.start_pose(init, problems);
-        let pose = self.physics.standing_pose(&def, &pose);
+        let pose = self.physics.standing_pose(&class, &pose);
         let id = RobotId(self.next_id);
         self.next_id += 1;
         let name: String = init.name.chars().take(MAX_NAME_CHARS).collect();
@@ -136,7 +144,7 @@ impl World {
         if !name.is_empty() && self.robots.values().any(|robot| robot.name().eq_ignore_ascii_case(&name)) {
             problems.push(Problem::NameTaken { got: name.chars().take(60).collect() });
         }
-        let robot = Robot::spawn(&mut self.physics, def, name, &pose, id, self.steps, self.options);
+        let robot = Robot::spawn(&mut self.physics, class, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
         Some(id)
     }
@@ -150,7 +158,7 @@ impl World {
 
     /// The answer to a question about the map, which needs no robot; `None` for every other command.
     pub fn ask(&self, command: &Command) -> Option<Message> {
-        let map = &self.def.map;
+        let map = &self.def().map;
         match command {
             Command::GetStartPoses(_) => Some(Nfo::StartPoses(map.starts.iter().map(wire_pose).collect())),
             Command::GetPathNodes(_) => Some(Nfo::PathNodes(map.path_nodes.iter().map(wire_pose).collect())),
@@ -263,18 +271,18 @@ impl World {
         hash.value()
     }
 
-    /// The definition of the class asked for: of the package USARBot, which may be left out; any case.
-    fn class(&self, init: &Init, problems: &mut Vec<Problem>) -> Option<scene::RobotDef> {
+    /// The class asked for: of the package USARBot, which may be left out; any case.
+    fn class(&self, init: &Init, problems: &mut Vec<Problem>) -> Option<Arc<CompiledRobot>> {
         if init.class_name.is_empty() {
             problems.push(Problem::MissingKey { verb: "INIT", key: "ClassName" });
             return None;
         }
         let package = init.class_name.rsplit_once('.').map_or("USARBot", |(package, _)| package);
-        let known = self.def.robots.iter().find(|(class, _)| class.eq_ignore_ascii_case(init.class()));
-        if let Some((_, def)) = known.filter(|_| package.eq_ignore_ascii_case("USARBot")) {
-            return Some(def.clone());
+        let known = self.scene.robots().iter().find(|(class, _)| class.eq_ignore_ascii_case(init.class()));
+        if let Some((_, robot)) = known.filter(|_| package.eq_ignore_ascii_case("USARBot")) {
+            return Some(robot.clone());
         }
-        let classes: Vec<String> = self.def.robots.keys().map(|class| format!("USARBot.{class}")).collect();
+        let classes: Vec<String> = self.scene.robots().keys().map(|class| format!("USARBot.{class}")).collect();
         problems.push(Problem::UnknownName {
             key: "ClassName",
             got: init.class_name.chars().take(60).collect(),
@@ -288,7 +296,7 @@ impl World {
         if init.start.is_empty() {
             return scene::pose(init.location, init.rotation);
         }
-        let starts = &self.def.map.starts;
+        let starts = &self.def().map.starts;
         if let Some(start) = starts.iter().find(|start| start.name.eq_ignore_ascii_case(&init.start)) {
             return scene::pose(start.position, start.rotation);
         }

@@ -4,7 +4,7 @@ use divan::Bencher;
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Line};
 use scene::DriveModel;
-use sim_core::{Options, World};
+use sim_core::{CompiledScene, Options, World};
 
 fn main() {
     divan::main();
@@ -63,4 +63,21 @@ fn one_laser_scan(bencher: Bencher) {
 fn a_drive_line(bencher: Bencher) {
     let line = "DRIVE {Front-Left 1,00} {Front-Right 1,00} {Back-Left 1,00} {Back-Right 1,00}";
     bencher.bench(|| Command::read(&Line::parse(divan::black_box(line)), &mut Vec::new()));
+}
+
+#[divan::bench]
+fn a_world_of_the_arena(bencher: Bencher) {
+    let scene = CompiledScene::from(scene_loader::load("arena", &[]).unwrap_or_else(|error| panic!("{error}")));
+    bencher.bench_local(|| World::new(scene.clone(), Options::default()));
+}
+
+#[divan::bench]
+fn a_world_of_the_arena_with_a_youbot(bencher: Bencher) {
+    let scene = CompiledScene::from(scene_loader::load("arena", &[]).unwrap_or_else(|error| panic!("{error}")));
+    let init = Init { class_name: "KUKA_YouBot".to_owned(), ..Init::default() };
+    bencher.bench_local(|| {
+        let mut world = World::new(scene.clone(), Options::default());
+        world.init(&init, &mut Vec::new()).expect("a robot");
+        world
+    });
 }

@@ -24,6 +24,11 @@ pub(super) fn from_pose(value: &EnginePose) -> Pose {
     Pose::from_parts(Translation3::from(from_vector(value.translation)), rotation)
 }
 
+/// Of a body whose frame has its principal axes.
+pub(super) fn principal_mass(value: &Mass) -> MassProperties {
+    MassProperties::new(vector(value.centre), value.mass, vector(value.inertia.diagonal()))
+}
+
 pub(super) fn mass(value: &Mass) -> MassProperties {
     let inertia = Matrix::from_cols_array_2d(&value.inertia.into());
     MassProperties::with_inertia_matrix(vector(value.centre), value.mass, inertia)

@@ -1,11 +1,13 @@
 //! What a robot's bodies do that only a viewer asks for: its rollers and what pushes it.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
+use super::compile::{Kind, Role};
 use super::robot::Drivetrain;
 use super::{Physics, RobotBodies, convert, solved};
-use scene::RobotDef;
 
 /// A place where something pushes a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,31 +20,14 @@ pub struct Contact {
 
 impl Physics {
     /// Angles of a robot's rollers about their own axes, rad, -pi to pi, wheel by wheel.
-    pub(crate) fn roller_angles(&self, robot: &RobotDef, bodies: &RobotBodies) -> Vec<f64> {
+    pub(crate) fn roller_angles(&self, bodies: &RobotBodies) -> Vec<f64> {
         if let Drivetrain::Rigid(base) = bodies.drivetrain() {
             return base.roller_angles().collect();
         }
-        let mut angles = Vec::new();
-        // In the order that they were made: the chassis, then each wheel with its rollers behind it.
-        let mut handles = bodies.all()[1..].iter();
-        for wheel in &robot.wheels {
-            let Some(&hub) = handles.next() else { break };
-            let hub = convert::from_pose(self.world.bodies[hub].position());
-            let rollers = wheel.rollers.iter().flat_map(|rollers| (0..rollers.count).map(|index| rollers.pose(index)));
-            for (at_rest, &roller) in rollers.zip(handles.by_ref()) {
-                let roller = convert::from_pose(self.world.bodies[roller].position());
-                let turn = (hub * at_rest).inv_mul(&roller).rotation;
-                let half = turn.i.atan2(turn.w);
-                angles.push(
-                    2.0 * if half.abs() > std::f64::consts::FRAC_PI_2 {
-                        half - std::f64::consts::PI.copysign(half)
-                    } else {
-                        half
-                    },
-                );
-            }
-        }
-        angles
+        let Kind::Tree(tree) = &bodies.robot().kind else { return Vec::new() };
+        let links = tree.links.iter().zip(bodies.all());
+        let rollers = links.filter(|(link, _)| link.joint.as_ref().is_some_and(|joint| joint.role == Role::Roller));
+        rollers.map(|(_, &body)| wrapped(joint_angle(&self.world, body))).collect()
     }
 
     /// Everything that pushed a robot in the last step. Rolling resistance is a force on a hub; it is added to the
@@ -101,4 +86,16 @@ fn share(contacts: &mut [Contact], force: Vector3<f64>) {
     for contact in contacts.iter_mut().filter(|_| total > 0.0) {
         contact.force += force * (contact.force.norm() / total);
     }
+}
+
+/// Angle of the joint by which a body hangs on its parent, rad.
+fn joint_angle(world: &PhysicsWorld, body: RigidBodyHandle) -> f64 {
+    let id = world.multibody_joints.rigid_body_link(body);
+    let link = id.and_then(|id| world.multibody_joints.get_multibody(id.multibody)?.link(id.id));
+    link.map_or(0.0, |link| link.joint().coords()[JointAxis::AngX as usize])
+}
+
+/// The same angle between -pi and pi.
+fn wrapped(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
 }

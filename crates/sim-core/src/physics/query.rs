@@ -4,8 +4,12 @@ use nalgebra::{Point3, Vector3};
 use rapier3d::parry::query::Ray;
 use rapier3d::prelude::*;
 
-use super::{Physics, RobotBodies, convert, shape};
-use scene::{Pose, RobotDef};
+use scene::Pose;
+
+use super::compile::CompiledRobot;
+use super::identity::{Identity, Mark};
+use super::{Physics, convert};
+use crate::RobotId;
 
 /// A clear gap left under a robot that is put on a surface, m: it settles by this in a few steps.
 const CLEARANCE: f64 = 0.001;
@@ -23,6 +27,8 @@ pub(crate) struct RayHit {
     pub(crate) distance: f64,
     /// Outward normal of the surface, world axes.
     pub(crate) normal: Vector3<f64>,
+    /// What it met.
+    pub(crate) identity: Identity,
 }
 
 impl Physics {
@@ -32,15 +38,15 @@ impl Physics {
         origin: &Point3<f64>,
         direction: &Vector3<f64>,
         max_distance: f64,
-        bodies: &RobotBodies,
+        robot: RobotId,
     ) -> Option<RayHit> {
-        let not_own =
-            |_: ColliderHandle, collider: &Collider| !collider.parent().is_some_and(|body| bodies.contains(body));
+        let not_own = |_: ColliderHandle, collider: &Collider| !Mark::is_of(collider, robot);
         let filter = QueryFilter::default().predicate(&not_own);
         let ray = Ray::new(convert::vector(origin.coords), convert::vector(*direction));
         let query = self.world.query_pipeline_with_filter(filter);
-        let (_, hit) = query.cast_ray_and_get_normal(&ray, max_distance, true)?;
-        Some(RayHit { distance: hit.time_of_impact, normal: convert::from_vector(hit.normal) })
+        let (met, hit) = query.cast_ray_and_get_normal(&ray, max_distance, true)?;
+        let identity = Mark::of(&self.world.colliders[met]).identity;
+        Some(RayHit { distance: hit.time_of_impact, normal: convert::from_vector(hit.normal), identity })
     }
 
     /// The pose at which a robot asked for at `pose` is put: where it is if it stands free above a surface,
@@ -48,8 +54,8 @@ impl Physics {
     ///
     /// Other robots count as surfaces: the second of two at one place stands on the first. Where it would still be inside
     /// another robot or an object, it is lifted above that.
-    pub(crate) fn standing_pose(&self, robot: &RobotDef, pose: &Pose) -> Pose {
-        let lifts = robot.wheels.iter().filter_map(|wheel| {
+    pub(crate) fn standing_pose(&self, robot: &CompiledRobot, pose: &Pose) -> Pose {
+        let lifts = robot.def.wheels.iter().filter_map(|wheel| {
             let centre = pose * Point3::from(wheel.position);
             let surface = self.surface_to_stand_on(&centre, pose.translation.z)?;
             Some(centre.z + wheel.radius - surface)
@@ -63,13 +69,12 @@ impl Physics {
     }
 
     /// What moves must not start inside something else that moves: the engine would fling them apart.
-    fn lifted_out_of_bodies(&self, robot: &RobotDef, mut pose: Pose) -> Pose {
-        let parts = shape::parts(robot);
+    fn lifted_out_of_bodies(&self, robot: &CompiledRobot, mut pose: Pose) -> Pose {
         for _ in 0..MAX_LIFTS {
             let query = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());
             // Up is negative.
             let (mut bottom, mut top) = (f64::NEG_INFINITY, f64::INFINITY);
-            for (local, part) in &parts {
+            for (local, part) in &robot.outlines {
                 let place = convert::pose(&(pose * local));
                 bottom = bottom.max(part.compute_aabb(&place).maxs.z);
                 let met = query.intersect_shape(place, part.as_ref());

@@ -4,11 +4,14 @@
 //! [`super::traction`]: its normal force, and friction along the axis of the roller. The engine moves the body with the
 //! velocity that is found, and adds what happens to its own shape (walls, boxes, other robots).
 
+use std::sync::Arc;
+
 use kinematics::{FiniteRollers, Mecanum, Twist};
 use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
 
+use super::compile::{Base as CompiledBase, Materials};
 use super::motor::Servo;
 use super::rolling::{self, Load};
 use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel, Velocity};
@@ -35,7 +38,7 @@ const LEAST_BOUNCE: f64 = 0.2;
 const SIDE: f64 = 0.7;
 
 /// A wheel of the base.
-struct BaseWheel {
+pub(super) struct BaseWheel {
     /// Centre in the robot frame.
     hub: Vector3<f64>,
     ring: RollerRing,
@@ -50,7 +53,8 @@ struct BaseWheel {
 }
 
 impl BaseWheel {
-    fn new(wheel: &Wheel) -> Option<Self> {
+    /// `None` for a wheel that has no rollers or no motor.
+    pub(super) fn new(wheel: &Wheel) -> Option<Self> {
         let (rollers, motor) = (wheel.rollers.as_ref()?, wheel.drive.as_ref()?);
         Some(Self {
             hub: wheel.position.into(),
@@ -70,6 +74,8 @@ struct Touch<'a> {
     contact: &'a WheelContact,
     /// What it touches.
     collider: &'a Collider,
+    /// What that is made of.
+    material: &'a Material,
     /// Its index among the bodies that can be moved; `None` is the ground.
     other: Option<usize>,
 }
@@ -104,7 +110,7 @@ pub(super) struct RigidBase {
     angular_damping: f64,
     /// What each wheel stood on in the last step.
     loads: Vec<Load>,
-    wheels: Vec<BaseWheel>,
+    wheels: Arc<[BaseWheel]>,
     servos: Vec<Servo>,
     pose: Pose,
     motion: Motion,
@@ -130,9 +136,9 @@ pub(super) struct RigidBase {
 
 impl RigidBase {
     /// At rest.
-    pub(super) fn new(body: RigidBodyHandle, robot: &RobotDef, mass: Mass, pose: Pose) -> Self {
+    pub(super) fn new(body: RigidBodyHandle, robot: &RobotDef, base: &CompiledBase, pose: Pose) -> Self {
         let zero = Vector3::zeros();
-        let wheels: Vec<BaseWheel> = robot.driven().iter().filter_map(BaseWheel::new).collect();
+        let (mass, wheels) = (base.mass, base.wheels.clone());
         let count = wheels.len();
         let following = match robot.drive_model {
             DriveModel::Kinematic => drive::finite_rollers(robot).map(Following::FiniteRollers),
@@ -198,7 +204,7 @@ impl RigidBase {
 
     /// Finds the velocity at the end of the step, with gravity and everything that its wheels touch, as others moved in
     /// the last step.
-    pub(super) fn solve(&mut self, world: &PhysicsWorld) {
+    pub(super) fn solve(&mut self, world: &PhysicsWorld, materials: &Materials) {
         let time_step = world.integration_parameters.dt;
         let wheels = self.spinning_wheels(time_step);
         let base = self.base(&wheels);
@@ -225,7 +231,7 @@ impl RigidBase {
                         touched.len() - 1
                     })
                 });
-                let touch = Touch { wheel, contact, collider, other };
+                let touch = Touch { wheel, contact, collider, material: materials.of(collider), other };
                 if twist.is_some() {
                     rows.push(self.normal_row(&touch, &base, time_step));
                 } else {
@@ -448,7 +454,7 @@ impl RigidBase {
 
     /// The contact along its normal: it pushes, gives way a little, and bounces as its materials do.
     fn normal_row(&self, touch: &Touch, base: &Base, time_step: f64) -> Row {
-        let Touch { wheel: index, contact, collider, other } = *touch;
+        let Touch { wheel: index, contact, collider, material, other } = *touch;
         let WheelContact { point, normal, gap, .. } = *contact;
         let speed = normal.dot(&self.velocity_of_wheel(index, point, base));
         let restitution = (self.wheels[index].material.restitution + collider.restitution()) / 2.0;
@@ -461,7 +467,7 @@ impl RigidBase {
             target: if gap <= 0.0 && speed < -LEAST_BOUNCE { push.max(-speed * restitution) } else { push },
             compliance: 1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)),
             limit: Limit::Push,
-            rolling_resistance: self.wheels[index].material.rolling_resistance + rolling::of(collider),
+            rolling_resistance: self.wheels[index].material.rolling_resistance + material.rolling_resistance,
         }
     }
 

@@ -1,16 +1,21 @@
 //! A robot in the engine: one multibody of the chassis, its wheels and their rollers, or one body with
 //! [`super::rigid_base`].
 
-use nalgebra::{Translation3, Vector3};
-use rapier3d::math::Pose as EnginePose;
-use rapier3d::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
+use nalgebra::{Translation3, Vector3};
+use rapier3d::prelude::*;
+use scene::{Pose, RobotDef};
+
+use super::compile::{Base, CompiledRobot, Joint, Kind, Role, Tree};
+use super::identity::Identity;
 use super::motor::{Servo, Torque};
 use super::rigid_base::RigidBase;
 use super::rolling::{self, Load};
 use super::touching::solve_touching;
-use super::{BodyState, LANDING_TIME, Physics, WheelState, convert, shape, with_material};
-use scene::{DriveModel, Mass, Pose, RobotDef, Rollers, Wheel};
+use super::{BodyState, LANDING_TIME, Physics, WheelState, convert};
+use crate::RobotId;
 
 /// A robot of which no wheel carries anything falls when it goes down so fast, m/s. Put onto a surface it comes down with
 /// 0.14 m/s; what is faster has fallen off the map and lands nowhere.
@@ -21,10 +26,8 @@ const FAR_AWAY: Vector = Vector::new(1e6, 1e6, 1e6);
 
 /// The bodies of one robot.
 pub(crate) struct RobotBodies {
-    chassis: RigidBodyHandle,
-    /// Origin of the chassis' body in the robot frame, m.
-    centre: Vector3<f64>,
-    /// Every body, chassis first, for removal.
+    robot: Arc<CompiledRobot>,
+    /// The body of every link, parents before their children.
     all: Vec<RigidBodyHandle>,
     drivetrain: Drivetrain,
 }
@@ -53,7 +56,12 @@ pub(super) struct Tread {
 }
 
 impl RobotBodies {
-    /// Every body, chassis first, then each wheel with its rollers behind it.
+    /// What it was made of.
+    pub(crate) fn robot(&self) -> &Arc<CompiledRobot> {
+        &self.robot
+    }
+
+    /// The body of every link, parents before their children.
     pub(super) fn all(&self) -> &[RigidBodyHandle] {
         &self.all
     }
@@ -87,12 +95,12 @@ impl RobotBodies {
 
 impl Physics {
     /// Puts a robot at a pose of its frame, at rest.
-    pub(crate) fn spawn(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        let bodies = if robot.drive_model == DriveModel::Bodies {
-            self.spawn_multibody(robot, pose)
-        } else {
-            self.spawn_rigid(robot, pose)
+    pub(crate) fn spawn(&mut self, robot: Arc<CompiledRobot>, id: RobotId, pose: &Pose) -> RobotBodies {
+        let (all, drivetrain) = match &robot.kind {
+            Kind::Tree(tree) => self.spawn_tree(tree, id, pose),
+            Kind::Base(base) => self.spawn_base(&robot.def, base, id, pose),
         };
+        let bodies = RobotBodies { robot, all, drivetrain };
         self.enter_queries(&bodies);
         bodies
     }
@@ -110,66 +118,51 @@ impl Physics {
         }
     }
 
-    fn spawn_multibody(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        let mass = robot.body_mass();
-        // The engine moves the origin of a multibody's root with the velocity of its centre of mass, so they have to be one.
-        let centre = mass.centre;
-        let centred = Mass { centre: Vector3::zeros(), ..mass };
-        let chassis = self.insert_chassis(&(pose * Translation3::from(centre)), robot, centre, centred);
-        let (mut all, mut joints) = (vec![chassis], Vec::new());
-        let (mut roller_damping, mut treads) = (Vec::new(), Vec::new());
-        for wheel in &robot.wheels {
-            let before = all.len();
-            self.insert_wheel(pose, wheel, &centre, &mut all, &mut joints, &mut roller_damping);
-            let bodies = all[before..].iter().filter_map(|&body| self.world.bodies.get(body));
-            let colliders = bodies.flat_map(|body| body.colliders().iter().copied()).collect();
-            treads.push(Tread { colliders, resistance: Vector3::zeros() });
+    fn spawn_tree(&mut self, tree: &Tree, id: RobotId, pose: &Pose) -> (Vec<RigidBodyHandle>, Drivetrain) {
+        let (mut frames, mut all) = (Vec::new(), Vec::new());
+        let (mut driven, mut treads) = (Vec::new(), BTreeMap::new());
+        for (number, link) in (0..).zip(&tree.links) {
+            let parent = link.joint.as_ref().map(|joint| joint.parent);
+            let frame = parent.map_or(*pose, |parent| frames[parent] * link.pose);
+            let origin = if parent.is_none() { frame * Translation3::from(tree.centre) } else { frame };
+            let body = self.insert_body(&origin, link.mass);
+            let identity = Identity::Link { robot: id, link: number };
+            let colliders =
+                link.surfaces.iter().map(|it| self.world.insert_collider(it.collider(identity), Some(body)));
+            let colliders: Vec<ColliderHandle> = colliders.collect();
+            if let Some(Joint { parent, joint, role, .. }) = &link.joint {
+                let joint = self.world.multibody_joints.insert(all[*parent], body, *joint, true);
+                let wheel = |joint| MultibodyWheel { joint, servo: Servo::default() };
+                driven.extend(joint.filter(|_| *role == Role::Drive).map(wheel));
+            }
+            if let Some(wheel) = link.wheel {
+                let tread = || Tread { colliders: Vec::new(), resistance: Vector3::zeros() };
+                treads.entry(wheel).or_insert_with(tread).colliders.extend(colliders);
+            }
+            frames.push(frame);
+            all.push(body);
         }
-        self.set_joint_parameters(robot, &joints, &roller_damping);
-        let wheel = |joint| MultibodyWheel { joint, servo: Servo::default() };
-        let driven = joints.into_iter().map(wheel).collect();
-        let drivetrain = Drivetrain::Multibody { driven, treads };
-        RobotBodies { chassis, centre, all, drivetrain }
+        self.set_joint_parameters(tree, &all);
+        (all, Drivetrain::Multibody { driven, treads: treads.into_values().collect() })
     }
 
-    fn spawn_rigid(&mut self, robot: &RobotDef, pose: &Pose) -> RobotBodies {
-        let mass = robot.total_mass();
-        let chassis = self.insert_chassis(pose, robot, Vector3::zeros(), mass);
-        for caster in robot.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
-            let ball = with_material(ColliderBuilder::ball(caster.radius), &caster.material).friction(0.0);
-            let ball = ball.translation(convert::vector(caster.position)).density(0.0);
-            self.world.insert_collider(ball, Some(chassis));
+    fn spawn_base(
+        &mut self,
+        def: &RobotDef,
+        base: &Base,
+        id: RobotId,
+        pose: &Pose,
+    ) -> (Vec<RigidBodyHandle>, Drivetrain) {
+        let body = self.insert_body(pose, convert::mass(&base.mass));
+        for surface in &base.surfaces {
+            self.world.insert_collider(surface.collider(Identity::Link { robot: id, link: 0 }), Some(body));
         }
-        // The wheels are only seen, by rays and by the wheels of others. As one collider they cost one box a step.
-        let disc = |wheel: &Wheel| {
-            let cylinder = SharedShape::cylinder(wheel.width / 2.0, wheel.radius);
-            (EnginePose::from_translation(convert::vector(wheel.position)), cylinder)
-        };
-        let discs = SharedShape::compound(robot.driven().iter().map(disc).collect());
-        let discs = ColliderBuilder::new(discs).collision_groups(InteractionGroups::none()).density(0.0);
-        self.world.insert_collider(discs, Some(chassis));
-        if let Some(body) = self.world.bodies.get_mut(chassis) {
+        if let Some(body) = self.world.bodies.get_mut(body) {
             // Gravity comes in with the forces of the wheels.
             body.set_gravity_scale(0.0, false);
         }
-        let base = RigidBase::new(chassis, robot, mass, *pose);
-        RobotBodies {
-            chassis,
-            centre: Vector3::zeros(),
-            all: vec![chassis],
-            drivetrain: Drivetrain::Rigid(Box::new(base)),
-        }
-    }
-
-    /// The chassis with its shapes; `centre` is the place of the body's origin in the robot frame.
-    fn insert_chassis(&mut self, pose: &Pose, robot: &RobotDef, centre: Vector3<f64>, mass: Mass) -> RigidBodyHandle {
-        let chassis = self.insert_body(pose, convert::mass(&mass));
-        for solid in &robot.solids {
-            let local = Translation3::from(-centre) * solid.pose();
-            let collider = shape::collider(&solid.shape, &local, &solid.material);
-            self.world.insert_collider(collider, Some(chassis));
-        }
-        chassis
+        let base = RigidBase::new(body, def, base, *pose);
+        (vec![body], Drivetrain::Rigid(Box::new(base)))
     }
 
     /// Takes a robot out of the world.
@@ -189,14 +182,15 @@ impl Physics {
 
     /// Gives a robot's motors and wheels their part in the coming step. A base of one body is only solved for, so that
     /// every robot sees the others as the last step left them.
-    pub(crate) fn before_step(&mut self, robot: &RobotDef, bodies: &mut RobotBodies) {
-        match &mut bodies.drivetrain {
+    pub(crate) fn before_step(&mut self, bodies: &mut RobotBodies) {
+        let RobotBodies { robot, all, drivetrain } = bodies;
+        match drivetrain {
             Drivetrain::Multibody { driven, treads } => {
-                self.reset_forces(&bodies.all);
-                self.set_motors(robot, driven);
-                self.set_rolling_resistance(robot, bodies.chassis, bodies.centre, treads);
+                self.reset_forces(all);
+                self.set_motors(&robot.def, driven);
+                self.set_rolling_resistance(robot, all[0], treads);
             }
-            Drivetrain::Rigid(base) => base.solve(&self.world),
+            Drivetrain::Rigid(base) => base.solve(&self.world, &self.materials),
         }
     }
 
@@ -272,24 +266,19 @@ impl Physics {
     }
 
     /// Gives the hubs their rolling resistance, and notices whether the robot falls: both follow from the loads.
-    fn set_rolling_resistance(
-        &mut self,
-        robot: &RobotDef,
-        chassis: RigidBodyHandle,
-        centre: Vector3<f64>,
-        treads: &mut [Tread],
-    ) {
+    fn set_rolling_resistance(&mut self, robot: &CompiledRobot, chassis: RigidBodyHandle, treads: &mut [Tread]) {
         let time_step = self.world.integration_parameters.dt;
         let fall = convert::from_vector(self.world.gravity) * time_step;
-        let share = f64::from(robot.mass()) / treads.len() as f64;
-        let loads: Vec<Load> = treads.iter().map(|tread| rolling::load(&self.world, &tread.colliders)).collect();
+        let share = robot.mass / treads.len() as f64;
+        let load = |tread: &Tread| rolling::load(&self.world, &self.materials, &tread.colliders);
+        let loads: Vec<Load> = treads.iter().map(load).collect();
         let Some(chassis) = self.world.bodies.get_mut(chassis) else { return };
         let down = fall.normalize().dot(&convert::from_vector(chassis.linvel()));
         if FALLING_SPEEDS.contains(&down) && loads.iter().all(|load| load.normal == Vector3::zeros()) {
             self.landing = LANDING_TIME;
         }
-        for ((wheel, load), tread) in robot.wheels.iter().zip(&loads).zip(treads) {
-            let hub = chassis.position() * convert::vector(Vector3::from(wheel.position) - centre);
+        for ((wheel, load), tread) in robot.def.wheels.iter().zip(&loads).zip(treads) {
+            let hub = chassis.position() * convert::vector(Vector3::from(wheel.position) - robot.centre());
             let mut velocity = convert::from_vector(chassis.velocity_at_point(hub)) + fall;
             if wheel.drive.is_some() && wheel.rollers.is_none() {
                 // A plain wheel rolls ahead; to the side it slides.
@@ -323,10 +312,10 @@ impl Physics {
             let (linear, angular) = base.velocity();
             return BodyState { pose: *base.pose(), linear, angular };
         }
-        let body = &self.world.bodies[bodies.chassis];
-        let pose = convert::from_pose(body.position()) * Translation3::from(-bodies.centre);
+        let (body, centre) = (&self.world.bodies[bodies.all[0]], bodies.robot.centre());
+        let pose = convert::from_pose(body.position()) * Translation3::from(-centre);
         let (linear, angular) = (convert::from_vector(body.linvel()), convert::from_vector(body.angvel()));
-        BodyState { pose, linear: linear - angular.cross(&(pose.rotation * bodies.centre)), angular }
+        BodyState { pose, linear: linear - angular.cross(&(pose.rotation * centre)), angular }
     }
 
     fn insert_body(&mut self, pose: &Pose, mass: MassProperties) -> RigidBodyHandle {
@@ -335,101 +324,25 @@ impl Physics {
         self.world.insert_body(body.additional_mass_properties(mass).can_sleep(false))
     }
 
-    fn insert_wheel(
-        &mut self,
-        robot: &Pose,
-        wheel: &Wheel,
-        centre: &Vector3<f64>,
-        all: &mut Vec<RigidBodyHandle>,
-        joints: &mut Vec<MultibodyJointHandle>,
-        roller_damping: &mut Vec<Real>,
-    ) {
-        let chassis = all[0];
-        let anchor = Pose::translation(wheel.position[0], wheel.position[1], wheel.position[2]);
-        let pose = robot * anchor;
-        let body = self.insert_body(&pose, convert::mass(&wheel.hub_mass()));
-        all.push(body);
-        let anchor = convert::vector(Vector3::from(wheel.position) - centre);
-        let Some(motor) = &wheel.drive else {
-            let ball = with_material(ColliderBuilder::ball(wheel.radius), &wheel.material).density(0.0);
-            self.world.insert_collider(ball, Some(body));
-            let joint = SphericalJointBuilder::new().local_anchor1(anchor);
-            self.world.multibody_joints.insert(chassis, body, joint, true);
-            return;
-        };
-        // A positive angle about the left (-y) rolls the robot forward: the axis of USARSim's wheel joints.
-        let joint = RevoluteJointBuilder::new(-Vector::Y)
-            .local_anchor1(anchor)
-            .motor_velocity(0.0, motor.gain)
-            .motor_max_force(motor.max_torque)
-            .motor_model(MotorModel::ForceBased);
-        joints.extend(self.world.multibody_joints.insert(chassis, body, joint, true));
-        match &wheel.rollers {
-            Some(rollers) => {
-                roller_damping.extend(std::iter::repeat_n(rollers.damping, rollers.count as usize));
-                self.insert_rollers(&pose, body, wheel.radius, rollers, all);
-            }
-            None => {
-                let tread = ColliderBuilder::new(shape::tread(wheel.radius, wheel.width)).density(0.0);
-                self.world.insert_collider(with_material(tread, &wheel.material), Some(body));
-            }
-        }
-    }
-
-    fn insert_rollers(
-        &mut self,
-        wheel: &Pose,
-        wheel_body: RigidBodyHandle,
-        wheel_radius: f64,
-        rollers: &Rollers,
-        all: &mut Vec<RigidBodyHandle>,
-    ) {
-        let roller_shape = shape::roller(rollers, wheel_radius);
-        let inertia = rollers.inertia(wheel_radius);
-        let mass = convert::mass(&Mass { mass: rollers.mass, centre: Vector3::zeros(), inertia });
-        for index in 0..rollers.count {
-            let local = rollers.pose(index);
-            let body = self.insert_body(&(wheel * local), mass);
-            all.push(body);
-            let collider = with_material(ColliderBuilder::new(roller_shape.clone()), &rollers.material);
-            self.world.insert_collider(collider.density(0.0), Some(body));
-            let mut joint = RevoluteJointBuilder::new(Vector::X).build();
-            joint.data.set_local_frame1(convert::pose(&local));
-            self.world.multibody_joints.insert(wheel_body, body, joint, true);
-        }
-    }
-
     /// The robot does not collide with itself (the thesis lists 81 disabled pairs, all within one robot;
     /// collision groups could not tell 64 robots apart). Damping: by default the engine brakes every turning
-    /// joint with 0.1 N m s/rad, far too much for a roller, so each is set: 0 for wheels, theirs for rollers.
-    fn set_joint_parameters(&mut self, robot: &RobotDef, joints: &[MultibodyJointHandle], roller_damping: &[Real]) {
-        let Some(&first) = joints.first() else { return };
-        let Some((multibody, _)) = self.world.multibody_joints.get_mut(first) else { return };
+    /// joint with 0.1 N m s/rad, far too much for a roller, so each is set.
+    fn set_joint_parameters(&mut self, tree: &Tree, all: &[RigidBodyHandle]) {
+        let ids: Vec<_> = all.iter().map(|&body| self.world.multibody_joints.rigid_body_link(body).copied()).collect();
+        let Some(multibody) = ids[0].and_then(|id| self.world.multibody_joints.get_multibody_mut(id.multibody)) else {
+            return;
+        };
         multibody.set_self_contacts_enabled(false);
-        let driven = robot.driven().len();
-        let (mut wheels, mut rollers) = (Vec::new(), Vec::new());
-        for link in multibody.links() {
-            match link.parent_id().and_then(|parent| multibody.link(parent)) {
-                Some(parent) if parent.is_root() => wheels.push(link.assembly_id()),
-                Some(_) => rollers.push(link.assembly_id()),
-                None => {}
-            }
-        }
-        for (&degree_of_freedom, wheel) in wheels.iter().take(driven).zip(robot.driven()) {
-            let armature = wheel.drive.as_ref().map_or(0.0, |motor| motor.armature);
-            multibody.armature_mut()[degree_of_freedom] = armature;
-        }
-        let damping = multibody.damping_mut();
-        damping.fill(0.0);
-        if let Some(solid) = robot.solids.first() {
-            // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
-            let body = robot.body_mass();
-            damping.rows_mut(0, 3).fill(solid.material.linear_damping * body.mass);
-            let inertia = body.inertia.trace() / 3.0;
-            damping.rows_mut(3, 3).fill(solid.material.angular_damping * inertia);
-        }
-        for (&degree_of_freedom, &value) in rollers.iter().zip(roller_damping) {
-            damping[degree_of_freedom] = value;
+        let [linear, angular] = tree.root_damping;
+        multibody.damping_mut().fill(0.0);
+        multibody.damping_mut().rows_mut(0, 3).fill(linear);
+        multibody.damping_mut().rows_mut(3, 3).fill(angular);
+        for (link, id) in tree.links.iter().zip(ids) {
+            let (Some(joint), Some(id)) = (&link.joint, id) else { continue };
+            let Some(of_engine) = multibody.link(id.id) else { continue };
+            let (first, count) = (of_engine.assembly_id(), of_engine.joint().ndofs());
+            multibody.damping_mut().rows_mut(first, count).fill(joint.damping);
+            multibody.armature_mut().rows_mut(first, count).fill(joint.armature);
         }
     }
 }

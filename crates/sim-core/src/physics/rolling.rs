@@ -5,8 +5,8 @@
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
+use super::compile::Materials;
 use super::{convert, solved};
-use scene::Material;
 
 /// What one wheel stands on.
 #[derive(Debug, Clone, Copy, Default)]
@@ -17,25 +17,15 @@ pub(super) struct Load {
     pub(super) resistance: f64,
 }
 
-/// Keeps a material's coefficient with a collider.
-pub(super) fn mark(collider: ColliderBuilder, material: &Material) -> ColliderBuilder {
-    collider.user_data(u128::from(material.rolling_resistance.to_bits()))
-}
-
-/// The coefficient kept with a collider.
-pub(super) fn of(collider: &Collider) -> f64 {
-    f64::from_bits(collider.user_data as u64)
-}
-
 /// The load on the colliders of a wheel of a multibody.
-pub(super) fn load(world: &PhysicsWorld, wheel: &[ColliderHandle]) -> Load {
+pub(super) fn load(world: &PhysicsWorld, materials: &Materials, wheel: &[ColliderHandle]) -> Load {
     let mut load = Load::default();
     for &own in wheel {
         for pair in world.narrow_phase.contact_pairs_with(own).filter(|pair| pair.has_any_active_contact()) {
             let (sign, other) = if pair.collider1 == own { (-1.0, pair.collider2) } else { (1.0, pair.collider1) };
             // What has left since the last step is still listed until the next, and holds nothing any more.
             let (Some(own), Some(other)) = (world.colliders.get(own), world.colliders.get(other)) else { continue };
-            let coefficient = of(own) + of(other);
+            let coefficient = materials.of(own).rolling_resistance + materials.of(other).rolling_resistance;
             let push = |manifold: &ContactManifold| {
                 manifold.data.normal * solved(manifold).map(|data| data.impulse).sum::<Real>()
             };

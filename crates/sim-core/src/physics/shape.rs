@@ -7,22 +7,17 @@ use rapier3d::parry::shape::{HalfSpace, TriMeshFlags};
 use rapier3d::prelude::*;
 
 use super::roller::RollerShape;
-use super::{convert, with_material};
-use scene::{Material, RobotDef, Rollers};
+use scene::{Rollers, Wheel};
+
+use super::convert;
 
 /// Width of the crown of a plain wheel, m.
 const CROWN_WIDTH: f64 = 0.004;
 /// How far the crown stands out, m.
 const CROWN_HEIGHT: f64 = 0.002;
 
-/// A collider at a place of its parent, without mass of its own.
-pub(super) fn collider(shape: &scene::Shape, pose: &scene::Pose, material: &Material) -> ColliderBuilder {
-    let shape = shared_shape(shape);
-    with_material(ColliderBuilder::new(shape), material).position(convert::pose(pose)).density(0.0)
-}
-
 /// A hull or mesh that has no volume or no triangle becomes a dot; `scene-loader` refuses such before.
-fn shared_shape(shape: &scene::Shape) -> SharedShape {
+pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
     let points = |points: &[[f64; 3]]| points.iter().map(|&point| convert::vector(point)).collect::<Vec<_>>();
     let dot = || SharedShape::ball(1e-6);
     match shape {
@@ -38,17 +33,12 @@ fn shared_shape(shape: &scene::Shape) -> SharedShape {
     }
 }
 
-/// The outlines of everything that a robot is made of, in its frame: its solids, its wheels as plain discs, its casters.
-pub(super) fn parts(robot: &RobotDef) -> Vec<(scene::Pose, SharedShape)> {
-    let solids = robot.solids.iter().map(|solid| (solid.pose(), shared_shape(&solid.shape)));
-    let wheels = robot.wheels.iter().map(|wheel| {
-        let shape = match wheel.drive {
-            Some(_) => SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
-            None => SharedShape::ball(wheel.radius),
-        };
-        (wheel.pose(0.0), shape)
-    });
-    solids.chain(wheels).collect()
+/// A wheel as a plain disc about the y axis, a caster as a ball.
+pub(super) fn outline(wheel: &Wheel) -> SharedShape {
+    match wheel.drive {
+        Some(_) => SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
+        None => SharedShape::ball(wheel.radius),
+    }
 }
 
 /// The engine's cylinders stand along y.

@@ -1,12 +1,14 @@
 //! One robot in the world: its bodies, its drive, its sensors and their timers.
 
+use std::sync::Arc;
+
 use gamebots_proto::Problem;
 use gamebots_proto::command::{Drive, Set};
 use gamebots_proto::message::{Message, Sta};
 
 use super::{Options, RobotId, seed};
 use crate::drive::DriveState;
-use crate::physics::{Physics, RobotBodies};
+use crate::physics::{CompiledRobot, Physics, RobotBodies};
 use crate::sensor::{self, Effect, Sensor, View};
 use crate::{BodyState, Contact, WheelState};
 use scene::{Pose, RobotDef, SensorDef};
@@ -32,7 +34,7 @@ pub struct Observation {
 }
 
 pub(super) struct Robot {
-    def: RobotDef,
+    id: RobotId,
     name: String,
     bodies: RobotBodies,
     drive: DriveState,
@@ -50,28 +52,28 @@ pub(super) struct Item {
 impl Robot {
     pub(super) fn spawn(
         physics: &mut Physics,
-        def: RobotDef,
+        class: Arc<CompiledRobot>,
         name: String,
         pose: &Pose,
         id: RobotId,
         spawned: u64,
         options: Options,
     ) -> Self {
-        let bodies = physics.spawn(&def, pose);
-        let drive = DriveState::new(&def);
-        let mut robot = Self { def, name, bodies, drive, items: Vec::new(), spawned, options };
+        let drive = DriveState::new(&class.def);
+        let bodies = physics.spawn(class.clone(), id, pose);
+        let mut robot = Self { id, name, bodies, drive, items: Vec::new(), spawned, options };
         let wheels = physics.wheels(&robot.bodies);
-        let view = view(&robot.def, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
+        let view = view(id, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
         let mount = |(index, def): (usize, &SensorDef)| {
             let rng = seed::stream(options.seed, id.0, &def.name, index);
             Item { def: def.clone(), sensor: sensor::mount(def, rng, &view) }
         };
-        robot.items = robot.def.sensors.iter().enumerate().map(mount).collect();
+        robot.items = class.def.sensors.iter().enumerate().map(mount).collect();
         robot
     }
 
     pub(super) fn def(&self) -> &RobotDef {
-        &self.def
+        &self.bodies.robot().def
     }
 
     pub(super) fn name(&self) -> &str {
@@ -98,7 +100,7 @@ impl Robot {
     /// than one second is left (Battery.uc:45-135).
     pub(super) fn battery_left(&self, time: f64) -> i32 {
         let age = time - self.spawned as f64 * self.options.time_step;
-        self.def.battery.map_or(NO_BATTERY, |battery| (battery.life - (age - 0.1).max(0.0)).max(0.0) as i32)
+        self.def().battery.map_or(NO_BATTERY, |battery| (battery.life - (age - 0.1).max(0.0)).max(0.0) as i32)
     }
 
     /// What there is to see of it.
@@ -107,13 +109,13 @@ impl Robot {
             body: physics.body(&self.bodies),
             wheels: physics.wheels(&self.bodies),
             targets: self.drive.targets.clone(),
-            rollers: physics.roller_angles(&self.def, &self.bodies),
+            rollers: physics.roller_angles(&self.bodies),
             contacts: physics.contacts(&self.bodies),
         }
     }
 
     pub(super) fn drive(&mut self, drive: &Drive, problems: &mut Vec<Problem>) {
-        self.drive.apply(&self.def, drive, self.options.speed_unit, problems);
+        self.drive.apply(&self.bodies.robot().def, drive, self.options.speed_unit, problems);
         self.bodies.set_wheel_speeds(&self.drive.targets);
     }
 
@@ -138,12 +140,12 @@ impl Robot {
         time: f64,
         wheels: &'a [WheelState],
     ) -> (&'a mut [Item], View<'a>) {
-        let Self { items, def, bodies, options, .. } = self;
-        (items, view(def, bodies, *options, physics, time, wheels))
+        let Self { items, id, bodies, options, .. } = self;
+        (items, view(*id, bodies, *options, physics, time, wheels))
     }
 
     pub(super) fn before_step(&mut self, physics: &mut Physics) {
-        physics.before_step(&self.def, &mut self.bodies);
+        physics.before_step(&mut self.bodies);
     }
 
     pub(super) fn after_step(&mut self, physics: &Physics) {
@@ -181,14 +183,15 @@ impl Item {
 }
 
 fn view<'a>(
-    robot: &'a RobotDef,
+    id: RobotId,
     bodies: &'a RobotBodies,
     options: Options,
     physics: &'a Physics,
     time: f64,
     wheels: &'a [WheelState],
 ) -> View<'a> {
-    View { time, body: physics.body(bodies), wheels, robot, speed_unit: options.speed_unit, physics, bodies }
+    let robot = &bodies.robot().def;
+    View { time, body: physics.body(bodies), wheels, robot, speed_unit: options.speed_unit, physics, id }
 }
 
 /// True at the step in which another whole interval since the spawn has passed.

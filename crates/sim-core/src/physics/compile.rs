@@ -1,0 +1,291 @@
+//! What the engine needs of a scene, worked out once: shapes, masses and joints.
+//!
+//! A robot is compiled to a tree of links, parents before their children, whatever it is made of; [`super::robot`] inserts
+//! links and knows nothing of wheels.
+
+use std::sync::Arc;
+
+use nalgebra::{Translation3, Vector3};
+use rapier3d::math::Pose as EnginePose;
+use rapier3d::prelude::*;
+use scene::{DriveModel, MapDef, Mass, Material, Pose, RobotDef, Shape, Wheel};
+
+use super::convert;
+use super::identity::{Identity, Mark};
+use super::rigid_base::BaseWheel;
+use super::shape;
+
+/// Materials by number.
+#[derive(Debug, Default)]
+pub(crate) struct Materials(Vec<Material>);
+
+impl Materials {
+    /// The number of a material, which enters the table with its first use.
+    fn number(&mut self, material: &Material) -> u32 {
+        let known = self.0.iter().position(|known| known == material);
+        known.unwrap_or_else(|| {
+            self.0.push(material.clone());
+            self.0.len() - 1
+        }) as u32
+    }
+
+    /// What a collider's surface is made of.
+    pub(super) fn of(&self, collider: &Collider) -> &Material {
+        &self.0[Mark::of(collider).material as usize]
+    }
+}
+
+/// A collider that is made for every world or robot anew, but for its shape.
+#[derive(Clone)]
+pub(super) struct Surface {
+    builder: ColliderBuilder,
+    material: u32,
+}
+
+impl Surface {
+    /// A shape at a pose of its parent, without mass of its own. Both sides of a contact average, which is
+    /// [`Material::pair`].
+    fn new(shape: SharedShape, pose: &Pose, material: &Material, materials: &mut Materials) -> Self {
+        let builder = ColliderBuilder::new(shape)
+            .position(convert::pose(pose))
+            .density(0.0)
+            .friction(material.friction)
+            .friction_combine_rule(CoefficientCombineRule::Average)
+            .restitution(material.restitution)
+            .restitution_combine_rule(CoefficientCombineRule::Average);
+        Self { builder, material: materials.number(material) }
+    }
+
+    /// Its collider, of what it is.
+    pub(super) fn collider(&self, identity: Identity) -> ColliderBuilder {
+        let mark = Mark { identity, material: self.material };
+        self.builder.clone().user_data(mark.to_bits())
+    }
+}
+
+/// What lies and stands on a map.
+pub(crate) struct CompiledMap {
+    /// m/s², along +z.
+    pub(super) gravity: f64,
+    pub(super) solids: Vec<Surface>,
+    pub(super) objects: Vec<CompiledObject>,
+}
+
+/// Something that can be pushed.
+pub(super) struct CompiledObject {
+    pub(super) body: RigidBodyBuilder,
+    pub(super) surface: Surface,
+}
+
+impl CompiledMap {
+    pub(crate) fn new(map: &MapDef, materials: &mut Materials) -> Self {
+        let mut surface =
+            |shape: &Shape, pose: &Pose, material| Surface::new(shape::shared(shape), pose, material, materials);
+        let solids = map.solids.iter().map(|solid| surface(&solid.shape, &solid.pose(), &solid.material)).collect();
+        let objects = map.objects.iter().map(|object| {
+            let (solid, material) = (&object.solid, &object.solid.material);
+            let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose())).can_sleep(false);
+            let body = body.linear_damping(material.linear_damping).angular_damping(material.angular_damping);
+            let mut surface = surface(&solid.shape, &Pose::identity(), material);
+            surface.builder = surface.builder.mass(object.mass);
+            CompiledObject { body, surface }
+        });
+        Self { gravity: map.gravity, objects: objects.collect(), solids }
+    }
+}
+
+/// A class of robots as the engine needs it.
+pub(crate) struct CompiledRobot {
+    /// What it was made of.
+    pub(crate) def: RobotDef,
+    /// Mass with everything that it carries, as it is reported, kg.
+    pub(super) mass: f64,
+    /// The outlines of its solids, its wheels as discs, its casters, in its frame.
+    pub(super) outlines: Vec<(Pose, SharedShape)>,
+    pub(super) kind: Kind,
+}
+
+pub(super) enum Kind {
+    /// A multibody.
+    Tree(Tree),
+    /// One body.
+    Base(Base),
+}
+
+/// Links, parents before their children.
+pub(super) struct Tree {
+    /// Origin of the root's body in the robot frame, m.
+    pub(super) centre: Vector3<f64>,
+    pub(super) links: Vec<Link>,
+    /// Damping of the root's velocity, N s/m, and angular velocity, N m s/rad.
+    pub(super) root_damping: [f64; 2],
+}
+
+/// A body and how it hangs on its parent.
+pub(super) struct Link {
+    /// Pose in the parent's frame when every joint is at 0. The root's frame is the robot frame.
+    pub(super) pose: Pose,
+    pub(super) mass: MassProperties,
+    pub(super) surfaces: Vec<Surface>,
+    /// `None` of the root alone.
+    pub(super) joint: Option<Joint>,
+    /// The wheel of the definition that it is a part of.
+    pub(super) wheel: Option<usize>,
+}
+
+/// A joint to the parent.
+pub(super) struct Joint {
+    pub(super) parent: usize,
+    pub(super) joint: GenericJoint,
+    /// Of every degree of freedom, N m s/rad.
+    pub(super) damping: f64,
+    /// Inertia of a rotor as felt at the joint, kg m².
+    pub(super) armature: f64,
+    pub(super) role: Role,
+}
+
+/// What a joint does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Turns a driven wheel.
+    Drive,
+    /// Lets a roller spin.
+    Roller,
+    /// Lets a caster turn.
+    Free,
+}
+
+/// A robot as one body.
+pub(super) struct Base {
+    pub(super) mass: Mass,
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) wheels: Arc<[BaseWheel]>,
+}
+
+impl CompiledRobot {
+    pub(crate) fn new(def: RobotDef, materials: &mut Materials) -> Self {
+        let shapes: Vec<SharedShape> = def.solids.iter().map(|solid| shape::shared(&solid.shape)).collect();
+        let kind = if def.drive_model == DriveModel::Bodies {
+            Kind::Tree(Tree::new(&def, &shapes, materials))
+        } else {
+            Kind::Base(Base::new(&def, &shapes, materials))
+        };
+        let solids = def.solids.iter().zip(shapes).map(|(solid, shape)| (solid.pose(), shape));
+        let wheels = def.wheels.iter().map(|wheel| (wheel.pose(0.0), shape::outline(wheel)));
+        Self { mass: f64::from(def.mass()), outlines: solids.chain(wheels).collect(), kind, def }
+    }
+}
+
+impl CompiledRobot {
+    /// Origin of its root's body in the robot frame, m.
+    pub(super) fn centre(&self) -> Vector3<f64> {
+        match &self.kind {
+            Kind::Tree(tree) => tree.centre,
+            Kind::Base(_) => Vector3::zeros(),
+        }
+    }
+}
+
+impl Tree {
+    fn new(def: &RobotDef, shapes: &[SharedShape], materials: &mut Materials) -> Self {
+        let body = def.body_mass();
+        // The engine moves the origin of a multibody's root with the velocity of its centre of mass, so they have to be one.
+        let centre = body.centre;
+        let root = Link {
+            pose: Pose::identity(),
+            mass: convert::mass(&Mass { centre: Vector3::zeros(), ..body }),
+            surfaces: body_surfaces(def, shapes, centre, materials),
+            joint: None,
+            wheel: None,
+        };
+        // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
+        let root_damping = def.solids.first().map_or([0.0; 2], |solid| {
+            let material = &solid.material;
+            [material.linear_damping * body.mass, material.angular_damping * (body.inertia.trace() / 3.0)]
+        });
+        let mut tree = Self { centre, links: vec![root], root_damping };
+        for (number, wheel) in def.wheels.iter().enumerate() {
+            tree.add_wheel(number, wheel, materials);
+        }
+        tree
+    }
+
+    fn add_wheel(&mut self, number: usize, wheel: &Wheel, materials: &mut Materials) {
+        let pose = Pose::translation(wheel.position[0], wheel.position[1], wheel.position[2]);
+        let anchor = convert::vector(Vector3::from(wheel.position) - self.centre);
+        let mass = convert::principal_mass(&wheel.hub_mass());
+        let mut surface = |shape, material: &Material| Surface::new(shape, &Pose::identity(), material, materials);
+        let Some(motor) = &wheel.drive else {
+            let joint = SphericalJointBuilder::new().local_anchor1(anchor).into();
+            let joint = Joint { parent: 0, joint, damping: 0.0, armature: 0.0, role: Role::Free };
+            let surfaces = vec![surface(SharedShape::ball(wheel.radius), &wheel.material)];
+            return self.links.push(Link { pose, mass, surfaces, joint: Some(joint), wheel: Some(number) });
+        };
+        // A positive angle about the left (-y) rolls the robot forward: the axis of USARSim's wheel joints.
+        let joint = RevoluteJointBuilder::new(-Vector::Y)
+            .local_anchor1(anchor)
+            .motor_velocity(0.0, motor.gain)
+            .motor_max_force(motor.max_torque)
+            .motor_model(MotorModel::ForceBased)
+            .into();
+        let joint = Joint { parent: 0, joint, damping: 0.0, armature: motor.armature, role: Role::Drive };
+        let surfaces = match &wheel.rollers {
+            Some(_) => Vec::new(),
+            None => vec![surface(shape::tread(wheel.radius, wheel.width), &wheel.material)],
+        };
+        let parent = self.links.len();
+        self.links.push(Link { pose, mass, surfaces, joint: Some(joint), wheel: Some(number) });
+        let Some(rollers) = &wheel.rollers else { return };
+        let surface = surface(shape::roller(rollers, wheel.radius), &rollers.material);
+        let inertia = rollers.inertia(wheel.radius);
+        let mass = convert::principal_mass(&Mass { mass: rollers.mass, centre: Vector3::zeros(), inertia });
+        for index in 0..rollers.count {
+            let local = rollers.pose(index);
+            let mut joint = RevoluteJointBuilder::new(Vector::X).build();
+            joint.data.set_local_frame1(convert::pose(&local));
+            let joint =
+                Joint { parent, joint: joint.into(), damping: rollers.damping, armature: 0.0, role: Role::Roller };
+            let surfaces = vec![surface.clone()];
+            self.links.push(Link { pose: local, mass, surfaces, joint: Some(joint), wheel: Some(number) });
+        }
+    }
+}
+
+impl Base {
+    fn new(def: &RobotDef, shapes: &[SharedShape], materials: &mut Materials) -> Self {
+        let mut surfaces = body_surfaces(def, shapes, Vector3::zeros(), materials);
+        for caster in def.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
+            let mut ball =
+                Surface::new(SharedShape::ball(caster.radius), &caster.pose(0.0), &caster.material, materials);
+            ball.builder = ball.builder.friction(0.0);
+            surfaces.push(ball);
+        }
+        // The wheels are only seen, by rays and by the wheels of others. As one collider they cost one box a step.
+        let disc = |wheel: &Wheel| {
+            (
+                EnginePose::from_translation(convert::vector(wheel.position)),
+                SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
+            )
+        };
+        let discs = SharedShape::compound(def.driven().iter().map(disc).collect());
+        // A real wheel turns and its rollers give way, which this does not: half of a tread's friction stands for that.
+        let material = Material { name: "wheel".to_owned(), friction: 0.5, ..Material::default() };
+        let mut discs = Surface::new(discs, &Pose::identity(), &material, materials);
+        discs.builder = discs.builder.collision_groups(InteractionGroups::none());
+        surfaces.push(discs);
+        Self { mass: def.total_mass(), surfaces, wheels: def.driven().iter().filter_map(BaseWheel::new).collect() }
+    }
+}
+
+/// The shapes of a robot's body, whose origin is at `centre` in the robot frame.
+fn body_surfaces(
+    def: &RobotDef,
+    shapes: &[SharedShape],
+    centre: Vector3<f64>,
+    materials: &mut Materials,
+) -> Vec<Surface> {
+    let surface = |(solid, shape): (&scene::Solid, &SharedShape)| {
+        Surface::new(shape.clone(), &(Translation3::from(-centre) * solid.pose()), &solid.material, materials)
+    };
+    def.solids.iter().zip(shapes).map(surface).collect()
+}

@@ -1,0 +1,83 @@
+//! What a collider is, kept with it, so that a ray and a contact know what they met.
+
+use rapier3d::prelude::*;
+
+use crate::RobotId;
+
+/// What something in a world is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Identity {
+    /// What does not move, by its number among the map's solids.
+    Solid(u32),
+    /// What can be pushed, by its number among the map's objects.
+    Object(u32),
+    /// A link of a robot.
+    Link {
+        /// The robot.
+        robot: RobotId,
+        /// 0 is its body; then come its wheels, each with its rollers behind it.
+        link: u32,
+    },
+}
+
+/// What is kept with a collider.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Mark {
+    pub(super) identity: Identity,
+    /// Its number in the table of the scene's materials.
+    pub(super) material: u32,
+}
+
+const SOLID: u8 = 0;
+const OBJECT: u8 = 1;
+const LINK: u8 = 2;
+
+impl Mark {
+    /// From the highest bits down: robot 64, material 32, index 24, kind 8.
+    pub(super) fn to_bits(self) -> u128 {
+        let (kind, index, robot) = match self.identity {
+            Identity::Solid(index) => (SOLID, index, 0),
+            Identity::Object(index) => (OBJECT, index, 0),
+            Identity::Link { robot, link } => (LINK, link, robot.0),
+        };
+        u128::from(robot) << 64 | u128::from(self.material) << 32 | u128::from(index) << 8 | u128::from(kind)
+    }
+
+    /// The mark of a collider; every one has one.
+    pub(super) fn of(collider: &Collider) -> Self {
+        let bits = collider.user_data;
+        let index = (bits >> 8) as u32 & 0xff_ffff;
+        let identity = match bits as u8 {
+            SOLID => Identity::Solid(index),
+            OBJECT => Identity::Object(index),
+            _ => Identity::Link { robot: RobotId((bits >> 64) as u64), link: index },
+        };
+        Self { identity, material: (bits >> 32) as u32 }
+    }
+
+    /// Whether a collider is part of a robot.
+    pub(super) fn is_of(collider: &Collider, robot: RobotId) -> bool {
+        matches!(Self::of(collider).identity, Identity::Link { robot: owner, .. } if owner == robot)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_collider_knows_what_it_is() {
+        for identity in [
+            Identity::Solid(7),
+            Identity::Object(0xff_ffff),
+            Identity::Link { robot: RobotId(0), link: 0 },
+            Identity::Link { robot: RobotId(u64::MAX), link: 28 },
+        ] {
+            for material in [0, u32::MAX] {
+                let mark = Mark { identity, material };
+                let collider = ColliderBuilder::ball(1.0).user_data(mark.to_bits()).build();
+                assert_eq!(Mark::of(&collider), mark);
+            }
+        }
+    }
+}
