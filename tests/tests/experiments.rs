@@ -219,7 +219,7 @@ fn through_the_socket_the_poses_are_the_same() {
     drop(client);
     server.stop().unwrap_or_else(|error| panic!("{error}"));
     let log = recorder::read(&log).unwrap_or_else(|error| panic!("{error}"));
-    let replay = recorder::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    let replay = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
     assert!(replay.is_same() && replay.recorded.is_some() && replay.states > 50, "{replay:?}");
     let came =
         log.entries.iter().find(|entry| matches!(&entry.record, Record::In(line) if line.line.starts_with("DRIVE")));
@@ -246,7 +246,7 @@ fn a_changed_log_does_not_replay() {
     let file = tempfile::NamedTempFile::new().expect("a file");
     run::run(&plan, &plan.runs()[0], Some(file.path())).unwrap_or_else(|error| panic!("{error}"));
     let log = recorder::read(file.path()).unwrap_or_else(|error| panic!("{error}"));
-    let same = |log: &recorder::Log| recorder::replay(log).unwrap_or_else(|error| panic!("{error}")).is_same();
+    let same = |log: &recorder::Log| replay::replay(log).unwrap_or_else(|error| panic!("{error}")).is_same();
     assert!(same(&log));
     let mut changed = log.clone();
     for entry in &mut changed.entries {
@@ -257,10 +257,10 @@ fn a_changed_log_does_not_replay() {
     assert!(!same(&changed));
     let mut endless = log.clone();
     endless.end.insert("seconds".to_owned(), "1e300".to_owned());
-    assert!(recorder::replay(&endless).is_err_and(|error| error.to_string().contains("expected at most 2678400")));
+    assert!(replay::replay(&endless).is_err_and(|error| error.to_string().contains("expected at most 2678400")));
     let mut headless = log.clone();
     headless.run.remove("scene");
-    assert!(recorder::replay(&headless).is_err());
+    assert!(replay::replay(&headless).is_err());
 }
 
 /// Every file of the thesis reads, every figure is asked for, and every claim finds its runs.

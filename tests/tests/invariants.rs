@@ -28,18 +28,32 @@ fn text(path: &Path) -> String {
 const PURE: [&str; 4] = ["gamebots-proto", "kinematics", "scene", "sim-core"];
 
 /// The dependencies as a list: negating an inverted tree would take a dev-dependency for a dependency.
+fn dependencies(package: &str) -> String {
+    let output = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()))
+        .args(["tree", "--offline", "--package", package, "--edges", "normal", "--prefix", "none"])
+        .current_dir(repository())
+        .output()
+        .expect("cargo tree runs");
+    let tree = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && tree.starts_with(package), "{}", String::from_utf8_lossy(&output.stderr));
+    tree
+}
+
 #[test]
 fn the_core_depends_on_no_runtime_and_no_file_format() {
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     for package in PURE {
-        let output = Command::new(&cargo)
-            .args(["tree", "--offline", "--package", package, "--edges", "normal", "--prefix", "none"])
-            .current_dir(repository())
-            .output()
-            .expect("cargo tree runs");
-        let tree = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(output.status.success() && tree.starts_with(package), "{}", String::from_utf8_lossy(&output.stderr));
+        let tree = dependencies(package);
         for absent in ["tokio", "mio", "tracing-subscriber", "toml", "mcap", "scene-loader", "recorder"] {
+            assert!(!tree.lines().any(|line| line.starts_with(&format!("{absent} "))), "{package} depends on {absent}");
+        }
+    }
+}
+
+#[test]
+fn who_reads_definitions_does_not_link_the_engine() {
+    for package in ["scene", "scene-loader", "recorder", "picture"] {
+        let tree = dependencies(package);
+        for absent in ["rapier3d-f64", "sim-core"] {
             assert!(!tree.lines().any(|line| line.starts_with(&format!("{absent} "))), "{package} depends on {absent}");
         }
     }

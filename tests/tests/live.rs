@@ -221,9 +221,9 @@ fn a_viewer_begins_and_ends_a_log_and_a_reset_begins_the_next() {
     viewer.said(&format!("recorded {}", folder.path().join("run-2.mcap").display()));
     viewer.status("no recording", |status| status["recording"].is_null());
     let read = |path: &std::path::Path| recorder::read(path).unwrap_or_else(|error| panic!("{error}"));
-    let refused = recorder::replay(&read(&path)).unwrap_err().to_string();
+    let refused = replay::replay(&read(&path)).unwrap_err().to_string();
     assert!(refused.contains("began in a running world"), "{refused}");
-    let second = recorder::replay(&read(&folder.path().join("run-2.mcap"))).unwrap_or_else(|error| panic!("{error}"));
+    let second = replay::replay(&read(&folder.path().join("run-2.mcap"))).unwrap_or_else(|error| panic!("{error}"));
     assert!(second.is_same() && second.states > 10 && second.recorded.is_some(), "{second:?}");
 }
 

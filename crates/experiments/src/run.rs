@@ -288,7 +288,11 @@ impl Stage {
             self.record_out(&message)?;
         }
         if let Some(log) = &mut self.log {
-            self.states.due(&self.world).iter().try_for_each(|state| log.write(self.world.time(), state))?;
+            let time = self.world.time();
+            if self.states.is_due(time) {
+                let records = self.states.records(&self.world.def().map, &self.world.snapshot());
+                records.iter().try_for_each(|state| log.write(time, state))?;
+            }
         }
         Ok(reading)
     }

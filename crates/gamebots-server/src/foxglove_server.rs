@@ -11,8 +11,7 @@ use foxglove::websocket::service::{Request, Service, ServiceSchema};
 use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
 use foxglove::{Context, Schema, WebSocketServerHandle};
 use recorder::{Latched, Live, Record, Recorder, StateTimer};
-use scene::WorldDef;
-use sim_core::World;
+use scene::{MapDef, Snapshot, WorldDef};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
 
@@ -68,10 +67,15 @@ impl FoxgloveServer {
         self.recorder.record(time, record);
     }
 
-    /// Takes the states of the world when they are due.
-    pub(crate) fn record_states(&mut self, world: &World) {
+    /// Whether the states of the world are due at a simulated time, s.
+    pub(crate) fn wants_states(&self, time: f64) -> bool {
+        self.states.is_due(time)
+    }
+
+    /// Takes the states of the world.
+    pub(crate) fn record_states(&mut self, map: &MapDef, snapshot: &Snapshot) {
         let Self { states, recorder, .. } = self;
-        states.due(world).into_iter().for_each(|state| recorder.record(world.time(), state));
+        states.records(map, snapshot).into_iter().for_each(|state| recorder.record(snapshot.time, state));
     }
 
     /// Hands on what has come, and the time; to be called often.

@@ -161,11 +161,18 @@ impl Recording {
 
     /// Takes the states of the world when they are due; to be called after every step.
     pub(crate) fn record_states(&mut self, world: &World) {
-        if let Some(Open { recorder, states, .. }) = &mut self.open {
-            states.due(world).into_iter().for_each(|state| recorder.record(world.time(), state));
+        let time = world.time();
+        let mut open = self.open.as_mut().filter(|open| open.states.is_due(time));
+        let mut foxglove = self.foxglove.as_mut().filter(|foxglove| foxglove.wants_states(time));
+        if open.is_none() && foxglove.is_none() {
+            return;
         }
-        if let Some(foxglove) = &mut self.foxglove {
-            foxglove.record_states(world);
+        let (map, snapshot) = (&world.def().map, world.snapshot());
+        if let Some(Open { recorder, states, .. }) = &mut open {
+            states.records(map, &snapshot).into_iter().for_each(|state| recorder.record(time, state));
+        }
+        if let Some(foxglove) = &mut foxglove {
+            foxglove.record_states(map, &snapshot);
         }
     }
 

@@ -8,7 +8,7 @@ mod mesh;
 mod raster;
 
 use nalgebra::{Point3, Vector3};
-use sim_core::World;
+use scene::{Snapshot, WorldDef};
 
 use mesh::Floor;
 use raster::{Depths, Projection};
@@ -55,9 +55,9 @@ const LEAST_FADE_UNIT: f64 = 5.0;
 /// Half the width of a line of the grid, m.
 const GRID_LINE: f64 = 0.006;
 
-/// Draws the world as it is now. Width and height are pixels.
-pub fn picture(world: &World, camera: &Camera, width: usize, height: usize) -> Image {
-    let (triangles, floors) = mesh::scene(world);
+/// Draws a scene at a moment. Width and height are pixels.
+pub fn picture(def: &WorldDef, snapshot: &Snapshot, camera: &Camera, width: usize, height: usize) -> Image {
+    let (triangles, floors) = mesh::scene(def, snapshot);
     let (wide, high) = (width * SAMPLES, height * SAMPLES);
     let view = Projection::perspective(camera, wide, high);
     let mut surfaces = Depths::new(wide, high);
@@ -147,7 +147,7 @@ mod tests {
 
     fn from_above(world: &World) -> Image {
         let (eye, target) = (Point3::new(0.0, 0.0, -2.0), Point3::origin());
-        picture(world, &Camera { eye, target, field_of_view: 0.6 }, 90, 60)
+        picture(world.def(), &world.snapshot(), &Camera { eye, target, field_of_view: 0.6 }, 90, 60)
     }
 
     /// Red, green and blue at a part of width and height.
@@ -180,7 +180,8 @@ mod tests {
     #[test]
     fn the_sky_is_above_the_horizon() {
         let (eye, target) = (Point3::new(-2.0, 0.0, -1.0), Point3::new(0.0, 0.0, -1.0));
-        let image = picture(&world(true), &Camera { eye, target, field_of_view: 0.6 }, 90, 60);
+        let world = world(true);
+        let image = picture(world.def(), &world.snapshot(), &Camera { eye, target, field_of_view: 0.6 }, 90, 60);
         assert_eq!(at(&image, 0.5, 0.05), SKY.map(|part| (part * 255.0_f64).round() as u8));
         assert_ne!(at(&image, 0.5, 0.95), at(&image, 0.5, 0.05));
         let png = image.to_png().unwrap();

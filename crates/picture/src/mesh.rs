@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use scene::{Pose, RobotDef, Shape, Solid, Wheel};
-use sim_core::World;
+use scene::{Pose, RobotDef, RobotSnapshot, Shape, Snapshot, Solid, Wheel, WorldDef};
 
 /// A piece of surface.
 pub(crate) struct Triangle {
@@ -43,16 +42,15 @@ impl Floor {
 }
 
 /// Everything that is to be seen.
-pub(crate) fn scene(world: &World) -> (Vec<Triangle>, Vec<Floor>) {
-    let map = &world.def().map;
+pub(crate) fn scene(def: &WorldDef, snapshot: &Snapshot) -> (Vec<Triangle>, Vec<Floor>) {
+    let map = &def.map;
     let mut scene = Scene::default();
     map.solids.iter().for_each(|solid| scene.add_solid(solid, &solid.pose(), solid.material.colour));
-    let objects = map.objects.iter().zip(world.objects());
-    objects.for_each(|(object, pose)| scene.add_solid(&object.solid, &pose, object.solid.material.colour));
-    for (id, class, _) in world.robots() {
-        if let (Some(def), Some(seen)) = (world.def().robots.get(class), world.observe(id)) {
-            let angles: Vec<f64> = seen.wheels.iter().map(|wheel| wheel.angle).collect();
-            scene.add_robot(def, &seen.body.pose, &angles, &seen.rollers);
+    let objects = map.objects.iter().zip(&snapshot.objects);
+    objects.for_each(|(object, pose)| scene.add_solid(&object.solid, pose, object.solid.material.colour));
+    for robot in &snapshot.robots {
+        if let Some(def) = def.robots.get(&robot.class) {
+            scene.add_robot(def, robot);
         }
     }
     (scene.triangles, scene.floors)
@@ -65,14 +63,15 @@ struct Scene {
 }
 
 impl Scene {
-    fn add_robot(&mut self, def: &RobotDef, pose: &Pose, angles: &[f64], rollers: &[f64]) {
+    fn add_robot(&mut self, def: &RobotDef, RobotSnapshot { body, wheels, rollers, .. }: &RobotSnapshot) {
+        let pose = &body.pose;
         def.solids.iter().for_each(|solid| self.add_solid(solid, &(pose * solid.pose()), BODY));
         for caster in def.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
             self.add(&Shape::Ball { radius: caster.radius }, &(pose * caster.pose(0.0)), caster.material.colour);
         }
         let mut spins = rollers.iter();
-        for (wheel, &angle) in def.driven().iter().zip(angles) {
-            self.add_wheel(wheel, &(pose * wheel.pose(angle)), &mut spins);
+        for (wheel, state) in def.driven().iter().zip(wheels) {
+            self.add_wheel(wheel, &(pose * wheel.pose(state.angle)), &mut spins);
         }
     }
 

@@ -19,7 +19,6 @@ mod places;
 mod reader;
 mod records;
 mod recover;
-mod replay;
 pub mod ros2;
 mod table;
 mod writer;
@@ -29,17 +28,15 @@ pub use live::{Latched, Live};
 pub use messages::{ObjectState, Quaternion, RobotLeft, RobotState, Vector, WireLine};
 pub use reader::{Entry, Log, ReadError, read};
 pub use recover::{RecoverError, Recovered, recover};
-pub use replay::{Replay, ReplayError, replay};
 pub use table::{Column, Table};
 pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink};
 
 use foxglove::Encode;
 use mcap::McapResult;
-use scene::Pose;
-use sim_core::World;
+use scene::{MapDef, Pose, Snapshot};
 
 /// Seconds between two recorded states of the robots.
-const STATE_INTERVAL: f64 = 0.02;
+pub const STATE_INTERVAL: f64 = 0.02;
 /// Name of the metadata that describes a run.
 const RUN: &str = "run";
 /// Name of the metadata that ends a log.
@@ -55,25 +52,27 @@ pub struct StateTimer {
 }
 
 impl StateTimer {
-    /// The states of all robots, and of the objects that have moved, when another interval has passed; to be asked after every
-    /// step.
-    pub fn due(&mut self, world: &World) -> Vec<Record> {
-        let passed = (world.time() / STATE_INTERVAL + 1e-6) as u64;
-        if passed <= self.taken {
-            return Vec::new();
-        }
-        self.taken = passed;
-        let mut records: Vec<Record> =
-            world.robots().filter_map(|robot| RobotState::of(world, robot)).map(Record::State).collect();
-        let poses: Vec<Pose> = world.objects().collect();
-        for (number, (pose, object)) in poses.iter().zip(&world.def().map.objects).enumerate() {
+    /// Whether another interval has passed at a simulated time, s; to be asked after every step.
+    pub fn is_due(&self, time: f64) -> bool {
+        intervals(time) > self.taken
+    }
+
+    /// The states of all robots of a map, and of its objects that have moved since the last call.
+    pub fn records(&mut self, map: &MapDef, snapshot: &Snapshot) -> Vec<Record> {
+        self.taken = intervals(snapshot.time);
+        let mut records: Vec<Record> = snapshot.robots.iter().map(RobotState::new).map(Record::State).collect();
+        for (number, (pose, object)) in snapshot.objects.iter().zip(&map.objects).enumerate() {
             if self.objects.get(number) != Some(pose) {
                 records.push(Record::Object(ObjectState::new(number as u32, &object.solid.name, pose)));
             }
         }
-        self.objects = poses;
+        self.objects.clone_from(&snapshot.objects);
         records
     }
+}
+
+fn intervals(time: f64) -> u64 {
+    (time / STATE_INTERVAL + 1e-6) as u64
 }
 
 /// How a world ended.
@@ -81,7 +80,7 @@ impl StateTimer {
 pub struct End {
     /// Simulated time, s.
     pub time: f64,
-    /// See [`sim_core::World::digest`]; none of a world that has panicked.
+    /// A number that two worlds share only if every body has the same bits; none of a world that has panicked.
     pub digest: Option<u64>,
     /// Records that did not get into the log.
     pub dropped: u64,

@@ -4,8 +4,7 @@ use foxglove::{Encode, Schema};
 use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
 use prost::Message;
 use prost::bytes::BufMut;
-use scene::Pose;
-use sim_core::{RobotId, World};
+use scene::{Pose, RobotSnapshot};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
 
@@ -35,21 +34,21 @@ macro_rules! encode {
 encode! { WireLine, RobotLeft, RobotState, ObjectState, }
 
 impl RobotState {
-    /// The state of a robot (number, class, name) as the world gives it.
-    pub(crate) fn of(world: &World, (id, class, name): (RobotId, &str, &str)) -> Option<Self> {
-        let (body, wheels) = world.state(id)?;
+    /// The state of a robot as the world gives it.
+    pub fn new(robot: &RobotSnapshot) -> Self {
+        let RobotSnapshot { id, class, name, body, wheels, .. } = robot;
         let (position, orientation) = parts(&body.pose);
-        Some(Self {
+        Self {
             robot: id.0,
-            class: class.to_owned(),
-            name: name.to_owned(),
+            class: class.clone(),
+            name: name.clone(),
             position: Some(position),
             orientation: Some(orientation),
             linear_velocity: Some(vector(&body.linear)),
             angular_velocity: Some(vector(&body.angular)),
             wheel_angles: wheels.iter().map(|wheel| wheel.angle).collect(),
             wheel_speeds: wheels.iter().map(|wheel| wheel.speed).collect(),
-        })
+        }
     }
 
     /// Pose of the robot in the world frame.

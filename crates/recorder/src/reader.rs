@@ -198,7 +198,7 @@ mod tests {
     fn written(path: &Path) {
         let mut world = WorldDef::default();
         world.map.name = "none".to_owned();
-        let log = LogWriter::create(path, &world, sim_core::Options::default(), &[]).unwrap();
+        let log = LogWriter::create(path, &world, scene::Options::default(), &[]).unwrap();
         let mut recorder = Recorder::new(log).unwrap();
         (0..1000).for_each(|number| recorder.record(number as f64 * 0.002, line(number)));
         recorder.finish(2.0, Some(0xabc));
@@ -219,7 +219,7 @@ mod tests {
     fn the_end_of_a_connection_in_an_old_log_is_also_that_of_its_robot() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let closed = |robot| Record::Closed(WireLine { connection: 1, robot, line: String::new() });
-        let mut log = LogWriter::create(file.path(), &WorldDef::default(), sim_core::Options::default(), &[]).unwrap();
+        let mut log = LogWriter::create(file.path(), &WorldDef::default(), scene::Options::default(), &[]).unwrap();
         [closed(Some(4)), Record::Left(5), closed(None)].iter().for_each(|record| log.write(0.0, record).unwrap());
         drop(log);
         let records: Vec<Record> = read(file.path()).unwrap().entries.into_iter().map(|entry| entry.record).collect();

@@ -6,8 +6,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use scene::Options;
 use scene::WorldDef;
-use sim_core::Options;
 
 use crate::file::{LogFile, Storage, storage};
 use crate::native::Native;

@@ -1,4 +1,4 @@
-//! What a world is made of: plain data in SI units, in the world frame (x forward, y right, z down).
+//! What a world is made of and how it is at a moment: plain data in SI units, in the world frame (x forward, y right, z down).
 //!
 //! The crate `scene-loader` makes these from files; nothing here reads anything, and nothing here moves. Written as JSON, as in a
 //! log, they read back with the same bits.
@@ -8,10 +8,12 @@ mod hull;
 mod map;
 mod mass;
 mod material;
+mod options;
 mod robot;
 pub mod rotation_units;
 pub mod sensor;
 mod shape;
+mod state;
 mod wheel;
 
 use std::collections::BTreeMap;
@@ -23,9 +25,11 @@ pub use hull::hull_surface;
 pub use map::{MapDef, NamedPose, Object};
 pub use mass::Mass;
 pub use material::Material;
+pub use options::{Options, TIME_STEP};
 pub use robot::{Battery, DriveModel, Part, RobotDef, Side, Steering, WheelGeometry};
 pub use sensor::SensorDef;
 pub use shape::{Shape, Solid};
+pub use state::{BodyState, RobotId, RobotSnapshot, Snapshot, WheelState};
 pub use wheel::{Motor, Rollers, Wheel};
 
 /// Position and orientation.

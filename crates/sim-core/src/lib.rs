@@ -13,5 +13,6 @@ mod sensor;
 mod world;
 
 pub use compiled::CompiledScene;
-pub use physics::{BodyState, Contact, Identity, WheelState};
-pub use world::{Controller, LostRobot, Observation, Options, RobotId, TIME_STEP, World};
+pub use physics::{Contact, Identity};
+pub use scene::{BodyState, Options, RobotId, TIME_STEP, WheelState};
+pub use world::{Controller, LostRobot, Observation, World};

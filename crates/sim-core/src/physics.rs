@@ -1,4 +1,4 @@
-//! Rigid bodies and contacts: the only place that names rapier3d and parry3d.
+//! Rigid bodies and contacts: the only place that names rapier3d.
 
 mod compile;
 mod contact;
@@ -18,7 +18,6 @@ mod wheel_contact;
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
 use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
@@ -28,27 +27,7 @@ pub use observe::Contact;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
 
-use scene::Pose;
-
-/// Where a body is and how it moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BodyState {
-    /// Pose of the robot frame in the world.
-    pub pose: Pose,
-    /// Velocity of the frame's origin in world axes, m/s.
-    pub linear: Vector3<f64>,
-    /// Angular velocity in world axes, rad/s.
-    pub angular: Vector3<f64>,
-}
-
-/// How a wheel turns.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct WheelState {
-    /// Angle turned since the spawn, rad, not wrapped; positive = forward.
-    pub angle: f64,
-    /// Speed, rad/s.
-    pub speed: f64,
-}
+use scene::{BodyState, Pose, WheelState};
 
 /// Sweeps of the solver over the contacts while a robot lands. One is enough where the last step's impulses are a good
 /// guess. In an impact it gives the whole momentum to the wheel that comes first, and friction takes hold of what

@@ -15,46 +15,16 @@ use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
 use crate::CompiledScene;
 use crate::physics::{CompiledRobot, Physics};
 use crate::sensor::floats;
-use crate::{BodyState, WheelState};
 pub use controller::Controller;
 pub use robot::Observation;
 use robot::Robot;
-use scene::{NamedPose, Pose, WorldDef};
-
-/// Length of a step, s, unless it is chosen: 500 Hz, where free rollers are within 0.3 % of their exact kinematics.
-pub const TIME_STEP: f64 = 0.002;
+use scene::{BodyState, NamedPose, Options, Pose, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef};
 
 /// Most characters of a robot's name that are kept.
 const MAX_NAME_CHARS: usize = 256;
 
 /// Most robots in one world; further ones are refused.
 const MAX_ROBOTS: usize = 256;
-
-/// Identifies a robot for as long as the world lives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct RobotId(pub u64);
-
-/// How a world runs, beside what it is made of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// Seed of all randomness.
-    pub seed: u64,
-    /// What one wheel-speed unit of the wire is in rad/s: 1 for rad/s, 2 pi for revolutions a second.
-    pub speed_unit: f64,
-    /// Length of a step, s.
-    pub time_step: f64,
-    /// Whether only the newest robot of a connection leaves with it, as in USARSim (BotConnection.uc:765-787), where every
-    /// other one stands for ever.
-    pub keep_robots: bool,
-    /// For tests of what happens then: the number of steps after which the world panics.
-    pub panic_at: Option<u64>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { seed: 0, speed_unit: 1.0, time_step: TIME_STEP, keep_robots: false, panic_at: None }
-    }
-}
 
 /// A deterministic function of (definition, options, commands by step).
 pub struct World {
@@ -240,6 +210,23 @@ impl World {
     pub fn state(&self, id: RobotId) -> Option<(BodyState, Vec<WheelState>)> {
         let robot = self.robots.get(&id)?;
         Some((self.physics.body(robot.bodies()), self.physics.wheels(robot.bodies())))
+    }
+
+    /// Where everything is now.
+    pub fn snapshot(&self) -> Snapshot {
+        let robot = |(&id, robot): (&RobotId, &Robot)| RobotSnapshot {
+            id,
+            class: robot.def().class.clone(),
+            name: robot.name().to_owned(),
+            body: self.physics.body(robot.bodies()),
+            wheels: self.physics.wheels(robot.bodies()),
+            rollers: self.physics.roller_angles(robot.bodies()),
+        };
+        Snapshot {
+            time: self.time(),
+            robots: self.robots.iter().map(robot).collect(),
+            objects: self.objects().collect(),
+        }
     }
 
     /// What there is to see of a robot.

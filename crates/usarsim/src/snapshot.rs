@@ -124,7 +124,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), ahead.y.atan2(ahead.x));
     let eye = target + turn * arguments.view.direction() * distance;
     let [width, height] = arguments.size;
-    let picture = picture::picture(&world, &Camera { eye, target, field_of_view: FIELD_OF_VIEW }, width, height);
+    let camera = Camera { eye, target, field_of_view: FIELD_OF_VIEW };
+    let picture = picture::picture(world.def(), &world.snapshot(), &camera, width, height);
     let written = picture.to_png().map_err(|error| error.to_string());
     let written = written.and_then(|png| std::fs::write(&arguments.out, png).map_err(|error| error.to_string()));
     written.map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", arguments.out.display())))?;

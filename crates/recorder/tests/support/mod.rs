@@ -52,7 +52,10 @@ pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
             let line = WireLine { connection: robot.0 + 1, robot: Some(robot.0), line: message.write() };
             records.push((world.time(), Record::Out(line)));
         }
-        records.extend(states.due(&world).into_iter().map(|record| (world.time(), record)));
+        if states.is_due(world.time()) {
+            let due = states.records(&world.def().map, &world.snapshot());
+            records.extend(due.into_iter().map(|record| (world.time(), record)));
+        }
         if step == 125 {
             let robot = controllers[1].robots()[0];
             world.remove(robot);

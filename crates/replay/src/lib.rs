@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use sim_core::{Controller, Options, RobotId, World};
-
-use crate::{Log, Record, RobotState, STATE_INTERVAL};
+use recorder::{Log, Record, RobotState, STATE_INTERVAL};
+use scene::{Options, RobotId};
+use sim_core::{Controller, World};
 
 /// Longest replay, simulated seconds: a month.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
@@ -134,5 +134,6 @@ fn advance(world: &mut World, time: f64, most: f64) -> Result<(), ReplayError> {
 }
 
 fn now(world: &World, robot: u64) -> Option<RobotState> {
-    RobotState::of(world, world.robots().find(|(id, _, _)| id.0 == robot)?)
+    let snapshot = world.snapshot();
+    snapshot.robots.iter().find(|seen| seen.id.0 == robot).map(RobotState::new)
 }
