@@ -160,7 +160,7 @@ fn a_moved_centre_of_gravity_does_not_change_the_way() {
                 if mass > 0.0 {
                     let inertia = Matrix3::identity() * 0.01;
                     let centre = Vector3::new(0.2, 0.12, -0.05);
-                    robot.parts.push(Part { name: "load".to_owned(), mass, centre, inertia });
+                    robot.links[0].parts.push(Part { name: "load".to_owned(), mass, centre, inertia });
                 }
                 let (mut world, robot) = youbot(def);
                 apply(&mut world, robot, line);
@@ -207,8 +207,8 @@ fn a_limited_motor_stalls_at_a_wall_where_a_strong_one_slides() {
     for (name, model) in [("bodies", DriveModel::Bodies), ("analytic", DriveModel::Analytic)] {
         for (max_torque, turns) in [(0.5, false), (100.0, true)] {
             let mut def = carpet(model, wall);
-            for wheel in &mut def.robots.get_mut("KUKA_YouBot").expect("a youBot").wheels {
-                wheel.drive.as_mut().expect("a motor").max_torque = max_torque;
+            for motor in def.robots.get_mut("KUKA_YouBot").expect("a youBot").motors_mut() {
+                motor.max_torque = max_torque;
             }
             let (mut world, robot) = youbot(def);
             apply(&mut world, robot, "DRIVE {LinearVelocity 0.1}");

@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use scene::check::{self, Range};
 use scene::sensor::Config;
 use scene::{
-    Battery, DriveModel, MapDef, Material, Motor, Object, Part, RobotDef, Rollers, Shape, Solid, Steering, WorldDef,
+    Battery, DriveModel, Joint, MapDef, Material, Motor, Object, Part, RobotDef, Rollers, Shape, Solid, Steering,
+    Wheel, WorldDef,
 };
 use sim_core::{Observation, Options, World};
 use system_tests::{apply, init};
@@ -47,46 +48,51 @@ fn what_no_world_can_be_made_with_is_refused_by_name() {
         |change: fn(&mut RobotDef)| move |def: &mut WorldDef| change(def.robots.get_mut("YouBot").expect("YouBot"));
 
     check(
-        p3at(|it| it.wheels[0].radius = 0.0019),
+        p3at(|it| wheel(it, 0).radius = 0.0019),
         "robot P3AT, wheel FRWheel: `radius` is 0.0019: expected 0.004 to 10 m",
     );
-    check(p3at(|it| it.wheels[1].width = 1e-7), "robot P3AT, wheel FLWheel: `width` is 1e-7: expected 0.001 to 20 m");
+    check(p3at(|it| wheel(it, 1).width = 1e-7), "robot P3AT, wheel FLWheel: `width` is 1e-7: expected 0.001 to 20 m");
     check(
-        p3at(|it| it.wheels[0].mass = 1e-40),
+        p3at(|it| wheel(it, 0).mass = 1e-40),
         "robot P3AT, wheel FRWheel: `mass` is 1e-40: expected 0.001 to 10000 kg",
     );
     check(
-        p3at(|it| it.wheels[0].position[0] = 1e308),
+        p3at(|it| joint(it, 0).anchor[0] = 1e308),
         "robot P3AT, wheel FRWheel: `position` is [1e308, 0.18, 0.048]: expected numbers of -100 to 100 m",
     );
     check(
-        p3at(|it| it.wheels[0].position[1] = -0.18),
+        p3at(|it| joint(it, 0).anchor[1] = -0.18),
         "robot P3AT, wheel FRWheel: `position` has y -0.18: expected 0.001 m or more of a right wheel, as y is to the right",
     );
     check(
-        p3at(|it| it.wheels[0].material.friction = f64::NAN),
+        p3at(|it| wheel(it, 0).material.friction = f64::NAN),
         "robot P3AT, wheel FRWheel: `friction` is NaN: expected 0 to 10",
     );
     check(
-        p3at(|it| it.wheels.iter_mut().flat_map(|wheel| &mut wheel.drive).for_each(|motor| motor.gain = f64::INFINITY)),
+        p3at(|it| it.motors_mut().for_each(|motor| motor.gain = f64::INFINITY)),
         "robot P3AT, wheel FRWheel: `gain` is inf: expected 1e-6 to 1000000 N m s/rad",
     );
     check(
-        p3at(|it| it.solids[0].rotation[1] = f64::NAN),
+        p3at(|it| it.links[0].solids[0].rotation[1] = f64::NAN),
         "robot P3AT, solid ChassisMiddle: `rotation` is [0, NaN, 0]: expected numbers of -1000 to 1000 rad",
     );
     check(
-        p3at(|it| it.solids[0].shape = Shape::HalfSpace),
+        p3at(|it| it.links[0].solids[0].shape = Shape::HalfSpace),
         "robot P3AT, solid ChassisMiddle: a shape without an end or without a volume: expected a box, a cylinder, a ball \
          or a hull",
     );
     check(
-        p3at(|it| it.solids[0].shape = Shape::Hull { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] }),
+        p3at(|it| {
+            it.links[0].solids[0].shape = Shape::Hull { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] }
+        }),
         "robot P3AT, solid ChassisMiddle: a hull of 3 points in one plane: expected a volume",
     );
-    check(p3at(|it| it.parts[0].mass = 0.0), "robot P3AT, part ChassisMiddle: `mass` is 0: expected 1e-9 to 100000 kg");
     check(
-        p3at(|it| it.parts[0].name = "a\u{7}b".to_owned()),
+        p3at(|it| it.links[0].parts[0].mass = 0.0),
+        "robot P3AT, part ChassisMiddle: `mass` is 0: expected 1e-9 to 100000 kg",
+    );
+    check(
+        p3at(|it| it.links[0].parts[0].name = "a\u{7}b".to_owned()),
         "robot P3AT, part a\\u{7}b: name `a\\u{7}b`: expected 1 to 256 characters, none of control",
     );
     for (moments, got) in [
@@ -100,31 +106,31 @@ fn what_no_world_can_be_made_with_is_refused_by_name() {
             format!("robot P3AT, part ChassisMiddle: `inertia` has the principal moments {got} kg m²: {expected}");
         let set = |def: &mut WorldDef| {
             let robot = def.robots.get_mut("P3AT").expect("P3AT");
-            robot.parts[0].inertia = Matrix3::from_diagonal(&moments.into());
+            robot.links[0].parts[0].inertia = Matrix3::from_diagonal(&moments.into());
         };
         check(set, &expected);
     }
     check(
-        p3at(|it| it.parts[0].inertia[(0, 1)] = 1e-3),
+        p3at(|it| it.links[0].parts[0].inertia[(0, 1)] = 1e-3),
         "robot P3AT, part ChassisMiddle: `inertia` is not symmetric: expected the same product of inertia for x y and y x",
     );
     check(
-        p2dx(|it| it.parts[0].inertia *= 1e-5),
+        p2dx(|it| it.links[0].parts[0].inertia *= 1e-5),
         "robot P2DX: its body's radius of gyration is 0.000270 m: expected 0.002084 (a hundredth of the way to its farthest wheel) to 100 m",
     );
     check(
         p2dx(|it| {
-            it.parts[0].mass = 300.0;
-            it.wheels[0].mass = 0.002;
+            it.links[0].parts[0].mass = 300.0;
+            wheel(it, 0).mass = 0.002;
         }),
         "robot P2DX: its body, wheels and rollers weigh 0.002 to 300 kg: expected at most 100000 times the lightest",
     );
-    check(p3at(|it| it.wheels.clear()), "robot P3AT: no driven wheel: expected at least one");
+    check(p3at(|it| it.links.truncate(1)), "robot P3AT: no driven wheel: expected at least one");
     check(
-        p3at(|it| it.wheels[1].drive = None),
+        p3at(|it| joint(it, 1).drive = None),
         "robot P3AT: a driven wheel behind a caster: expected driven wheels first",
     );
-    check(p3at(|it| it.wheels = vec![it.wheels[0].clone(); 33]), "robot P3AT: 33 wheels: expected at most 32");
+    check(p3at(|it| it.links.extend(vec![it.links[1].clone(); 29])), "robot P3AT: 33 wheels: expected at most 32");
     check(p3at(|it| it.sensors = vec![it.sensors[0].clone(); 257]), "robot P3AT: 257 sensors: expected at most 256");
     check(
         p3at(|it| {
@@ -149,20 +155,20 @@ fn what_no_world_can_be_made_with_is_refused_by_name() {
     check(p3at(|it| it.class = "a b".to_owned()), "robot a b: class `a b`: expected a name without spaces and braces");
 
     check(
-        youbot(|it| it.wheels.swap(0, 1)),
+        youbot(|it| it.links.swap(1, 2)),
         "robot YouBot: steering \"omni\": expected four wheels front left, front right, back left, back right with \
          `roller_angle` +, -, -, +",
     );
     check(
-        youbot(|it| it.wheels.iter_mut().flat_map(|wheel| &mut wheel.rollers).for_each(|it| it.count = 33)),
+        youbot(|it| it.wheels_mut().flat_map(|wheel| &mut wheel.rollers).for_each(|it| it.count = 33)),
         "robot YouBot, wheel FLWheel: `count` is 33: expected 3 to 32 rollers",
     );
     check(
-        youbot(|it| it.wheels.iter_mut().flat_map(|wheel| &mut wheel.rollers).for_each(|it| it.axis_circle = 0.045)),
+        youbot(|it| it.wheels_mut().flat_map(|wheel| &mut wheel.rollers).for_each(|it| it.axis_circle = 0.045)),
         "robot YouBot, wheel FLWheel: `axis_circle` is 0.045: expected 0.0050 to 0.0433 m",
     );
     check(
-        youbot(|it| it.wheels.iter_mut().flat_map(|wheel| &mut wheel.rollers).for_each(|it| it.last_phase = 0.8)),
+        youbot(|it| it.wheels_mut().flat_map(|wheel| &mut wheel.rollers).for_each(|it| it.last_phase = 0.8)),
         "robot YouBot, wheel FLWheel: `last_phase` is 0.8: expected 0.5236 to 0.7660 rad",
     );
 
@@ -719,28 +725,34 @@ fn check_driving(seconds: f64, changes: &[(&str, Change)]) {
     }
 }
 
-fn motors(robot: &mut RobotDef) -> impl Iterator<Item = &mut Motor> {
-    robot.wheels.iter_mut().filter_map(|wheel| wheel.drive.as_mut())
+/// The wheel with a number.
+fn wheel(robot: &mut RobotDef, number: usize) -> &mut Wheel {
+    robot.wheels_mut().nth(number).expect("a wheel")
+}
+
+/// The joint that carries it.
+fn joint(robot: &mut RobotDef, number: usize) -> &mut Joint {
+    robot.links[number + 1].joint.as_mut().expect("a joint")
 }
 
 fn rollers(robot: &mut RobotDef) -> impl Iterator<Item = &mut Rollers> {
-    robot.wheels.iter_mut().filter_map(|wheel| wheel.rollers.as_mut())
+    robot.wheels_mut().filter_map(|wheel| wheel.rollers.as_mut())
 }
 
 /// The masses of body, wheels and rollers.
 fn weigh(robot: &mut RobotDef, body: f64, wheel: f64, roller: f64) {
-    let before: f64 = robot.parts.iter().map(|part| part.mass).sum();
-    for part in &mut robot.parts {
+    let before: f64 = robot.parts().map(|part| part.mass).sum();
+    for part in robot.parts_mut() {
         part.mass *= body / before;
         part.inertia *= body / before;
     }
-    robot.wheels.iter_mut().for_each(|it| it.mass = wheel);
+    robot.wheels_mut().for_each(|it| it.mass = wheel);
     rollers(robot).for_each(|it| it.mass = roller);
 }
 
 /// Wheels of another radius with rollers of the same form.
 fn resize(robot: &mut RobotDef, radius: f64, width: f64) {
-    for wheel in &mut robot.wheels {
+    for wheel in robot.wheels_mut() {
         wheel.rollers.iter_mut().for_each(|rollers| rollers.axis_circle *= radius / wheel.radius);
         (wheel.radius, wheel.width) = (radius, width);
     }
@@ -748,10 +760,10 @@ fn resize(robot: &mut RobotDef, radius: f64, width: f64) {
 
 /// Principal moments of the body as one part at the origin, over its mass.
 fn shape_mass(robot: &mut RobotDef, moments: [f64; 3]) {
-    let mass = robot.parts.iter().map(|part| part.mass).sum();
-    robot.parts.truncate(1);
+    let mass = robot.parts().map(|part| part.mass).sum();
+    robot.links[0].parts.truncate(1);
     let inertia = Matrix3::from_diagonal(&moments.into()) * mass;
-    robot.parts[0] = Part { mass, centre: Vector3::zeros(), inertia, ..robot.parts[0].clone() };
+    robot.links[0].parts[0] = Part { mass, centre: Vector3::zeros(), inertia, ..robot.links[0].parts[0].clone() };
 }
 
 #[test]
@@ -770,13 +782,13 @@ fn a_robot_just_within_the_bounds_stays_finite() {
             ("an inertia at the edge of the triangle rule", |_, robot| shape_mass(robot, [0.01, 0.01, 0.0202])),
             ("a rod", |_, robot| shape_mass(robot, [8e-6, 0.03, 0.03])),
             ("the weakest motors", |_, robot| {
-                motors(robot).for_each(|it| (it.max_speed, it.gain, it.max_torque) = (1e-3, 1e-6, 1e-6));
+                robot.motors_mut().for_each(|it| (it.max_speed, it.gain, it.max_torque) = (1e-3, 1e-6, 1e-6));
             }),
             ("the strongest motors", |_, robot| {
-                motors(robot).for_each(|it| (it.max_speed, it.gain, it.max_torque) = (1e3, 1e6, 1e6));
-                motors(robot).for_each(|it| it.integral_time = Some(1e-3));
+                robot.motors_mut().for_each(|it| (it.max_speed, it.gain, it.max_torque) = (1e3, 1e6, 1e6));
+                robot.motors_mut().for_each(|it| it.integral_time = Some(1e-3));
             }),
-            ("the heaviest rotors", |_, robot| motors(robot).for_each(|it| it.armature = 100.0)),
+            ("the heaviest rotors", |_, robot| robot.motors_mut().for_each(|it| it.armature = 100.0)),
             ("three long rollers", |_, robot| {
                 rollers(robot).for_each(|it| (it.count, it.axis_circle, it.last_phase) = (3, 0.024, PI / 3.0));
                 rollers(robot).for_each(|it| it.angle = 0.1 * it.angle.signum());
@@ -804,8 +816,8 @@ fn a_robot_of_many_rollers_stays_finite() {
 #[test]
 fn a_map_just_within_the_bounds_stays_finite() {
     fn materials(map: &mut MapDef, robot: &mut RobotDef, change: fn(&mut Material)) {
-        map.solids.iter_mut().chain(&mut robot.solids).for_each(|it| change(&mut it.material));
-        robot.wheels.iter_mut().for_each(|it| change(&mut it.material));
+        map.solids.iter_mut().chain(&mut robot.links[0].solids).for_each(|it| change(&mut it.material));
+        robot.wheels_mut().for_each(|it| change(&mut it.material));
         rollers(robot).for_each(|it| change(&mut it.material));
     }
     fn add(map: &mut MapDef, shape: Shape, position: [f64; 3]) {
@@ -876,7 +888,7 @@ fn robots_drawn_at_random_that_pass_stay_finite() {
         resize(&mut robot, radius, drawn(check::WHEEL_WIDTH));
         weigh(&mut robot, drawn(check::BODY_MASS), drawn(check::WHEEL_MASS), drawn(check::ROLLER_MASS));
         shape_mass(&mut robot, [drawn(Range { least: 1e-4, most: 0.3, unit: "" }) * size * size; 3]);
-        for solid in &mut robot.solids {
+        for solid in &mut robot.links[0].solids {
             solid.shape = Shape::Box { size: [size, 0.3 * size, 0.1 * size] };
         }
         let motor = Motor {
@@ -886,11 +898,13 @@ fn robots_drawn_at_random_that_pass_stay_finite() {
             integral_time: Some(drawn(check::INTEGRAL_TIME)).filter(|_| passed % 2 == 0),
             armature: drawn(check::ARMATURE),
         };
-        motors(&mut robot).for_each(|it| *it = motor.clone());
+        robot.motors_mut().for_each(|it| *it = motor.clone());
         let (friction, damping) = (drawn(check::FRICTION), drawn(check::ROLLER_DAMPING));
         let (circle, angle) = (drawn(Range { least: 0.1, most: 0.86, unit: "" }), drawn(check::ROLLER_ANGLE));
-        for wheel in &mut robot.wheels {
-            wheel.position.iter_mut().for_each(|coordinate| *coordinate *= size);
+        for joint in robot.links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+            joint.anchor.iter_mut().for_each(|coordinate| *coordinate *= size);
+        }
+        for wheel in robot.wheels_mut() {
             wheel.material.friction = friction;
             if let Some(rollers) = &mut wheel.rollers {
                 rollers.axis_circle = circle * radius;

@@ -11,7 +11,7 @@ const GRAVITY: f64 = 9.81;
 
 fn world(map: &str, model: DriveModel) -> World {
     let mut def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
-    let mecanum = def.robots.values_mut().filter(|robot| robot.wheels.iter().any(|wheel| wheel.rollers.is_some()));
+    let mecanum = def.robots.values_mut().filter(|robot| robot.wheels().any(|wheel| wheel.rollers.is_some()));
     mecanum.for_each(|robot| robot.set_drive_model(Some(model)));
     World::new(def, Options::default())
 }
@@ -37,7 +37,7 @@ fn check_weight_is_held(class: &str, model: DriveModel) {
         let mut world = world(map, model);
         let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start {start}}}"));
         let weight = world.def().robots[class].mass() as f64 * GRAVITY;
-        let wheels = world.def().robots[class].wheels.len();
+        let wheels = world.def().robots[class].wheels().count();
         for drive in ["DRIVE {Left 0}{Right 0}", "DRIVE {Left 2}{Right 2}"] {
             apply(&mut world, robot, drive);
             run(&mut world, 1.0);

@@ -167,7 +167,7 @@ fn a_robot_whose_state_is_not_finite_is_taken_out_and_the_rest_goes_on() {
     for model in MODELS {
         let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
         def.robots.values_mut().for_each(|robot| robot.set_drive_model(Some(model)));
-        let parts = &mut def.robots.get_mut("YouBot").expect("the class").parts;
+        let parts = &mut def.robots.get_mut("YouBot").expect("the class").links[0].parts;
         parts[0].inertia *= f64::NAN;
         let mut world = World::new(def, Options::default());
         let good = init(&mut world, "INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}");

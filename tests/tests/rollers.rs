@@ -57,7 +57,7 @@ fn drive_by(
     let mut def =
         scene_loader::load(path.to_str().expect("a path"), &[]).unwrap_or_else(|error| panic!("{floor}: {error}"));
     def.robots.get_mut(class).expect("the youBot").drive_model = model;
-    for wheel in &mut def.robots.get_mut(class).expect("the youBot").wheels {
+    for wheel in def.robots.get_mut(class).expect("the youBot").wheels_mut() {
         let ring = wheel.rollers.as_mut().expect("rollers");
         ring.mass *= f64::from(ring.count) / f64::from(rollers);
         ring.count = rollers;
@@ -141,7 +141,7 @@ fn wheels_out_of_phase_roll_as_exactly() {
             let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
             let robot = def.robots.get_mut("KUKA_YouBot").expect("the youBot");
             robot.drive_model = model;
-            for (wheel, first) in robot.wheels.iter_mut().zip([0.3, -0.4, 0.1, 0.0]) {
+            for (wheel, first) in robot.wheels_mut().zip([0.3, -0.4, 0.1, 0.0]) {
                 wheel.rollers.as_mut().expect("rollers").first_roller = first;
             }
             let mut course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0).expect("a course");

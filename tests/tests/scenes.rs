@@ -11,7 +11,7 @@ use system_tests::{command, run};
 #[test]
 fn the_youbot_is_that_of_the_thesis() {
     let youbot = scene_loader::robot("KUKA_YouBot", &[]).expect("a built-in robot");
-    let mut parts: Vec<(&str, f64)> = youbot.parts.iter().map(|part| (part.name.as_str(), part.mass)).collect();
+    let mut parts: Vec<(&str, f64)> = youbot.parts().map(|part| (part.name.as_str(), part.mass)).collect();
     parts.sort_by(|a, b| a.0.cmp(b.0));
     let expected = [
         ("ArmBase", 1.0),
@@ -24,7 +24,7 @@ fn the_youbot_is_that_of_the_thesis() {
     assert_eq!(parts, expected);
     assert!((youbot.mass() - 20.0).abs() < 1e-4);
     let places = [(0.2355, -0.15), (0.2355, 0.15), (-0.2355, -0.15), (-0.2355, 0.15)];
-    for ((wheel, (x, y)), hand) in youbot.wheels.iter().zip(places).zip([1.0, -1.0, -1.0, 1.0]) {
+    for ((wheel, (x, y)), hand) in youbot.wheels().zip(places).zip([1.0, -1.0, -1.0, 1.0]) {
         let place = wheel.position;
         assert!(
             [place[0] - x, place[1] - y, place[2] + 0.03].iter().all(|error: &f64| error.abs() < 1e-9),
@@ -44,7 +44,7 @@ fn the_youbot_is_that_of_the_thesis() {
 fn the_real_youbot_has_geared_motors() {
     let youbot = scene_loader::robot("YouBot", &[]).expect("a built-in robot");
     assert!((youbot.mass() - 20.0).abs() < 0.01, "{}", youbot.mass());
-    let motor = youbot.wheels[0].drive.as_ref().expect("a motor");
+    let motor = youbot.wheels().next().and_then(|wheel| wheel.drive).expect("a motor");
     assert_eq!(motor.max_speed, 14.81);
     assert!((motor.max_torque - 25.838 * 0.0335 * 2.32).abs() < 1e-9, "{}", motor.max_torque);
     assert!((motor.armature - 1.35e-5 * 25.838 * 25.838).abs() < 1e-12, "{}", motor.armature);
@@ -131,21 +131,22 @@ fn a_urdf_is_turned_into_the_robot_frame_once() {
     let def = scene_loader::load("rough", &[&folder.join("robot.toml")]).unwrap_or_else(|error| panic!("{error}"));
     // In USARBot.cart.v2 the package would be USARBot.cart.
     let cart = &def.robots["cart_v2"];
-    let base = &cart.parts[0];
+    let base = &cart.links[0].parts[0];
     assert!((base.centre - nalgebra::Vector3::new(0.1, -0.2, -0.3)).norm() < 1e-12, "{}", base.centre);
     let inertia = nalgebra::Matrix3::new(1.0, -0.1, -0.2, -0.1, 2.0, 0.3, -0.2, 0.3, 2.5);
     assert!((base.inertia - inertia).norm() < 1e-12, "{}", base.inertia);
-    let mast = &cart.parts[1];
+    let mast = &cart.links[0].parts[1];
     assert!((mast.centre - nalgebra::Vector3::new(0.0, -0.5, -1.0)).norm() < 1e-12, "{}", mast.centre);
     assert!((mast.inertia.diagonal() - nalgebra::Vector3::new(2.0, 1.0, 3.0)).norm() < 1e-12, "{}", mast.inertia);
-    let Shape::Hull { points } = &cart.solids[0].shape else { panic!("{:?}", cart.solids[0].shape) };
-    let tips: Vec<_> = points.iter().map(|&point| cart.solids[0].pose() * nalgebra::Point3::from(point)).collect();
+    let Shape::Hull { points } = &cart.body_solids()[0].shape else { panic!("{:?}", cart.body_solids()[0].shape) };
+    let tips: Vec<_> =
+        points.iter().map(|&point| cart.body_solids()[0].pose() * nalgebra::Point3::from(point)).collect();
     // The tip along the mast's x is to the robot's left, the one along its z is up.
     for (x, y, z) in [(0.0, -0.6, -1.0), (0.0, -0.5, -1.1), (-0.1, -0.5, -1.0)] {
         let tip = nalgebra::Point3::new(x, y, z);
         assert!(tips.iter().any(|point| (point - tip).norm() < 1e-6), "no tip at {tip}: {tips:?}");
     }
-    let wheel = &cart.wheels[0];
+    let wheel = cart.wheels().next().expect("a wheel");
     let motor = wheel.drive.as_ref().expect("a motor");
     assert_eq!((wheel.mass, motor.max_speed, motor.max_torque), (0.5, 7.0, 3.0));
     assert!(wheel.position.iter().zip([0.1, 0.2, -0.05]).all(|(a, b): (&f64, f64)| (a - b).abs() < 1e-12));
@@ -216,7 +217,7 @@ fn the_length_of_rollers_is_checked() {
         scene_loader::robot(path.to_str().expect("a path"), &[])
     };
     let long = load(0.03727).unwrap_or_else(|error| panic!("{error}"));
-    let rollers = long.wheels[0].rollers.as_ref().expect("rollers");
+    let rollers = long.links[1].wheel.as_ref().and_then(|wheel| wheel.rollers.as_ref()).expect("rollers");
     assert!((rollers.half_length_at(rollers.last_phase, 0.05) - 0.03727).abs() < 1e-6, "{}", rollers.last_phase);
     for wrong in [0.02, 0.06] {
         let error = load(wrong).expect_err("a mistake").to_string();
@@ -236,9 +237,9 @@ fn overrides_reach_robots_maps_and_materials() {
     .map(|text| text.parse().unwrap_or_else(|error| panic!("{text}: {error}")));
     let def = scene_loader::load_with("rough", &[], &overrides).unwrap_or_else(|error| panic!("{error}"));
     let youbot = &def.robots["KUKA_YouBot"];
-    let gains: Vec<f64> = youbot.wheels.iter().filter_map(|wheel| Some(wheel.drive.as_ref()?.gain)).collect();
+    let gains: Vec<f64> = youbot.wheels().filter_map(|wheel| Some(wheel.drive?.gain)).collect();
     assert_eq!(gains, [2.5, 4.0, 4.0, 4.0]);
-    assert!(youbot.wheels.iter().flat_map(|wheel| &wheel.rollers).all(|rollers| rollers.material.friction == 0.7));
+    assert!(youbot.wheels().flat_map(|wheel| &wheel.wheel.rollers).all(|rollers| rollers.material.friction == 0.7));
     assert!((youbot.mass() - 16.0).abs() < 1e-4, "{}", youbot.mass());
     assert_eq!((def.map.gravity, def.map.solids[0].material.friction), (1.62, 0.4));
     for text in ["robot.wheels.gian=1", "robot.wheels.gain=-1", "P3AT.rollers.mass=1", "material.carpet.friction=99"] {

@@ -140,7 +140,7 @@ impl Draw {
     }
 
     fn vary(&mut self, robot: &mut RobotDef, tolerances: Tolerances) {
-        for wheel in &mut robot.wheels {
+        for wheel in robot.wheels_mut() {
             let (phase, friction) = (self.within(tolerances.wheel_phase), 1.0 + self.within(tolerances.friction));
             match &mut wheel.rollers {
                 Some(rollers) => {
@@ -151,7 +151,7 @@ impl Draw {
             }
         }
         let mass = 1.0 + self.within(tolerances.mass);
-        for part in &mut robot.parts {
+        for part in robot.parts_mut() {
             part.mass *= mass;
             part.inertia *= mass;
         }

@@ -299,7 +299,7 @@ fn ride_height(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
 
 /// Friction of a roller on the floor.
 fn friction(subject: &Subject) -> f64 {
-    let roller = subject.robot.wheels.first().and_then(|wheel| wheel.rollers.as_ref());
+    let roller = subject.robot.wheels().next().and_then(|wheel| wheel.wheel.rollers.as_ref());
     roller.map_or(0.0, |roller| roller.material.pair(&subject.floor).0)
 }
 
@@ -355,8 +355,8 @@ fn slope_hold(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     Ok(findings)
 }
 
-fn motors(subject: &mut Subject, mut change: impl FnMut(&mut scene::Motor)) {
-    subject.robot.wheels.iter_mut().filter_map(|wheel| wheel.drive.as_mut()).for_each(&mut change);
+fn motors(subject: &mut Subject, change: impl FnMut(&mut scene::Motor)) {
+    subject.robot.motors_mut().for_each(change);
 }
 
 /// The same robot with motors that do nothing on a floor that takes nothing.
@@ -369,8 +369,8 @@ fn coasting(subject: &Subject) -> Subject {
 
 /// Mass that a push forward has to move: the robot's and what its wheels' inertia adds.
 fn rolling_mass(robot: &RobotDef) -> f64 {
-    let wheels = robot.driven().iter().map(|wheel| {
-        let armature = wheel.drive.as_ref().map_or(0.0, |motor| motor.armature);
+    let wheels = robot.driven().map(|wheel| {
+        let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
         (wheel.spin_inertia() + armature) / wheel.radius.powi(2)
     });
     f64::from(robot.mass()) + wheels.sum::<f64>()
@@ -446,7 +446,7 @@ fn climb(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
             let up = way(&smooth, rise, speeds)?;
             let ratio = (up.moved[axis] / up.exact[axis]) / (flat.moved[axis] / flat.exact[axis]);
             findings.push(about(format!("{degrees} degrees {name}, way a wheel angle, of flat"), ratio, 1.0, 0.005));
-            let motor = subject.robot.driven().first().and_then(|wheel| wheel.drive.as_ref());
+            let motor = subject.robot.driven().next().and_then(|wheel| wheel.drive);
             if axis == 0
                 && let Some(motor) = motor.filter(|motor| motor.integral_time.is_none())
             {
@@ -481,7 +481,7 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let stalls = |torque: f64| -> Result<(f64, bool), MotionError> {
         let mut limited = subject.clone();
         limited.floor.rolling_resistance = 0.0;
-        limited.robot.solids.iter_mut().for_each(|solid| solid.material.friction = 0.0);
+        limited.robot.links[0].solids.iter_mut().for_each(|solid| solid.material.friction = 0.0);
         motors(&mut limited, |motor| (motor.gain, motor.max_torque, motor.integral_time) = (20.0, torque, None));
         let mut scene = Scene::new(&limited, [0.0; 2], vec![wall.clone()])?;
         scene.drive([2.0; 4]);
@@ -516,10 +516,9 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         let spin: f64 = subject
             .robot
             .driven()
-            .iter()
             .zip(&wheels)
             .map(|(wheel, state)| {
-                let armature = wheel.drive.as_ref().map_or(0.0, |motor| motor.armature);
+                let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
                 (wheel.spin_inertia() + armature) * state.speed.powi(2) / 2.0
             })
             .sum();
@@ -564,7 +563,7 @@ fn convergence(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
             let mut ratios = Vec::new();
             for mass in [12.0, 16.0] {
                 let mut light = subject.clone();
-                if let Some(part) = light.robot.parts.first_mut() {
+                if let Some(part) = light.robot.parts_mut().next() {
                     let less = f64::from(subject.robot.mass()) - mass;
                     part.inertia *= (part.mass - less) / part.mass;
                     part.mass -= less;

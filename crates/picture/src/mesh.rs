@@ -65,13 +65,13 @@ struct Scene {
 impl Scene {
     fn add_robot(&mut self, def: &RobotDef, RobotSnapshot { body, wheels, rollers, .. }: &RobotSnapshot) {
         let pose = &body.pose;
-        def.solids.iter().for_each(|solid| self.add_solid(solid, &(pose * solid.pose()), BODY));
-        for caster in def.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
+        def.body_solids().iter().for_each(|solid| self.add_solid(solid, &(pose * solid.pose()), BODY));
+        for caster in def.wheels().filter(|wheel| wheel.drive.is_none()) {
             self.add(&Shape::Ball { radius: caster.radius }, &(pose * caster.pose(0.0)), caster.material.colour);
         }
         let mut spins = rollers.iter();
-        for (wheel, state) in def.driven().iter().zip(wheels) {
-            self.add_wheel(wheel, &(pose * wheel.pose(state.angle)), &mut spins);
+        for (wheel, state) in def.driven().zip(wheels) {
+            self.add_wheel(&wheel, &(pose * wheel.pose(state.angle)), &mut spins);
         }
     }
 

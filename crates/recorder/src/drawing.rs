@@ -39,10 +39,10 @@ pub(crate) fn object_frame(number: usize) -> String {
 /// A robot's body in its frame, and each wheel in the frame of that name below it.
 pub(crate) fn robot(frame: &str, def: &RobotDef) -> Vec<SceneEntity> {
     let mut body = entity(frame, "body");
-    def.solids.iter().for_each(|solid| add(&mut body, &solid.shape, &solid.pose(), BODY));
-    let casters = def.wheels.iter().filter(|wheel| wheel.drive.is_none());
+    def.body_solids().iter().for_each(|solid| add(&mut body, &solid.shape, &solid.pose(), BODY));
+    let casters = def.wheels().filter(|wheel| wheel.drive.is_none());
     casters.for_each(|caster| add(&mut body, &Shape::Ball { radius: caster.radius }, &caster.pose(0.0), TREAD));
-    let wheels = def.driven().iter().map(|wheel| wheel_entity(&format!("{frame}/{}", wheel.name), wheel));
+    let wheels = def.driven().map(|wheel| wheel_entity(&format!("{frame}/{}", wheel.name), &wheel));
     std::iter::once(body).chain(wheels).collect()
 }
 

@@ -66,10 +66,10 @@ impl Native {
             pose: Some(drawing::fox_pose(&pose)),
         };
         file.put(time, &topic("pose"), &in_world)?;
-        let wheels = self.world.robots.get(class).map_or(&[][..], RobotDef::driven);
-        let turned = || wheels.iter().zip(&state.wheel_angles);
+        let wheels = self.world.robots.get(class).into_iter().flat_map(RobotDef::driven);
+        let turned = || wheels.clone().zip(&state.wheel_angles);
         let joints = turned().zip(&state.wheel_speeds).map(|((wheel, &angle), &speed)| JointState {
-            name: wheel.name.clone(),
+            name: wheel.name.to_owned(),
             position: Some(angle),
             velocity: Some(speed),
             ..JointState::default()

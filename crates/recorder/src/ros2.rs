@@ -75,11 +75,11 @@ impl Ros2 {
             let mounts = def.map_or(&[][..], |def| &def.sensors).iter().map(mount).collect();
             file.put(time, "/tf_static", &ros::TFMessage { transforms: mounts })?;
         }
-        let wheels = def.map_or(&[][..], RobotDef::driven);
+        let wheels = def.into_iter().flat_map(RobotDef::driven);
         let pose = state.pose();
-        let turned = wheels.iter().zip(&state.wheel_angles);
+        let turned = wheels.clone().zip(&state.wheel_angles);
         let turned = turned.map(|(wheel, &angle)| {
-            transform(time, &frame, &format!("{frame}/{}", name(&wheel.name)), &wheel.pose(angle))
+            transform(time, &frame, &format!("{frame}/{}", name(wheel.name)), &wheel.pose(angle))
         });
         let transforms = std::iter::once(transform(time, "map", &frame, &pose)).chain(turned).collect();
         file.put(time, "/tf", &ros::TFMessage { transforms })?;
@@ -98,7 +98,7 @@ impl Ros2 {
         file.put(time, &format!("/{frame}/ground_truth"), &odometry)?;
         let joints = ros::JointState {
             header: header(time, &frame),
-            name: wheels.iter().map(|wheel| name(&wheel.name)).collect(),
+            name: wheels.map(|wheel| name(wheel.name)).collect(),
             position: state.wheel_angles.clone(),
             velocity: state.wheel_speeds.clone(),
             effort: Vec::new(),

@@ -5,7 +5,8 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 use scene::sensor;
 use scene::{
-    Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel, check,
+    Battery, DriveModel, Link, Motor, MountedWheel, Part, ROOT, RobotDef, Rollers, SensorDef, Shape, Side, Solid,
+    Steering, Wheel, check,
 };
 use serde::Deserialize;
 
@@ -148,6 +149,7 @@ pub(crate) fn read(
     let sensors = read_sensors(&mut document, &mut root, wheels.as_ref().ok().map(Vec::len));
     let battery = read_battery(&mut document, &mut root);
     document.finish(root, KEYS);
+    let body = Link { name: ROOT.to_owned(), parts, solids, ..Link::default() };
     let robot = RobotDef {
         class: class.to_owned(),
         description: description?,
@@ -158,9 +160,7 @@ pub(crate) fn read(
         reported_steering,
         drive_model,
         one_side_drives,
-        parts,
-        solids,
-        wheels: wheels.ok()?.into_iter().chain(casters).collect(),
+        links: std::iter::once(body).chain(wheels.ok()?).chain(casters).collect(),
         sensors,
         battery,
         reported_max_torque,
@@ -260,7 +260,7 @@ fn read_wheels<'a>(
     root: &mut Table<'a>,
     urdf: &Result<Option<Urdf>, Unread>,
     materials: &Materials,
-) -> Result<Vec<Wheel>, Unread> {
+) -> Result<Vec<Link>, Unread> {
     let common = document.section::<WheelEntry>(root, "wheels");
     let rollers = document.section::<RollersEntry>(root, "rollers");
     if !root.has("wheel") {
@@ -274,8 +274,8 @@ fn read_wheels<'a>(
         let wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), urdf.as_ref(), materials);
         wheel.map(|wheel| (span, wheel))
     };
-    let wheels: Vec<(Range<usize>, Wheel)> = entries.into_iter().filter_map(wheel).collect();
-    let wrong: Vec<Vec<String>> = wheels.iter().map(|(_, wheel)| check::wheel(wheel)).collect();
+    let wheels: Vec<(Range<usize>, Link)> = entries.into_iter().filter_map(wheel).collect();
+    let wrong: Vec<Vec<String>> = wheels.iter().map(|(_, link)| wrong_wheel(link)).collect();
     for ((span, _), messages) in wheels.iter().zip(&wrong) {
         for message in messages {
             // What is wrong with every wheel stands in [wheels].
@@ -295,7 +295,7 @@ fn read_wheel(
     rollers: Option<&(Range<usize>, RollersEntry)>,
     urdf: Option<&Urdf>,
     materials: &Materials,
-) -> Option<Wheel> {
+) -> Option<Link> {
     let joint = match (&entry.joint, urdf) {
         (None, _) => None,
         (Some(name), None) => {
@@ -364,18 +364,13 @@ fn read_wheel(
         SideEntry::Left => Side::Left,
         SideEntry::Right => Side::Right,
     };
-    let drive = Some(Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, integral_time, armature });
-    Some(Wheel {
-        name: entry.name?,
-        side,
-        position: position?,
-        radius: radius?,
-        width: width?,
-        mass: mass?,
-        material,
-        drive,
-        rollers,
-    })
+    let motor = Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, integral_time, armature };
+    let wheel = Wheel { side, radius: radius?, width: width?, mass: mass?, material, rollers };
+    Some(Link::of_wheel(entry.name?, position?, Some(motor), wheel))
+}
+
+fn wrong_wheel(link: &Link) -> Vec<String> {
+    MountedWheel::of(link).map_or(Vec::new(), |wheel| check::wheel(&wheel))
 }
 
 /// What follows from a motor behind a gear.
@@ -449,15 +444,16 @@ fn last_phase_of(
     Some(low)
 }
 
-fn read_casters<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materials: &Materials) -> Vec<Wheel> {
+fn read_casters<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materials: &Materials) -> Vec<Link> {
     let mut casters = Vec::new();
     for (span, entry) in document.list::<CasterEntry>(root, "caster") {
         let CasterEntry { name, position, radius, mass, material } = entry;
         let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
         let material = document.material(&span, &material, materials);
         let width = 2.0 * radius;
-        let caster = Wheel { name, side, position, radius, width, mass, material, drive: None, rollers: None };
-        document.wrong(&span, check::wheel(&caster));
+        let wheel = Wheel { side, radius, width, mass, material, rollers: None };
+        let caster = Link::of_wheel(name, position, None, wheel);
+        document.wrong(&span, wrong_wheel(&caster));
         casters.push(caster);
     }
     casters

@@ -5,6 +5,7 @@
 
 pub mod check;
 mod hull;
+mod link;
 mod map;
 mod mass;
 mod material;
@@ -14,6 +15,7 @@ pub mod rotation_units;
 pub mod sensor;
 mod shape;
 mod state;
+mod stored;
 mod wheel;
 
 use std::collections::BTreeMap;
@@ -22,15 +24,16 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 pub use hull::hull_surface;
+pub use link::{Joint, JointKind, Link, Part, ROOT};
 pub use map::{MapDef, NamedPose, Object};
 pub use mass::Mass;
 pub use material::Material;
 pub use options::{Options, TIME_STEP};
-pub use robot::{Battery, DriveModel, Part, RobotDef, Side, Steering, WheelGeometry};
+pub use robot::{Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
 pub use sensor::SensorDef;
 pub use shape::{Shape, Solid};
 pub use state::{BodyState, RobotId, RobotSnapshot, Snapshot, WheelState};
-pub use wheel::{Motor, Rollers, Wheel};
+pub use wheel::{Motor, MountedWheel, Rollers, Wheel};
 
 /// Position and orientation.
 pub type Pose = Isometry3<f64>;

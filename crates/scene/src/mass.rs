@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{RobotDef, Rollers, Wheel};
+use crate::{Link, RobotDef, Rollers, Wheel};
 
 /// Mass of a body and how it is spread.
 #[derive(Debug, Clone, Copy)]
@@ -18,41 +18,41 @@ pub struct Mass {
 }
 
 impl RobotDef {
-    /// Mass of the robot with its wheels held.
+    /// Mass of the robot with its joints held.
     pub fn total_mass(&self) -> Mass {
         let wheels =
-            self.wheels.iter().map(|wheel| Mass { centre: wheel.position.into(), ..wheel.mass_with_rollers() });
-        combined(self.part_masses().chain(wheels))
+            self.wheels().map(|it| Mass { centre: it.position.into(), ..it.mass_with_rollers(it.drive.is_some()) });
+        combined(self.links.iter().flat_map(part_masses).chain(wheels))
     }
 
     /// Mass of the robot's body without wheels.
     pub fn body_mass(&self) -> Mass {
-        combined(self.part_masses())
-    }
-
-    fn part_masses(&self) -> impl Iterator<Item = Mass> {
-        self.parts.iter().map(|part| Mass { mass: part.mass, centre: part.centre, inertia: part.inertia })
+        combined(self.links.iter().take(1).flat_map(part_masses))
     }
 }
 
+fn part_masses(link: &Link) -> impl Iterator<Item = Mass> {
+    link.parts.iter().map(|part| Mass { mass: part.mass, centre: part.centre, inertia: part.inertia })
+}
+
 impl Wheel {
-    /// Mass without rollers: a plain wheel as a solid disc, the hub of a Mecanum wheel as a disc out to the roller axes, a
-    /// caster as a ball.
-    pub fn hub_mass(&self) -> Mass {
+    /// Mass without rollers: a driven plain wheel as a solid disc, the hub of a Mecanum wheel as a disc out to the roller axes,
+    /// a caster as a ball.
+    pub fn hub_mass(&self, driven: bool) -> Mass {
         let radius = self.rollers.as_ref().map_or(self.radius, |rollers| rollers.axis_circle);
         let spin = self.mass * radius * radius / 2.0;
         let tilt = self.mass * (3.0 * radius * radius + self.width * self.width) / 12.0;
-        let moments = if self.drive.is_some() { [tilt, spin, tilt] } else { [0.4 * self.mass * radius * radius; 3] };
+        let moments = if driven { [tilt, spin, tilt] } else { [0.4 * self.mass * radius * radius; 3] };
         Mass { mass: self.mass, centre: Vector3::zeros(), inertia: Matrix3::from_diagonal(&moments.into()) }
     }
 
-    /// Inertia of a wheel with its rollers about its axle, kg m²; that of the motor's rotor is not in it.
+    /// Inertia of a driven wheel with its rollers about its axle, kg m²; that of the motor's rotor is not in it.
     pub fn spin_inertia(&self) -> f64 {
-        self.mass_with_rollers().inertia[(1, 1)]
+        self.mass_with_rollers(true).inertia[(1, 1)]
     }
 
-    fn mass_with_rollers(&self) -> Mass {
-        let hub = self.hub_mass();
+    fn mass_with_rollers(&self, driven: bool) -> Mass {
+        let hub = self.hub_mass(driven);
         let Some(rollers) = &self.rollers else { return hub };
         let own = rollers.inertia(self.radius);
         let mut inertia = hub.inertia;

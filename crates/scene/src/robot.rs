@@ -1,9 +1,8 @@
 //! Classes of robots.
 
-use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{SensorDef, Solid, Wheel};
+use crate::{Link, Motor, MountedWheel, Part, SensorDef, Solid, Wheel, stored};
 
 /// How a robot is steered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -76,6 +75,7 @@ pub enum Side {
 
 /// A class of robots.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "stored::Robot")]
 pub struct RobotDef {
     /// Class name as in `USARBot.<class>`; the name of its folder.
     pub class: String,
@@ -85,19 +85,15 @@ pub struct RobotDef {
     pub steering: Steering,
     /// What CONF reports instead of the way it is steered: the NIST bridge and the Player drivers refuse OmniDrive, and drive
     /// a Mecanum robot well that says SkidSteered.
-    #[serde(default)]
     pub reported_steering: Option<String>,
     /// How its wheels move it.
     pub drive_model: DriveModel,
     /// Whether `{Left ..}` or `{Right ..}` alone moves its side. USARSim (UDK) wants both; controllers of UT2004's
     /// robots send one.
     pub one_side_drives: bool,
-    /// Parts that make up the body, all fixed to each other.
-    pub parts: Vec<Part>,
-    /// Shapes of the body that touch the world, in the robot frame.
-    pub solids: Vec<Solid>,
-    /// Driven wheels first, in the order that encoders and tachometers number them, then casters.
-    pub wheels: Vec<Wheel>,
+    /// Its tree: parents before their children, so the first is the root. Driven wheels come before casters, in the order that
+    /// encoders and tachometers number them.
+    pub links: Vec<Link>,
     /// What it carries, in mounting order.
     pub sensors: Vec<SensorDef>,
     /// Its battery; without one STA reports 99999.
@@ -119,26 +115,58 @@ impl RobotDef {
         self.reported_steering.as_deref().unwrap_or(self.steering.wire_name())
     }
 
-    /// The driven wheels.
-    pub fn driven(&self) -> &[Wheel] {
-        let driven = self.wheels.iter().take_while(|wheel| wheel.drive.is_some()).count();
-        &self.wheels[..driven]
+    /// The shapes of its body.
+    pub fn body_solids(&self) -> &[Solid] {
+        self.links.first().map_or(&[], |root| &root.solids)
     }
 
-    /// Mass of every part, wheel and roller in kg, summed in 32 bits in file order, as USARSim reports it.
+    /// Its wheels, casters too, in the order of its links.
+    pub fn wheels(&self) -> impl Iterator<Item = MountedWheel<'_>> + Clone {
+        self.links.iter().filter_map(MountedWheel::of)
+    }
+
+    /// The driven wheels.
+    pub fn driven(&self) -> impl Iterator<Item = MountedWheel<'_>> + Clone {
+        self.wheels().filter(|wheel| wheel.drive.is_some())
+    }
+
+    /// Everything that its links weigh beside wheels.
+    pub fn parts(&self) -> impl Iterator<Item = &Part> + Clone {
+        self.links.iter().flat_map(|link| &link.parts)
+    }
+
+    /// The same, to be changed.
+    pub fn parts_mut(&mut self) -> impl Iterator<Item = &mut Part> {
+        self.links.iter_mut().flat_map(|link| &mut link.parts)
+    }
+
+    /// Its wheels, to be changed.
+    pub fn wheels_mut(&mut self) -> impl Iterator<Item = &mut Wheel> {
+        self.links.iter_mut().filter_map(|link| link.wheel.as_mut())
+    }
+
+    /// The motors of its joints, to be changed.
+    pub fn motors_mut(&mut self) -> impl Iterator<Item = &mut Motor> {
+        self.links.iter_mut().filter_map(|link| link.joint.as_mut()?.drive.as_mut())
+    }
+
+    /// Mass of every part, wheel and roller in kg, summed in 32 bits in the order of the links, as USARSim reports it.
     pub fn mass(&self) -> f32 {
-        let rollers = |wheel: &Wheel| wheel.rollers.as_ref().map_or((0.0, 0), |r| (r.mass, r.count as usize));
-        let wheels = self.wheels.iter().flat_map(|wheel| {
-            let (mass, count) = rollers(wheel);
+        let of_wheel = |wheel: &Wheel| {
+            let (mass, count) = wheel.rollers.as_ref().map_or((0.0, 0), |it| (it.mass, it.count as usize));
             std::iter::once(wheel.mass).chain(std::iter::repeat_n(mass, count))
-        });
-        self.parts.iter().map(|part| part.mass).chain(wheels).fold(0.0, |sum, mass| sum + mass as f32)
+        };
+        let masses = self
+            .links
+            .iter()
+            .flat_map(|link| link.parts.iter().map(|part| part.mass).chain(link.wheel.iter().flat_map(of_wheel)));
+        masses.fold(0.0, |sum, mass| sum + mass as f32)
     }
 
     /// Wheel radius, track and wheel base, m: of the foremost left and the rearmost right driven wheel
     /// (WheeledVehicle.uc:19-66).
     pub fn wheel_geometry(&self) -> WheelGeometry {
-        let on = |side| self.driven().iter().filter(move |wheel| wheel.side == side);
+        let on = |side| self.driven().filter(move |wheel| wheel.side == side);
         let front_left = on(Side::Left).max_by(|a, b| a.position[0].total_cmp(&b.position[0]));
         let rear_right = on(Side::Right).min_by(|a, b| a.position[0].total_cmp(&b.position[0]));
         match (front_left, rear_right) {
@@ -161,19 +189,6 @@ pub struct WheelGeometry {
     pub track: f64,
     /// Distance between front and rear wheels.
     pub wheel_base: f64,
-}
-
-/// One part of the body: what it weighs and where.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Part {
-    /// Its name.
-    pub name: String,
-    /// Mass, kg.
-    pub mass: f64,
-    /// Centre of mass in the robot frame, m.
-    pub centre: Vector3<f64>,
-    /// Inertia about the centre of mass, robot axes, kg m².
-    pub inertia: Matrix3<f64>,
 }
 
 /// A battery that falls linearly, whatever the robot does (Battery.uc:44-129).

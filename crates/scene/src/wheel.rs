@@ -1,21 +1,18 @@
 //! Wheels, their motors and their rollers.
 
 use std::f64::consts::TAU;
+use std::ops::Deref;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{Material, Pose, Side, pose};
+use crate::{Link, Material, Pose, Side, pose};
 
-/// A wheel about the robot's y axis.
+/// What a joint carries that rolls: about the robot's y axis, or, a caster, as a ball.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Wheel {
-    /// Its name.
-    pub name: String,
     /// Which side it is on.
     pub side: Side,
-    /// Centre in the robot frame, m.
-    pub position: [f64; 3],
     /// Outer radius, m.
     pub radius: f64,
     /// Width along its axle, m.
@@ -24,21 +21,48 @@ pub struct Wheel {
     pub mass: f64,
     /// What its tread is made of.
     pub material: Material,
-    /// Its motor; `None` makes it a caster, a ball free to turn about every axis.
-    pub drive: Option<Motor>,
     /// Rollers of a Mecanum wheel.
     pub rollers: Option<Rollers>,
+}
+
+/// A wheel and the joint that carries it.
+#[derive(Debug, Clone, Copy)]
+pub struct MountedWheel<'a> {
+    /// Name of its link.
+    pub name: &'a str,
+    /// Centre in the robot frame, m.
+    pub position: [f64; 3],
+    /// The motor of its joint; `None` makes it a caster, a ball free to turn about every axis.
+    pub drive: Option<&'a Motor>,
+    /// The wheel.
+    pub wheel: &'a Wheel,
+}
+
+impl<'a> MountedWheel<'a> {
+    /// The wheel that a link is.
+    pub fn of(link: &'a Link) -> Option<Self> {
+        let (joint, wheel) = (link.joint.as_ref()?, link.wheel.as_ref()?);
+        Some(Self { name: &link.name, position: joint.anchor, drive: joint.drive.as_ref(), wheel })
+    }
+
+    /// Pose of the wheel in the robot frame after it turned forward by an angle in radians.
+    pub fn pose(&self, angle: f64) -> Pose {
+        pose(self.position, [0.0, -angle, 0.0])
+    }
+}
+
+impl Deref for MountedWheel<'_> {
+    type Target = Wheel;
+
+    fn deref(&self) -> &Wheel {
+        self.wheel
+    }
 }
 
 impl Wheel {
     /// How many rollers it has.
     pub fn roller_count(&self) -> usize {
         self.rollers.as_ref().map_or(0, |rollers| rollers.count as usize)
-    }
-
-    /// Pose of the wheel in the robot frame after it turned forward by an angle in radians.
-    pub fn pose(&self, angle: f64) -> Pose {
-        pose(self.position, [0.0, -angle, 0.0])
     }
 }
 

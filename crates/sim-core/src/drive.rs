@@ -25,7 +25,7 @@ pub struct DriveState {
 impl DriveState {
     /// At rest.
     pub fn new(robot: &RobotDef) -> Self {
-        Self { targets: vec![0.0; robot.driven().len()], light: false, normalized: false, twist: Twist::default() }
+        Self { targets: vec![0.0; robot.driven().count()], light: false, normalized: false, twist: Twist::default() }
     }
 
     /// Takes a command. `speed_unit` is what one wheel-speed unit of the wire is in rad/s.
@@ -43,7 +43,7 @@ impl DriveState {
             }
         }
         for ((target, speed), wheel) in self.targets.iter_mut().zip(speeds).zip(robot.driven()) {
-            if let (Some(speed), Some(motor)) = (speed, &wheel.drive) {
+            if let (Some(speed), Some(motor)) = (speed, wheel.drive) {
                 let unit = if self.normalized { motor.max_speed / 100.0 } else { speed_unit };
                 *target = (speed * unit).clamp(-motor.max_speed, motor.max_speed);
             }
@@ -54,7 +54,7 @@ impl DriveState {
 /// Kinematics of an omni robot, or `None` if it is not one. Its wheels are in Mecanum order.
 pub fn mecanum(robot: &RobotDef) -> Option<Mecanum> {
     let geometry = robot.wheel_geometry();
-    (robot.steering == Steering::Omni && robot.driven().len() == 4).then_some(Mecanum {
+    (robot.steering == Steering::Omni && robot.driven().count() == 4).then_some(Mecanum {
         half_wheelbase: geometry.wheel_base / 2.0,
         half_track: geometry.track / 2.0,
         wheel_radius: geometry.radius,
@@ -63,11 +63,11 @@ pub fn mecanum(robot: &RobotDef) -> Option<Mecanum> {
 
 /// The same with its rollers counted.
 pub fn finite_rollers(robot: &RobotDef) -> Option<FiniteRollers> {
-    let rollers = robot.driven().first()?.rollers.as_ref()?;
-    let first = |wheel: usize| robot.driven()[wheel].rollers.as_ref().map_or(0.0, |rollers| rollers.first_roller);
+    let rollers = robot.driven().next()?.wheel.rollers.as_ref()?;
+    let mut firsts = robot.driven().map(|wheel| wheel.rollers.as_ref().map_or(0.0, |rollers| rollers.first_roller));
     Some(FiniteRollers {
         base: mecanum(robot)?,
-        first_rollers: std::array::from_fn(first),
+        first_rollers: std::array::from_fn(|_| firsts.next().unwrap_or(0.0)),
         count: rollers.count,
         axis_circle: rollers.axis_circle,
         angle: rollers.angle.abs(),

@@ -24,7 +24,7 @@
 
 use std::f64::consts::PI;
 
-use scene::Pose;
+use scene::{Pose, RobotDef};
 use sim_core::{Contact, Observation, RobotId, World};
 
 /// Contacts of one robot that are told, the strongest first.
@@ -40,8 +40,8 @@ pub(super) fn frame(world: &World) -> Vec<u8> {
     bytes.u16(robots.len());
     for (id, class, observation) in robots {
         bytes.0.extend((id.0 as u32).to_le_bytes());
-        let wheels = world.def().robots.get(class).map_or(&[][..], |def| def.driven());
-        let rollers = wheels.iter().map(|wheel| wheel.roller_count());
+        let wheels = world.def().robots.get(class).into_iter().flat_map(RobotDef::driven);
+        let rollers = wheels.map(|wheel| wheel.roller_count());
         bytes.robot(observation, rollers);
     }
     let objects: Vec<Pose> = world.objects().collect();

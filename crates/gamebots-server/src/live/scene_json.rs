@@ -1,6 +1,6 @@
 //! The scene as a viewer gets it: the definitions, with what a viewer would have to work out itself worked out.
 
-use scene::{MapDef, NamedPose, Pose, RobotDef, Shape, Solid, Wheel, WorldDef};
+use scene::{MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, Solid, WorldDef};
 use serde_json::{Value, json};
 
 /// Pieces of cones that a roller is drawn by.
@@ -43,7 +43,7 @@ fn class_json(def: &RobotDef) -> Value {
             })),
         })
     };
-    let (driven, casters) = def.wheels.split_at(def.driven().len());
+    let casters = def.wheels().filter(|wheel| wheel.drive.is_none());
     let geometry = def.wheel_geometry();
     json!({
         "description": def.description,
@@ -52,16 +52,16 @@ fn class_json(def: &RobotDef) -> Value {
         "wheel_radius": geometry.radius,
         "track": geometry.track,
         "wheel_base": geometry.wheel_base,
-        "solids": def.solids.iter().map(solid).collect::<Vec<_>>(),
-        "wheels": driven.iter().map(wheel).collect::<Vec<_>>(),
-        "casters": casters.iter().map(|caster| json!({
+        "solids": def.body_solids().iter().map(solid).collect::<Vec<_>>(),
+        "wheels": def.driven().map(wheel).collect::<Vec<_>>(),
+        "casters": casters.map(|caster| json!({
             "position": caster.position, "radius": caster.radius, "colour": caster.material.colour,
         })).collect::<Vec<_>>(),
         "sensors": def.sensors.iter().map(sensor).collect::<Vec<_>>(),
     })
 }
 
-fn wheel(wheel: &Wheel) -> Value {
+fn wheel(wheel: MountedWheel) -> Value {
     let rollers = wheel.rollers.as_ref().map(|rollers| {
         json!({
             "poses": (0..rollers.count).map(|index| pose(&rollers.pose(index))).collect::<Vec<_>>(),

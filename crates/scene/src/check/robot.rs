@@ -6,24 +6,30 @@ use super::limits::*;
 use super::map::material;
 use super::shape::{hull_points, solid};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
-use crate::{Battery, DriveModel, Motor, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel};
+use crate::{
+    Battery, DriveModel, Link, Motor, MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering,
+};
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     let class = format!("robot {}", shown(&def.class));
     // Sums over parts come last: they need numbers.
     first(&class, counts(def))?;
-    for it in &def.parts {
+    for (number, it) in def.links.iter().enumerate() {
+        let parents = (number > 0).then_some(number);
+        first(&format!("{class}, link {}", shown(&it.name)), link(it, parents))?;
+    }
+    for it in def.links.iter().flat_map(|link| &link.parts) {
         first(&format!("{class}, part {}", shown(&it.name)), part(it))?;
     }
-    for it in &def.solids {
+    for it in def.links.iter().flat_map(|link| &link.solids) {
         let wrong = body_solid(it).into_iter().chain(material(&it.material));
         first(&format!("{class}, solid {}", shown(&it.name)), wrong)?;
     }
-    for it in &def.wheels {
+    for it in def.wheels() {
         let materials = std::iter::once(&it.material).chain(it.rollers.iter().map(|rollers| &rollers.material));
         let rollers = it.rollers.iter().flat_map(|it_rollers| rollers(it_rollers, it.radius));
-        let wrong = wheel(it).into_iter().chain(rollers).chain(materials.flat_map(material));
-        first(&format!("{class}, wheel {}", shown(&it.name)), wrong)?;
+        let wrong = wheel(&it).into_iter().chain(rollers).chain(materials.flat_map(material));
+        first(&format!("{class}, wheel {}", shown(it.name)), wrong)?;
     }
     for it in &def.sensors {
         first(&format!("{class}, sensor {}", shown(&it.name)), sensor(it))?;
@@ -40,6 +46,30 @@ pub fn body_solid(def: &Solid) -> Vec<String> {
         wrong.push(
             "a shape without an end or without a volume: expected a box, a cylinder, a ball or a hull".to_owned(),
         );
+    }
+    wrong
+}
+
+/// What is wrong with a link; its parts, solids and wheel are checked by themselves. `parents` is how many links stand before
+/// it, `None` for the root.
+fn link(def: &Link, parents: Option<usize>) -> Vec<String> {
+    let mut wrong = name("name", &def.name);
+    match (&def.joint, parents) {
+        (None, None) => {}
+        (Some(_), None) => wrong.push("a joint: expected none of the first link, which is the root".to_owned()),
+        (None, Some(_)) => wrong.push("no joint: expected one to a parent".to_owned()),
+        (Some(joint), Some(parents)) => {
+            if joint.parent >= parents {
+                wrong.push(format!("its parent is link {}: expected one of the {parents} before it", joint.parent));
+            }
+            let length = Vector3::from(joint.axis).norm();
+            if (length - 1.0).abs() > 1e-6 || length.is_nan() {
+                wrong.push(format!("`axis` has the length {}: expected 1", Number(length)));
+            }
+            if def.wheel.is_none() {
+                wrong.push("a link that is no wheel: expected wheels on the body".to_owned());
+            }
+        }
     }
     wrong
 }
@@ -83,8 +113,8 @@ fn principal_moments(inertia: &Matrix3<f64>) -> [f64; 3] {
 
 /// What is wrong with a wheel or a caster; its materials are checked by themselves, and what its rollers share with those
 /// of other wheels.
-pub fn wheel(def: &Wheel) -> Vec<String> {
-    let mut wrong = name("name", &def.name);
+pub fn wheel(def: &MountedWheel) -> Vec<String> {
+    let mut wrong = name("name", def.name);
     wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
     for (range, key, value) in
         [(WHEEL_RADIUS, "radius", def.radius), (WHEEL_WIDTH, "width", def.width), (WHEEL_MASS, "mass", def.mass)]
@@ -103,7 +133,7 @@ pub fn wheel(def: &Wheel) -> Vec<String> {
             format!("expected {} m or {beyond} of a {side} wheel, as y is to the right", sign * LEAST_OFFSET);
         wrong.push(format!("`position` has y {}: {expected}", Number(def.position[1])));
     }
-    wrong.extend(def.drive.iter().flat_map(motor));
+    wrong.extend(def.drive.into_iter().flat_map(motor));
     if let Some(rollers) = &def.rollers {
         if !ROLLER_ANGLE.holds(rollers.angle.abs()) {
             wrong.push(format!("`roller_angle` is {}: expected {ROLLER_ANGLE}", Number(rollers.angle)));
@@ -179,12 +209,14 @@ fn counts(def: &RobotDef) -> Vec<String> {
     let rays = def.sensors.iter().map(|sensor| sensor.config.rays()).fold(0, usize::saturating_add);
     let mut wrong = wire_name("class", &def.class);
     wrong.extend(text("description", &def.description));
-    wrong.extend(count("parts", def.parts.len(), MAX_PARTS));
-    wrong.extend(count("solids", def.solids.len(), MAX_PARTS));
-    wrong.extend(count("wheels", def.wheels.len(), MAX_WHEELS));
-    wrong.extend(count("rollers", def.wheels.iter().map(Wheel::roller_count).sum(), MAX_ROLLERS));
+    let solids = || def.links.iter().flat_map(|link| &link.solids);
+    wrong.extend(count("links", def.links.len(), MAX_LINKS));
+    wrong.extend(count("parts", def.links.iter().map(|link| link.parts.len()).sum(), MAX_PARTS));
+    wrong.extend(count("solids", solids().count(), MAX_PARTS));
+    wrong.extend(count("wheels", def.wheels().count(), MAX_WHEELS));
+    wrong.extend(count("rollers", def.wheels().map(|wheel| wheel.roller_count()).sum(), MAX_ROLLERS));
     wrong.extend(count("sensors", def.sensors.len(), MAX_SENSORS));
-    wrong.extend(count("corners of hulls", def.solids.iter().map(|it| hull_points(&it.shape)).sum(), MAX_HULL_POINTS));
+    wrong.extend(count("corners of hulls", solids().map(|it| hull_points(&it.shape)).sum(), MAX_HULL_POINTS));
     wrong.extend(count("rays", rays, MAX_RAYS));
     wrong
 }
@@ -194,13 +226,13 @@ fn counts(def: &RobotDef) -> Vec<String> {
 pub fn robot(def: &RobotDef) -> Vec<String> {
     let mut wrong = counts(def);
     wrong.extend(REPORTED_TORQUE.problem("reported_max_torque", def.reported_max_torque));
-    if def.parts.is_empty() {
+    if def.links.first().is_none_or(|root| root.parts.is_empty()) {
         wrong.push("no part: expected at least one with a mass".to_owned());
     }
-    if def.driven().is_empty() {
+    if def.driven().next().is_none() {
         wrong.push("no driven wheel: expected at least one".to_owned());
     }
-    if def.wheels.iter().filter(|wheel| wheel.drive.is_some()).count() != def.driven().len() {
+    if !def.wheels().is_sorted_by_key(|wheel| wheel.drive.is_none()) {
         wrong.push("a driven wheel behind a caster: expected driven wheels first".to_owned());
     }
     wrong.extend(omni(def));
@@ -218,20 +250,20 @@ fn omni(def: &RobotDef) -> Option<String> {
         let bodies = def.drive_model == DriveModel::Bodies;
         return (!bodies).then(|| "`drive_model` other than \"bodies\": expected steering \"omni\"".to_owned());
     }
-    let fits = |(wheel, (front, side, angle)): (&Wheel, (f64, Side, f64))| {
+    let fits = |(wheel, (front, side, angle)): (MountedWheel, (f64, Side, f64))| {
         wheel.position[0] * front >= LEAST_OFFSET
             && wheel.side == side
             && wheel.rollers.as_ref().is_some_and(|rollers| rollers.angle * angle > 0.0)
     };
-    let good = def.driven().len() == 4 && def.driven().iter().zip(ORDER).all(fits);
+    let good = def.driven().count() == 4 && def.driven().zip(ORDER).all(fits);
     let expected = "expected four wheels front left, front right, back left, back right with `roller_angle` +, -, -, +";
     (!good).then(|| format!("steering \"omni\": {expected}"))
 }
 
 fn masses(def: &RobotDef) -> Vec<String> {
     let body = def.body_mass();
-    let rollers = def.wheels.iter().filter_map(|wheel| wheel.rollers.as_ref()).map(|rollers| rollers.mass);
-    let masses = || std::iter::once(body.mass).chain(def.wheels.iter().map(|wheel| wheel.mass)).chain(rollers.clone());
+    let rollers = def.wheels().filter_map(|wheel| wheel.wheel.rollers.as_ref()).map(|rollers| rollers.mass);
+    let masses = || std::iter::once(body.mass).chain(def.wheels().map(|wheel| wheel.mass)).chain(rollers.clone());
     let (least, most) = (masses().fold(f64::MAX, f64::min), masses().fold(0.0, f64::max));
     let mut wrong: Vec<String> = BODY_MASS.problem("mass of the body", body.mass).into_iter().collect();
     if most > least * MASS_RATIO {
@@ -240,8 +272,7 @@ fn masses(def: &RobotDef) -> Vec<String> {
             "its body, wheels and rollers weigh {least} to {most} kg: expected at most {MASS_RATIO} times the lightest"
         ));
     }
-    let farthest =
-        def.wheels.iter().map(|wheel| (Vector3::from(wheel.position) - body.centre).norm()).fold(0.0, f64::max);
+    let farthest = def.wheels().map(|wheel| (Vector3::from(wheel.position) - body.centre).norm()).fold(0.0, f64::max);
     let [moment, ..] = principal_moments(&body.inertia);
     let (gyration, least) = ((moment / body.mass).max(0.0).sqrt(), LEAST_GYRATION * farthest);
     if !(least..=ROBOT_SIZE.most).contains(&gyration) {

@@ -14,7 +14,6 @@ pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive) -> Vec<Option<f64>> 
     let numbered = |index| drive.wheels.iter().find(|wheel| wheel.number as usize == index).map(|wheel| wheel.speed);
     robot
         .driven()
-        .iter()
         .zip(named)
         .enumerate()
         .map(|(index, (wheel, named))| named.or_else(|| numbered(index)).or_else(|| of_side(drive, wheel.side)))
@@ -46,7 +45,7 @@ pub(super) fn held_twist(held: Twist, robot: &RobotDef, drive: &Drive, normalize
 pub(super) fn follow(robot: &RobotDef, twist: Twist) -> Vec<f64> {
     let Some(mecanum) = mecanum(robot) else { return Vec::new() };
     let speeds = mecanum.inverse(twist);
-    let limits = robot.driven().iter().map(|wheel| wheel.drive.as_ref().map_or(0.0, |motor| motor.max_speed));
+    let limits = robot.driven().map(|wheel| wheel.drive.map_or(0.0, |motor| motor.max_speed));
     let excess = speeds.iter().zip(limits).map(|(speed, limit)| speed.abs() / limit).fold(1.0, f64::max);
     speeds.iter().map(|speed| speed / excess).collect()
 }
@@ -62,7 +61,7 @@ fn names_wheels(drive: &Drive) -> bool {
 
 fn fastest(robot: &RobotDef) -> Twist {
     let Some(mecanum) = mecanum(robot) else { return Twist::default() };
-    let limit = robot.driven().iter().filter_map(|wheel| wheel.drive.as_ref()).map(|motor| motor.max_speed);
+    let limit = robot.driven().filter_map(|wheel| wheel.drive).map(|motor| motor.max_speed);
     let limit = limit.fold(f64::INFINITY, f64::min);
     let of = |signs: [f64; 4]| mecanum.forward(signs.map(|sign| sign * limit));
     Twist {

@@ -12,5 +12,5 @@ pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<P
     if !enough && (drive.left.is_some() || drive.right.is_some()) {
         problems.push(Problem::MissingKey { verb: "DRIVE", key: "Left and Right together" });
     }
-    robot.driven().iter().map(|wheel| of_side(drive, wheel.side).filter(|_| enough)).collect()
+    robot.driven().map(|wheel| of_side(drive, wheel.side).filter(|_| enough)).collect()
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use nalgebra::{Translation3, Vector3};
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
-use scene::{DriveModel, MapDef, Mass, Material, Pose, RobotDef, Shape, Wheel};
+use scene::{DriveModel, MapDef, Mass, Material, Motor, MountedWheel, Pose, RobotDef, Shape};
 
 use super::convert;
 use super::identity::{Identity, Mark};
@@ -117,8 +117,17 @@ pub(super) struct Tree {
     /// Origin of the root's body in the robot frame, m.
     pub(super) centre: Vector3<f64>,
     pub(super) links: Vec<Link>,
+    pub(super) wheels: Vec<TreeWheel>,
     /// Damping of the root's velocity, N s/m, and angular velocity, N m s/rad.
     pub(super) root_damping: [f64; 2],
+}
+
+/// A wheel of a tree, as its rolling resistance needs it.
+pub(super) struct TreeWheel {
+    /// Centre in the frame of the root's body, m.
+    pub(super) hub: Vector3<f64>,
+    /// A plain wheel rolls ahead; to the side it slides. Others roll every way.
+    pub(super) rolls_ahead_only: bool,
 }
 
 /// A body and how it hangs on its parent.
@@ -129,7 +138,7 @@ pub(super) struct Link {
     pub(super) surfaces: Vec<Surface>,
     /// `None` of the root alone.
     pub(super) joint: Option<Joint>,
-    /// The wheel of the definition that it is a part of.
+    /// The wheel that it is a part of, by its number among them.
     pub(super) wheel: Option<usize>,
 }
 
@@ -145,10 +154,10 @@ pub(super) struct Joint {
 }
 
 /// What a joint does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Role {
     /// Turns a driven wheel.
-    Drive,
+    Drive(Motor),
     /// Lets a roller spin.
     Roller,
     /// Lets a caster turn.
@@ -164,14 +173,14 @@ pub(super) struct Base {
 
 impl CompiledRobot {
     pub(crate) fn new(def: RobotDef, materials: &mut Materials) -> Self {
-        let shapes: Vec<SharedShape> = def.solids.iter().map(|solid| shape::shared(&solid.shape)).collect();
+        let shapes: Vec<SharedShape> = def.body_solids().iter().map(|solid| shape::shared(&solid.shape)).collect();
         let kind = if def.drive_model == DriveModel::Bodies {
             Kind::Tree(Tree::new(&def, &shapes, materials))
         } else {
             Kind::Base(Base::new(&def, &shapes, materials))
         };
-        let solids = def.solids.iter().zip(shapes).map(|(solid, shape)| (solid.pose(), shape));
-        let wheels = def.wheels.iter().map(|wheel| (wheel.pose(0.0), shape::outline(wheel)));
+        let solids = def.body_solids().iter().zip(shapes).map(|(solid, shape)| (solid.pose(), shape));
+        let wheels = def.wheels().map(|wheel| (wheel.pose(0.0), shape::outline(&wheel)));
         Self { mass: f64::from(def.mass()), outlines: solids.chain(wheels).collect(), kind, def }
     }
 }
@@ -199,23 +208,27 @@ impl Tree {
             wheel: None,
         };
         // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
-        let root_damping = def.solids.first().map_or([0.0; 2], |solid| {
+        let root_damping = def.body_solids().first().map_or([0.0; 2], |solid| {
             let material = &solid.material;
             [material.linear_damping * body.mass, material.angular_damping * (body.inertia.trace() / 3.0)]
         });
-        let mut tree = Self { centre, links: vec![root], root_damping };
-        for (number, wheel) in def.wheels.iter().enumerate() {
-            tree.add_wheel(number, wheel, materials);
+        let wheel = |wheel: MountedWheel| TreeWheel {
+            hub: Vector3::from(wheel.position) - centre,
+            rolls_ahead_only: wheel.drive.is_some() && wheel.rollers.is_none(),
+        };
+        let mut tree = Self { centre, links: vec![root], wheels: def.wheels().map(wheel).collect(), root_damping };
+        for (number, wheel) in def.wheels().enumerate() {
+            tree.add_wheel(number, &wheel, materials);
         }
         tree
     }
 
-    fn add_wheel(&mut self, number: usize, wheel: &Wheel, materials: &mut Materials) {
+    fn add_wheel(&mut self, number: usize, wheel: &MountedWheel, materials: &mut Materials) {
         let pose = Pose::translation(wheel.position[0], wheel.position[1], wheel.position[2]);
         let anchor = convert::vector(Vector3::from(wheel.position) - self.centre);
-        let mass = convert::principal_mass(&wheel.hub_mass());
+        let mass = convert::principal_mass(&wheel.hub_mass(wheel.drive.is_some()));
         let mut surface = |shape, material: &Material| Surface::new(shape, &Pose::identity(), material, materials);
-        let Some(motor) = &wheel.drive else {
+        let Some(motor) = wheel.drive else {
             let joint = SphericalJointBuilder::new().local_anchor1(anchor).into();
             let joint = Joint { parent: 0, joint, damping: 0.0, armature: 0.0, role: Role::Free };
             let surfaces = vec![surface(SharedShape::ball(wheel.radius), &wheel.material)];
@@ -228,7 +241,8 @@ impl Tree {
             .motor_max_force(motor.max_torque)
             .motor_model(MotorModel::ForceBased)
             .into();
-        let joint = Joint { parent: 0, joint, damping: 0.0, armature: motor.armature, role: Role::Drive };
+        let joint =
+            Joint { parent: 0, joint, damping: 0.0, armature: motor.armature, role: Role::Drive(motor.clone()) };
         let surfaces = match &wheel.rollers {
             Some(_) => Vec::new(),
             None => vec![surface(shape::tread(wheel.radius, wheel.width), &wheel.material)],
@@ -254,26 +268,30 @@ impl Tree {
 impl Base {
     fn new(def: &RobotDef, shapes: &[SharedShape], materials: &mut Materials) -> Self {
         let mut surfaces = body_surfaces(def, shapes, Vector3::zeros(), materials);
-        for caster in def.wheels.iter().filter(|wheel| wheel.drive.is_none()) {
+        for caster in def.wheels().filter(|wheel| wheel.drive.is_none()) {
             let mut ball =
                 Surface::new(SharedShape::ball(caster.radius), &caster.pose(0.0), &caster.material, materials);
             ball.builder = ball.builder.friction(0.0);
             surfaces.push(ball);
         }
         // The wheels are only seen, by rays and by the wheels of others. As one collider they cost one box a step.
-        let disc = |wheel: &Wheel| {
+        let disc = |wheel: MountedWheel| {
             (
                 EnginePose::from_translation(convert::vector(wheel.position)),
                 SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
             )
         };
-        let discs = SharedShape::compound(def.driven().iter().map(disc).collect());
+        let discs = SharedShape::compound(def.driven().map(disc).collect());
         // A real wheel turns and its rollers give way, which this does not: half of a tread's friction stands for that.
         let material = Material { name: "wheel".to_owned(), friction: 0.5, ..Material::default() };
         let mut discs = Surface::new(discs, &Pose::identity(), &material, materials);
         discs.builder = discs.builder.collision_groups(InteractionGroups::none());
         surfaces.push(discs);
-        Self { mass: def.total_mass(), surfaces, wheels: def.driven().iter().filter_map(BaseWheel::new).collect() }
+        Self {
+            mass: def.total_mass(),
+            surfaces,
+            wheels: def.driven().filter_map(|wheel| BaseWheel::new(&wheel)).collect(),
+        }
     }
 }
 
@@ -287,5 +305,5 @@ fn body_surfaces(
     let surface = |(solid, shape): (&scene::Solid, &SharedShape)| {
         Surface::new(shape.clone(), &(Translation3::from(-centre) * solid.pose()), &solid.material, materials)
     };
-    def.solids.iter().zip(shapes).map(surface).collect()
+    def.body_solids().iter().zip(shapes).map(surface).collect()
 }

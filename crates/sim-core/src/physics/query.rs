@@ -55,7 +55,7 @@ impl Physics {
     /// Other robots count as surfaces: the second of two at one place stands on the first. Where it would still be inside
     /// another robot or an object, it is lifted above that.
     pub(crate) fn standing_pose(&self, robot: &CompiledRobot, pose: &Pose) -> Pose {
-        let lifts = robot.def.wheels.iter().filter_map(|wheel| {
+        let lifts = robot.def.wheels().filter_map(|wheel| {
             let centre = pose * Point3::from(wheel.position);
             let surface = self.surface_to_stand_on(&centre, pose.translation.z)?;
             Some(centre.z + wheel.radius - surface)

@@ -18,7 +18,7 @@ use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel, 
 use super::wheel_contact::{RollerRing, WheelContact};
 use super::{WheelState, convert};
 use crate::drive;
-use scene::{DriveModel, Mass, Material, Motor, Pose, RobotDef, Wheel};
+use scene::{DriveModel, Mass, Material, Motor, MountedWheel, Pose, RobotDef};
 
 /// Stiffness of a roller's tread, N/m. It shares the load between the wheels.
 const STIFFNESS: f64 = 1e8;
@@ -54,8 +54,8 @@ pub(super) struct BaseWheel {
 
 impl BaseWheel {
     /// `None` for a wheel that has no rollers or no motor.
-    pub(super) fn new(wheel: &Wheel) -> Option<Self> {
-        let (rollers, motor) = (wheel.rollers.as_ref()?, wheel.drive.as_ref()?);
+    pub(super) fn new(wheel: &MountedWheel) -> Option<Self> {
+        let (rollers, motor) = (wheel.rollers.as_ref()?, wheel.drive?);
         Some(Self {
             hub: wheel.position.into(),
             ring: RollerRing::new(rollers, wheel.radius),
@@ -149,8 +149,8 @@ impl RigidBase {
             body,
             following,
             mass,
-            linear_damping: robot.solids.first().map_or(0.0, |solid| solid.material.linear_damping),
-            angular_damping: robot.solids.first().map_or(0.0, |solid| solid.material.angular_damping),
+            linear_damping: robot.body_solids().first().map_or(0.0, |solid| solid.material.linear_damping),
+            angular_damping: robot.body_solids().first().map_or(0.0, |solid| solid.material.angular_damping),
             loads: vec![Load::default(); count],
             servos: vec![Servo::default(); count],
             wheels,
@@ -165,7 +165,7 @@ impl RigidBase {
             contacts: Vec::new(),
             pushes: Vec::new(),
             shared: zero,
-            roller_angles: robot.driven().iter().map(|wheel| vec![0.0; wheel.roller_count()]).collect(),
+            roller_angles: robot.driven().map(|wheel| vec![0.0; wheel.roller_count()]).collect(),
         }
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
-use scene::{Pose, RobotDef};
+use scene::{Motor, Pose, RobotDef};
 
 use super::compile::{Base, CompiledRobot, Joint, Kind, Role, Tree};
 use super::identity::Identity;
@@ -45,6 +45,7 @@ pub(super) enum Drivetrain {
 /// A driven wheel, in the order of the definition.
 pub(super) struct MultibodyWheel {
     joint: MultibodyJointHandle,
+    motor: Motor,
     servo: Servo,
 }
 
@@ -132,8 +133,9 @@ impl Physics {
             let colliders: Vec<ColliderHandle> = colliders.collect();
             if let Some(Joint { parent, joint, role, .. }) = &link.joint {
                 let joint = self.world.multibody_joints.insert(all[*parent], body, *joint, true);
-                let wheel = |joint| MultibodyWheel { joint, servo: Servo::default() };
-                driven.extend(joint.filter(|_| *role == Role::Drive).map(wheel));
+                if let (Role::Drive(motor), Some(joint)) = (role, joint) {
+                    driven.push(MultibodyWheel { joint, motor: motor.clone(), servo: Servo::default() });
+                }
             }
             if let Some(wheel) = link.wheel {
                 let tread = || Tread { colliders: Vec::new(), resistance: Vector3::zeros() };
@@ -187,8 +189,10 @@ impl Physics {
         match drivetrain {
             Drivetrain::Multibody { driven, treads } => {
                 self.reset_forces(all);
-                self.set_motors(&robot.def, driven);
-                self.set_rolling_resistance(robot, all[0], treads);
+                self.set_motors(driven);
+                if let Kind::Tree(tree) = &robot.kind {
+                    self.set_rolling_resistance(tree, robot.mass, all[0], treads);
+                }
             }
             Drivetrain::Rigid(base) => base.solve(&self.world, &self.materials),
         }
@@ -251,10 +255,9 @@ impl Physics {
         }
     }
 
-    fn set_motors(&mut self, robot: &RobotDef, wheels: &mut [MultibodyWheel]) {
+    fn set_motors(&mut self, wheels: &mut [MultibodyWheel]) {
         let time_step = self.world.integration_parameters.dt;
-        let motors = robot.driven().iter().filter_map(|wheel| wheel.drive.as_ref());
-        for (MultibodyWheel { joint, servo }, motor) in wheels.iter_mut().zip(motors) {
+        for MultibodyWheel { joint, motor, servo } in wheels {
             let WheelState { angle, speed } = wheel_state(&self.world, *joint);
             let Torque { at_rest, gain } = servo.torque(motor, angle, speed, time_step);
             if let Some((multibody, link)) = self.world.multibody_joints.get_mut(*joint)
@@ -266,10 +269,10 @@ impl Physics {
     }
 
     /// Gives the hubs their rolling resistance, and notices whether the robot falls: both follow from the loads.
-    fn set_rolling_resistance(&mut self, robot: &CompiledRobot, chassis: RigidBodyHandle, treads: &mut [Tread]) {
+    fn set_rolling_resistance(&mut self, tree: &Tree, mass: f64, chassis: RigidBodyHandle, treads: &mut [Tread]) {
         let time_step = self.world.integration_parameters.dt;
         let fall = convert::from_vector(self.world.gravity) * time_step;
-        let share = robot.mass / treads.len() as f64;
+        let share = mass / treads.len() as f64;
         let load = |tread: &Tread| rolling::load(&self.world, &self.materials, &tread.colliders);
         let loads: Vec<Load> = treads.iter().map(load).collect();
         let Some(chassis) = self.world.bodies.get_mut(chassis) else { return };
@@ -277,11 +280,10 @@ impl Physics {
         if FALLING_SPEEDS.contains(&down) && loads.iter().all(|load| load.normal == Vector3::zeros()) {
             self.landing = LANDING_TIME;
         }
-        for ((wheel, load), tread) in robot.def.wheels.iter().zip(&loads).zip(treads) {
-            let hub = chassis.position() * convert::vector(Vector3::from(wheel.position) - robot.centre());
+        for ((wheel, load), tread) in tree.wheels.iter().zip(&loads).zip(treads) {
+            let hub = chassis.position() * convert::vector(wheel.hub);
             let mut velocity = convert::from_vector(chassis.velocity_at_point(hub)) + fall;
-            if wheel.drive.is_some() && wheel.rollers.is_none() {
-                // A plain wheel rolls ahead; to the side it slides.
+            if wheel.rolls_ahead_only {
                 let ahead = convert::from_vector(chassis.rotation() * Vector::X);
                 velocity = ahead * ahead.dot(&velocity);
             }

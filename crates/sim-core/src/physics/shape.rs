@@ -7,7 +7,7 @@ use rapier3d::parry::shape::{HalfSpace, TriMeshFlags};
 use rapier3d::prelude::*;
 
 use super::roller::RollerShape;
-use scene::{Rollers, Wheel};
+use scene::{MountedWheel, Rollers};
 
 use super::convert;
 
@@ -34,7 +34,7 @@ pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
 }
 
 /// A wheel as a plain disc about the y axis, a caster as a ball.
-pub(super) fn outline(wheel: &Wheel) -> SharedShape {
+pub(super) fn outline(wheel: &MountedWheel) -> SharedShape {
     match wheel.drive {
         Some(_) => SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
         None => SharedShape::ball(wheel.radius),

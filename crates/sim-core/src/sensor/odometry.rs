@@ -48,12 +48,13 @@ fn base(robot: &RobotDef, finite_rollers: bool) -> Base {
         Steering::Omni => drive::mecanum(robot).map_or(Base::None, Base::Omni),
         Steering::Skid => {
             let foremost = |side| {
-                let on_side = robot.driven().iter().enumerate().filter(|(_, wheel)| wheel.side == side);
+                let on_side = robot.driven().enumerate().filter(|(_, wheel)| wheel.side == side);
                 on_side.max_by(|a, b| a.1.position[0].total_cmp(&b.1.position[0])).map(|(index, _)| index)
             };
             let (Some(left), Some(right)) = (foremost(Side::Left), foremost(Side::Right)) else { return Base::None };
-            let wheel = &robot.driven()[right];
-            Base::Skid { kinematics: Skid { wheel_radius: wheel.radius, track: 2.0 * wheel.position[1] }, left, right }
+            let wheel = robot.driven().nth(right);
+            let (radius, half_track) = wheel.map_or((0.0, 0.0), |wheel| (wheel.radius, wheel.position[1]));
+            Base::Skid { kinematics: Skid { wheel_radius: radius, track: 2.0 * half_track }, left, right }
         }
     }
 }

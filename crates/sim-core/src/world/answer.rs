@@ -36,7 +36,7 @@ pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
 /// The name is the class, whatever name was asked for: clients compare it with the mount of the sensors (clients.md 4).
 fn robot_conf(robot: &Robot) -> RobotConf {
     let def = robot.def();
-    let speeds = def.driven().iter().filter_map(|wheel| wheel.drive.as_ref()).map(|motor| motor.max_speed);
+    let speeds = def.driven().filter_map(|wheel| wheel.drive).map(|motor| motor.max_speed);
     // USARSim takes the smallest limit of the wheels, starting from 100 (WheeledVehicle.uc:69-97).
     let max_speed = speeds.fold(100.0, f64::min) / robot.speed_unit();
     RobotConf {

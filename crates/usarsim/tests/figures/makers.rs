@@ -185,7 +185,7 @@ fn p3at() -> String {
     run_for(&mut world, 10.0);
     let to = place(&world, &controller);
     let (moved, turned) = (to.0 - from.0, to.1 - from.1);
-    let radius = world.def().robots["P3AT"].wheels[0].radius;
+    let radius = world.def().robots["P3AT"].wheel_geometry().radius;
     let (by_wheels, commanded) = (radius * turned, radius * 30.0);
     format!(
         "| P3AT on `rough` | forward, 3 rad/s | {moved:.3} m | {turned:.2} rad | {by_wheels:.3} m | {commanded:.3} m |"

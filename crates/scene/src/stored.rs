@@ -1,0 +1,69 @@
+//! Robots as logs have kept them.
+//!
+//! Until they were trees, a robot was a body of parts and solids with wheels on it.
+
+use serde::Deserialize;
+
+use crate::{
+    Battery, DriveModel, Link, Material, Motor, Part, ROOT, RobotDef, Rollers, SensorDef, Side, Solid, Steering, Wheel,
+};
+
+#[derive(Deserialize)]
+pub(crate) struct Robot {
+    class: String,
+    description: String,
+    steering: Steering,
+    #[serde(default)]
+    reported_steering: Option<String>,
+    drive_model: DriveModel,
+    one_side_drives: bool,
+    #[serde(default)]
+    links: Vec<Link>,
+    #[serde(default)]
+    parts: Vec<Part>,
+    #[serde(default)]
+    solids: Vec<Solid>,
+    #[serde(default)]
+    wheels: Vec<OldWheel>,
+    sensors: Vec<SensorDef>,
+    battery: Option<Battery>,
+    reported_max_torque: f64,
+}
+
+#[derive(Deserialize)]
+struct OldWheel {
+    name: String,
+    side: Side,
+    position: [f64; 3],
+    radius: f64,
+    width: f64,
+    mass: f64,
+    material: Material,
+    drive: Option<Motor>,
+    rollers: Option<Rollers>,
+}
+
+impl From<Robot> for RobotDef {
+    fn from(stored: Robot) -> Self {
+        let Robot { parts, solids, wheels, mut links, .. } = stored;
+        if links.is_empty() {
+            links.push(Link { name: ROOT.to_owned(), parts, solids, ..Link::default() });
+            links.extend(wheels.into_iter().map(|it| {
+                let OldWheel { name, side, position, radius, width, mass, material, drive, rollers } = it;
+                Link::of_wheel(name, position, drive, Wheel { side, radius, width, mass, material, rollers })
+            }));
+        }
+        Self {
+            class: stored.class,
+            description: stored.description,
+            steering: stored.steering,
+            reported_steering: stored.reported_steering,
+            drive_model: stored.drive_model,
+            one_side_drives: stored.one_side_drives,
+            links,
+            sensors: stored.sensors,
+            battery: stored.battery,
+            reported_max_torque: stored.reported_max_torque,
+        }
+    }
+}
