@@ -688,8 +688,9 @@ fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
             apply(&mut world, id, &format!("DRIVE {{Normalized true}} {command}"));
         }
         let messages = world.step();
-        let Observation { body, wheels, targets, rollers, contacts } = world.observe(id).expect("the robot");
+        let Observation { body, joints, wheels, targets, rollers, contacts } = world.observe(id).expect("the robot");
         let mut numbers = [targets, rollers].concat();
+        numbers.extend(joints.iter().flat_map(|joint| [joint.position, joint.speed]));
         numbers.extend(wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]));
         numbers.extend([body.linear, body.angular].iter().flatten());
         numbers.extend(contacts.iter().flat_map(|contact| [contact.point, contact.force]).flat_map(<[f64; 3]>::from));
@@ -895,6 +896,7 @@ fn robots_drawn_at_random_that_pass_stay_finite() {
             max_speed: drawn(check::MAX_SPEED),
             gain: drawn(check::GAIN),
             max_torque: drawn(check::MAX_TORQUE),
+            stiffness: None,
             integral_time: Some(drawn(check::INTEGRAL_TIME)).filter(|_| passed % 2 == 0),
             armature: drawn(check::ARMATURE),
         };

@@ -115,6 +115,8 @@ fn frame(message: &Message) -> Option<Frame> {
             let rollers = take(1)[0];
             take(2 * usize::from(rollers));
         }
+        let links = usize::from(take(1)[0]);
+        take(28 * links);
         let count = usize::from(take(1)[0]);
         take(18 * count);
         contacts += count;

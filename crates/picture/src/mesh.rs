@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use scene::{Pose, RobotDef, RobotSnapshot, Shape, Snapshot, Solid, Wheel, WorldDef};
+use scene::{MountedWheel, Pose, RobotDef, RobotSnapshot, Shape, Snapshot, Solid, WorldDef};
 
 /// A piece of surface.
 pub(crate) struct Triangle {
@@ -63,19 +63,21 @@ struct Scene {
 }
 
 impl Scene {
-    fn add_robot(&mut self, def: &RobotDef, RobotSnapshot { body, wheels, rollers, .. }: &RobotSnapshot) {
-        let pose = &body.pose;
-        def.body_solids().iter().for_each(|solid| self.add_solid(solid, &(pose * solid.pose()), BODY));
-        for caster in def.wheels().filter(|wheel| wheel.drive.is_none()) {
-            self.add(&Shape::Ball { radius: caster.radius }, &(pose * caster.pose(0.0)), caster.material.colour);
-        }
-        let mut spins = rollers.iter();
-        for (wheel, state) in def.driven().zip(wheels) {
-            self.add_wheel(&wheel, &(pose * wheel.pose(state.angle)), &mut spins);
+    fn add_robot(&mut self, def: &RobotDef, RobotSnapshot { body, joints, rollers, .. }: &RobotSnapshot) {
+        let (mut spins, poses) = (rollers.iter(), def.link_poses(joints));
+        for (number, (link, pose)) in def.links.iter().zip(poses).enumerate() {
+            let pose = body.pose * pose;
+            link.solids.iter().for_each(|solid| self.add_solid(solid, &(pose * link.pose_of(solid)), BODY));
+            if let Some(wheel) = MountedWheel::of((number, link)) {
+                self.add_wheel(&wheel, &pose, &mut spins);
+            }
         }
     }
 
-    fn add_wheel<'a>(&mut self, wheel: &Wheel, pose: &Pose, spins: &mut impl Iterator<Item = &'a f64>) {
+    fn add_wheel<'a>(&mut self, wheel: &MountedWheel, pose: &Pose, spins: &mut impl Iterator<Item = &'a f64>) {
+        if wheel.drive.is_none() {
+            return self.add(&Shape::Ball { radius: wheel.radius }, pose, wheel.material.colour);
+        }
         let about_y = pose * scene::pose([0.0; 3], [TAU / 4.0, 0.0, 0.0]);
         let disc = |radius: f64| Shape::Cylinder { radius, length: wheel.width };
         let Some(rollers) = &wheel.rollers else {

@@ -6,7 +6,7 @@ use foxglove::messages::{
     Color, CubePrimitive, CylinderPrimitive, Point3, Pose as FoxPose, Quaternion, SceneEntity, SpherePrimitive,
     TriangleListPrimitive, Vector3,
 };
-use scene::{MapDef, Pose, RobotDef, Rollers, Shape, Wheel};
+use scene::{Link, MapDef, MountedWheel, Pose, RobotDef, Rollers, Shape};
 
 /// Edge of the square that stands for a plane without end, m.
 const PLANE_EDGE: f64 = 100.0;
@@ -36,25 +36,29 @@ pub(crate) fn object_frame(number: usize) -> String {
     format!("object/{number}")
 }
 
-/// A robot's body in its frame, and each wheel in the frame of that name below it.
+/// A robot's body in its frame, and what hangs on it each in the frame of its name below that.
 pub(crate) fn robot(frame: &str, def: &RobotDef) -> Vec<SceneEntity> {
-    let mut body = entity(frame, "body");
-    def.body_solids().iter().for_each(|solid| add(&mut body, &solid.shape, &solid.pose(), BODY));
-    let casters = def.wheels().filter(|wheel| wheel.drive.is_none());
-    casters.for_each(|caster| add(&mut body, &Shape::Ball { radius: caster.radius }, &caster.pose(0.0), TREAD));
-    let wheels = def.driven().map(|wheel| wheel_entity(&format!("{frame}/{}", wheel.name), &wheel));
-    std::iter::once(body).chain(wheels).collect()
+    let link = |(number, link): (usize, &Link)| {
+        let mut drawn = match number {
+            0 => entity(frame, "body"),
+            _ => entity(&format!("{frame}/{}", link.name), "link"),
+        };
+        link.solids.iter().for_each(|solid| add(&mut drawn, &solid.shape, &link.pose_of(solid), BODY));
+        if let Some(wheel) = MountedWheel::of((number, link)) {
+            add_wheel(&mut drawn, &wheel);
+        }
+        drawn
+    };
+    def.links.iter().enumerate().map(link).collect()
 }
 
-fn wheel_entity(frame: &str, wheel: &Wheel) -> SceneEntity {
-    let mut drawn = entity(frame, "wheel");
+fn add_wheel(drawn: &mut SceneEntity, wheel: &MountedWheel) {
+    if wheel.drive.is_none() {
+        return add(drawn, &Shape::Ball { radius: wheel.radius }, &Pose::identity(), TREAD);
+    }
     let about_y = scene::pose([0.0; 3], [FRAC_PI_2, 0.0, 0.0]);
-    let mut disc =
-        |radius: f64, colour| add(&mut drawn, &Shape::Cylinder { radius, length: wheel.width }, &about_y, colour);
-    let Some(rollers) = &wheel.rollers else {
-        disc(wheel.radius, TREAD);
-        return drawn;
-    };
+    let mut disc = |radius: f64, colour| add(drawn, &Shape::Cylinder { radius, length: wheel.width }, &about_y, colour);
+    let Some(rollers) = &wheel.rollers else { return disc(wheel.radius, TREAD) };
     disc(rollers.hub_radius(wheel.radius), HUB);
     for index in 0..rollers.count {
         drawn.cylinders.extend(roller(rollers, wheel.radius).into_iter().map(|(along, cone)| {
@@ -62,7 +66,6 @@ fn wheel_entity(frame: &str, wheel: &Wheel) -> SceneEntity {
             CylinderPrimitive { pose: Some(fox_pose(&place)), ..cone }
         }));
     }
-    drawn
 }
 
 /// The outline of a roller as cones along its axis, each with the place of its middle, m.

@@ -120,7 +120,7 @@ impl Record {
         let held = match self {
             Self::In(line) | Self::Out(line) | Self::Closed(line) => line.line.len(),
             Self::State(state) => {
-                let numbers = state.wheel_angles.len() + state.wheel_speeds.len();
+                let numbers = state.joint_positions.len() + state.joint_speeds.len();
                 state.class.len() + state.name.len() + numbers * size_of::<f64>()
             }
             Self::Object(object) => object.name.len(),

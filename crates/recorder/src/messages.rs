@@ -4,7 +4,7 @@ use foxglove::{Encode, Schema};
 use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
 use prost::Message;
 use prost::bytes::BufMut;
-use scene::{Pose, RobotSnapshot};
+use scene::{JointState, Pose, RobotSnapshot};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
 
@@ -36,7 +36,7 @@ encode! { WireLine, RobotLeft, RobotState, ObjectState, }
 impl RobotState {
     /// The state of a robot as the world gives it.
     pub fn new(robot: &RobotSnapshot) -> Self {
-        let RobotSnapshot { id, class, name, body, wheels, .. } = robot;
+        let RobotSnapshot { id, class, name, body, joints, .. } = robot;
         let (position, orientation) = parts(&body.pose);
         Self {
             robot: id.0,
@@ -46,9 +46,15 @@ impl RobotState {
             orientation: Some(orientation),
             linear_velocity: Some(vector(&body.linear)),
             angular_velocity: Some(vector(&body.angular)),
-            wheel_angles: wheels.iter().map(|wheel| wheel.angle).collect(),
-            wheel_speeds: wheels.iter().map(|wheel| wheel.speed).collect(),
+            joint_positions: joints.iter().map(|joint| joint.position).collect(),
+            joint_speeds: joints.iter().map(|joint| joint.speed).collect(),
         }
+    }
+
+    /// Positions and speeds of the joints that have a value.
+    pub fn joints(&self) -> Vec<JointState> {
+        let states = self.joint_positions.iter().zip(&self.joint_speeds);
+        states.map(|(&position, &speed)| JointState { position, speed }).collect()
     }
 
     /// Pose of the robot in the world frame.

@@ -66,19 +66,21 @@ impl Native {
             pose: Some(drawing::fox_pose(&pose)),
         };
         file.put(time, &topic("pose"), &in_world)?;
-        let wheels = self.world.robots.get(class).into_iter().flat_map(RobotDef::driven);
-        let turned = || wheels.clone().zip(&state.wheel_angles);
-        let joints = turned().zip(&state.wheel_speeds).map(|((wheel, &angle), &speed)| JointState {
-            name: wheel.name.to_owned(),
-            position: Some(angle),
-            velocity: Some(speed),
+        let def = self.world.robots.get(class);
+        let states = state.joints();
+        let names = def.into_iter().flat_map(RobotDef::with_values).map(|link| link.name.clone());
+        let joints = names.zip(&states).map(|(name, joint)| JointState {
+            name,
+            position: Some(joint.position),
+            velocity: Some(joint.speed),
             ..JointState::default()
         });
         let joints = JointStates { timestamp: Some(timestamp(time)), joints: joints.collect() };
         file.put(time, &topic("joints"), &joints)?;
-        let wheels = turned()
-            .map(|(wheel, &angle)| transform(time, &frame, &format!("{frame}/{}", wheel.name), &wheel.pose(angle)));
-        let all = std::iter::once(transform(time, "world", &frame, &pose)).chain(wheels).collect();
+        let poses = def.map_or(Vec::new(), |def| def.link_poses(&states));
+        let links = def.into_iter().flat_map(|def| &def.links).zip(&poses).skip(1);
+        let links = links.map(|(link, pose)| transform(time, &frame, &format!("{frame}/{}", link.name), pose));
+        let all = std::iter::once(transform(time, "world", &frame, &pose)).chain(links).collect();
         file.put(time, &topic("tf"), &transforms(all))
     }
 

@@ -177,8 +177,8 @@ impl Topic {
             Record::In(line) if line.line.len() > MAX_LINE => {
                 Err(Damage(format!("a line of {} bytes: expected at most {MAX_LINE}", line.line.len())))
             }
-            Record::State(state) if state.wheel_angles.len().max(state.wheel_speeds.len()) > MAX_WHEELS => {
-                let wheels = state.wheel_angles.len().max(state.wheel_speeds.len());
+            Record::State(state) if state.joint_positions.len().max(state.joint_speeds.len()) > MAX_WHEELS => {
+                let wheels = state.joint_positions.len().max(state.joint_speeds.len());
                 Err(Damage(format!("a robot with {wheels} wheels: expected at most {MAX_WHEELS}")))
             }
             _ => Ok(Some(record)),

@@ -75,13 +75,11 @@ impl Ros2 {
             let mounts = def.map_or(&[][..], |def| &def.sensors).iter().map(mount).collect();
             file.put(time, "/tf_static", &ros::TFMessage { transforms: mounts })?;
         }
-        let wheels = def.into_iter().flat_map(RobotDef::driven);
         let pose = state.pose();
-        let turned = wheels.clone().zip(&state.wheel_angles);
-        let turned = turned.map(|(wheel, &angle)| {
-            transform(time, &frame, &format!("{frame}/{}", name(wheel.name)), &wheel.pose(angle))
-        });
-        let transforms = std::iter::once(transform(time, "map", &frame, &pose)).chain(turned).collect();
+        let poses = def.map_or(Vec::new(), |def| def.link_poses(&state.joints()));
+        let links = def.into_iter().flat_map(|def| &def.links).zip(&poses).skip(1);
+        let links = links.map(|(link, pose)| transform(time, &frame, &format!("{frame}/{}", name(&link.name)), pose));
+        let transforms = std::iter::once(transform(time, "map", &frame, &pose)).chain(links).collect();
         file.put(time, "/tf", &ros::TFMessage { transforms })?;
 
         let (linear, angular) = state.velocity();
@@ -98,9 +96,9 @@ impl Ros2 {
         file.put(time, &format!("/{frame}/ground_truth"), &odometry)?;
         let joints = ros::JointState {
             header: header(time, &frame),
-            name: wheels.map(|wheel| name(wheel.name)).collect(),
-            position: state.wheel_angles.clone(),
-            velocity: state.wheel_speeds.clone(),
+            name: def.into_iter().flat_map(RobotDef::with_values).map(|link| name(&link.name)).collect(),
+            position: state.joint_positions.clone(),
+            velocity: state.joint_speeds.clone(),
             effort: Vec::new(),
         };
         file.put(time, &format!("/{frame}/joint_states"), &joints)

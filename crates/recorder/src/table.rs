@@ -35,7 +35,7 @@ impl Table {
                 _ => None,
             })
             .collect();
-        let wheels = states.iter().map(|(_, state)| state.wheel_angles.len()).max().unwrap_or(0);
+        let wheels = states.iter().map(|(_, state)| state.joint_positions.len()).max().unwrap_or(0);
         let names = FIXED.map(str::to_owned).into_iter();
         let wheel_names = (1..=wheels).flat_map(|wheel| ["angle", "speed"].map(|what| format!("wheel_{what}_{wheel}")));
         let mut columns: Vec<Column> =
@@ -80,8 +80,9 @@ fn row(time: f64, state: &RobotState, wheels: usize) -> impl Iterator<Item = f64
     let (roll, pitch, yaw) = pose.rotation.euler_angles();
     let (linear, angular) = state.velocity();
     let wheel = move |values: &[f64], index: usize| values.get(index).copied().unwrap_or(f64::NAN);
-    let turning: Vec<f64> =
-        (0..wheels).flat_map(|index| [wheel(&state.wheel_angles, index), wheel(&state.wheel_speeds, index)]).collect();
+    let turning: Vec<f64> = (0..wheels)
+        .flat_map(|index| [wheel(&state.joint_positions, index), wheel(&state.joint_speeds, index)])
+        .collect();
     [time, state.robot as f64]
         .into_iter()
         .chain(<[f64; 3]>::from(pose.translation.vector))

@@ -104,7 +104,7 @@ fn a_log_that_says_too_much_of_itself_is_read_up_to_there() {
 
 #[test]
 fn messages_that_no_run_has_end_a_log() {
-    let robot = |wheels| Record::State(recorder::RobotState { wheel_angles: vec![0.0; wheels], ..state(0, "P3AT") });
+    let robot = |wheels| Record::State(recorder::RobotState { joint_positions: vec![0.0; wheels], ..state(0, "P3AT") });
     for (record, expected) in [
         (Record::In(line("x".repeat(200_000))), "a line of 200000 bytes: expected at most 196608"),
         (robot(33), "a robot with 33 wheels: expected at most 32"),

@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 use crate::materials::Materials;
-use crate::problem::{Problems, Unread, listed};
+use crate::problem::{Problems, Unread, listed, nearest};
 
 /// Said of tables and arrays inside each other: the parser takes 80 levels.
 const TOO_DEEP: &str = "nested too deep: expected at most 80 levels";
@@ -152,6 +152,22 @@ impl<'a> Document<'a> {
             self.problem(span, format_args!("unknown material `{name}`: expected one of {names}"));
             Material::default()
         })
+    }
+
+    /// The number of a name among those that are known; where it is none of them, the problem names the nearest.
+    pub(crate) fn one_of<'n>(
+        &mut self,
+        span: &Range<usize>,
+        key: &str,
+        name: &str,
+        known: impl Iterator<Item = &'n str> + Clone,
+    ) -> Option<usize> {
+        let number = known.clone().position(|other| other == name);
+        if number.is_none() {
+            let nearest = nearest(name, known.clone()).map_or(String::new(), |name| format!(" (perhaps `{name}`)"));
+            self.problem(span, format_args!("`{key}` is `{name}`: expected one of {}{nearest}", listed(known)));
+        }
+        number
     }
 
     fn elements(&mut self, table: &mut Table<'a>, key: &str) -> Vec<Spanned<DeValue<'a>>> {

@@ -114,6 +114,12 @@ impl Problems {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unread;
 
+/// The name that a wrong one was most likely meant to be: at most a third of its letters are others.
+pub(crate) fn nearest<'a>(wrong: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let distance = |name: &&str| strsim::damerau_levenshtein(&name.to_lowercase(), &wrong.to_lowercase());
+    known.min_by_key(distance).filter(|name| 3 * distance(name) <= name.chars().count().max(3))
+}
+
 /// Names for a message.
 pub(crate) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();

@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 use scene::sensor;
 use scene::{
-    Battery, DriveModel, Link, Motor, MountedWheel, Part, ROOT, RobotDef, Rollers, SensorDef, Shape, Side, Solid,
-    Steering, Wheel, check,
+    Battery, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, ROOT, RobotDef, Rollers, SensorDef, Shape,
+    Side, Solid, Steering, Wheel, check,
 };
 use serde::Deserialize;
 
@@ -17,7 +17,7 @@ use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
 const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
-                    caster, sensor, battery";
+                    caster, joint, sensor, battery";
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -40,6 +40,8 @@ struct PartEntry {
     material: String,
     #[serde(default = "yes")]
     collides: bool,
+    /// The link that it is a part of; without one, the body.
+    link: Option<String>,
 }
 
 fn yes() -> bool {
@@ -91,6 +93,27 @@ struct RollersEntry {
     friction: Option<f64>,
 }
 
+/// A joint and the link of the same name that it carries.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JointEntry {
+    name: String,
+    kind: String,
+    /// Without one, the body.
+    parent: Option<String>,
+    position: Vector,
+    axis: Option<Vector>,
+    limits: Option<[f64; 2]>,
+    #[serde(default)]
+    damping: f64,
+    max_speed: Option<f64>,
+    max_torque: Option<f64>,
+    gain: Option<f64>,
+    stiffness: Option<f64>,
+    #[serde(default)]
+    armature: f64,
+}
+
 /// What is to differ from the URDF in a link of the body.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -138,18 +161,24 @@ pub(crate) fn read(
         document.problem(&(0..0), "no [[part]] and no `urdf`: expected at least one part with a mass");
     }
     let urdf = read_urdf(source, &mut document, &mut root, materials);
-    let (mut parts, mut solids) = match &urdf {
+    let (mut parts, solids) = match &urdf {
         Ok(Some(urdf)) => (urdf.parts.clone(), urdf.solids.clone()),
         _ => Default::default(),
     };
     read_links(&mut document, &mut root, urdf.is_ok().then_some(&mut parts));
-    read_parts(&mut document, &mut root, materials, &mut parts, &mut solids);
+    let body = Link { name: ROOT.to_owned(), parts, solids, ..Link::default() };
     let wheels = read_wheels(&mut document, &mut root, &urdf, materials);
     let casters = read_casters(&mut document, &mut root, materials);
+    let mut links: Vec<Link> = std::iter::once(body).chain(wheels.clone().unwrap_or_default()).chain(casters).collect();
+    let carried = read_joints(&mut document, &mut root, &mut links);
+    read_parts(&mut document, &mut root, materials, &mut links);
+    for (span, link) in carried {
+        document.wrong(&span, check::link(&links[link], link));
+    }
     let sensors = read_sensors(&mut document, &mut root, wheels.as_ref().ok().map(Vec::len));
     let battery = read_battery(&mut document, &mut root);
     document.finish(root, KEYS);
-    let body = Link { name: ROOT.to_owned(), parts, solids, ..Link::default() };
+    wheels.ok()?;
     let robot = RobotDef {
         class: class.to_owned(),
         description: description?,
@@ -160,7 +189,7 @@ pub(crate) fn read(
         reported_steering,
         drive_model,
         one_side_drives,
-        links: std::iter::once(body).chain(wheels.ok()?).chain(casters).collect(),
+        links,
         sensors,
         battery,
         reported_max_torque,
@@ -227,26 +256,66 @@ fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, parts: Opti
     }
 }
 
-fn read_parts<'a>(
-    document: &mut Document<'a>,
-    root: &mut Table<'a>,
-    materials: &Materials,
-    parts: &mut Vec<Part>,
-    solids: &mut Vec<Solid>,
-) {
+fn read_parts<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materials: &Materials, links: &mut [Link]) {
     for (span, entry) in document.list::<PartEntry>(root, "part") {
-        let PartEntry { name, mass, position, rotation, size, material, collides } = entry;
+        let PartEntry { name, mass, position, rotation, size, material, collides, link } = entry;
         let material = document.material(&span, &material, materials);
         let solid = Solid { name: name.clone(), shape: Shape::Box { size }, position, rotation, material };
         document.wrong(&span, check::body_solid(&solid));
         document.within(&span, "mass", mass, check::PART_MASS);
         let turn = solid.pose().rotation.to_rotation_matrix();
         let inertia = turn.matrix() * box_inertia(mass, size) * turn.matrix().transpose();
-        parts.push(Part { name, mass, centre: position.into(), inertia });
+        let link = link.unwrap_or_else(|| ROOT.to_owned());
+        let Some(number) = document.one_of(&span, "link", &link, links.iter().map(|link| link.name.as_str())) else {
+            continue;
+        };
+        links[number].parts.push(Part { name, mass, centre: position.into(), inertia });
         if collides {
-            solids.push(solid);
+            links[number].solids.push(solid);
         }
     }
+}
+
+/// The joints beside those of wheels: adds the links that they carry, and returns their numbers.
+fn read_joints<'a>(
+    document: &mut Document<'a>,
+    root: &mut Table<'a>,
+    links: &mut Vec<Link>,
+) -> Vec<(Range<usize>, usize)> {
+    let mut carried = Vec::new();
+    for (span, entry) in document.list::<JointEntry>(root, "joint") {
+        let kinds = JointKind::ALL.iter().map(|(name, _)| *name);
+        let Some(kind) = document.one_of(&span, "kind", &entry.kind, kinds) else { continue };
+        let parent = entry.parent.as_deref().unwrap_or(ROOT);
+        let Some(parent) = document.one_of(&span, "parent", parent, links.iter().map(|link| link.name.as_str())) else {
+            continue;
+        };
+        if links.iter().any(|link| link.name == entry.name) {
+            document.problem(&span, format_args!("second link `{}`: expected a name of its own", entry.name));
+            continue;
+        }
+        let (axis, drive) = (entry.axis.unwrap_or([0.0, 0.0, 1.0]), read_servo(document, &span, &entry));
+        let JointEntry { name, position, limits, damping, .. } = entry;
+        let (kind, axis) = (JointKind::ALL[kind].1, Vector3::from(axis).normalize().into());
+        let joint = Joint { parent, kind, anchor: position, axis, limits, damping, drive };
+        carried.push((span, links.len()));
+        links.push(Link { name, joint: Some(joint), ..Link::default() });
+    }
+    carried
+}
+
+/// The motor of a joint: all of its numbers, or none.
+fn read_servo(document: &mut Document, span: &Range<usize>, entry: &JointEntry) -> Option<Motor> {
+    let JointEntry { max_speed, max_torque, gain, stiffness, armature, .. } = *entry;
+    let given = [("max_speed", max_speed), ("max_torque", max_torque), ("gain", gain)];
+    if given.iter().all(|(_, number)| number.is_none()) && stiffness.is_none() {
+        return None;
+    }
+    for (key, _) in given.iter().filter(|(_, number)| number.is_none()) {
+        document.problem(span, format_args!("missing `{key}`: expected max_speed, max_torque and gain of a motor"));
+    }
+    let (max_speed, max_torque, gain) = (max_speed?, max_torque?, gain?);
+    Some(Motor { max_speed, gain, max_torque, stiffness, integral_time: None, armature })
 }
 
 fn box_inertia(mass: f64, [x, y, z]: Vector) -> Matrix3<f64> {
@@ -364,13 +433,14 @@ fn read_wheel(
         SideEntry::Left => Side::Left,
         SideEntry::Right => Side::Right,
     };
-    let motor = Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, integral_time, armature };
+    let motor =
+        Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, stiffness: None, integral_time, armature };
     let wheel = Wheel { side, radius: radius?, width: width?, mass: mass?, material, rollers };
     Some(Link::of_wheel(entry.name?, position?, Some(motor), wheel))
 }
 
 fn wrong_wheel(link: &Link) -> Vec<String> {
-    MountedWheel::of(link).map_or(Vec::new(), |wheel| check::wheel(&wheel))
+    MountedWheel::of((1, link)).map_or(Vec::new(), |wheel| check::wheel(&wheel))
 }
 
 /// What follows from a motor behind a gear.

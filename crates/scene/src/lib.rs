@@ -32,7 +32,7 @@ pub use options::{Options, TIME_STEP};
 pub use robot::{Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
 pub use sensor::SensorDef;
 pub use shape::{Shape, Solid};
-pub use state::{BodyState, RobotId, RobotSnapshot, Snapshot, WheelState};
+pub use state::{BodyState, JointState, RobotId, RobotSnapshot, Snapshot, WheelState};
 pub use wheel::{Motor, MountedWheel, Rollers, Wheel};
 
 /// Position and orientation.

@@ -4,10 +4,10 @@
 //! no part turns what hangs on it (robots.md 0). A link's own frame has its origin at its joint's anchor and is parallel to the
 //! robot frame then; that of the root is the robot frame.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{Motor, Solid, Wheel};
+use crate::{Motor, Pose, Solid, Wheel};
 
 /// Name of the root of a robot whose file does not name it.
 pub const ROOT: &str = "body";
@@ -36,8 +36,13 @@ pub struct Joint {
     pub kind: JointKind,
     /// Where, m.
     pub anchor: [f64; 3],
-    /// Unit vector. At a positive value the link is turned about it, right-handed, or moved along it; a ball has no use for it.
+    /// Unit vector. At a positive value the link is turned about it, right-handed, or moved along it; what is fixed and a ball
+    /// have no use for it.
     pub axis: [f64; 3],
+    /// Least and greatest value, rad or m; a continuous joint has none.
+    pub limits: Option<[f64; 2]>,
+    /// Viscous friction, N m s/rad or N s/m.
+    pub damping: f64,
     /// Its motor; without one it moves freely.
     pub drive: Option<Motor>,
 }
@@ -45,8 +50,14 @@ pub struct Joint {
 /// What a joint lets its link do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum JointKind {
+    /// Nothing.
+    Fixed,
+    /// Turn about its axis between limits.
+    Revolute,
     /// Turn about its axis without an end.
     Continuous,
+    /// Slide along its axis between limits.
+    Prismatic,
     /// Turn about every axis.
     Ball,
 }
@@ -64,13 +75,60 @@ pub struct Part {
     pub inertia: Matrix3<f64>,
 }
 
+impl JointKind {
+    /// All of them, with their names in robot.toml.
+    pub const ALL: [(&str, Self); 5] = [
+        ("fixed", Self::Fixed),
+        ("revolute", Self::Revolute),
+        ("continuous", Self::Continuous),
+        ("prismatic", Self::Prismatic),
+        ("ball", Self::Ball),
+    ];
+
+    /// Whether one number says where it is; of those a state has one each.
+    pub fn has_value(self) -> bool {
+        matches!(self, Self::Revolute | Self::Continuous | Self::Prismatic)
+    }
+}
+
+impl Joint {
+    /// How a value moves the link from where it is at 0, in the link's frame then.
+    pub fn motion(&self, value: f64) -> Pose {
+        let axis = Vector3::from(self.axis);
+        match self.kind {
+            JointKind::Revolute | JointKind::Continuous => {
+                let turn = UnitQuaternion::from_axis_angle(&Unit::new_unchecked(axis), value);
+                Pose::from_parts(Translation3::identity(), turn)
+            }
+            JointKind::Prismatic => Translation3::from(axis * value).into(),
+            JointKind::Fixed | JointKind::Ball => Pose::identity(),
+        }
+    }
+}
+
 impl Link {
+    /// Origin of its frame in the robot frame when every joint is at 0, m.
+    pub fn origin(&self) -> [f64; 3] {
+        self.joint.as_ref().map_or([0.0; 3], |joint| joint.anchor)
+    }
+
+    /// Pose of one of its solids in its own frame.
+    pub fn pose_of(&self, solid: &Solid) -> Pose {
+        Translation3::from(-Vector3::from(self.origin())) * solid.pose()
+    }
+
+    /// Whether its joint has a place in a state.
+    pub fn has_value(&self) -> bool {
+        self.joint.as_ref().is_some_and(|joint| joint.kind.has_value())
+    }
+
     /// A wheel on the body: driven by a motor about the robot's left, or a ball that is free to turn about every axis.
     ///
     /// A positive angle about the left (-y) rolls the robot forward: the axis of USARSim's wheel joints.
     pub fn of_wheel(name: String, position: [f64; 3], drive: Option<Motor>, wheel: Wheel) -> Self {
         let kind = if drive.is_some() { JointKind::Continuous } else { JointKind::Ball };
-        let joint = Joint { parent: 0, kind, anchor: position, axis: [0.0, -1.0, 0.0], drive };
+        let (axis, limits) = ([0.0, -1.0, 0.0], None);
+        let joint = Joint { parent: 0, kind, anchor: position, axis, limits, damping: 0.0, drive };
         Self { name, joint: Some(joint), wheel: Some(wheel), ..Self::default() }
     }
 }

@@ -25,9 +25,16 @@ impl RobotDef {
         combined(self.links.iter().flat_map(part_masses).chain(wheels))
     }
 
-    /// Mass of the robot's body without wheels.
+    /// Mass of the robot's body without what hangs on it.
     pub fn body_mass(&self) -> Mass {
         combined(self.links.iter().take(1).flat_map(part_masses))
+    }
+}
+
+impl Link {
+    /// Mass of the link beside its wheel, robot frame.
+    pub fn mass(&self) -> Mass {
+        combined(part_masses(self))
     }
 }
 

@@ -1,8 +1,9 @@
 //! Classes of robots.
 
+use nalgebra::{Translation3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{Link, Motor, MountedWheel, Part, SensorDef, Solid, Wheel, stored};
+use crate::{JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid, Wheel, stored};
 
 /// How a robot is steered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -103,9 +104,10 @@ pub struct RobotDef {
 }
 
 impl RobotDef {
-    /// Takes another drive model, where one is given and the robot has Mecanum wheels; others are always made of bodies.
+    /// Takes another drive model, where one is given and the robot has Mecanum wheels and no other joints; others are always
+    /// made of bodies.
     pub fn set_drive_model(&mut self, model: Option<DriveModel>) {
-        if let Some(model) = model.filter(|_| self.steering == Steering::Omni) {
+        if let Some(model) = model.filter(|_| self.steering == Steering::Omni && !self.has_joints()) {
             self.drive_model = model;
         }
     }
@@ -122,12 +124,42 @@ impl RobotDef {
 
     /// Its wheels, casters too, in the order of its links.
     pub fn wheels(&self) -> impl Iterator<Item = MountedWheel<'_>> + Clone {
-        self.links.iter().filter_map(MountedWheel::of)
+        self.links.iter().enumerate().filter_map(MountedWheel::of)
     }
 
     /// The driven wheels.
     pub fn driven(&self) -> impl Iterator<Item = MountedWheel<'_>> + Clone {
         self.wheels().filter(|wheel| wheel.drive.is_some())
+    }
+
+    /// Whether it has joints beside those of wheels.
+    pub fn has_joints(&self) -> bool {
+        self.links.iter().any(|link| link.joint.is_some() && link.wheel.is_none())
+    }
+
+    /// Poses of all links in the robot frame, where its joints have the values of a state; what is missing is 0.
+    pub fn link_poses(&self, joints: &[JointState]) -> Vec<Pose> {
+        let mut values = joints.iter().map(|joint| joint.position);
+        let mut poses: Vec<Pose> = Vec::with_capacity(self.links.len());
+        for link in &self.links {
+            let pose = link.joint.as_ref().map_or_else(Pose::identity, |joint| {
+                let value = if joint.kind.has_value() { values.next().unwrap_or(0.0) } else { 0.0 };
+                let offset = Vector3::from(joint.anchor) - Vector3::from(self.links[joint.parent].origin());
+                poses[joint.parent] * Translation3::from(offset) * joint.motion(value)
+            });
+            poses.push(pose);
+        }
+        poses
+    }
+
+    /// The links whose joints have a value, in the order of a state's joints.
+    pub fn with_values(&self) -> impl Iterator<Item = &Link> + Clone {
+        self.links.iter().filter(|link| link.has_value())
+    }
+
+    /// The number among a state's joints of the one that carries a link.
+    pub fn joint_number(&self, link: &str) -> Option<usize> {
+        self.with_values().position(|known| known.name == link)
     }
 
     /// Everything that its links weigh beside wheels.

@@ -28,6 +28,15 @@ pub struct WheelState {
     pub speed: f64,
 }
 
+/// Where a joint is and how it moves.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointState {
+    /// Angle, rad, not wrapped, or way, m, since the spawn.
+    pub position: f64,
+    /// Speed, rad/s or m/s.
+    pub speed: f64,
+}
+
 /// A moment of a world, which whatever looks at it shares.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapshot {
@@ -50,8 +59,8 @@ pub struct RobotSnapshot {
     pub name: String,
     /// Pose and velocity of the robot frame.
     pub body: BodyState,
-    /// The driven wheels, in order.
-    pub wheels: Vec<WheelState>,
+    /// Every joint that has a value, wheels too, in the order of the links.
+    pub joints: Vec<JointState>,
     /// Angles of the rollers about their own axes, rad, wheel by wheel.
     pub rollers: Vec<f64>,
 }

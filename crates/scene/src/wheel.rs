@@ -34,15 +34,17 @@ pub struct MountedWheel<'a> {
     pub position: [f64; 3],
     /// The motor of its joint; `None` makes it a caster, a ball free to turn about every axis.
     pub drive: Option<&'a Motor>,
+    /// Number of its link.
+    pub link: usize,
     /// The wheel.
     pub wheel: &'a Wheel,
 }
 
 impl<'a> MountedWheel<'a> {
-    /// The wheel that a link is.
-    pub fn of(link: &'a Link) -> Option<Self> {
+    /// The wheel that a link with a number is.
+    pub fn of((number, link): (usize, &'a Link)) -> Option<Self> {
         let (joint, wheel) = (link.joint.as_ref()?, link.wheel.as_ref()?);
-        Some(Self { name: &link.name, position: joint.anchor, drive: joint.drive.as_ref(), wheel })
+        Some(Self { name: &link.name, position: joint.anchor, drive: joint.drive.as_ref(), link: number, wheel })
     }
 
     /// Pose of the wheel in the robot frame after it turned forward by an angle in radians.
@@ -66,15 +68,19 @@ impl Wheel {
     }
 }
 
-/// A velocity servo: torque = gain x (target - actual), limited.
+/// A servo, limited: torque = gain x (target - actual speed), or with a stiffness, stiffness x (target - actual position) -
+/// gain x speed. Of a prismatic joint N and m stand for N m and rad.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Motor {
-    /// Speed limit, rad/s.
+    /// Speed limit, rad/s; a position's target moves no faster.
     pub max_speed: f64,
     /// Servo gain, N m s/rad.
     pub gain: f64,
     /// Torque limit, N m.
     pub max_torque: f64,
+    /// Stiffness of a servo of the position, N m/rad; without one it is a servo of the speed.
+    #[serde(default)]
+    pub stiffness: Option<f64>,
     /// Time constant of integral action, s; without it the speed droops under a load by torque over gain.
     pub integral_time: Option<f64>,
     /// Inertia of the rotor as felt at the wheel, kg m². The engine's sliding friction leans toward the direction

@@ -219,7 +219,7 @@ impl World {
             class: robot.def().class.clone(),
             name: robot.name().to_owned(),
             body: self.physics.body(robot.bodies()),
-            wheels: self.physics.wheels(robot.bodies()),
+            joints: self.physics.joints(robot.bodies()),
             rollers: self.physics.roller_angles(robot.bodies()),
         };
         Snapshot {
@@ -232,6 +232,16 @@ impl World {
     /// What there is to see of a robot.
     pub fn observe(&self, id: RobotId) -> Option<Observation> {
         self.robots.get(&id).map(|robot| robot.observe(&self.physics))
+    }
+
+    /// Sets the target of the servo of a link's joint: rad or m, or rad/s or m/s, as its motor is a servo of. What a robot does
+    /// not have is ignored.
+    pub fn set_joint_target(&mut self, id: RobotId, link: &str, target: f64) {
+        if let Some(robot) = self.robots.get_mut(&id)
+            && let Some(joint) = robot.def().joint_number(link)
+        {
+            robot.bodies_mut().set_joint_target(joint, target);
+        }
     }
 
     /// Whole seconds that a robot's battery lasts; `None` without one.
@@ -252,8 +262,8 @@ impl World {
         let mut mix = |number: f64| hash.mix(&number.to_bits().to_le_bytes());
         self.physics.digest(&mut mix);
         for robot in self.robots.values() {
-            let wheels = self.physics.wheels(robot.bodies());
-            wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]).for_each(&mut mix);
+            let joints = self.physics.joints(robot.bodies());
+            joints.iter().flat_map(|joint| [joint.position, joint.speed]).for_each(&mut mix);
         }
         hash.value()
     }

@@ -404,7 +404,7 @@ fn a_killed_server_leaves_a_log_that_reads() {
     assert!(states.len() > 50, "{} states", states.len());
     let steps = states.windows(2).map(|pair| pair[1].0 - pair[0].0);
     assert!(steps.into_iter().all(|step| (step - 0.02).abs() < 1e-9), "50 Hz of simulated time");
-    assert_eq!((states[0].1.name.as_str(), states[0].1.wheel_angles.len()), ("Ann", 4));
+    assert_eq!((states[0].1.name.as_str(), states[0].1.joint_positions.len()), ("Ann", 4));
 
     let file = log.to_str().expect("a path");
     let text = |arguments: &[&str]| {

@@ -119,7 +119,7 @@ fn a_table_has_every_state_with_its_bits() {
     for (row, (time, state)) in rows.iter().zip(&states) {
         let position = state.pose().translation;
         assert_eq!([row["time"], row["x"], row["y"]], [*time, position.x, position.y]);
-        assert_eq!(row["wheel_speed_4"], state.wheel_speeds[3]);
+        assert_eq!(row["wheel_speed_4"], state.joint_speeds[3]);
     }
     let last = &rows[rows.len() - 1];
     assert!(last["x"] - rows[0]["x"] > 0.55 && last["y"] - rows[0]["y"] < -0.5, "{last:?}");

@@ -21,6 +21,8 @@ export interface RobotState {
   /** rad/s about the robot's own axes */
   angular: Vector;
   wheels: WheelState[];
+  /** the links that are no wheels, in the robot frame */
+  links: Pose[];
   contacts: { point: Vector; /** N */ force: Vector }[];
 }
 
@@ -102,12 +104,13 @@ function readRobot(reader: Reader): RobotState {
     const [angle, speed, target] = reader.vector();
     return { angle, speed, target, rollers: reader.list(reader.u8(), () => (reader.i16() / 32768) * Math.PI) };
   });
+  const links = reader.list(reader.u8(), () => reader.pose());
   const force = () => reader.i16() * FORCE_UNIT;
   const contacts = reader.list(reader.u8(), () => {
     const point = reader.vector();
     return { point, force: [force(), force(), force()] as Vector };
   });
-  return { id, pose, linear, angular, wheels, contacts };
+  return { id, pose, linear, angular, wheels, links, contacts };
 }
 
 /** Roll, pitch, yaw of a pose, rad, as the wire writes them. */

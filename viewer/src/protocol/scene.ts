@@ -51,6 +51,8 @@ export interface RobotClass {
   track: number;
   wheel_base: number;
   solids: Solid[];
+  /** what hangs on the body beside wheels, its shapes in its own frame */
+  links: { name: string; solids: Solid[] }[];
   wheels: Wheel[];
   casters: { position: Vector; radius: number; colour: Colour }[];
   sensors: Sensor[];

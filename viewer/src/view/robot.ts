@@ -2,7 +2,7 @@
 
 import * as THREE from 'three';
 import type { RobotState } from '../protocol/frame';
-import type { Colour, RobotClass } from '../protocol/scene';
+import type { Colour, RobotClass, Solid } from '../protocol/scene';
 import { coloured, merged, solidGeometry } from './solid';
 import { setPose } from './pose';
 
@@ -15,18 +15,20 @@ const BODY: Colour = [0.93, 0.45, 0.12];
 
 export class RobotFleet {
   readonly group = new THREE.Group();
-  private readonly parts: { body: Instances; wheels: Instances[]; rollers: (Instances | null)[] };
+  private readonly parts: { body: Instances; links: Instances[]; wheels: Instances[]; rollers: (Instances | null)[] };
   private readonly poses: THREE.Matrix4[][];
 
   constructor(readonly robotClass: RobotClass) {
-    const { solids, casters, wheels } = robotClass;
-    const body = solids.map((solid) => solidGeometry(solid.shape, solid.pose, BODY));
+    const { solids, links, casters, wheels } = robotClass;
+    const geometry = ({ shape, pose }: Solid) => solidGeometry(shape, pose, BODY);
+    const body = solids.map(geometry);
     for (const { position, radius, colour } of casters) {
       const ball = new THREE.SphereGeometry(radius, 16, 12).translate(...position);
       body.push(coloured(ball, colour));
     }
     this.parts = {
       body: new Instances(this.group, body),
+      links: links.map((link) => new Instances(this.group, link.solids.map(geometry))),
       wheels: wheels.map((wheel) => {
         const radius = wheel.rollers ? wheel.rollers.hub_radius : wheel.radius;
         return new Instances(this.group, [disc(radius, wheel.width, wheel.rollers ? HUB : wheel.colour)]);
@@ -40,13 +42,18 @@ export class RobotFleet {
 
   /** Puts every robot of the class where it is. */
   place(robots: RobotState[]): void {
-    const { body, wheels, rollers } = this.parts;
+    const { body, links, wheels, rollers } = this.parts;
     body.begin(robots.length);
+    links.forEach((link) => link.begin(robots.length));
     wheels.forEach((wheel) => wheel.begin(robots.length));
     rollers.forEach((roller, index) => roller?.begin(robots.length * (this.poses[index]?.length ?? 0)));
     const [robot, wheel, local] = [new THREE.Matrix4(), new THREE.Matrix4(), new THREE.Matrix4()];
     for (const state of robots) {
       body.add(setPose(robot, state.pose));
+      links.forEach((link, index) => {
+        const pose = state.links[index];
+        if (pose) link.add(setPose(local, pose).premultiply(robot));
+      });
       this.robotClass.wheels.forEach(({ position }, index) => {
         const { angle = 0, rollers: angles = [] } = state.wheels[index] ?? {};
         wheel
@@ -61,21 +68,23 @@ export class RobotFleet {
       });
     }
     body.end();
+    links.forEach((link) => link.end());
     wheels.forEach((wheel) => wheel.end());
     rollers.forEach((roller) => roller?.end());
   }
 
   /** The number in the list last placed of what a ray hits. */
   robotAt(hit: THREE.Intersection): number | null {
-    const { body, wheels, rollers } = this.parts;
+    const { body, links, wheels, rollers } = this.parts;
     const instance = hit.instanceId ?? 0;
-    if (body.mesh === hit.object || wheels.some((wheel) => wheel.mesh === hit.object)) return instance;
+    if ([body, ...links, ...wheels].some((part) => part.mesh === hit.object)) return instance;
     const index = rollers.findIndex((roller) => roller?.mesh === hit.object);
     return index < 0 ? null : Math.floor(instance / (this.poses[index]?.length ?? 1));
   }
 
   dispose(): void {
-    [this.parts.body, ...this.parts.wheels, ...this.parts.rollers].forEach((part) => part?.dispose());
+    const { body, links, wheels, rollers } = this.parts;
+    [body, ...links, ...wheels, ...rollers].forEach((part) => part?.dispose());
   }
 }
 

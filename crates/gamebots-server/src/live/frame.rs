@@ -14,6 +14,8 @@
 //! | 3 x 4 | angle, speed, wished speed, f32 |
 //! | 1 | its rollers, then each of them: |
 //! | 2 | angle about its own axis, i16, pi being 32768 |
+//! | 1 | links that are no wheels, beside the body, then each of them: |
+//! | 7 x 4 | position and quaternion x y z w in the robot frame, f32 |
 //! | 1 | contacts, then each of them: |
 //! | 3 x 4 | place, f32 |
 //! | 3 x 2 | force, i16, unit 0.25 N |
@@ -36,13 +38,12 @@ const FORCE_UNIT: f64 = 0.25;
 pub(super) fn frame(world: &World) -> Vec<u8> {
     let mut bytes = Bytes::of_kind(1);
     bytes.0.extend(world.time().to_le_bytes());
-    let robots: Vec<_> = world.robots().filter_map(|(id, class, _)| Some((id, class, world.observe(id)?))).collect();
+    let robot = |(id, class, _): (RobotId, &str, &str)| Some((id, world.def().robots.get(class)?, world.observe(id)?));
+    let robots: Vec<_> = world.robots().filter_map(robot).collect();
     bytes.u16(robots.len());
-    for (id, class, observation) in robots {
+    for (id, def, observation) in robots {
         bytes.0.extend((id.0 as u32).to_le_bytes());
-        let wheels = world.def().robots.get(class).into_iter().flat_map(RobotDef::driven);
-        let rollers = wheels.map(|wheel| wheel.roller_count());
-        bytes.robot(observation, rollers);
+        bytes.robot(def, observation);
     }
     let objects: Vec<Pose> = world.objects().collect();
     bytes.u16(objects.len());
@@ -88,13 +89,13 @@ impl Bytes {
         self.f32s(pose.translation.vector.iter().chain(pose.rotation.coords.iter()));
     }
 
-    fn robot(&mut self, observation: Observation, roller_counts: impl Iterator<Item = usize>) {
-        let Observation { body, wheels, targets, rollers, mut contacts, .. } = observation;
+    fn robot(&mut self, def: &RobotDef, observation: Observation) {
+        let Observation { body, joints, wheels, targets, rollers, mut contacts } = observation;
         self.pose(&body.pose);
         let own = body.pose.rotation.inverse();
         self.f32s((own * body.linear).iter().chain((own * body.angular).iter()));
         self.0.push(wheels.len() as u8);
-        let mut rollers = rollers.into_iter();
+        let (mut rollers, roller_counts) = (rollers.into_iter(), def.driven().map(|wheel| wheel.roller_count()));
         for ((wheel, target), count) in wheels.iter().zip(&targets).zip(roller_counts) {
             self.f32s(&[wheel.angle, wheel.speed, *target]);
             self.0.push(count as u8);
@@ -103,6 +104,10 @@ impl Bytes {
                 self.i16(turned / PI * 32768.0);
             }
         }
+        let poses = def.link_poses(&joints).into_iter().zip(&def.links).skip(1);
+        let poses: Vec<Pose> = poses.filter(|(_, link)| link.wheel.is_none()).map(|(pose, _)| pose).collect();
+        self.0.push(poses.len() as u8);
+        poses.iter().for_each(|pose| self.pose(pose));
         contacts.sort_by(|a: &Contact, b| b.force.norm_squared().total_cmp(&a.force.norm_squared()));
         contacts.truncate(MAX_CONTACTS);
         self.0.push(contacts.len() as u8);

@@ -1,6 +1,6 @@
 //! The scene as a viewer gets it: the definitions, with what a viewer would have to work out itself worked out.
 
-use scene::{MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, Solid, WorldDef};
+use scene::{Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, Solid, WorldDef};
 use serde_json::{Value, json};
 
 /// Pieces of cones that a roller is drawn by.
@@ -53,12 +53,19 @@ fn class_json(def: &RobotDef) -> Value {
         "track": geometry.track,
         "wheel_base": geometry.wheel_base,
         "solids": def.body_solids().iter().map(solid).collect::<Vec<_>>(),
+        "links": def.links.iter().skip(1).filter(|link| link.wheel.is_none()).map(link).collect::<Vec<_>>(),
         "wheels": def.driven().map(wheel).collect::<Vec<_>>(),
         "casters": casters.map(|caster| json!({
             "position": caster.position, "radius": caster.radius, "colour": caster.material.colour,
         })).collect::<Vec<_>>(),
         "sensors": def.sensors.iter().map(sensor).collect::<Vec<_>>(),
     })
+}
+
+/// A link with its shapes in its own frame.
+fn link(link: &Link) -> Value {
+    let moved = |solid: &Solid| solid_at(solid, &link.pose_of(solid));
+    json!({ "name": link.name, "solids": link.solids.iter().map(moved).collect::<Vec<_>>() })
 }
 
 fn wheel(wheel: MountedWheel) -> Value {
@@ -82,6 +89,10 @@ fn wheel(wheel: MountedWheel) -> Value {
 }
 
 fn solid(solid: &Solid) -> Value {
+    solid_at(solid, &solid.pose())
+}
+
+fn solid_at(solid: &Solid, at: &Pose) -> Value {
     let hull = match &solid.shape {
         Shape::Hull { points } => scene::hull_surface(points),
         _ => None,
@@ -89,7 +100,7 @@ fn solid(solid: &Solid) -> Value {
     json!({
         "name": solid.name,
         "shape": hull.as_ref().unwrap_or(&solid.shape),
-        "pose": pose(&solid.pose()),
+        "pose": pose(at),
         "material": solid.material.name,
         "colour": solid.material.colour,
         "friction": solid.material.friction,

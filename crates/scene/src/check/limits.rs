@@ -50,6 +50,12 @@ pub(super) const LEAST_OFFSET: f64 = 0.001;
 pub const MAX_SPEED: Range = Range { least: 1e-3, most: 1e3, unit: " rad/s" };
 /// Gain of a servo.
 pub const GAIN: Range = Range { least: 1e-6, most: 1e6, unit: " N m s/rad" };
+/// Stiffness of a servo of the position.
+pub const STIFFNESS: Range = Range { least: 1e-6, most: 1e8, unit: " N m/rad" };
+/// Viscous friction of a joint.
+pub const JOINT_DAMPING: Range = Range { least: 0.0, most: 1e6, unit: " N m s/rad" };
+/// Ends of a joint.
+pub const JOINT_LIMIT: Range = Range { least: -100.0, most: 100.0, unit: " rad or m" };
 /// Torque limit of a motor; the thesis's is 10 000.
 pub const MAX_TORQUE: Range = Range { least: 1e-6, most: 1e6, unit: " N m" };
 /// Time constant of integral action: less than a step would be none.

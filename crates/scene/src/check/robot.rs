@@ -7,7 +7,8 @@ use super::map::material;
 use super::shape::{hull_points, solid};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
-    Battery, DriveModel, Link, Motor, MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering,
+    Battery, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side,
+    Solid, Steering,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -15,8 +16,7 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     // Sums over parts come last: they need numbers.
     first(&class, counts(def))?;
     for (number, it) in def.links.iter().enumerate() {
-        let parents = (number > 0).then_some(number);
-        first(&format!("{class}, link {}", shown(&it.name)), link(it, parents))?;
+        first(&format!("{class}, link {}", shown(&it.name)), link(it, number))?;
     }
     for it in def.links.iter().flat_map(|link| &link.parts) {
         first(&format!("{class}, part {}", shown(&it.name)), part(it))?;
@@ -50,26 +50,50 @@ pub fn body_solid(def: &Solid) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a link; its parts, solids and wheel are checked by themselves. `parents` is how many links stand before
-/// it, `None` for the root.
-fn link(def: &Link, parents: Option<usize>) -> Vec<String> {
+/// What is wrong with a link that has a number among the links; its parts, solids and wheel are checked by themselves.
+pub fn link(def: &Link, number: usize) -> Vec<String> {
     let mut wrong = name("name", &def.name);
-    match (&def.joint, parents) {
-        (None, None) => {}
-        (Some(_), None) => wrong.push("a joint: expected none of the first link, which is the root".to_owned()),
-        (None, Some(_)) => wrong.push("no joint: expected one to a parent".to_owned()),
-        (Some(joint), Some(parents)) => {
-            if joint.parent >= parents {
-                wrong.push(format!("its parent is link {}: expected one of the {parents} before it", joint.parent));
-            }
-            let length = Vector3::from(joint.axis).norm();
-            if (length - 1.0).abs() > 1e-6 || length.is_nan() {
-                wrong.push(format!("`axis` has the length {}: expected 1", Number(length)));
-            }
-            if def.wheel.is_none() {
-                wrong.push("a link that is no wheel: expected wheels on the body".to_owned());
+    match &def.joint {
+        None if number > 0 => wrong.push("no joint: expected one to a parent".to_owned()),
+        Some(_) if number == 0 => wrong.push("a joint: expected none of the first link, which is the root".to_owned()),
+        Some(joint) => wrong.extend(self::joint(joint, number, def.wheel.is_some())),
+        None => {}
+    }
+    if number > 0 && def.parts.is_empty() == def.wheel.is_none() {
+        wrong.push("expected at least one part with a mass, or a wheel without other parts".to_owned());
+    }
+    wrong
+}
+
+/// What is wrong with the joint of a link that has a number. Where a wheel is and its motor are checked with it.
+fn joint(def: &Joint, number: usize, of_wheel: bool) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if def.parent >= number {
+        wrong.push(format!("its parent is link {}: expected one of the {number} before it", def.parent));
+    }
+    let length = Vector3::from(def.axis).norm();
+    if (length - 1.0).abs() > 1e-6 || length.is_nan() {
+        wrong.push(format!("`axis` has the length {}: expected 1", Number(length)));
+    }
+    wrong.extend(JOINT_DAMPING.problem("damping", def.damping));
+    if !of_wheel {
+        wrong.extend(ROBOT_REACH.problem_in("position", &def.anchor));
+        wrong.extend(def.drive.iter().flat_map(motor));
+    }
+    let has_ends = matches!(def.kind, JointKind::Revolute | JointKind::Prismatic);
+    match def.limits {
+        Some([least, most]) if has_ends => {
+            wrong.extend(JOINT_LIMIT.problem_in("limits", &[least, most]));
+            if least >= most {
+                wrong.push(format!("`limits` are {} and {}: expected the least first", Number(least), Number(most)));
             }
         }
+        None if has_ends => wrong.push("no `limits`: expected the least and the greatest value".to_owned()),
+        Some(_) => wrong.push("`limits` of a joint without ends: expected none".to_owned()),
+        None => {}
+    }
+    if def.drive.is_some() && !def.kind.has_value() {
+        wrong.push("a motor of a joint that has no axis: expected revolute, continuous or prismatic".to_owned());
     }
     wrong
 }
@@ -153,6 +177,7 @@ fn motor(def: &Motor) -> Vec<String> {
         (GAIN, "gain", Some(def.gain)),
         (MAX_TORQUE, "max_torque", Some(def.max_torque)),
         (INTEGRAL_TIME, "integral_time", def.integral_time),
+        (STIFFNESS, "stiffness", def.stiffness),
         (ARMATURE, "armature", Some(def.armature)),
     ] {
         wrong.extend(value.and_then(|value| range.problem(key, value)));
@@ -236,6 +261,9 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
         wrong.push("a driven wheel behind a caster: expected driven wheels first".to_owned());
     }
     wrong.extend(omni(def));
+    if def.drive_model != DriveModel::Bodies && def.has_joints() {
+        wrong.push("`drive_model` other than \"bodies\" of a robot with joints: expected wheels alone".to_owned());
+    }
     if wrong.is_empty() {
         wrong.extend(masses(def));
     }
@@ -263,7 +291,8 @@ fn omni(def: &RobotDef) -> Option<String> {
 fn masses(def: &RobotDef) -> Vec<String> {
     let body = def.body_mass();
     let rollers = def.wheels().filter_map(|wheel| wheel.wheel.rollers.as_ref()).map(|rollers| rollers.mass);
-    let masses = || std::iter::once(body.mass).chain(def.wheels().map(|wheel| wheel.mass)).chain(rollers.clone());
+    let links = def.links.iter().skip(1).filter(|link| link.wheel.is_none()).map(|link| link.mass().mass);
+    let masses = || links.clone().chain([body.mass]).chain(def.wheels().map(|wheel| wheel.mass)).chain(rollers.clone());
     let (least, most) = (masses().fold(f64::MAX, f64::min), masses().fold(0.0, f64::max));
     let mut wrong: Vec<String> = BODY_MASS.problem("mass of the body", body.mass).into_iter().collect();
     if most > least * MASS_RATIO {

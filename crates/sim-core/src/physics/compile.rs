@@ -8,7 +8,7 @@ use std::sync::Arc;
 use nalgebra::{Translation3, Vector3};
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
-use scene::{DriveModel, MapDef, Mass, Material, Motor, MountedWheel, Pose, RobotDef, Shape};
+use scene::{DriveModel, JointKind, MapDef, Mass, Material, Motor, MountedWheel, Pose, RobotDef, Shape};
 
 use super::convert;
 use super::identity::{Identity, Mark};
@@ -124,7 +124,9 @@ pub(super) struct Tree {
 
 /// A wheel of a tree, as its rolling resistance needs it.
 pub(super) struct TreeWheel {
-    /// Centre in the frame of the root's body, m.
+    /// The link that carries it.
+    pub(super) parent: usize,
+    /// Centre in the frame of that link's body, m.
     pub(super) hub: Vector3<f64>,
     /// A plain wheel rolls ahead; to the side it slides. Others roll every way.
     pub(super) rolls_ahead_only: bool,
@@ -156,12 +158,20 @@ pub(super) struct Joint {
 /// What a joint does.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Role {
-    /// Turns a driven wheel.
-    Drive(Motor),
+    /// Has a value in the robot's state.
+    Value(Value),
     /// Lets a roller spin.
     Roller,
-    /// Lets a caster turn.
+    /// Holds, or lets a caster turn.
     Free,
+}
+
+/// A joint with one number for its position.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Value {
+    pub(super) axis: JointAxis,
+    pub(super) motor: Option<Motor>,
+    pub(super) is_wheel: bool,
 }
 
 /// A robot as one body.
@@ -180,6 +190,8 @@ impl CompiledRobot {
             Kind::Base(Base::new(&def, &shapes, materials))
         };
         let solids = def.body_solids().iter().zip(shapes).map(|(solid, shape)| (solid.pose(), shape));
+        let carried = def.links[1..].iter().flat_map(|link| &link.solids);
+        let solids = solids.chain(carried.map(|solid| (solid.pose(), shape::shared(&solid.shape))));
         let wheels = def.wheels().map(|wheel| (wheel.pose(0.0), shape::outline(&wheel)));
         Self { mass: f64::from(def.mass()), outlines: solids.chain(wheels).collect(), kind, def }
     }
@@ -212,57 +224,130 @@ impl Tree {
             let material = &solid.material;
             [material.linear_damping * body.mass, material.angular_damping * (body.inertia.trace() / 3.0)]
         });
-        let wheel = |wheel: MountedWheel| TreeWheel {
-            hub: Vector3::from(wheel.position) - centre,
-            rolls_ahead_only: wheel.drive.is_some() && wheel.rollers.is_none(),
-        };
-        let mut tree = Self { centre, links: vec![root], wheels: def.wheels().map(wheel).collect(), root_damping };
-        for (number, wheel) in def.wheels().enumerate() {
-            tree.add_wheel(number, &wheel, materials);
+        let mut tree = Self { centre, links: vec![root], wheels: Vec::new(), root_damping };
+        let mut numbers = vec![0];
+        for (number, link) in def.links.iter().enumerate().skip(1) {
+            let Some(joint) = &link.joint else { continue };
+            let parent = numbers[joint.parent];
+            let offset = Vector3::from(joint.anchor) - Vector3::from(def.links[joint.parent].origin());
+            // Where the joint is in the frame of the parent's body.
+            let anchor = if parent == 0 { offset - centre } else { offset };
+            numbers.push(tree.links.len());
+            match MountedWheel::of((number, link)) {
+                Some(wheel) => tree.add_wheel(&wheel, joint, parent, offset, anchor, materials),
+                None => tree.add_link(link, joint, parent, offset, anchor, materials),
+            }
         }
         tree
     }
 
-    fn add_wheel(&mut self, number: usize, wheel: &MountedWheel, materials: &mut Materials) {
-        let pose = Pose::translation(wheel.position[0], wheel.position[1], wheel.position[2]);
-        let anchor = convert::vector(Vector3::from(wheel.position) - self.centre);
+    fn add_link(
+        &mut self,
+        link: &scene::Link,
+        joint: &scene::Joint,
+        parent: usize,
+        offset: Vector3<f64>,
+        anchor: Vector3<f64>,
+        materials: &mut Materials,
+    ) {
+        let mass = link.mass();
+        let mass = convert::mass(&Mass { centre: mass.centre - Vector3::from(joint.anchor), ..mass });
+        let surface = |solid: &scene::Solid| {
+            Surface::new(shape::shared(&solid.shape), &link.pose_of(solid), &solid.material, materials)
+        };
+        let surfaces = link.solids.iter().map(surface).collect();
+        let joint = Joint {
+            parent,
+            joint: engine_joint(joint, anchor),
+            damping: joint.damping,
+            armature: joint.drive.as_ref().map_or(0.0, |motor| motor.armature),
+            role: value_of(joint, false).map_or(Role::Free, Role::Value),
+        };
+        self.links.push(Link {
+            pose: Translation3::from(offset).into(),
+            mass,
+            surfaces,
+            joint: Some(joint),
+            wheel: None,
+        });
+    }
+
+    fn add_wheel(
+        &mut self,
+        wheel: &MountedWheel,
+        joint: &scene::Joint,
+        parent: usize,
+        offset: Vector3<f64>,
+        anchor: Vector3<f64>,
+        materials: &mut Materials,
+    ) {
+        let (pose, number) = (Pose::from(Translation3::from(offset)), self.wheels.len());
+        let rolls_ahead_only = wheel.drive.is_some() && wheel.rollers.is_none();
+        self.wheels.push(TreeWheel { parent, hub: anchor, rolls_ahead_only });
         let mass = convert::principal_mass(&wheel.hub_mass(wheel.drive.is_some()));
         let mut surface = |shape, material: &Material| Surface::new(shape, &Pose::identity(), material, materials);
-        let Some(motor) = wheel.drive else {
-            let joint = SphericalJointBuilder::new().local_anchor1(anchor).into();
-            let joint = Joint { parent: 0, joint, damping: 0.0, armature: 0.0, role: Role::Free };
-            let surfaces = vec![surface(SharedShape::ball(wheel.radius), &wheel.material)];
-            return self.links.push(Link { pose, mass, surfaces, joint: Some(joint), wheel: Some(number) });
+        let surfaces = match (&wheel.drive, &wheel.rollers) {
+            (None, _) => vec![surface(SharedShape::ball(wheel.radius), &wheel.material)],
+            (Some(_), None) => vec![surface(shape::tread(wheel.radius, wheel.width), &wheel.material)],
+            (Some(_), Some(_)) => Vec::new(),
         };
-        // A positive angle about the left (-y) rolls the robot forward: the axis of USARSim's wheel joints.
-        let joint = RevoluteJointBuilder::new(-Vector::Y)
-            .local_anchor1(anchor)
-            .motor_velocity(0.0, motor.gain)
-            .motor_max_force(motor.max_torque)
-            .motor_model(MotorModel::ForceBased)
-            .into();
-        let joint =
-            Joint { parent: 0, joint, damping: 0.0, armature: motor.armature, role: Role::Drive(motor.clone()) };
-        let surfaces = match &wheel.rollers {
-            Some(_) => Vec::new(),
-            None => vec![surface(shape::tread(wheel.radius, wheel.width), &wheel.material)],
+        let joint = Joint {
+            parent,
+            joint: engine_joint(joint, anchor),
+            damping: joint.damping,
+            armature: wheel.drive.map_or(0.0, |motor| motor.armature),
+            role: value_of(joint, true).map_or(Role::Free, Role::Value),
         };
-        let parent = self.links.len();
+        let hub = self.links.len();
         self.links.push(Link { pose, mass, surfaces, joint: Some(joint), wheel: Some(number) });
-        let Some(rollers) = &wheel.rollers else { return };
+        let Some(rollers) = wheel.rollers.as_ref().filter(|_| wheel.drive.is_some()) else { return };
         let surface = surface(shape::roller(rollers, wheel.radius), &rollers.material);
         let inertia = rollers.inertia(wheel.radius);
         let mass = convert::principal_mass(&Mass { mass: rollers.mass, centre: Vector3::zeros(), inertia });
         for index in 0..rollers.count {
-            let local = rollers.pose(index);
+            let pose = rollers.pose(index);
             let mut joint = RevoluteJointBuilder::new(Vector::X).build();
-            joint.data.set_local_frame1(convert::pose(&local));
+            joint.data.set_local_frame1(convert::pose(&pose));
             let joint =
-                Joint { parent, joint: joint.into(), damping: rollers.damping, armature: 0.0, role: Role::Roller };
+                Joint { parent: hub, joint: joint.into(), damping: rollers.damping, armature: 0.0, role: Role::Roller };
             let surfaces = vec![surface.clone()];
-            self.links.push(Link { pose: local, mass, surfaces, joint: Some(joint), wheel: Some(number) });
+            self.links.push(Link { pose, mass, surfaces, joint: Some(joint), wheel: Some(number) });
         }
     }
+}
+
+/// The engine's joint at an anchor in the frame of the parent's body; that of the child is its origin.
+fn engine_joint(joint: &scene::Joint, anchor: Vector3<f64>) -> GenericJoint {
+    let (anchor, axis) = (convert::vector(anchor), convert::vector(joint.axis));
+    let mut built: GenericJoint = match joint.kind {
+        JointKind::Fixed => FixedJointBuilder::new().local_anchor1(anchor).into(),
+        JointKind::Ball => SphericalJointBuilder::new().local_anchor1(anchor).into(),
+        JointKind::Revolute | JointKind::Continuous => RevoluteJointBuilder::new(axis).local_anchor1(anchor).into(),
+        JointKind::Prismatic => PrismaticJointBuilder::new(axis).local_anchor1(anchor).into(),
+    };
+    let Some(axis) = axis_of(joint.kind) else { return built };
+    if let Some(limits) = joint.limits {
+        built.set_limits(axis, limits);
+    }
+    if let Some(motor) = &joint.drive {
+        built.set_motor_velocity(axis, 0.0, motor.gain);
+        built.set_motor_max_force(axis, motor.max_torque);
+        built.set_motor_model(axis, MotorModel::ForceBased);
+    }
+    built
+}
+
+/// The engine's axis of a joint with one value: its x axis is the joint's.
+fn axis_of(kind: JointKind) -> Option<JointAxis> {
+    match kind {
+        JointKind::Revolute | JointKind::Continuous => Some(JointAxis::AngX),
+        JointKind::Prismatic => Some(JointAxis::LinX),
+        JointKind::Fixed | JointKind::Ball => None,
+    }
+}
+
+fn value_of(joint: &scene::Joint, is_wheel: bool) -> Option<Value> {
+    axis_of(joint.kind).map(|axis| Value { axis, motor: joint.drive.clone(), is_wheel })
 }
 
 impl Base {

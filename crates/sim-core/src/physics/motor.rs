@@ -13,6 +13,8 @@ pub(super) struct Servo {
     target: f64,
     /// Angle at which it is to be, rad, where it has one.
     reference: Option<f64>,
+    /// Angle that a servo of the position asks for now, rad, on its way to the target.
+    asked: Option<f64>,
 }
 
 /// Torque as a function of the speed at the end of a step: `at_rest - gain speed`.
@@ -25,15 +27,15 @@ pub(super) struct Torque {
 }
 
 impl Servo {
-    /// Sets the speed, rad/s.
-    pub(super) fn set_target(&mut self, speed: f64) {
-        if speed != self.target {
+    /// Sets the speed, rad/s, or of a servo with a stiffness the angle, rad.
+    pub(super) fn set_target(&mut self, target: f64) {
+        if target != self.target {
             self.reference = None;
         }
-        self.target = speed;
+        self.target = target;
     }
 
-    /// The speed set, rad/s.
+    /// What is set.
     pub(super) fn target(&self) -> f64 {
         self.target
     }
@@ -42,6 +44,9 @@ impl Servo {
     /// holds the angle where the wheel has come to rest, as the position loop of a real controller does. With integral
     /// action it follows the angle that its speed asks for.
     pub(super) fn torque(&mut self, motor: &Motor, angle: f64, speed: f64, time_step: f64) -> Torque {
+        if let Some(stiffness) = motor.stiffness {
+            return self.torque_to_position(motor, stiffness, angle, time_step);
+        }
         let stands = self.target == 0.0 && speed.abs() < HOLDING_SPEED;
         if self.reference.is_none() && (stands || motor.integral_time.is_some() && self.target != 0.0) {
             self.reference = Some(angle);
@@ -58,12 +63,25 @@ impl Servo {
     }
 }
 
+impl Servo {
+    /// Toward a position, which is asked for no faster than the motor's speed limit. Stiffness and gain act on where the joint
+    /// is at the end of the step, so that no stiffness is too much for a step.
+    fn torque_to_position(&mut self, motor: &Motor, stiffness: f64, angle: f64, time_step: f64) -> Torque {
+        let from = self.asked.unwrap_or(angle);
+        let most = motor.max_speed * time_step;
+        let asked = from + (self.target - from).clamp(-most, most);
+        self.asked = Some(asked);
+        let at_rest = stiffness * (asked - angle) + motor.gain * (asked - from) / time_step;
+        Torque { at_rest, gain: motor.gain + stiffness * time_step }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn motor(integral_time: Option<f64>) -> Motor {
-        Motor { max_speed: 10.0, gain: 4.0, max_torque: 100.0, integral_time, armature: 0.0 }
+        Motor { max_speed: 10.0, gain: 4.0, max_torque: 100.0, stiffness: None, integral_time, armature: 0.0 }
     }
 
     /// Torque at the speed that the wheel goes on with.

@@ -12,13 +12,13 @@ use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
 
 use super::compile::{Base as CompiledBase, Materials};
+use super::convert;
 use super::motor::Servo;
 use super::rolling::{self, Load};
 use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel, Velocity};
 use super::wheel_contact::{RollerRing, WheelContact};
-use super::{WheelState, convert};
 use crate::drive;
-use scene::{DriveModel, Mass, Material, Motor, MountedWheel, Pose, RobotDef};
+use scene::{DriveModel, JointState, Mass, Material, Motor, MountedWheel, Pose, RobotDef};
 
 /// Stiffness of a roller's tread, N/m. It shares the load between the wheels.
 const STIFFNESS: f64 = 1e8;
@@ -183,8 +183,8 @@ impl RigidBase {
         (self.motion.linear + self.motion.angular.cross(&lever), self.motion.angular)
     }
 
-    pub(super) fn wheels(&self) -> impl Iterator<Item = WheelState> {
-        self.angles.iter().zip(&self.motion.spins).map(|(&angle, &speed)| WheelState { angle, speed })
+    pub(super) fn wheels(&self) -> impl Iterator<Item = JointState> {
+        self.angles.iter().zip(&self.motion.spins).map(|(&position, &speed)| JointState { position, speed })
     }
 
     /// Where the ground pushed its wheels in the last step, and the impulses, N s.

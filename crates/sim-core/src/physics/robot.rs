@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
-use scene::{Motor, Pose, RobotDef};
+use scene::{JointState, Pose, RobotDef};
 
-use super::compile::{Base, CompiledRobot, Joint, Kind, Role, Tree};
+use super::compile::{Base, CompiledRobot, Joint, Kind, Role, Tree, Value};
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
 use super::rigid_base::RigidBase;
@@ -35,17 +35,18 @@ pub(crate) struct RobotBodies {
 /// What turns the wheels.
 pub(super) enum Drivetrain {
     Multibody {
-        driven: Vec<MultibodyWheel>,
+        /// Every joint that has a value, in the order of the links.
+        joints: Vec<TreeJoint>,
         /// Of every wheel, casters too.
         treads: Vec<Tread>,
     },
     Rigid(Box<RigidBase>),
 }
 
-/// A driven wheel, in the order of the definition.
-pub(super) struct MultibodyWheel {
-    joint: MultibodyJointHandle,
-    motor: Motor,
+/// A joint that has a value.
+pub(super) struct TreeJoint {
+    handle: MultibodyJointHandle,
+    value: Value,
     servo: Servo,
 }
 
@@ -86,10 +87,21 @@ impl RobotBodies {
     /// Sets the targets of the wheel servos, rad/s.
     pub(crate) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
         match &mut self.drivetrain {
-            Drivetrain::Multibody { driven, .. } => {
-                driven.iter_mut().zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
+            Drivetrain::Multibody { joints, .. } => {
+                let wheels = joints.iter_mut().filter(|joint| joint.value.is_wheel);
+                wheels.zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
             }
             Drivetrain::Rigid(base) => base.set_wheel_speeds(speeds),
+        }
+    }
+
+    /// Sets the target of the servo of a joint by its number among those that have a value: rad or m, or rad/s or m/s, as its
+    /// motor is a servo of. A base of one body has no joints but wheels, and takes none.
+    pub(crate) fn set_joint_target(&mut self, joint: usize, target: f64) {
+        if let Drivetrain::Multibody { joints, .. } = &mut self.drivetrain
+            && let Some(joint) = joints.get_mut(joint)
+        {
+            joint.servo.set_target(target);
         }
     }
 }
@@ -121,7 +133,7 @@ impl Physics {
 
     fn spawn_tree(&mut self, tree: &Tree, id: RobotId, pose: &Pose) -> (Vec<RigidBodyHandle>, Drivetrain) {
         let (mut frames, mut all) = (Vec::new(), Vec::new());
-        let (mut driven, mut treads) = (Vec::new(), BTreeMap::new());
+        let (mut joints, mut treads) = (Vec::new(), BTreeMap::new());
         for (number, link) in (0..).zip(&tree.links) {
             let parent = link.joint.as_ref().map(|joint| joint.parent);
             let frame = parent.map_or(*pose, |parent| frames[parent] * link.pose);
@@ -133,8 +145,8 @@ impl Physics {
             let colliders: Vec<ColliderHandle> = colliders.collect();
             if let Some(Joint { parent, joint, role, .. }) = &link.joint {
                 let joint = self.world.multibody_joints.insert(all[*parent], body, *joint, true);
-                if let (Role::Drive(motor), Some(joint)) = (role, joint) {
-                    driven.push(MultibodyWheel { joint, motor: motor.clone(), servo: Servo::default() });
+                if let (Role::Value(value), Some(handle)) = (role, joint) {
+                    joints.push(TreeJoint { handle, value: value.clone(), servo: Servo::default() });
                 }
             }
             if let Some(wheel) = link.wheel {
@@ -145,7 +157,7 @@ impl Physics {
             all.push(body);
         }
         self.set_joint_parameters(tree, &all);
-        (all, Drivetrain::Multibody { driven, treads: treads.into_values().collect() })
+        (all, Drivetrain::Multibody { joints, treads: treads.into_values().collect() })
     }
 
     fn spawn_base(
@@ -187,11 +199,11 @@ impl Physics {
     pub(crate) fn before_step(&mut self, bodies: &mut RobotBodies) {
         let RobotBodies { robot, all, drivetrain } = bodies;
         match drivetrain {
-            Drivetrain::Multibody { driven, treads } => {
+            Drivetrain::Multibody { joints, treads } => {
                 self.reset_forces(all);
-                self.set_motors(driven);
+                self.set_motors(joints);
                 if let Kind::Tree(tree) = &robot.kind {
-                    self.set_rolling_resistance(tree, robot.mass, all[0], treads);
+                    self.set_rolling_resistance(tree, robot.mass, all, treads);
                 }
             }
             Drivetrain::Rigid(base) => base.solve(&self.world, &self.materials),
@@ -232,13 +244,23 @@ impl Physics {
         }
     }
 
+    /// Every joint that has a value, in the order of the links.
+    pub(crate) fn joints(&self, bodies: &RobotBodies) -> Vec<JointState> {
+        match &bodies.drivetrain {
+            Drivetrain::Multibody { joints, .. } => joints.iter().map(|joint| joint.state(&self.world)).collect(),
+            Drivetrain::Rigid(base) => base.wheels().collect(),
+        }
+    }
+
     /// The driven wheels, in order.
     pub(crate) fn wheels(&self, bodies: &RobotBodies) -> Vec<WheelState> {
+        let of_wheel = |JointState { position, speed }: JointState| WheelState { angle: position, speed };
         match &bodies.drivetrain {
-            Drivetrain::Multibody { driven, .. } => {
-                driven.iter().map(|wheel| wheel_state(&self.world, wheel.joint)).collect()
+            Drivetrain::Multibody { joints, .. } => {
+                let wheels = joints.iter().filter(|joint| joint.value.is_wheel);
+                wheels.map(|wheel| of_wheel(wheel.state(&self.world))).collect()
             }
-            Drivetrain::Rigid(base) => base.wheels().collect(),
+            Drivetrain::Rigid(base) => base.wheels().map(of_wheel).collect(),
         }
     }
 
@@ -255,40 +277,43 @@ impl Physics {
         }
     }
 
-    fn set_motors(&mut self, wheels: &mut [MultibodyWheel]) {
+    fn set_motors(&mut self, joints: &mut [TreeJoint]) {
         let time_step = self.world.integration_parameters.dt;
-        for MultibodyWheel { joint, motor, servo } in wheels {
-            let WheelState { angle, speed } = wheel_state(&self.world, *joint);
-            let Torque { at_rest, gain } = servo.torque(motor, angle, speed, time_step);
-            if let Some((multibody, link)) = self.world.multibody_joints.get_mut(*joint)
+        for joint in joints {
+            let JointState { position, speed } = joint.state(&self.world);
+            let TreeJoint { handle, value, servo } = joint;
+            let Some(motor) = &value.motor else { continue };
+            let Torque { at_rest, gain } = servo.torque(motor, position, speed, time_step);
+            if let Some((multibody, link)) = self.world.multibody_joints.get_mut(*handle)
                 && let Some(link) = multibody.link_mut(link)
             {
-                link.joint.data.set_motor_velocity(JointAxis::AngX, at_rest / gain, gain);
+                link.joint.data.set_motor_velocity(value.axis, at_rest / gain, gain);
             }
         }
     }
 
     /// Gives the hubs their rolling resistance, and notices whether the robot falls: both follow from the loads.
-    fn set_rolling_resistance(&mut self, tree: &Tree, mass: f64, chassis: RigidBodyHandle, treads: &mut [Tread]) {
+    fn set_rolling_resistance(&mut self, tree: &Tree, mass: f64, all: &[RigidBodyHandle], treads: &mut [Tread]) {
         let time_step = self.world.integration_parameters.dt;
         let fall = convert::from_vector(self.world.gravity) * time_step;
         let share = mass / treads.len() as f64;
         let load = |tread: &Tread| rolling::load(&self.world, &self.materials, &tread.colliders);
         let loads: Vec<Load> = treads.iter().map(load).collect();
-        let Some(chassis) = self.world.bodies.get_mut(chassis) else { return };
+        let Some(chassis) = self.world.bodies.get(all[0]) else { return };
         let down = fall.normalize().dot(&convert::from_vector(chassis.linvel()));
         if FALLING_SPEEDS.contains(&down) && loads.iter().all(|load| load.normal == Vector3::zeros()) {
             self.landing = LANDING_TIME;
         }
         for ((wheel, load), tread) in tree.wheels.iter().zip(&loads).zip(treads) {
-            let hub = chassis.position() * convert::vector(wheel.hub);
-            let mut velocity = convert::from_vector(chassis.velocity_at_point(hub)) + fall;
+            let Some(carrier) = self.world.bodies.get_mut(all[wheel.parent]) else { continue };
+            let hub = carrier.position() * convert::vector(wheel.hub);
+            let mut velocity = convert::from_vector(carrier.velocity_at_point(hub)) + fall;
             if wheel.rolls_ahead_only {
-                let ahead = convert::from_vector(chassis.rotation() * Vector::X);
+                let ahead = convert::from_vector(carrier.rotation() * Vector::X);
                 velocity = ahead * ahead.dot(&velocity);
             }
             tread.resistance = rolling::impulse(load, velocity, share) / time_step;
-            chassis.add_force_at_point(convert::vector(tread.resistance), hub, true);
+            carrier.add_force_at_point(convert::vector(tread.resistance), hub, true);
         }
     }
 
@@ -297,10 +322,10 @@ impl Physics {
     pub(crate) fn is_sound(&self, bodies: &RobotBodies) -> bool {
         let BodyState { pose, linear, angular } = self.body(bodies);
         let body = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(&linear).chain(&angular);
-        let wheels = self.wheels(bodies);
-        let wheels = wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]);
+        let joints = self.joints(bodies);
+        let joints = joints.iter().flat_map(|joint| [joint.position, joint.speed]);
         let held = self.world.quarantine();
-        body.copied().chain(wheels).all(f64::is_finite)
+        body.copied().chain(joints).all(f64::is_finite)
             && !held.bodies().iter().any(|&body| bodies.contains(body))
             && !held.colliders().iter().any(|&collider| {
                 let parent = self.world.colliders.get(collider).and_then(Collider::parent);
@@ -349,9 +374,13 @@ impl Physics {
     }
 }
 
-fn wheel_state(world: &PhysicsWorld, joint: MultibodyJointHandle) -> WheelState {
-    let link = world.multibody_joints.get(joint).and_then(|(multibody, link)| Some((multibody, multibody.link(link)?)));
-    let Some((multibody, link)) = link else { return WheelState::default() };
-    let speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| speed);
-    WheelState { angle: link.joint.coords()[JointAxis::AngX as usize], speed }
+impl TreeJoint {
+    fn state(&self, world: &PhysicsWorld) -> JointState {
+        let found = world.multibody_joints.get(self.handle);
+        let Some((multibody, Some(link))) = found.map(|(multibody, link)| (multibody, multibody.link(link))) else {
+            return JointState::default();
+        };
+        let speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| speed);
+        JointState { position: link.joint.coords()[self.value.axis as usize], speed }
+    }
 }

@@ -11,7 +11,7 @@ use crate::drive::DriveState;
 use crate::physics::{CompiledRobot, Physics, RobotBodies};
 use crate::sensor::{self, Effect, Sensor, View};
 use crate::{BodyState, Contact, WheelState};
-use scene::{Pose, RobotDef, SensorDef};
+use scene::{JointState, Pose, RobotDef, SensorDef};
 
 /// Seconds between two STA lines (USARVehicle.uc:264).
 const STATUS_INTERVAL: f64 = 0.1;
@@ -23,6 +23,8 @@ const NO_BATTERY: i32 = 99999;
 pub struct Observation {
     /// Pose and velocity of the robot frame.
     pub body: BodyState,
+    /// Every joint that has a value, wheels too, in the order of the links.
+    pub joints: Vec<JointState>,
     /// The driven wheels, in order.
     pub wheels: Vec<WheelState>,
     /// The speeds that they are told, rad/s.
@@ -107,6 +109,7 @@ impl Robot {
     pub(super) fn observe(&self, physics: &Physics) -> Observation {
         Observation {
             body: physics.body(&self.bodies),
+            joints: physics.joints(&self.bodies),
             wheels: physics.wheels(&self.bodies),
             targets: self.drive.targets.clone(),
             rollers: physics.roller_angles(&self.bodies),

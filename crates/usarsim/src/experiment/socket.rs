@@ -104,7 +104,7 @@ fn wheels_turned(log: &recorder::Log, from: f64, to: f64) -> f64 {
         .entries
         .iter()
         .filter_map(|entry| match &entry.record {
-            Record::State(state) if (from..=to).contains(&entry.time) => Some(state.wheel_angles.as_slice()),
+            Record::State(state) if (from..=to).contains(&entry.time) => Some(state.joint_positions.as_slice()),
             _ => None,
         })
         .collect();

@@ -1,0 +1,165 @@
+//! Joints beside those of wheels: what hangs on a robot swings, slides, is held and stops at its ends.
+
+use std::f64::consts::TAU;
+
+use scene::{JointState, WorldDef};
+use sim_core::{Options, RobotId, World};
+use system_tests::{init, run};
+
+/// A heavy cart with a joint of a link of 0.5 kg, the middle of which is 0.2 m from it.
+const CART: &str = r#"
+description = "a cart with a joint"
+steering = "skid"
+[[part]]
+name = "Chassis"
+mass = 200.0
+position = [0.0, 0.0, -0.1]
+size = [0.5, 0.4, 0.1]
+material = "aluminium"
+[wheels]
+radius = 0.1
+width = 0.05
+mass = 1.0
+material = "rubber-tyre"
+max_speed = 10.0
+gain = 50.0
+max_torque = 100.0
+[[wheel]]
+name = "FL"
+side = "left"
+position = [0.2, -0.25, 0.0]
+[[wheel]]
+name = "FR"
+side = "right"
+position = [0.2, 0.25, 0.0]
+[[wheel]]
+name = "BL"
+side = "left"
+position = [-0.2, -0.25, 0.0]
+[[wheel]]
+name = "BR"
+side = "right"
+position = [-0.2, 0.25, 0.0]
+[[joint]]
+name = "Arm"
+position = [0.0, 0.0, -1.0]
+JOINT
+[[part]]
+name = "Bob"
+link = "Arm"
+mass = 0.5
+position = CENTRE
+size = [0.02, 0.02, 0.02]
+material = "aluminium"
+"#;
+
+fn world(joint: &str, centre: &str) -> (World, RobotId) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("Cart/robot.toml");
+    std::fs::create_dir(folder.path().join("Cart")).expect("a folder");
+    std::fs::write(&path, CART.replace("JOINT", joint).replace("CENTRE", centre)).expect("a file");
+    let def: WorldDef = scene_loader::load("rough", &[&path]).unwrap_or_else(|error| panic!("{error}"));
+    let mut world = World::new(def, Options::default());
+    let robot = init(&mut world, "INIT {ClassName USARBot.Cart} {Location 0,0,0}");
+    (world, robot)
+}
+
+fn arm(world: &World) -> JointState {
+    world.snapshot().robots[0].joints[4]
+}
+
+#[test]
+fn a_free_joint_swings_as_a_pendulum_does() {
+    // Hung 0.1 rad ahead of straight down.
+    let (sin, cos) = 0.1f64.sin_cos();
+    let centre = format!("[{}, 0.0, {}]", 0.2 * sin, -1.0 + 0.2 * cos);
+    let (mut world, _) = world("kind = \"continuous\"\naxis = [0, 1, 0]", &centre);
+    run(&mut world, 0.5);
+    // Straight down is at -0.1 rad; from one passage backward to the tenth after it.
+    let mut passages = Vec::new();
+    let mut before = arm(&world).position;
+    while passages.len() < 11 && world.time() < 15.0 {
+        world.step();
+        let now = arm(&world).position;
+        if before > -0.1 && now <= -0.1 {
+            passages.push(world.time() - world.time_step() * (now + 0.1) / (now - before));
+        }
+        before = now;
+    }
+    let period = (passages[10] - passages[0]) / 10.0;
+    let inertia = 0.5 * 0.2f64.powi(2) + 0.5 * 2.0 * 0.02f64.powi(2) / 12.0;
+    // An amplitude of 0.1 rad swings longer by its square over 16.
+    let exact = TAU * (inertia / (0.5 * 9.81 * 0.2)).sqrt() * (1.0 + 0.1f64.powi(2) / 16.0);
+    println!("period {period:.5} s, exact {exact:.5} s");
+    assert!((period / exact - 1.0).abs() < 0.002, "{period} s, expected {exact} s");
+}
+
+#[test]
+fn a_slide_falls_to_its_end_and_stays() {
+    let (mut world, _) = world("kind = \"prismatic\"\naxis = [0, 0, 1]\nlimits = [0.0, 0.3]", "[0.2, 0.0, -1.0]");
+    run(&mut world, 0.1);
+    let JointState { position, speed } = arm(&world);
+    assert!((speed - 0.981).abs() < 0.02 && (position - 0.5 * 9.81 * 0.01).abs() < 0.002, "{position} m, {speed} m/s");
+    run(&mut world, 2.0);
+    let JointState { position, speed } = arm(&world);
+    assert!((position - 0.3).abs() < 0.001 && speed.abs() < 0.001, "{position} m, {speed} m/s");
+}
+
+const SERVO: &str = "kind = \"revolute\"\naxis = [0, 1, 0]\nlimits = [-1.0, 1.5]\nmax_speed = 0.5\nmax_torque = 20\n\
+                     gain = 5\nstiffness = 500";
+
+#[test]
+fn a_servo_goes_to_its_target_no_faster_than_it_may_and_gives_way_by_torque_over_stiffness() {
+    let (mut world, robot) = world(SERVO, "[0.2, 0.0, -1.0]");
+    run(&mut world, 1.0);
+    let sag = 0.5 * 9.81 * 0.2 / 500.0;
+    // About y, right-handed with z down, a positive angle lifts what is ahead.
+    assert!((arm(&world).position + sag).abs() < 0.1 * sag, "{:?}, expected a sag of {sag}", arm(&world));
+    world.set_joint_target(robot, "Arm", 0.8);
+    run(&mut world, 1.0);
+    assert!((arm(&world).position - 0.5).abs() < 0.01 && (arm(&world).speed - 0.5).abs() < 0.01, "{:?}", arm(&world));
+    run(&mut world, 2.0);
+    let expected = 0.8 - sag * 0.8f64.cos();
+    assert!((arm(&world).position - expected).abs() < 1e-4, "{:?}, expected {expected}", arm(&world));
+}
+
+#[test]
+fn a_joint_stops_at_its_limit() {
+    let (mut world, robot) = world(SERVO, "[0.2, 0.0, -1.0]");
+    world.set_joint_target(robot, "Arm", 5.0);
+    run(&mut world, 12.0);
+    assert!((arm(&world).position - 1.5).abs() < 0.01 && arm(&world).speed.abs() < 1e-3, "{:?}", arm(&world));
+}
+
+#[test]
+fn what_a_link_weighs_counts() {
+    let (world, _) = world("kind = \"fixed\"", "[0.2, 0.0, -1.0]");
+    let def = &world.def().robots["Cart"];
+    assert_eq!(def.mass(), 204.5);
+    assert!((def.total_mass().mass - 204.5).abs() < 1e-9);
+    // A fixed joint has no value.
+    assert_eq!(world.snapshot().robots[0].joints.len(), 4);
+}
+
+#[test]
+fn a_joint_that_makes_no_sense_is_refused_with_the_nearest_name() {
+    let check = |joint: &str, expected: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("Cart")).expect("a folder");
+        let path = folder.path().join("Cart/robot.toml");
+        std::fs::write(&path, CART.replace("JOINT", joint).replace("CENTRE", "[0.2, 0, -1]")).expect("a file");
+        let error = scene_loader::load("rough", &[&path]).map(|_| ()).expect_err(expected).to_string();
+        let line = error.lines().find(|line| line.contains(expected));
+        assert!(line.is_some_and(|line| line.contains("robot.toml:")), "{error}\nexpected: {expected}");
+    };
+    check("kind = \"revolut\"\nlimits = [0, 1]", "`kind` is `revolut`: expected one of fixed, revolute");
+    check("kind = \"revolut\"\nlimits = [0, 1]", "(perhaps `revolute`)");
+    check("kind = \"fixed\"\nparent = \"bodi\"", "(perhaps `body`)");
+    check("kind = \"revolute\"", "no `limits`");
+    check("kind = \"revolute\"\nlimits = [1, 0]", "expected the least first");
+    check("kind = \"continuous\"\nlimits = [0, 1]", "`limits` of a joint without ends");
+    check("kind = \"continuous\"\naxis = [0, 0, 0]", "`axis` has the length NaN");
+    check("kind = \"continuous\"\nmax_speed = 1", "missing `max_torque`");
+    check("kind = \"continuous\"\ngain = 1\nmax_torque = 1\nmax_speed = -1", "`max_speed` is -1");
+    check("kind = \"ball\"\ngain = 1\nmax_torque = 1\nmax_speed = 1", "a motor of a joint that has no axis");
+}
