@@ -163,3 +163,31 @@ fn a_joint_that_makes_no_sense_is_refused_with_the_nearest_name() {
     check("kind = \"continuous\"\ngain = 1\nmax_torque = 1\nmax_speed = -1", "`max_speed` is -1");
     check("kind = \"ball\"\ngain = 1\nmax_torque = 1\nmax_speed = 1", "a motor of a joint that has no axis");
 }
+
+#[test]
+fn what_is_wrong_with_every_wheel_is_said_once_and_a_wrong_name_with_the_nearest() {
+    let errors = |wrong: &str, right: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("Cart")).expect("a folder");
+        let path = folder.path().join("Cart/robot.toml");
+        let cart = CART.replace("JOINT", "kind = \"fixed\"").replace("CENTRE", "[0.2, 0, -1]");
+        std::fs::write(&path, cart.replacen(right, wrong, 1)).expect("a file");
+        let error = scene_loader::load("rough", &[&path]).map(|_| ()).expect_err(wrong).to_string();
+        error.lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    for (wrong, right, suggested) in [
+        ("material = \"rubber\"", "material = \"rubber-tyre\"", "(perhaps `rubber-tyre`)"),
+        ("gian = 50", "gain = 50", "(perhaps `gain`)"),
+        ("side = \"lefft\"", "side = \"left\"", "(perhaps `left`)"),
+        ("sttering = \"skid\"", "steering = \"skid\"", "(perhaps `steering`)"),
+        ("link = \"Amr\"", "link = \"Arm\"", "(perhaps `Arm`)"),
+    ] {
+        let errors = errors(wrong, right);
+        let said = errors.iter().filter(|line| line.ends_with(suggested)).count();
+        assert_eq!(said, 1, "{wrong}: {errors:#?}");
+    }
+    // The gain is missing in [wheels], which is of all four.
+    assert_eq!(errors("", "gain = 50.0").len(), 1);
+    let nothing_near = errors("material = \"unobtainium\"", "material = \"rubber-tyre\"");
+    assert!(nothing_near.len() == 1 && !nothing_near[0].contains("perhaps"), "{nothing_near:?}");
+}

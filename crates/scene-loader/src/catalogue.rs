@@ -8,7 +8,7 @@ use scene::{MapDef, RobotDef, WorldDef};
 
 use crate::materials::{self, Materials};
 use crate::overrides::{self, Override};
-use crate::problem::Problems;
+use crate::problem::{Problems, suggestion};
 use crate::source::Source;
 use crate::{LoadError, map as map_file, robot as robot_file};
 
@@ -131,5 +131,6 @@ fn folders(dir: &'static Dir) -> Vec<String> {
 }
 
 fn unknown(kind: &'static str, got: &str, names: &[String]) -> LoadError {
-    LoadError::UnknownName { kind, got: got.to_owned(), expected: names.join(", ") }
+    let suggestion = suggestion(got, names.iter().map(String::as_str));
+    LoadError::UnknownName { kind, got: got.to_owned(), suggestion, expected: names.join(", ") }
 }

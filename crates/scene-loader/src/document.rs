@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 use crate::materials::Materials;
-use crate::problem::{Problems, Unread, listed, nearest};
+use crate::problem::{Problems, Unread, listed, suggestion};
 
 /// Said of tables and arrays inside each other: the parser takes 80 levels.
 const TOO_DEEP: &str = "nested too deep: expected at most 80 levels";
@@ -130,7 +130,9 @@ impl<'a> Document<'a> {
     /// Notes every key that nobody took.
     pub(crate) fn finish(&mut self, table: Table<'a>, expected: &str) {
         for key in table.entries.keys() {
-            self.problem(&key.span(), format_args!("unknown key `{}`: expected one of {expected}", key.get_ref()));
+            let suggestion = suggestion(key.get_ref(), expected.split(", ").map(str::trim));
+            let key_name = key.get_ref();
+            self.problem(&key.span(), format_args!("unknown key `{key_name}`: expected one of {expected}{suggestion}"));
         }
     }
 
@@ -148,8 +150,9 @@ impl<'a> Document<'a> {
     /// Looks a material up; one that is not known is noted, and what is made of it can still be checked.
     pub(crate) fn material(&mut self, span: &Range<usize>, name: &str, materials: &Materials) -> Material {
         materials.get(name).cloned().unwrap_or_else(|| {
-            let names = listed(materials.keys().map(String::as_str));
-            self.problem(span, format_args!("unknown material `{name}`: expected one of {names}"));
+            let known = || materials.keys().map(String::as_str);
+            let (names, suggestion) = (listed(known()), suggestion(name, known()));
+            self.problem(span, format_args!("unknown material `{name}`: expected one of {names}{suggestion}"));
             Material::default()
         })
     }
@@ -164,8 +167,8 @@ impl<'a> Document<'a> {
     ) -> Option<usize> {
         let number = known.clone().position(|other| other == name);
         if number.is_none() {
-            let nearest = nearest(name, known.clone()).map_or(String::new(), |name| format!(" (perhaps `{name}`)"));
-            self.problem(span, format_args!("`{key}` is `{name}`: expected one of {}{nearest}", listed(known)));
+            let suggestion = suggestion(name, known.clone());
+            self.problem(span, format_args!("`{key}` is `{name}`: expected one of {}{suggestion}", listed(known)));
         }
         number
     }
@@ -193,7 +196,15 @@ impl<'a> Document<'a> {
             Ok(value) => Some(value),
             Err(error) => {
                 let place = error.span().unwrap_or_else(|| span.clone());
-                self.problem(&place, error.message());
+                // serde names what is wrong first, then what it knows.
+                let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
+                let suggestion = match names.split_first() {
+                    Some((wrong, known)) if error.message().starts_with("unknown ") => {
+                        suggestion(wrong, known.iter().copied())
+                    }
+                    _ => String::new(),
+                };
+                self.problem(&place, format_args!("{}{suggestion}", error.message()));
                 None
             }
         }

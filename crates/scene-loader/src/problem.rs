@@ -1,5 +1,6 @@
 //! What can be wrong with a file.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use scene::check::SceneProblem;
@@ -40,12 +41,14 @@ pub enum LoadError {
         reason: String,
     },
     /// Neither a name that is built in nor a file.
-    #[error("unknown {kind} `{got}`: expected a file or one of {expected}")]
+    #[error("unknown {kind} `{got}`: expected a file or one of {expected}{suggestion}")]
     UnknownName {
         /// `map` or `robot`.
         kind: &'static str,
         /// What was asked for.
         got: String,
+        /// The nearest of them, in words; nothing where none is near.
+        suggestion: String,
         /// The names there are.
         expected: String,
     },
@@ -102,6 +105,18 @@ impl Problems {
         self.0.len()
     }
 
+    /// Of the problems after the first `from`, which are of `alike` entries, keeps what is said of every entry alike once, at
+    /// the first: it stands in what they share.
+    pub(crate) fn say_once(&mut self, from: usize, alike: usize) {
+        let said: Vec<String> = self.0[from..].iter().map(|problem| problem.message.clone()).collect();
+        let (mut index, mut kept) = (0, BTreeSet::new());
+        self.0.retain(|problem| {
+            index += 1;
+            let of_all = || alike > 1 && said.iter().filter(|message| **message == problem.message).count() == alike;
+            index <= from || !of_all() || kept.insert(problem.message.clone())
+        });
+    }
+
     /// The value if nothing is wrong, otherwise every problem once, in the order of the lines.
     pub(crate) fn into_result<T>(mut self, value: T) -> Result<T, LoadError> {
         self.0.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
@@ -114,10 +129,15 @@ impl Problems {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unread;
 
-/// The name that a wrong one was most likely meant to be: at most a third of its letters are others.
-pub(crate) fn nearest<'a>(wrong: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let distance = |name: &&str| strsim::damerau_levenshtein(&name.to_lowercase(), &wrong.to_lowercase());
-    known.min_by_key(distance).filter(|name| 3 * distance(name) <= name.chars().count().max(3))
+/// What a wrong name was most likely meant to be, for the end of a message; nothing where none is near. Near is a name of which
+/// at most a third of the letters are others, or one that begins so.
+pub(crate) fn suggestion<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let wrong = wrong.to_lowercase();
+    let distance = |name: &&str| strsim::damerau_levenshtein(&name.to_lowercase(), &wrong);
+    let is_near = |name: &&str| 3 * distance(name) <= name.chars().count().max(3);
+    let begins_so = |name: &&str| wrong.chars().count() > 2 && name.to_lowercase().starts_with(&wrong);
+    let near = known.into_iter().filter(|name| is_near(name) || begins_so(name)).min_by_key(distance);
+    near.map_or(String::new(), |name| format!(" (perhaps `{name}`)"))
 }
 
 /// Names for a message.

@@ -12,7 +12,7 @@ use serde::Deserialize;
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
-use crate::problem::{Problems, Unread, listed};
+use crate::problem::{Problems, Unread, listed, suggestion};
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
@@ -343,7 +343,9 @@ fn read_wheels<'a>(
         let wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), urdf.as_ref(), materials);
         wheel.map(|wheel| (span, wheel))
     };
+    let count = entries.len();
     let wheels: Vec<(Range<usize>, Link)> = entries.into_iter().filter_map(wheel).collect();
+    document.problems().say_once(noted, count);
     let wrong: Vec<Vec<String>> = wheels.iter().map(|(_, link)| wrong_wheel(link)).collect();
     for ((span, _), messages) in wheels.iter().zip(&wrong) {
         for message in messages {
@@ -542,7 +544,9 @@ fn read_sensors<'a>(document: &mut Document<'a>, root: &mut Table<'a>, wheels: O
         let scan_interval: Option<f64> = document.optional(&mut table, "scan_interval");
         let (Some(class), Some(name)) = (class, name) else { continue };
         let Some(&(_, default_interval)) = sensor::CLASSES.iter().find(|(known, _)| *known == class) else {
-            document.problem(&span, format_args!("unknown sensor class `{class}`: expected one of {}", classes()));
+            let suggestion = suggestion(&class, sensor::CLASSES.iter().map(|(known, _)| *known));
+            let message = format!("unknown sensor class `{class}`: expected one of {}{suggestion}", classes());
+            document.problem(&span, message);
             continue;
         };
         let scan_interval = scan_interval.unwrap_or(default_interval);

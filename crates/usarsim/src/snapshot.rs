@@ -170,7 +170,7 @@ fn overview(world: &World) -> (Point3<f64>, f64) {
 
 fn reach_of(world: &World, class: &str) -> f64 {
     let def = world.def().robots.iter().find(|(name, _)| name.eq_ignore_ascii_case(class)).map(|(_, def)| def);
-    let solids = def.into_iter().flat_map(|def| def.body_solids().iter().flat_map(corners));
+    let solids = def.into_iter().flat_map(|def| def.links.iter().flat_map(|link| &link.solids).flat_map(corners));
     let wheels = def.into_iter().flat_map(|def| def.wheels().map(|wheel| Point3::from(wheel.position)));
     solids.chain(wheels).map(|place| place.coords.norm()).fold(0.0, f64::max)
 }
