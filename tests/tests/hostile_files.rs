@@ -592,7 +592,7 @@ fn a_mistake_has_no_follow_ups() {
     );
     let unknown = "unknown field `gian`, expected one of `name`, `side`, `joint`, `position`, `radius`, `width`, `mass`, \
                    `material`, `max_speed`, `gain`, `max_torque`, `integral_time`, `armature`, `gear`, `torque_constant`, \
-                   `max_current`, `rotor_inertia`, `roller_angle`, `first_roller` (perhaps `gain`)";
+                   `max_current`, `rotor_inertia`, `roller_angle`, `first_roller`, `link` (perhaps `gain`)";
     check_files(&[("robot.toml", &CART.replace("gain", "gian"))], &[&format!("robot.toml:17:1: {unknown}")]);
     check_files(
         &[("robot.toml", &CART.replace("[wheels]", "[wheels"))],

@@ -71,6 +71,8 @@ struct WheelEntry {
     rotor_inertia: Option<f64>,
     roller_angle: Option<f64>,
     first_roller: Option<f64>,
+    /// The link that carries it; without one, the body.
+    link: Option<String>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -167,14 +169,14 @@ pub(crate) fn read(
     };
     read_links(&mut document, &mut root, urdf.is_ok().then_some(&mut parts));
     let body = Link { name: ROOT.to_owned(), parts, solids, ..Link::default() };
-    let wheels = read_wheels(&mut document, &mut root, &urdf, materials);
-    let casters = read_casters(&mut document, &mut root, materials);
-    let mut links: Vec<Link> = std::iter::once(body).chain(wheels.clone().unwrap_or_default()).chain(casters).collect();
-    let carried = read_joints(&mut document, &mut root, &mut links);
+    let mut links = read_joints(&mut document, &mut root, body);
     read_parts(&mut document, &mut root, materials, &mut links);
-    for (span, link) in carried {
-        document.wrong(&span, check::link(&links[link], link));
+    for (span, link) in &links.carried {
+        document.wrong(span, check::link(&links.links[*link], *link));
     }
+    let wheels = read_wheels(&mut document, &mut root, &urdf, &links, materials);
+    let casters = read_casters(&mut document, &mut root, materials);
+    let links = links.links.into_iter().chain(wheels.iter().flatten().cloned()).chain(casters).collect();
     let sensors = read_sensors(&mut document, &mut root, wheels.as_ref().ok().map(Vec::len));
     let battery = read_battery(&mut document, &mut root);
     document.finish(root, KEYS);
@@ -256,7 +258,7 @@ fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, parts: Opti
     }
 }
 
-fn read_parts<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materials: &Materials, links: &mut [Link]) {
+fn read_parts<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materials: &Materials, links: &mut Links) {
     for (span, entry) in document.list::<PartEntry>(root, "part") {
         let PartEntry { name, mass, position, rotation, size, material, collides, link } = entry;
         let material = document.material(&span, &material, materials);
@@ -265,43 +267,57 @@ fn read_parts<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materials: 
         document.within(&span, "mass", mass, check::PART_MASS);
         let turn = solid.pose().rotation.to_rotation_matrix();
         let inertia = turn.matrix() * box_inertia(mass, size) * turn.matrix().transpose();
-        let link = link.unwrap_or_else(|| ROOT.to_owned());
-        let Some(number) = document.one_of(&span, "link", &link, links.iter().map(|link| link.name.as_str())) else {
-            continue;
-        };
-        links[number].parts.push(Part { name, mass, centre: position.into(), inertia });
+        let Some(number) = links.find(document, &span, "link", link.as_deref()) else { continue };
+        let link = &mut links.links[number];
+        link.parts.push(Part { name, mass, centre: position.into(), inertia });
         if collides {
-            links[number].solids.push(solid);
+            link.solids.push(solid);
         }
     }
 }
 
-/// The joints beside those of wheels: adds the links that they carry, and returns their numbers.
-fn read_joints<'a>(
-    document: &mut Document<'a>,
-    root: &mut Table<'a>,
-    links: &mut Vec<Link>,
-) -> Vec<(Range<usize>, usize)> {
-    let mut carried = Vec::new();
-    for (span, entry) in document.list::<JointEntry>(root, "joint") {
-        let kinds = JointKind::ALL.iter().map(|(name, _)| *name);
-        let Some(kind) = document.one_of(&span, "kind", &entry.kind, kinds) else { continue };
-        let parent = entry.parent.as_deref().unwrap_or(ROOT);
-        let Some(parent) = document.one_of(&span, "parent", parent, links.iter().map(|link| link.name.as_str())) else {
-            continue;
-        };
-        if links.iter().any(|link| link.name == entry.name) {
+/// The links of a robot, as what is mounted on them names them.
+struct Links {
+    links: Vec<Link>,
+    /// Where those that hang on joints stand, with their numbers.
+    carried: Vec<(Range<usize>, usize)>,
+    /// Whether all of them could be read: otherwise a name that is not known is no mistake of its own.
+    complete: bool,
+}
+
+impl Links {
+    /// The number of a link by its name; without one, the body.
+    fn find(&self, document: &mut Document, span: &Range<usize>, key: &str, name: Option<&str>) -> Option<usize> {
+        let (name, known) = (name.unwrap_or(ROOT), self.links.iter().map(|link| link.name.as_str()));
+        let number = known.clone().position(|known| known == name).or((!self.complete).then_some(0));
+        number.or_else(|| document.one_of(span, key, name, known))
+    }
+}
+
+/// The body, and the links that hang on joints beside those of wheels.
+fn read_joints<'a>(document: &mut Document<'a>, root: &mut Table<'a>, body: Link) -> Links {
+    let noted = document.problems().count();
+    let entries = document.list::<JointEntry>(root, "joint");
+    let complete = document.problems().count() == noted;
+    let mut links = Links { links: vec![body], carried: Vec::new(), complete };
+    for (span, entry) in entries {
+        if links.links.iter().any(|link| link.name == entry.name) {
             document.problem(&span, format_args!("second link `{}`: expected a name of its own", entry.name));
             continue;
         }
+        let kind = document.one_of(&span, "kind", &entry.kind, JointKind::ALL.iter().map(|(name, _)| *name));
+        let parent = links.find(document, &span, "parent", entry.parent.as_deref());
         let (axis, drive) = (entry.axis.unwrap_or([0.0, 0.0, 1.0]), read_servo(document, &span, &entry));
         let JointEntry { name, position, limits, damping, .. } = entry;
-        let (kind, axis) = (JointKind::ALL[kind].1, Vector3::from(axis).normalize().into());
-        let joint = Joint { parent, kind, anchor: position, axis, limits, damping, drive };
-        carried.push((span, links.len()));
-        links.push(Link { name, joint: Some(joint), ..Link::default() });
+        let joint = kind.zip(parent).map(|(kind, parent)| {
+            let (kind, axis) = (JointKind::ALL[kind].1, Vector3::from(axis).normalize().into());
+            Joint { parent, kind, anchor: position, axis, limits, damping, drive }
+        });
+        // Without a joint it only stands for its name, and what is wrong is said.
+        links.carried.extend(joint.is_some().then_some((span, links.links.len())));
+        links.links.push(Link { name, joint, ..Link::default() });
     }
-    carried
+    links
 }
 
 /// The motor of a joint: all of its numbers, or none.
@@ -328,6 +344,7 @@ fn read_wheels<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
     urdf: &Result<Option<Urdf>, Unread>,
+    links: &Links,
     materials: &Materials,
 ) -> Result<Vec<Link>, Unread> {
     let common = document.section::<WheelEntry>(root, "wheels");
@@ -339,9 +356,11 @@ fn read_wheels<'a>(
     let entries = document.list::<WheelEntry>(root, "wheel");
     let (Ok(common), Ok(rollers), Ok(urdf)) = (common, rollers, urdf) else { return Err(Unread) };
     let (place, common) = common.unwrap_or_default();
-    let wheel = |(span, entry): (Range<usize>, _)| {
-        let wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), urdf.as_ref(), materials);
-        wheel.map(|wheel| (span, wheel))
+    let wheel = |(span, entry): (Range<usize>, WheelEntry)| {
+        let parent = links.find(document, &span, "link", entry.link.as_deref());
+        let mut wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), urdf.as_ref(), materials)?;
+        wheel.joint.as_mut()?.parent = parent?;
+        Some((span, wheel))
     };
     let count = entries.len();
     let wheels: Vec<(Range<usize>, Link)> = entries.into_iter().filter_map(wheel).collect();

@@ -157,11 +157,6 @@ impl RobotDef {
         self.links.iter().filter(|link| link.has_value())
     }
 
-    /// The number among a state's joints of the one that carries a link.
-    pub fn joint_number(&self, link: &str) -> Option<usize> {
-        self.with_values().position(|known| known.name == link)
-    }
-
     /// Everything that its links weigh beside wheels.
     pub fn parts(&self) -> impl Iterator<Item = &Part> + Clone {
         self.links.iter().flat_map(|link| &link.parts)

@@ -36,6 +36,8 @@ pub struct MountedWheel<'a> {
     pub drive: Option<&'a Motor>,
     /// Number of its link.
     pub link: usize,
+    /// Number of the link that carries it.
+    pub parent: usize,
     /// The wheel.
     pub wheel: &'a Wheel,
 }
@@ -44,7 +46,14 @@ impl<'a> MountedWheel<'a> {
     /// The wheel that a link with a number is.
     pub fn of((number, link): (usize, &'a Link)) -> Option<Self> {
         let (joint, wheel) = (link.joint.as_ref()?, link.wheel.as_ref()?);
-        Some(Self { name: &link.name, position: joint.anchor, drive: joint.drive.as_ref(), link: number, wheel })
+        Some(Self {
+            name: &link.name,
+            position: joint.anchor,
+            drive: joint.drive.as_ref(),
+            link: number,
+            parent: joint.parent,
+            wheel,
+        })
     }
 
     /// Pose of the wheel in the robot frame after it turned forward by an angle in radians.

@@ -234,16 +234,6 @@ impl World {
         self.robots.get(&id).map(|robot| robot.observe(&self.physics))
     }
 
-    /// Sets the target of the servo of a link's joint: rad or m, or rad/s or m/s, as its motor is a servo of. What a robot does
-    /// not have is ignored.
-    pub fn set_joint_target(&mut self, id: RobotId, link: &str, target: f64) {
-        if let Some(robot) = self.robots.get_mut(&id)
-            && let Some(joint) = robot.def().joint_number(link)
-        {
-            robot.bodies_mut().set_joint_target(joint, target);
-        }
-    }
-
     /// Whole seconds that a robot's battery lasts; `None` without one.
     pub fn battery(&self, id: RobotId) -> Option<i32> {
         let robot = self.robots.get(&id).filter(|robot| robot.def().battery.is_some())?;

@@ -170,6 +170,10 @@ fn every_command_of_the_book_runs() {
                     fs::create_dir_all(file.parent().unwrap()).unwrap();
                     fs::write(file, page.localised(&text)).unwrap();
                 }
+            } else if let Some((_, file)) = block.info.split_once("append=") {
+                let file = page.folder.path().join(file);
+                let before = fs::read_to_string(&file).unwrap();
+                fs::write(file, before + "\n" + &block.lines.join("\n") + "\n").unwrap();
             } else if block.info == "console" {
                 for (command, shown) in commands(&block) {
                     page.run(&command, &shown);

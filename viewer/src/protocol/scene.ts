@@ -28,6 +28,9 @@ export interface NamedPlace {
 
 export interface Wheel {
   name: string;
+  /** the number among `links` of what carries it; null is the body */
+  link: number | null;
+  /** in the frame of what carries it */
   position: Vector;
   radius: number;
   width: number;

@@ -54,12 +54,12 @@ export class RobotFleet {
         const pose = state.links[index];
         if (pose) link.add(setPose(local, pose).premultiply(robot));
       });
-      this.robotClass.wheels.forEach(({ position }, index) => {
+      this.robotClass.wheels.forEach(({ link, position }, index) => {
         const { angle = 0, rollers: angles = [] } = state.wheels[index] ?? {};
-        wheel
-          .copy(robot)
-          .multiply(local.makeTranslation(...position))
-          .multiply(local.makeRotationY(-angle));
+        const carrier = link === null ? undefined : state.links[link];
+        wheel.copy(robot);
+        if (carrier) wheel.multiply(setPose(local, carrier));
+        wheel.multiply(local.makeTranslation(...position)).multiply(local.makeRotationY(-angle));
         wheels[index]?.add(wheel);
         this.poses[index]?.forEach((pose, number) => {
           local.makeRotationX(angles[number] ?? 0);

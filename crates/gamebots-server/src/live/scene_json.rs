@@ -54,7 +54,7 @@ fn class_json(def: &RobotDef) -> Value {
         "wheel_base": geometry.wheel_base,
         "solids": def.body_solids().iter().map(solid).collect::<Vec<_>>(),
         "links": def.links.iter().skip(1).filter(|link| link.wheel.is_none()).map(link).collect::<Vec<_>>(),
-        "wheels": def.driven().map(wheel).collect::<Vec<_>>(),
+        "wheels": def.driven().map(|it| wheel(def, it)).collect::<Vec<_>>(),
         "casters": casters.map(|caster| json!({
             "position": caster.position, "radius": caster.radius, "colour": caster.material.colour,
         })).collect::<Vec<_>>(),
@@ -68,7 +68,13 @@ fn link(link: &Link) -> Value {
     json!({ "name": link.name, "solids": link.solids.iter().map(moved).collect::<Vec<_>>() })
 }
 
-fn wheel(wheel: MountedWheel) -> Value {
+/// A wheel in the frame of the link that carries it: a number among `links`, or of the body none.
+fn wheel(def: &RobotDef, wheel: MountedWheel) -> Value {
+    let carrier = def.links.get(wheel.parent).map_or([0.0; 3], Link::origin);
+    let links = def.links.iter().enumerate().skip(1).filter(|(_, link)| link.wheel.is_none());
+    let link = links.map(|(number, _)| number).position(|number| number == wheel.parent);
+    let [x, y, z] = wheel.position;
+    let [from_x, from_y, from_z] = carrier;
     let rollers = wheel.rollers.as_ref().map(|rollers| {
         json!({
             "poses": (0..rollers.count).map(|index| pose(&rollers.pose(index))).collect::<Vec<_>>(),
@@ -79,7 +85,8 @@ fn wheel(wheel: MountedWheel) -> Value {
     });
     json!({
         "name": wheel.name,
-        "position": wheel.position,
+        "link": link,
+        "position": [x - from_x, y - from_y, z - from_z],
         "radius": wheel.radius,
         "width": wheel.width,
         "colour": wheel.material.colour,

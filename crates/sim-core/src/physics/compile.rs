@@ -170,6 +170,8 @@ pub(super) enum Role {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Value {
     pub(super) axis: JointAxis,
+    /// Its servo of the position has no targets beyond.
+    pub(super) limits: Option<[f64; 2]>,
     pub(super) motor: Option<Motor>,
     pub(super) is_wheel: bool,
 }
@@ -347,7 +349,7 @@ fn axis_of(kind: JointKind) -> Option<JointAxis> {
 }
 
 fn value_of(joint: &scene::Joint, is_wheel: bool) -> Option<Value> {
-    axis_of(joint.kind).map(|axis| Value { axis, motor: joint.drive.clone(), is_wheel })
+    axis_of(joint.kind).map(|axis| Value { axis, limits: joint.limits, motor: joint.drive.clone(), is_wheel })
 }
 
 impl Base {

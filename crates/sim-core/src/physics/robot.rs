@@ -95,13 +95,15 @@ impl RobotBodies {
         }
     }
 
-    /// Sets the target of the servo of a joint by its number among those that have a value: rad or m, or rad/s or m/s, as its
-    /// motor is a servo of. A base of one body has no joints but wheels, and takes none.
+    /// Sets the target of the servo of a joint by its number among those that have a value: rad or m within its limits, or
+    /// rad/s or m/s, as its motor is a servo of. A base of one body has no joints but wheels, and takes none.
     pub(crate) fn set_joint_target(&mut self, joint: usize, target: f64) {
         if let Drivetrain::Multibody { joints, .. } = &mut self.drivetrain
             && let Some(joint) = joints.get_mut(joint)
         {
-            joint.servo.set_target(target);
+            let is_of_position = joint.value.motor.as_ref().is_some_and(|motor| motor.stiffness.is_some());
+            let limits = joint.value.limits.filter(|_| is_of_position);
+            joint.servo.set_target(limits.map_or(target, |[least, most]| target.clamp(least, most)));
         }
     }
 }

@@ -122,8 +122,24 @@ impl Robot {
         self.bodies.set_wheel_speeds(&self.drive.targets);
     }
 
-    /// Delivers a SET to every item that it names; a scan asked for goes out at once.
+    /// Sets the targets of joints beside wheels: `SET {Type Joint}` with the opcode `Angle` or `Target`, both in exact case, and
+    /// the name of a link in any case, or `AllAngles` or `AllJoints` (BotConnection.uc:515-544, USARVehicle.uc:274-316).
+    fn set_joints(&mut self, set: &Set) {
+        let target = set.numbers().and_then(|numbers| numbers.first().copied());
+        let Some(target) = target.filter(|_| matches!(set.opcode.as_str(), "Angle" | "Target")) else { return };
+        let all = ["AllAngles", "AllJoints"].iter().any(|all| set.name.eq_ignore_ascii_case(all));
+        let joints = self.def().with_values().enumerate().filter(|(_, link)| link.wheel.is_none());
+        let named = joints.filter(|(_, link)| all || link.name.eq_ignore_ascii_case(&set.name));
+        let numbers: Vec<usize> = named.map(|(number, _)| number).collect();
+        numbers.into_iter().for_each(|number| self.bodies.set_joint_target(number, target));
+    }
+
+    /// Delivers a SET to every item that it names, or to joints; a scan asked for goes out at once.
     pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> Vec<Message> {
+        if set.type_name == "Joint" {
+            self.set_joints(set);
+            return Vec::new();
+        }
         let wheels = physics.wheels(&self.bodies);
         let (items, view) = self.items_and_view(physics, time, &wheels);
         let opcode = set.opcode.to_ascii_uppercase();
