@@ -73,9 +73,14 @@ def wheel_xml(index, wheel, shape):
     return xml + "</body>"
 
 
+def wheels_of(definition):
+    """The wheels, each with the position of the joint that carries it."""
+    return [link["wheel"] | {"position": link["joint"]["anchor"]} for link in definition["links"] if "wheel" in link]
+
+
 def model(definition, shape, cone, dt):
-    wheels = definition["wheels"]
-    mass = sum(part["mass"] for part in definition["parts"])
+    wheels = wheels_of(definition)
+    mass = sum(part["mass"] for link in definition["links"] for part in link["parts"])
     body = "".join(wheel_xml(index, wheel, shape) for index, wheel in enumerate(wheels))
     servos = "".join(f'<velocity joint="w{index}" kv="100"/>' for index in range(4))
     return mujoco.MjModel.from_xml_string(
@@ -90,7 +95,7 @@ def model(definition, shape, cone, dt):
 
 def exact(definition):
     """Way of each motion per radian of the wheels, in the mean over the phases of the rollers."""
-    wheels = definition["wheels"]
+    wheels = wheels_of(definition)
     radius, half = wheels[0]["radius"], math.pi / wheels[0]["rollers"]["count"]
     base, track = wheels[0]["position"][0], abs(wheels[0]["position"][1])
     lateral = math.sin(half) / half

@@ -9,8 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use scene::check::{self, Range};
 use scene::sensor::Config;
 use scene::{
-    Battery, DriveModel, Joint, MapDef, Material, Motor, Object, Part, RobotDef, Rollers, Shape, Solid, Steering,
-    Wheel, WorldDef,
+    Battery, DriveModel, Joint, JointKind, MapDef, Material, Motor, Object, Part, RobotDef, Rollers, Shape, Solid,
+    Steering, Wheel, WorldDef,
 };
 use sim_core::{Observation, Options, World};
 use system_tests::{apply, init};
@@ -127,7 +127,10 @@ fn what_no_world_can_be_made_with_is_refused_by_name() {
     );
     check(p3at(|it| it.links.truncate(1)), "robot P3AT: no driven wheel: expected at least one");
     check(
-        p3at(|it| joint(it, 1).drive = None),
+        p3at(|it| {
+            let joint = joint(it, 1);
+            (joint.drive, joint.kind) = (None, JointKind::Ball);
+        }),
         "robot P3AT: a driven wheel behind a caster: expected driven wheels first",
     );
     check(p3at(|it| it.links.extend(vec![it.links[1].clone(); 29])), "robot P3AT: 33 wheels: expected at most 32");

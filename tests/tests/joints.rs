@@ -252,3 +252,39 @@ fn what_is_wrong_with_every_wheel_is_said_once_and_a_wrong_name_with_the_nearest
     let nothing_near = errors("material = \"unobtainium\"", "material = \"rubber-tyre\"");
     assert!(nothing_near.len() == 1 && !nothing_near[0].contains("perhaps"), "{nothing_near:?}");
 }
+
+/// A log's scene is held to the same rules as a file.
+#[test]
+fn a_tree_that_is_none_is_refused_by_name() {
+    let (world, _) = world(SERVO, "[0.2, 0.0, -1.0]");
+    let check = |change: fn(&mut scene::RobotDef), expected: &str| {
+        let mut def = world.def().clone();
+        change(def.robots.get_mut("Cart").expect("the cart"));
+        assert_eq!(def.check().map_err(|problem| problem.to_string()), Err(expected.to_owned()));
+    };
+    check(|it| joint(it, 1).parent = 1, "robot Cart, link Arm: its parent is link 1: expected one of the 1 before it");
+    check(|it| it.links[1].joint = None, "robot Cart, link Arm: no joint: expected one to a parent");
+    check(|it| it.links.clear(), "robot Cart: no part: expected at least one with a mass");
+    check(
+        |it| it.links[0].joint = it.links[1].joint.clone(),
+        "robot Cart, link body: a joint: expected none of the first link, which is the root",
+    );
+    check(
+        |it| it.links[1].parts.clear(),
+        "robot Cart, link Arm: expected at least one part with a mass, or a wheel without other parts",
+    );
+    let wheel =
+        "robot Cart, link FL: a wheel's joint: expected a continuous one with a motor about the left, or a ball";
+    check(|it| joint(it, 2).axis = [0.0, 1.0, 0.0], wheel);
+    check(|it| joint(it, 2).drive = None, wheel);
+    check(|it| joint(it, 1).axis = [0.0, 2.0, 0.0], "robot Cart, link Arm: `axis` has the length 2: expected 1");
+    check(
+        |it| joint(it, 1).damping = f64::NAN,
+        "robot Cart, link Arm: `damping` is NaN: expected 0 to 1000000 N m s/rad",
+    );
+    check(|it| it.links.extend(vec![it.links[1].clone(); 100]), "robot Cart: 106 links: expected at most 100");
+}
+
+fn joint(robot: &mut scene::RobotDef, link: usize) -> &mut scene::Joint {
+    robot.links[link].joint.as_mut().expect("a joint")
+}

@@ -4,7 +4,7 @@ use foxglove::{Encode, Schema};
 use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
 use prost::Message;
 use prost::bytes::BufMut;
-use scene::{JointState, Pose, RobotSnapshot};
+use scene::{JointState, Pose, RobotDef, RobotSnapshot};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
 
@@ -51,10 +51,23 @@ impl RobotState {
         }
     }
 
-    /// Positions and speeds of the joints that have a value.
+    /// Positions and speeds of the joints that have a value; what a damaged log lacks is not a number.
     pub fn joints(&self) -> Vec<JointState> {
-        let states = self.joint_positions.iter().zip(&self.joint_speeds);
-        states.map(|(&position, &speed)| JointState { position, speed }).collect()
+        let count = self.joint_positions.len().max(self.joint_speeds.len());
+        let number = |numbers: &[f64], index: usize| numbers.get(index).copied().unwrap_or(f64::NAN);
+        let joint = |index| JointState {
+            position: number(&self.joint_positions, index),
+            speed: number(&self.joint_speeds, index),
+        };
+        (0..count).map(joint).collect()
+    }
+
+    /// The same, of wheels and of others by themselves; of a class that is not known all count as wheels'.
+    pub fn wheels_and_others(&self, def: Option<&RobotDef>) -> [Vec<JointState>; 2] {
+        let known = def.into_iter().flat_map(RobotDef::with_values).map(|link| link.wheel.is_some());
+        let joints = self.joints().into_iter().zip(known.chain(std::iter::repeat(true)));
+        let (wheels, others): (Vec<_>, Vec<_>) = joints.partition(|(_, is_wheel)| *is_wheel);
+        [wheels, others].map(|joints| joints.into_iter().map(|(joint, _)| joint).collect())
     }
 
     /// Pose of the robot in the world frame.

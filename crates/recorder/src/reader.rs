@@ -21,8 +21,8 @@ const MAX_EXPANSION: u64 = 32;
 const ALWAYS_ALLOWED: u64 = 64 << 20;
 /// Longest line from a client: what the server takes, where each byte that is no UTF-8 has become three.
 const MAX_LINE: usize = 3 * MAX_LINE_BYTES;
-/// Most driven wheels of a robot, as in a scene: a table has columns for all wheels of the robot that has most.
-const MAX_WHEELS: usize = 32;
+/// Most joints of a robot, as in a scene: a table has columns for all joints of the robot that has most.
+const MAX_JOINTS: usize = 100;
 
 /// One record with its simulated time, s.
 #[derive(Debug, Clone, PartialEq)]
@@ -177,9 +177,9 @@ impl Topic {
             Record::In(line) if line.line.len() > MAX_LINE => {
                 Err(Damage(format!("a line of {} bytes: expected at most {MAX_LINE}", line.line.len())))
             }
-            Record::State(state) if state.joint_positions.len().max(state.joint_speeds.len()) > MAX_WHEELS => {
-                let wheels = state.joint_positions.len().max(state.joint_speeds.len());
-                Err(Damage(format!("a robot with {wheels} wheels: expected at most {MAX_WHEELS}")))
+            Record::State(state) if state.joint_positions.len().max(state.joint_speeds.len()) > MAX_JOINTS => {
+                let joints = state.joint_positions.len().max(state.joint_speeds.len());
+                Err(Damage(format!("a robot with {joints} joints: expected at most {MAX_JOINTS}")))
             }
             _ => Ok(Some(record)),
         }

@@ -1,5 +1,7 @@
 //! The recorded states as a table of numbers.
 
+use scene::JointState;
+
 use crate::{Log, Record, RobotState};
 
 /// States of robots as columns. SI units, world frame (x forward, y right, z down).
@@ -7,7 +9,8 @@ use crate::{Log, Record, RobotState};
 pub struct Table {
     /// The columns, of one length. First `time` (s) and `robot` (number), then `x`, `y`, `z` (m), `qx`, `qy`, `qz`, `qw`,
     /// `roll`, `pitch`, `yaw` (rad), `vx`, `vy`, `vz` (m/s), `wx`, `wy`, `wz` (rad/s), and for each driven wheel
-    /// `wheel_angle_1` (rad) and `wheel_speed_1` (rad/s).
+    /// `wheel_angle_1` (rad) and `wheel_speed_1` (rad/s), for each other joint `joint_position_1` (rad or m) and
+    /// `joint_speed_1` (rad/s or m/s).
     pub columns: Vec<Column>,
 }
 
@@ -16,7 +19,7 @@ pub struct Table {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// Its values; not a number where a robot has fewer wheels than another.
+    /// Its values; not a number where a robot has fewer wheels or joints than another.
     pub values: Vec<f64>,
 }
 
@@ -35,13 +38,20 @@ impl Table {
                 _ => None,
             })
             .collect();
-        let wheels = states.iter().map(|(_, state)| state.joint_positions.len()).max().unwrap_or(0);
+        let robots = log.scene().map(|scene| scene.robots).unwrap_or_default();
+        let joints = |state: &RobotState| state.wheels_and_others(robots.get(&state.class));
+        let most = states.iter().fold([0; 2], |most, (_, state)| {
+            let counts = joints(state).map(|joints| joints.len());
+            [most[0].max(counts[0]), most[1].max(counts[1])]
+        });
         let names = FIXED.map(str::to_owned).into_iter();
-        let wheel_names = (1..=wheels).flat_map(|wheel| ["angle", "speed"].map(|what| format!("wheel_{what}_{wheel}")));
+        let wheels = (1..=most[0]).flat_map(|wheel| ["angle", "speed"].map(|what| format!("wheel_{what}_{wheel}")));
+        let others = (1..=most[1]).flat_map(|joint| ["position", "speed"].map(|what| format!("joint_{what}_{joint}")));
+        let names = names.chain(wheels).chain(others);
         let mut columns: Vec<Column> =
-            names.chain(wheel_names).map(|name| Column { name, values: Vec::with_capacity(states.len()) }).collect();
+            names.map(|name| Column { name, values: Vec::with_capacity(states.len()) }).collect();
         for (time, state) in states {
-            for (column, value) in columns.iter_mut().zip(row(time, state, wheels)) {
+            for (column, value) in columns.iter_mut().zip(row(time, state, &joints(state), most)) {
                 column.values.push(value);
             }
         }
@@ -75,14 +85,15 @@ impl Table {
     }
 }
 
-fn row(time: f64, state: &RobotState, wheels: usize) -> impl Iterator<Item = f64> {
+fn row(time: f64, state: &RobotState, joints: &[Vec<JointState>; 2], most: [usize; 2]) -> impl Iterator<Item = f64> {
     let pose = state.pose();
     let (roll, pitch, yaw) = pose.rotation.euler_angles();
     let (linear, angular) = state.velocity();
-    let wheel = move |values: &[f64], index: usize| values.get(index).copied().unwrap_or(f64::NAN);
-    let turning: Vec<f64> = (0..wheels)
-        .flat_map(|index| [wheel(&state.joint_positions, index), wheel(&state.joint_speeds, index)])
-        .collect();
+    let missing = JointState { position: f64::NAN, speed: f64::NAN };
+    let filled = |kind: usize| {
+        let joints = joints[kind].iter().copied().chain(std::iter::repeat(missing)).take(most[kind]);
+        joints.flat_map(|joint| [joint.position, joint.speed]).collect::<Vec<f64>>()
+    };
     [time, state.robot as f64]
         .into_iter()
         .chain(<[f64; 3]>::from(pose.translation.vector))
@@ -90,5 +101,6 @@ fn row(time: f64, state: &RobotState, wheels: usize) -> impl Iterator<Item = f64
         .chain([roll, pitch, yaw])
         .chain(<[f64; 3]>::from(linear))
         .chain(<[f64; 3]>::from(angular))
-        .chain(turning)
+        .chain(filled(0))
+        .chain(filled(1))
 }

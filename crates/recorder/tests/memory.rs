@@ -36,7 +36,7 @@ fn a_file_that_expands_without_end_takes_a_bounded_part_of_the_memory() {
     let file = folder.path().join("log.mcap");
     let Some(before) = peak() else { return };
     let line = support::line("x".repeat(1 << 20)).encode_to_vec();
-    let wide = recorder::RobotState { joint_positions: vec![0.0; 32], ..support::state(0, "P3AT") }.encode_to_vec();
+    let wide = recorder::RobotState { joint_positions: vec![0.0; 100], ..support::state(0, "P3AT") }.encode_to_vec();
     for (topic, message, count) in
         [("/wire/out", &line[..], 600), ("/robot/0/state", &[], 400_000), ("/robot/0/state", &wide, 400_000)]
     {

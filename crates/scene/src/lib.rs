@@ -24,7 +24,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 pub use hull::hull_surface;
-pub use link::{Joint, JointKind, Link, Part, ROOT};
+pub use link::{Joint, JointKind, Link, Part, ROOT, WHEEL_AXIS};
 pub use map::{MapDef, NamedPose, Object};
 pub use mass::Mass;
 pub use material::Material;

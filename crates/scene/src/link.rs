@@ -12,6 +12,9 @@ use crate::{Motor, Pose, Solid, Wheel};
 /// Name of the root of a robot whose file does not name it.
 pub const ROOT: &str = "body";
 
+/// The axis of every wheel, the robot's left: a positive angle rolls it forward, as of USARSim's wheel joints.
+pub const WHEEL_AXIS: [f64; 3] = [0.0, -1.0, 0.0];
+
 /// A rigid piece of a robot, and the joint by which it hangs on its parent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Link {
@@ -123,12 +126,9 @@ impl Link {
     }
 
     /// A wheel on the body: driven by a motor about the robot's left, or a ball that is free to turn about every axis.
-    ///
-    /// A positive angle about the left (-y) rolls the robot forward: the axis of USARSim's wheel joints.
     pub fn of_wheel(name: String, position: [f64; 3], drive: Option<Motor>, wheel: Wheel) -> Self {
         let kind = if drive.is_some() { JointKind::Continuous } else { JointKind::Ball };
-        let (axis, limits) = ([0.0, -1.0, 0.0], None);
-        let joint = Joint { parent: 0, kind, anchor: position, axis, limits, damping: 0.0, drive };
+        let joint = Joint { parent: 0, kind, anchor: position, axis: WHEEL_AXIS, limits: None, damping: 0.0, drive };
         Self { name, joint: Some(joint), wheel: Some(wheel), ..Self::default() }
     }
 }

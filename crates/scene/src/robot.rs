@@ -144,8 +144,10 @@ impl RobotDef {
         for link in &self.links {
             let pose = link.joint.as_ref().map_or_else(Pose::identity, |joint| {
                 let value = if joint.kind.has_value() { values.next().unwrap_or(0.0) } else { 0.0 };
-                let offset = Vector3::from(joint.anchor) - Vector3::from(self.links[joint.parent].origin());
-                poses[joint.parent] * Translation3::from(offset) * joint.motion(value)
+                let from = self.links.get(joint.parent).map_or([0.0; 3], Link::origin);
+                let offset = Vector3::from(joint.anchor) - Vector3::from(from);
+                let parent = poses.get(joint.parent).copied().unwrap_or_default();
+                parent * Translation3::from(offset) * joint.motion(value)
             });
             poses.push(pose);
         }

@@ -8,7 +8,7 @@ use super::shape::{hull_points, solid};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
     Battery, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side,
-    Solid, Steering,
+    Solid, Steering, WHEEL_AXIS,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -76,7 +76,12 @@ fn joint(def: &Joint, number: usize, of_wheel: bool) -> Vec<String> {
         wrong.push(format!("`axis` has the length {}: expected 1", Number(length)));
     }
     wrong.extend(JOINT_DAMPING.problem("damping", def.damping));
-    if !of_wheel {
+    if of_wheel {
+        let kind = if def.drive.is_some() { JointKind::Continuous } else { JointKind::Ball };
+        if def.kind != kind || def.axis != WHEEL_AXIS {
+            wrong.push("a wheel's joint: expected a continuous one with a motor about the left, or a ball".to_owned());
+        }
+    } else {
         wrong.extend(ROBOT_REACH.problem_in("position", &def.anchor));
         wrong.extend(def.drive.iter().flat_map(motor));
     }

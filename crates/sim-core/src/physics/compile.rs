@@ -192,7 +192,7 @@ impl CompiledRobot {
             Kind::Base(Base::new(&def, &shapes, materials))
         };
         let solids = def.body_solids().iter().zip(shapes).map(|(solid, shape)| (solid.pose(), shape));
-        let carried = def.links[1..].iter().flat_map(|link| &link.solids);
+        let carried = def.links.iter().skip(1).flat_map(|link| &link.solids);
         let solids = solids.chain(carried.map(|solid| (solid.pose(), shape::shared(&solid.shape))));
         let wheels = def.wheels().map(|wheel| (wheel.pose(0.0), shape::outline(&wheel)));
         Self { mass: f64::from(def.mass()), outlines: solids.chain(wheels).collect(), kind, def }

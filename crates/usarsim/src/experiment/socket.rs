@@ -10,7 +10,7 @@ use gamebots_client::Client;
 use gamebots_proto::message::{Message, Reading, Sen};
 use gamebots_server::{Config, Ready};
 use recorder::Record;
-use scene::Pose;
+use scene::{JointState, Pose};
 
 /// Longest wait for a line of the server.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -100,14 +100,19 @@ fn drive(plan: &Plan, run: &Run, client: &mut Client, init: &str, lines: &[(f64,
 
 /// Mean angle that the driven wheels turned between two times, either way counting, rad.
 fn wheels_turned(log: &recorder::Log, from: f64, to: f64) -> f64 {
-    let states: Vec<&[f64]> = log
+    let robots = log.scene().map(|scene| scene.robots).unwrap_or_default();
+    let states: Vec<Vec<JointState>> = log
         .entries
         .iter()
         .filter_map(|entry| match &entry.record {
-            Record::State(state) if (from..=to).contains(&entry.time) => Some(state.joint_positions.as_slice()),
+            Record::State(state) if (from..=to).contains(&entry.time) => {
+                let [wheels, _] = state.wheels_and_others(robots.get(&state.class));
+                Some(wheels)
+            }
             _ => None,
         })
         .collect();
-    let turned = states.windows(2).flat_map(|pair| pair[0].iter().zip(pair[1]).map(|(from, to)| (to - from).abs()));
-    turned.sum::<f64>() / states.first().map_or(1, |angles| angles.len().max(1)) as f64
+    let turned = states.windows(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
+    let turned = turned.map(|(from, to)| (to.position - from.position).abs());
+    turned.sum::<f64>() / states.first().map_or(1, |wheels| wheels.len().max(1)) as f64
 }

@@ -170,6 +170,8 @@ fn unit(name: &str) -> &'static str {
         "wx" | "wy" | "wz" => "rad/s",
         _ if name.starts_with("wheel_angle") => "rad",
         _ if name.starts_with("wheel_speed") => "rad/s",
+        _ if name.starts_with("joint_position") => "rad or m",
+        _ if name.starts_with("joint_speed") => "rad/s or m/s",
         _ => "",
     }
 }
