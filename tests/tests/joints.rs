@@ -53,15 +53,29 @@ size = [0.02, 0.02, 0.02]
 material = "aluminium"
 "#;
 
-fn world(joint: &str, centre: &str) -> (World, RobotId) {
+/// The cart with its joint, and the middle of what hangs on it.
+fn cart(joint: &str, centre: &str) -> String {
+    CART.replace("JOINT", joint).replace("CENTRE", centre)
+}
+
+/// The scene with a robot of such a file, or everything wrong with it.
+fn load(robot: &str) -> Result<WorldDef, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("Cart/robot.toml");
     std::fs::create_dir(folder.path().join("Cart")).expect("a folder");
-    std::fs::write(&path, CART.replace("JOINT", joint).replace("CENTRE", centre)).expect("a file");
-    let def: WorldDef = scene_loader::load("rough", &[&path]).unwrap_or_else(|error| panic!("{error}"));
-    let mut world = World::new(def, Options::default());
+    std::fs::write(&path, robot).expect("a file");
+    scene_loader::load("rough", &[&path]).map_err(|error| error.to_string())
+}
+
+/// A world with one of them.
+fn world_of(robot: &str) -> (World, RobotId) {
+    let mut world = World::new(load(robot).unwrap_or_else(|error| panic!("{error}")), Options::default());
     let robot = init(&mut world, "INIT {ClassName USARBot.Cart} {Location 0,0,0}");
     (world, robot)
+}
+
+fn world(joint: &str, centre: &str) -> (World, RobotId) {
+    world_of(&cart(joint, centre))
 }
 
 fn arm(world: &World) -> JointState {
@@ -148,13 +162,7 @@ fn a_robot_with_steered_wheels_drives_a_circle() {
     let cart = ["FL", "FR"].iter().fold(cart, |cart, name| {
         cart.replace(&format!("name = \"{name}\""), &format!("name = \"{name}\"\nlink = \"{name}Steer\""))
     });
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::create_dir(folder.path().join("Cart")).expect("a folder");
-    let path = folder.path().join("Cart/robot.toml");
-    std::fs::write(&path, cart + &knuckle("FL", -0.1) + &knuckle("FR", 0.1)).expect("a file");
-    let def = scene_loader::load("rough", &[&path]).unwrap_or_else(|error| panic!("{error}"));
-    let mut world = World::new(def, Options::default());
-    let robot = init(&mut world, "INIT {ClassName USARBot.Cart} {Location 0,0,0}");
+    let (mut world, robot) = world_of(&(cart + &knuckle("FL", -0.1) + &knuckle("FR", 0.1)));
     apply(&mut world, robot, "SET {Type Joint} {Name AllJoints} {Opcode Angle} {Params 0.3}");
     run(&mut world, 1.0);
     apply(&mut world, robot, "DRIVE {Left 3} {Right 3}");
@@ -204,11 +212,7 @@ fn what_a_link_weighs_counts() {
 #[test]
 fn a_joint_that_makes_no_sense_is_refused_with_the_nearest_name() {
     let check = |joint: &str, expected: &str| {
-        let folder = tempfile::tempdir().expect("a folder");
-        std::fs::create_dir(folder.path().join("Cart")).expect("a folder");
-        let path = folder.path().join("Cart/robot.toml");
-        std::fs::write(&path, CART.replace("JOINT", joint).replace("CENTRE", "[0.2, 0, -1]")).expect("a file");
-        let error = scene_loader::load("rough", &[&path]).map(|_| ()).expect_err(expected).to_string();
+        let error = load(&cart(joint, "[0.2, 0, -1]")).map(|_| ()).expect_err(expected);
         let lines: Vec<&str> = error.lines().collect();
         let is_one = lines.len() == 1 && lines[0].contains(expected) && lines[0].contains("robot.toml:");
         assert!(is_one, "{error}\nexpected one line: {expected}");
@@ -228,12 +232,8 @@ fn a_joint_that_makes_no_sense_is_refused_with_the_nearest_name() {
 #[test]
 fn what_is_wrong_with_every_wheel_is_said_once_and_a_wrong_name_with_the_nearest() {
     let errors = |wrong: &str, right: &str| {
-        let folder = tempfile::tempdir().expect("a folder");
-        std::fs::create_dir(folder.path().join("Cart")).expect("a folder");
-        let path = folder.path().join("Cart/robot.toml");
-        let cart = CART.replace("JOINT", "kind = \"fixed\"").replace("CENTRE", "[0.2, 0, -1]");
-        std::fs::write(&path, cart.replacen(right, wrong, 1)).expect("a file");
-        let error = scene_loader::load("rough", &[&path]).map(|_| ()).expect_err(wrong).to_string();
+        let cart = cart("kind = \"fixed\"", "[0.2, 0, -1]").replacen(right, wrong, 1);
+        let error = load(&cart).map(|_| ()).expect_err(wrong);
         error.lines().map(str::to_owned).collect::<Vec<_>>()
     };
     for (wrong, right, suggested) in [

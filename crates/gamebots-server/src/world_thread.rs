@@ -283,7 +283,7 @@ impl Server {
             let Some(request) = self.sessions.get_mut(&id).and_then(Session::next_request) else { break };
             self.execute(id, &request);
             count += 1;
-            // A robot takes milliseconds to make, and many in one segment are not to hold up others.
+            // Many robots in one segment are not to hold up others.
             if self.sessions.get(&id).is_some_and(Session::is_next_init) {
                 break;
             }

@@ -64,8 +64,8 @@ struct Scene {
 
 impl Scene {
     fn add_robot(&mut self, def: &RobotDef, RobotSnapshot { body, joints, rollers, .. }: &RobotSnapshot) {
-        let (mut spins, poses) = (rollers.iter(), def.link_poses(joints));
-        for (number, (link, pose)) in def.links.iter().zip(poses).enumerate() {
+        let mut spins = rollers.iter();
+        for (number, (link, pose)) in def.placed_links(joints).into_iter().enumerate() {
             let pose = body.pose * pose;
             link.solids.iter().for_each(|solid| self.add_solid(solid, &(pose * link.pose_of(solid)), BODY));
             if let Some(wheel) = MountedWheel::of((number, link)) {

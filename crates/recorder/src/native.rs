@@ -77,9 +77,8 @@ impl Native {
         });
         let joints = JointStates { timestamp: Some(timestamp(time)), joints: joints.collect() };
         file.put(time, &topic("joints"), &joints)?;
-        let poses = def.map_or(Vec::new(), |def| def.link_poses(&states));
-        let links = def.into_iter().flat_map(|def| &def.links).zip(&poses).skip(1);
-        let links = links.map(|(link, pose)| transform(time, &frame, &format!("{frame}/{}", link.name), pose));
+        let links = def.into_iter().flat_map(|def| def.placed_links(&states)).skip(1);
+        let links = links.map(|(link, pose)| transform(time, &frame, &format!("{frame}/{}", link.name), &pose));
         let all = std::iter::once(transform(time, "world", &frame, &pose)).chain(links).collect();
         file.put(time, &topic("tf"), &transforms(all))
     }

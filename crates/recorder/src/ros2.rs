@@ -76,9 +76,8 @@ impl Ros2 {
             file.put(time, "/tf_static", &ros::TFMessage { transforms: mounts })?;
         }
         let pose = state.pose();
-        let poses = def.map_or(Vec::new(), |def| def.link_poses(&state.joints()));
-        let links = def.into_iter().flat_map(|def| &def.links).zip(&poses).skip(1);
-        let links = links.map(|(link, pose)| transform(time, &frame, &format!("{frame}/{}", name(&link.name)), pose));
+        let links = def.into_iter().flat_map(|def| def.placed_links(&state.joints())).skip(1);
+        let links = links.map(|(link, pose)| transform(time, &frame, &format!("{frame}/{}", name(&link.name)), &pose));
         let transforms = std::iter::once(transform(time, "map", &frame, &pose)).chain(links).collect();
         file.put(time, "/tf", &ros::TFMessage { transforms })?;
 

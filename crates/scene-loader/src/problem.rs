@@ -1,6 +1,6 @@
 //! What can be wrong with a file.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use scene::check::SceneProblem;
@@ -105,16 +105,18 @@ impl Problems {
         self.0.len()
     }
 
-    /// Of the problems after the first `from`, which are of `alike` entries, keeps what is said of every entry alike once, at
-    /// the first: it stands in what they share.
-    pub(crate) fn say_once(&mut self, from: usize, alike: usize) {
-        let said: Vec<String> = self.0[from..].iter().map(|problem| problem.message.clone()).collect();
-        let (mut index, mut kept) = (0, BTreeSet::new());
-        self.0.retain(|problem| {
-            index += 1;
-            let of_all = || alike > 1 && said.iter().filter(|message| **message == problem.message).count() == alike;
-            index <= from || !of_all() || kept.insert(problem.message.clone())
-        });
+    /// Takes away, of the problems after the first `from`, what is said of each of `entries` alike, and returns it.
+    pub(crate) fn take_shared(&mut self, from: usize, entries: usize) -> BTreeSet<String> {
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        self.0[from..].iter().for_each(|problem| *counts.entry(problem.message.clone()).or_default() += 1);
+        let shared: BTreeSet<String> = counts
+            .into_iter()
+            .filter(|&(_, count)| count > 1 && count == entries)
+            .map(|(message, _)| message)
+            .collect();
+        let later = self.0.split_off(from);
+        self.0.extend(later.into_iter().filter(|problem| !shared.contains(&problem.message)));
+        shared
     }
 
     /// The value if nothing is wrong, otherwise every problem once, in the order of the lines.

@@ -364,14 +364,13 @@ fn read_wheels<'a>(
     };
     let count = entries.len();
     let wheels: Vec<(Range<usize>, Link)> = entries.into_iter().filter_map(wheel).collect();
-    document.problems().say_once(noted, count);
-    let wrong: Vec<Vec<String>> = wheels.iter().map(|(_, link)| wrong_wheel(link)).collect();
-    for ((span, _), messages) in wheels.iter().zip(&wrong) {
-        for message in messages {
-            // What is wrong with every wheel stands in [wheels].
-            let shared = wrong.len() > 1 && !place.is_empty() && wrong.iter().all(|other| other.contains(message));
-            document.problem(if shared { &place } else { span }, message);
-        }
+    for (span, link) in &wheels {
+        document.wrong(span, wrong_wheel(link));
+    }
+    if !place.is_empty() {
+        // What is wrong with every wheel stands in [wheels].
+        let shared = document.problems().take_shared(noted, count);
+        document.wrong(&place, shared);
     }
     let wheels = wheels.into_iter().map(|(_, wheel)| wheel).collect();
     if document.problems().count() == noted { Ok(wheels) } else { Err(Unread) }

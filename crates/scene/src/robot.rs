@@ -122,6 +122,12 @@ impl RobotDef {
         self.links.first().map_or(&[], |root| &root.solids)
     }
 
+    /// Damping of its body's velocity and angular velocity, 1/s: that of what its first shape is made of.
+    pub fn body_damping(&self) -> [f64; 2] {
+        let material = self.body_solids().first().map(|solid| &solid.material);
+        material.map_or([0.0; 2], |material| [material.linear_damping, material.angular_damping])
+    }
+
     /// Its wheels, casters too, in the order of its links.
     pub fn wheels(&self) -> impl Iterator<Item = MountedWheel<'_>> + Clone {
         self.links.iter().enumerate().filter_map(MountedWheel::of)
@@ -137,21 +143,21 @@ impl RobotDef {
         self.links.iter().any(|link| link.joint.is_some() && link.wheel.is_none())
     }
 
-    /// Poses of all links in the robot frame, where its joints have the values of a state; what is missing is 0.
-    pub fn link_poses(&self, joints: &[JointState]) -> Vec<Pose> {
+    /// All links with their poses in the robot frame, where its joints have the values of a state; what is missing is 0.
+    pub fn placed_links(&self, joints: &[JointState]) -> Vec<(&Link, Pose)> {
         let mut values = joints.iter().map(|joint| joint.position);
-        let mut poses: Vec<Pose> = Vec::with_capacity(self.links.len());
+        let mut placed: Vec<(&Link, Pose)> = Vec::with_capacity(self.links.len());
         for link in &self.links {
             let pose = link.joint.as_ref().map_or_else(Pose::identity, |joint| {
                 let value = if joint.kind.has_value() { values.next().unwrap_or(0.0) } else { 0.0 };
-                let from = self.links.get(joint.parent).map_or([0.0; 3], Link::origin);
+                let (from, parent) =
+                    placed.get(joint.parent).map_or_else(Default::default, |(parent, pose)| (parent.origin(), *pose));
                 let offset = Vector3::from(joint.anchor) - Vector3::from(from);
-                let parent = poses.get(joint.parent).copied().unwrap_or_default();
                 parent * Translation3::from(offset) * joint.motion(value)
             });
-            poses.push(pose);
+            placed.push((link, pose));
         }
-        poses
+        placed
     }
 
     /// The links whose joints have a value, in the order of a state's joints.

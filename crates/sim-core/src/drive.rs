@@ -6,7 +6,6 @@ mod skid;
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use kinematics::{FiniteRollers, Mecanum, Twist};
-
 use scene::{RobotDef, Side, Steering};
 
 /// What a robot remembers between two `DRIVE` lines.

@@ -13,6 +13,6 @@ mod sensor;
 mod world;
 
 pub use compiled::CompiledScene;
-pub use physics::{Contact, Identity};
+pub use physics::Contact;
 pub use scene::{BodyState, Options, RobotId, TIME_STEP, WheelState};
 pub use world::{Controller, LostRobot, Observation, World};

@@ -22,7 +22,7 @@ use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
 pub(crate) use compile::{CompiledMap, CompiledRobot, Materials};
-pub use identity::Identity;
+pub(crate) use identity::Identity;
 pub use observe::Contact;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;

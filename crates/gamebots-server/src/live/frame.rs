@@ -104,10 +104,10 @@ impl Bytes {
                 self.i16(turned / PI * 32768.0);
             }
         }
-        let poses = def.link_poses(&joints).into_iter().zip(&def.links).skip(1);
-        let poses: Vec<Pose> = poses.filter(|(_, link)| link.wheel.is_none()).map(|(pose, _)| pose).collect();
-        self.0.push(poses.len() as u8);
-        poses.iter().for_each(|pose| self.pose(pose));
+        let mut links = def.placed_links(&joints).into_iter().skip(1).collect::<Vec<_>>();
+        links.retain(|(link, _)| link.wheel.is_none());
+        self.0.push(links.len() as u8);
+        links.iter().for_each(|(_, pose)| self.pose(pose));
         contacts.sort_by(|a: &Contact, b| b.force.norm_squared().total_cmp(&a.force.norm_squared()));
         contacts.truncate(MAX_CONTACTS);
         self.0.push(contacts.len() as u8);

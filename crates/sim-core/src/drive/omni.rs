@@ -4,9 +4,9 @@
 
 use gamebots_proto::command::Drive;
 use kinematics::Twist;
+use scene::RobotDef;
 
 use super::{mecanum, of_side};
-use scene::RobotDef;
 
 /// Speed of each wheel that the command names by wheel or side, in the unit of the command.
 pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive) -> Vec<Option<f64>> {

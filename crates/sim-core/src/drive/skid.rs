@@ -2,9 +2,9 @@
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
+use scene::RobotDef;
 
 use super::of_side;
-use scene::RobotDef;
 
 /// Speed of each driven wheel in the unit of the command; `None` leaves it as it is.
 pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {

@@ -197,9 +197,7 @@ impl CompiledRobot {
         let wheels = def.wheels().map(|wheel| (wheel.pose(0.0), shape::outline(&wheel)));
         Self { mass: f64::from(def.mass()), outlines: solids.chain(wheels).collect(), kind, def }
     }
-}
 
-impl CompiledRobot {
     /// Origin of its root's body in the robot frame, m.
     pub(super) fn centre(&self) -> Vector3<f64> {
         match &self.kind {
@@ -222,10 +220,8 @@ impl Tree {
             wheel: None,
         };
         // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
-        let root_damping = def.body_solids().first().map_or([0.0; 2], |solid| {
-            let material = &solid.material;
-            [material.linear_damping * body.mass, material.angular_damping * (body.inertia.trace() / 3.0)]
-        });
+        let [linear, angular] = def.body_damping();
+        let root_damping = [linear * body.mass, angular * (body.inertia.trace() / 3.0)];
         let mut tree = Self { centre, links: vec![root], wheels: Vec::new(), root_damping };
         let mut numbers = vec![0];
         for (number, link) in def.links.iter().enumerate().skip(1) {
@@ -258,13 +254,7 @@ impl Tree {
             Surface::new(shape::shared(&solid.shape), &link.pose_of(solid), &solid.material, materials)
         };
         let surfaces = link.solids.iter().map(surface).collect();
-        let joint = Joint {
-            parent,
-            joint: engine_joint(joint, anchor),
-            damping: joint.damping,
-            armature: joint.drive.as_ref().map_or(0.0, |motor| motor.armature),
-            role: value_of(joint, false).map_or(Role::Free, Role::Value),
-        };
+        let joint = Joint::new(joint, parent, anchor, false);
         self.links.push(Link {
             pose: Translation3::from(offset).into(),
             mass,
@@ -293,13 +283,7 @@ impl Tree {
             (Some(_), None) => vec![surface(shape::tread(wheel.radius, wheel.width), &wheel.material)],
             (Some(_), Some(_)) => Vec::new(),
         };
-        let joint = Joint {
-            parent,
-            joint: engine_joint(joint, anchor),
-            damping: joint.damping,
-            armature: wheel.drive.map_or(0.0, |motor| motor.armature),
-            role: value_of(joint, true).map_or(Role::Free, Role::Value),
-        };
+        let joint = Joint::new(joint, parent, anchor, true);
         let hub = self.links.len();
         self.links.push(Link { pose, mass, surfaces, joint: Some(joint), wheel: Some(number) });
         let Some(rollers) = wheel.rollers.as_ref().filter(|_| wheel.drive.is_some()) else { return };
@@ -348,8 +332,18 @@ fn axis_of(kind: JointKind) -> Option<JointAxis> {
     }
 }
 
-fn value_of(joint: &scene::Joint, is_wheel: bool) -> Option<Value> {
-    axis_of(joint.kind).map(|axis| Value { axis, limits: joint.limits, motor: joint.drive.clone(), is_wheel })
+impl Joint {
+    /// A joint of a definition at an anchor in the frame of the body of a link with a number.
+    fn new(def: &scene::Joint, parent: usize, anchor: Vector3<f64>, is_wheel: bool) -> Self {
+        let value = |axis| Value { axis, limits: def.limits, motor: def.drive.clone(), is_wheel };
+        Self {
+            parent,
+            joint: engine_joint(def, anchor),
+            damping: def.damping,
+            armature: def.drive.as_ref().map_or(0.0, |motor| motor.armature),
+            role: axis_of(def.kind).map_or(Role::Free, |axis| Role::Value(value(axis))),
+        }
+    }
 }
 
 impl Base {

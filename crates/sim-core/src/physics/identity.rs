@@ -6,7 +6,7 @@ use crate::RobotId;
 
 /// What something in a world is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Identity {
+pub(crate) enum Identity {
     /// What does not move, by its number among the map's solids.
     Solid(u32),
     /// What can be pushed, by its number among the map's objects.

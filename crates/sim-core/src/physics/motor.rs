@@ -1,4 +1,4 @@
-//! The servo of a wheel, the same for every drive model.
+//! The servo of a joint: of a wheel's the same for every drive model.
 
 use scene::Motor;
 
@@ -7,7 +7,7 @@ const HOLDING_SPEED: f64 = 0.5;
 /// Time constant of holding, s: the servo's gain over this is the stiffness of a held wheel.
 const HOLDING_TIME: f64 = 0.05;
 
-/// What a wheel is told.
+/// What a joint is told.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Servo {
     target: f64,
@@ -61,9 +61,7 @@ impl Servo {
         self.reference = Some(angle + ahead);
         Torque { at_rest: motor.gain * self.target + stiffness * ahead, gain: motor.gain + stiffness * time_step }
     }
-}
 
-impl Servo {
     /// Toward a position, which is asked for no faster than the motor's speed limit. Stiffness and gain act on where the joint
     /// is at the end of the step, so that no stiffness is too much for a step.
     fn torque_to_position(&mut self, motor: &Motor, stiffness: f64, angle: f64, time_step: f64) -> Torque {

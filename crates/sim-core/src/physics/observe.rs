@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
-use super::compile::{Kind, Role};
-use super::robot::Drivetrain;
+use super::robot::{Drivetrain, joint_state};
 use super::{Physics, RobotBodies, convert, solved};
 
 /// A place where something pushes a robot.
@@ -21,13 +20,13 @@ pub struct Contact {
 impl Physics {
     /// Angles of a robot's rollers about their own axes, rad, -pi to pi, wheel by wheel.
     pub(crate) fn roller_angles(&self, bodies: &RobotBodies) -> Vec<f64> {
-        if let Drivetrain::Rigid(base) = bodies.drivetrain() {
-            return base.roller_angles().collect();
+        match bodies.drivetrain() {
+            Drivetrain::Multibody { rollers, .. } => {
+                let angle = |&roller| joint_state(&self.world, roller, JointAxis::AngX).position;
+                rollers.iter().map(|roller| wrapped(angle(roller))).collect()
+            }
+            Drivetrain::Rigid(base) => base.roller_angles().collect(),
         }
-        let Kind::Tree(tree) = &bodies.robot().kind else { return Vec::new() };
-        let links = tree.links.iter().zip(bodies.all());
-        let rollers = links.filter(|(link, _)| link.joint.as_ref().is_some_and(|joint| joint.role == Role::Roller));
-        rollers.map(|(_, &body)| wrapped(joint_angle(&self.world, body))).collect()
     }
 
     /// Everything that pushed a robot in the last step. Rolling resistance is a force on a hub; it is added to the
@@ -86,13 +85,6 @@ fn share(contacts: &mut [Contact], force: Vector3<f64>) {
     for contact in contacts.iter_mut().filter(|_| total > 0.0) {
         contact.force += force * (contact.force.norm() / total);
     }
-}
-
-/// Angle of the joint by which a body hangs on its parent, rad.
-fn joint_angle(world: &PhysicsWorld, body: RigidBodyHandle) -> f64 {
-    let id = world.multibody_joints.rigid_body_link(body);
-    let link = id.and_then(|id| world.multibody_joints.get_multibody(id.multibody)?.link(id.id));
-    link.map_or(0.0, |link| link.joint().coords()[JointAxis::AngX as usize])
 }
 
 /// The same angle between -pi and pi.

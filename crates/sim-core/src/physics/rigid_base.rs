@@ -10,6 +10,7 @@ use kinematics::{FiniteRollers, Mecanum, Twist};
 use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
+use scene::{DriveModel, JointState, Mass, Material, Motor, MountedWheel, Pose, RobotDef};
 
 use super::compile::{Base as CompiledBase, Materials};
 use super::convert;
@@ -18,7 +19,6 @@ use super::rolling::{self, Load};
 use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel, Velocity};
 use super::wheel_contact::{RollerRing, WheelContact};
 use crate::drive;
-use scene::{DriveModel, JointState, Mass, Material, Motor, MountedWheel, Pose, RobotDef};
 
 /// Stiffness of a roller's tread, N/m. It shares the load between the wheels.
 const STIFFNESS: f64 = 1e8;
@@ -106,8 +106,8 @@ pub(super) struct RigidBase {
     body: RigidBodyHandle,
     following: Option<Following>,
     mass: Mass,
-    linear_damping: f64,
-    angular_damping: f64,
+    /// Of the velocity and the angular velocity, 1/s.
+    damping: [f64; 2],
     /// What each wheel stood on in the last step.
     loads: Vec<Load>,
     wheels: Arc<[BaseWheel]>,
@@ -149,8 +149,7 @@ impl RigidBase {
             body,
             following,
             mass,
-            linear_damping: robot.body_solids().first().map_or(0.0, |solid| solid.material.linear_damping),
-            angular_damping: robot.body_solids().first().map_or(0.0, |solid| solid.material.angular_damping),
+            damping: robot.body_damping(),
             loads: vec![Load::default(); count],
             servos: vec![Servo::default(); count],
             wheels,
@@ -214,8 +213,9 @@ impl RigidBase {
         self.resist_rolling(&mut momentum, fall);
         let resistance = momentum.linear - self.momentum.linear;
         momentum.linear += fall * self.mass.mass;
-        momentum.linear /= 1.0 + self.linear_damping * time_step;
-        momentum.angular /= 1.0 + self.angular_damping * time_step;
+        let [linear, angular] = self.damping;
+        momentum.linear /= 1.0 + linear * time_step;
+        momentum.angular /= 1.0 + angular * time_step;
         let (mut rows, mut others, mut touched) = (Vec::new(), Vec::new(), Vec::new());
         let mut contacts = std::mem::take(&mut self.contacts);
         for wheel in 0..self.wheels.len() {

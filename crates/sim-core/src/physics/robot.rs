@@ -37,6 +37,8 @@ pub(super) enum Drivetrain {
     Multibody {
         /// Every joint that has a value, in the order of the links.
         joints: Vec<TreeJoint>,
+        /// The joints of the rollers, wheel by wheel.
+        rollers: Vec<MultibodyJointHandle>,
         /// Of every wheel, casters too.
         treads: Vec<Tread>,
     },
@@ -135,7 +137,7 @@ impl Physics {
 
     fn spawn_tree(&mut self, tree: &Tree, id: RobotId, pose: &Pose) -> (Vec<RigidBodyHandle>, Drivetrain) {
         let (mut frames, mut all) = (Vec::new(), Vec::new());
-        let (mut joints, mut treads) = (Vec::new(), BTreeMap::new());
+        let (mut joints, mut rollers, mut treads) = (Vec::new(), Vec::new(), BTreeMap::new());
         for (number, link) in (0..).zip(&tree.links) {
             let parent = link.joint.as_ref().map(|joint| joint.parent);
             let frame = parent.map_or(*pose, |parent| frames[parent] * link.pose);
@@ -147,8 +149,12 @@ impl Physics {
             let colliders: Vec<ColliderHandle> = colliders.collect();
             if let Some(Joint { parent, joint, role, .. }) = &link.joint {
                 let joint = self.world.multibody_joints.insert(all[*parent], body, *joint, true);
-                if let (Role::Value(value), Some(handle)) = (role, joint) {
-                    joints.push(TreeJoint { handle, value: value.clone(), servo: Servo::default() });
+                match (role, joint) {
+                    (Role::Value(value), Some(handle)) => {
+                        joints.push(TreeJoint { handle, value: value.clone(), servo: Servo::default() });
+                    }
+                    (Role::Roller, handle) => rollers.extend(handle),
+                    (Role::Value(_), None) | (Role::Free, _) => {}
                 }
             }
             if let Some(wheel) = link.wheel {
@@ -159,7 +165,7 @@ impl Physics {
             all.push(body);
         }
         self.set_joint_parameters(tree, &all);
-        (all, Drivetrain::Multibody { joints, treads: treads.into_values().collect() })
+        (all, Drivetrain::Multibody { joints, rollers, treads: treads.into_values().collect() })
     }
 
     fn spawn_base(
@@ -201,7 +207,7 @@ impl Physics {
     pub(crate) fn before_step(&mut self, bodies: &mut RobotBodies) {
         let RobotBodies { robot, all, drivetrain } = bodies;
         match drivetrain {
-            Drivetrain::Multibody { joints, treads } => {
+            Drivetrain::Multibody { joints, treads, .. } => {
                 self.reset_forces(all);
                 self.set_motors(joints);
                 if let Kind::Tree(tree) = &robot.kind {
@@ -378,11 +384,16 @@ impl Physics {
 
 impl TreeJoint {
     fn state(&self, world: &PhysicsWorld) -> JointState {
-        let found = world.multibody_joints.get(self.handle);
-        let Some((multibody, Some(link))) = found.map(|(multibody, link)| (multibody, multibody.link(link))) else {
-            return JointState::default();
-        };
-        let speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| speed);
-        JointState { position: link.joint.coords()[self.value.axis as usize], speed }
+        joint_state(world, self.handle, self.value.axis)
     }
+}
+
+/// Where a joint with one value along an axis is, and how fast.
+pub(super) fn joint_state(world: &PhysicsWorld, handle: MultibodyJointHandle, axis: JointAxis) -> JointState {
+    let found = world.multibody_joints.get(handle);
+    let Some((multibody, Some(link))) = found.map(|(multibody, link)| (multibody, multibody.link(link))) else {
+        return JointState::default();
+    };
+    let speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| speed);
+    JointState { position: link.joint.coords()[axis as usize], speed }
 }

@@ -6,8 +6,9 @@ use rapier3d::math::{Pose as EnginePose, Rotation};
 use rapier3d::parry::shape::{HalfSpace, TriMeshFlags};
 use rapier3d::prelude::*;
 
-use super::roller::RollerShape;
 use scene::{MountedWheel, Rollers};
+
+use super::roller::RollerShape;
 
 use super::convert;
 

@@ -6,11 +6,11 @@ use rapier3d::parry::math::{Pose as EnginePose, Vector};
 use rapier3d::parry::query::details::NormalConstraints;
 use rapier3d::parry::shape::Shape;
 use rapier3d::prelude::*;
+use scene::{Pose, Rollers};
 
 use super::contact::{Touch, distance, touch_part};
 use super::convert;
 use super::roller::RollerShape;
-use scene::{Pose, Rollers};
 
 /// Rollers this far off the direction to a surface are looked at beside the nearest one, rad: a contact is up to 21 mm
 /// beside the hub, so where a surface ends obliquely its point nearest to the hub is up to 15 mm before or behind it.

@@ -3,9 +3,9 @@
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{Camera, ItemConf, Reading};
+use scene::sensor::camera::Config;
 
 use super::{Effect, Mount, Sensor, View};
-use scene::sensor::camera::Config;
 
 pub(super) struct Mounted {
     name: String,

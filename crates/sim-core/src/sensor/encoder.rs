@@ -7,9 +7,9 @@ use gamebots_proto::command::Set;
 use gamebots_proto::message::{Encoder, ItemConf, Reading};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use scene::sensor::encoder::Config;
 
 use super::{Effect, Mount, Sensor, View};
-use scene::sensor::encoder::Config;
 
 pub(super) struct Mounted {
     name: String,

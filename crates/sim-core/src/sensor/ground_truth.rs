@@ -1,10 +1,10 @@
 //! Exact pose of the robot's body, or of the sensor itself (GroundTruth.uc:23-41; no noise).
 
 use gamebots_proto::message::{GroundTruth, ItemConf, Reading};
-
-use super::{Mount, Sensor, View, floats};
 use scene::sensor::ground_truth::Config;
 use scene::{Pose, position_and_rotation};
+
+use super::{Mount, Sensor, View, floats};
 
 pub(super) struct Mounted {
     name: String,

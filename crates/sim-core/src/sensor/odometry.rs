@@ -6,11 +6,11 @@
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Odometry, Reading};
 use kinematics::{FiniteRollers, Mecanum, PlanarPose, Skid, Twist};
+use scene::sensor::odometry::Config;
+use scene::{RobotDef, Side, Steering};
 
 use super::{Effect, Mount, Sensor, View};
 use crate::{WheelState, drive};
-use scene::sensor::odometry::Config;
-use scene::{RobotDef, Side, Steering};
 
 enum Base {
     Skid {
@@ -49,12 +49,12 @@ fn base(robot: &RobotDef, finite_rollers: bool) -> Base {
         Steering::Skid => {
             let foremost = |side| {
                 let on_side = robot.driven().enumerate().filter(|(_, wheel)| wheel.side == side);
-                on_side.max_by(|a, b| a.1.position[0].total_cmp(&b.1.position[0])).map(|(index, _)| index)
+                on_side.max_by(|a, b| a.1.position[0].total_cmp(&b.1.position[0]))
             };
-            let (Some(left), Some(right)) = (foremost(Side::Left), foremost(Side::Right)) else { return Base::None };
-            let wheel = robot.driven().nth(right);
-            let (radius, half_track) = wheel.map_or((0.0, 0.0), |wheel| (wheel.radius, wheel.position[1]));
-            Base::Skid { kinematics: Skid { wheel_radius: radius, track: 2.0 * half_track }, left, right }
+            let (Some((left, _)), Some((right, wheel))) = (foremost(Side::Left), foremost(Side::Right)) else {
+                return Base::None;
+            };
+            Base::Skid { kinematics: Skid { wheel_radius: wheel.radius, track: 2.0 * wheel.position[1] }, left, right }
         }
     }
 }

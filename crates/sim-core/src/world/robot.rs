@@ -5,13 +5,13 @@ use std::sync::Arc;
 use gamebots_proto::Problem;
 use gamebots_proto::command::{Drive, Set};
 use gamebots_proto::message::{Message, Sta};
+use scene::{JointState, Pose, RobotDef, SensorDef};
 
 use super::{Options, RobotId, seed};
 use crate::drive::DriveState;
 use crate::physics::{CompiledRobot, Physics, RobotBodies};
 use crate::sensor::{self, Effect, Sensor, View};
 use crate::{BodyState, Contact, WheelState};
-use scene::{JointState, Pose, RobotDef, SensorDef};
 
 /// Seconds between two STA lines (USARVehicle.uc:264).
 const STATUS_INTERVAL: f64 = 0.1;
