@@ -145,6 +145,65 @@ fn a_joint_stops_at_its_limit() {
     assert!((arm(&world).position - 1.5).abs() < 0.01 && arm(&world).speed.abs() < 1e-3, "{:?}", arm(&world));
 }
 
+#[test]
+fn dry_friction_slows_what_slides_by_the_same_at_any_speed_and_holds_what_it_can() {
+    let slide = |friction: f64| {
+        let joint = "kind = \"prismatic\"\naxis = [0, 0, 1]\nlimits = [0.0, 5.0]\nfriction = ";
+        let (mut world, _) = world(&format!("{joint}{friction}"), "[0.2, 0.0, -1.0]");
+        // The cart comes to stand first.
+        run(&mut world, 0.2);
+        let before = arm(&world);
+        run(&mut world, 0.2);
+        (arm(&world).speed - before.speed, arm(&world).position - before.position)
+    };
+    // It weighs 4.905 N.
+    for friction in [1.0, 3.0] {
+        let ((gained, _), expected) = (slide(friction), (4.905 - friction) / 0.5 * 0.2);
+        println!("friction {friction} N: {gained:.5} m/s, expected {expected:.5} m/s");
+        assert!((gained / expected - 1.0).abs() < 1e-3, "{friction} N: {gained} m/s, expected {expected} m/s");
+    }
+    let (_, held) = slide(6.0);
+    println!("held: {held:.2e} m");
+    assert!(held.abs() < 1e-5, "{held} m");
+}
+
+#[test]
+fn a_swing_ends_where_dry_friction_holds_it() {
+    let (mut world, _) = world("kind = \"continuous\"\naxis = [0, 1, 0]\nfriction = 0.2", "[0.2, 0.0, -1.0]");
+    run(&mut world, 10.0);
+    // Straight down is at -pi/2; there is no torque of gravity greater than the friction where it rests.
+    let JointState { position, speed } = arm(&world);
+    let torque = 0.5 * 9.81 * 0.2 * position.cos();
+    println!("rests at {position:.3} rad with {torque:.3} N m");
+    assert!(speed.abs() < 1e-4 && torque.abs() < 0.2 && position < -1.0, "{position} rad, {speed} rad/s, {torque} N m");
+}
+
+#[test]
+fn a_joint_follows_another_by_where_it_is_or_by_its_target() {
+    let follower = |servo: &str, coupling: &str| {
+        let joint = format!("kind = \"revolute\"\naxis = [0, 1, 0]\nlimits = [-2.0, 2.0]\n{servo}");
+        let second =
+            format!("[[joint]]\nname = \"Second\"\nposition = [0.0, 0.0, -1.0]\n{joint}\ncoupling = {coupling}\n");
+        let part = "[[part]]\nname = \"Other\"\nlink = \"Second\"\nmass = 0.5\nposition = [0.0, 0.0, -1.0]\n\
+                    size = [0.02, 0.02, 0.02]\nmaterial = \"aluminium\"\n";
+        // The follower comes first in the file and leads nothing.
+        let cart = cart(SERVO, "[0.0, 0.0, -1.0]").replacen("[[joint]]", &format!("{second}[[joint]]"), 1);
+        let (mut world, robot) = world_of(&(cart + part));
+        apply(&mut world, robot, "SET {Type Joint} {Name Second} {Opcode Angle} {Params 0.9}");
+        apply(&mut world, robot, "SET {Type Joint} {Name Arm} {Opcode Angle} {Params 0.6}");
+        run(&mut world, 0.6);
+        let on_the_way = world.snapshot().robots[0].joints[0].position;
+        run(&mut world, 4.0);
+        (on_the_way, world.snapshot().robots[0].joints[0].position)
+    };
+    // The leader moves at 0.5 rad/s.
+    let (on_the_way, there) = follower("", "{ joint = \"Arm\", multiplier = -2.0, offset = 0.1 }");
+    assert!((on_the_way + 0.5).abs() < 0.02 && (there + 1.1).abs() < 0.001, "{on_the_way}, {there}");
+    let servo = "max_speed = 0.5\nmax_torque = 20\ngain = 5\nstiffness = 500";
+    let (on_the_way, there) = follower(servo, "{ joint = \"Arm\", multiplier = -1.0, kind = \"target\" }");
+    assert!((on_the_way - 0.3).abs() < 0.01 && (there - 0.3).abs() < 0.001, "{on_the_way}, {there}");
+}
+
 /// Front wheels on knuckles, both turned to the right: the circle on which the middles of both axles roll. Soft servos let wheels
 /// differ as their ways do.
 #[test]
@@ -226,6 +285,15 @@ fn a_joint_that_makes_no_sense_is_refused_with_the_nearest_name() {
     check("kind = \"continuous\"\naxis = [0, 0, 0]", "`axis` has the length NaN");
     check("kind = \"continuous\"\nmax_speed = 1\ngain = 1", "missing `max_torque`");
     check("kind = \"continuous\"\ngain = 1\nmax_torque = 1\nmax_speed = -1", "`max_speed` is -1");
+    check("kind = \"continuous\"\nfriction = -1", "`friction` is -1");
+    check("kind = \"continuous\"\ncoupling = { joint = \"Amr\", multiplier = 1 }", "(perhaps `Arm`)");
+    check("kind = \"continuous\"\ncoupling = { joint = \"Arm\", multiplier = 1 }", "link Arm: it follows link 1");
+    check(&format!("{SERVO}\ncoupling = {{ joint = \"Arm\", multiplier = 1 }}"), "a motor of a joint that is moved by");
+    check(&format!("{SERVO}\ncoupling = {{ joint = \"Arm\", multiplier = 1, kind = \"mimc\" }}"), "(perhaps `mimic`)");
+    check(
+        "kind = \"continuous\"\ncoupling = { joint = \"Arm\", multiplier = 1, kind = \"target\" }",
+        "expected a motor with a `stiffness`",
+    );
     check("kind = \"ball\"\ngain = 1\nmax_torque = 1\nmax_speed = 1", "a motor of a joint that has no axis");
 }
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 use scene::sensor;
 use scene::{
-    Battery, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, ROOT, RobotDef, Rollers, SensorDef, Shape,
-    Side, Solid, Steering, Wheel, check,
+    Battery, Coupling, CouplingKind, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, ROOT, RobotDef,
+    Rollers, SensorDef, Shape, Side, Solid, Steering, Wheel, check,
 };
 use serde::Deserialize;
 
@@ -108,12 +108,27 @@ struct JointEntry {
     limits: Option<[f64; 2]>,
     #[serde(default)]
     damping: f64,
+    #[serde(default)]
+    friction: f64,
     max_speed: Option<f64>,
     max_torque: Option<f64>,
     gain: Option<f64>,
     stiffness: Option<f64>,
     #[serde(default)]
     armature: f64,
+    coupling: Option<CouplingEntry>,
+}
+
+/// What a joint follows.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CouplingEntry {
+    joint: String,
+    multiplier: f64,
+    #[serde(default)]
+    offset: f64,
+    /// Without one, `mimic`.
+    kind: Option<String>,
 }
 
 /// What is to differ from the URDF in a link of the body.
@@ -300,6 +315,8 @@ fn read_joints<'a>(document: &mut Document<'a>, root: &mut Table<'a>, body: Link
     let entries = document.list::<JointEntry>(root, "joint");
     let complete = document.problems().count() == noted;
     let mut links = Links { links: vec![body], carried: Vec::new(), complete };
+    // Their leaders may come behind them.
+    let mut couplings = Vec::new();
     for (span, entry) in entries {
         if links.links.iter().any(|link| link.name == entry.name) {
             document.problem(&span, format_args!("second link `{}`: expected a name of its own", entry.name));
@@ -308,14 +325,26 @@ fn read_joints<'a>(document: &mut Document<'a>, root: &mut Table<'a>, body: Link
         let kind = document.one_of(&span, "kind", &entry.kind, JointKind::ALL.iter().map(|(name, _)| *name));
         let parent = links.find(document, &span, "parent", entry.parent.as_deref());
         let (axis, drive) = (entry.axis.unwrap_or([0.0, 0.0, 1.0]), read_servo(document, &span, &entry));
-        let JointEntry { name, position, limits, damping, .. } = entry;
+        let JointEntry { name, position, limits, damping, friction, .. } = entry;
+        couplings.extend(entry.coupling.map(|coupling| (span.clone(), links.links.len(), coupling)));
         let joint = kind.zip(parent).map(|(kind, parent)| {
             let (kind, axis) = (JointKind::ALL[kind].1, Vector3::from(axis).normalize().into());
-            Joint { parent, kind, anchor: position, axis, limits, damping, drive }
+            Joint { limits, damping, friction, drive, ..Joint::new(parent, kind, position, axis) }
         });
         // Without a joint it only stands for its name, and what is wrong is said.
         links.carried.extend(joint.is_some().then_some((span, links.links.len())));
         links.links.push(Link { name, joint, ..Link::default() });
+    }
+    for (span, follower, CouplingEntry { joint, multiplier, offset, kind }) in couplings {
+        let names = CouplingKind::ALL.iter().map(|(name, _)| *name);
+        let kind = document.one_of(&span, "kind", kind.as_deref().unwrap_or("mimic"), names);
+        let leader = links.find(document, &span, "joint", Some(&joint));
+        let coupling = kind.zip(leader);
+        let coupling =
+            coupling.map(|(kind, leader)| Coupling { leader, multiplier, offset, kind: CouplingKind::ALL[kind].1 });
+        if let Some(joint) = &mut links.links[follower].joint {
+            joint.coupling = coupling;
+        }
     }
     links
 }

@@ -4,6 +4,7 @@
 //! log, they read back with the same bits.
 
 pub mod check;
+mod drawing;
 mod hull;
 mod link;
 mod map;
@@ -23,8 +24,9 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
+pub use drawing::{Drawn, Geometry, Visual};
 pub use hull::hull_surface;
-pub use link::{Joint, JointKind, Link, Part, ROOT, WHEEL_AXIS};
+pub use link::{Coupling, CouplingKind, Joint, JointKind, Link, Part, ROOT, WHEEL_AXIS};
 pub use map::{MapDef, NamedPose, Object};
 pub use mass::Mass;
 pub use material::Material;

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{Motor, Pose, Solid, Wheel};
+use crate::{Motor, Pose, Solid, Visual, Wheel};
 
 /// Name of the root of a robot whose file does not name it.
 pub const ROOT: &str = "body";
@@ -28,6 +28,9 @@ pub struct Link {
     pub solids: Vec<Solid>,
     /// The wheel that it is.
     pub wheel: Option<Wheel>,
+    /// What is seen of it; without any, its solids and its wheel.
+    #[serde(default)]
+    pub visuals: Vec<Visual>,
 }
 
 /// How a link moves against its parent.
@@ -46,8 +49,37 @@ pub struct Joint {
     pub limits: Option<[f64; 2]>,
     /// Viscous friction, N m s/rad or N s/m.
     pub damping: f64,
+    /// Dry friction, N m or N: the same at any speed, and what it takes to set the joint in motion.
+    #[serde(default)]
+    pub friction: f64,
     /// Its motor; without one it moves freely.
     pub drive: Option<Motor>,
+    /// How its servo follows another joint.
+    #[serde(default)]
+    pub coupling: Option<Coupling>,
+}
+
+/// How a joint follows another: to `multiplier` x leader + `offset`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Coupling {
+    /// The number of the leader among the links. It follows none itself.
+    pub leader: usize,
+    /// Of the leader's value.
+    pub multiplier: f64,
+    /// rad or m.
+    pub offset: f64,
+    /// What of the leader counts.
+    pub kind: CouplingKind,
+}
+
+/// What of its leader a joint follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CouplingKind {
+    /// Where it is, as if by a gear: the joint has no motor of its own. `<mimic>` of a URDF, the Nao's hip (Nao.uc:24-33).
+    Mimic,
+    /// Its target, which is added to that of the joint's own servo: the third link of the Fanuc with a multiplier of -1
+    /// (Fanuc_M16iB20Arm.uc:20-25).
+    Target,
 }
 
 /// What a joint lets its link do.
@@ -94,7 +126,17 @@ impl JointKind {
     }
 }
 
+impl CouplingKind {
+    /// All of them, with their names in robot.toml.
+    pub const ALL: [(&str, Self); 2] = [("mimic", Self::Mimic), ("target", Self::Target)];
+}
+
 impl Joint {
+    /// A joint that moves freely without an end.
+    pub fn new(parent: usize, kind: JointKind, anchor: [f64; 3], axis: [f64; 3]) -> Self {
+        Self { parent, kind, anchor, axis, limits: None, damping: 0.0, friction: 0.0, drive: None, coupling: None }
+    }
+
     /// How a value moves the link from where it is at 0, in the link's frame then.
     pub fn motion(&self, value: f64) -> Pose {
         let axis = Vector3::from(self.axis);
@@ -128,7 +170,7 @@ impl Link {
     /// A wheel on the body: driven by a motor about the robot's left, or a ball that is free to turn about every axis.
     pub fn of_wheel(name: String, position: [f64; 3], drive: Option<Motor>, wheel: Wheel) -> Self {
         let kind = if drive.is_some() { JointKind::Continuous } else { JointKind::Ball };
-        let joint = Joint { parent: 0, kind, anchor: position, axis: WHEEL_AXIS, limits: None, damping: 0.0, drive };
+        let joint = Joint { drive, ..Joint::new(0, kind, position, WHEEL_AXIS) };
         Self { name, joint: Some(joint), wheel: Some(wheel), ..Self::default() }
     }
 }

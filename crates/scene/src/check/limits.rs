@@ -54,6 +54,10 @@ pub const GAIN: Range = Range { least: 1e-6, most: 1e6, unit: " N m s/rad" };
 pub const STIFFNESS: Range = Range { least: 1e-6, most: 1e8, unit: " N m/rad" };
 /// Viscous friction of a joint.
 pub const JOINT_DAMPING: Range = Range { least: 0.0, most: 1e6, unit: " N m s/rad" };
+/// Dry friction of a joint.
+pub const JOINT_FRICTION: Range = Range { least: 0.0, most: 1e6, unit: " N m or N" };
+/// How far a joint goes for each rad or m of the one that it follows.
+pub const MULTIPLIER: Range = Range { least: -1000.0, most: 1000.0, unit: "" };
 /// Ends of a joint.
 pub const JOINT_LIMIT: Range = Range { least: -100.0, most: 100.0, unit: " rad or m" };
 /// Torque limit of a motor; the thesis's is 10 000.

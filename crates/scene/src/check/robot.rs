@@ -7,8 +7,8 @@ use super::map::material;
 use super::shape::{hull_points, solid};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
-    Battery, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side,
-    Solid, Steering, WHEEL_AXIS,
+    Battery, Coupling, CouplingKind, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, RobotDef, Rollers,
+    SensorDef, Shape, Side, Solid, Steering, WHEEL_AXIS,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -76,10 +76,28 @@ fn joint(def: &Joint, number: usize, of_wheel: bool) -> Vec<String> {
         wrong.push(format!("`axis` has the length {}: expected 1", Number(length)));
     }
     wrong.extend(JOINT_DAMPING.problem("damping", def.damping));
+    wrong.extend(JOINT_FRICTION.problem("friction", def.friction));
+    if let Some(Coupling { multiplier, offset, kind, .. }) = def.coupling {
+        wrong.extend(MULTIPLIER.problem("multiplier", multiplier));
+        wrong.extend(JOINT_LIMIT.problem("offset", offset));
+        let servo = def.drive.as_ref().is_some_and(|motor| motor.stiffness.is_some());
+        match kind {
+            CouplingKind::Mimic if def.drive.is_some() => {
+                wrong.push("a motor of a joint that is moved by another: expected none".to_owned());
+            }
+            CouplingKind::Target if !servo => {
+                wrong.push("a joint that follows a target: expected a motor with a `stiffness`".to_owned());
+            }
+            CouplingKind::Mimic | CouplingKind::Target => {}
+        }
+    }
     if of_wheel {
         let kind = if def.drive.is_some() { JointKind::Continuous } else { JointKind::Ball };
         if def.kind != kind || def.axis != WHEEL_AXIS {
             wrong.push("a wheel's joint: expected a continuous one with a motor about the left, or a ball".to_owned());
+        }
+        if def.friction != 0.0 || def.drive.as_ref().is_some_and(|motor| motor.stiffness.is_some()) {
+            wrong.push("a wheel's joint with `friction` or `stiffness`: expected neither".to_owned());
         }
     } else {
         wrong.extend(ROBOT_REACH.problem_in("position", &def.anchor));
@@ -266,6 +284,7 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
         wrong.push("a driven wheel behind a caster: expected driven wheels first".to_owned());
     }
     wrong.extend(omni(def));
+    wrong.extend(couplings(def));
     if def.drive_model != DriveModel::Bodies && def.has_joints() {
         wrong.push("`drive_model` other than \"bodies\" of a robot with joints: expected wheels alone".to_owned());
     }
@@ -273,6 +292,17 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
         wrong.extend(masses(def));
     }
     wrong
+}
+
+/// A leader leads itself: what would follow what else?
+fn couplings(def: &RobotDef) -> impl Iterator<Item = String> {
+    let coupled = |link: &Link| Some((link.name.clone(), link.joint.as_ref()?.coupling?.leader));
+    let leads = |link: &Link| link.has_value() && link.joint.as_ref().is_some_and(|joint| joint.coupling.is_none());
+    let followers = def.links.iter().filter_map(coupled);
+    let lost = followers.filter(move |&(_, leader)| !def.links.get(leader).is_some_and(leads));
+    lost.map(|(name, leader)| {
+        format!("link {}: it follows link {leader}: expected one that turns or slides and follows none", shown(&name))
+    })
 }
 
 /// An omni base has four wheels with rollers in a fixed order, as its kinematics and its encoders count them.

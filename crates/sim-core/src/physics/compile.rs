@@ -8,7 +8,9 @@ use std::sync::Arc;
 use nalgebra::{Translation3, Vector3};
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
-use scene::{DriveModel, JointKind, MapDef, Mass, Material, Motor, MountedWheel, Pose, RobotDef, Shape};
+use scene::{
+    Coupling, CouplingKind, DriveModel, JointKind, MapDef, Mass, Material, Motor, MountedWheel, Pose, RobotDef, Shape,
+};
 
 use super::convert;
 use super::identity::{Identity, Mark};
@@ -118,8 +120,19 @@ pub(super) struct Tree {
     pub(super) centre: Vector3<f64>,
     pub(super) links: Vec<Link>,
     pub(super) wheels: Vec<TreeWheel>,
+    /// Joints that are moved by others.
+    pub(super) gears: Vec<Gear>,
     /// Damping of the root's velocity, N s/m, and angular velocity, N m s/rad.
     pub(super) root_damping: [f64; 2],
+}
+
+/// A joint that is moved by another: each by its link's number and its axis.
+pub(super) struct Gear {
+    pub(super) leader: (usize, JointAxis),
+    pub(super) follower: (usize, JointAxis),
+    pub(super) multiplier: f64,
+    /// rad or m.
+    pub(super) offset: f64,
 }
 
 /// A wheel of a tree, as its rolling resistance needs it.
@@ -150,6 +163,8 @@ pub(super) struct Joint {
     pub(super) joint: GenericJoint,
     /// Of every degree of freedom, N m s/rad.
     pub(super) damping: f64,
+    /// Dry friction of every degree of freedom, N m or N.
+    pub(super) friction: f64,
     /// Inertia of a rotor as felt at the joint, kg m².
     pub(super) armature: f64,
     pub(super) role: Role,
@@ -173,6 +188,8 @@ pub(super) struct Value {
     /// Its servo of the position has no targets beyond.
     pub(super) limits: Option<[f64; 2]>,
     pub(super) motor: Option<Motor>,
+    /// Whose target its servo follows; the leader by its number among the joints with a value.
+    pub(super) follows: Option<Coupling>,
     pub(super) is_wheel: bool,
 }
 
@@ -222,7 +239,8 @@ impl Tree {
         // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
         let [linear, angular] = def.body_damping();
         let root_damping = [linear * body.mass, angular * (body.inertia.trace() / 3.0)];
-        let mut tree = Self { centre, links: vec![root], wheels: Vec::new(), root_damping };
+        let (wheels, gears) = (Vec::new(), Vec::new());
+        let mut tree = Self { centre, links: vec![root], wheels, gears, root_damping };
         let mut numbers = vec![0];
         for (number, link) in def.links.iter().enumerate().skip(1) {
             let Some(joint) = &link.joint else { continue };
@@ -236,7 +254,30 @@ impl Tree {
                 None => tree.add_link(link, joint, parent, offset, anchor, materials),
             }
         }
+        for (number, link) in def.links.iter().enumerate() {
+            if let Some(coupling) = link.joint.as_ref().and_then(|joint| joint.coupling) {
+                tree.add_coupling(def, &numbers, number, coupling);
+            }
+        }
         tree
+    }
+
+    /// Couples the joint of a link to another; `numbers` are those of the links here.
+    fn add_coupling(&mut self, def: &RobotDef, numbers: &[usize], follower: usize, coupling: Coupling) {
+        let Coupling { leader, multiplier, offset, kind } = coupling;
+        let axis = |link: usize| Some((numbers[link], axis_of(def.links[link].joint.as_ref()?.kind)?));
+        match kind {
+            CouplingKind::Mimic => {
+                let joints = axis(leader).zip(axis(follower));
+                self.gears.extend(joints.map(|(leader, follower)| Gear { leader, follower, multiplier, offset }));
+            }
+            CouplingKind::Target => {
+                let leader = def.links.iter().take(leader).filter(|link| link.has_value()).count();
+                if let Some(Joint { role: Role::Value(value), .. }) = &mut self.links[numbers[follower]].joint {
+                    value.follows = Some(Coupling { leader, ..coupling });
+                }
+            }
+        }
     }
 
     fn add_link(
@@ -294,8 +335,14 @@ impl Tree {
             let pose = rollers.pose(index);
             let mut joint = RevoluteJointBuilder::new(Vector::X).build();
             joint.data.set_local_frame1(convert::pose(&pose));
-            let joint =
-                Joint { parent: hub, joint: joint.into(), damping: rollers.damping, armature: 0.0, role: Role::Roller };
+            let joint = Joint {
+                parent: hub,
+                joint: joint.into(),
+                damping: rollers.damping,
+                friction: 0.0,
+                armature: 0.0,
+                role: Role::Roller,
+            };
             let surfaces = vec![surface.clone()];
             self.links.push(Link { pose, mass, surfaces, joint: Some(joint), wheel: Some(number) });
         }
@@ -335,11 +382,12 @@ fn axis_of(kind: JointKind) -> Option<JointAxis> {
 impl Joint {
     /// A joint of a definition at an anchor in the frame of the body of a link with a number.
     fn new(def: &scene::Joint, parent: usize, anchor: Vector3<f64>, is_wheel: bool) -> Self {
-        let value = |axis| Value { axis, limits: def.limits, motor: def.drive.clone(), is_wheel };
+        let value = |axis| Value { axis, limits: def.limits, motor: def.drive.clone(), follows: None, is_wheel };
         Self {
             parent,
             joint: engine_joint(def, anchor),
             damping: def.damping,
+            friction: def.friction,
             armature: def.drive.as_ref().map_or(0.0, |motor| motor.armature),
             role: axis_of(def.kind).map_or(Role::Free, |axis| Role::Value(value(axis))),
         }

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
-use scene::{JointState, Pose, RobotDef};
+use scene::{Coupling, JointState, Pose, RobotDef};
 
-use super::compile::{Base, CompiledRobot, Joint, Kind, Role, Tree, Value};
+use super::compile::{Base, CompiledRobot, Gear, Joint, Kind, Role, Tree, Value};
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
 use super::rigid_base::RigidBase;
@@ -50,6 +50,8 @@ pub(super) struct TreeJoint {
     handle: MultibodyJointHandle,
     value: Value,
     servo: Servo,
+    /// What it is told by itself; that of a wheel and of a joint that follows none is its servo's.
+    target: f64,
 }
 
 /// What touches the ground of a wheel.
@@ -103,9 +105,8 @@ impl RobotBodies {
         if let Drivetrain::Multibody { joints, .. } = &mut self.drivetrain
             && let Some(joint) = joints.get_mut(joint)
         {
-            let is_of_position = joint.value.motor.as_ref().is_some_and(|motor| motor.stiffness.is_some());
-            let limits = joint.value.limits.filter(|_| is_of_position);
-            joint.servo.set_target(limits.map_or(target, |[least, most]| target.clamp(least, most)));
+            joint.target = joint.within_limits(target);
+            joint.servo.set_target(joint.target);
         }
     }
 }
@@ -151,7 +152,7 @@ impl Physics {
                 let joint = self.world.multibody_joints.insert(all[*parent], body, *joint, true);
                 match (role, joint) {
                     (Role::Value(value), Some(handle)) => {
-                        joints.push(TreeJoint { handle, value: value.clone(), servo: Servo::default() });
+                        joints.push(TreeJoint { handle, value: value.clone(), servo: Servo::default(), target: 0.0 });
                     }
                     (Role::Roller, handle) => rollers.extend(handle),
                     (Role::Value(_), None) | (Role::Free, _) => {}
@@ -209,6 +210,7 @@ impl Physics {
         match drivetrain {
             Drivetrain::Multibody { joints, treads, .. } => {
                 self.reset_forces(all);
+                follow_targets(joints);
                 self.set_motors(joints);
                 if let Kind::Tree(tree) = &robot.kind {
                     self.set_rolling_resistance(tree, robot.mass, all, treads);
@@ -289,7 +291,7 @@ impl Physics {
         let time_step = self.world.integration_parameters.dt;
         for joint in joints {
             let JointState { position, speed } = joint.state(&self.world);
-            let TreeJoint { handle, value, servo } = joint;
+            let TreeJoint { handle, value, servo, .. } = joint;
             let Some(motor) = &value.motor else { continue };
             let Torque { at_rest, gain } = servo.torque(motor, position, speed, time_step);
             if let Some((multibody, link)) = self.world.multibody_joints.get_mut(*handle)
@@ -372,17 +374,53 @@ impl Physics {
         multibody.damping_mut().fill(0.0);
         multibody.damping_mut().rows_mut(0, 3).fill(linear);
         multibody.damping_mut().rows_mut(3, 3).fill(angular);
-        for (link, id) in tree.links.iter().zip(ids) {
+        for (link, id) in tree.links.iter().zip(&ids) {
             let (Some(joint), Some(id)) = (&link.joint, id) else { continue };
             let Some(of_engine) = multibody.link(id.id) else { continue };
             let (first, count) = (of_engine.assembly_id(), of_engine.joint().ndofs());
             multibody.damping_mut().rows_mut(first, count).fill(joint.damping);
             multibody.armature_mut().rows_mut(first, count).fill(joint.armature);
+            multibody.frictions_mut().rows_mut(first, count).fill(joint.friction);
+        }
+        for &Gear { leader, follower, multiplier, offset } in &tree.gears {
+            let ([Some(leader), Some(follower)], [axis1, axis2]) =
+                ([leader.0, follower.0].map(|link| ids[link]), [leader.1, follower.1])
+            else {
+                continue;
+            };
+            multibody.add_dof_coupling(MultibodyDofCoupling {
+                link1: leader.id,
+                dof1: 0,
+                axis1: axis1 as usize,
+                link2: follower.id,
+                dof2: 0,
+                axis2: axis2 as usize,
+                coeff: multiplier,
+                offset,
+            });
         }
     }
 }
 
+/// Gives the servos that follow the target of another theirs.
+fn follow_targets(joints: &mut [TreeJoint]) {
+    for number in 0..joints.len() {
+        let follower = &joints[number];
+        let Some(Coupling { leader, multiplier, offset, .. }) = follower.value.follows else { continue };
+        let Some(leader) = joints.get(leader) else { continue };
+        let target = follower.within_limits(follower.target + multiplier * leader.servo.target() + offset);
+        joints[number].servo.set_target(target);
+    }
+}
+
 impl TreeJoint {
+    /// The nearest position that its servo may go to; a servo of the speed has no limits.
+    fn within_limits(&self, target: f64) -> f64 {
+        let is_of_position = self.value.motor.as_ref().is_some_and(|motor| motor.stiffness.is_some());
+        let limits = self.value.limits.filter(|_| is_of_position);
+        limits.map_or(target, |[least, most]| target.clamp(least, most))
+    }
+
     fn state(&self, world: &PhysicsWorld) -> JointState {
         joint_state(world, self.handle, self.value.axis)
     }

@@ -1,0 +1,91 @@
+//! What is drawn of a robot: one list for the page, pictures, logs and Foxglove.
+
+use std::borrow::Cow;
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::Translation3;
+use serde::{Deserialize, Serialize};
+
+use crate::{Link, MountedWheel, Pose, RobotDef, Shape, pose};
+
+/// What is to be seen of a link where it differs from what touches the world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Visual {
+    /// Geometry.
+    pub shape: Shape,
+    /// Position in the robot frame when every joint is at 0, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw there, rad.
+    pub rotation: [f64; 3],
+    /// Red, green and blue, 0 to 1, sRGB.
+    pub colour: [f64; 3],
+}
+
+/// A piece of a robot as it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn<'a> {
+    /// Pose in the frame of its link; of a roller with the roller at 0.
+    pub pose: Pose,
+    /// Geometry.
+    pub geometry: Geometry<'a>,
+    /// Red, green and blue, 0 to 1, sRGB.
+    pub colour: [f64; 3],
+    /// Whether it is the next one of the robot's rollers, which turns about its own x axis.
+    pub is_roller: bool,
+}
+
+/// Geometry of what is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Geometry<'a> {
+    /// A shape.
+    Shape(Cow<'a, Shape>),
+    /// An outline turned about the x axis: positions along it and radii, m.
+    Revolved(Vec<[f64; 2]>),
+}
+
+/// Pieces of cones that a roller is drawn by.
+const ROLLER_PIECES: u32 = 8;
+const BODY: [f64; 3] = [0.93, 0.45, 0.12];
+const HUB: [f64; 3] = [0.55, 0.57, 0.6];
+
+impl RobotDef {
+    /// What is drawn of each link, in the order of the links.
+    pub fn drawn(&self) -> impl Iterator<Item = (&Link, Vec<Drawn<'_>>)> {
+        self.links.iter().enumerate().map(|(number, link)| (link, drawn((number, link))))
+    }
+}
+
+/// Its visuals; without any, its solids and its wheel. Rollers always, as they turn by themselves.
+fn drawn<'a>((number, link): (usize, &'a Link)) -> Vec<Drawn<'a>> {
+    let still = |pose, shape, colour| Drawn { pose, geometry: Geometry::Shape(shape), colour, is_roller: false };
+    let to_link = Translation3::from(link.origin()).inverse();
+    let visual = |it: &'a Visual| still(to_link * pose(it.position, it.rotation), Cow::Borrowed(&it.shape), it.colour);
+    let mut drawn: Vec<Drawn> = link.visuals.iter().map(visual).collect();
+    let wheel = MountedWheel::of((number, link));
+    if drawn.is_empty() {
+        drawn.extend(link.solids.iter().map(|it| still(link.pose_of(it), Cow::Borrowed(&it.shape), BODY)));
+        drawn.extend(wheel.map(|wheel| {
+            let (shape, colour) = outline(&wheel);
+            still(pose([0.0; 3], [FRAC_PI_2, 0.0, 0.0]), Cow::Owned(shape), colour)
+        }));
+    }
+    if let Some((wheel, rollers)) = wheel.and_then(|wheel| Some((wheel, wheel.wheel.rollers.as_ref()?))) {
+        drawn.extend((0..rollers.count).map(|index| Drawn {
+            pose: rollers.pose(index),
+            geometry: Geometry::Revolved(rollers.outline(wheel.radius, ROLLER_PIECES)),
+            colour: rollers.material.colour,
+            is_roller: true,
+        }));
+    }
+    drawn
+}
+
+/// A wheel without its rollers: a ball, a disc about z, or the hub that its rollers leave free.
+fn outline(wheel: &MountedWheel) -> (Shape, [f64; 3]) {
+    let disc = |radius| Shape::Cylinder { radius, length: wheel.width };
+    match (wheel.drive, &wheel.rollers) {
+        (None, _) => (Shape::Ball { radius: wheel.radius }, wheel.material.colour),
+        (Some(_), None) => (disc(wheel.radius), wheel.material.colour),
+        (Some(_), Some(rollers)) => (disc(rollers.hub_radius(wheel.radius)), HUB),
+    }
+}
