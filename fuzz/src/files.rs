@@ -65,6 +65,22 @@ pub fn obj(bytes: &[u8]) {
     mesh("part.obj", bytes, MAP_OF_OBJ, URDF_OF_OBJ);
 }
 
+/// A COLLADA file as what is seen of a robot.
+pub fn dae(bytes: &[u8]) {
+    visual("part.dae", bytes);
+}
+
+/// A glTF file as what is seen of a robot.
+pub fn glb(bytes: &[u8]) {
+    visual("part.glb", bytes);
+}
+
+fn visual(name: &str, bytes: &[u8]) {
+    let robot = format!("{ROBOT_OF_URDF}\n[[visual]]\nmesh = \"{name}\"\n");
+    let folder = Folder::new(&[(name, bytes), ("robot.urdf", URDF_WITH_JOINTS.as_bytes())]);
+    drive_robot(&folder.with("robot.toml", robot.as_bytes()));
+}
+
 fn mesh(name: &str, bytes: &[u8], map: &str, urdf: &str) {
     let folder = Folder::new(&[
         (name, bytes),

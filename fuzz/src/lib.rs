@@ -14,7 +14,7 @@ mod requests;
 mod wire;
 mod world;
 
-pub use files::{map, material, obj, robot, stl, urdf};
+pub use files::{dae, glb, map, material, obj, robot, stl, urdf};
 #[cfg(feature = "libfuzzer")]
 pub use guided::guided;
 pub use log::log;
@@ -33,7 +33,7 @@ use cap::Cap;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 10] = [
+pub const TARGETS: [(&str, Target); 12] = [
     ("wire", wire),
     ("world", world),
     ("robot", robot),
@@ -42,6 +42,8 @@ pub const TARGETS: [(&str, Target); 10] = [
     ("urdf", urdf),
     ("stl", stl),
     ("obj", obj),
+    ("dae", dae),
+    ("glb", glb),
     ("log", log),
     ("requests", requests),
 ];

@@ -80,6 +80,8 @@ targets! {
     urdf: 200,
     stl: 200,
     obj: 200,
+    dae: 200,
+    glb: 200,
     log: 200,
     requests: 2000,
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use scene::{MountedWheel, Pose, RobotDef, RobotSnapshot, Shape, Snapshot, Solid, WorldDef};
+use scene::{Drawn, Geometry, Pose, RobotDef, RobotSnapshot, Shape, Snapshot, WorldDef};
 
 /// A piece of surface.
 pub(crate) struct Triangle {
@@ -21,10 +21,6 @@ pub(crate) struct Floor {
 
 /// Corners around a cylinder, a ball or a roller.
 const SEGMENTS: u32 = 24;
-/// Pieces of cones that a roller is drawn by.
-const ROLLER_PIECES: u32 = 10;
-const BODY: [f64; 3] = [0.93, 0.45, 0.12];
-const HUB: [f64; 3] = [0.55, 0.57, 0.6];
 
 impl Triangle {
     pub(crate) fn normal(&self) -> Vector3<f64> {
@@ -45,9 +41,9 @@ impl Floor {
 pub(crate) fn scene(def: &WorldDef, snapshot: &Snapshot) -> (Vec<Triangle>, Vec<Floor>) {
     let map = &def.map;
     let mut scene = Scene::default();
-    map.solids.iter().for_each(|solid| scene.add_solid(solid, &solid.pose(), solid.material.colour));
+    map.solids.iter().for_each(|solid| scene.add(&solid.shape, &solid.pose(), solid.material.colour));
     let objects = map.objects.iter().zip(&snapshot.objects);
-    objects.for_each(|(object, pose)| scene.add_solid(&object.solid, pose, object.solid.material.colour));
+    objects.for_each(|(object, pose)| scene.add(&object.solid.shape, pose, object.solid.material.colour));
     for robot in &snapshot.robots {
         if let Some(def) = def.robots.get(&robot.class) {
             scene.add_robot(def, robot);
@@ -65,34 +61,16 @@ struct Scene {
 impl Scene {
     fn add_robot(&mut self, def: &RobotDef, RobotSnapshot { body, joints, rollers, .. }: &RobotSnapshot) {
         let mut spins = rollers.iter();
-        for (number, (link, pose)) in def.placed_links(joints).into_iter().enumerate() {
-            let pose = body.pose * pose;
-            link.solids.iter().for_each(|solid| self.add_solid(solid, &(pose * link.pose_of(solid)), BODY));
-            if let Some(wheel) = MountedWheel::of((number, link)) {
-                self.add_wheel(&wheel, &pose, &mut spins);
+        for ((_, drawn), (_, pose)) in def.drawn().zip(def.placed_links(joints)) {
+            for Drawn { pose: own, geometry, colour, is_roller } in drawn {
+                let spin = spins.by_ref().take(usize::from(is_roller)).sum();
+                let pose = body.pose * pose * own * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), spin);
+                match geometry {
+                    Geometry::Shape(shape) => self.add(&shape, &pose, colour),
+                    Geometry::Revolved(outline) => self.add_lathe(&outline, &pose, colour),
+                }
             }
         }
-    }
-
-    fn add_wheel<'a>(&mut self, wheel: &MountedWheel, pose: &Pose, spins: &mut impl Iterator<Item = &'a f64>) {
-        if wheel.drive.is_none() {
-            return self.add(&Shape::Ball { radius: wheel.radius }, pose, wheel.material.colour);
-        }
-        let about_y = pose * scene::pose([0.0; 3], [TAU / 4.0, 0.0, 0.0]);
-        let disc = |radius: f64| Shape::Cylinder { radius, length: wheel.width };
-        let Some(rollers) = &wheel.rollers else {
-            return self.add(&disc(wheel.radius), &about_y, wheel.material.colour);
-        };
-        self.add(&disc(rollers.hub_radius(wheel.radius)), &about_y, HUB);
-        let outline = rollers.outline(wheel.radius, ROLLER_PIECES);
-        for (index, &spin) in (0..rollers.count).zip(spins) {
-            let spun = pose * rollers.pose(index) * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), spin);
-            self.add_lathe(&outline, &spun, rollers.material.colour);
-        }
-    }
-
-    fn add_solid(&mut self, solid: &Solid, pose: &Pose, colour: [f64; 3]) {
-        self.add(&solid.shape, pose, colour);
     }
 
     fn add(&mut self, shape: &Shape, pose: &Pose, colour: [f64; 3]) {

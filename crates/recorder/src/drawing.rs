@@ -6,19 +6,12 @@ use foxglove::messages::{
     Color, CubePrimitive, CylinderPrimitive, Point3, Pose as FoxPose, Quaternion, SceneEntity, SpherePrimitive,
     TriangleListPrimitive, Vector3,
 };
-use scene::{Link, MapDef, MountedWheel, Pose, RobotDef, Rollers, Shape};
+use scene::{Drawn, Geometry, Link, MapDef, Pose, RobotDef, Shape};
 
 /// Edge of the square that stands for a plane without end, m.
 const PLANE_EDGE: f64 = 100.0;
 /// Thickness of that square, m.
 const PLANE_THICKNESS: f64 = 0.01;
-/// Pieces of cones that a roller is drawn by.
-const ROLLER_PIECES: u32 = 4;
-
-const BODY: Color = Color { r: 0.95, g: 0.45, b: 0.1, a: 1.0 };
-const TREAD: Color = Color { r: 0.15, g: 0.15, b: 0.16, a: 1.0 };
-const HUB: Color = Color { r: 0.55, g: 0.57, b: 0.6, a: 1.0 };
-
 /// What stands on a map, and what can be pushed, in frames of their own.
 pub(crate) fn map(map: &MapDef) -> Vec<SceneEntity> {
     let solid = |frame: &str, solid: &scene::Solid, pose: &Pose| {
@@ -38,51 +31,37 @@ pub(crate) fn object_frame(number: usize) -> String {
 
 /// A robot's body in its frame, and what hangs on it each in the frame of its name below that.
 pub(crate) fn robot(frame: &str, def: &RobotDef) -> Vec<SceneEntity> {
-    let link = |(number, link): (usize, &Link)| {
+    let link = |(number, (link, pieces)): (usize, (&Link, Vec<Drawn>))| {
         let mut drawn = match number {
             0 => entity(frame, "body"),
             _ => entity(&format!("{frame}/{}", link.name), "link"),
         };
-        link.solids.iter().for_each(|solid| add(&mut drawn, &solid.shape, &link.pose_of(solid), BODY));
-        if let Some(wheel) = MountedWheel::of((number, link)) {
-            add_wheel(&mut drawn, &wheel);
+        for Drawn { pose, geometry, colour: [r, g, b], .. } in pieces {
+            let colour = Color { r, g, b, a: 1.0 };
+            match geometry {
+                Geometry::Shape(shape) => add(&mut drawn, &shape, &pose, colour),
+                Geometry::Revolved(outline) => drawn.cylinders.extend(cones(&outline, &pose, colour)),
+            }
         }
         drawn
     };
-    def.links.iter().enumerate().map(link).collect()
+    def.drawn().enumerate().map(link).collect()
 }
 
-fn add_wheel(drawn: &mut SceneEntity, wheel: &MountedWheel) {
-    if wheel.drive.is_none() {
-        return add(drawn, &Shape::Ball { radius: wheel.radius }, &Pose::identity(), TREAD);
-    }
-    let about_y = scene::pose([0.0; 3], [FRAC_PI_2, 0.0, 0.0]);
-    let mut disc = |radius: f64, colour| add(drawn, &Shape::Cylinder { radius, length: wheel.width }, &about_y, colour);
-    let Some(rollers) = &wheel.rollers else { return disc(wheel.radius, TREAD) };
-    disc(rollers.hub_radius(wheel.radius), HUB);
-    for index in 0..rollers.count {
-        drawn.cylinders.extend(roller(rollers, wheel.radius).into_iter().map(|(along, cone)| {
-            let place = rollers.pose(index) * scene::pose([along, 0.0, 0.0], [0.0, FRAC_PI_2, 0.0]);
-            CylinderPrimitive { pose: Some(fox_pose(&place)), ..cone }
-        }));
-    }
-}
-
-/// The outline of a roller as cones along its axis, each with the place of its middle, m.
-fn roller(rollers: &Rollers, wheel_radius: f64) -> Vec<(f64, CylinderPrimitive)> {
-    let cone = |ends: &[[f64; 2]]| {
+/// An outline turned about the x axis of a pose as cones.
+fn cones(outline: &[[f64; 2]], pose: &Pose, colour: Color) -> impl Iterator<Item = CylinderPrimitive> {
+    outline.windows(2).map(move |ends| {
         let ([from, bottom], [to, top]) = (ends[0], ends[1]);
         let widest = bottom.max(top);
-        let cone = CylinderPrimitive {
-            pose: None,
+        let middle = pose * scene::pose([(from + to) / 2.0, 0.0, 0.0], [0.0, FRAC_PI_2, 0.0]);
+        CylinderPrimitive {
+            pose: Some(fox_pose(&middle)),
             size: Some(Vector3 { x: 2.0 * widest, y: 2.0 * widest, z: to - from }),
             bottom_scale: bottom / widest,
             top_scale: top / widest,
-            color: Some(TREAD),
-        };
-        ((from + to) / 2.0, cone)
-    };
-    rollers.outline(wheel_radius, ROLLER_PIECES).windows(2).map(cone).collect()
+            color: Some(colour),
+        }
+    })
 }
 
 fn entity(frame: &str, id: &str) -> SceneEntity {

@@ -1,4 +1,7 @@
-//! Triangle meshes from STL and OBJ files.
+//! Triangle meshes from files.
+
+mod collada;
+mod gltf;
 
 use std::io::Cursor;
 
@@ -11,50 +14,77 @@ use crate::source::{MAX_MESH, Source};
 /// By how much a mesh is scaled: files are in metres, millimetres or inches.
 pub(crate) const SCALE: Range = Range { least: 1e-6, most: 1e6, unit: "" };
 
-/// Reads a mesh and scales it along the axes of its file. Files are z up, as is usual; the result is in the frame of the
-/// solid, z down.
-pub(crate) fn read(source: &Source, name: &str, scale: [f64; 3]) -> Result<Shape, String> {
-    let parse = match name.rsplit('.').next().map(str::to_ascii_lowercase).as_deref() {
-        Some("stl") => stl,
-        Some("obj") => obj,
-        _ => return Err(format!("mesh `{name}`: expected a file that ends in .stl or .obj")),
-    };
-    let bytes = source.bytes(name, MAX_MESH).map_err(|error: LoadError| error.to_string())?;
-    let (vertices, triangles) = parse(&bytes).map_err(|reason| format!("mesh `{name}`: {reason}"))?;
-    if triangles.is_empty() || triangles.len() > MAX_TRIANGLES {
-        return Err(format!("mesh `{name}` has {} triangles: expected 1 to {MAX_TRIANGLES}", triangles.len()));
-    }
-    let z_down = |[x, y, z]: [f32; 3]| {
-        let [x, y, z] = [x, y, z].map(f64::from);
-        [x * scale[0], -y * scale[1], -z * scale[2]]
-    };
-    Ok(Shape::Mesh { vertices: vertices.into_iter().map(z_down).collect(), triangles })
+/// Triangles of one colour, in the axes of their file: z up, or turned so by its reader.
+#[derive(Default)]
+pub(crate) struct Piece {
+    pub(crate) vertices: Vec<[f32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Red, green and blue, where the file says one.
+    pub(crate) colour: Option<[f64; 3]>,
 }
 
-type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+/// Reads a mesh as one surface and scales it along the axes of its file. Files are z up, as is usual; the result is in the frame of
+/// the solid, z down.
+pub(crate) fn read(source: &Source, name: &str, scale: [f64; 3]) -> Result<Shape, String> {
+    let mut whole = Piece::default();
+    for piece in pieces(source, name)? {
+        let first = whole.vertices.len() as u32;
+        whole.vertices.extend(piece.vertices);
+        whole.triangles.extend(piece.triangles.iter().map(|corners| corners.map(|corner| corner + first)));
+    }
+    Ok(whole.scaled(scale))
+}
 
-fn stl(bytes: &[u8]) -> Result<Mesh, String> {
+/// Reads a mesh in its pieces.
+pub(crate) fn pieces(source: &Source, name: &str) -> Result<Vec<Piece>, String> {
+    let bytes = || source.bytes(name, MAX_MESH).map_err(|error: LoadError| error.to_string());
+    let ending = name.rsplit('.').next().map(str::to_ascii_lowercase);
+    let pieces = match ending.as_deref() {
+        Some("stl") => stl(&bytes()?),
+        Some("obj") => obj(&bytes()?),
+        Some("dae") => collada::read(&bytes()?),
+        Some("glb" | "gltf") => gltf::read(source, &bytes()?),
+        _ => return Err(format!("mesh `{name}`: expected a file that ends in .stl, .obj, .dae, .glb or .gltf")),
+    };
+    let pieces = pieces.map_err(|reason| format!("mesh `{name}`: {reason}"))?;
+    let count: usize = pieces.iter().map(|piece| piece.triangles.len()).sum();
+    if !(1..=MAX_TRIANGLES).contains(&count) {
+        return Err(format!("mesh `{name}` has {count} triangles: expected 1 to {MAX_TRIANGLES}"));
+    }
+    Ok(pieces)
+}
+
+impl Piece {
+    /// Scaled along the axes of its file and turned z down.
+    pub(crate) fn scaled(self, scale: [f64; 3]) -> Shape {
+        let z_down = |[x, y, z]: [f32; 3]| {
+            let [x, y, z] = [x, y, z].map(f64::from);
+            [x * scale[0], -y * scale[1], -z * scale[2]]
+        };
+        Shape::Mesh { vertices: self.vertices.into_iter().map(z_down).collect(), triangles: self.triangles }
+    }
+}
+
+fn stl(bytes: &[u8]) -> Result<Vec<Piece>, String> {
     let mesh = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let vertices = mesh.vertices.iter().map(|vertex| [vertex[0], vertex[1], vertex[2]]).collect();
     let triangles = mesh.faces.iter().map(|face| face.vertices.map(|index| index as u32)).collect();
-    Ok((vertices, triangles))
+    Ok(vec![Piece { vertices, triangles, colour: None }])
 }
 
-fn obj(bytes: &[u8]) -> Result<Mesh, String> {
+fn obj(bytes: &[u8]) -> Result<Vec<Piece>, String> {
     let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
     // Material libraries are about looks; the physical material is the map's.
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::GenericFailure);
     let geometry = geometry(&String::from_utf8_lossy(bytes));
     let (models, _) =
         tobj::load_obj_buf(&mut Cursor::new(geometry), &options, no_materials).map_err(|error| error.to_string())?;
-    let (mut vertices, mut triangles): Mesh = (Vec::new(), Vec::new());
-    for model in models {
-        let first = vertices.len() as u32;
-        vertices.extend(model.mesh.positions.chunks_exact(3).map(|point| [point[0], point[1], point[2]]));
-        let faces = model.mesh.indices.chunks_exact(3);
-        triangles.extend(faces.map(|face| [face[0] + first, face[1] + first, face[2] + first]));
-    }
-    Ok((vertices, triangles))
+    let piece = |model: tobj::Model| Piece {
+        vertices: model.mesh.positions.chunks_exact(3).map(|point| [point[0], point[1], point[2]]).collect(),
+        triangles: model.mesh.indices.chunks_exact(3).map(|face| [face[0], face[1], face[2]]).collect(),
+        colour: None,
+    };
+    Ok(models.into_iter().map(piece).collect())
 }
 
 /// Corners and faces alone: tobj trusts the indices of textures and normals, and nobody needs them.

@@ -167,6 +167,11 @@ impl Link {
         self.joint.as_ref().is_some_and(|joint| joint.kind.has_value())
     }
 
+    /// Whether it is a wheel with a motor.
+    pub fn is_driven_wheel(&self) -> bool {
+        self.wheel.is_some() && self.joint.as_ref().is_some_and(|joint| joint.drive.is_some())
+    }
+
     /// A wheel on the body: driven by a motor about the robot's left, or a ball that is free to turn about every axis.
     pub fn of_wheel(name: String, position: [f64; 3], drive: Option<Motor>, wheel: Wheel) -> Self {
         let kind = if drive.is_some() { JointKind::Continuous } else { JointKind::Ball };

@@ -20,6 +20,13 @@ export interface Solid {
   friction: number;
 }
 
+/** A piece of a robot in the frame of its link. */
+export interface Drawn {
+  shape: Shape;
+  pose: Pose;
+  colour: Colour;
+}
+
 export interface NamedPlace {
   name: string;
   position: Vector;
@@ -32,11 +39,10 @@ export interface Wheel {
   link: number | null;
   /** in the frame of what carries it */
   position: Vector;
-  radius: number;
-  width: number;
-  colour: Colour;
+  /** beside its rollers */
+  drawn: Drawn[];
   max_speed: number | null;
-  rollers: { poses: Pose[]; outline: [number, number][]; hub_radius: number; colour: Colour } | null;
+  rollers: { poses: Pose[]; outline: [number, number][]; colour: Colour } | null;
 }
 
 export interface Sensor {
@@ -53,11 +59,11 @@ export interface RobotClass {
   wheel_radius: number;
   track: number;
   wheel_base: number;
-  solids: Solid[];
-  /** what hangs on the body beside wheels, its shapes in its own frame */
-  links: { name: string; solids: Solid[] }[];
+  /** the body */
+  drawn: Drawn[];
+  /** what hangs on the body beside driven wheels */
+  links: { name: string; drawn: Drawn[] }[];
   wheels: Wheel[];
-  casters: { position: Vector; radius: number; colour: Colour }[];
   sensors: Sensor[];
 }
 

@@ -2,16 +2,14 @@
 
 import * as THREE from 'three';
 import type { RobotState } from '../protocol/frame';
-import type { Colour, RobotClass, Solid } from '../protocol/scene';
+import type { Colour, Drawn, RobotClass } from '../protocol/scene';
 import { coloured, merged, solidGeometry } from './solid';
 import { setPose } from './pose';
 
 /** Around a roller and a wheel. */
 const SEGMENTS = 10;
-/** A roller's stripe and a spoke of a hub, by which one sees them turn. */
+/** A roller's stripe, by which one sees it turn. */
 const STRIPE: Colour = [0.62, 0.62, 0.64];
-const HUB: Colour = [0.55, 0.57, 0.6];
-const BODY: Colour = [0.93, 0.45, 0.12];
 
 export class RobotFleet {
   readonly group = new THREE.Group();
@@ -19,20 +17,12 @@ export class RobotFleet {
   private readonly poses: THREE.Matrix4[][];
 
   constructor(readonly robotClass: RobotClass) {
-    const { solids, links, casters, wheels } = robotClass;
-    const geometry = ({ shape, pose }: Solid) => solidGeometry(shape, pose, BODY);
-    const body = solids.map(geometry);
-    for (const { position, radius, colour } of casters) {
-      const ball = new THREE.SphereGeometry(radius, 16, 12).translate(...position);
-      body.push(coloured(ball, colour));
-    }
+    const { drawn, links, wheels } = robotClass;
+    const geometry = ({ shape, pose, colour }: Drawn) => solidGeometry(shape, pose, colour);
     this.parts = {
-      body: new Instances(this.group, body),
-      links: links.map((link) => new Instances(this.group, link.solids.map(geometry))),
-      wheels: wheels.map((wheel) => {
-        const radius = wheel.rollers ? wheel.rollers.hub_radius : wheel.radius;
-        return new Instances(this.group, [disc(radius, wheel.width, wheel.rollers ? HUB : wheel.colour)]);
-      }),
+      body: new Instances(this.group, drawn.map(geometry)),
+      links: links.map((link) => new Instances(this.group, link.drawn.map(geometry))),
+      wheels: wheels.map((wheel) => new Instances(this.group, wheel.drawn.map(spoked))),
       rollers: wheels.map(({ rollers }) =>
         rollers ? new Instances(this.group, [roller(rollers.outline, rollers.colour)]) : null,
       ),
@@ -138,12 +128,11 @@ class Instances {
   }
 }
 
-/** A wheel's disc about its y axis, with a lighter sector by which one sees it turn. */
-function disc(radius: number, width: number, colour: Colour): THREE.BufferGeometry {
-  const geometry = new THREE.CylinderGeometry(radius, radius, width, 2 * SEGMENTS);
+/** A piece of a wheel, which turns about y, with a lighter sector by which one sees it turn. */
+function spoked({ shape, pose, colour }: Drawn): THREE.BufferGeometry {
   const lighter: Colour = [0, 1, 2].map((part) => Math.min(1, (colour[part] ?? 0) + 0.3)) as Colour;
   const isSector = (x: number, z: number) => Math.abs(Math.atan2(z, x)) < 0.3;
-  return coloured(geometry, (x, _, z) => (isSector(x, z) ? lighter : colour));
+  return solidGeometry(shape, pose, (x, _, z) => (isSector(x, z) ? lighter : colour));
 }
 
 /** A roller's exact outline turned about its x axis. */

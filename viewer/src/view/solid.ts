@@ -8,7 +8,10 @@ import { setPose } from './pose';
 /** Edge of the square that stands for a plane without end, m. */
 const PLANE_EDGE = 240;
 
-export function solidGeometry(shape: Shape, pose: Pose, colour: Colour): THREE.BufferGeometry {
+/** The colour of a corner, by where it is if it depends on that. */
+type Colouring = Colour | ((x: number, y: number, z: number) => Colour);
+
+export function solidGeometry(shape: Shape, pose: Pose, colour: Colouring): THREE.BufferGeometry {
   return coloured(shapeGeometry(shape).applyMatrix4(setPose(new THREE.Matrix4(), pose)), colour);
 }
 
@@ -32,11 +35,8 @@ function shapeGeometry(shape: Shape): THREE.BufferGeometry {
   return geometry;
 }
 
-/** Gives every corner a colour (sRGB), by its place if it depends on that. */
-export function coloured(
-  geometry: THREE.BufferGeometry,
-  colour: Colour | ((x: number, y: number, z: number) => Colour),
-): THREE.BufferGeometry {
+/** Gives every corner a colour (sRGB). */
+export function coloured(geometry: THREE.BufferGeometry, colour: Colouring): THREE.BufferGeometry {
   const places = geometry.getAttribute('position');
   const colours = new Float32Array(places.count * 3);
   const linear = new THREE.Color();

@@ -14,7 +14,7 @@
 //! | 3 x 4 | angle, speed, wished speed, f32 |
 //! | 1 | its rollers, then each of them: |
 //! | 2 | angle about its own axis, i16, pi being 32768 |
-//! | 1 | links that are no wheels, beside the body, then each of them: |
+//! | 1 | links beside the body and driven wheels, then each of them: |
 //! | 7 x 4 | position and quaternion x y z w in the robot frame, f32 |
 //! | 1 | contacts, then each of them: |
 //! | 3 x 4 | place, f32 |
@@ -105,7 +105,7 @@ impl Bytes {
             }
         }
         let mut links = def.placed_links(&joints).into_iter().skip(1).collect::<Vec<_>>();
-        links.retain(|(link, _)| link.wheel.is_none());
+        links.retain(|(link, _)| !link.is_driven_wheel());
         self.0.push(links.len() as u8);
         links.iter().for_each(|(_, pose)| self.pose(pose));
         contacts.sort_by(|a: &Contact, b| b.force.norm_squared().total_cmp(&a.force.norm_squared()));

@@ -1,10 +1,9 @@
 //! The scene as a viewer gets it: the definitions, with what a viewer would have to work out itself worked out.
 
-use scene::{Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, Solid, WorldDef};
-use serde_json::{Value, json};
+use std::borrow::Cow;
 
-/// Pieces of cones that a roller is drawn by.
-const ROLLER_PIECES: u32 = 8;
+use scene::{Drawn, Geometry, Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, Solid, WorldDef};
+use serde_json::{Value, json};
 
 /// The map and every class of robot as JSON. Poses are `[x, y, z, qx, qy, qz, qw]` in the frame of what they are in.
 pub(crate) fn scene_json(world: &WorldDef, seed: u64, port: u16) -> Value {
@@ -43,7 +42,13 @@ fn class_json(def: &RobotDef) -> Value {
             })),
         })
     };
-    let casters = def.wheels().filter(|wheel| wheel.drive.is_none());
+    let drawn: Vec<_> = def.drawn().collect();
+    let wheels = drawn.iter().enumerate().filter_map(|(number, (link, pieces))| {
+        let wheel = MountedWheel::of((number, link)).filter(|wheel| wheel.drive.is_some())?;
+        Some(self::wheel(def, wheel, pieces))
+    });
+    let links = drawn.iter().skip(1).filter(|(link, _)| !link.is_driven_wheel());
+    let links = links.map(|(link, pieces)| json!({ "name": link.name, "drawn": still(pieces) }));
     let geometry = def.wheel_geometry();
     json!({
         "description": def.description,
@@ -52,62 +57,61 @@ fn class_json(def: &RobotDef) -> Value {
         "wheel_radius": geometry.radius,
         "track": geometry.track,
         "wheel_base": geometry.wheel_base,
-        "solids": def.body_solids().iter().map(solid).collect::<Vec<_>>(),
-        "links": def.links.iter().skip(1).filter(|link| link.wheel.is_none()).map(link).collect::<Vec<_>>(),
-        "wheels": def.driven().map(|it| wheel(def, it)).collect::<Vec<_>>(),
-        "casters": casters.map(|caster| json!({
-            "position": caster.position, "radius": caster.radius, "colour": caster.material.colour,
-        })).collect::<Vec<_>>(),
+        "drawn": drawn.first().map(|(_, pieces)| still(pieces)),
+        "links": links.collect::<Vec<_>>(),
+        "wheels": wheels.collect::<Vec<_>>(),
         "sensors": def.sensors.iter().map(sensor).collect::<Vec<_>>(),
     })
 }
 
-/// A link with its shapes in its own frame.
-fn link(link: &Link) -> Value {
-    let moved = |solid: &Solid| solid_at(solid, &link.pose_of(solid));
-    json!({ "name": link.name, "solids": link.solids.iter().map(moved).collect::<Vec<_>>() })
-}
-
 /// A wheel in the frame of the link that carries it: a number among `links`, or of the body none.
-fn wheel(def: &RobotDef, wheel: MountedWheel) -> Value {
+fn wheel(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn]) -> Value {
     let carrier = def.links.get(wheel.parent).map_or([0.0; 3], Link::origin);
-    let links = def.links.iter().enumerate().skip(1).filter(|(_, link)| link.wheel.is_none());
+    let links = def.links.iter().enumerate().skip(1).filter(|(_, link)| !link.is_driven_wheel());
     let link = links.map(|(number, _)| number).position(|number| number == wheel.parent);
     let [x, y, z] = wheel.position;
     let [from_x, from_y, from_z] = carrier;
-    let rollers = wheel.rollers.as_ref().map(|rollers| {
-        json!({
-            "poses": (0..rollers.count).map(|index| pose(&rollers.pose(index))).collect::<Vec<_>>(),
-            "outline": rollers.outline(wheel.radius, ROLLER_PIECES),
-            "hub_radius": rollers.hub_radius(wheel.radius),
-            "colour": rollers.material.colour,
-        })
+    let rollers: Vec<&Drawn> = drawn.iter().filter(|it| it.is_roller).collect();
+    let outline = rollers.first().and_then(|it| match &it.geometry {
+        Geometry::Revolved(outline) => Some((outline, it.colour)),
+        Geometry::Shape(_) => None,
     });
     json!({
         "name": wheel.name,
         "link": link,
         "position": [x - from_x, y - from_y, z - from_z],
-        "radius": wheel.radius,
-        "width": wheel.width,
-        "colour": wheel.material.colour,
+        "drawn": still(drawn),
         "max_speed": wheel.drive.as_ref().map(|motor| motor.max_speed),
-        "rollers": rollers,
+        "rollers": outline.map(|(outline, colour)| json!({
+            "poses": rollers.iter().map(|roller| pose(&roller.pose)).collect::<Vec<_>>(),
+            "outline": outline,
+            "colour": colour,
+        })),
     })
 }
 
-fn solid(solid: &Solid) -> Value {
-    solid_at(solid, &solid.pose())
+/// What is drawn of a link beside rollers, in its frame.
+fn still(drawn: &[Drawn]) -> Vec<Value> {
+    let piece = |it: &Drawn| match &it.geometry {
+        Geometry::Shape(drawn) => Some(json!({ "shape": shape(drawn), "pose": pose(&it.pose), "colour": it.colour })),
+        Geometry::Revolved(_) => None,
+    };
+    drawn.iter().filter_map(piece).collect()
 }
 
-fn solid_at(solid: &Solid, at: &Pose) -> Value {
-    let hull = match &solid.shape {
-        Shape::Hull { points } => scene::hull_surface(points),
-        _ => None,
-    };
+/// A shape that a viewer can draw: a hull as its surface.
+fn shape(shape: &Shape) -> Cow<'_, Shape> {
+    match shape {
+        Shape::Hull { points } => scene::hull_surface(points).map_or(Cow::Borrowed(shape), Cow::Owned),
+        _ => Cow::Borrowed(shape),
+    }
+}
+
+fn solid(solid: &Solid) -> Value {
     json!({
         "name": solid.name,
-        "shape": hull.as_ref().unwrap_or(&solid.shape),
-        "pose": pose(at),
+        "shape": shape(&solid.shape),
+        "pose": pose(&solid.pose()),
         "material": solid.material.name,
         "colour": solid.material.colour,
         "friction": solid.material.friction,

@@ -109,6 +109,8 @@ pub(super) const MAX_SENSORS: usize = 256;
 pub(super) const MAX_RAYS: usize = 20_000;
 /// Most triangles of a mesh, and of all meshes of a map: 100 MB in the engine.
 pub const MAX_TRIANGLES: usize = 1_000_000;
+/// Triangles that are only seen of a robot: they are in every log and go to every page.
+pub(super) const MAX_VISUAL_TRIANGLES: usize = 300_000;
 /// Most corners of all hulls of a map or of a robot. A body stands on a handful of them.
 pub const MAX_HULL_POINTS: usize = 10_000;
 /// Least surface of a mesh, m²: a square of 0.1 mm.

@@ -4,11 +4,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::limits::*;
 use super::map::material;
-use super::shape::{hull_points, solid};
+use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
     Battery, Coupling, CouplingKind, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, RobotDef, Rollers,
-    SensorDef, Shape, Side, Solid, Steering, WHEEL_AXIS,
+    SensorDef, Shape, Side, Solid, Steering, Visual, WHEEL_AXIS,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -24,6 +24,9 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     for it in def.links.iter().flat_map(|link| &link.solids) {
         let wrong = body_solid(it).into_iter().chain(material(&it.material));
         first(&format!("{class}, solid {}", shown(&it.name)), wrong)?;
+    }
+    for (link, it) in def.links.iter().flat_map(|link| link.visuals.iter().map(move |it| (link, it))) {
+        first(&format!("{class}, visual of {}", shown(&link.name)), visual(it))?;
     }
     for it in def.wheels() {
         let materials = std::iter::once(&it.material).chain(it.rollers.iter().map(|rollers| &rollers.material));
@@ -46,6 +49,18 @@ pub fn body_solid(def: &Solid) -> Vec<String> {
         wrong.push(
             "a shape without an end or without a volume: expected a box, a cylinder, a ball or a hull".to_owned(),
         );
+    }
+    wrong
+}
+
+/// What is wrong with something that is seen of a link.
+pub fn visual(def: &Visual) -> Vec<String> {
+    let mut wrong: Vec<String> = ROBOT_REACH.problem_in("position", &def.position).into_iter().collect();
+    wrong.extend(ANGLE.problem_in("rotation", &def.rotation));
+    wrong.extend(SHARE.problem_in("colour", &def.colour));
+    wrong.extend(shape(&def.shape, ROBOT_REACH, ROBOT_SIZE));
+    if def.shape == Shape::HalfSpace {
+        wrong.push("a shape without an end: expected one with an end".to_owned());
     }
     wrong
 }
@@ -261,6 +276,12 @@ fn counts(def: &RobotDef) -> Vec<String> {
     wrong.extend(count("links", def.links.len(), MAX_LINKS));
     wrong.extend(count("parts", def.links.iter().map(|link| link.parts.len()).sum(), MAX_PARTS));
     wrong.extend(count("solids", solids().count(), MAX_PARTS));
+    let visuals = || def.links.iter().flat_map(|link| &link.visuals);
+    wrong.extend(count("visuals", visuals().count(), MAX_PARTS));
+    let seen = visuals().map(|it| triangles(&it.shape)).fold(0, usize::saturating_add);
+    wrong.extend(count("triangles of visuals", seen, MAX_VISUAL_TRIANGLES));
+    let hulls = visuals().map(|it| hull_points(&it.shape)).sum();
+    wrong.extend(count("corners of visible hulls", hulls, MAX_HULL_POINTS));
     wrong.extend(count("wheels", def.wheels().count(), MAX_WHEELS));
     wrong.extend(count("rollers", def.wheels().map(|wheel| wheel.roller_count()).sum(), MAX_ROLLERS));
     wrong.extend(count("sensors", def.sensors.len(), MAX_SENSORS));

@@ -13,7 +13,7 @@ pub(super) fn solid(def: &Solid, reach: Range, size: Range) -> Vec<String> {
     wrong
 }
 
-fn shape(shape: &Shape, reach: Range, size: Range) -> Vec<String> {
+pub(super) fn shape(shape: &Shape, reach: Range, size: Range) -> Vec<String> {
     match shape {
         Shape::HalfSpace => Vec::new(),
         Shape::Box { size: edges } => size.problem_in("size", edges).into_iter().collect(),

@@ -1,0 +1,225 @@
+//! COLLADA 1.4 and 1.5, as far as a mesh needs it: triangles and polygons in the visual scene, with diffuse colours.
+//!
+//! The libraries for it panic on files that are not as they expect, so it is read here. Which axis is up is not looked at:
+//! viewers of ROS take coordinates as they are, and URDFs are written for those.
+
+use std::collections::HashMap;
+
+use nalgebra::{Matrix4, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use roxmltree::{Document, Node, ParsingOptions};
+use scene::check::MAX_TRIANGLES;
+
+use super::Piece;
+
+/// Most nodes inside each other, instances counted.
+const MAX_DEPTH: usize = 64;
+/// Most nodes, each counted as often as it is placed.
+const MAX_PLACED: usize = 100_000;
+/// Most elements, attributes and texts.
+const MAX_NODES: u32 = 2_000_000;
+
+pub(super) fn read(bytes: &[u8]) -> Result<Vec<Piece>, String> {
+    let text = std::str::from_utf8(bytes).map_err(|error| format!("not UTF-8 at byte {}", error.valid_up_to()))?;
+    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|error| format!("not XML: {error}"))?;
+    let root = document.root_element();
+    if root.tag_name().name() != "COLLADA" {
+        return Err(format!("<{}>: expected <COLLADA>", root.tag_name().name()));
+    }
+    let ids = root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
+    let unit = child(root, "asset").and_then(|asset| child(asset, "unit")?.attribute("meter")?.parse().ok());
+    let mut file = File { ids, pieces: Vec::new(), placed: 0, triangles: 0 };
+    let unit = Matrix4::new_scaling(unit.unwrap_or(1.0));
+    let scene = child(root, "scene").and_then(|scene| file.target(child(scene, "instance_visual_scene")?, "url"));
+    match scene.or_else(|| root.descendants().find(|node| is(node, "visual_scene"))) {
+        Some(scene) => children(scene, "node").try_for_each(|node| file.add_node(node, unit, 0))?,
+        None => {
+            let mut geometries = root.descendants().filter(|node| is(node, "geometry"));
+            geometries.try_for_each(|geometry| file.add_geometry(geometry, &unit, &HashMap::new()))?;
+        }
+    }
+    Ok(file.pieces)
+}
+
+struct File<'a> {
+    ids: HashMap<&'a str, Node<'a, 'a>>,
+    pieces: Vec<Piece>,
+    placed: usize,
+    triangles: usize,
+}
+
+impl<'a> File<'a> {
+    /// What `#id` in an attribute names.
+    fn target(&self, node: Node, attribute: &str) -> Option<Node<'a, 'a>> {
+        self.ids.get(node.attribute(attribute)?.strip_prefix('#')?).copied()
+    }
+
+    fn add_node(&mut self, node: Node<'a, 'a>, parent: Matrix4<f64>, depth: usize) -> Result<(), String> {
+        self.placed += 1;
+        if depth > MAX_DEPTH || self.placed > MAX_PLACED {
+            return Err(format!("expected at most {MAX_PLACED} nodes, {MAX_DEPTH} inside each other"));
+        }
+        let pose = node.children().filter_map(transform).fold(parent, |pose, own| pose * own);
+        for part in node.children() {
+            match part.tag_name().name() {
+                "node" => self.add_node(part, pose, depth + 1)?,
+                "instance_node" => {
+                    if let Some(target) = self.target(part, "url") {
+                        self.add_node(target, pose, depth + 1)?;
+                    }
+                }
+                "instance_geometry" => {
+                    let materials = part.descendants().filter(|node| is(node, "instance_material"));
+                    let colour = |it: Node<'a, 'a>| Some((it.attribute("symbol")?, self.colour(it)?));
+                    let colours = materials.filter_map(colour).collect();
+                    if let Some(geometry) = self.target(part, "url") {
+                        self.add_geometry(geometry, &pose, &colours)?;
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The diffuse colour of a material.
+    fn colour(&self, instance: Node) -> Option<[f64; 3]> {
+        let material = self.target(instance, "target")?;
+        let effect = self.target(child(material, "instance_effect")?, "url")?;
+        let diffuse = effect.descendants().find(|node| is(node, "diffuse"))?;
+        let numbers: Vec<f64> = numbers(child(diffuse, "color")?)?;
+        numbers.get(..3)?.try_into().ok()
+    }
+
+    fn add_geometry(
+        &mut self,
+        geometry: Node<'a, 'a>,
+        pose: &Matrix4<f64>,
+        colours: &HashMap<&str, [f64; 3]>,
+    ) -> Result<(), String> {
+        let id = geometry.attribute("id").unwrap_or_default();
+        let Some(mesh) = child(geometry, "mesh") else { return Ok(()) };
+        for primitive in
+            mesh.children().filter(|it| ["triangles", "polylist", "polygons"].contains(&it.tag_name().name()))
+        {
+            let broken = |what: &str| format!("geometry `{id}`, <{}>: {what}", primitive.tag_name().name());
+            let (positions, stride) =
+                self.positions(primitive).ok_or_else(|| broken("expected positions as numbers"))?;
+            let (offset, per_corner) =
+                inputs(primitive).ok_or_else(|| broken("expected an input VERTEX with its offset"))?;
+            let corner = |index: u32| {
+                let at = positions.get(index as usize * stride..)?.get(..3)?;
+                Some((pose.transform_point(&Point3::new(at[0], at[1], at[2]))).coords.map(|it| it as f32).into())
+            };
+            let polygons = polygons(primitive, per_corner).ok_or_else(|| broken("expected indices of corners"))?;
+            let mut piece = Piece {
+                colour: primitive.attribute("material").and_then(|it| colours.get(it)).copied(),
+                ..Piece::default()
+            };
+            for polygon in polygons {
+                let indices: Vec<u32> =
+                    polygon.chunks_exact(per_corner).filter_map(|it| it.get(offset).copied()).collect();
+                for fan in 1..indices.len().saturating_sub(1) {
+                    let first = piece.vertices.len() as u32;
+                    for index in [indices[0], indices[fan], indices[fan + 1]] {
+                        piece.vertices.push(corner(index).ok_or_else(|| broken(&format!("no corner {index}")))?);
+                    }
+                    piece.triangles.push([first, first + 1, first + 2]);
+                    self.triangles += 1;
+                    if self.triangles > MAX_TRIANGLES {
+                        return Err(format!("more than {MAX_TRIANGLES} triangles: expected at most so many"));
+                    }
+                }
+            }
+            self.pieces.push(piece);
+        }
+        Ok(())
+    }
+
+    /// Coordinates of corners, and how many numbers each has.
+    fn positions(&self, primitive: Node) -> Option<(Vec<f64>, usize)> {
+        let vertices = self.target(input(primitive, "VERTEX")?, "source")?;
+        let source = self.target(input(vertices, "POSITION")?, "source")?;
+        let accessor = source.descendants().find(|node| is(node, "accessor"))?;
+        let stride =
+            accessor.attribute("stride").map_or(Some(1), |it| it.parse().ok()).filter(|&stride| stride >= 3)?;
+        Some((numbers(self.target(accessor, "source")?)?, stride))
+    }
+}
+
+/// The lists of indices of a primitive, one a polygon. Holes are not cut out.
+fn polygons(primitive: Node, per_corner: usize) -> Option<Vec<Vec<u32>>> {
+    let lists = children(primitive, "p").map(numbers::<u32>).collect::<Option<Vec<_>>>()?;
+    let cut = |list: &Vec<u32>, counts: &mut dyn Iterator<Item = usize>| {
+        let mut rest = list.as_slice();
+        let mut polygons = Vec::new();
+        for count in counts {
+            let (polygon, others) = rest.split_at_checked(count.checked_mul(per_corner)?)?;
+            polygons.push(polygon.to_owned());
+            rest = others;
+        }
+        Some(polygons)
+    };
+    match primitive.tag_name().name() {
+        "polygons" => Some(lists),
+        "polylist" => {
+            let counts: Vec<usize> = numbers(child(primitive, "vcount")?)?;
+            cut(lists.first()?, &mut counts.into_iter())
+        }
+        _ => {
+            let list = lists.first()?;
+            cut(list, &mut std::iter::repeat_n(3, list.len() / (3 * per_corner)))
+        }
+    }
+}
+
+/// Where in a corner's indices that of its vertex is, and how many indices a corner has.
+fn inputs(primitive: Node) -> Option<(usize, usize)> {
+    let offset = |input: Node| input.attribute("offset")?.parse::<usize>().ok();
+    let most = children(primitive, "input").filter_map(offset).max()?;
+    // More than sixteen kinds of data at a corner are no mesh.
+    Some((offset(input(primitive, "VERTEX")?)?, most + 1)).filter(|&(_, count)| count <= 16)
+}
+
+fn input<'a>(node: Node<'a, 'a>, semantic: &str) -> Option<Node<'a, 'a>> {
+    children(node, "input").find(|it| it.attribute("semantic") == Some(semantic))
+}
+
+fn transform(node: Node) -> Option<Matrix4<f64>> {
+    let numbers = || numbers::<f64>(node);
+    match node.tag_name().name() {
+        "matrix" => numbers().filter(|it| it.len() == 16).map(|it| Matrix4::from_row_slice(&it)),
+        "translate" => match numbers()?[..] {
+            [x, y, z] => Some(Translation3::new(x, y, z).to_homogeneous()),
+            _ => None,
+        },
+        "rotate" => match numbers()?[..] {
+            [x, y, z, degrees] => {
+                let axis = Unit::try_new(Vector3::new(x, y, z), 1e-9)?;
+                Some(UnitQuaternion::from_axis_angle(&axis, degrees.to_radians()).to_homogeneous())
+            }
+            _ => None,
+        },
+        "scale" => match numbers()?[..] {
+            [x, y, z] => Some(Matrix4::new_nonuniform_scaling(&Vector3::new(x, y, z))),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn numbers<T: std::str::FromStr>(node: Node) -> Option<Vec<T>> {
+    node.text().unwrap_or_default().split_whitespace().map(|word| word.parse().ok()).collect()
+}
+
+fn is(node: &Node, tag: &str) -> bool {
+    node.tag_name().name() == tag
+}
+
+fn child<'a>(node: Node<'a, 'a>, tag: &'static str) -> Option<Node<'a, 'a>> {
+    children(node, tag).next()
+}
+
+fn children<'a>(node: Node<'a, 'a>, tag: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children().filter(move |node| is(node, tag))
+}

@@ -1,0 +1,90 @@
+//! `[[visual]]`: what is seen of a link instead of its shapes and its wheel.
+
+use std::ops::Range;
+
+use scene::{Link, ROOT, Shape, Visual, check};
+use serde::Deserialize;
+
+use crate::document::{Document, Table, Vector};
+use crate::mesh;
+use crate::source::Source;
+
+/// Of what says no colour.
+pub(crate) const COLOUR: [f64; 3] = [0.72, 0.72, 0.74];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct VisualEntry {
+    /// Without one, the body.
+    link: Option<String>,
+    size: Option<Vector>,
+    radius: Option<f64>,
+    length: Option<f64>,
+    mesh: Option<String>,
+    scale: Option<f64>,
+    #[serde(default)]
+    position: Vector,
+    #[serde(default)]
+    rotation: Vector,
+    /// Instead of those of the mesh.
+    colour: Option<[f64; 3]>,
+}
+
+/// Gives links what is seen of them. Where not all links could be read, a name that is not known is no mistake of its own.
+pub(super) fn read_visuals<'a>(
+    source: &Source,
+    document: &mut Document<'a>,
+    root: &mut Table<'a>,
+    links: &mut [Link],
+    complete: bool,
+) {
+    for (span, entry) in document.list::<VisualEntry>(root, "visual") {
+        let name = entry.link.as_deref().unwrap_or(ROOT);
+        let names = links.iter().map(|link| link.name.as_str());
+        let link = names.clone().position(|known| known == name);
+        let link = if complete { link.or_else(|| document.one_of(&span, "link", name, names)) } else { link };
+        for (shape, colour) in shapes(source, document, &span, &entry) {
+            let VisualEntry { position, rotation, .. } = entry;
+            let visual = Visual { shape, position, rotation, colour };
+            document.wrong(&span, check::visual(&visual));
+            if let Some(link) = link.and_then(|link| links.get_mut(link)) {
+                link.visuals.push(visual);
+            }
+        }
+    }
+}
+
+fn shapes(
+    source: &Source,
+    document: &mut Document,
+    span: &Range<usize>,
+    entry: &VisualEntry,
+) -> Vec<(Shape, [f64; 3])> {
+    let colour = entry.colour.unwrap_or(COLOUR);
+    match (entry.size, entry.radius, entry.length, &entry.mesh, entry.scale) {
+        (Some(size), None, None, None, None) => vec![(Shape::Box { size }, colour)],
+        (None, Some(radius), None, None, None) => vec![(Shape::Ball { radius }, colour)],
+        (None, Some(radius), Some(length), None, None) => vec![(Shape::Cylinder { radius, length }, colour)],
+        (None, None, None, Some(file), scale) => {
+            let scale = scale.unwrap_or(1.0);
+            if !document.within(span, "scale", scale, mesh::SCALE) {
+                return Vec::new();
+            }
+            let pieces = mesh::pieces(source, file).unwrap_or_else(|reason| {
+                document.problem(span, reason);
+                Vec::new()
+            });
+            let piece = |it: mesh::Piece| {
+                let colour = entry.colour.or(it.colour).unwrap_or(COLOUR);
+                (it.scaled([scale; 3]), colour)
+            };
+            pieces.into_iter().map(piece).collect()
+        }
+        _ => {
+            let expected =
+                "expected `size` of a box, `radius` of a ball, `radius` and `length` of a cylinder, or `mesh`";
+            document.problem(span, format_args!("a visual of no shape or of more than one: {expected}"));
+            Vec::new()
+        }
+    }
+}
