@@ -202,7 +202,7 @@ fn a_mesh_that_is_missing_or_broken_is_named() {
     check("none.stl", "cannot be read");
     check("bad.stl", "mesh `bad.stl`");
     check("empty.obj", "has 0 triangles: expected 1 to");
-    check("thing.dae", "expected a file that ends in .stl or .obj");
+    check("thing.fbx", "expected a file that ends in .stl, .obj, .dae, .glb or .gltf");
 }
 
 /// Webots' rollers, from the youBot's CAD, are 74.5 mm long; the least without a gap is 64.8 mm.

@@ -4,12 +4,14 @@ mod joint;
 mod visual;
 mod wheel;
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, Vector3};
 use scene::sensor;
-use scene::{Battery, DriveModel, Link, Part, ROOT, RobotDef, SensorDef, Shape, Solid, Steering, check};
+use scene::{Battery, DriveModel, Link, Part, RobotDef, SensorDef, Shape, Solid, Steering, check};
 use serde::Deserialize;
 
-use self::joint::{Links, read_joints};
+use self::joint::Links;
 use self::visual::read_visuals;
 use self::wheel::{read_casters, read_wheels};
 use crate::document::{Document, Table, Vector};
@@ -87,22 +89,21 @@ pub(crate) fn read(
         document.problem(&(0..0), "no [[part]] and no `urdf`: expected at least one part with a mass");
     }
     let urdf = read_urdf(source, &mut document, &mut root, materials);
-    let (mut parts, solids) = match &urdf {
-        Ok(Some(urdf)) => (urdf.parts.clone(), urdf.solids.clone()),
-        _ => Default::default(),
-    };
-    read_links(&mut document, &mut root, urdf.is_ok().then_some(&mut parts));
-    let body = Link { name: ROOT.to_owned(), parts, solids, ..Link::default() };
-    let mut links = read_joints(&mut document, &mut root, body);
+    let read = urdf.is_ok();
+    let urdf = urdf.ok().flatten();
+    let named = urdf.is_some() || !read;
+    let (span, Urdf { links: mut of_urdf, continuous, assumptions }) = urdf.unwrap_or_else(|| (0..0, Urdf::body()));
+    read_links(&mut document, &mut root, read.then_some(&mut of_urdf));
+    let urdf_links = 1..of_urdf.len();
+    let carried = urdf_links.clone().map(|link| (span.clone(), link)).collect();
+    let (wheels, taken) = (named.then_some(continuous), Vec::new());
+    let mut links = Links { links: of_urdf, carried, urdf_links, wheels, taken, complete: read };
+    links.read_joints(&mut document, &mut root);
     read_parts(&mut document, &mut root, materials, &mut links);
-    for (span, link) in &links.carried {
-        document.wrong(span, check::link(&links.links[*link], *link));
-    }
-    let wheels = read_wheels(&mut document, &mut root, &urdf, &links, materials);
+    let wheels = read_wheels(&mut document, &mut root, &mut links, materials);
     let casters = read_casters(&mut document, &mut root, materials);
     let complete = links.complete && wheels.is_ok();
-    let links = links.links.into_iter().chain(wheels.iter().flatten().cloned()).chain(casters);
-    let mut links: Vec<Link> = links.collect();
+    let mut links = links.with_wheels(&mut document, wheels.iter().flatten().cloned().chain(casters));
     read_visuals(source, &mut document, &mut root, &mut links, complete);
     let sensors = read_sensors(&mut document, &mut root, wheels.as_ref().ok().map(Vec::len));
     let battery = read_battery(&mut document, &mut root);
@@ -122,6 +123,7 @@ pub(crate) fn read(
         sensors,
         battery,
         reported_max_torque,
+        assumptions,
     };
     document.as_a_whole(|| check::robot(&robot));
     Some(robot)
@@ -145,17 +147,18 @@ fn read_drive_model<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Dr
     })
 }
 
+/// The URDF that a robot names, and where.
 fn read_urdf<'a>(
     source: &Source,
     document: &mut Document<'a>,
     root: &mut Table<'a>,
     materials: &Materials,
-) -> Result<Option<Urdf>, Unread> {
+) -> Result<Option<(Range<usize>, Urdf)>, Unread> {
     let material: String = document.optional(root, "urdf_material").unwrap_or_else(|| "unreal-default".to_owned());
     let Some((span, file)) = document.section::<String>(root, "urdf")? else { return Ok(None) };
     let material = document.material(&span, &material, materials);
     match source.text(&file) {
-        Ok(text) => urdf::read(source, &file, &text, material, document.problems()).map(Some),
+        Ok(text) => Ok(Some((span, urdf::read(source, &file, &text, material, document.problems())?))),
         Err(error) => {
             document.problem(&span, error);
             Err(Unread)
@@ -163,25 +166,27 @@ fn read_urdf<'a>(
     }
 }
 
-/// A mass changes the inertia with it; a centre moves the mass and leaves the shape. Without `parts` the URDF could not be
+/// A mass changes the inertia with it; a centre moves the mass and leaves the shape. Without `links` the URDF could not be
 /// read.
-fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, parts: Option<&mut Vec<Part>>) {
-    let links = document.list::<LinkEntry>(root, "link");
-    let Some(parts) = parts else { return };
-    for (span, LinkEntry { name, mass, centre }) in links {
-        let Some(part) = parts.iter_mut().find(|part| part.name == name) else {
-            let names = listed(parts.iter().map(|part| part.name.as_str()));
-            document.problem(&span, format_args!("link `{name}`: expected a link of the URDF's body: {names}"));
+fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, links: Option<&mut Vec<Link>>) {
+    let entries = document.list::<LinkEntry>(root, "link");
+    let Some(links) = links else { return };
+    for (span, LinkEntry { name, mass, centre }) in entries {
+        let parts = || links.iter().flat_map(|link| &link.parts).map(|part| part.name.as_str());
+        if !parts().any(|part| part == name) {
+            document.problem(&span, format_args!("link `{name}`: expected a link of the URDF: {}", listed(parts())));
             continue;
-        };
-        if let Some(mass) = mass.filter(|&mass| document.within(&span, "mass", mass, check::PART_MASS)) {
-            part.inertia *= mass / part.mass;
-            part.mass = mass;
         }
-        if let Some(centre) = centre {
-            part.centre = centre.into();
+        for part in links.iter_mut().flat_map(|link| &mut link.parts).filter(|part| part.name == name) {
+            if let Some(mass) = mass.filter(|&mass| document.within(&span, "mass", mass, check::PART_MASS)) {
+                part.inertia *= mass / part.mass;
+                part.mass = mass;
+            }
+            if let Some(centre) = centre {
+                part.centre = centre.into();
+            }
+            document.wrong(&span, check::part(part));
         }
-        document.wrong(&span, check::part(part));
     }
 }
 

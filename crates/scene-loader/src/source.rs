@@ -25,6 +25,14 @@ impl Source {
         Self::Folder(path.parent().map(Path::to_owned).unwrap_or_default())
     }
 
+    /// Whether there is such a file.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        match self {
+            Self::BuiltIn(dir) => dir.get_file(dir.path().join(name)).is_some(),
+            Self::Folder(folder) => folder.join(name).is_file(),
+        }
+    }
+
     /// The content of a file of the folder that has at most so many bytes.
     pub(crate) fn bytes(&self, name: &str, most: u64) -> Result<Vec<u8>, LoadError> {
         let unreadable = |reason: String| LoadError::Unreadable { file: self.display(name), reason };

@@ -1,47 +1,64 @@
-//! URDF: the body of a robot and the places of its wheels.
+//! URDF: a tree of links on joints, with what they weigh, what touches the world and what is seen.
 //!
-//! Links on fixed joints become parts of the body, links on continuous joints become wheels with the place, mass,
-//! speed and torque limit that the URDF gives them. Shape, rollers and servo of a wheel stand in robot.toml.
-//! URDF is x forward, y left, z up; here it is turned into the robot frame, z down, once.
+//! Links on fixed joints become parts of what carries them. A continuous joint may be that of a wheel: shape, rollers and servo of a
+//! wheel stand in robot.toml. URDF is x forward, y left, z up; here it is turned into the robot frame, z down, once.
+
+mod check;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
-use roxmltree::{Node, NodeType, ParsingOptions};
-use scene::check::{ANGLE, INERTIA, ROBOT_REACH, Range};
-use scene::{Material, Part, Pose, Shape, Solid, check};
+use roxmltree::{Node, ParsingOptions};
+use scene::check::ROBOT_REACH;
+use scene::{Coupling, CouplingKind, Joint, JointKind, Link, Material, Motor, Part, Pose, ROOT, Shape, Solid, Visual};
 use urdf_rs::{Geometry, JointType};
 
+use self::check::{Check, unexpanded};
 use crate::mesh;
-use crate::problem::{Problems, Unread, listed};
+use crate::problem::{Problems, Unread};
 use crate::source::Source;
 
-/// Most elements inside each other: the URDF library recurses into them. A URDF has six, extensions of simulators twelve.
-const MAX_DEPTH: usize = 64;
 /// Most elements, attributes and texts of a file.
 const MAX_NODES: u32 = 500_000;
 /// Most declarations of namespaces: the XML library copies them to every element that declares one more.
 const MAX_NAMESPACES: usize = 100;
-/// Most links and most joints.
-const MAX_LINKS: usize = 1000;
+/// Error of the position at which a servo gives all its torque, rad or m. A URDF says no stiffness.
+const FULL_TORQUE_ERROR: f64 = 0.02;
+/// Part of its greatest speed by which a servo of the speed is behind when it gives all its torque.
+const FULL_TORQUE_LAG: f64 = 0.1;
+/// Most folders above that of the URDF in which a mesh of a package is looked for.
+const MAX_LEVELS: usize = 4;
+/// Of what says no colour.
+const COLOUR: [f64; 3] = [0.72, 0.72, 0.74];
 
-/// What a robot takes from its URDF, in the robot frame.
+/// A URDF in the robot frame.
 pub(crate) struct Urdf {
-    pub(crate) parts: Vec<Part>,
-    pub(crate) solids: Vec<Solid>,
-    pub(crate) wheels: Vec<UrdfWheel>,
+    /// Parents before their children. The first is the body; the others have the names of their joints.
+    pub(crate) links: Vec<Link>,
+    /// What can be a wheel.
+    pub(crate) continuous: Vec<Continuous>,
+    /// What was taken to be so because the file does not say it, or cannot be had here.
+    pub(crate) assumptions: Vec<String>,
 }
 
-/// A continuous joint and its child link.
-pub(crate) struct UrdfWheel {
+/// A continuous joint, which may be that of a wheel.
+pub(crate) struct Continuous {
     pub(crate) joint: String,
-    pub(crate) position: [f64; 3],
+    /// Number of its link.
+    pub(crate) link: usize,
+    /// Of its link without what is fixed to that, kg.
     pub(crate) mass: f64,
     pub(crate) max_speed: Option<f64>,
     pub(crate) max_torque: Option<f64>,
 }
 
-const JOINT_TYPES: [&str; 6] = ["fixed", "continuous", "revolute", "prismatic", "floating", "planar"];
+impl Urdf {
+    /// A body alone.
+    pub(crate) fn body() -> Self {
+        let body = Link { name: ROOT.to_owned(), ..Link::default() };
+        Self { links: vec![body], continuous: Vec::new(), assumptions: Vec::new() }
+    }
+}
 
-/// Reads a URDF; `material` is of what the body is made.
+/// Reads a URDF; `material` is of what its links are made.
 pub(crate) fn read(
     source: &Source,
     file: &str,
@@ -74,67 +91,225 @@ pub(crate) fn read(
         problems.at(&shown, text, 0, format_args!("not a URDF: {error}"));
         Unread
     })?;
-    let mut urdf = Urdf { parts: Vec::new(), solids: Vec::new(), wheels: Vec::new() };
-    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
-    // The URDF library has an XML reader of its own, which need not find what was checked before.
-    let root = robot.links.iter().find(|link| !is_child(&link.name)).ok_or_else(|| {
-        problems.at(&shown, text, 0, "not a URDF: no link is found that is no joint's child");
-        Unread
-    })?;
-    let mut open = vec![(root, Isometry3::identity())];
-    let noted = problems.count();
-    while let Some((link, pose)) = open.pop() {
-        let node = named(&document, "link", &link.name);
-        let mut wrong = |node: Option<Node>, message: String| {
-            let place = node.map_or(0, |node| node.range().start);
-            problems.at(&shown, text, place, format_args!("link {}: {message}", link.name));
+    let mut tree = Tree {
+        source,
+        document: &document,
+        robot: &robot,
+        material: &material,
+        wrong: Vec::new(),
+        urdf: Urdf { assumptions: ignored(document.root_element()), ..Urdf::body() },
+    };
+    tree.add_all();
+    let Tree { wrong, urdf, .. } = tree;
+    let good = wrong.is_empty();
+    wrong.into_iter().for_each(|(offset, message)| problems.at(&shown, text, offset, message));
+    if good { Ok(urdf) } else { Err(Unread) }
+}
+
+/// What stands in a URDF for other programs.
+fn ignored(robot: Node) -> Vec<String> {
+    let mut counts = std::collections::BTreeMap::<&str, usize>::new();
+    for node in robot.children().filter(Node::is_element) {
+        let tag = node.tag_name().name();
+        if !["link", "joint", "material"].contains(&tag) {
+            *counts.entry(tag).or_default() += 1;
+        }
+    }
+    counts.iter().map(|(tag, count)| format!("{count} <{tag}> not looked at")).collect()
+}
+
+/// A tree as it is made.
+struct Tree<'a> {
+    source: &'a Source,
+    document: &'a roxmltree::Document<'a>,
+    robot: &'a urdf_rs::Robot,
+    material: &'a Material,
+    /// Mistakes, each with where it is in the text.
+    wrong: Vec<(usize, String)>,
+    urdf: Urdf,
+}
+
+impl<'a> Tree<'a> {
+    fn add_all(&mut self) {
+        let robot = self.robot;
+        let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
+        // The URDF library has an XML reader of its own, which need not find what was checked before.
+        let Some(root) = robot.links.iter().find(|link| !is_child(&link.name)) else {
+            return self.wrong.push((0, "not a URDF: no link is found that is no joint's child".to_owned()));
         };
-        if let Some(part) = part(link, &pose) {
-            check::part(&part).into_iter().for_each(|message| wrong(node, message));
-            urdf.parts.push(part);
+        // A link, its pose in the URDF's axes, and what it is a part of.
+        let mut open = vec![(root, Isometry3::identity(), 0)];
+        while let Some((link, pose, number)) = open.pop() {
+            self.add_link(link, &pose, number);
+            for joint in robot.joints.iter().filter(|joint| joint.parent.link == link.name) {
+                let Some(child) = robot.links.iter().find(|link| link.name == joint.child.link) else {
+                    let message = format!("joint {}: its child {} is not found", joint.name, joint.child.link);
+                    self.wrong.push((self.place("joint", &joint.name), message));
+                    continue;
+                };
+                let place = pose * isometry(&joint.origin);
+                let carried = self.add_joint(joint, child, &place, number);
+                open.push((child, place, carried));
+            }
+        }
+        self.add_mimics();
+        self.add_servos();
+    }
+
+    /// What a link is and shows, as a part of another one.
+    fn add_link(&mut self, link: &urdf_rs::Link, pose: &Pose, number: usize) {
+        let node = self.named("link", &link.name);
+        let start = |node: Option<Node>| node.map_or(0, |node| node.range().start);
+        let of_link = |message: String| format!("link {}: {message}", link.name);
+        if let Some(part) = part(link, pose) {
+            self.wrong.extend(scene::check::part(&part).into_iter().map(|message| (start(node), of_link(message))));
+            self.urdf.links[number].parts.push(part);
         }
         let mut nodes = node.into_iter().flat_map(|node| node.children()).filter(|node| node.has_tag_name("collision"));
         for collision in &link.collision {
-            let node = nodes.next();
-            match solid(source, link, collision, &pose, &material) {
+            let at = start(nodes.next());
+            match solid(self.source, link, collision, pose, self.material) {
                 Ok(solid) => {
-                    check::body_solid(&solid).into_iter().for_each(|message| wrong(node, message));
-                    urdf.solids.push(solid);
+                    let wrong = scene::check::body_solid(&solid);
+                    self.wrong.extend(wrong.into_iter().map(|message| (at, of_link(message))));
+                    self.urdf.links[number].solids.push(solid);
                 }
-                Err(reason) => wrong(node, reason),
+                Err(reason) => self.wrong.push((at, of_link(reason))),
             }
         }
-        for joint in robot.joints.iter().filter(|joint| joint.parent.link == link.name) {
-            let Some(child) = robot.links.iter().find(|link| link.name == joint.child.link) else {
-                wrong(node, format!("joint {}: its child {} is not found", joint.name, joint.child.link));
-                continue;
-            };
-            let place = pose * isometry(&joint.origin);
-            match joint.joint_type {
-                JointType::Continuous => urdf.wheels.push(UrdfWheel {
-                    joint: joint.name.clone(),
-                    position: z_down().transform_vector(&place.translation.vector).into(),
-                    mass: child.inertial.mass.value,
-                    max_speed: Some(joint.limit.velocity).filter(|&speed| speed > 0.0 && speed.is_finite()),
-                    max_torque: Some(joint.limit.effort).filter(|&torque| torque > 0.0 && torque.is_finite()),
-                }),
-                // Arms are held where they are.
-                _ => open.push((child, place)),
+        for visual in &link.visual {
+            match visuals(self.source, visual, pose, self.robot) {
+                Ok(visuals) => {
+                    let (good, bad): (Vec<_>, Vec<_>) =
+                        visuals.into_iter().partition(|visual| scene::check::visual(visual).is_empty());
+                    self.urdf.links[number].visuals.extend(good);
+                    let wrong = bad.iter().flat_map(scene::check::visual).map(|it| format!("{it}: not drawn"));
+                    self.urdf.assumptions.extend(wrong.map(of_link));
+                }
+                Err(reason) => self.urdf.assumptions.push(of_link(format!("{reason}: not drawn"))),
             }
         }
     }
-    if problems.count() == noted { Ok(urdf) } else { Err(Unread) }
+
+    /// The link that a joint carries: one of its own, or that of the parent where the joint holds it.
+    fn add_joint(&mut self, joint: &urdf_rs::Joint, child: &urdf_rs::Link, place: &Pose, parent: usize) -> usize {
+        let limits = [joint.limit.lower, joint.limit.upper];
+        let kind = match joint.joint_type {
+            JointType::Fixed => return parent,
+            JointType::Continuous => JointKind::Continuous,
+            JointType::Revolute | JointType::Prismatic if limits[0] == limits[1] => {
+                self.urdf.assumptions.push(format!("joint {} has no way to go: held", joint.name));
+                return parent;
+            }
+            JointType::Revolute => JointKind::Revolute,
+            JointType::Prismatic => JointKind::Prismatic,
+            JointType::Spherical => JointKind::Ball,
+            JointType::Floating | JointType::Planar => {
+                self.urdf.assumptions.push(format!("joint {} is {:?}: held", joint.name, joint.joint_type));
+                return parent;
+            }
+        };
+        if self.urdf.links.iter().any(|link| link.name == joint.name) {
+            let message = format!("second joint `{}`: expected a name of its own", joint.name);
+            self.wrong.push((self.place("joint", &joint.name), message));
+        }
+        let axis = (z_down() * place.rotation * Vector3::from(*joint.axis.xyz)).normalize();
+        let anchor = z_down().transform_vector(&place.translation.vector);
+        let (damping, friction) = joint.dynamics.as_ref().map_or((0.0, 0.0), |it| (it.damping, it.friction));
+        let has_ends = matches!(kind, JointKind::Revolute | JointKind::Prismatic);
+        let limits = has_ends.then_some(limits);
+        let made = Joint { limits, damping, friction, ..Joint::new(parent, kind, anchor.into(), axis.into()) };
+        let number = self.urdf.links.len();
+        self.urdf.links.push(Link { name: joint.name.clone(), joint: Some(made), ..Link::default() });
+        if kind == JointKind::Continuous {
+            let positive = |number: f64| Some(number).filter(|number| *number > 0.0 && number.is_finite());
+            self.urdf.continuous.push(Continuous {
+                joint: joint.name.clone(),
+                link: number,
+                mass: child.inertial.mass.value,
+                max_speed: positive(joint.limit.velocity),
+                max_torque: positive(joint.limit.effort),
+            });
+        }
+        number
+    }
+
+    fn add_mimics(&mut self) {
+        for joint in &self.robot.joints {
+            let Some(mimic) = &joint.mimic else { continue };
+            let number = |name: &str| self.urdf.links.iter().position(|link| link.name == name);
+            let Some(follower) = number(&joint.name) else { continue };
+            let Some(leader) = number(&mimic.joint) else {
+                let message = format!("joint {}: it mimics {}: expected a joint that moves", joint.name, mimic.joint);
+                self.wrong.push((self.place("joint", &joint.name), message));
+                continue;
+            };
+            let (multiplier, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
+            if let Some(joint) = &mut self.urdf.links[follower].joint {
+                joint.coupling = Some(Coupling { leader, multiplier, offset, kind: CouplingKind::Mimic });
+            }
+        }
+    }
+
+    /// Gives every joint with an effort and a speed a servo; what moves without either swings freely.
+    fn add_servos(&mut self) {
+        for number in 1..self.urdf.links.len() {
+            let links = &self.urdf.links;
+            let Some(joint) = links[number].joint.as_ref().filter(|joint| joint.coupling.is_none()) else { continue };
+            let name = &links[number].name;
+            let Some(limit) = self.robot.joints.iter().find(|it| &it.name == name).map(|it| &it.limit) else {
+                continue;
+            };
+            if !(limit.effort > 0.0 && limit.velocity > 0.0 && joint.kind.has_value()) {
+                continue;
+            }
+            let (max_speed, max_torque) = (limit.velocity, limit.effort);
+            let inertia = inertia_beyond(links, number);
+            let motor = if joint.kind == JointKind::Continuous {
+                let gain = max_torque / (FULL_TORQUE_LAG * max_speed);
+                Motor { max_speed, gain, max_torque, stiffness: None, integral_time: None, armature: 0.0 }
+            } else {
+                let stiffness = max_torque / FULL_TORQUE_ERROR;
+                // Without overshoot.
+                let gain = 2.0 * (stiffness * inertia).sqrt();
+                Motor { max_speed, gain, max_torque, stiffness: Some(stiffness), integral_time: None, armature: 0.0 }
+            };
+            if let Some(joint) = &mut self.urdf.links[number].joint {
+                joint.drive = Some(motor);
+            }
+        }
+    }
+
+    /// Where a link or joint is in the text.
+    fn place(&self, tag: &str, name: &str) -> usize {
+        self.named(tag, name).map_or(0, |node| node.range().start)
+    }
+
+    fn named(&self, tag: &str, name: &str) -> Option<Node<'a, 'a>> {
+        let mut nodes = self.document.root_element().children();
+        nodes.find(|node| node.has_tag_name(tag) && node.attribute("name") == Some(name))
+    }
 }
 
-/// The element of a link or joint.
-fn named<'a>(document: &'a roxmltree::Document, tag: &str, name: &str) -> Option<Node<'a, 'a>> {
-    let mut nodes = document.root_element().children();
-    nodes.find(|node| node.has_tag_name(tag) && node.attribute("name") == Some(name))
-}
-
-/// What is said of a file with something in it that only xacro understands.
-fn unexpanded(what: &str) -> String {
-    format!("`{what}` is of xacro: expected a URDF; expand it first: `xacro robot.xacro > robot.urdf`")
+/// Inertia about a joint's axis of everything that hangs on it, kg m², or of a slide its mass, kg.
+fn inertia_beyond(links: &[Link], joint: usize) -> f64 {
+    let Some(axis) = &links[joint].joint else { return 0.0 };
+    let (direction, anchor) = (Vector3::from(axis.axis), Vector3::from(axis.anchor));
+    let mut hangs = vec![false; links.len()];
+    let mut sum = 0.0;
+    for (number, link) in links.iter().enumerate().skip(joint) {
+        hangs[number] = number == joint || link.joint.as_ref().is_some_and(|joint| hangs[joint.parent]);
+        for part in link.parts.iter().filter(|_| hangs[number]) {
+            sum += match axis.kind {
+                JointKind::Prismatic => part.mass,
+                _ => {
+                    let arm = (part.centre - anchor).cross(&direction).norm_squared();
+                    direction.dot(&(part.inertia * direction)) + part.mass * arm
+                }
+            };
+        }
+    }
+    sum
 }
 
 /// From the URDF's axes to the robot frame: half a turn about x, exactly.
@@ -177,16 +352,58 @@ fn solid(
     let place = Isometry3::from_parts(Default::default(), z_down()) * pose * isometry(&collision.origin);
     // Shapes are symmetric about their z axis but for meshes, which `mesh` turns z down by themselves.
     let (shape, turn) = match &collision.geometry {
-        Geometry::Box { size } => (Shape::Box { size: **size }, UnitQuaternion::identity()),
-        Geometry::Cylinder { radius, length } => {
-            (Shape::Cylinder { radius: *radius, length: *length }, UnitQuaternion::identity())
-        }
-        Geometry::Sphere { radius } => (Shape::Ball { radius: *radius }, UnitQuaternion::identity()),
         Geometry::Mesh { filename, scale } => (hull(source, filename, scale.map(|scale| *scale))?, z_down()),
-        other => return Err(format!("geometry {other:?}: expected box, cylinder, sphere or mesh")),
+        geometry => (primitive(geometry)?, UnitQuaternion::identity()),
     };
     let (position, rotation) = scene::position_and_rotation(&(place * turn));
     Ok(Solid { name: link.name.clone(), shape, position, rotation, material: material.clone() })
+}
+
+/// What is seen of a link, in the robot frame: a mesh in the pieces of its colours.
+fn visuals(
+    source: &Source,
+    visual: &urdf_rs::Visual,
+    pose: &Pose,
+    robot: &urdf_rs::Robot,
+) -> Result<Vec<Visual>, String> {
+    let named = |name: &str| robot.materials.iter().find(|it| it.name == name)?.color.clone();
+    let colour = visual.material.as_ref().and_then(|it| it.color.clone().or_else(|| named(&it.name)));
+    let colour = colour.map(|colour| [0, 1, 2].map(|part| colour.rgba[part].clamp(0.0, 1.0)));
+    let place = Isometry3::from_parts(Default::default(), z_down()) * pose * isometry(&visual.origin);
+    let (shapes, turn) = match &visual.geometry {
+        Geometry::Mesh { filename, scale } => {
+            let scale = scale.map_or([1.0; 3], |scale| *scale);
+            let pieces = mesh::pieces(source, &mesh_file(source, filename))?;
+            let piece = |it: mesh::Piece| (it.colour, it.scaled(scale));
+            (pieces.into_iter().map(piece).collect(), z_down())
+        }
+        geometry => (vec![(None, primitive(geometry)?)], UnitQuaternion::identity()),
+    };
+    let (position, rotation) = scene::position_and_rotation(&(place * turn));
+    let drawn = |(own, shape): (Option<[f64; 3]>, Shape)| Visual {
+        shape,
+        position,
+        rotation,
+        colour: colour.or(own).unwrap_or(COLOUR),
+    };
+    Ok(shapes.into_iter().map(drawn).collect())
+}
+
+/// Shapes that are symmetric about their z axis, so it does not matter whether that is up or down.
+fn primitive(geometry: &Geometry) -> Result<Shape, String> {
+    match geometry {
+        Geometry::Box { size } => Ok(Shape::Box { size: **size }),
+        Geometry::Cylinder { radius, length } => Ok(Shape::Cylinder { radius: *radius, length: *length }),
+        Geometry::Sphere { radius } => Ok(Shape::Ball { radius: *radius }),
+        other => Err(format!("geometry {other:?}: expected box, cylinder, sphere or mesh")),
+    }
+}
+
+/// The file of a mesh. `package://` names a folder above that of the URDF, or beside one.
+fn mesh_file(source: &Source, filename: &str) -> String {
+    let name = filename.rsplit("://").next().unwrap_or(filename);
+    let above = |levels: usize| format!("{}{name}", "../".repeat(levels));
+    (0..=MAX_LEVELS).map(above).find(|file| source.has(file)).unwrap_or_else(|| name.to_owned())
 }
 
 /// The convex hull of a mesh: only its corners, of the many that a drawing has. A mirrored scale is fine for a hull.
@@ -195,8 +412,8 @@ fn hull(source: &Source, filename: &str, scale: Option<[f64; 3]>) -> Result<Shap
     if let Some(problem) = mesh::SCALE.problem_in("scale", &scale.map(f64::abs)) {
         return Err(format!("{problem}, either sign"));
     }
-    let name = filename.rsplit("://").next().unwrap_or(filename);
-    let Shape::Mesh { vertices, .. } = mesh::read(source, name, scale)? else {
+    let name = mesh_file(source, filename);
+    let Shape::Mesh { vertices, .. } = mesh::read(source, &name, scale)? else {
         return Err(format!("mesh `{name}`: expected triangles"));
     };
     if let Some(problem) = vertices.iter().find_map(|corner| ROBOT_REACH.problem_in("corner", corner)) {
@@ -205,138 +422,5 @@ fn hull(source: &Source, filename: &str, scale: Option<[f64; 3]>) -> Result<Shap
     match scene::hull_surface(&vertices) {
         Some(Shape::Mesh { vertices, .. }) => Ok(Shape::Hull { points: vertices }),
         _ => Err(format!("mesh `{name}` has its points in one plane: expected a volume")),
-    }
-}
-
-/// Finds mistakes with their lines, which the URDF library does not tell.
-struct Check<'a> {
-    file: &'a str,
-    text: &'a str,
-    problems: &'a mut Problems,
-    good: bool,
-}
-
-impl Check<'_> {
-    fn problem(&mut self, node: Node, message: impl std::fmt::Display) {
-        self.good = false;
-        self.problems.at(self.file, self.text, node.range().start, message);
-    }
-
-    fn robot(&mut self, robot: Node) {
-        if let Some((node, what)) = robot.descendants().find_map(|node| Some((node, of_xacro(node)?))) {
-            self.problem(node, unexpanded(&what));
-            return;
-        }
-        let deep = |node: &Node| node.ancestors().nth(MAX_DEPTH).is_some();
-        if let Some(node) = robot.descendants().find(deep) {
-            self.problem(node, format_args!("<{}> is too deep: expected {MAX_DEPTH} levels", node.tag_name().name()));
-            return;
-        }
-        if robot.tag_name().name() != "robot" {
-            self.problem(robot, format_args!("<{}>: expected <robot>", robot.tag_name().name()));
-            return;
-        }
-        let children = |tag: &'static str| robot.children().filter(move |node| node.has_tag_name(tag));
-        for tag in ["link", "joint"] {
-            let count = children(tag).count();
-            if count > MAX_LINKS {
-                self.problem(robot, format_args!("{count} <{tag}>: expected at most {MAX_LINKS}"));
-                return;
-            }
-        }
-        let links: Vec<&str> = children("link").filter_map(|link| link.attribute("name")).collect();
-        if links.is_empty() {
-            self.problem(robot, "no <link>: expected at least one");
-        }
-        for (index, link) in children("link").enumerate() {
-            let name = self.attribute(link, "name");
-            if name.is_some_and(|name| links[..index.min(links.len())].contains(&name)) {
-                self.problem(link, format_args!("second link `{}`: expected unique names", name.unwrap_or_default()));
-            }
-        }
-        for joint in children("joint") {
-            self.joint(joint, &links);
-        }
-        let ends = children("joint").filter_map(|joint| joint.children().find(|node| node.has_tag_name("child")));
-        let child_links: Vec<&str> = ends.filter_map(|end| end.attribute("link")).collect();
-        let is_child = |link: &str| child_links.iter().filter(|child| **child == link).count();
-        let roots = links.iter().filter(|link| is_child(link) == 0).count();
-        if self.good && (roots != 1 || links.iter().any(|link| is_child(link) > 1)) {
-            self.problem(robot, format_args!("{roots} links without a parent: expected a tree with one root"));
-        }
-        for node in robot.descendants().filter(Node::is_element) {
-            self.numbers(node);
-        }
-    }
-
-    fn joint(&mut self, joint: Node, links: &[&str]) {
-        self.attribute(joint, "name");
-        if let Some(kind) = self.attribute(joint, "type")
-            && !JOINT_TYPES.contains(&kind)
-        {
-            self.problem(joint, format_args!("joint type `{kind}`: expected one of {}", JOINT_TYPES.join(", ")));
-        }
-        for end in ["parent", "child"] {
-            let Some(node) = joint.children().find(|node| node.has_tag_name(end)) else {
-                self.problem(joint, format_args!("joint without <{end} link=..>"));
-                continue;
-            };
-            if let Some(link) = self.attribute(node, "link")
-                && !links.contains(&link)
-            {
-                self.problem(
-                    node,
-                    format_args!("unknown link `{link}`: expected one of {}", listed(links.iter().copied())),
-                );
-            }
-        }
-    }
-
-    fn attribute<'n>(&mut self, node: Node<'n, '_>, name: &str) -> Option<&'n str> {
-        let value = node.attribute(name);
-        if value.is_none() {
-            self.problem(node, format_args!("<{}> without `{name}`", node.tag_name().name()));
-        }
-        value
-    }
-
-    /// Attributes that are numbers everywhere in a URDF, with their range where they have one everywhere.
-    fn numbers(&mut self, node: Node) {
-        for attribute in node.attributes() {
-            let (count, range) = match attribute.name() {
-                "xyz" => (3, ROBOT_REACH),
-                "rpy" => (3, ANGLE),
-                "size" | "scale" => (3, FINITE),
-                "ixx" | "ixy" | "ixz" | "iyy" | "iyz" | "izz" => (1, INERTIA),
-                "radius" | "length" | "velocity" | "effort" => (1, FINITE),
-                "value" if node.has_tag_name("mass") => (1, FINITE),
-                _ => continue,
-            };
-            let (key, value) = (attribute.name(), attribute.value());
-            let numbers: Vec<f64> = value.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-            let all = numbers.len() == count && value.split_whitespace().count() == count;
-            if !all || !numbers.iter().all(|number| number.is_finite()) {
-                self.problem(node, format_args!("{key}=\"{value}\": expected {count} finite number(s)"));
-            } else if !numbers.iter().all(|&number| range.holds(number)) {
-                self.problem(node, format_args!("{key}=\"{value}\": expected {range}"));
-            }
-        }
-    }
-}
-
-const FINITE: Range = Range { least: f64::MIN, most: f64::MAX, unit: "" };
-
-/// What in a node only xacro understands. That it is declared is no harm: it often stays when it is expanded.
-fn of_xacro(node: Node) -> Option<String> {
-    let substitution = |text: &str| text.contains("${") || text.contains("$(");
-    match node.node_type() {
-        NodeType::Element => {
-            let tag = node.tag_name();
-            let own = tag.namespace().is_some_and(|namespace| namespace.ends_with("/xacro"));
-            let value = || node.attributes().map(|attribute| attribute.value()).find(|value| substitution(value));
-            if own { Some(format!("<xacro:{}>", tag.name())) } else { value().map(str::to_owned) }
-        }
-        NodeType::Text => node.text().filter(|text| substitution(text)).map(|text| text.trim().to_owned()),
-        _ => None,
     }
 }

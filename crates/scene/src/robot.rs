@@ -101,6 +101,8 @@ pub struct RobotDef {
     pub battery: Option<Battery>,
     /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).
     pub reported_max_torque: f64,
+    /// What was taken to be so because its file does not say it.
+    pub assumptions: Vec<String>,
 }
 
 impl RobotDef {

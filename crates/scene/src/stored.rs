@@ -28,6 +28,8 @@ pub(crate) struct Robot {
     sensors: Vec<SensorDef>,
     battery: Option<Battery>,
     reported_max_torque: f64,
+    #[serde(default)]
+    assumptions: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -64,6 +66,7 @@ impl From<Robot> for RobotDef {
             sensors: stored.sensors,
             battery: stored.battery,
             reported_max_torque: stored.reported_max_torque,
+            assumptions: stored.assumptions,
         }
     }
 }

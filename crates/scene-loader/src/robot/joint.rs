@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use nalgebra::Vector3;
-use scene::{Coupling, CouplingKind, Joint, JointKind, Link, Motor, ROOT};
+use scene::{Coupling, CouplingKind, Joint, JointKind, Link, Motor, ROOT, check};
 use serde::Deserialize;
 
 use crate::document::{Document, Table, Vector};
+use crate::urdf::Continuous;
 
 /// A joint and the link of the same name that it carries.
 #[derive(Deserialize)]
@@ -47,8 +48,14 @@ struct CouplingEntry {
 /// The links of a robot, as what is mounted on them names them.
 pub(super) struct Links {
     pub(super) links: Vec<Link>,
-    /// Where those that hang on joints stand, with their numbers.
+    /// Where those that hang on joints stand, with their numbers; those of a URDF where that is named.
     pub(super) carried: Vec<(Range<usize>, usize)>,
+    /// Joints of the URDF that can be those of wheels; `None` without a URDF.
+    pub(super) wheels: Option<Vec<Continuous>>,
+    /// Numbers of the URDF's links.
+    pub(super) urdf_links: Range<usize>,
+    /// Links of the URDF that are wheels.
+    pub(super) taken: Vec<usize>,
     /// Whether all of them could be read: otherwise a name that is not known is no mistake of its own.
     pub(super) complete: bool,
 }
@@ -66,46 +73,77 @@ impl Links {
         let number = known.clone().position(|known| known == name).or((!self.complete).then_some(0));
         number.or_else(|| document.one_of(span, key, name, known))
     }
-}
 
-/// The body, and the links that hang on joints beside those of wheels.
-pub(super) fn read_joints<'a>(document: &mut Document<'a>, root: &mut Table<'a>, body: Link) -> Links {
-    let noted = document.problems().count();
-    let entries = document.list::<JointEntry>(root, "joint");
-    let complete = document.problems().count() == noted;
-    let mut links = Links { links: vec![body], carried: Vec::new(), complete };
-    // Their leaders may come behind them.
-    let mut couplings = Vec::new();
-    for (span, entry) in entries {
-        if links.links.iter().any(|link| link.name == entry.name) {
-            document.problem(&span, format_args!("second link `{}`: expected a name of its own", entry.name));
-            continue;
+    /// Adds the links that hang on joints beside those of wheels and of a URDF.
+    pub(super) fn read_joints<'a>(&mut self, document: &mut Document<'a>, root: &mut Table<'a>) {
+        let noted = document.problems().count();
+        let entries = document.list::<JointEntry>(root, "joint");
+        self.complete &= document.problems().count() == noted;
+        // Their leaders may come behind them.
+        let mut couplings = Vec::new();
+        for (span, entry) in entries {
+            if self.links.iter().any(|link| link.name == entry.name) {
+                document.problem(&span, format_args!("second link `{}`: expected a name of its own", entry.name));
+                continue;
+            }
+            let kind = document.one_of(&span, "kind", &entry.kind, JointKind::ALL.iter().map(|(name, _)| *name));
+            let parent = self.find(document, &span, "parent", entry.parent.as_deref());
+            let (axis, drive) = (entry.axis.unwrap_or([0.0, 0.0, 1.0]), read_servo(document, &span, &entry));
+            let JointEntry { name, position, limits, damping, friction, .. } = entry;
+            couplings.extend(entry.coupling.map(|coupling| (span.clone(), self.links.len(), coupling)));
+            let joint = kind.zip(parent).map(|(kind, parent)| {
+                let (kind, axis) = (JointKind::ALL[kind].1, Vector3::from(axis).normalize().into());
+                Joint { limits, damping, friction, drive, ..Joint::new(parent, kind, position, axis) }
+            });
+            // Without a joint it only stands for its name, and what is wrong is said.
+            self.carried.extend(joint.is_some().then_some((span, self.links.len())));
+            self.links.push(Link { name, joint, ..Link::default() });
         }
-        let kind = document.one_of(&span, "kind", &entry.kind, JointKind::ALL.iter().map(|(name, _)| *name));
-        let parent = links.find(document, &span, "parent", entry.parent.as_deref());
-        let (axis, drive) = (entry.axis.unwrap_or([0.0, 0.0, 1.0]), read_servo(document, &span, &entry));
-        let JointEntry { name, position, limits, damping, friction, .. } = entry;
-        couplings.extend(entry.coupling.map(|coupling| (span.clone(), links.links.len(), coupling)));
-        let joint = kind.zip(parent).map(|(kind, parent)| {
-            let (kind, axis) = (JointKind::ALL[kind].1, Vector3::from(axis).normalize().into());
-            Joint { limits, damping, friction, drive, ..Joint::new(parent, kind, position, axis) }
-        });
-        // Without a joint it only stands for its name, and what is wrong is said.
-        links.carried.extend(joint.is_some().then_some((span, links.links.len())));
-        links.links.push(Link { name, joint, ..Link::default() });
-    }
-    for (span, follower, CouplingEntry { joint, multiplier, offset, kind }) in couplings {
-        let names = CouplingKind::ALL.iter().map(|(name, _)| *name);
-        let kind = document.one_of(&span, "kind", kind.as_deref().unwrap_or("mimic"), names);
-        let leader = links.find(document, &span, "joint", Some(&joint));
-        let coupling = kind.zip(leader);
-        let coupling =
-            coupling.map(|(kind, leader)| Coupling { leader, multiplier, offset, kind: CouplingKind::ALL[kind].1 });
-        if let Some(joint) = &mut links.links[follower].joint {
-            joint.coupling = coupling;
+        for (span, follower, CouplingEntry { joint, multiplier, offset, kind }) in couplings {
+            let names = CouplingKind::ALL.iter().map(|(name, _)| *name);
+            let kind = document.one_of(&span, "kind", kind.as_deref().unwrap_or("mimic"), names);
+            let leader = self.find(document, &span, "joint", Some(&joint));
+            let coupling = kind.zip(leader);
+            let coupling =
+                coupling.map(|(kind, leader)| Coupling { leader, multiplier, offset, kind: CouplingKind::ALL[kind].1 });
+            if let Some(joint) = &mut self.links[follower].joint {
+                joint.coupling = coupling;
+            }
         }
     }
-    links
+
+    /// All links with the wheels behind them, checked. What is a wheel is no link of the URDF any more.
+    pub(super) fn with_wheels(self, document: &mut Document, wheels: impl Iterator<Item = Link>) -> Vec<Link> {
+        for (span, number) in self.carried.iter().filter(|(_, number)| !self.taken.contains(number)) {
+            let link = &self.links[*number];
+            let joint = link.joint.as_ref();
+            let on_wheel = joint.is_some_and(|joint| self.taken.contains(&joint.parent));
+            let after = joint.and_then(|joint| joint.coupling).is_some_and(|it| self.taken.contains(&it.leader));
+            let on_wheel =
+                (on_wheel || after).then(|| "it hangs on a wheel or follows one: expected another link".to_owned());
+            // Of a URDF's joint the place does not say which.
+            let of_urdf =
+                if self.urdf_links.contains(number) { format!("joint {}: ", link.name) } else { String::new() };
+            let wrong = check::link(link, *number).into_iter().chain(on_wheel);
+            document.wrong(span, wrong.map(|message| format!("{of_urdf}{message}")));
+        }
+        let mut numbers = Vec::new();
+        let mut kept = 0;
+        for number in 0..self.links.len() {
+            numbers.push(kept);
+            kept += usize::from(!self.taken.contains(&number));
+        }
+        let is_kept = |(number, _): &(usize, Link)| !self.taken.contains(number);
+        let kept = self.links.into_iter().enumerate().filter(is_kept).map(|(_, link)| link);
+        let mut links: Vec<Link> = kept.chain(wheels).collect();
+        for joint in links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+            joint.parent = numbers[joint.parent];
+            if let Some(coupling) = &mut joint.coupling {
+                coupling.leader = numbers[coupling.leader];
+            }
+        }
+        links
+    }
 }
 
 /// The motor of a joint: all of its numbers, or none.

@@ -9,7 +9,6 @@ use super::joint::Links;
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
 use crate::problem::{Unread, listed};
-use crate::urdf::Urdf;
 
 /// Numbers of a wheel; those missing are taken from `[wheels]`.
 #[derive(Default, Deserialize)]
@@ -72,8 +71,7 @@ struct CasterEntry {
 pub(super) fn read_wheels<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
-    urdf: &Result<Option<Urdf>, Unread>,
-    links: &Links,
+    links: &mut Links,
     materials: &Materials,
 ) -> Result<Vec<Link>, Unread> {
     let common = document.section::<WheelEntry>(root, "wheels");
@@ -83,12 +81,15 @@ pub(super) fn read_wheels<'a>(
     }
     let noted = document.problems().count();
     let entries = document.list::<WheelEntry>(root, "wheel");
-    let (Ok(common), Ok(rollers), Ok(urdf)) = (common, rollers, urdf) else { return Err(Unread) };
+    let (Ok(common), Ok(rollers)) = (common, rollers) else { return Err(Unread) };
     let (place, common) = common.unwrap_or_default();
     let wheel = |(span, entry): (Range<usize>, WheelEntry)| {
         let parent = links.find(document, &span, "link", entry.link.as_deref());
-        let mut wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), urdf.as_ref(), materials)?;
-        wheel.joint.as_mut()?.parent = parent?;
+        let on_link = entry.link.is_some();
+        let mut wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), links, materials)?;
+        if on_link {
+            wheel.joint.as_mut()?.parent = parent?;
+        }
         Some((span, wheel))
     };
     let count = entries.len();
@@ -111,19 +112,20 @@ fn read_wheel(
     entry: WheelEntry,
     common: &WheelEntry,
     rollers: Option<&(Range<usize>, RollersEntry)>,
-    urdf: Option<&Urdf>,
+    links: &mut Links,
     materials: &Materials,
 ) -> Option<Link> {
-    let joint = match (&entry.joint, urdf) {
+    let joint = match (&entry.joint, &links.wheels) {
         (None, _) => None,
         (Some(name), None) => {
             document.problem(span, format_args!("joint `{name}`: expected a `urdf` that has it"));
             return None;
         }
-        (Some(name), Some(urdf)) => {
-            let joint = urdf.wheels.iter().find(|wheel| &wheel.joint == name);
+        (Some(_), Some(_)) if !links.complete => return None,
+        (Some(name), Some(wheels)) => {
+            let joint = wheels.iter().find(|wheel| &wheel.joint == name);
             if joint.is_none() {
-                let names = listed(urdf.wheels.iter().map(|wheel| wheel.joint.as_str()));
+                let names = listed(wheels.iter().map(|wheel| wheel.joint.as_str()));
                 let expected = if names.is_empty() { "it has none".to_owned() } else { format!("one of {names}") };
                 let message = format!("joint `{name}`: expected a continuous joint of the URDF: {expected}");
                 document.problem(span, message);
@@ -153,7 +155,8 @@ fn read_wheel(
     let armature = entry.armature.or(common.armature).or(gearbox.armature).unwrap_or(0.0);
     let integral_time = entry.integral_time.or(common.integral_time);
     let mut missing = |key: &str| document.problem(span, format_args!("missing `{key}`"));
-    let position = entry.position.or(joint.map(|joint| joint.position));
+    let link = joint.map(|joint| &links.links[joint.link]);
+    let position = entry.position.or(link.map(Link::origin));
     let material = entry.material.or(common.material.clone());
     for (key, there) in [
         ("name", entry.name.is_some()),
@@ -185,7 +188,13 @@ fn read_wheel(
     let motor =
         Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, stiffness: None, integral_time, armature };
     let wheel = Wheel { side, radius: radius?, width: width?, mass: mass?, material, rollers };
-    Some(Link::of_wheel(entry.name?, position?, Some(motor), wheel))
+    let mut wheel = Link::of_wheel(entry.name?, position?, Some(motor), wheel);
+    if let (Some(link), Some(joint)) = (link, joint) {
+        wheel.visuals.clone_from(&link.visuals);
+        wheel.joint.as_mut()?.parent = link.joint.as_ref()?.parent;
+        links.taken.push(joint.link);
+    }
+    Some(wheel)
 }
 
 fn wrong_wheel(link: &Link) -> Vec<String> {

@@ -1,0 +1,151 @@
+//! Mistakes in a URDF with their lines, which the URDF library does not tell.
+
+use roxmltree::{Node, NodeType};
+use scene::check::{ANGLE, INERTIA, ROBOT_REACH, Range};
+
+use crate::problem::{Problems, listed};
+
+/// Most elements inside each other: the URDF library recurses into them. A URDF has six, extensions of simulators twelve.
+const MAX_DEPTH: usize = 64;
+/// Most links and most joints.
+const MAX_LINKS: usize = 1000;
+
+const JOINT_TYPES: [&str; 6] = ["fixed", "continuous", "revolute", "prismatic", "floating", "planar"];
+
+pub(super) struct Check<'a> {
+    pub(super) file: &'a str,
+    pub(super) text: &'a str,
+    pub(super) problems: &'a mut Problems,
+    pub(super) good: bool,
+}
+
+impl Check<'_> {
+    fn problem(&mut self, node: Node, message: impl std::fmt::Display) {
+        self.good = false;
+        self.problems.at(self.file, self.text, node.range().start, message);
+    }
+
+    pub(super) fn robot(&mut self, robot: Node) {
+        if let Some((node, what)) = robot.descendants().find_map(|node| Some((node, of_xacro(node)?))) {
+            self.problem(node, unexpanded(&what));
+            return;
+        }
+        let deep = |node: &Node| node.ancestors().nth(MAX_DEPTH).is_some();
+        if let Some(node) = robot.descendants().find(deep) {
+            self.problem(node, format_args!("<{}> is too deep: expected {MAX_DEPTH} levels", node.tag_name().name()));
+            return;
+        }
+        if robot.tag_name().name() != "robot" {
+            self.problem(robot, format_args!("<{}>: expected <robot>", robot.tag_name().name()));
+            return;
+        }
+        let children = |tag: &'static str| robot.children().filter(move |node| node.has_tag_name(tag));
+        for tag in ["link", "joint"] {
+            let count = children(tag).count();
+            if count > MAX_LINKS {
+                self.problem(robot, format_args!("{count} <{tag}>: expected at most {MAX_LINKS}"));
+                return;
+            }
+        }
+        let links: Vec<&str> = children("link").filter_map(|link| link.attribute("name")).collect();
+        if links.is_empty() {
+            self.problem(robot, "no <link>: expected at least one");
+        }
+        for (index, link) in children("link").enumerate() {
+            let name = self.attribute(link, "name");
+            if name.is_some_and(|name| links[..index.min(links.len())].contains(&name)) {
+                self.problem(link, format_args!("second link `{}`: expected unique names", name.unwrap_or_default()));
+            }
+        }
+        for joint in children("joint") {
+            self.joint(joint, &links);
+        }
+        let ends = children("joint").filter_map(|joint| joint.children().find(|node| node.has_tag_name("child")));
+        let child_links: Vec<&str> = ends.filter_map(|end| end.attribute("link")).collect();
+        let is_child = |link: &str| child_links.iter().filter(|child| **child == link).count();
+        let roots = links.iter().filter(|link| is_child(link) == 0).count();
+        if self.good && (roots != 1 || links.iter().any(|link| is_child(link) > 1)) {
+            self.problem(robot, format_args!("{roots} links without a parent: expected a tree with one root"));
+        }
+        for node in robot.descendants().filter(Node::is_element) {
+            self.numbers(node);
+        }
+    }
+
+    fn joint(&mut self, joint: Node, links: &[&str]) {
+        self.attribute(joint, "name");
+        if let Some(kind) = self.attribute(joint, "type")
+            && !JOINT_TYPES.contains(&kind)
+        {
+            self.problem(joint, format_args!("joint type `{kind}`: expected one of {}", JOINT_TYPES.join(", ")));
+        }
+        for end in ["parent", "child"] {
+            let Some(node) = joint.children().find(|node| node.has_tag_name(end)) else {
+                self.problem(joint, format_args!("joint without <{end} link=..>"));
+                continue;
+            };
+            if let Some(link) = self.attribute(node, "link")
+                && !links.contains(&link)
+            {
+                self.problem(
+                    node,
+                    format_args!("unknown link `{link}`: expected one of {}", listed(links.iter().copied())),
+                );
+            }
+        }
+    }
+
+    fn attribute<'n>(&mut self, node: Node<'n, '_>, name: &str) -> Option<&'n str> {
+        let value = node.attribute(name);
+        if value.is_none() {
+            self.problem(node, format_args!("<{}> without `{name}`", node.tag_name().name()));
+        }
+        value
+    }
+
+    /// Attributes that are numbers everywhere in a URDF, with their range where they have one everywhere.
+    fn numbers(&mut self, node: Node) {
+        for attribute in node.attributes() {
+            let (count, range) = match attribute.name() {
+                "xyz" => (3, ROBOT_REACH),
+                "rpy" => (3, ANGLE),
+                "size" | "scale" => (3, FINITE),
+                "ixx" | "ixy" | "ixz" | "iyy" | "iyz" | "izz" => (1, INERTIA),
+                "radius" | "length" | "velocity" | "effort" | "lower" | "upper" => (1, FINITE),
+                "damping" | "friction" | "multiplier" | "offset" => (1, FINITE),
+                "value" if node.has_tag_name("mass") => (1, FINITE),
+                _ => continue,
+            };
+            let (key, value) = (attribute.name(), attribute.value());
+            let numbers: Vec<f64> = value.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+            let all = numbers.len() == count && value.split_whitespace().count() == count;
+            if !all || !numbers.iter().all(|number| number.is_finite()) {
+                self.problem(node, format_args!("{key}=\"{value}\": expected {count} finite number(s)"));
+            } else if !numbers.iter().all(|&number| range.holds(number)) {
+                self.problem(node, format_args!("{key}=\"{value}\": expected {range}"));
+            }
+        }
+    }
+}
+
+const FINITE: Range = Range { least: f64::MIN, most: f64::MAX, unit: "" };
+
+/// What in a node only xacro understands. That it is declared is no harm: it often stays when it is expanded.
+fn of_xacro(node: Node) -> Option<String> {
+    let substitution = |text: &str| text.contains("${") || text.contains("$(");
+    match node.node_type() {
+        NodeType::Element => {
+            let tag = node.tag_name();
+            let own = tag.namespace().is_some_and(|namespace| namespace.ends_with("/xacro"));
+            let value = || node.attributes().map(|attribute| attribute.value()).find(|value| substitution(value));
+            if own { Some(format!("<xacro:{}>", tag.name())) } else { value().map(str::to_owned) }
+        }
+        NodeType::Text => node.text().filter(|text| substitution(text)).map(|text| text.trim().to_owned()),
+        _ => None,
+    }
+}
+
+/// What is said of a file with something in it that only xacro understands.
+pub(super) fn unexpanded(what: &str) -> String {
+    format!("`{what}` is of xacro: expected a URDF; expand it first: `xacro robot.xacro > robot.urdf`")
+}
