@@ -328,7 +328,7 @@ fn check_files(files: &[(&str, &str)], expected: &[&str]) {
     }
     let result = scene_loader::check(&folder.path().join(files[0].0));
     let prefix = format!("{}/", folder.path().display());
-    let problems = result.map_or_else(|error| error.to_string().replace(&prefix, ""), |()| "good".to_owned());
+    let problems = result.map_or_else(|error| error.to_string().replace(&prefix, ""), |_| "good".to_owned());
     assert_eq!(problems.lines().collect::<Vec<_>>(), expected);
 }
 
@@ -682,6 +682,17 @@ fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
             "{Front-Left -100} {Front-Right 100} {Back-Left 100} {Back-Right -100}",
             "{Front-Left 0} {Front-Right 0} {Back-Left 0} {Back-Right 0}",
         ],
+        Steering::Ackermann => [
+            "{Speed 60} {FrontSteer 0.4} {RearSteer 0}",
+            "{Speed -100} {FrontSteer -1e6} {RearSteer 1e6}",
+            "{Speed 0} {FrontSteer 0} {RearSteer 0}",
+        ],
+        Steering::Aerial => [
+            "{LinearVelocity 60} {AltitudeVelocity -100}",
+            "{LateralVelocity -1e6} {PitchAngle 1e6}",
+            "{LinearVelocity 0} {LateralVelocity 0} {AltitudeVelocity 0} {RotationalVelocity 1e6}",
+        ],
+        Steering::Legged | Steering::None => ["", "", ""],
     };
     let mut world = World::new(def, Options::default());
     let id = init(&mut world, &format!("INIT {{ClassName {}}} {{Start {}}}", robot.class, map.starts[0].name));
@@ -689,9 +700,17 @@ fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
     for step in 0..steps {
         if let (0, Some(command)) = (step % (steps / 3), commands.get(3 * step / steps)) {
             apply(&mut world, id, &format!("DRIVE {{Normalized true}} {command}"));
+            let target = [1e6, -1e6, 0.3][3 * step / steps];
+            apply(
+                &mut world,
+                id,
+                &format!("SET {{Type Joint}} {{Name AllJoints}} {{Opcode Angle}} {{Params {target}}}"),
+            );
         }
         let messages = world.step();
-        let Observation { body, joints, wheels, targets, rollers, contacts } = world.observe(id).expect("the robot");
+        let Some(Observation { body, joints, wheels, targets, rollers, contacts }) = world.observe(id) else {
+            return Err(format!("step {step}: the robot lost its finite state"));
+        };
         let mut numbers = [targets, rollers].concat();
         numbers.extend(joints.iter().flat_map(|joint| [joint.position, joint.speed]));
         numbers.extend(wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]));

@@ -46,7 +46,7 @@ fn a_program_can_drive_by_the_types_of_the_protocol() {
     let mut peer = server.client();
     let mut send = |command: Command| peer.send(&command.write().to_string());
     send(Command::Init(Init { class_name: "USARBot.P3AT".to_owned(), ..Init::default() }));
-    send(Command::Drive(Drive { left: Some(1.0), right: Some(1.0), ..Drive::default() }));
+    send(Command::Drive(Drive::default().with("Left", 1.0).with("Right", 1.0)));
     send(Command::Set(Set { type_name: "INS".to_owned(), opcode: "POSE".to_owned(), ..Set::default() }));
     let lines = peer.lines_for(1.0);
     for line in lines.iter().filter(|line| line.starts_with("S")) {

@@ -5,7 +5,7 @@ use gamebots_proto::{Command, Problem};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::UnitQuaternion;
 use scene::WorldDef;
-use sim_core::{BodyState, Options, RobotId, WheelState, World, drive};
+use sim_core::{BodyState, Options, RobotId, WheelState, World, mecanum};
 
 /// Seconds that a robot stands before it drives, to settle on its floor.
 pub(crate) const SETTLING: f64 = 0.5;
@@ -128,7 +128,7 @@ impl Course {
         speed: f64,
     ) -> Result<Self, MotionError> {
         let robot = def.robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.to_owned()))?;
-        let kinematics = drive::finite_rollers(robot).ok_or_else(|| MotionError::NotOmni(class.to_owned()))?;
+        let kinematics = mecanum::finite_rollers(robot).ok_or_else(|| MotionError::NotOmni(class.to_owned()))?;
         let [x, y, z] = def.map.starts.first().map_or([0.0; 3], |start| start.position);
         let mut world = World::new(def, options);
         let mut robots = Vec::new();
@@ -224,8 +224,8 @@ pub(crate) fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f
 
 /// A command for the four wheels, rad/s.
 pub(crate) fn drive_command(speeds: [f64; 4]) -> Command {
-    let [front_left, front_right, back_left, back_right] = speeds.map(Some);
-    Command::Drive(Drive { front_left, front_right, back_left, back_right, ..Drive::default() })
+    let keys = ["Front-Left", "Front-Right", "Back-Left", "Back-Right"];
+    Command::Drive(keys.iter().zip(speeds).fold(Drive::default(), |drive, (key, speed)| drive.with(key, speed)))
 }
 
 pub(crate) fn angles(wheels: &[WheelState]) -> [f64; 4] {

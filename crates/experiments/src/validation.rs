@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use gamebots_proto::command::Init;
 use nalgebra::{UnitQuaternion, Vector3};
 use scene::{DriveModel, MapDef, Material, RobotDef, Shape, Solid, WheelGeometry, WorldDef};
-use sim_core::{BodyState, Options, RobotId, WheelState, World, drive};
+use sim_core::{BodyState, Options, RobotId, WheelState, World, mecanum};
 
 use crate::course::{MotionError, SETTLING, angles, drive_command, exact_step};
 
@@ -69,7 +69,7 @@ pub const CHECKS: [&str; 12] = [
 /// # Errors
 /// When the robot is not one with four Mecanum wheels.
 pub fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, MotionError> {
-    drive::finite_rollers(&subject.robot).ok_or_else(|| MotionError::NotOmni(subject.robot.class.clone()))?;
+    mecanum::finite_rollers(&subject.robot).ok_or_else(|| MotionError::NotOmni(subject.robot.class.clone()))?;
     let run = match number {
         1 => forward,
         2 => sideways,
@@ -182,7 +182,7 @@ struct Way {
 fn way(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Way, MotionError> {
     let mut scene = Scene::new(subject, rise, Vec::new())?;
     let kinematics =
-        drive::finite_rollers(&subject.robot).ok_or_else(|| MotionError::NotOmni(subject.robot.class.clone()))?;
+        mecanum::finite_rollers(&subject.robot).ok_or_else(|| MotionError::NotOmni(subject.robot.class.clone()))?;
     scene.drive(speeds);
     scene.run(1.0);
     let (from, wheels) = scene.state();
@@ -306,7 +306,7 @@ fn friction(subject: &Subject) -> f64 {
 /// Part of a wheel's grip that acts ahead and aside: a roller at the phase phi carries force along its axis, which the
 /// ground sees at the angle `atan(tan g cos phi)` to the axle; mean of the wheels. At phase 0 both are 1 / sqrt 2.
 fn grip(subject: &Subject, wheels: &[WheelState]) -> [f64; 2] {
-    let Some(kinematics) = drive::finite_rollers(&subject.robot) else { return [0.0; 2] };
+    let Some(kinematics) = mecanum::finite_rollers(&subject.robot) else { return [0.0; 2] };
     let angles = (0..)
         .zip(wheels)
         .map(|(index, wheel)| (kinematics.angle.tan() * kinematics.phase(index, wheel.angle).cos()).atan());

@@ -3,12 +3,14 @@
 mod drive;
 mod get;
 mod init;
+mod multi_drive;
 mod report;
 mod set;
 
-pub use drive::{Drive, WheelSpeed};
+pub use drive::Drive;
 pub use get::{GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
 pub use init::Init;
+pub use multi_drive::MultiDrive;
 pub use report::Report;
 pub use set::Set;
 
@@ -63,6 +65,8 @@ commands! {
     "INIT" => Init,
     /// Sets the speeds of the robot.
     "DRIVE" => Drive,
+    /// Sets the targets of joints.
+    "MULTIDRIVE" => MultiDrive,
     /// Changes a sensor.
     "SET" => Set,
     /// Asks for the configuration of the robot or of its parts.
@@ -110,17 +114,18 @@ mod tests {
                 "init {Classname USARBot.P3AT} {Name R} {Location 1,0000, 2,0000, 0,4000} {Rotation 0 0 1.5}",
                 "INIT {ClassName USARBot.P3AT} {Name R} {Location 1,2,0.4} {Rotation 0,0,1.5}",
             ),
-            ("Drive {Left 3.000000} {Right 3,00}", "DRIVE {Left 3} {Right 3}"),
+            ("Drive {Left 3.000000} {Right 3,00}", "DRIVE {Left 3.000000} {Right 3,00}"),
             (
                 "DRIVE {Front-Left 1,00}{Front-Right 1,00}{Back-Left 1,00}{Back-Right 1,00}",
-                "DRIVE {Front-Left 1} {Front-Right 1} {Back-Left 1} {Back-Right 1}",
+                "DRIVE {Front-Left 1,00} {Front-Right 1,00} {Back-Left 1,00} {Back-Right 1,00}",
             ),
             ("DRIVE {Light} {Left 1}{Right 1} {Light true}", "DRIVE {Left 1} {Right 1}"),
             ("DRIVE {Light True} {Normalized false}", "DRIVE {Normalized false} {Light true}"),
             (
                 "DRIVE {WheelNumber 0} {WheelSpeed 1} {WheelSteer 0} {WheelNumber 3} {WheelSpeed -2}",
-                "DRIVE {WheelNumber 0} {WheelSpeed 1} {WheelNumber 3} {WheelSpeed -2}",
+                "DRIVE {WheelNumber 0} {WheelSpeed 1} {WheelSteer 0} {WheelNumber 3} {WheelSpeed -2}",
             ),
+            ("MultiDrive {FLFlipper 0,5} {RLFlipper  -1.57}{Light}", "MULTIDRIVE {FLFlipper 0.5} {RLFlipper -1.57}"),
             (
                 "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1} ",
                 "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1}",
@@ -162,7 +167,6 @@ mod tests {
 
     fn any_command() -> impl Strategy<Value = Command> {
         let vector = || [number(), number(), number()];
-        let some = || proptest::option::of(number());
         prop_oneof![
             (word(), word(), word(), vector(), vector()).prop_map(|(class_name, name, start, location, rotation)| {
                 // `Start` replaces the pose, and is written instead of it.
@@ -170,27 +174,18 @@ mod tests {
                 Command::Init(Init { class_name, name, start, location: pose[0], rotation: pose[1] })
             }),
             (
-                (some(), some(), some(), some(), some(), some()),
-                (some(), some(), some()),
+                proptest::collection::vec(("[A-Z][A-Za-z-]{0,12}", number()), 0..6),
                 (proptest::option::of(any::<bool>()), proptest::option::of(any::<bool>())),
-                proptest::collection::vec((0u32..8, number()), 0..5),
             )
-                .prop_map(|(wheels, velocities, flags, numbered)| {
-                    Command::Drive(Drive {
-                        left: wheels.0,
-                        right: wheels.1,
-                        front_left: wheels.2,
-                        front_right: wheels.3,
-                        back_left: wheels.4,
-                        back_right: wheels.5,
-                        linear_velocity: velocities.0,
-                        lateral_velocity: velocities.1,
-                        rotational_velocity: velocities.2,
-                        normalized: flags.0,
-                        light: flags.1,
-                        wheels: numbered.into_iter().map(|(number, speed)| WheelSpeed { number, speed }).collect(),
-                    })
+                .prop_filter("a flag", |(numbers, _)| numbers
+                    .iter()
+                    .all(|(key, _)| key != "Light" && key != "Normalized"))
+                .prop_map(|(numbers, (normalized, light))| {
+                    let drive = Drive { normalized, light, ..Drive::default() };
+                    Command::Drive(numbers.iter().fold(drive, |drive, (key, number)| drive.with(key, *number)))
                 }),
+            proptest::collection::vec(("[A-Z][A-Za-z-]{0,12}", number()), 0..6)
+                .prop_map(|targets| Command::MultiDrive(MultiDrive { targets })),
             (word(), word(), word(), word()).prop_map(|(type_name, name, opcode, params)| {
                 Command::Set(Set { type_name, name, opcode, params })
             }),

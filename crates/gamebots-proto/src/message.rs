@@ -8,14 +8,14 @@ mod nfo;
 mod sen;
 mod sta;
 
-pub use conf::{Conf, ItemConf, RobotConf};
-pub use geo::{Geo, ItemGeo, RobotGeo};
+pub use conf::{Conf, ItemConf, RobotConf, VehicleConf};
+pub use geo::{Geo, ItemGeo, RobotGeo, VehicleGeo};
 pub use nfo::{NamedPose, Nfo};
 pub use sen::{
     Camera, Encoder, GroundTruth, Ins, Odometry, RangeScanner, ReadWrite as ReadingReadWrite, Reading, Sen, Sonar,
     Tachometer,
 };
-pub use sta::Sta;
+pub use sta::{Sta, Vehicle};
 
 use crate::Line;
 

@@ -64,6 +64,12 @@ pub enum Problem {
         /// The missing key or keys.
         key: &'static str,
     },
+    /// A robot that cannot be driven.
+    #[error("a {class} takes no DRIVE: expected SET {{Type Joint}} for its joints")]
+    NotDriven {
+        /// Its class.
+        class: String,
+    },
     /// A name that is not known.
     #[error("{{{key} {got}}} is unknown; expected one of {expected}; {instead}")]
     UnknownName {

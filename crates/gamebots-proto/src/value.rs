@@ -5,12 +5,6 @@ use crate::{Line, Problem};
 /// Largest magnitude of a number that a client can send; 32-bit physics has no use for more.
 const LIMIT: f64 = 1e6;
 
-/// The scalar of a block, or `None` where the block is missing or empty.
-pub(crate) fn scalar(line: &Line, key: &str, problems: &mut Vec<Problem>) -> Option<f64> {
-    let text = line.get(key).filter(|text| !text.is_empty())?;
-    Some(scalar_of(key, text, problems))
-}
-
 /// Reads a scalar: the longest numeric prefix, as C's atof does, where a comma may stand for the point.
 pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f64 {
     let Some(value) = number_prefix(&text.replacen(',', ".", 1)) else {

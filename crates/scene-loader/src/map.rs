@@ -88,7 +88,8 @@ fn read_solid<'a>(
             (radius.zip(length).map(|(radius, length)| Shape::Cylinder { radius, length }), ", radius, length, mass")
         }
         _ => {
-            let file: Option<String> = document.required(&mut table, "file", "an .stl, .obj, .dae, .glb or .gltf file beside the map");
+            let file: Option<String> =
+                document.required(&mut table, "file", "an .stl, .obj, .dae, .glb or .gltf file beside the map");
             let scale = document.optional(&mut table, "scale").unwrap_or(1.0);
             let file = file.filter(|_| document.within(&span, "scale", scale, mesh::SCALE));
             let mesh = file.map(|file| mesh::read(source, &file, [scale; 3]));

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 use scene::sensor;
-use scene::{Battery, DriveModel, Link, Part, RobotDef, SensorDef, Shape, Solid, Steering, check};
+use scene::{Aerial, Battery, DriveModel, Link, Part, RobotDef, SensorDef, Shape, Solid, Steering, check};
 use serde::Deserialize;
 
 use self::joint::Links;
@@ -21,14 +21,7 @@ use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
 const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
-                    caster, joint, visual, sensor, battery";
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum SteeringEntry {
-    Skid,
-    Omni,
-}
+                    caster, joint, visual, sensor, battery, aerial";
 
 /// A part of the body: a solid box that gives its mass, and the shape that touches the world unless it is hidden.
 #[derive(Deserialize)]
@@ -80,7 +73,7 @@ pub(crate) fn read(
     let shown = source.display(file);
     let (mut document, mut root) = Document::parse(&shown, text, problems)?;
     let description = document.required(&mut root, "description", "one sentence about the robot");
-    let steering: Option<SteeringEntry> = document.required(&mut root, "steering", "\"skid\" or \"omni\"");
+    let steering = read_steering(&mut document, &mut root);
     let reported_steering = read_reported_steering(&mut document, &mut root);
     let drive_model = read_drive_model(&mut document, &mut root);
     let one_side_drives = document.optional(&mut root, "one_side_drives").unwrap_or(false);
@@ -100,22 +93,21 @@ pub(crate) fn read(
     let mut links = Links { links: of_urdf, carried, urdf_links, wheels, taken, complete: read };
     links.read_joints(&mut document, &mut root);
     read_parts(&mut document, &mut root, materials, &mut links);
-    let wheels = read_wheels(&mut document, &mut root, &mut links, materials);
+    let wheels = read_wheels(&mut document, &mut root, &mut links, steering, materials);
     let casters = read_casters(&mut document, &mut root, materials);
     let complete = links.complete && wheels.is_ok();
     let mut links = links.with_wheels(&mut document, wheels.iter().flatten().cloned().chain(casters));
     read_visuals(source, &mut document, &mut root, &mut links, complete);
     let sensors = read_sensors(&mut document, &mut root, wheels.as_ref().ok().map(Vec::len));
     let battery = read_battery(&mut document, &mut root);
+    let aerial = read_aerial(&mut document, &mut root, steering);
     document.finish(root, KEYS);
     wheels.ok()?;
+    let steering = steering?;
     let robot = RobotDef {
         class: class.to_owned(),
         description: description?,
-        steering: match steering? {
-            SteeringEntry::Skid => Steering::Skid,
-            SteeringEntry::Omni => Steering::Omni,
-        },
+        steering,
         reported_steering,
         drive_model,
         one_side_drives,
@@ -123,10 +115,39 @@ pub(crate) fn read(
         sensors,
         battery,
         reported_max_torque,
+        aerial,
         assumptions,
     };
     document.as_a_whole(|| check::robot(&robot));
     Some(robot)
+}
+
+fn read_steering<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Option<Steering> {
+    let names = || Steering::ALL.iter().map(|(name, _)| *name);
+    if !root.has("steering") {
+        document.problem(&(0..0), format_args!("missing `steering`: expected one of {}", listed(names())));
+    }
+    let (span, name) = document.section::<String>(root, "steering").ok().flatten()?;
+    document.one_of(&span, "steering", &name, names()).map(|number| Steering::ALL[number].1)
+}
+
+/// What a robot in the air can do, m/s, rad/s and rad.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AerialEntry {
+    max_velocity: Vector,
+    max_turn: f64,
+    max_tilt: f64,
+}
+
+fn read_aerial<'a>(document: &mut Document<'a>, root: &mut Table<'a>, steering: Option<Steering>) -> Option<Aerial> {
+    if steering == Some(Steering::Aerial) && !root.has("aerial") {
+        document.problem(&(0..0), "missing [aerial]: expected max_velocity (m/s), max_turn (rad/s) and max_tilt (rad)");
+    }
+    let (span, AerialEntry { max_velocity, max_turn, max_tilt }) = document.section(root, "aerial").ok().flatten()?;
+    let aerial = Aerial { max_velocity, max_turn, max_tilt };
+    document.wrong(&span, check::aerial(&aerial));
+    Some(aerial)
 }
 
 fn read_reported_steering<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Option<String> {

@@ -5,6 +5,8 @@
 
 mod check;
 
+use std::collections::{BTreeMap, VecDeque};
+
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Node, ParsingOptions};
 use scene::check::ROBOT_REACH;
@@ -108,7 +110,7 @@ pub(crate) fn read(
 
 /// What stands in a URDF for other programs.
 fn ignored(robot: Node) -> Vec<String> {
-    let mut counts = std::collections::BTreeMap::<&str, usize>::new();
+    let mut counts = BTreeMap::<&str, usize>::new();
     for node in robot.children().filter(Node::is_element) {
         let tag = node.tag_name().name();
         if !["link", "joint", "material"].contains(&tag) {
@@ -138,8 +140,8 @@ impl<'a> Tree<'a> {
             return self.wrong.push((0, "not a URDF: no link is found that is no joint's child".to_owned()));
         };
         // A link, its pose in the URDF's axes, and what it is a part of.
-        let mut open = vec![(root, Isometry3::identity(), 0)];
-        while let Some((link, pose, number)) = open.pop() {
+        let mut open = VecDeque::from([(root, Isometry3::identity(), 0)]);
+        while let Some((link, pose, number)) = open.pop_front() {
             self.add_link(link, &pose, number);
             for joint in robot.joints.iter().filter(|joint| joint.parent.link == link.name) {
                 let Some(child) = robot.links.iter().find(|link| link.name == joint.child.link) else {
@@ -149,9 +151,12 @@ impl<'a> Tree<'a> {
                 };
                 let place = pose * isometry(&joint.origin);
                 let carried = self.add_joint(joint, child, &place, number);
-                open.push((child, place, carried));
+                open.push_back((child, place, carried));
             }
         }
+        // Wheels are numbered in the order of the file.
+        let place = |name: &str| robot.joints.iter().position(|joint| joint.name == name);
+        self.urdf.continuous.sort_by_key(|it| place(&it.joint));
         self.add_mimics();
         self.add_servos();
     }

@@ -31,7 +31,7 @@ pub use map::{MapDef, NamedPose, Object};
 pub use mass::Mass;
 pub use material::Material;
 pub use options::{Options, TIME_STEP};
-pub use robot::{Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
+pub use robot::{Aerial, Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
 pub use sensor::SensorDef;
 pub use shape::{Shape, Solid};
 pub use state::{BodyState, JointState, RobotId, RobotSnapshot, Snapshot, WheelState};

@@ -172,6 +172,14 @@ impl Link {
         self.wheel.is_some() && self.joint.as_ref().is_some_and(|joint| joint.drive.is_some())
     }
 
+    /// Which axle of a car its joint steers, 0 the front and 1 the rear: one that turns and has FRONTSTEER or REARSTEER in its name,
+    /// in any case (AckermanSteeredVehicle.uc:22-67).
+    pub fn steered_axle(&self) -> Option<usize> {
+        let turns = self.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Revolute);
+        let name = self.name.to_ascii_lowercase();
+        ["frontsteer", "rearsteer"].iter().position(|steer| turns && name.contains(steer))
+    }
+
     /// A wheel on the body: driven by a motor about the robot's left, or a ball that is free to turn about every axis.
     pub fn of_wheel(name: String, position: [f64; 3], drive: Option<Motor>, wheel: Wheel) -> Self {
         let kind = if drive.is_some() { JointKind::Continuous } else { JointKind::Ball };

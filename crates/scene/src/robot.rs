@@ -12,14 +12,41 @@ pub enum Steering {
     Skid,
     /// Four Mecanum wheels, in the order front left, front right, back left, back right.
     Omni,
+    /// Wheels that joints with FRONTSTEER or REARSTEER in their names steer.
+    Ackermann,
+    /// In the air.
+    Aerial,
+    /// By its joints alone.
+    Legged,
+    /// Not at all: it is fixed to the ground.
+    None,
 }
 
 impl Steering {
+    /// All of them, with their names in robot.toml.
+    pub const ALL: [(&str, Self); 6] = [
+        ("skid", Self::Skid),
+        ("omni", Self::Omni),
+        ("ackermann", Self::Ackermann),
+        ("aerial", Self::Aerial),
+        ("legged", Self::Legged),
+        ("none", Self::None),
+    ];
+
+    /// Whether wheels on the ground move it.
+    pub fn is_on_wheels(self) -> bool {
+        matches!(self, Self::Skid | Self::Omni | Self::Ackermann)
+    }
+
     /// The word in `{SteeringType ..}` of CONF, as clients know it.
     pub fn wire_name(self) -> &'static str {
         match self {
             Self::Skid => "SkidSteered",
             Self::Omni => "OmniDrive",
+            Self::Ackermann => "AckermanSteered",
+            Self::Aerial => "Aerial",
+            Self::Legged => "Legged",
+            Self::None => "None",
         }
     }
 }
@@ -101,6 +128,8 @@ pub struct RobotDef {
     pub battery: Option<Battery>,
     /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).
     pub reported_max_torque: f64,
+    /// What it can do in the air; of aerial robots alone.
+    pub aerial: Option<Aerial>,
     /// What was taken to be so because its file does not say it.
     pub assumptions: Vec<String>,
 }
@@ -226,6 +255,17 @@ pub struct WheelGeometry {
     pub track: f64,
     /// Distance between front and rear wheels.
     pub wheel_base: f64,
+}
+
+/// What a robot in the air can do: what percents are of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Aerial {
+    /// Greatest velocity ahead, aside and up, m/s.
+    pub max_velocity: [f64; 3],
+    /// Greatest turn rate, rad/s.
+    pub max_turn: f64,
+    /// How far it leans, rad.
+    pub max_tilt: f64,
 }
 
 /// A battery that falls linearly, whatever the robot does (Battery.uc:44-129).

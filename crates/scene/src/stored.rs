@@ -5,7 +5,8 @@
 use serde::Deserialize;
 
 use crate::{
-    Battery, DriveModel, Link, Material, Motor, Part, ROOT, RobotDef, Rollers, SensorDef, Side, Solid, Steering, Wheel,
+    Aerial, Battery, DriveModel, Link, Material, Motor, Part, ROOT, RobotDef, Rollers, SensorDef, Side, Solid,
+    Steering, Wheel,
 };
 
 #[derive(Deserialize)]
@@ -28,6 +29,8 @@ pub(crate) struct Robot {
     sensors: Vec<SensorDef>,
     battery: Option<Battery>,
     reported_max_torque: f64,
+    #[serde(default)]
+    aerial: Option<Aerial>,
     #[serde(default)]
     assumptions: Vec<String>,
 }
@@ -66,6 +69,7 @@ impl From<Robot> for RobotDef {
             sensors: stored.sensors,
             battery: stored.battery,
             reported_max_torque: stored.reported_max_torque,
+            aerial: stored.aerial,
             assumptions: stored.assumptions,
         }
     }

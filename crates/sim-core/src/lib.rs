@@ -8,6 +8,8 @@
 
 mod compiled;
 pub mod drive;
+mod flight;
+pub mod mecanum;
 mod physics;
 mod sensor;
 mod world;

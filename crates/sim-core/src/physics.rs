@@ -1,5 +1,6 @@
 //! Rigid bodies and contacts: the only place that names rapier3d.
 
+mod aerial;
 mod compile;
 mod contact;
 mod convert;

@@ -149,6 +149,10 @@ impl World {
                 robot.drive(drive, problems);
                 Vec::new()
             }
+            Command::MultiDrive(drive) => {
+                robot.multi_drive(drive, problems);
+                Vec::new()
+            }
             Command::Set(set) => robot.set(set, &self.physics, time),
             Command::GetConf(ask) => answer::conf(robot, ask).map(Message::Conf).into_iter().collect(),
             Command::GetGeo(ask) => answer::geo(robot, ask).map(Message::Geo).into_iter().collect(),

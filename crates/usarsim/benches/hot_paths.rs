@@ -19,7 +19,7 @@ fn world(class: &str, model: DriveModel, robots: u32) -> World {
         let location = [0.0, 2.0 * f64::from(index), 0.0];
         let init = Init { class_name: class.to_owned(), location, ..Init::default() };
         let robot = world.init(&init, &mut Vec::new()).expect("a robot");
-        let drive = Drive { left: Some(1.0), right: Some(1.0), ..Drive::default() };
+        let drive = Drive::default().with("Left", 1.0).with("Right", 1.0);
         world.apply(robot, &Command::Drive(drive), &mut Vec::new());
     }
     (0..500).for_each(|_| drop(world.step()));

@@ -320,7 +320,7 @@ fn a_broken_map_or_robot_is_refused_at_start() {
 fn what_is_shipped_is_good() {
     let mut files = vec!["assets/materials.toml".to_owned(), "assets/robots/KUKA_YouBot/robot.urdf".to_owned()];
     files.extend(["arena", "rough", "slope-1.5", "slope-4.5", "smooth"].map(|map| format!("maps/{map}/map.toml")));
-    for robot in ["BasicSkidRobot", "CasterSkidRobot", "KUKA_YouBot", "P2AT", "P2DX", "P3AT", "YouBot"] {
+    for robot in scene_loader::robot_names() {
         files.push(format!("assets/robots/{robot}/robot.toml"));
     }
     let mut arguments = vec!["check"];

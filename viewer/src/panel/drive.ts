@@ -18,6 +18,8 @@ const KEYS: Record<string, Partial<Twist>> = {
   ArrowLeft: { clockwise: -1 },
   KeyE: { clockwise: 1 },
   ArrowRight: { clockwise: 1 },
+  KeyR: { up: 1 },
+  KeyF: { up: -1 },
 };
 
 export class DrivePanel {
@@ -113,12 +115,14 @@ export class DrivePanel {
     this.state.driving = client !== null;
     this.driving.hidden = find('sticks').hidden = client === null;
     const robotClass = client && this.state.scene?.classes[client.spawn.robotClass];
-    const sideways = robotClass?.steering === 'OmniDrive';
+    const flies = robotClass?.steering === 'Aerial';
+    const sideways = flies || robotClass?.steering === 'OmniDrive';
     this.sticks.move.sideways = sideways;
     this.hint.replaceChildren(
       ...keys('W', 'S'),
       ' forward and back, ',
       ...(sideways ? [...keys('A', 'D'), ' sideways, '] : []),
+      ...(flies ? [...keys('R', 'F'), ' up and down, '] : []),
       ...keys('Q', 'E'),
       ' or ',
       ...keys('←', '→'),
@@ -151,12 +155,13 @@ export class DrivePanel {
 
   private send(): void {
     const { move, turn } = this.sticks;
-    const twist: Twist = { forward: -move.y, right: move.x, clockwise: turn.x };
+    const twist: Twist = { forward: -move.y, right: move.x, clockwise: turn.x, up: 0 };
     this.pressed.forEach((code) => {
       const key = KEYS[code] ?? {};
       twist.forward += key.forward ?? 0;
       twist.right += key.right ?? 0;
       twist.clockwise += key.clockwise ?? 0;
+      twist.up += key.up ?? 0;
     });
     const part = Number(this.speed.value) / 100;
     const limited = (value: number) => part * Math.max(-1, Math.min(1, value));
@@ -164,6 +169,7 @@ export class DrivePanel {
       forward: limited(twist.forward),
       right: limited(twist.right),
       clockwise: limited(twist.clockwise),
+      up: limited(twist.up),
     });
   }
 }

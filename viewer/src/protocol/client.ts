@@ -8,6 +8,8 @@ export interface Twist {
   forward: number;
   right: number;
   clockwise: number;
+  /** in the air alone */
+  up: number;
 }
 
 export interface Spawn {
@@ -94,9 +96,19 @@ export class Client {
   }
 
   /** In percent of the limits, so the unit of wheel speeds does not matter. */
-  private command({ forward, right, clockwise }: Twist): string {
+  private command({ forward, right, clockwise, up }: Twist): string {
     const percent = (part: number) => (100 * Math.max(-1, Math.min(1, part))).toFixed(1);
-    if (this.robot.steering === 'OmniDrive') {
+    const { steering, max_steer } = this.robot;
+    if (steering === 'Aerial') {
+      return `DRIVE {Normalized true} {LinearVelocity ${percent(forward)}} {LateralVelocity ${percent(right)}} {AltitudeVelocity ${percent(up)}} {RotationalVelocity ${percent(clockwise)}}`;
+    }
+    if (steering === 'AckermanSteered') {
+      // The share of the steering does not follow the speed: a car steers as far as one turns its wheel.
+      const [front, rear] = [Math.sign(clockwise) * max_steer[0], -Math.sign(clockwise) * max_steer[1]];
+      const [ahead, aside] = [percent(forward), [front, rear].map((angle) => angle.toFixed(3))];
+      return `DRIVE {Normalized true} {Speed ${ahead}} {FrontSteer ${aside[0]}} {RearSteer ${aside[1]}}`;
+    }
+    if (steering === 'OmniDrive') {
       return `DRIVE {Normalized true} {LinearVelocity ${percent(forward)}} {LateralVelocity ${percent(right)}} {RotationalVelocity ${percent(clockwise)}}`;
     }
     const most = Math.max(1, Math.abs(forward) + Math.abs(clockwise));

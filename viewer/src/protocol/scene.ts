@@ -54,7 +54,9 @@ export interface Sensor {
 
 export interface RobotClass {
   description: string;
-  steering: 'SkidSteered' | 'OmniDrive';
+  steering: 'SkidSteered' | 'OmniDrive' | 'AckermanSteered' | 'Aerial' | 'Legged' | 'None';
+  /** of front and rear, rad */
+  max_steer: [number, number];
   drive_model: string;
   wheel_radius: number;
   track: number;

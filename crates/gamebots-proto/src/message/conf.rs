@@ -18,19 +18,35 @@ pub enum Conf {
     },
 }
 
-/// Configuration of a ground vehicle.
+/// Configuration of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotConf {
     /// The class, or the robot's own name if the client asked by it.
     pub name: String,
-    /// `SkidSteered` or `OmniDrive`.
-    pub steering_type: String,
-    /// Mass of all parts, kg.
-    pub mass: f32,
-    /// Smallest speed limit of the wheels, rad/s.
-    pub max_speed: f32,
-    /// Smallest torque limit of the wheels in USARSim's unit (5 to 1 N m).
-    pub max_torque: f32,
+    /// What its kind of robot adds.
+    pub vehicle: VehicleConf,
+}
+
+/// What a kind of robot adds to its configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VehicleConf {
+    /// On wheels.
+    Ground {
+        /// `SkidSteered`, `AckermanSteered` or `OmniDrive`.
+        steering_type: String,
+        /// Mass of all parts, kg.
+        mass: f32,
+        /// Smallest speed limit of the wheels, rad/s.
+        max_speed: f32,
+        /// Smallest torque limit of the wheels in USARSim's unit (5 to 1 N m).
+        max_torque: f32,
+        /// Range of the steering angles of front and rear, rad; literally 0 where a robot does not steer so.
+        max_steer: Option<[f32; 2]>,
+    },
+    /// Fixed to the ground.
+    Static,
+    /// In the air or on legs, which add nothing.
+    Plain,
 }
 
 /// Configuration of one item, by the form that its type has.
@@ -100,25 +116,42 @@ impl Conf {
 
 impl RobotConf {
     fn write(&self) -> String {
-        format!(
-            "CONF {{Name {}}} {{Type GroundVehicle}} {{SteeringType {}}} {{Mass {}}} {{MaxSpeed {}}} {{MaxTorque {}}} \
-             {{MaxFrontSteer 0}} {{MaxRearSteer 0}}",
-            self.name,
-            self.steering_type,
-            fixed(self.mass, 4),
-            fixed(self.max_speed, 4),
-            fixed(self.max_torque, 4),
-        )
+        let name = &self.name;
+        match &self.vehicle {
+            VehicleConf::Ground { steering_type, mass, max_speed, max_torque, max_steer } => {
+                let literal = || ["0"; 2].map(str::to_owned);
+                let [front, rear] = max_steer.map_or_else(literal, |it| it.map(|it| fixed(it, 4)));
+                let [mass, speed, torque] = [mass, max_speed, max_torque].map(|number| fixed(*number, 4));
+                format!(
+                    "CONF {{Name {name}}} {{Type GroundVehicle}} {{SteeringType {steering_type}}} {{Mass {mass}}} \
+                     {{MaxSpeed {speed}}} {{MaxTorque {torque}}} {{MaxFrontSteer {front}}} {{MaxRearSteer {rear}}}"
+                )
+            }
+            // With the space that USARSim leaves at its end (StaticPlatform.uc:30-33).
+            VehicleConf::Static => {
+                format!("CONF {{Name {name}}} {{Type StaticPlatform}} {{SteeringType None}} {{Mass 0}} ")
+            }
+            VehicleConf::Plain => format!("CONF {{Name {name}}}"),
+        }
     }
 
     fn read(line: &Line) -> Option<Self> {
-        Some(Self {
-            name: line.get("Name")?.to_owned(),
-            steering_type: line.get("SteeringType")?.to_owned(),
-            mass: number(line, "Mass")?,
-            max_speed: number(line, "MaxSpeed")?,
-            max_torque: number(line, "MaxTorque")?,
-        })
+        let vehicle = match line.get("Type") {
+            Some("GroundVehicle") => VehicleConf::Ground {
+                steering_type: line.get("SteeringType")?.to_owned(),
+                mass: number(line, "Mass")?,
+                max_speed: number(line, "MaxSpeed")?,
+                max_torque: number(line, "MaxTorque")?,
+                max_steer: match line.get("MaxFrontSteer") {
+                    Some("0") => None,
+                    _ => Some([number(line, "MaxFrontSteer")?, number(line, "MaxRearSteer")?]),
+                },
+            },
+            Some("StaticPlatform") => VehicleConf::Static,
+            Some(_) => return None,
+            None => VehicleConf::Plain,
+        };
+        Some(Self { name: line.get("Name")?.to_owned(), vehicle })
     }
 }
 

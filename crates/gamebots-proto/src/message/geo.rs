@@ -19,21 +19,35 @@ pub enum Geo {
     },
 }
 
-/// Geometry of a ground vehicle, metres.
+/// Geometry of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotGeo {
     /// The class, or the robot's own name if the client asked by it.
     pub name: String,
-    /// Wheel base, track and 0: axle to axle, not the outline.
-    pub dimensions: [f32; 3],
-    /// Centre of gravity in the robot frame.
-    pub centre_of_gravity: [f32; 3],
-    /// Radius of the wheels.
-    pub wheel_radius: f32,
-    /// Distance of left and right wheels.
-    pub wheel_separation: f32,
-    /// Distance of front and rear wheels.
-    pub wheel_base: f32,
+    /// What its kind of robot adds.
+    pub vehicle: VehicleGeo,
+}
+
+/// What a kind of robot adds to its geometry, metres.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VehicleGeo {
+    /// On wheels.
+    Ground {
+        /// Wheel base, track and 0: axle to axle, not the outline.
+        dimensions: [f32; 3],
+        /// Centre of gravity in the robot frame.
+        centre_of_gravity: [f32; 3],
+        /// Radius of the wheels.
+        wheel_radius: f32,
+        /// Distance of left and right wheels.
+        wheel_separation: f32,
+        /// Distance of front and rear wheels.
+        wheel_base: f32,
+    },
+    /// Fixed to the ground.
+    Static,
+    /// In the air or on legs, which add nothing.
+    Plain,
 }
 
 /// Where an item is mounted.
@@ -52,16 +66,7 @@ pub struct ItemGeo {
 impl Geo {
     pub(super) fn write(&self) -> String {
         match self {
-            Self::Robot(robot) => format!(
-                "GEO {{Type GroundVehicle}} {{Name {}}} {{Dimensions {}}} {{COG {}}} {{WheelRadius {}}} \
-                 {{WheelSeparation {}}} {{WheelBase {}}}",
-                robot.name,
-                fixed_vector(robot.dimensions, 4),
-                fixed_vector(robot.centre_of_gravity, 4),
-                fixed(robot.wheel_radius, 4),
-                fixed(robot.wheel_separation, 4),
-                fixed(robot.wheel_base, 4),
-            ),
+            Self::Robot(robot) => robot.write(),
             Self::Items { type_name, items } => {
                 let items: String = items.iter().map(ItemGeo::write).collect();
                 format!("GEO {{Type {type_name}}}{items}")
@@ -70,19 +75,50 @@ impl Geo {
     }
 
     pub(super) fn read(line: &Line) -> Option<Self> {
+        if let Some(robot) = RobotGeo::read(line) {
+            return Some(Self::Robot(robot));
+        }
         let type_name = line.get("Type")?.to_owned();
-        if line.get("WheelRadius").is_some() {
-            return Some(Self::Robot(RobotGeo {
-                name: line.get("Name")?.to_owned(),
+        let items = split_items(line.blocks.get(1..)?).iter().map(ItemGeo::read).collect::<Option<_>>()?;
+        Some(Self::Items { type_name, items })
+    }
+}
+
+impl RobotGeo {
+    fn write(&self) -> String {
+        let name = &self.name;
+        match &self.vehicle {
+            VehicleGeo::Ground { dimensions, centre_of_gravity, wheel_radius, wheel_separation, wheel_base } => {
+                format!(
+                    "GEO {{Type GroundVehicle}} {{Name {name}}} {{Dimensions {}}} {{COG {}}} {{WheelRadius {}}} \
+                 {{WheelSeparation {}}} {{WheelBase {}}}",
+                    fixed_vector(*dimensions, 4),
+                    fixed_vector(*centre_of_gravity, 4),
+                    fixed(*wheel_radius, 4),
+                    fixed(*wheel_separation, 4),
+                    fixed(*wheel_base, 4),
+                )
+            }
+            VehicleGeo::Static => format!("GEO {{Type StaticPlatform}} {{Name {name}}}"),
+            VehicleGeo::Plain => format!("GEO {{Name {name}}}"),
+        }
+    }
+
+    /// `None` for the answer to another question.
+    fn read(line: &Line) -> Option<Self> {
+        let vehicle = match line.get("Type") {
+            Some("GroundVehicle") => VehicleGeo::Ground {
                 dimensions: float_array(line.get("Dimensions")?)?,
                 centre_of_gravity: float_array(line.get("COG")?)?,
                 wheel_radius: number(line, "WheelRadius")?,
                 wheel_separation: number(line, "WheelSeparation")?,
                 wheel_base: number(line, "WheelBase")?,
-            }));
-        }
-        let items = split_items(line.blocks.get(1..)?).iter().map(ItemGeo::read).collect::<Option<_>>()?;
-        Some(Self::Items { type_name, items })
+            },
+            Some("StaticPlatform") => VehicleGeo::Static,
+            Some(_) => return None,
+            None => VehicleGeo::Plain,
+        };
+        Some(Self { name: line.get("Name")?.to_owned(), vehicle })
     }
 }
 

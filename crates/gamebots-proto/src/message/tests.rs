@@ -14,6 +14,10 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "NFO {Pathnode None} {Location 0.0000,0.0000,0.0000}",
         "NFO {Error unknown verb}",
         "STA {Time 29.9739} {Battery 1199} {Type GroundVehicle} {LightToggle False} {LightIntensity 100} {FrontSteer 0} {RearSteer 0}",
+        "STA {Time 29.9739} {Battery 1199} {Type GroundVehicle} {LightToggle True} {LightIntensity 100} {FrontSteer 0.2500} {RearSteer 0.0000}",
+        "STA {Time 3.1000} {Battery 99999} {Type LeggedVehicle} {HeadYaw 0.0000} {HeadPitch -0.1012}",
+        "STA {Time 3.1000} {Battery 99999} {Type StaticPlatform}",
+        "STA {Time 3.1000} {Battery 1200}",
         "SEN {Time 29.9739} {Type GroundTruth} {Name GndTruth} {Location 0.625,2.250,1.875} {Orientation 0.000,-0.500,0.000}",
         "SEN {Type INS} {Name InsTest} {Location 12.61,-2.68,1.84} {Orientation 0.00,0.00,6.28}",
         "SEN {Time 44.5467} {Type Odometry} {Name Odometer} {Pose 0.0000,0.0000,0.0000}",
@@ -25,6 +29,9 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "SEN {Time 5.2000} {Type RangeScanner} {Name lms200} {Resolution 0.0625} {FOV 3.1250} {Range 2.25,20.00,0.50}",
         "SEN {Time 5.2000} {Type Camera} ",
         "CONF {Name P3AT} {Type GroundVehicle} {SteeringType SkidSteered} {Mass 11.5000} {MaxSpeed 8.1250} {MaxTorque 50000.0000} {MaxFrontSteer 0} {MaxRearSteer 0}",
+        "CONF {Name FrontAckerman} {Type GroundVehicle} {SteeringType AckermanSteered} {Mass 147.0000} {MaxSpeed 3.5000} {MaxTorque 50000.0000} {MaxFrontSteer 1.0000} {MaxRearSteer 6.2500}",
+        "CONF {Name KR60} {Type StaticPlatform} {SteeringType None} {Mass 0} ",
+        "CONF {Name AirRobot}",
         "CONF {Type rangescanner} {Name lms200} {MaxRange 20.0000} {MinRange 0.1250} {Resolution 0.0625} {Fov 3.1250} {Panning True} {Tilting False}",
         "CONF {Type GroundTruth} {Name GndTruth} {ScanInterval 0.1000}",
         "CONF {Type Encoder} {Name W1} {Resolution 0.0625} {Name W2} {Resolution 0.0625}",
@@ -33,6 +40,8 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "CONF {Type Sensor} {Name battery}",
         "CONF {Type MisPkg}",
         "GEO {Type GroundVehicle} {Name P3AT} {Dimensions 0.2500,0.3750,0.0000} {COG 0.0000,0.0000,0.0625} {WheelRadius 0.0980} {WheelSeparation 0.3750} {WheelBase 0.2500}",
+        "GEO {Type StaticPlatform} {Name KR60}",
+        "GEO {Name AirRobot}",
         "GEO {Type RangeScanner} {Name lms200} {Location 0.21,0.00,-0.20} {Orientation 0.00,0.00,0.00}{Mount P3AT}",
         "GEO {Type Encoder} {Name W1} {Location 0.00,0.00,0.00} {Orientation 0.00,0.00,0.00}{Mount P3AT} {Name W2} {Location 0.00,0.00,0.00} {Orientation 0.00,0.00,0.00}{Mount P3AT}",
     ] {
@@ -159,6 +168,16 @@ fn items() -> impl Strategy<Value = Conf> {
     ]
 }
 
+fn vehicle() -> impl Strategy<Value = Vehicle> {
+    prop_oneof![
+        (any::<bool>(), proptest::option::of([grid(4), grid(4)]))
+            .prop_map(|(light, steer)| Vehicle::Ground { light, steer }),
+        proptest::collection::vec((word(), grid(4)), 0..4).prop_map(|joints| Vehicle::Legged { joints }),
+        Just(Vehicle::Static),
+        Just(Vehicle::Aerial),
+    ]
+}
+
 fn any_message() -> impl Strategy<Value = Message> {
     prop_oneof![
         (word(), any::<u32>()).prop_map(|(level, time_limit)| Message::Nfo(Nfo::Greeting { level, time_limit })),
@@ -166,25 +185,29 @@ fn any_message() -> impl Strategy<Value = Message> {
         poses().prop_map(|poses| Message::Nfo(Nfo::PathNodes(poses))),
         (word(), vector(4)).prop_map(|(name, location)| Message::Nfo(Nfo::PathNode { name, location })),
         word().prop_map(|text| Message::Nfo(Nfo::Error(text))),
-        (grid(4), any::<i32>(), any::<bool>()).prop_map(|(time, battery, light)| Message::Sta(Sta {
+        (grid(4), any::<i32>(), vehicle()).prop_map(|(time, battery, vehicle)| Message::Sta(Sta {
             time,
             battery,
-            light
+            vehicle
         })),
         (reading(), grid(4)).prop_map(|(reading, time)| Message::Sen(reading.at(time))),
-        (word(), word(), vector(4)).prop_map(|(name, steering_type, [mass, max_speed, max_torque])| {
-            Message::Conf(Conf::Robot(RobotConf { name, steering_type, mass, max_speed, max_torque }))
-        }),
+        (word(), word(), vector(4), proptest::option::of([grid(4), grid(4)])).prop_map(
+            |(name, steering_type, [mass, max_speed, max_torque], max_steer)| {
+                let vehicle = VehicleConf::Ground { steering_type, mass, max_speed, max_torque, max_steer };
+                Message::Conf(Conf::Robot(RobotConf { name, vehicle }))
+            }
+        ),
+        (word(), prop_oneof![Just(VehicleConf::Static), Just(VehicleConf::Plain)])
+            .prop_map(|(name, vehicle)| Message::Conf(Conf::Robot(RobotConf { name, vehicle }))),
+        (word(), prop_oneof![Just(VehicleGeo::Static), Just(VehicleGeo::Plain)])
+            .prop_map(|(name, vehicle)| Message::Geo(Geo::Robot(RobotGeo { name, vehicle }))),
         items().prop_map(Message::Conf),
         (word(), vector(4), vector(4)).prop_map(|(name, a, b)| {
-            Message::Geo(Geo::Robot(RobotGeo {
-                name,
-                dimensions: a,
-                centre_of_gravity: b,
-                wheel_radius: a[0],
-                wheel_separation: a[1],
-                wheel_base: a[2],
-            }))
+            let [wheel_radius, wheel_separation, wheel_base] = a;
+            let (dimensions, centre_of_gravity) = (a, b);
+            let vehicle =
+                VehicleGeo::Ground { dimensions, centre_of_gravity, wheel_radius, wheel_separation, wheel_base };
+            Message::Geo(Geo::Robot(RobotGeo { name, vehicle }))
         }),
         (word(), proptest::collection::vec((word(), vector(2), vector(2), word()), 1..4)).prop_map(
             |(type_name, items)| {

@@ -50,9 +50,11 @@ fn class_json(def: &RobotDef) -> Value {
     let links = drawn.iter().skip(1).filter(|(link, _)| !link.is_driven_wheel());
     let links = links.map(|(link, pieces)| json!({ "name": link.name, "drawn": still(pieces) }));
     let geometry = def.wheel_geometry();
+    let max_steer = [0, 1].map(|axle| most_steered(def, axle));
     json!({
         "description": def.description,
         "steering": def.steering.wire_name(),
+        "max_steer": max_steer,
         "drive_model": def.drive_model.name(),
         "wheel_radius": geometry.radius,
         "track": geometry.track,
@@ -62,6 +64,13 @@ fn class_json(def: &RobotDef) -> Value {
         "wheels": wheels.collect::<Vec<_>>(),
         "sensors": def.sensors.iter().map(sensor).collect::<Vec<_>>(),
     })
+}
+
+/// How far the joints of an axle steer to both sides, rad.
+fn most_steered(def: &RobotDef, axle: usize) -> f64 {
+    let joints = def.links.iter().filter(|link| link.steered_axle() == Some(axle));
+    let limits = joints.filter_map(|link| link.joint.as_ref()?.limits);
+    limits.map(|[least, most]| most.min(-least)).reduce(f64::min).unwrap_or(0.0)
 }
 
 /// A wheel in the frame of the link that carries it: a number among `links`, or of the body none.

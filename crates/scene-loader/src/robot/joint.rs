@@ -127,23 +127,27 @@ impl Links {
             let wrong = check::link(link, *number).into_iter().chain(on_wheel);
             document.wrong(span, wrong.map(|message| format!("{of_urdf}{message}")));
         }
-        let mut numbers = Vec::new();
-        let mut kept = 0;
-        for number in 0..self.links.len() {
-            numbers.push(kept);
-            kept += usize::from(!self.taken.contains(&number));
-        }
-        let is_kept = |(number, _): &(usize, Link)| !self.taken.contains(number);
-        let kept = self.links.into_iter().enumerate().filter(is_kept).map(|(_, link)| link);
-        let mut links: Vec<Link> = kept.chain(wheels).collect();
-        for joint in links.iter_mut().filter_map(|link| link.joint.as_mut()) {
-            joint.parent = numbers[joint.parent];
-            if let Some(coupling) = &mut joint.coupling {
-                coupling.leader = numbers[coupling.leader];
-            }
-        }
-        links
+        rebuilt(self.links, &self.taken, wheels)
     }
+}
+
+/// Links without those that are taken, and with others behind them that hang on the same ones.
+pub(super) fn rebuilt(links: Vec<Link>, taken: &[usize], others: impl Iterator<Item = Link>) -> Vec<Link> {
+    let (mut numbers, mut kept) = (Vec::new(), 0);
+    for number in 0..links.len() {
+        numbers.push(kept);
+        kept += usize::from(!taken.contains(&number));
+    }
+    let is_kept = |(number, _): &(usize, Link)| !taken.contains(number);
+    let kept = links.into_iter().enumerate().filter(is_kept).map(|(_, link)| link);
+    let mut links: Vec<Link> = kept.chain(others).collect();
+    for joint in links.iter_mut().filter_map(|link| link.joint.as_mut()) {
+        joint.parent = numbers[joint.parent];
+        if let Some(coupling) = &mut joint.coupling {
+            coupling.leader = numbers[coupling.leader];
+        }
+    }
+    links
 }
 
 /// The motor of a joint: all of its numbers, or none.

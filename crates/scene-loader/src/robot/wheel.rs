@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use scene::{Link, Motor, MountedWheel, Rollers, Side, Wheel, check};
+use scene::{Link, Motor, MountedWheel, Rollers, Side, Steering, Wheel, check};
 use serde::Deserialize;
 
 use super::joint::Links;
@@ -72,11 +72,12 @@ pub(super) fn read_wheels<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
     links: &mut Links,
+    steering: Option<Steering>,
     materials: &Materials,
 ) -> Result<Vec<Link>, Unread> {
     let common = document.section::<WheelEntry>(root, "wheels");
     let rollers = document.section::<RollersEntry>(root, "rollers");
-    if !root.has("wheel") {
+    if !root.has("wheel") && steering.is_none_or(Steering::is_on_wheels) {
         document.problem(&(0..0), "no [[wheel]]: expected at least one driven wheel");
     }
     let noted = document.problems().count();

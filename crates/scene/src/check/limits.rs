@@ -80,6 +80,12 @@ pub const FIRST_ROLLER: Range = Range { least: -7.0, most: 7.0, unit: " rad" };
 pub const ROLLER_DAMPING: Range = Range { least: 0.0, most: 10.0, unit: " N m s/rad" };
 /// Seconds between two readings, if there are any.
 pub const SCAN_INTERVAL: Range = Range { least: 0.002, most: 3600.0, unit: " s" };
+/// Greatest velocity of a robot in the air.
+pub const FLIGHT_SPEED: Range = Range { least: 0.0, most: 100.0, unit: " m/s" };
+/// Its greatest turn rate.
+pub const FLIGHT_TURN: Range = Range { least: 0.0, most: 100.0, unit: " rad/s" };
+/// How far it leans; upright has no heading.
+pub const TILT: Range = Range { least: 0.0, most: 1.5, unit: " rad" };
 /// Energy of a battery.
 pub const BATTERY_ENERGY: Range = Range { least: 1e-3, most: 1e15, unit: " J" };
 /// How long a battery lasts.

@@ -7,8 +7,8 @@ use super::map::material;
 use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
-    Battery, Coupling, CouplingKind, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, RobotDef, Rollers,
-    SensorDef, Shape, Side, Solid, Steering, Visual, WHEEL_AXIS,
+    Aerial, Battery, Coupling, CouplingKind, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, RobotDef,
+    Rollers, SensorDef, Shape, Side, Solid, Steering, Visual, WHEEL_AXIS,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -38,6 +38,7 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
         first(&format!("{class}, sensor {}", shown(&it.name)), sensor(it))?;
     }
     first(&class, def.battery.iter().flat_map(battery))?;
+    first(&class, def.aerial.iter().flat_map(aerial))?;
     first(&class, robot(def))
 }
 
@@ -298,7 +299,7 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
     if def.links.first().is_none_or(|root| root.parts.is_empty()) {
         wrong.push("no part: expected at least one with a mass".to_owned());
     }
-    if def.driven().next().is_none() {
+    if def.steering.is_on_wheels() && def.driven().next().is_none() {
         wrong.push("no driven wheel: expected at least one".to_owned());
     }
     if !def.wheels().is_sorted_by_key(|wheel| wheel.drive.is_none()) {
@@ -306,6 +307,13 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
     }
     wrong.extend(omni(def));
     wrong.extend(couplings(def));
+    if def.aerial.is_some() != (def.steering == Steering::Aerial) {
+        wrong.push("what it can do in the air: expected of steering \"aerial\", and of that alone".to_owned());
+    }
+    if def.steering == Steering::Ackermann && !def.links.iter().any(|link| link.steered_axle().is_some()) {
+        let expected = "expected a revolute [[joint]] with FrontSteer or RearSteer in its name";
+        wrong.push(format!("steering \"ackermann\": {expected}"));
+    }
     if def.drive_model != DriveModel::Bodies && def.has_joints() {
         wrong.push("`drive_model` other than \"bodies\" of a robot with joints: expected wheels alone".to_owned());
     }
@@ -313,6 +321,13 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
         wrong.extend(masses(def));
     }
     wrong
+}
+
+/// What is wrong with what a robot can do in the air.
+pub fn aerial(def: &Aerial) -> Vec<String> {
+    let velocity = FLIGHT_SPEED.problem_in("max_velocity", &def.max_velocity);
+    let turn = FLIGHT_TURN.problem("max_turn", def.max_turn);
+    velocity.into_iter().chain(turn).chain(TILT.problem("max_tilt", def.max_tilt)).collect()
 }
 
 /// A leader leads itself: what would follow what else?

@@ -1,66 +1,100 @@
 //! A base with four Mecanum wheels. The thesis's keys `{Front-Left v}` ..., `{WheelNumber n} {WheelSpeed v}`,
-//! the sides `{Left v} {Right v}`, and the velocities of an aerial robot. Keys given change what they name;
-//! wheels win over sides, sides over velocities.
+//! the sides `{Left v} {Right v}`, and velocities: `{LinearVelocity f} {LateralVelocity f}`, m/s, and `{RotationalVelocity f}`, rad/s,
+//! clockwise seen from above. Keys given change what they name; wheels win over sides, sides over velocities.
 
+use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use kinematics::Twist;
 use scene::RobotDef;
 
-use super::{mecanum, of_side};
+use super::of_side;
+use crate::mecanum;
+
+const WHEELS: [&str; 4] = ["Front-Left", "Front-Right", "Back-Left", "Back-Right"];
+const SIDES: [&str; 2] = ["Left", "Right"];
+const VELOCITIES: [&str; 3] = ["LinearVelocity", "LateralVelocity", "RotationalVelocity"];
 
 /// Speed of each wheel that the command names by wheel or side, in the unit of the command.
-pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive) -> Vec<Option<f64>> {
-    let named = [drive.front_left, drive.front_right, drive.back_left, drive.back_right];
-    let numbered = |index| drive.wheels.iter().find(|wheel| wheel.number as usize == index).map(|wheel| wheel.speed);
+pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {
+    let named = drive.numbers(WHEELS, problems);
+    let sides = drive.numbers(SIDES, problems);
+    let numbered = numbered(drive, problems);
+    let by_number = |index| numbered.iter().find(|(number, _)| *number == index).map(|(_, speed)| *speed);
     robot
         .driven()
         .zip(named)
         .enumerate()
-        .map(|(index, (wheel, named))| named.or_else(|| numbered(index)).or_else(|| of_side(drive, wheel.side)))
+        .map(|(index, (wheel, named))| named.or_else(|| by_number(index)).or_else(|| of_side(sides, wheel.side)))
         .collect()
 }
 
-/// True when the command gives any velocity; wheels and sides that it names as well win over it.
-pub(super) fn has_velocities(drive: &Drive) -> bool {
-    velocities(drive).iter().any(Option::is_some)
+/// `{WheelNumber n} {WheelSpeed v}`: a speed belongs to the last number before it, of wheels from 0 in the order of the robot;
+/// `WheelSteer` has no meaning for fixed wheels.
+fn numbered(drive: &Drive, problems: &mut Vec<Problem>) -> Vec<(usize, f64)> {
+    let mut wheels = Vec::new();
+    let mut number = None;
+    for block in &drive.blocks {
+        if block.key.eq_ignore_ascii_case("WheelNumber") {
+            number = block.value.parse::<usize>().ok();
+            if number.is_none() {
+                problems.push(Problem::NotANumber {
+                    key: block.key.clone(),
+                    got: block.value.chars().take(60).collect(),
+                    read_as: -1.0,
+                });
+            }
+        } else if block.key.eq_ignore_ascii_case("WheelSpeed") {
+            let speed = Drive::number_of(block, problems);
+            wheels.extend(number.take().map(|number| (number, speed)));
+        }
+    }
+    wheels
 }
 
-/// The velocities held after the command. Naming wheels or sides lets go of those that are not given again.
-/// Normalized: percent of what the base reaches with every wheel at its limit.
-pub(super) fn held_twist(held: Twist, robot: &RobotDef, drive: &Drive, normalized: bool) -> Twist {
-    let held = if names_wheels(drive) { Twist::default() } else { held };
+/// Takes velocities into those that are held, and gives the wheel speeds for them, rad/s; `None` where the command gives none. Naming
+/// wheels or sides lets go of those that are not given again. Normalized: percent of what the base reaches with every wheel at its
+/// limit.
+pub(super) fn follow_twist(
+    held: &mut Twist,
+    robot: &RobotDef,
+    drive: &Drive,
+    normalized: bool,
+    problems: &mut Vec<Problem>,
+) -> Option<Vec<f64>> {
+    if names_wheels(drive) {
+        *held = Twist::default();
+    }
     let limit = fastest(robot);
-    let [forward, right, clockwise] = velocities(drive);
+    let given = drive.numbers(VELOCITIES, problems);
     let value = |given: Option<f64>, limit: f64, held: f64| {
         given.map_or(held, |given| if normalized { given * limit / 100.0 } else { given })
     };
-    Twist {
+    let [forward, right, clockwise] = given;
+    *held = Twist {
         forward: value(forward, limit.forward, held.forward),
         right: value(right, limit.right, held.right),
         clockwise: value(clockwise, limit.clockwise, held.clockwise),
-    }
+    };
+    given.iter().any(Option::is_some).then(|| follow(robot, *held))
 }
 
 /// Wheel speeds, rad/s, for a twist; a twist out of reach is slowed down as a whole, so its direction stays.
-pub(super) fn follow(robot: &RobotDef, twist: Twist) -> Vec<f64> {
-    let Some(mecanum) = mecanum(robot) else { return Vec::new() };
+fn follow(robot: &RobotDef, twist: Twist) -> Vec<f64> {
+    let Some(mecanum) = mecanum::textbook(robot) else { return Vec::new() };
     let speeds = mecanum.inverse(twist);
     let limits = robot.driven().map(|wheel| wheel.drive.map_or(0.0, |motor| motor.max_speed));
     let excess = speeds.iter().zip(limits).map(|(speed, limit)| speed.abs() / limit).fold(1.0, f64::max);
     speeds.iter().map(|speed| speed / excess).collect()
 }
 
-fn velocities(drive: &Drive) -> [Option<f64>; 3] {
-    [drive.linear_velocity, drive.lateral_velocity, drive.rotational_velocity]
-}
-
 fn names_wheels(drive: &Drive) -> bool {
-    let wheels = [drive.front_left, drive.front_right, drive.back_left, drive.back_right, drive.left, drive.right];
-    wheels.iter().any(Option::is_some) || !drive.wheels.is_empty()
+    let mut ignored = Vec::new();
+    let mut named = WHEELS.iter().chain(&SIDES).filter_map(|key| drive.number(key, &mut ignored));
+    named.next().is_some() || !numbered(drive, &mut Vec::new()).is_empty()
 }
 
 fn fastest(robot: &RobotDef) -> Twist {
-    let Some(mecanum) = mecanum(robot) else { return Twist::default() };
+    let Some(mecanum) = mecanum::textbook(robot) else { return Twist::default() };
     let limit = robot.driven().filter_map(|wheel| wheel.drive).map(|motor| motor.max_speed);
     let limit = limit.fold(f64::INFINITY, f64::min);
     let of = |signs: [f64; 4]| mecanum.forward(signs.map(|sign| sign * limit));

@@ -8,9 +8,10 @@ use super::of_side;
 
 /// Speed of each driven wheel in the unit of the command; `None` leaves it as it is.
 pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {
-    let enough = robot.one_side_drives || drive.left.is_some() && drive.right.is_some();
-    if !enough && (drive.left.is_some() || drive.right.is_some()) {
+    let sides = drive.numbers(["Left", "Right"], problems);
+    let enough = robot.one_side_drives || sides.iter().all(Option::is_some);
+    if !enough && sides.iter().any(Option::is_some) {
         problems.push(Problem::MissingKey { verb: "DRIVE", key: "Left and Right together" });
     }
-    robot.driven().map(|wheel| of_side(drive, wheel.side).filter(|_| enough)).collect()
+    robot.driven().map(|wheel| of_side(sides, wheel.side).filter(|_| enough)).collect()
 }

@@ -10,6 +10,7 @@ use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
 use scene::{
     Coupling, CouplingKind, DriveModel, JointKind, MapDef, Mass, Material, Motor, MountedWheel, Pose, RobotDef, Shape,
+    Steering,
 };
 
 use super::convert;
@@ -118,12 +119,24 @@ pub(super) enum Kind {
 pub(super) struct Tree {
     /// Origin of the root's body in the robot frame, m.
     pub(super) centre: Vector3<f64>,
+    pub(super) footing: Footing,
     pub(super) links: Vec<Link>,
     pub(super) wheels: Vec<TreeWheel>,
     /// Joints that are moved by others.
     pub(super) gears: Vec<Gear>,
     /// Damping of the root's velocity, N s/m, and angular velocity, N m s/rad.
     pub(super) root_damping: [f64; 2],
+}
+
+/// What holds a tree.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Footing {
+    /// What it stands on.
+    Free,
+    /// Its velocities are given; it weighs nothing.
+    Flying,
+    /// Its root does not move.
+    Fixed,
 }
 
 /// A joint that is moved by another: each by its link's number and its axis.
@@ -240,7 +253,12 @@ impl Tree {
         let [linear, angular] = def.body_damping();
         let root_damping = [linear * body.mass, angular * (body.inertia.trace() / 3.0)];
         let (wheels, gears) = (Vec::new(), Vec::new());
-        let mut tree = Self { centre, links: vec![root], wheels, gears, root_damping };
+        let footing = match def.steering {
+            Steering::Aerial => Footing::Flying,
+            Steering::None => Footing::Fixed,
+            Steering::Skid | Steering::Omni | Steering::Ackermann | Steering::Legged => Footing::Free,
+        };
+        let mut tree = Self { centre, footing, links: vec![root], wheels, gears, root_damping };
         let mut numbers = vec![0];
         for (number, link) in def.links.iter().enumerate().skip(1) {
             let Some(joint) = &link.joint else { continue };

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use rapier3d::parry::query::Ray;
 use rapier3d::prelude::*;
 
-use scene::Pose;
+use scene::{MountedWheel, Pose, Steering};
 
 use super::compile::CompiledRobot;
 use super::identity::{Identity, Mark};
@@ -55,12 +55,20 @@ impl Physics {
     /// Other robots count as surfaces: the second of two at one place stands on the first. Where it would still be inside
     /// another robot or an object, it is lifted above that.
     pub(crate) fn standing_pose(&self, robot: &CompiledRobot, pose: &Pose) -> Pose {
-        let lifts = robot.def.wheels().filter_map(|wheel| {
-            let centre = pose * Point3::from(wheel.position);
-            let surface = self.surface_to_stand_on(&centre, pose.translation.z)?;
-            Some(centre.z + wheel.radius - surface)
-        });
-        let lift = lifts.fold(0.0, f64::max);
+        if robot.def.steering == Steering::None {
+            return *pose;
+        }
+        let lift = |lowest: Point3<f64>| Some(lowest.z - self.surface_to_stand_on(&lowest, pose.translation.z)?);
+        let of_wheel = |wheel: MountedWheel| pose * Point3::from(wheel.position) + Vector3::z() * wheel.radius;
+        let mut lifts: Vec<f64> = robot.def.wheels().filter_map(|wheel| lift(of_wheel(wheel))).collect();
+        if robot.def.wheels().next().is_none() {
+            let bottom = |(local, part): &(Pose, SharedShape)| {
+                let bounds = part.compute_aabb(&convert::pose(&(pose * local)));
+                Point3::from(convert::from_vector(bounds.center())).xy().coords.push(bounds.maxs.z).into()
+            };
+            lifts.extend(robot.outlines.iter().map(bottom).filter_map(lift));
+        }
+        let lift = lifts.into_iter().fold(0.0, f64::max);
         let mut standing = *pose;
         if lift > 0.0 {
             standing.translation.z -= lift + CLEARANCE;

@@ -18,7 +18,7 @@ use super::motor::Servo;
 use super::rolling::{self, Load};
 use super::traction::{Base, Limit, Momentum, Motion, Other, Row, SpinningWheel, Velocity};
 use super::wheel_contact::{RollerRing, WheelContact};
-use crate::drive;
+use crate::mecanum;
 
 /// Stiffness of a roller's tread, N/m. It shares the load between the wheels.
 const STIFFNESS: f64 = 1e8;
@@ -141,8 +141,8 @@ impl RigidBase {
         let (mass, wheels) = (base.mass, base.wheels.clone());
         let count = wheels.len();
         let following = match robot.drive_model {
-            DriveModel::Kinematic => drive::finite_rollers(robot).map(Following::FiniteRollers),
-            DriveModel::KinematicTextbook => drive::mecanum(robot).map(Following::Textbook),
+            DriveModel::Kinematic => mecanum::finite_rollers(robot).map(Following::FiniteRollers),
+            DriveModel::KinematicTextbook => mecanum::textbook(robot).map(Following::Textbook),
             DriveModel::Bodies | DriveModel::Analytic => None,
         };
         Self {

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
-use scene::{Coupling, JointState, Pose, RobotDef};
+use scene::{Coupling, JointState, Pose, RobotDef, Steering};
 
-use super::compile::{Base, CompiledRobot, Gear, Joint, Kind, Role, Tree, Value};
+use super::compile::{Base, CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree, Value};
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
 use super::rigid_base::RigidBase;
@@ -16,6 +16,7 @@ use super::rolling::{self, Load};
 use super::touching::solve_touching;
 use super::{BodyState, LANDING_TIME, Physics, WheelState, convert};
 use crate::RobotId;
+use crate::flight::Flight;
 
 /// A robot of which no wheel carries anything falls when it goes down so fast, m/s. Put onto a surface it comes down with
 /// 0.14 m/s; what is faster has fallen off the map and lands nowhere.
@@ -30,6 +31,8 @@ pub(crate) struct RobotBodies {
     /// The body of every link, parents before their children.
     all: Vec<RigidBodyHandle>,
     drivetrain: Drivetrain,
+    /// How it flies, if it does.
+    pub(super) flight: Option<Flight>,
 }
 
 /// What turns the wheels.
@@ -118,7 +121,8 @@ impl Physics {
             Kind::Tree(tree) => self.spawn_tree(tree, id, pose),
             Kind::Base(base) => self.spawn_base(&robot.def, base, id, pose),
         };
-        let bodies = RobotBodies { robot, all, drivetrain };
+        let flight = (robot.def.steering == Steering::Aerial).then(Flight::default);
+        let bodies = RobotBodies { robot, all, drivetrain, flight };
         self.enter_queries(&bodies);
         bodies
     }
@@ -143,7 +147,11 @@ impl Physics {
             let parent = link.joint.as_ref().map(|joint| joint.parent);
             let frame = parent.map_or(*pose, |parent| frames[parent] * link.pose);
             let origin = if parent.is_none() { frame * Translation3::from(tree.centre) } else { frame };
-            let body = self.insert_body(&origin, link.mass);
+            let body = match tree.footing {
+                Footing::Fixed if parent.is_none() => self.world.insert_body(fixed_body(&origin, link.mass)),
+                Footing::Fixed | Footing::Free => self.world.insert_body(dynamic_body(&origin, link.mass)),
+                Footing::Flying => self.world.insert_body(dynamic_body(&origin, link.mass).gravity_scale(0.0)),
+            };
             let identity = Identity::Link { robot: id, link: number };
             let colliders =
                 link.surfaces.iter().map(|it| self.world.insert_collider(it.collider(identity), Some(body)));
@@ -176,7 +184,7 @@ impl Physics {
         id: RobotId,
         pose: &Pose,
     ) -> (Vec<RigidBodyHandle>, Drivetrain) {
-        let body = self.insert_body(pose, convert::mass(&base.mass));
+        let body = self.world.insert_body(dynamic_body(pose, convert::mass(&base.mass)));
         for surface in &base.surfaces {
             self.world.insert_collider(surface.collider(Identity::Link { robot: id, link: 0 }), Some(body));
         }
@@ -206,7 +214,10 @@ impl Physics {
     /// Gives a robot's motors and wheels their part in the coming step. A base of one body is only solved for, so that
     /// every robot sees the others as the last step left them.
     pub(crate) fn before_step(&mut self, bodies: &mut RobotBodies) {
-        let RobotBodies { robot, all, drivetrain } = bodies;
+        if let (Some(flight), Some(&root)) = (bodies.flight, bodies.all.first()) {
+            self.fly(root, bodies.robot.centre(), &flight);
+        }
+        let RobotBodies { robot, all, drivetrain, .. } = bodies;
         match drivetrain {
             Drivetrain::Multibody { joints, treads, .. } => {
                 self.reset_forces(all);
@@ -355,12 +366,6 @@ impl Physics {
         BodyState { pose, linear: linear - angular.cross(&(pose.rotation * centre)), angular }
     }
 
-    fn insert_body(&mut self, pose: &Pose, mass: MassProperties) -> RigidBodyHandle {
-        let body = RigidBodyBuilder::dynamic().pose(convert::pose(pose));
-        // The engine puts bodies to sleep below 0.4 m/s; a youBot drives at 0.05.
-        self.world.insert_body(body.additional_mass_properties(mass).can_sleep(false))
-    }
-
     /// The robot does not collide with itself (the thesis lists 81 disabled pairs, all within one robot;
     /// collision groups could not tell 64 robots apart). Damping: by default the engine brakes every turning
     /// joint with 0.1 N m s/rad, far too much for a roller, so each is set.
@@ -402,6 +407,15 @@ impl Physics {
     }
 }
 
+/// The engine puts bodies to sleep below 0.4 m/s; a youBot drives at 0.05.
+fn dynamic_body(pose: &Pose, mass: MassProperties) -> RigidBodyBuilder {
+    RigidBodyBuilder::dynamic().pose(convert::pose(pose)).additional_mass_properties(mass).can_sleep(false)
+}
+
+fn fixed_body(pose: &Pose, mass: MassProperties) -> RigidBodyBuilder {
+    RigidBodyBuilder::fixed().pose(convert::pose(pose)).additional_mass_properties(mass)
+}
+
 /// Gives the servos that follow the target of another theirs.
 fn follow_targets(joints: &mut [TreeJoint]) {
     for number in 0..joints.len() {
@@ -414,10 +428,11 @@ fn follow_targets(joints: &mut [TreeJoint]) {
 }
 
 impl TreeJoint {
-    /// The nearest position that its servo may go to; a servo of the speed has no limits.
+    /// The nearest target that its servo may have: a position within its ends, or a speed.
     fn within_limits(&self, target: f64) -> f64 {
-        let is_of_position = self.value.motor.as_ref().is_some_and(|motor| motor.stiffness.is_some());
-        let limits = self.value.limits.filter(|_| is_of_position);
+        let Some(motor) = &self.value.motor else { return target };
+        let limits =
+            if motor.stiffness.is_some() { self.value.limits } else { Some([-motor.max_speed, motor.max_speed]) };
         limits.map_or(target, |[least, most]| target.clamp(least, most))
     }
 

@@ -10,7 +10,7 @@ use scene::sensor::odometry::Config;
 use scene::{RobotDef, Side, Steering};
 
 use super::{Effect, Mount, Sensor, View};
-use crate::{WheelState, drive};
+use crate::{WheelState, mecanum};
 
 enum Base {
     Skid {
@@ -44,8 +44,9 @@ pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
 
 fn base(robot: &RobotDef, finite_rollers: bool) -> Base {
     match robot.steering {
-        Steering::Omni if finite_rollers => drive::finite_rollers(robot).map_or(Base::None, Base::FiniteOmni),
-        Steering::Omni => drive::mecanum(robot).map_or(Base::None, Base::Omni),
+        Steering::Omni if finite_rollers => mecanum::finite_rollers(robot).map_or(Base::None, Base::FiniteOmni),
+        Steering::Omni => mecanum::textbook(robot).map_or(Base::None, Base::Omni),
+        Steering::Ackermann | Steering::Aerial | Steering::Legged | Steering::None => Base::None,
         Steering::Skid => {
             let foremost = |side| {
                 let on_side = robot.driven().enumerate().filter(|(_, wheel)| wheel.side == side);

@@ -4,6 +4,7 @@ use gamebots_proto::command::{GetConf, GetGeo};
 use gamebots_proto::message::{Conf, Geo, ItemGeo, RobotConf, RobotGeo};
 
 use super::robot::Robot;
+use crate::drive;
 use crate::sensor::floats;
 
 /// The robot's configuration, or that of every matching item; `None` where nothing matches.
@@ -36,29 +37,12 @@ pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
 /// The name is the class, whatever name was asked for: clients compare it with the mount of the sensors (clients.md 4).
 fn robot_conf(robot: &Robot) -> RobotConf {
     let def = robot.def();
-    let speeds = def.driven().filter_map(|wheel| wheel.drive).map(|motor| motor.max_speed);
-    // USARSim takes the smallest limit of the wheels, starting from 100 (WheeledVehicle.uc:69-97).
-    let max_speed = speeds.fold(100.0, f64::min) / robot.speed_unit();
-    RobotConf {
-        name: def.class.clone(),
-        steering_type: def.reported_steering().to_owned(),
-        mass: def.mass(),
-        max_speed: max_speed as f32,
-        max_torque: def.reported_max_torque as f32,
-    }
+    RobotConf { name: def.class.clone(), vehicle: drive::conf(def, robot.speed_unit()) }
 }
 
 fn robot_geo(robot: &Robot) -> RobotGeo {
     let def = robot.def();
-    let geometry = def.wheel_geometry();
-    RobotGeo {
-        name: def.class.clone(),
-        dimensions: floats([geometry.wheel_base, geometry.track, 0.0]),
-        centre_of_gravity: floats(def.total_mass().centre.into()),
-        wheel_radius: geometry.radius as f32,
-        wheel_separation: geometry.track as f32,
-        wheel_base: geometry.wheel_base as f32,
-    }
+    RobotGeo { name: def.class.clone(), vehicle: drive::geo(def) }
 }
 
 fn matching<'a>(robot: &'a Robot, type_name: &'a str, name: &'a str) -> impl Iterator<Item = &'a super::robot::Item> {

@@ -35,7 +35,10 @@ impl Controller {
         }
         match (self.robots.last(), command) {
             (Some(&robot), _) => world.apply(robot, command, problems),
-            (None, Command::Drive(_) | Command::Set(_) | Command::GetConf(_) | Command::GetGeo(_)) => {
+            (
+                None,
+                Command::Drive(_) | Command::MultiDrive(_) | Command::Set(_) | Command::GetConf(_) | Command::GetGeo(_),
+            ) => {
                 problems.push(Problem::NoRobot { verb: command.verb() });
                 Vec::new()
             }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gamebots_proto::Problem;
-use gamebots_proto::command::{Drive, Set};
+use gamebots_proto::command::{Drive, MultiDrive, Set};
 use gamebots_proto::message::{Message, Sta};
 use scene::{JointState, Pose, RobotDef, SensorDef};
 
@@ -120,6 +120,10 @@ impl Robot {
     pub(super) fn drive(&mut self, drive: &Drive, problems: &mut Vec<Problem>) {
         self.drive.apply(&self.bodies.robot().def, drive, self.options.speed_unit, problems);
         self.bodies.set_wheel_speeds(&self.drive.targets);
+        for (joint, target) in self.drive.joint_targets(&self.bodies.robot().def) {
+            self.bodies.set_joint_target(joint, target);
+        }
+        self.bodies.set_flight(self.drive.flight());
     }
 
     /// Sets the targets of joints beside wheels: `SET {Type Joint}` with the opcode `Angle` or `Target`, both in exact case, and
@@ -128,10 +132,28 @@ impl Robot {
         let target = set.numbers().and_then(|numbers| numbers.first().copied());
         let Some(target) = target.filter(|_| matches!(set.opcode.as_str(), "Angle" | "Target")) else { return };
         let all = ["AllAngles", "AllJoints"].iter().any(|all| set.name.eq_ignore_ascii_case(all));
-        let joints = self.def().with_values().enumerate().filter(|(_, link)| link.wheel.is_none());
-        let named = joints.filter(|(_, link)| all || link.name.eq_ignore_ascii_case(&set.name));
+        self.set_targets(target, |name| all || name.eq_ignore_ascii_case(&set.name));
+    }
+
+    /// Sets the targets of joints beside wheels by their names, in any case.
+    pub(super) fn multi_drive(&mut self, drive: &MultiDrive, problems: &mut Vec<Problem>) {
+        for (joint, target) in &drive.targets {
+            if !self.set_targets(*target, |name| name.eq_ignore_ascii_case(joint)) {
+                let joints = self.def().with_values().filter(|link| link.wheel.is_none());
+                let expected = joints.map(|link| link.name.as_str()).collect::<Vec<_>>().join(", ");
+                let got = joint.chars().take(60).collect();
+                problems.push(Problem::UnknownName { key: "MULTIDRIVE", got, expected, instead: "nothing is moved" });
+            }
+        }
+    }
+
+    /// Sets the target of every joint beside wheels whose name fits, and says whether there is one.
+    fn set_targets(&mut self, target: f64, fits: impl Fn(&str) -> bool) -> bool {
+        let joints = self.def().with_values().enumerate();
+        let named = joints.filter(|(_, link)| link.wheel.is_none() && fits(&link.name));
         let numbers: Vec<usize> = named.map(|(number, _)| number).collect();
-        numbers.into_iter().for_each(|number| self.bodies.set_joint_target(number, target));
+        numbers.iter().for_each(|&number| self.bodies.set_joint_target(number, target));
+        !numbers.is_empty()
     }
 
     /// Delivers a SET to every item that it names, or to joints; a scan asked for goes out at once.
@@ -176,7 +198,8 @@ impl Robot {
         let age = step - self.spawned;
         let battery = self.battery_left(time);
         if is_due(age, self.options.time_step, STATUS_INTERVAL) {
-            send(Message::Sta(Sta { time: time as f32, battery, light: self.drive.light }));
+            let vehicle = self.drive.status(self.def(), || physics.joints(&self.bodies));
+            send(Message::Sta(Sta { time: time as f32, battery, vehicle }));
         }
         let time_step = self.options.time_step;
         let due = |item: &Item| is_due(age, time_step, item.def.scan_interval);

@@ -1,0 +1,76 @@
+//! Steered wheels: `{Speed f} {FrontSteer f} {RearSteer f}`, all of them needed (AckermanSteeredVehicle.uc:22-67). Every driven
+//! wheel gets the speed. Joints that turn and have FRONTSTEER or REARSTEER in their names, in any case, get the angle, rad, positive
+//! to the right.
+//!
+//! USARSim turns both wheels of an axle by the same angle, so that one of them has to slide: on rigid wheels that grip, the robot then
+//! drives the circle of the one or of the other, half a track off. Here the angle is that of the axle's middle, and each wheel
+//! stands across the line to the middle of the circle.
+
+use gamebots_proto::Problem;
+use gamebots_proto::command::Drive;
+use scene::{Link, RobotDef};
+
+/// The range that is reported of an axle that does not steer (AckermanSteeredVehicle.uc:69-105).
+#[expect(clippy::approx_constant, reason = "USARSim writes so")]
+const NO_RANGE: f64 = 6.28;
+
+/// Speed of each driven wheel in the unit of the command; `None` leaves it as it is.
+pub(super) fn wheel_speeds(
+    steer: &mut [f64; 2],
+    robot: &RobotDef,
+    drive: &Drive,
+    problems: &mut Vec<Problem>,
+) -> Vec<Option<f64>> {
+    let given = drive.numbers(["Speed", "FrontSteer", "RearSteer"], problems);
+    if let [Some(_), Some(front), Some(rear)] = given {
+        *steer = [front, rear];
+    } else if given.iter().any(Option::is_some) {
+        problems.push(Problem::MissingKey { verb: "DRIVE", key: "Speed, FrontSteer and RearSteer together" });
+    }
+    let speed = given[0].filter(|_| given.iter().all(Option::is_some));
+    robot.driven().map(|_| speed).collect()
+}
+
+/// Where the steering joints are to be.
+pub(super) fn joint_targets(robot: &RobotDef, steer: [f64; 2]) -> Vec<(usize, f64)> {
+    // Beyond its limits a slope could turn the other way.
+    let steer =
+        [0, 1].map(|axle| limits(robot, axle).fold(steer[axle], |angle, [least, most]| angle.clamp(least, most)));
+    let centre = turning_centre(robot, steer);
+    let joints = robot.with_values().enumerate();
+    let target = |(number, link): (usize, &Link)| {
+        let angle = steer[link.steered_axle()?];
+        let [x, y, _] = link.origin();
+        // The middle of the circle is to the right of the wheel by `aside`, and behind it by `behind`.
+        let angle = centre.map_or(angle, |[centre_x, centre_y]| {
+            let (behind, aside) = (x - centre_x, centre_y - y);
+            (behind / aside).atan()
+        });
+        // A joint about an axis that points up turns the other way.
+        let axis = link.joint.as_ref()?.axis[2];
+        Some((number, angle * axis.signum()))
+    };
+    joints.filter_map(target).collect()
+}
+
+/// The middle of the circle, x and y in the robot frame, m; `None` where the axles are parallel, or so steep that it is between the
+/// wheels.
+fn turning_centre(robot: &RobotDef, [front, rear]: [f64; 2]) -> Option<[f64; 2]> {
+    let geometry = robot.wheel_geometry();
+    let front_x = robot.driven().map(|wheel| wheel.position[0]).reduce(f64::max)?;
+    let [front_slope, rear_slope] = [front, rear].map(f64::tan);
+    let aside = geometry.wheel_base / (front_slope - rear_slope);
+    let is_outside = aside.is_finite() && aside.abs() > geometry.track / 2.0;
+    is_outside.then_some([front_x - aside * front_slope, aside])
+}
+
+/// The smallest range of the steering joints of front and rear, rad: from end to end, not to one side.
+pub(super) fn ranges(robot: &RobotDef) -> [f32; 2] {
+    [0, 1].map(|axle| limits(robot, axle).map(|[least, most]| most - least).reduce(f64::min).unwrap_or(NO_RANGE) as f32)
+}
+
+/// The limits of the joints that steer an axle, rad.
+fn limits(robot: &RobotDef, axle: usize) -> impl Iterator<Item = [f64; 2]> {
+    let joints = robot.with_values().filter(move |link| link.steered_axle() == Some(axle));
+    joints.filter_map(|link| link.joint.as_ref()?.limits)
+}

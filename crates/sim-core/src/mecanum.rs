@@ -1,0 +1,27 @@
+//! The kinematics of a robot with Mecanum wheels.
+
+use kinematics::{FiniteRollers, Mecanum};
+use scene::{RobotDef, Steering};
+
+/// Kinematics of an omni robot, or `None` if it is not one. Its wheels are in Mecanum order.
+pub fn textbook(robot: &RobotDef) -> Option<Mecanum> {
+    let geometry = robot.wheel_geometry();
+    (robot.steering == Steering::Omni && robot.driven().count() == 4).then_some(Mecanum {
+        half_wheelbase: geometry.wheel_base / 2.0,
+        half_track: geometry.track / 2.0,
+        wheel_radius: geometry.radius,
+    })
+}
+
+/// The same with its rollers counted.
+pub fn finite_rollers(robot: &RobotDef) -> Option<FiniteRollers> {
+    let rollers = robot.driven().next()?.wheel.rollers.as_ref()?;
+    let mut firsts = robot.driven().map(|wheel| wheel.rollers.as_ref().map_or(0.0, |rollers| rollers.first_roller));
+    Some(FiniteRollers {
+        base: textbook(robot)?,
+        first_rollers: std::array::from_fn(|_| firsts.next().unwrap_or(0.0)),
+        count: rollers.count,
+        axis_circle: rollers.axis_circle,
+        angle: rollers.angle.abs(),
+    })
+}
