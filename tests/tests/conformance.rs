@@ -45,6 +45,16 @@ fn youbot() {
 }
 
 #[test]
+fn ackermann() {
+    check("ackermann.txt");
+}
+
+#[test]
+fn airrobot() {
+    check("airrobot.txt");
+}
+
+#[test]
 fn battery() {
     check("battery.txt");
 }

@@ -886,6 +886,51 @@ fn a_map_just_within_the_bounds_stays_finite() {
     );
 }
 
+/// Joints drawn from the whole of every range, some of them at its ends.
+#[test]
+fn joints_drawn_at_random_that_pass_stay_finite() {
+    let mut random = ChaCha8Rng::seed_from_u64(13);
+    let mut passed = 0;
+    while passed < 60 {
+        let mut drawn = |range: Range| {
+            let least = range.least.max(range.most * 1e-9);
+            match random.random_range(0..10) {
+                0 => range.least,
+                1 => range.most,
+                _ => least * (range.most / least).powf(random.random()),
+            }
+        };
+        let class = ["Kenaf", "FrontAckerman", "BasicAckermanRobot"][passed % 3];
+        let map = scene_loader::map("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+        let mut robot = scene_loader::robot(class, &[]).unwrap_or_else(|error| panic!("{error}"));
+        for link in robot.links.iter_mut().filter(|link| link.wheel.is_none()) {
+            let Some(joint) = &mut link.joint else { continue };
+            joint.damping = drawn(check::JOINT_DAMPING);
+            joint.friction = drawn(check::JOINT_FRICTION);
+            let most = drawn(Range { least: 1e-6, ..check::JOINT_LIMIT });
+            joint.limits = Some([-most, drawn(Range { least: 1e-6, ..check::JOINT_LIMIT })]);
+            joint.drive = Some(Motor {
+                max_speed: drawn(check::MAX_SPEED),
+                gain: drawn(check::GAIN),
+                max_torque: drawn(check::MAX_TORQUE),
+                stiffness: Some(drawn(check::STIFFNESS)).filter(|_| passed % 2 == 0),
+                integral_time: None,
+                armature: drawn(check::ARMATURE),
+            });
+            let mass = drawn(Range { least: 1e-3, most: 1e3, unit: "" });
+            for part in &mut link.parts {
+                part.inertia *= mass / part.mass;
+                part.mass = mass;
+            }
+        }
+        let def = WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into() };
+        if def.check().is_ok() {
+            passed += 1;
+            drive(&map, &robot, 1.0).unwrap_or_else(|problem| panic!("{passed}: {problem}\n{robot:#?}"));
+        }
+    }
+}
+
 /// Robots drawn from the whole of every range, some of them at its ends: of those that pass, none loses a finite state.
 #[test]
 fn robots_drawn_at_random_that_pass_stay_finite() {
