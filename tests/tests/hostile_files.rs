@@ -639,9 +639,9 @@ fn what_cannot_be_loaded_is_said_in_one_line() {
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("a file");
     let path = |name: &str| folder.path().join(name).display().to_string();
     write("base.urdf", BASE);
-    let error = scene_loader::robot(&path("base.urdf"), &[]).expect_err("a URDF").to_string();
-    let expected = "expected a robot.toml; a URDF is named in one, as in `urdf = \"robot.urdf\"`";
-    assert_eq!(error, format!("{}: {expected}", path("base.urdf")));
+    write("base.yaml", BASE);
+    let error = scene_loader::robot(&path("base.yaml"), &[]).expect_err("a robot").to_string();
+    assert_eq!(error, format!("{}: expected a robot.toml or a URDF", path("base.yaml")));
     let error = scene_loader::map(&path("base.urdf"), &[]).expect_err("a URDF").to_string();
     assert_eq!(error, format!("{}: expected a map.toml", path("base.urdf")));
 

@@ -1,7 +1,7 @@
 //! Robots from URDF: the tree that the file has, with what it weighs, how it moves and what is seen of it.
 
 use nalgebra::{Point3, Vector3};
-use scene::{JointKind, JointState, RobotDef};
+use scene::{JointKind, JointState, RobotDef, Steering};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
@@ -217,4 +217,149 @@ fn what_is_wrong_with_a_tree_is_said_with_its_line() {
         "<inertial><mass value=\"0\"/>",
         "joint flag: expected at least one part with a mass",
     );
+}
+
+/// A robot of two wheels and a ball that slides, as small robots of ROS are.
+const TWO_WHEELS: &str = r#"<?xml version="1.0"?>
+<robot name="burger">
+  <link name="base_footprint"/>
+  <joint name="base_joint" type="fixed">
+    <parent link="base_footprint"/><child link="base_link"/><origin xyz="0 0 0.01"/>
+  </joint>
+  <link name="base_link">
+    <inertial><origin xyz="-0.03 0 0.07"/><mass value="0.8"/>
+      <inertia ixx="2e-3" ixy="0" ixz="0" iyy="2e-3" iyz="0" izz="1e-3"/></inertial>
+    <collision><origin xyz="-0.032 0 0.07"/><geometry><box size="0.14 0.14 0.14"/></geometry></collision>
+  </link>
+  <joint name="wheel_left_joint" type="continuous">
+    <parent link="base_link"/><child link="wheel_left_link"/>
+    <origin xyz="0 0.08 0.023" rpy="-1.5707963267948966 0 0"/><axis xyz="0 0 1"/>
+  </joint>
+  <link name="wheel_left_link">
+    <inertial><mass value="0.03"/><inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="2e-5"/></inertial>
+    <collision><geometry><cylinder radius="0.033" length="0.018"/></geometry></collision>
+  </link>
+  <joint name="wheel_right_joint" type="continuous">
+    <parent link="base_link"/><child link="wheel_right_link"/>
+    <origin xyz="0 -0.08 0.023" rpy="-1.5707963267948966 0 0"/><axis xyz="0 0 1"/>
+  </joint>
+  <link name="wheel_right_link">
+    <inertial><mass value="0.03"/><inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="2e-5"/></inertial>
+    <collision><geometry><cylinder radius="0.033" length="0.018"/></geometry></collision>
+  </link>
+  <joint name="caster_back_joint" type="fixed">
+    <parent link="base_link"/><child link="caster_back_link"/><origin xyz="-0.081 0 -0.004"/>
+  </joint>
+  <link name="caster_back_link">
+    <inertial><mass value="0.005"/><inertia ixx="1e-6" ixy="0" ixz="0" iyy="1e-6" iyz="0" izz="1e-6"/></inertial>
+    <collision><geometry><sphere radius="0.006"/></geometry></collision>
+  </link>
+  <gazebo reference="wheel_left_link"><mu1>0.1</mu1></gazebo>
+</robot>"#;
+
+/// A car: four wheels, two of them on knuckles, with swivelling names of its own.
+fn car() -> String {
+    let link = |name: &str, mass: f64, shape: &str| {
+        let inertia = "ixy=\"0\" ixz=\"0\" iyz=\"0\"";
+        format!(
+            "<link name=\"{name}\"><inertial><mass value=\"{mass}\"/><inertia ixx=\"{0}\" iyy=\"{0}\" izz=\"{0}\" {inertia}/>\
+             </inertial>{shape}</link>\n",
+            mass * 0.01
+        )
+    };
+    let wheel = "<collision><origin rpy=\"1.5707963 0 0\"/><geometry><cylinder radius=\"0.1\" length=\"0.04\"/></geometry></collision>";
+    let body = "<collision><geometry><box size=\"0.6 0.2 0.1\"/></geometry></collision>";
+    let mut text = String::from("<robot name=\"car\">\n") + &link("chassis", 20.0, body);
+    for (name, x, y) in [("fl", 0.25, 0.1), ("fr", 0.25, -0.1), ("rl", -0.25, 0.1), ("rr", -0.25, -0.1)] {
+        let (mut parent, mut origin) = ("chassis".to_owned(), format!("{x} {y} 0"));
+        if x > 0.0 {
+            text += &link(&format!("{name}_knuckle"), 0.5, "");
+            text += &format!(
+                "<joint name=\"{name}_steer\" type=\"revolute\"><origin xyz=\"{origin}\"/><parent link=\"chassis\"/>\
+                 <child link=\"{name}_knuckle\"/><axis xyz=\"0 0 1\"/>\
+                 <limit lower=\"-0.6\" upper=\"0.6\" effort=\"50\" velocity=\"2\"/></joint>\n"
+            );
+            (parent, origin) = (format!("{name}_knuckle"), "0 0 0".to_owned());
+        }
+        text += &link(&format!("{name}_wheel"), 1.0, wheel);
+        text += &format!(
+            "<joint name=\"{name}_spin\" type=\"continuous\"><origin xyz=\"{origin}\"/><parent link=\"{parent}\"/>\
+             <child link=\"{name}_wheel\"/><axis xyz=\"0 1 0\"/><limit effort=\"20\" velocity=\"30\"/></joint>\n"
+        );
+    }
+    text + "</robot>"
+}
+
+/// The world with a robot of a URDF alone, and what was assumed of it.
+fn alone(urdf: &str) -> Result<(World, Vec<String>), String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("Robot.urdf");
+    std::fs::write(&path, urdf).expect("a file");
+    let assumed = scene_loader::check(&path).map_err(|error| error.to_string())?;
+    let scene = scene_loader::load("smooth", &[&path]).map_err(|error| error.to_string())?;
+    assert_eq!(scene.robots["Robot"].assumptions, assumed);
+    Ok((World::new(scene, Options::default()), assumed))
+}
+
+#[test]
+fn a_urdf_with_two_wheels_is_driven_by_its_sides() {
+    let (mut world, assumed) = alone(TWO_WHEELS).unwrap_or_else(|error| panic!("{error}"));
+    let robot = init(&mut world, "INIT {ClassName USARBot.Robot} {Location 0,0,0}");
+    let def = &world.def().robots["Robot"];
+    assert_eq!(def.steering, Steering::Skid);
+    let geometry = def.wheel_geometry();
+    assert!((geometry.radius - 0.033).abs() < 1e-6 && (geometry.track - 0.16).abs() < 1e-6, "{geometry:?}");
+    let said = assumed.join("\n");
+    for part in [
+        "sides of its wheels",
+        "wheel_left_joint, wheel_right_joint",
+        "caster_back_link slides",
+        "1 <gazebo> not looked at",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
+    run(&mut world, 1.0);
+    let before = world.snapshot().robots[0].body;
+    assert!(before.pose.rotation.angle() < 0.05, "it stands on its caster: {}", before.pose);
+    apply(&mut world, robot, "DRIVE {Left 4} {Right 4}");
+    run(&mut world, 1.0);
+    let body = world.snapshot().robots[0].body;
+    assert!((body.linear.x / (4.0 * 0.033) - 1.0).abs() < 0.02, "{:?}", body.linear);
+    apply(&mut world, robot, "DRIVE {Left 4} {Right -4}");
+    run(&mut world, 1.0);
+    let turn = world.snapshot().robots[0].body.angular.z / (2.0 * 4.0 * 0.033 / 0.16);
+    println!("turns at {turn:.4} of its wheels' rate");
+    assert!((turn - 1.0).abs() < 0.05, "{turn}");
+}
+
+#[test]
+fn a_urdf_with_knuckles_is_a_car() {
+    let (mut world, assumed) = alone(&car()).unwrap_or_else(|error| panic!("{error}"));
+    let robot = init(&mut world, "INIT {ClassName USARBot.Robot} {Location 0,0,0}");
+    assert_eq!(world.def().robots["Robot"].steering, Steering::Ackermann, "{assumed:?}");
+    assert!(
+        assumed.iter().any(|it| it.contains("steered as a car by fl_steer_FrontSteer, fr_steer_FrontSteer")),
+        "{assumed:?}"
+    );
+    run(&mut world, 1.0);
+    apply(&mut world, robot, "DRIVE {Speed 5} {FrontSteer 0.3} {RearSteer 0}");
+    run(&mut world, 2.0);
+    // In the URDF a positive angle turns left; DRIVE's turns right.
+    let body = world.snapshot().robots[0].body;
+    let rear = body.linear - body.angular.cross(&(body.pose.rotation * Vector3::new(0.25, 0.0, 0.0)));
+    let (radius, expected) = (rear.norm() / body.angular.z, 0.5 / 0.3f64.tan());
+    println!("radius {radius:.3} m, expected {expected:.3} m");
+    assert!((radius / expected - 1.0).abs() < 0.03, "{radius} m, expected {expected} m");
+}
+
+#[test]
+fn a_urdf_without_wheels_is_a_platform_and_xacro_is_named() {
+    let (mut world, assumed) = alone(ARM).unwrap_or_else(|error| panic!("{error}"));
+    init(&mut world, "INIT {ClassName USARBot.Robot} {Location 0,0,-1}");
+    run(&mut world, 1.0);
+    assert!(assumed.iter().any(|it| it.contains("fixed to the ground")), "{assumed:?}");
+    assert!((world.snapshot().robots[0].body.pose.translation.z + 1.0).abs() < 1e-9);
+    let error =
+        alone(&ARM.replace("<link name=\"base\">", "<link name=\"${prefix}base\">")).map(|_| ()).expect_err("xacro");
+    assert!(error.contains("is of xacro: expected a URDF; expand it first"), "{error}");
 }

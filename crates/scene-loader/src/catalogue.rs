@@ -70,7 +70,7 @@ pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
     })
 }
 
-/// A robot class by its name, in any case, or by the path of its file.
+/// A robot class by its name, in any case, or by the path of its robot.toml or of a URDF.
 ///
 /// # Errors
 /// As [`load`].
@@ -82,11 +82,28 @@ pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> 
     match folder {
         Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", class, overrides),
         None if path.is_file() => {
-            let file = file_name(path, "a robot.toml; a URDF is named in one, as in `urdf = \"robot.urdf\"`")?;
-            read_robot(&Source::of_file(path), &file, &name_of(path, "robot"), overrides)
+            let class = name_of(path, "robot");
+            if is_urdf(path) {
+                return robot_of_urdf(path, &class);
+            }
+            let file = file_name(path, "a robot.toml or a URDF")?;
+            read_robot(&Source::of_file(path), &file, &class, overrides)
         }
         None => Err(unknown("robot", name, &names)),
     }
+}
+
+/// A robot from a URDF alone; what that does not say is in its assumptions.
+pub(crate) fn robot_of_urdf(path: &Path, class: &str) -> Result<RobotDef, LoadError> {
+    let (source, mut problems) = (Source::of_file(path), Problems::default());
+    let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let (text, materials) = (source.text(&file)?, built_in_materials(&[])?);
+    let robot = robot_file::of_urdf::read(&source, &file, class, &text, &materials, &mut problems);
+    problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
+}
+
+pub(crate) fn is_urdf(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| ["urdf", "xacro"].iter().any(|known| extension == *known))
 }
 
 fn read_robot(source: &Source, file: &str, class: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {

@@ -22,44 +22,38 @@ pub use problem::{FileProblem, LoadError};
 use std::path::Path;
 
 use problem::Problems;
-use scene::Material;
 use source::Source;
 
-/// Checks a robot.toml, a map.toml, a materials.toml or a URDF and returns everything wrong with it.
+/// Checks a robot.toml, a map.toml, a materials.toml or a URDF. Returns what was taken to be so because a robot's file does not say
+/// it.
 ///
 /// # Errors
-/// When the file cannot be read or its kind is not known.
-pub fn check(path: &Path) -> Result<(), LoadError> {
-    let source = Source::of_file(path);
+/// Everything wrong with it; or when the file cannot be read or its kind is not known.
+pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
+    if catalogue::is_urdf(path) {
+        return catalogue::robot_of_urdf(path, "Checked").map(|robot| robot.assumptions);
+    }
+    if path.extension().is_none_or(|extension| extension != "toml") {
+        let expected = "a .toml (robot, map or materials) or a .urdf file";
+        return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
+    }
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    let problems = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("urdf" | "xacro") => {
-            let mut problems = Problems::default();
-            let text = source.text(name)?;
-            // Why it could not be read stands in the problems.
-            let _ = urdf::read(&source, name, &text, Material::default(), &mut problems);
-            problems
-        }
-        Some("toml") => check_toml(&source, name)?,
-        _ => {
-            let expected = "a .toml (robot, map or materials) or a .urdf file";
-            return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
-        }
-    };
-    problems.into_result(()).map(|_| ())
+    check_toml(&Source::of_file(path), name)
 }
 
 /// Materials are told by the name of their file, robots by their wheels; the rest is a map.
-fn check_toml(source: &Source, name: &str) -> Result<Problems, LoadError> {
+fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
     let text = source.text(name)?;
     let materials = catalogue::built_in_materials(&[])?;
     let mut problems = Problems::default();
+    let mut assumptions = Vec::new();
     if name.starts_with("materials") {
         materials::read(&source.display(name), &text, &mut problems);
     } else if name.starts_with("robot") || text.contains("[[wheel]]") {
-        robot::read(source, name, "Checked", &text, &materials, &mut problems);
+        let robot = robot::read(source, name, "Checked", &text, &materials, &mut problems);
+        assumptions = robot.map_or(Vec::new(), |robot| robot.assumptions);
     } else {
         map::read(source, name, "checked", &text, &materials, &mut problems);
     }
-    Ok(problems)
+    problems.into_result(assumptions)
 }

@@ -1,6 +1,7 @@
 //! `robot.toml`: parts, wheels, sensors and battery of a class of robots.
 
 mod joint;
+pub(crate) mod of_urdf;
 mod visual;
 mod wheel;
 

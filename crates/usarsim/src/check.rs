@@ -25,7 +25,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut unreadable = Vec::new();
     for file in &arguments.files {
         match scene_loader::check(file) {
-            Ok(()) => {}
+            Ok(assumptions) if !arguments.json => {
+                assumptions.iter().for_each(|it| print(format_args!("{}: assumed: {it}", file.display())));
+            }
+            Ok(_) => {}
             Err(LoadError::Bad(found)) => problems.extend(found),
             Err(error) => unreadable.push(error.to_string()),
         }

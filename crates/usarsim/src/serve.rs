@@ -17,13 +17,15 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim serve                          # carpet, 127.0.0.1:3000, real time\n  \
     usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n  \
+    usarsim serve --robot turtlebot3_burger.urdf\n  \
     usarsim serve --host 0.0.0.0             # seen and driven from other machines\n\n\
     Clients are served until Ctrl-C or SIGTERM, which end the server with exit code 0.")]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`) or the path of a map.toml.
     #[arg(long, env = "USARSIM_MAP", default_value = "rough", value_name = "NAME|FILE")]
     map: String,
-    /// A further robot class from a robot.toml; its class is the name of the folder. May be given several times.
+    /// A further robot class from a robot.toml, whose class is the name of its folder, or from a URDF, whose class is the name of
+    /// the file. May be given several times.
     #[arg(long, env = "USARSIM_ROBOT", value_name = "FILE")]
     robot: Vec<PathBuf>,
     /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE, as in robot.wheels.gain=2.5. May be given
@@ -103,6 +105,9 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let mut world = scene_loader::load_with(&arguments.map, &robots, &arguments.set)
         .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{error}")))?;
     world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
+    for robot in world.robots.values() {
+        robot.assumptions.iter().for_each(|it| eprintln!("{}: assumed: {it}", robot.class));
+    }
     let speed_unit = match arguments.wheel_speeds {
         WheelSpeeds::Rad => 1.0,
         WheelSpeeds::Rev => std::f64::consts::TAU,
