@@ -133,7 +133,7 @@ impl Honest {
 
     /// Checks the time of a line that is on a timer; false for any other.
     fn note(&mut self, line: &str) -> bool {
-        if !line.starts_with("SEN ") && !line.starts_with("STA ") {
+        if !["SEN ", "STA ", "ASTA ", "EFF "].iter().any(|kind| line.starts_with(kind)) {
             return false;
         }
         let timed = INTERVALS.into_iter().find(|(kind, _)| line.contains(kind)).zip(time_of(line));

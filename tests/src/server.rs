@@ -147,7 +147,7 @@ impl Peer {
 
     /// The next line that is not on a timer.
     pub fn reply(&mut self) -> String {
-        let periodic = |line: &str| line.starts_with("SEN ") || line.starts_with("STA ");
+        let periodic = |line: &str| ["SEN ", "STA ", "ASTA ", "EFF "].iter().any(|kind| line.starts_with(kind));
         std::iter::repeat_with(|| self.line()).find(|line| !periodic(line)).unwrap_or_default()
     }
 
@@ -177,11 +177,12 @@ impl Peer {
         panic!("never came: {what}; last line: {last}");
     }
 
-    /// The next reading of a type, or with `STA` the next status.
+    /// The next reading of a type, or with `STA`, `ASTA` and `EFF` the next line of that kind.
     pub fn next_of(&mut self, kind: &str) -> String {
         let head = format!("{{Type {kind}}}");
         let fits = |line: &str| {
-            if kind == "STA" { line.starts_with("STA ") } else { line.starts_with("SEN ") && line.contains(&head) }
+            let verb = line.split(' ').next().unwrap_or_default();
+            if ["STA", "ASTA", "EFF"].contains(&kind) { verb == kind } else { verb == "SEN" && line.contains(&head) }
         };
         self.wait_for(kind, fits)
     }

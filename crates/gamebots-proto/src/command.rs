@@ -1,5 +1,6 @@
 //! What a client says to the server: one file a command, with its reading and its writing side by side.
 
+mod act;
 mod drive;
 mod get;
 mod init;
@@ -7,6 +8,7 @@ mod multi_drive;
 mod report;
 mod set;
 
+pub use act::{Act, MisPkg};
 pub use drive::Drive;
 pub use get::{GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
 pub use init::Init;
@@ -67,6 +69,10 @@ commands! {
     "DRIVE" => Drive,
     /// Sets the targets of joints.
     "MULTIDRIVE" => MultiDrive,
+    /// Moves an actuator.
+    "ACT" => Act,
+    /// Moves an actuator, as it was done before ACT.
+    "MISPKG" => MisPkg,
     /// Changes a sensor.
     "SET" => Set,
     /// Asks for the configuration of the robot or of its parts.
@@ -127,6 +133,14 @@ mod tests {
             ),
             ("MultiDrive {FLFlipper 0,5} {RLFlipper  -1.57}{Light}", "MULTIDRIVE {FLFlipper 0.5} {RLFlipper -1.57}"),
             (
+                "ACT {Name Arm} {Link 0} {Value 0,5} {Link 3} {Value -1} {link 1} {value 2} {Gripper 1}",
+                "ACT {Name Arm} {Link 0} {Value 0.5} {Link 3} {Value -1} {Gripper 1}",
+            ),
+            (
+                "MISPKG {Name Arm} {Link 1} {Value 0.1} {Order 0} {Link 2} {Value 1} {Order 1} {Link 3} {Value 2}",
+                "MISPKG {Name Arm} {Link 1} {Value 0.1} {Order 0}",
+            ),
+            (
                 "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1} ",
                 "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1}",
             ),
@@ -165,6 +179,10 @@ mod tests {
         "[A-Za-z0-9_.-]{0,12}"
     }
 
+    fn targets() -> impl Strategy<Value = Vec<(usize, f64)>> {
+        proptest::collection::vec((0usize..8, number()), 0..5)
+    }
+
     fn any_command() -> impl Strategy<Value = Command> {
         let vector = || [number(), number(), number()];
         prop_oneof![
@@ -186,6 +204,10 @@ mod tests {
                 }),
             proptest::collection::vec(("[A-Z][A-Za-z-]{0,12}", number()), 0..6)
                 .prop_map(|targets| Command::MultiDrive(MultiDrive { targets })),
+            (word(), targets(), proptest::option::of(number()))
+                .prop_map(|(name, targets, gripper)| Command::Act(Act { name, targets, gripper })),
+            (word(), targets(), proptest::option::of(number()))
+                .prop_map(|(name, targets, gripper)| Command::MisPkg(MisPkg { name, targets, gripper })),
             (word(), word(), word(), word()).prop_map(|(type_name, name, opcode, params)| {
                 Command::Set(Set { type_name, name, opcode, params })
             }),

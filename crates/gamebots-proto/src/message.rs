@@ -2,14 +2,16 @@
 //!
 //! Writing is byte for byte USARSim's (UDK), spaces and decimals included; reading serves clients and tests.
 
+mod asta;
 mod conf;
 mod geo;
 mod nfo;
 mod sen;
 mod sta;
 
-pub use conf::{Conf, ItemConf, RobotConf, VehicleConf};
-pub use geo::{Geo, ItemGeo, RobotGeo, VehicleGeo};
+pub use asta::{Asta, Eff};
+pub use conf::{Conf, ItemConf, JointConf, RobotConf, VehicleConf};
+pub use geo::{ActuatorGeo, Geo, ItemGeo, JointGeo, RobotGeo, VehicleGeo};
 pub use nfo::{NamedPose, Nfo};
 pub use sen::{
     Camera, Encoder, GroundTruth, Ins, Odometry, RangeScanner, ReadWrite as ReadingReadWrite, Reading, Sen, Sonar,
@@ -28,6 +30,10 @@ pub enum Message {
     Sta(Sta),
     /// One reading of one sensor.
     Sen(Sen),
+    /// State of an actuator, ten times a second.
+    Asta(Asta),
+    /// State of a gripper, ten times a second.
+    Eff(Eff),
     /// Configuration, the answer to GETCONF.
     Conf(Conf),
     /// Geometry, the answer to GETGEO.
@@ -41,6 +47,8 @@ impl Message {
             Self::Nfo(message) => message.write(),
             Self::Sta(message) => message.write(),
             Self::Sen(message) => message.write(),
+            Self::Asta(message) => message.write(),
+            Self::Eff(message) => message.write(),
             Self::Conf(message) => message.write(),
             Self::Geo(message) => message.write(),
         }
@@ -53,6 +61,8 @@ impl Message {
             "NFO" => Nfo::read(&line).map(Self::Nfo),
             "STA" => Sta::read(&line).map(Self::Sta),
             "SEN" => Sen::read(&line).map(Self::Sen),
+            "ASTA" => Asta::read(&line).map(Self::Asta),
+            "EFF" => Eff::read(&line).map(Self::Eff),
             "CONF" => Conf::read(&line).map(Self::Conf),
             "GEO" => Geo::read(&line).map(Self::Geo),
             _ => None,
@@ -62,7 +72,7 @@ impl Message {
     /// True for the lines that come on a timer: the next one replaces it, so a client that does not keep up
     /// may lose it. Answers are never lost.
     pub fn is_periodic(&self) -> bool {
-        matches!(self, Self::Sta(_) | Self::Sen(_))
+        matches!(self, Self::Sta(_) | Self::Sen(_) | Self::Asta(_) | Self::Eff(_))
     }
 }
 

@@ -92,10 +92,11 @@ impl Native {
         let Some(def) = self.world.robots.get(class) else { return Ok(place) };
         let frame = robot_frame(place);
         let mount = |sensor: &scene::SensorDef| {
-            let pose = scene::pose(sensor.position, sensor.direction);
-            transform(time, &frame, &format!("{frame}/{}", sensor.name), &pose)
+            let (number, link, pose) = def.mount_of(sensor)?;
+            let parent = if number == 0 { frame.clone() } else { format!("{frame}/{}", link.name) };
+            Some(transform(time, &parent, &format!("{frame}/{}", sensor.name), &pose))
         };
-        let mounts = transforms(def.sensors.iter().map(mount).collect());
+        let mounts = transforms(def.sensors.iter().filter_map(mount).collect());
         file.put(time, &topic(place, "tf_static"), &mounts)?;
         file.put(time, &topic(place, "scene"), &added(time, drawing::robot(&frame, def)))?;
         Ok(place)

@@ -67,12 +67,13 @@ impl Ros2 {
         let (came, place) = (place.is_none(), place.unwrap_or_else(|| self.places.come(*robot, class)));
         let frame = robot_frame(place);
         let def = self.world.robots.get(class);
-        if came {
+        if let (true, Some(def)) = (came, def) {
             let mount = |sensor: &SensorDef| {
-                let pose = scene::pose(sensor.position, sensor.direction);
-                transform(time, &frame, &sensor_frame(place, &sensor.name), &pose)
+                let (number, link, pose) = def.mount_of(sensor)?;
+                let parent = if number == 0 { frame.clone() } else { format!("{frame}/{}", name(&link.name)) };
+                Some(transform(time, &parent, &sensor_frame(place, &sensor.name), &pose))
             };
-            let mounts = def.map_or(&[][..], |def| &def.sensors).iter().map(mount).collect();
+            let mounts = def.sensors.iter().filter_map(mount).collect();
             file.put(time, "/tf_static", &ros::TFMessage { transforms: mounts })?;
         }
         let pose = state.pose();

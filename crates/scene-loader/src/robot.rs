@@ -1,5 +1,6 @@
 //! `robot.toml`: parts, wheels, sensors and battery of a class of robots.
 
+mod actuator;
 mod joint;
 pub(crate) mod of_urdf;
 mod visual;
@@ -12,6 +13,7 @@ use scene::sensor;
 use scene::{Aerial, Battery, DriveModel, Link, Part, RobotDef, SensorDef, Shape, Solid, Steering, check};
 use serde::Deserialize;
 
+use self::actuator::{read_actuators, read_grippers};
 use self::joint::Links;
 use self::visual::read_visuals;
 use self::wheel::{read_casters, read_wheels};
@@ -22,7 +24,7 @@ use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
 const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
-                    caster, joint, visual, sensor, battery, aerial";
+                    caster, joint, visual, actuator, gripper, sensor, battery, aerial";
 
 /// A part of the body: a solid box that gives its mass, and the shape that touches the world unless it is hidden.
 #[derive(Deserialize)]
@@ -99,7 +101,9 @@ pub(crate) fn read(
     let complete = links.complete && wheels.is_ok();
     let mut links = links.with_wheels(&mut document, wheels.iter().flatten().cloned().chain(casters));
     read_visuals(source, &mut document, &mut root, &mut links, complete);
-    let sensors = read_sensors(&mut document, &mut root, wheels.as_ref().ok().map(Vec::len));
+    let actuators = read_actuators(&mut document, &mut root, &links, complete);
+    let grippers = read_grippers(&mut document, &mut root, &links, complete);
+    let sensors = read_sensors(&mut document, &mut root, &links, wheels.as_ref().ok().map(Vec::len), complete);
     let battery = read_battery(&mut document, &mut root);
     let aerial = read_aerial(&mut document, &mut root, steering);
     document.finish(root, KEYS);
@@ -114,6 +118,8 @@ pub(crate) fn read(
         one_side_drives,
         links,
         sensors,
+        actuators,
+        grippers,
         battery,
         reported_max_torque,
         aerial,
@@ -235,14 +241,21 @@ fn box_inertia(mass: f64, [x, y, z]: Vector) -> Matrix3<f64> {
     Matrix3::from_diagonal(&(diagonal * (mass / 12.0)))
 }
 
-/// The sensors; `wheels` is how many driven wheels there are, if they could be read.
-fn read_sensors<'a>(document: &mut Document<'a>, root: &mut Table<'a>, wheels: Option<usize>) -> Vec<SensorDef> {
+/// The sensors; `wheels` is how many driven wheels there are, if they could be read, `complete` whether all links could.
+fn read_sensors<'a>(
+    document: &mut Document<'a>,
+    root: &mut Table<'a>,
+    links: &[Link],
+    wheels: Option<usize>,
+    complete: bool,
+) -> Vec<SensorDef> {
     let mut sensors = Vec::new();
     for mut table in document.tables(root, "sensor") {
         let span = table.span();
         let classes = || listed(sensor::CLASSES.iter().map(|(class, _)| *class));
         let class: Option<String> = document.required(&mut table, "class", &classes());
         let name: Option<String> = document.required(&mut table, "name", "the name of the sensor on the wire");
+        let link: Option<String> = document.optional(&mut table, "link");
         let position: Vector = document.optional(&mut table, "position").unwrap_or_default();
         let direction: Vector = document.optional(&mut table, "direction").unwrap_or_default();
         let scan_interval: Option<f64> = document.optional(&mut table, "scan_interval");
@@ -261,7 +274,11 @@ fn read_sensors<'a>(document: &mut Document<'a>, root: &mut Table<'a>, wheels: O
         {
             document.problem(&span, format_args!("`wheel` of {name}: expected 0 to {}", wheels.saturating_sub(1)));
         }
-        let sensor = SensorDef { name, position, direction, scan_interval, config };
+        let link = match &link {
+            Some(link) if complete => document.one_of(&span, "link", link, links.iter().map(|it| it.name.as_str())),
+            _ => Some(0),
+        };
+        let sensor = SensorDef { name, link: link.unwrap_or(0), position, direction, scan_interval, config };
         document.wrong(&span, check::sensor(&sensor));
         sensors.push(sensor);
     }

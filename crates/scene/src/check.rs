@@ -15,7 +15,7 @@ use std::fmt;
 use crate::WorldDef;
 pub use limits::*;
 pub use map::{map, map_solid, material, named_pose, object};
-pub use robot::{aerial, battery, body_solid, link, part, robot, rollers, sensor, visual, wheel};
+pub use robot::{actuator, aerial, battery, body_solid, gripper, link, part, robot, rollers, sensor, visual, wheel};
 
 /// A range of numbers, its ends included.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,6 +3,7 @@
 //! The crate `scene-loader` makes these from files; nothing here reads anything, and nothing here moves. Written as JSON, as in a
 //! log, they read back with the same bits.
 
+mod actuator;
 pub mod check;
 mod drawing;
 mod hull;
@@ -24,6 +25,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
+pub use actuator::{Actuator, Gripper};
 pub use drawing::{Drawn, Geometry, Visual};
 pub use hull::hull_surface;
 pub use link::{Coupling, CouplingKind, Joint, JointKind, Link, Part, ROOT, WHEEL_AXIS};

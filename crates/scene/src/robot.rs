@@ -3,7 +3,9 @@
 use nalgebra::{Translation3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid, Wheel, stored};
+use crate::{
+    Actuator, Gripper, JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid, Wheel, pose, stored,
+};
 
 /// How a robot is steered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -124,6 +126,10 @@ pub struct RobotDef {
     pub links: Vec<Link>,
     /// What it carries, in mounting order.
     pub sensors: Vec<SensorDef>,
+    /// Its actuators.
+    pub actuators: Vec<Actuator>,
+    /// Its grippers.
+    pub grippers: Vec<Gripper>,
     /// Its battery; without one STA reports 99999.
     pub battery: Option<Battery>,
     /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).
@@ -189,6 +195,24 @@ impl RobotDef {
             placed.push((link, pose));
         }
         placed
+    }
+
+    /// The link that carries a sensor, by its number too, and the sensor's pose in that link's frame.
+    pub fn mount_of(&self, sensor: &SensorDef) -> Option<(usize, &Link, Pose)> {
+        let link = self.links.get(sensor.link)?;
+        let to_link = Translation3::from(link.origin()).inverse();
+        Some((sensor.link, link, to_link * pose(sensor.position, sensor.direction)))
+    }
+
+    /// The number of a link's joint among those that have a value.
+    pub fn value_of(&self, link: usize) -> Option<usize> {
+        self.links.get(link).filter(|link| link.has_value())?;
+        Some(self.links.iter().take(link).filter(|link| link.has_value()).count())
+    }
+
+    /// The actuator that moves a link, and the number of the joint, from 1, that does.
+    pub fn actuator_of(&self, link: usize) -> Option<(&Actuator, usize)> {
+        self.actuators.iter().find_map(|it| Some((it, it.links.iter().position(|&other| other == link)? + 1)))
     }
 
     /// The links whose joints have a value, in the order of a state's joints.

@@ -21,9 +21,12 @@ pub use range_scanner::{Fan, RangeScanner};
 pub struct SensorDef {
     /// Name on the wire.
     pub name: String,
-    /// Position in the robot frame, m.
+    /// The number of the link that carries it.
+    #[serde(default)]
+    pub link: usize,
+    /// Position in the robot frame when every joint is at 0, m.
     pub position: [f64; 3],
-    /// Roll, pitch, yaw in the robot frame, rad.
+    /// Roll, pitch, yaw there, rad.
     pub direction: [f64; 3],
     /// Seconds between two readings; 0 for none.
     pub scan_interval: f64,

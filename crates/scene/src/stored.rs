@@ -5,8 +5,8 @@
 use serde::Deserialize;
 
 use crate::{
-    Aerial, Battery, DriveModel, Link, Material, Motor, Part, ROOT, RobotDef, Rollers, SensorDef, Side, Solid,
-    Steering, Wheel,
+    Actuator, Aerial, Battery, DriveModel, Gripper, Link, Material, Motor, Part, ROOT, RobotDef, Rollers, SensorDef,
+    Side, Solid, Steering, Wheel,
 };
 
 #[derive(Deserialize)]
@@ -27,6 +27,10 @@ pub(crate) struct Robot {
     #[serde(default)]
     wheels: Vec<OldWheel>,
     sensors: Vec<SensorDef>,
+    #[serde(default)]
+    actuators: Vec<Actuator>,
+    #[serde(default)]
+    grippers: Vec<Gripper>,
     battery: Option<Battery>,
     reported_max_torque: f64,
     #[serde(default)]
@@ -67,6 +71,8 @@ impl From<Robot> for RobotDef {
             one_side_drives: stored.one_side_drives,
             links,
             sensors: stored.sensors,
+            actuators: stored.actuators,
+            grippers: stored.grippers,
             battery: stored.battery,
             reported_max_torque: stored.reported_max_torque,
             aerial: stored.aerial,

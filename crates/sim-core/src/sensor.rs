@@ -24,11 +24,15 @@ use crate::physics::{Physics, RayHit};
 use crate::{BodyState, WheelState};
 
 /// What a sensor may see. It cannot change the world.
+#[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     /// Simulated time, s.
     pub(crate) time: f64,
-    /// The body that carries the sensor.
+    /// The robot's body.
     pub(crate) body: BodyState,
+    /// The robot frame as it moves with the link that carries the sensor, when every joint was at 0: a pose that stands there stands
+    /// in the world by this. Of the body it is [`View::body`].
+    pub(crate) carrier: BodyState,
     /// The driven wheels, in order.
     pub(crate) wheels: &'a [WheelState],
     /// The class of the robot.
@@ -51,7 +55,7 @@ impl View<'_> {
 pub(crate) struct Mount<'a> {
     /// Name on the wire.
     pub(crate) name: &'a str,
-    /// Pose in the robot frame.
+    /// Pose in the robot frame when every joint is at 0.
     pub(crate) pose: Pose,
     /// Seconds between two readings.
     pub(crate) scan_interval: f64,

@@ -1,5 +1,6 @@
 //! The world: robots on a map, advanced step by step.
 
+mod actuator;
 mod answer;
 mod controller;
 mod robot;
@@ -151,6 +152,16 @@ impl World {
             }
             Command::MultiDrive(drive) => {
                 robot.multi_drive(drive, problems);
+                Vec::new()
+            }
+            Command::Act(act) => {
+                robot.act(&act.name, &act.targets, act.gripper);
+                Vec::new()
+            }
+            Command::MisPkg(act) => {
+                let from_zero = |&(link, target): &(usize, f64)| Some((link.checked_sub(1)?, target));
+                let targets: Vec<_> = act.targets.iter().filter_map(from_zero).collect();
+                robot.act(&act.name, &targets, act.gripper);
                 Vec::new()
             }
             Command::Set(set) => robot.set(set, &self.physics, time),

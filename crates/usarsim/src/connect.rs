@@ -59,6 +59,8 @@ const KEYS: &[(&str, &[&str])] = &[
         ],
     ),
     ("MULTIDRIVE", &[]),
+    ("ACT", &["Name", "Link", "Value", "Gripper"]),
+    ("MISPKG", &["Name", "Link", "Value", "Order", "Gripper"]),
     ("SET", &["Type", "Name", "Opcode", "Params"]),
     ("GETCONF", &["Type", "Name"]),
     ("GETGEO", &["Type", "Name"]),
@@ -195,7 +197,7 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
                 return;
             }
         };
-        let is_periodic = line.starts_with("SEN ") || line.starts_with("STA ");
+        let is_periodic = ["SEN ", "STA ", "ASTA ", "EFF "].iter().any(|kind| line.starts_with(kind));
         let is_wanted =
             watched.as_ref().is_some_and(|word| line.to_ascii_lowercase().contains(&word.to_ascii_lowercase()));
         if (!is_periodic || is_wanted) && printer.print(format!("{}\n", pretty(&line, colour))).is_err() {

@@ -80,6 +80,12 @@ pub enum ItemConf {
         traces_per_cone: u32,
         number_of_cones: u32,
     },
+    /// The joints of an actuator, by the form of `{Type Actuator}`.
+    Actuator { name: String, joints: Vec<JointConf> },
+    /// The same by that of `{Type MisPkg}`.
+    MisPkg { name: String, joints: Vec<JointConf> },
+    /// A gripper: what it takes.
+    Gripper { name: String },
     /// Place in the picture in pixels, angles in degrees.
     Camera {
         name: String,
@@ -91,6 +97,22 @@ pub enum ItemConf {
         fov: f32,
     },
 }
+
+/// A joint of an actuator.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointConf {
+    /// `Revolute`, `Prismatic` or `Unknown`.
+    pub kind: String,
+    /// Torque limit in USARSim's unit (5 to 1 N m), or force limit, N.
+    pub max_torque: f32,
+    /// Least value, rad or m.
+    pub min: f32,
+    /// Greatest value, rad or m.
+    pub max: f32,
+}
+
+/// What MisPkg says of every joint's speed, rad/s (Actuator.uc:355-382).
+const MISPKG_SPEED: &str = "1.571";
 
 impl Conf {
     pub(super) fn write(&self) -> String {
@@ -190,6 +212,30 @@ impl ItemConf {
                 fixed(*beam_angle, 4),
                 fixed(*max_angle_of_incidence, 4),
             ),
+            Self::Actuator { name, joints } => {
+                let joint = |(number, it): (usize, &JointConf)| {
+                    let [torque, min, max] = [it.max_torque, it.min, it.max].map(engine_float);
+                    let (number, kind) = (number + 1, &it.kind);
+                    format!(
+                        " {{Link {number}}} {{JointType {kind}}} {{MaxTorque {torque}}} {{MinValue {min}}} {{MaxValue {max}}}"
+                    )
+                };
+                format!("{{Name {name}}}{}", joints.iter().enumerate().map(joint).collect::<String>())
+            }
+            Self::MisPkg { name, joints } => {
+                let joint = |(number, it): (usize, &JointConf)| {
+                    let [torque, min, max] = [it.max_torque, it.min, it.max].map(engine_float);
+                    let (number, kind) = (number + 1, &it.kind);
+                    format!(
+                        " {{Link {number}}} {{JointType {kind}}} {{MaxRotationSpeed {MISPKG_SPEED}}} {{MaxTorque {torque}}} \
+                         {{MinRange {min}}} {{MaxRange {max}}}"
+                    )
+                };
+                format!("{{Name {name}}}{}", joints.iter().enumerate().map(joint).collect::<String>())
+            }
+            Self::Gripper { name } => {
+                format!("{{Name {name}}} {{Opcode Grip}} {{MaxVal 1}} {{MinVal 0}} {{Opcode Close}} {{Opcode Open}}")
+            }
             Self::Camera { name, offset, resolution, default_fov, min_fov, max_fov, fov } => format!(
                 "{{Name {name}}}{{TextureOffsetX {}}}{{TextureOffsetY {}}}{{TextureResolutionX {}}}{{TextureResolutionY {}}}\
                  {{CameraDefFov {}}}{{CameraMinFov {}}}{{CameraMaxFov {}}}{{CameraFov {}}}",
@@ -240,9 +286,27 @@ impl ItemConf {
                 max_fov: number(item, "CameraMaxFov")?,
                 fov: number(item, "CameraFov")?,
             },
+            "actuator" => Self::Actuator { name, joints: joints(item, ["MinValue", "MaxValue"])? },
+            "mispkg" => Self::MisPkg { name, joints: joints(item, ["MinRange", "MaxRange"])? },
+            "gripper" => Self::Gripper { name },
             _ => Self::Plain { name },
         })
     }
+}
+
+/// The joints of an actuator, each a run of blocks that begins with its `{Link ..}`.
+fn joints(item: &Line, [min, max]: [&str; 2]) -> Option<Vec<JointConf>> {
+    let runs = item.blocks.chunk_by(|_, next| next.key != "Link");
+    let joint = |blocks: &[Block]| {
+        let line = Line { blocks: blocks.to_vec(), ..Line::default() };
+        Some(JointConf {
+            kind: line.get("JointType")?.to_owned(),
+            max_torque: number(&line, "MaxTorque")?,
+            min: number(&line, min)?,
+            max: number(&line, max)?,
+        })
+    };
+    runs.filter(|run| run.first().is_some_and(|first| first.key == "Link")).map(joint).collect()
 }
 
 /// Groups blocks by item: each starts with its `{Name ..}`.

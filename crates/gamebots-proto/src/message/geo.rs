@@ -2,14 +2,21 @@
 
 use super::conf::split_items;
 use super::{float_array, number};
-use crate::Line;
 use crate::number::{engine_vector, fixed, fixed_vector};
+use crate::{Block, Line};
 
 /// One `GEO` line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geo {
     /// Answer to `GETGEO {Type Robot}`.
     Robot(RobotGeo),
+    /// Answer to `GETGEO {Type Actuator}`.
+    Actuators {
+        /// The type as the client typed it.
+        type_name: String,
+        /// The actuators in the order of the robot.
+        items: Vec<ActuatorGeo>,
+    },
     /// Answer to any other type: every item of that type in one line.
     Items {
         /// The type as the client typed it.
@@ -59,14 +66,48 @@ pub struct ItemGeo {
     pub location: [f32; 3],
     /// Roll, pitch, yaw in the robot frame, rad.
     pub orientation: [f32; 3],
+    /// Class of the robot, or name of the actuator that carries it.
+    pub mount: String,
+    /// The number of the actuator's joint, from 1, that moves it.
+    pub mount_link: Option<usize>,
+}
+
+/// An actuator: where it is, and its joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ActuatorGeo {
+    /// Name of the actuator.
+    pub name: String,
+    /// Position in the robot frame, m.
+    pub location: [f32; 3],
+    /// Roll, pitch, yaw in the robot frame, rad.
+    pub orientation: [f32; 3],
     /// Class of the robot that carries it.
     pub mount: String,
+    /// Its joints in order.
+    pub joints: Vec<JointGeo>,
+    /// Its tool point in the frame of its last link, m.
+    pub tip: [f32; 3],
+}
+
+/// A joint of an actuator, against its parent when every joint is at 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointGeo {
+    /// Number of the parent's joint from 1; 0 is the actuator's base.
+    pub parent: usize,
+    /// m.
+    pub location: [f32; 3],
+    /// Roll, pitch, yaw, rad.
+    pub orientation: [f32; 3],
 }
 
 impl Geo {
     pub(super) fn write(&self) -> String {
         match self {
             Self::Robot(robot) => robot.write(),
+            Self::Actuators { type_name, items } => {
+                let items: String = items.iter().map(ActuatorGeo::write).collect();
+                format!("GEO {{Type {type_name}}}{items}")
+            }
             Self::Items { type_name, items } => {
                 let items: String = items.iter().map(ItemGeo::write).collect();
                 format!("GEO {{Type {type_name}}}{items}")
@@ -79,6 +120,10 @@ impl Geo {
             return Some(Self::Robot(robot));
         }
         let type_name = line.get("Type")?.to_owned();
+        if line.get("Tip").is_some() {
+            let items = split_items(line.blocks.get(1..)?).iter().map(ActuatorGeo::read).collect::<Option<_>>()?;
+            return Some(Self::Actuators { type_name, items });
+        }
         let items = split_items(line.blocks.get(1..)?).iter().map(ItemGeo::read).collect::<Option<_>>()?;
         Some(Self::Items { type_name, items })
     }
@@ -126,11 +171,12 @@ impl ItemGeo {
     /// No space before `{Mount`, as in Sensor.uc:40-68.
     fn write(&self) -> String {
         format!(
-            " {{Name {}}} {{Location {}}} {{Orientation {}}}{{Mount {}}}",
+            " {{Name {}}} {{Location {}}} {{Orientation {}}}{{Mount {}}}{}",
             self.name,
             engine_vector(self.location),
             engine_vector(self.orientation),
             self.mount,
+            self.mount_link.map(|link| format!("{{MountLink {link}}}")).unwrap_or_default(),
         )
     }
 
@@ -140,6 +186,53 @@ impl ItemGeo {
             location: float_array(item.get("Location")?)?,
             orientation: float_array(item.get("Orientation")?)?,
             mount: item.get("Mount")?.to_owned(),
+            mount_link: match item.get("MountLink") {
+                Some(_) => Some(number(item, "MountLink")?),
+                None => None,
+            },
+        })
+    }
+}
+
+impl ActuatorGeo {
+    /// Spaces as in Actuator.uc:243-317.
+    fn write(&self) -> String {
+        let joint = |(number, it): (usize, &JointGeo)| {
+            let (location, orientation) = (fixed_vector(it.location, 3), engine_vector(it.orientation));
+            let (number, parent) = (number + 1, it.parent);
+            format!(" {{Link {number}}} {{Parent {parent}}} {{Location {location}}} {{Orientation {orientation}}}")
+        };
+        format!(
+            " {{Name {}}} {{Location {}}} {{Orientation {}}}{{Mount {}}}{}{{Tip {}}}",
+            self.name,
+            fixed_vector(self.location, 3),
+            fixed_vector(self.orientation, 3),
+            self.mount,
+            self.joints.iter().enumerate().map(joint).collect::<String>(),
+            engine_vector(self.tip),
+        )
+    }
+
+    fn read(item: &Line) -> Option<Self> {
+        let runs = item.blocks.chunk_by(|_, next| next.key != "Link");
+        let joint = |blocks: &[Block]| {
+            let line = Line { blocks: blocks.to_vec(), ..Line::default() };
+            Some(JointGeo {
+                parent: number(&line, "Parent")?,
+                location: float_array(line.get("Location")?)?,
+                orientation: float_array(line.get("Orientation")?)?,
+            })
+        };
+        Some(Self {
+            name: item.get("Name")?.to_owned(),
+            location: float_array(item.get("Location")?)?,
+            orientation: float_array(item.get("Orientation")?)?,
+            mount: item.get("Mount")?.to_owned(),
+            joints: runs
+                .filter(|run| run.first().is_some_and(|first| first.key == "Link"))
+                .map(joint)
+                .collect::<Option<_>>()?,
+            tip: float_array(item.get("Tip")?)?,
         })
     }
 }

@@ -18,6 +18,9 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "STA {Time 3.1000} {Battery 99999} {Type LeggedVehicle} {HeadYaw 0.0000} {HeadPitch -0.1012}",
         "STA {Time 3.1000} {Battery 99999} {Type StaticPlatform}",
         "STA {Time 3.1000} {Battery 1200}",
+        "ASTA {Time 5.2000} {Name KR60Arm} {Link 1} {Value 0.1000} {Link 2} {Value -1.2500}",
+        "EFF {Time 5.2000} {Type Gripper} {Name Hand} {Status CLOSED}",
+        "EFF {Time 5.2000} {Type Gripper} {Name Hand} {Status OPEN}",
         "SEN {Time 29.9739} {Type GroundTruth} {Name GndTruth} {Location 0.625,2.250,1.875} {Orientation 0.000,-0.500,0.000}",
         "SEN {Type INS} {Name InsTest} {Location 12.61,-2.68,1.84} {Orientation 0.00,0.00,6.28}",
         "SEN {Time 44.5467} {Type Odometry} {Name Odometer} {Pose 0.0000,0.0000,0.0000}",
@@ -38,11 +41,16 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "CONF {Type Sonar} {Name F1} {MaxRange 5.0000} {MinRange 0.1250} {ScanInterval 0.2500} {beamAngle 0.3750} {maxAngleOfIncidence 0.1250} {tracesPerCone 16} {numberOfCones 10}",
         "CONF {Type Camera} {Name Camera}{TextureOffsetX 0}{TextureOffsetY 0}{TextureResolutionX 320}{TextureResolutionY 240}{CameraDefFov 80.0000}{CameraMinFov 20.0000}{CameraMaxFov 120.0000}{CameraFov 80.0000}",
         "CONF {Type Sensor} {Name battery}",
+        "CONF {Type Actuator} {Name Arm} {Link 1} {JointType Revolute} {MaxTorque 47.5000} {MinValue -2.9500} {MaxValue 2.9500} {Link 2} {JointType Prismatic} {MaxTorque 5.0000} {MinValue 0.0000} {MaxValue 0.2500}",
+        "CONF {Type MisPkg} {Name Arm} {Link 1} {JointType Revolute} {MaxRotationSpeed 1.571} {MaxTorque 47.5000} {MinRange -2.9500} {MaxRange 2.9500}",
+        "CONF {Type Gripper} {Name Hand} {Opcode Grip} {MaxVal 1} {MinVal 0} {Opcode Close} {Opcode Open}",
         "CONF {Type MisPkg}",
         "GEO {Type GroundVehicle} {Name P3AT} {Dimensions 0.2500,0.3750,0.0000} {COG 0.0000,0.0000,0.0625} {WheelRadius 0.0980} {WheelSeparation 0.3750} {WheelBase 0.2500}",
         "GEO {Type StaticPlatform} {Name KR60}",
         "GEO {Name AirRobot}",
         "GEO {Type RangeScanner} {Name lms200} {Location 0.21,0.00,-0.20} {Orientation 0.00,0.00,0.00}{Mount P3AT}",
+        "GEO {Type Sonar} {Name S1} {Location 0.21,0.00,-0.20} {Orientation 0.00,0.00,0.00}{Mount Arm}{MountLink 3}",
+        "GEO {Type Actuator} {Name Arm} {Location 0.125,0.000,-0.250} {Orientation 0.000,0.000,0.000}{Mount YouBot} {Link 1} {Parent 0} {Location 0.000,0.000,-0.125} {Orientation 0.00,0.00,0.00} {Link 2} {Parent 1} {Location 0.250,0.000,0.000} {Orientation 1.57,0.00,0.00}{Tip 0.00,0.00,-0.25}",
         "GEO {Type Encoder} {Name W1} {Location 0.00,0.00,0.00} {Orientation 0.00,0.00,0.00}{Mount P3AT} {Name W2} {Location 0.00,0.00,0.00} {Orientation 0.00,0.00,0.00}{Mount P3AT}",
     ] {
         let message = Message::read(text).unwrap_or_else(|| panic!("not read: {text}"));
@@ -209,13 +217,14 @@ fn any_message() -> impl Strategy<Value = Message> {
                 VehicleGeo::Ground { dimensions, centre_of_gravity, wheel_radius, wheel_separation, wheel_base };
             Message::Geo(Geo::Robot(RobotGeo { name, vehicle }))
         }),
-        (word(), proptest::collection::vec((word(), vector(2), vector(2), word()), 1..4)).prop_map(
+        (word(), proptest::collection::vec((word(), vector(2), vector(2), word(), 0usize..3), 1..4)).prop_map(
             |(type_name, items)| {
-                let items = items.into_iter().map(|(name, location, orientation, mount)| ItemGeo {
+                let items = items.into_iter().map(|(name, location, orientation, mount, link)| ItemGeo {
                     name,
                     location,
                     orientation,
                     mount,
+                    mount_link: Some(link).filter(|&link| link > 0),
                 });
                 Message::Geo(Geo::Items { type_name, items: items.collect() })
             }

@@ -49,6 +49,8 @@ pub(crate) fn read(
         one_side_drives: false,
         links,
         sensors: sensors(steering),
+        actuators: Vec::new(),
+        grippers: Vec::new(),
         battery: None,
         reported_max_torque: 50000.0,
         aerial: None,
@@ -76,7 +78,14 @@ fn sensors(steering: Steering) -> Vec<SensorDef> {
     let sensor = |(class, name): &(&str, &str)| {
         let (_, scan_interval) = *sensor::CLASSES.iter().find(|(known, _)| known == class)?;
         let config = sensor::Config::read(class, toml::Table::new())?.ok()?;
-        Some(SensorDef { name: (*name).to_owned(), position: [0.0; 3], direction: [0.0; 3], scan_interval, config })
+        Some(SensorDef {
+            name: (*name).to_owned(),
+            link: 0,
+            position: [0.0; 3],
+            direction: [0.0; 3],
+            scan_interval,
+            config,
+        })
     };
     names.filter_map(sensor).collect()
 }

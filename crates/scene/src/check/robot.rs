@@ -7,8 +7,8 @@ use super::map::material;
 use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
-    Aerial, Battery, Coupling, CouplingKind, DriveModel, Joint, JointKind, Link, Motor, MountedWheel, Part, RobotDef,
-    Rollers, SensorDef, Shape, Side, Solid, Steering, Visual, WHEEL_AXIS,
+    Actuator, Aerial, Battery, Coupling, CouplingKind, DriveModel, Gripper, Joint, JointKind, Link, Motor,
+    MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Visual, WHEEL_AXIS,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -37,6 +37,8 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     for it in &def.sensors {
         first(&format!("{class}, sensor {}", shown(&it.name)), sensor(it))?;
     }
+    first(&class, def.actuators.iter().flat_map(|it| actuator(it, &def.links)))?;
+    first(&class, def.grippers.iter().flat_map(|it| gripper(it, &def.links)))?;
     first(&class, def.battery.iter().flat_map(battery))?;
     first(&class, def.aerial.iter().flat_map(aerial))?;
     first(&class, robot(def))
@@ -285,6 +287,7 @@ fn counts(def: &RobotDef) -> Vec<String> {
     wrong.extend(count("corners of visible hulls", hulls, MAX_HULL_POINTS));
     wrong.extend(count("wheels", def.wheels().count(), MAX_WHEELS));
     wrong.extend(count("rollers", def.wheels().map(|wheel| wheel.roller_count()).sum(), MAX_ROLLERS));
+    wrong.extend(count("actuators and grippers", def.actuators.len() + def.grippers.len(), MAX_SENSORS));
     wrong.extend(count("sensors", def.sensors.len(), MAX_SENSORS));
     wrong.extend(count("corners of hulls", solids().map(|it| hull_points(&it.shape)).sum(), MAX_HULL_POINTS));
     wrong.extend(count("rays", rays, MAX_RAYS));
@@ -307,6 +310,10 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
     }
     wrong.extend(omni(def));
     wrong.extend(couplings(def));
+    for sensor in def.sensors.iter().filter(|sensor| sensor.link >= def.links.len()) {
+        let (name, count) = (shown(&sensor.name), def.links.len());
+        wrong.push(format!("sensor {name}: it is on link {}: expected less than {count}", sensor.link));
+    }
     if def.aerial.is_some() != (def.steering == Steering::Aerial) {
         wrong.push("what it can do in the air: expected of steering \"aerial\", and of that alone".to_owned());
     }
@@ -328,6 +335,39 @@ pub fn aerial(def: &Aerial) -> Vec<String> {
     let velocity = FLIGHT_SPEED.problem_in("max_velocity", &def.max_velocity);
     let turn = FLIGHT_TURN.problem("max_turn", def.max_turn);
     velocity.into_iter().chain(turn).chain(TILT.problem("max_tilt", def.max_tilt)).collect()
+}
+
+/// What is wrong with an actuator of a robot with such links.
+pub fn actuator(def: &Actuator, links: &[Link]) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(ROBOT_REACH.problem_in("tip", &def.tip));
+    wrong.extend(driven_joints(&def.name, &def.links, links));
+    wrong
+}
+
+/// What is wrong with a gripper of a robot with such links.
+pub fn gripper(def: &Gripper, links: &[Link]) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(JOINT_LIMIT.problem_in("open", &def.open));
+    wrong.extend(JOINT_LIMIT.problem_in("closed", &def.closed));
+    if [def.open.len(), def.closed.len()] != [def.links.len(); 2] {
+        wrong.push(format!("gripper {}: expected as many values `open` and `closed` as joints", shown(&def.name)));
+    }
+    wrong.extend(driven_joints(&def.name, &def.links, links));
+    wrong
+}
+
+/// The joints of an actuator have motors, and are none of wheels.
+fn driven_joints(name: &str, numbers: &[usize], links: &[Link]) -> Option<String> {
+    let moves = |&number: &usize| {
+        let link = links.get(number)?;
+        let driven = link.joint.as_ref().is_some_and(|joint| joint.drive.is_some());
+        (link.wheel.is_none() && link.has_value() && driven).then_some(())
+    };
+    let good =
+        !numbers.is_empty() && numbers.len() <= MAX_LINKS && numbers.iter().all(|number| moves(number).is_some());
+    let expected = "expected at least one, none of a wheel, each with a motor";
+    (!good).then(|| format!("the joints of {}: {expected}", shown(name)))
 }
 
 /// A leader leads itself: what would follow what else?

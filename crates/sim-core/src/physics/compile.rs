@@ -120,6 +120,8 @@ pub(super) struct Tree {
     /// Origin of the root's body in the robot frame, m.
     pub(super) centre: Vector3<f64>,
     pub(super) footing: Footing,
+    /// Of the links of the definition, their numbers among `links`.
+    pub(super) numbers: Vec<usize>,
     pub(super) links: Vec<Link>,
     pub(super) wheels: Vec<TreeWheel>,
     /// Joints that are moved by others.
@@ -258,7 +260,7 @@ impl Tree {
             Steering::None => Footing::Fixed,
             Steering::Skid | Steering::Omni | Steering::Ackermann | Steering::Legged => Footing::Free,
         };
-        let mut tree = Self { centre, footing, links: vec![root], wheels, gears, root_damping };
+        let mut tree = Self { centre, footing, numbers: Vec::new(), links: vec![root], wheels, gears, root_damping };
         let mut numbers = vec![0];
         for (number, link) in def.links.iter().enumerate().skip(1) {
             let Some(joint) = &link.joint else { continue };
@@ -277,6 +279,7 @@ impl Tree {
                 tree.add_coupling(def, &numbers, number, coupling);
             }
         }
+        tree.numbers = numbers;
         tree
     }
 

@@ -366,6 +366,27 @@ impl Physics {
         BodyState { pose, linear: linear - angular.cross(&(pose.rotation * centre)), angular }
     }
 
+    /// The robot frame as it moves with a link by its number in the definition, when every joint was at 0.
+    pub(crate) fn carrier(&self, bodies: &RobotBodies, link: usize) -> BodyState {
+        let body = self.body(bodies);
+        let def = &bodies.robot.def;
+        let Some(origin) = def.links.get(link).filter(|_| link > 0).map(|link| Vector3::from(link.origin())) else {
+            return body;
+        };
+        let moving = match &bodies.robot.kind {
+            Kind::Tree(tree) => tree.numbers.get(link).and_then(|&number| self.world.bodies.get(bodies.all[number])),
+            Kind::Base(_) => None,
+        };
+        let Some(moving) = moving else {
+            // A base of one body has nothing that moves but wheels.
+            return body;
+        };
+        let (pose, angular) = (convert::from_pose(moving.position()), convert::from_vector(moving.angvel()));
+        let linear = convert::from_vector(moving.velocity_at_point(moving.translation()));
+        let pose = pose * Translation3::from(-origin);
+        BodyState { pose, linear: linear - angular.cross(&(pose.rotation * origin)), angular }
+    }
+
     /// The robot does not collide with itself (the thesis lists 81 disabled pairs, all within one robot;
     /// collision groups could not tell 64 robots apart). Damping: by default the engine brakes every turning
     /// joint with 0.1 N m s/rad, far too much for a roller, so each is set.

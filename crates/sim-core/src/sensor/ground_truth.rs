@@ -9,13 +9,13 @@ use super::{Mount, Sensor, View, floats};
 pub(super) struct Mounted {
     name: String,
     scan_interval: f64,
-    /// Pose of what is reported, in the robot frame.
-    reported: Pose,
+    /// Pose of the sensor in the robot frame; `None` reports the robot's body.
+    pose: Option<Pose>,
 }
 
 pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
-    let reported = if config.fixed_to_platform { Pose::identity() } else { mount.pose };
-    Mounted { name: mount.name.to_owned(), scan_interval: mount.scan_interval, reported }
+    let pose = (!config.fixed_to_platform).then_some(mount.pose);
+    Mounted { name: mount.name.to_owned(), scan_interval: mount.scan_interval, pose }
 }
 
 impl Sensor for Mounted {
@@ -24,7 +24,8 @@ impl Sensor for Mounted {
     }
 
     fn sense(&mut self, view: &View) -> Option<Reading> {
-        let (position, rotation) = position_and_rotation(&(view.body.pose * self.reported));
+        let reported = self.pose.map_or(view.body.pose, |pose| view.carrier.pose * pose);
+        let (position, rotation) = position_and_rotation(&reported);
         let reading =
             GroundTruth { name: self.name.clone(), location: floats(position), orientation: floats(rotation) };
         Some(reading.into())

@@ -35,7 +35,7 @@ pub(super) fn build(config: &Config, mut mount: Mount) -> Mounted {
     let mut bias =
         |range: f64| [(); 3].map(|()| if config.drifting { mount.rng.random_range(-0.5..0.5) / range } else { 0.0 });
     let (angle_bias, position_bias) = (bias(config.precision.powi(2)), bias(config.precision));
-    let (position, angles) = position_and_rotation(&(mount.view.body.pose * mount.pose));
+    let (position, angles) = position_and_rotation(&(mount.view.carrier.pose * mount.pose));
     Mounted {
         name: mount.name.to_owned(),
         scan_interval: mount.scan_interval,

@@ -61,7 +61,7 @@ impl Sensor for Mounted {
     }
 
     fn sense(&mut self, view: &View) -> Option<Reading> {
-        let pose = view.body.pose * self.pose;
+        let pose = view.carrier.pose * self.pose;
         let origin = pose.translation.vector.into();
         let range = |beam: &Vector3<f64>| {
             let hit = view.cast_ray(&origin, &(pose.rotation * beam), self.max_range);

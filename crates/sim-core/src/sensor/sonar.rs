@@ -50,7 +50,7 @@ impl Sensor for Mounted {
     }
 
     fn sense(&mut self, view: &View) -> Option<Reading> {
-        let pose = view.body.pose * self.pose;
+        let pose = view.carrier.pose * self.pose;
         let origin = pose.translation.vector.into();
         let cast = |beam: &Vector3<f64>| {
             let direction = pose.rotation * beam;

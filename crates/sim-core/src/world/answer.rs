@@ -3,6 +3,9 @@
 use gamebots_proto::command::{GetConf, GetGeo};
 use gamebots_proto::message::{Conf, Geo, ItemGeo, RobotConf, RobotGeo};
 
+use scene::{RobotDef, SensorDef};
+
+use super::actuator;
 use super::robot::Robot;
 use crate::drive;
 use crate::sensor::floats;
@@ -12,8 +15,9 @@ pub(super) fn conf(robot: &Robot, ask: &GetConf) -> Option<Conf> {
     if ask.type_name == "Robot" {
         return Some(Conf::Robot(robot_conf(robot)));
     }
-    let items: Vec<_> = matching(robot, &ask.type_name, &ask.name).map(|item| item.sensor.conf()).collect();
-    // The deprecated mission packages are always answered, here with none.
+    let sensors = matching(robot, &ask.type_name, &ask.name).map(|item| item.sensor.conf());
+    let items: Vec<_> = sensors.chain(actuator::confs(robot.def(), &ask.type_name, &ask.name)).collect();
+    // The deprecated mission packages are always answered.
     let answered = !items.is_empty() || ask.type_name == "MisPkg";
     answered.then(|| Conf::Items { type_name: ask.type_name.clone(), items })
 }
@@ -23,15 +27,28 @@ pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
     if ask.type_name == "Robot" {
         return Some(Geo::Robot(robot_geo(robot)));
     }
-    let items: Vec<_> = matching(robot, &ask.type_name, &ask.name)
-        .map(|item| ItemGeo {
-            name: item.def.name.clone(),
-            location: floats(item.def.position),
-            orientation: floats(item.def.direction),
-            mount: robot.def().class.clone(),
-        })
-        .collect();
+    if ask.type_name.eq_ignore_ascii_case("Actuator") {
+        let items = actuator::geos(robot.def(), &ask.name);
+        return (!items.is_empty()).then(|| Geo::Actuators { type_name: ask.type_name.clone(), items });
+    }
+    let items: Vec<_> =
+        matching(robot, &ask.type_name, &ask.name).map(|item| item_geo(robot.def(), &item.def)).collect();
     (!items.is_empty()).then(|| Geo::Items { type_name: ask.type_name.clone(), items })
+}
+
+/// Where a sensor is when every joint is at 0: in the robot frame, or against the actuator's link that carries it.
+fn item_geo(def: &RobotDef, sensor: &SensorDef) -> ItemGeo {
+    let (name, orientation) = (sensor.name.clone(), floats(sensor.direction));
+    match def.actuator_of(sensor.link).zip(def.mount_of(sensor)) {
+        Some(((actuator, number), (_, _, pose))) => {
+            let location = floats(pose.translation.vector.into());
+            ItemGeo { name, location, orientation, mount: actuator.name.clone(), mount_link: Some(number) }
+        }
+        None => {
+            let location = floats(sensor.position);
+            ItemGeo { name, location, orientation, mount: def.class.clone(), mount_link: None }
+        }
+    }
 }
 
 /// The name is the class, whatever name was asked for: clients compare it with the mount of the sensors (clients.md 4).

@@ -37,7 +37,13 @@ impl Controller {
             (Some(&robot), _) => world.apply(robot, command, problems),
             (
                 None,
-                Command::Drive(_) | Command::MultiDrive(_) | Command::Set(_) | Command::GetConf(_) | Command::GetGeo(_),
+                Command::Drive(_)
+                | Command::MultiDrive(_)
+                | Command::Act(_)
+                | Command::MisPkg(_)
+                | Command::Set(_)
+                | Command::GetConf(_)
+                | Command::GetGeo(_),
             ) => {
                 problems.push(Problem::NoRobot { verb: command.verb() });
                 Vec::new()

@@ -41,6 +41,8 @@ pub(super) struct Robot {
     bodies: RobotBodies,
     drive: DriveState,
     items: Vec<Item>,
+    /// Which of its grippers are closed.
+    closed: Vec<bool>,
     spawned: u64,
     options: Options,
 }
@@ -63,12 +65,14 @@ impl Robot {
     ) -> Self {
         let drive = DriveState::new(&class.def);
         let bodies = physics.spawn(class.clone(), id, pose);
-        let mut robot = Self { id, name, bodies, drive, items: Vec::new(), spawned, options };
+        let closed = vec![false; class.def.grippers.len()];
+        let mut robot = Self { id, name, bodies, drive, items: Vec::new(), closed, spawned, options };
         let wheels = physics.wheels(&robot.bodies);
         let view = view(id, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
         let mount = |(index, def): (usize, &SensorDef)| {
             let rng = seed::stream(options.seed, id.0, &def.name, index);
-            Item { def: def.clone(), sensor: sensor::mount(def, rng, &view) }
+            let carrier = physics.carrier(&robot.bodies, def.link);
+            Item { def: def.clone(), sensor: sensor::mount(def, rng, &View { carrier, ..view }) }
         };
         robot.items = class.def.sensors.iter().enumerate().map(mount).collect();
         robot
@@ -88,6 +92,16 @@ impl Robot {
 
     pub(super) fn bodies_mut(&mut self) -> &mut RobotBodies {
         &mut self.bodies
+    }
+
+    pub(super) fn closed_grippers(&self) -> &[bool] {
+        &self.closed
+    }
+
+    pub(super) fn note_gripper(&mut self, number: usize, closed: bool) {
+        if let Some(gripper) = self.closed.get_mut(number) {
+            *gripper = closed;
+        }
     }
 
     pub(super) fn items(&self) -> &[Item] {
@@ -162,11 +176,16 @@ impl Robot {
             self.set_joints(set);
             return Vec::new();
         }
+        if set.type_name.eq_ignore_ascii_case("Gripper") {
+            self.set_grippers(set);
+            return Vec::new();
+        }
         let wheels = physics.wheels(&self.bodies);
-        let (items, view) = self.items_and_view(physics, time, &wheels);
+        let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
         let opcode = set.opcode.to_ascii_uppercase();
         let mut messages = Vec::new();
         for item in items.iter_mut().filter(|item| item.matches(&set.type_name, &set.name)) {
+            let view = View { carrier: physics.carrier(bodies, item.def.link), ..view };
             if item.sensor.set(&opcode, set, &view) == Effect::Scan {
                 messages.extend(item.sensor.sense(&view).map(|reading| Message::Sen(reading.at(time as f32))));
             }
@@ -180,9 +199,9 @@ impl Robot {
         physics: &'a Physics,
         time: f64,
         wheels: &'a [WheelState],
-    ) -> (&'a mut [Item], View<'a>) {
+    ) -> (&'a mut [Item], &'a RobotBodies, View<'a>) {
         let Self { items, id, bodies, options, .. } = self;
-        (items, view(*id, bodies, *options, physics, time, wheels))
+        (items, bodies, view(*id, bodies, *options, physics, time, wheels))
     }
 
     pub(super) fn before_step(&mut self, physics: &mut Physics) {
@@ -203,12 +222,19 @@ impl Robot {
         }
         let time_step = self.options.time_step;
         let due = |item: &Item| is_due(age, time_step, item.def.scan_interval);
-        if battery <= 0 || !self.items.iter().any(due) {
+        if battery <= 0 {
+            return;
+        }
+        if is_due(age, time_step, STATUS_INTERVAL) {
+            self.report_actuators(physics, time, &mut send);
+        }
+        if !self.items.iter().any(due) {
             return;
         }
         let wheels = physics.wheels(&self.bodies);
-        let (items, view) = self.items_and_view(physics, time, &wheels);
+        let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
         for item in items.iter_mut().filter(|item| due(item)) {
+            let view = View { carrier: physics.carrier(bodies, item.def.link), ..view };
             if let Some(reading) = item.sensor.sense(&view) {
                 send(Message::Sen(reading.at(time as f32)));
             }
@@ -232,8 +258,8 @@ fn view<'a>(
     time: f64,
     wheels: &'a [WheelState],
 ) -> View<'a> {
-    let robot = &bodies.robot().def;
-    View { time, body: physics.body(bodies), wheels, robot, speed_unit: options.speed_unit, physics, id }
+    let (robot, body) = (&bodies.robot().def, physics.body(bodies));
+    View { time, body, carrier: body, wheels, robot, speed_unit: options.speed_unit, physics, id }
 }
 
 /// True at the step in which another whole interval since the spawn has passed.

@@ -1,0 +1,82 @@
+//! `ACT` and `MISPKG`: targets of the joints of an actuator. Their keys are the only ones whose case counts, and whose order does
+//! (BotConnection.uc:70-97, 483-512).
+
+use super::{ReadWrite, text, with_text};
+use crate::{Block, Line, Problem, value};
+
+/// Moves the joints of an actuator: `{Link i} {Value v}` as often as wanted, links from 0. No reply.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Act {
+    /// Name of the actuator, in any case.
+    pub name: String,
+    /// Links from 0 with their targets, rad or m.
+    pub targets: Vec<(usize, f64)>,
+    /// Opens a gripper with 0 and closes it with anything else.
+    pub gripper: Option<f64>,
+}
+
+/// The same as it was before: `{Link i} {Value v} {Order 0}`, links from 1. No reply.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MisPkg {
+    /// Name of the actuator, in any case.
+    pub name: String,
+    /// Links from 1 with their targets, rad or m; those of another order than 0 are not kept.
+    pub targets: Vec<(usize, f64)>,
+    /// Opens a gripper with 0 and closes it with anything else.
+    pub gripper: Option<f64>,
+}
+
+impl ReadWrite for Act {
+    fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        let pair = |blocks: &[Block], problems: &mut Vec<Problem>| match blocks {
+            [link, of_value] if link.key == "Link" && of_value.key == "Value" => target(link, of_value, problems),
+            _ => None,
+        };
+        let targets = line.blocks.windows(2).filter_map(|blocks| pair(blocks, problems)).collect();
+        Self { name: text(line, "Name"), targets, gripper: gripper(line, problems) }
+    }
+
+    fn write(&self) -> Line {
+        let line = with_text(Line::new("ACT"), "Name", &self.name);
+        let link = |line: Line, (link, value): &(usize, f64)| line.with("Link", link).with("Value", value);
+        let line = self.targets.iter().fold(line, link);
+        self.gripper.into_iter().fold(line, |line, gripper| line.with("Gripper", gripper))
+    }
+}
+
+impl ReadWrite for MisPkg {
+    fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        let triple = |blocks: &[Block], problems: &mut Vec<Problem>| match blocks {
+            [link, of_value, order]
+                if [&link.key, &of_value.key, &order.key] == ["Link", "Value", "Order"] && order.value == "0" =>
+            {
+                target(link, of_value, problems)
+            }
+            _ => None,
+        };
+        let targets = line.blocks.windows(3).filter_map(|blocks| triple(blocks, problems)).collect();
+        Self { name: text(line, "Name"), targets, gripper: gripper(line, problems) }
+    }
+
+    fn write(&self) -> Line {
+        let line = with_text(Line::new("MISPKG"), "Name", &self.name);
+        let link =
+            |line: Line, (link, value): &(usize, f64)| line.with("Link", link).with("Value", value).with("Order", 0);
+        let line = self.targets.iter().fold(line, link);
+        self.gripper.into_iter().fold(line, |line, gripper| line.with("Gripper", gripper))
+    }
+}
+
+fn target(link: &Block, of_value: &Block, problems: &mut Vec<Problem>) -> Option<(usize, f64)> {
+    let number = link.value.parse().ok();
+    if number.is_none() {
+        let got = link.value.chars().take(60).collect();
+        problems.push(Problem::NotANumber { key: link.key.clone(), got, read_as: -1.0 });
+    }
+    Some((number?, value::scalar_of(&of_value.key, &of_value.value, problems)))
+}
+
+fn gripper(line: &Line, problems: &mut Vec<Problem>) -> Option<f64> {
+    let block = line.blocks.iter().find(|block| block.key == "Gripper")?;
+    Some(value::scalar_of(&block.key, &block.value, problems))
+}

@@ -1,0 +1,141 @@
+//! What a robot's actuators and grippers are told, and what they say (robots.md 5).
+
+use gamebots_proto::command::Set;
+use gamebots_proto::message::{ActuatorGeo, Asta, Eff, ItemConf, JointConf, JointGeo, Message};
+use nalgebra::Vector3;
+use scene::{Actuator, JointKind, RobotDef};
+
+use super::robot::Robot;
+use crate::physics::Physics;
+use crate::sensor::floats;
+
+/// USARSim's unit of torque: 5 to 1 N m.
+const TORQUE_UNIT: f64 = 5.0;
+
+impl Robot {
+    /// Moves joints of the actuator of a name, in any case, by their numbers from 0; and opens or closes the gripper of that name, or
+    /// those that the actuator carries.
+    pub(super) fn act(&mut self, name: &str, targets: &[(usize, f64)], gripper: Option<f64>) {
+        let def = &self.bodies().robot().def;
+        let actuator = def.actuators.iter().find(|it| it.name.eq_ignore_ascii_case(name));
+        let joint = |&(number, target): &(usize, f64)| Some((def.value_of(*actuator?.links.get(number)?)?, target));
+        let joints: Vec<(usize, f64)> = targets.iter().filter_map(joint).collect();
+        let carries = |link: usize| actuator.is_some_and(|it| it.links.iter().any(|&own| hangs_on(def, link, own)));
+        let grippers = def.grippers.iter().enumerate().filter(|(_, it)| {
+            it.name.eq_ignore_ascii_case(name) || it.links.first().is_some_and(|&link| carries(link))
+        });
+        let grippers: Vec<usize> = grippers.map(|(number, _)| number).collect();
+        joints.into_iter().for_each(|(joint, target)| self.bodies_mut().set_joint_target(joint, target));
+        for number in grippers {
+            if let Some(gripper) = gripper {
+                self.grip(number, gripper != 0.0);
+            }
+        }
+    }
+
+    /// Opens and closes grippers: `Open`, `Close`, or `Grip` with 0 or 1, in any case; without a name all (Gripper.uc:34-45).
+    pub(super) fn set_grippers(&mut self, set: &Set) {
+        let closed = match set.opcode.to_ascii_uppercase().as_str() {
+            "OPEN" => false,
+            "CLOSE" => true,
+            "GRIP" => set.numbers().is_some_and(|numbers| numbers.first().is_some_and(|&number| number != 0.0)),
+            _ => return,
+        };
+        let named = self.def().grippers.iter().enumerate();
+        let named = named.filter(|(_, it)| set.name.is_empty() || it.name.eq_ignore_ascii_case(&set.name));
+        let numbers: Vec<usize> = named.map(|(number, _)| number).collect();
+        numbers.into_iter().for_each(|number| self.grip(number, closed));
+    }
+
+    fn grip(&mut self, number: usize, closed: bool) {
+        let def = &self.bodies().robot().def;
+        let Some(gripper) = def.grippers.get(number) else { return };
+        let targets = if closed { &gripper.closed } else { &gripper.open };
+        let joints = gripper.links.iter().zip(targets);
+        let joints: Vec<_> = joints.filter_map(|(&link, &target)| Some((def.value_of(link)?, target))).collect();
+        joints.into_iter().for_each(|(joint, target)| self.bodies_mut().set_joint_target(joint, target));
+        self.note_gripper(number, closed);
+    }
+
+    /// The state of every actuator, then of every gripper.
+    pub(super) fn report_actuators(&self, physics: &Physics, time: f64, mut send: impl FnMut(Message)) {
+        let def = self.def();
+        if def.actuators.is_empty() && def.grippers.is_empty() {
+            return;
+        }
+        let joints = physics.joints(self.bodies());
+        for actuator in &def.actuators {
+            let value = |&link: &usize| joints.get(def.value_of(link)?).map(|joint| joint.position as f32);
+            let values = actuator.links.iter().filter_map(value).collect();
+            send(Message::Asta(Asta { time: time as f32, name: actuator.name.clone(), values }));
+        }
+        for (gripper, &closed) in def.grippers.iter().zip(self.closed_grippers()) {
+            send(Message::Eff(Eff { time: time as f32, name: gripper.name.clone(), closed }));
+        }
+    }
+}
+
+/// CONF of what a robot has of a type that is no sensor's; a name, in any case, chooses one.
+pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf> {
+    let is_named = |own: &str| name.is_empty() || own.eq_ignore_ascii_case(name);
+    let actuators = def.actuators.iter().filter(|it| is_named(&it.name));
+    let (own, joints) = (|it: &Actuator| it.name.clone(), |it: &Actuator| joint_confs(def, it));
+    if type_name == "MisPkg" {
+        return actuators.map(|it| ItemConf::MisPkg { name: own(it), joints: joints(it) }).collect();
+    }
+    match type_name.to_ascii_lowercase().as_str() {
+        "actuator" => actuators.map(|it| ItemConf::Actuator { name: own(it), joints: joints(it) }).collect(),
+        "gripper" => {
+            let grippers = def.grippers.iter().filter(|it| is_named(&it.name));
+            grippers.map(|it| ItemConf::Gripper { name: it.name.clone() }).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn joint_confs(def: &RobotDef, actuator: &Actuator) -> Vec<JointConf> {
+    let joint = |&link: &usize| {
+        let joint = def.links.get(link)?.joint.as_ref()?;
+        let (kind, unit) = match joint.kind {
+            JointKind::Revolute | JointKind::Continuous => ("Revolute", TORQUE_UNIT),
+            JointKind::Prismatic => ("Prismatic", 1.0),
+            JointKind::Fixed | JointKind::Ball => ("Unknown", TORQUE_UNIT),
+        };
+        let [min, max] = joint.limits.unwrap_or_default().map(|limit| limit as f32);
+        let max_torque = joint.drive.as_ref().map_or(0.0, |motor| motor.max_torque * unit) as f32;
+        Some(JointConf { kind: kind.to_owned(), max_torque, min, max })
+    };
+    actuator.links.iter().filter_map(joint).collect()
+}
+
+/// GEO of the actuators; a name, in any case, chooses one. Everything is parallel to the robot frame when every joint is at 0.
+pub(super) fn geos(def: &RobotDef, name: &str) -> Vec<ActuatorGeo> {
+    let actuators = def.actuators.iter().filter(|it| name.is_empty() || it.name.eq_ignore_ascii_case(name));
+    let origin = |link: usize| def.links.get(link).map_or_else(Vector3::zeros, |link| link.origin().into());
+    let geo = |actuator: &Actuator| {
+        let parent_of = |link: usize| def.links.get(link)?.joint.as_ref().map(|joint| joint.parent);
+        let base = actuator.links.first().and_then(|&link| parent_of(link)).map_or_else(Vector3::zeros, origin);
+        let joint = |&link: &usize| {
+            let parent = parent_of(link).and_then(|it| actuator.links.iter().position(|&own| own == it));
+            let from = parent.map_or(base, |parent| origin(actuator.links[parent]));
+            let location = floats((origin(link) - from).into());
+            JointGeo { parent: parent.map_or(0, |parent| parent + 1), location, orientation: [0.0; 3] }
+        };
+        let last = actuator.links.last().map_or(base, |&link| origin(link));
+        ActuatorGeo {
+            name: actuator.name.clone(),
+            location: floats(base.into()),
+            orientation: [0.0; 3],
+            mount: def.class.clone(),
+            joints: actuator.links.iter().map(joint).collect(),
+            tip: floats((Vector3::from(actuator.tip) - last).into()),
+        }
+    };
+    actuators.map(geo).collect()
+}
+
+/// Whether a link is another one or hangs on it.
+fn hangs_on(def: &RobotDef, link: usize, on: usize) -> bool {
+    let parent = |&link: &usize| def.links.get(link)?.joint.as_ref().map(|joint| joint.parent);
+    std::iter::successors(Some(link), parent).any(|link| link == on)
+}
