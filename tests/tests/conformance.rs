@@ -55,6 +55,11 @@ fn airrobot() {
 }
 
 #[test]
+fn arm() {
+    check("arm.txt");
+}
+
+#[test]
 fn battery() {
     check("battery.txt");
 }

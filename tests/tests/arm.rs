@@ -1,0 +1,183 @@
+//! A youBot with its arm: it picks something up, carries it aside and sets it on a table.
+
+use gamebots_proto::message::{Message, Reading};
+use nalgebra::Vector3;
+use scene::{Material, Object, Shape, Solid, WorldDef};
+use sim_core::{Options, RobotId, World};
+use system_tests::{apply, init, run};
+
+/// Edge of what is carried, m.
+const EDGE: f64 = 0.07;
+/// Height of the table, m.
+const TABLE: f64 = 0.08;
+/// Where it stands before the robot's middle, m.
+const AHEAD: f64 = 0.4;
+/// The shoulder's height over the floor, m, and the lengths of upper arm, forearm and hand.
+const SHOULDER: f64 = 0.161 + 0.08;
+const ARM: [f64; 3] = [0.155, 0.135, 0.209];
+
+/// A cube of 0.5 kg before the robot and a table a metre to its right.
+fn scene() -> WorldDef {
+    let mut scene = scene_loader::load("rough", &[]).expect("a map");
+    let material = Material { name: "wood".to_owned(), friction: 0.6, ..Material::default() };
+    let solid = |name: &str, shape: Shape, position: [f64; 3]| {
+        let (name, rotation, material) = (name.to_owned(), [0.0; 3], material.clone());
+        Solid { name, shape, position, rotation, material }
+    };
+    let cube = solid("cube", Shape::Box { size: [EDGE; 3] }, [AHEAD, 0.0, -EDGE / 2.0]);
+    scene.map.objects.push(Object { solid: cube, mass: 0.5 });
+    let table = solid("table", Shape::Box { size: [0.3, 0.3, TABLE] }, [AHEAD + 0.1, 1.0, -TABLE / 2.0]);
+    scene.map.solids.push(table);
+    scene
+}
+
+fn world() -> (World, RobotId) {
+    let mut world = World::new(scene(), Options::default());
+    let robot = init(&mut world, "INIT {ClassName USARBot.YouBotArm} {Location 0,0,0}");
+    run(&mut world, 1.0);
+    (world, robot)
+}
+
+/// Angles of shoulder, elbow and wrist, rad from upward, for a hand that points down to a height over the floor, m.
+fn reach(height: f64) -> [f64; 3] {
+    let [upper, lower, hand] = ARM;
+    let (ahead, up) = (AHEAD - 0.2, height + hand - SHOULDER);
+    let (distance, slope) = (ahead.hypot(up), up.atan2(ahead));
+    let lift = ((distance * distance + upper * upper - lower * lower) / (2.0 * distance * upper)).acos();
+    let shoulder = std::f64::consts::FRAC_PI_2 - slope - lift;
+    let (elbow_x, elbow_up) = (upper * shoulder.sin(), upper * shoulder.cos());
+    let forearm = (ahead - elbow_x).atan2(up - elbow_up);
+    [shoulder, forearm - shoulder, std::f64::consts::PI - forearm]
+}
+
+/// `ACT` for a height of the hand.
+fn to_height(height: f64) -> String {
+    let [shoulder, elbow, wrist] = reach(height);
+    format!(
+        "ACT {{Name arm}} {{Link 1}} {{Value {shoulder:.4}}} {{Link 2}} {{Value {elbow:.4}}} {{Link 3}} {{Value {wrist:.4}}}"
+    )
+}
+
+fn cube(world: &World) -> Vector3<f64> {
+    world.snapshot().objects[0].translation.vector
+}
+
+/// Values of the arm in the last ASTA of some seconds, and whether the gripper says that it is closed.
+fn states(world: &mut World, seconds: f64) -> (Vec<f32>, bool) {
+    let messages = run(world, seconds);
+    let arm = messages.iter().rev().find_map(|it| if let Message::Asta(it) = it { Some(it.clone()) } else { None });
+    let hand = messages.iter().rev().find_map(|it| if let Message::Eff(it) = it { Some(it.clone()) } else { None });
+    let arm = arm.expect("an ASTA");
+    assert_eq!(arm.name, "Arm");
+    (arm.values, hand.expect("an EFF").closed)
+}
+
+/// Picks the cube up, carries it aside and sets it on the table; the bits of where everything is in the end.
+fn carry() -> u64 {
+    let (mut world, robot) = world();
+    let mut go = |line: &str, seconds: f64| {
+        apply(&mut world, robot, line);
+        let states = states(&mut world, seconds);
+        (states, cube(&world), world.snapshot().robots[0].body.pose.translation.vector)
+    };
+    go("SET {Type Gripper} {Name Gripper} {Opcode Open}", 0.5);
+    // From above, in steps: joints move by their own speeds and not along a line.
+    for above in [0.2, 0.15, 0.1, 0.06, 0.03] {
+        go(&to_height(EDGE / 2.0 + above), 2.0);
+    }
+    let ((values, closed), before, _) = go(&to_height(EDGE / 2.0), 2.0);
+    assert!(!closed && (before.x - AHEAD).abs() < 0.01, "{values:?} {before:?}");
+    let wanted = reach(EDGE / 2.0);
+    for (value, wanted) in values[1..4].iter().zip(wanted) {
+        assert!((f64::from(*value) - wanted).abs() < 0.01, "{values:?}, expected {wanted:?}");
+    }
+    let ((_, closed), ..) = go("ACT {Name Gripper} {Gripper 1}", 1.0);
+    assert!(closed);
+    let (_, lifted, _) = go(&to_height(EDGE / 2.0 + 0.1), 3.0);
+    println!("lifted to {:.3?}", lifted.as_slice());
+    assert!((lifted.z + 0.1 + EDGE / 2.0).abs() < 0.01, "{lifted:?}");
+    let (_, carried, base) = go("DRIVE {LateralVelocity 0.2}", 5.0);
+    println!("carried to {:.3?}, the robot at {:.3?}", carried.as_slice(), base.as_slice());
+    let (_, carried, base) = go("DRIVE {LateralVelocity 0}", 1.0);
+    assert!(base.y > 0.9 && (carried.y - base.y).abs() < 0.02, "{base:?} {carried:?}");
+    go(&to_height(TABLE + EDGE / 2.0), 2.0);
+    go("MISPKG {Name Arm} {Gripper 0}", 1.0);
+    let (_, there, _) = go(&to_height(TABLE + EDGE / 2.0 + 0.1), 3.0);
+    println!("stands at {:.3?}", there.as_slice());
+    assert!((there.z + TABLE + EDGE / 2.0).abs() < 0.003 && (there.y - base.y).abs() < 0.03, "{there:?}");
+    world.digest()
+}
+
+#[test]
+fn it_picks_up_carries_and_sets_down_and_does_the_same_again() {
+    assert_eq!(carry(), carry());
+}
+
+#[test]
+fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
+    let (mut world, robot) = world();
+    for (line, expected) in [
+        ("ACT {Name ARM} {Link 0} {Value 0.3}", 0.3),
+        ("MISPKG {Name Arm} {Link 1} {Value 0.1} {Order 0}", 0.1),
+        ("MISPKG {Name Arm} {Link 1} {Value 0.2} {Order 1}", 0.1),
+        ("MISPKG {Name Arm} {Link 1} {Value 0.2}", 0.1),
+        ("ACT {Name Arm} {link 0} {value 0.5}", 0.1),
+        ("ACT {Name nobody} {Link 0} {Value 1}", 0.1),
+        ("ACT {Name Arm} {Link 9} {Value 1}", 0.1),
+        ("SET {Type Joint} {Name ArmJoint1} {Opcode Angle} {Params -0.2}", -0.2),
+    ] {
+        assert_eq!(apply(&mut world, robot, line), [""; 0], "{line}");
+        let (values, _) = states(&mut world, 1.0);
+        assert!((f64::from(values[0]) - expected).abs() < 0.002, "{line}: {values:?}");
+    }
+    let confs = ["GETCONF {Type Actuator}", "GETCONF {Type MisPkg}", "GETCONF {Type Gripper}"];
+    let confs = confs.map(|line| apply(&mut world, robot, line).join("\n"));
+    let first = "{Link 1} {JointType Revolute} {MaxTorque 47.5000} {MinValue -2.9496} {MaxValue 2.9496} {Link 2}";
+    assert!(confs[0].starts_with(&format!("CONF {{Type Actuator}} {{Name Arm}} {first}")), "{}", confs[0]);
+    assert!(
+        confs[1].starts_with("CONF {Type MisPkg} {Name Arm} {Link 1} {JointType Revolute} {MaxRotationSpeed 1.571}")
+    );
+    assert_eq!(
+        confs[2],
+        "CONF {Type Gripper} {Name Gripper} {Opcode Grip} {MaxVal 1} {MinVal 0} {Opcode Close} {Opcode Open}"
+    );
+    let geo = apply(&mut world, robot, "GETGEO {Type Actuator}").join("\n");
+    let expected = "GEO {Type Actuator} {Name Arm} {Location 0.000,0.000,0.000} {Orientation 0.000,0.000,0.000}{Mount YouBotArm} \
+                    {Link 1} {Parent 0} {Location 0.167,0.000,-0.142} {Orientation 0.00,0.00,0.00} {Link 2} {Parent 1} ";
+    assert!(geo.starts_with(expected) && geo.ends_with("{Tip 0.00,0.00,-0.08}"), "{geo}");
+}
+
+/// A laser on the hand looks where the hand points.
+#[test]
+fn a_sensor_on_a_link_goes_where_that_goes() {
+    let text = include_str!("../../assets/robots/YouBotArm/robot.toml");
+    let sensors = "[[sensor]]\nclass = \"Sonar\"\nname = \"HandSonar\"\nlink = \"ArmJoint5\"\nposition = [0.198, 0.0, -0.67]\n\
+                   direction = [0.0, 1.5707963, 0.0]\nmax_range = 4.0\n\
+                   [[sensor]]\nclass = \"GroundTruth\"\nname = \"Hand\"\nlink = \"ArmJoint5\"\nfixed_to_platform = false\n\
+                   position = [0.198, 0.0, -0.66]\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("Handy.toml");
+    std::fs::write(&path, format!("{text}\n{sensors}")).expect("a file");
+    let scene = scene_loader::load("rough", &[&path]).unwrap_or_else(|error| panic!("{error}"));
+    let mut world = World::new(scene, Options::default());
+    let robot = init(&mut world, "INIT {ClassName USARBot.Handy} {Location 0,0,0}");
+    apply(&mut world, robot, &to_height(0.2));
+    let messages = run(&mut world, 4.0);
+    let sensed =
+        messages.iter().rev().filter_map(|it| if let Message::Sen(it) = it { Some(&it.reading) } else { None });
+    let (mut hand, mut range) = (None, None);
+    for reading in sensed {
+        match reading {
+            Reading::GroundTruth(it) if it.name == "Hand" => hand = hand.or(Some(it.location)),
+            Reading::Sonar(it) => range = range.or(Some(it.range)),
+            _ => {}
+        }
+    }
+    let ([x, y, z], range) = (hand.expect("a pose"), range.expect("a range"));
+    println!("hand at {x:.4}, {y:.4}, {z:.4}; sonar {range:.4} m");
+    // The hand's middle is 2 mm from the middle of the wrist.
+    assert!((f64::from(x) - AHEAD).abs() < 0.01 && y.abs() < 0.005 && (f64::from(z) + 0.2).abs() < 0.01, "{x} {y} {z}");
+    assert!((f64::from(range) - 0.19).abs() < 0.01, "{range} m to the floor");
+    let geo = apply(&mut world, robot, "GETGEO {Type Sonar}").join("\n");
+    assert!(geo.contains("{Location 0.00,0.00,-0.09}") && geo.ends_with("{Mount Arm}{MountLink 5}"), "{geo}");
+}
