@@ -46,6 +46,21 @@ pageTest('a skid robot is driven by keys too', { serve: ['--map', 'rough'] }, as
   await waitForNumber(page, '[data-value=yaw]', (value) => value > 10);
 });
 
+pageTest('sliders move the joints of an arm', { serve: ['--map', 'rough'] }, async ({ page }) => {
+  await spawnRobot(page, { robotClass: 'YouBotArm' });
+  await page.locator('#joint-ArmJoint1').evaluate((slider) => {
+    slider.value = '1';
+    slider.dispatchEvent(new Event('input'));
+  });
+  await page.click('[data-tab=wire]');
+  await page.fill('[name=filter]', 'ASTA');
+  const arrived = () => {
+    const lines = [...document.querySelectorAll('#lines li')];
+    return lines.some(({ textContent }) => /ASTA.*\{Link 1\} \{Value (0\.99|1\.00)/.test(textContent));
+  };
+  await page.waitForFunction(arrived);
+});
+
 pageTest('a robot is spawned where one clicks', { serve: ['--map', 'arena'] }, async ({ page }) => {
   await page.click('[data-tab=drive]');
   await page.selectOption('select[name=start]', '');

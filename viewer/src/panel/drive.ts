@@ -1,6 +1,7 @@
 /** The tab to spawn a robot and drive it by keyboard or by sticks. */
 
 import { Client, type Spawn, type Twist } from '../protocol/client';
+import type { RobotClass } from '../protocol/scene';
 import type { State } from '../state';
 import { find, make, setText } from './dom';
 import { isForControl } from './keys';
@@ -29,6 +30,7 @@ export class DrivePanel {
   private readonly own = make('select', { name: 'own' });
   private readonly hint = make('p', { class: 'quiet', 'data-hint': '' });
   private readonly driving = make('div', { hidden: '' });
+  private readonly joints = make('div', { 'data-joints': '' });
   private readonly clients: Client[] = [];
   /** Own robots that are not in the world yet, each with the numbers of those that were there before. */
   private readonly expected = new Map<Client, Set<number>>();
@@ -54,6 +56,7 @@ export class DrivePanel {
       make('div', { class: 'row' }, make('label', { for: 'drive-speed' }, 'Speed'), this.speed, this.speedOutput),
       make('div', { class: 'row' }, stop, remove),
       this.hint,
+      this.joints,
     );
     find('drive').append(this.driving);
     this.sticks = { move: new Stick(false, () => this.send()), turn: new Stick(true, () => this.send()) };
@@ -128,7 +131,21 @@ export class DrivePanel {
       ...keys('←', '→'),
       ' turn; or use the sticks in the view.',
     );
+    this.joints.replaceChildren(...(robotClass?.joints ?? []).map((joint) => this.slider(joint)));
     this.list();
+  }
+
+  /** Moves a joint of the robot that is driven. */
+  private slider({ name, min, max }: RobotClass['joints'][number]): HTMLElement {
+    const id = `joint-${name}`;
+    const range = { min: String(min), max: String(max), step: String((max - min) / 500) };
+    const input = make('input', { type: 'range', id, value: String(Math.max(min, Math.min(max, 0))), ...range });
+    const output = make('output', { for: id }, Number(input.value).toFixed(3));
+    input.oninput = () => {
+      setText(output, Number(input.value).toFixed(3));
+      this.driven?.setJoint(name, Number(input.value));
+    };
+    return make('div', { class: 'row' }, make('label', { for: id }, name), input, output);
   }
 
   private list(): void {

@@ -28,6 +28,8 @@ export class Client {
   private isGreeted = false;
   private sent = '';
   private next = '';
+  /** Joints that are to go somewhere, and where, rad or m. */
+  private readonly targets = new Map<string, number>();
   private timer: number | null = null;
 
   constructor(
@@ -52,6 +54,12 @@ export class Client {
   /** Drives; of commands that come faster than lines are sent only the last one counts. */
   drive(twist: Twist): void {
     this.next = this.command(twist);
+    if (this.timer === null) this.sendNext();
+  }
+
+  /** Moves a joint; of several targets that come faster than lines are sent only the last one counts. */
+  setJoint(name: string, target: number): void {
+    this.targets.set(name, target);
     if (this.timer === null) this.sendNext();
   }
 
@@ -84,9 +92,13 @@ export class Client {
 
   private sendNext(): void {
     this.timer = null;
-    if (this.isGreeted && this.next !== this.sent) {
-      this.send(this.next);
+    if (this.isGreeted && (this.next !== this.sent || this.targets.size > 0)) {
+      if (this.next !== this.sent) this.send(this.next);
       this.sent = this.next;
+      this.targets.forEach((target, name) => {
+        this.send(`SET {Type Joint} {Name ${name}} {Opcode Angle} {Params ${target.toFixed(4)}}`);
+      });
+      this.targets.clear();
       this.timer = window.setTimeout(() => this.sendNext(), INTERVAL);
     }
   }

@@ -47,6 +47,9 @@ export interface Wheel {
 
 export interface Sensor {
   name: string;
+  /** the number among `links` of what carries it; null is the body */
+  link: number | null;
+  /** in the frame of what carries it */
   pose: Pose;
   max_range: number | null;
   fan: { first: number; resolution: number; level: boolean } | null;
@@ -66,6 +69,8 @@ export interface RobotClass {
   /** what hangs on the body beside driven wheels */
   links: { name: string; drawn: Drawn[] }[];
   wheels: Wheel[];
+  /** what goes to a position, rad or m */
+  joints: { name: string; min: number; max: number }[];
   sensors: Sensor[];
 }
 

@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 import type { CSS2DObject } from 'three/addons/renderers/CSS2DRenderer.js';
 import type { Frame, RobotState, Scan } from '../protocol/frame';
-import type { RobotClass, Scene } from '../protocol/scene';
+import type { RobotClass, Scene, Sensor } from '../protocol/scene';
 import { label } from './map';
 import { setPose } from './pose';
 
@@ -159,7 +159,7 @@ export class Overlay {
       marks.scans.set(index, rays);
       this.rays.add(rays.lines);
     }
-    const mount = setPose(new THREE.Matrix4(), sensor.pose).premultiply(setPose(new THREE.Matrix4(), robot.pose));
+    const mount = mountOf(sensor, robot);
     const origin = new THREE.Vector3().setFromMatrixPosition(mount);
     // From the right to the left; z is down, so the right is positive.
     const axis = new THREE.Vector3(0, sensor.fan && !sensor.fan.level ? 1 : 0, sensor.fan?.level === false ? 0 : 1);
@@ -207,9 +207,7 @@ export class Overlay {
     if (this.axes[0]?.lines.visible) {
       const frame = setPose(new THREE.Matrix4(), robot.pose);
       this.placeAxes(frame, ROBOT_AXES);
-      for (const { pose } of robotClass.sensors) {
-        this.placeAxes(setPose(new THREE.Matrix4(), pose).premultiply(frame), SENSOR_AXES);
-      }
+      robotClass.sensors.forEach((sensor) => this.placeAxes(mountOf(sensor, robot), SENSOR_AXES));
     }
     if (!this.forces.lines.visible) return;
     for (const { point, force } of robot.contacts) {
@@ -246,4 +244,12 @@ export class Overlay {
     this.names.remove(name);
     this.marks.delete(id);
   }
+}
+
+/** Where a sensor is in the world. */
+function mountOf({ link, pose }: Sensor, robot: RobotState): THREE.Matrix4 {
+  const mount = setPose(new THREE.Matrix4(), pose);
+  const carrier = link === null ? undefined : robot.links[link];
+  if (carrier) mount.premultiply(setPose(new THREE.Matrix4(), carrier));
+  return mount.premultiply(setPose(new THREE.Matrix4(), robot.pose));
 }

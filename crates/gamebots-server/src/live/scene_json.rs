@@ -35,7 +35,8 @@ fn class_json(def: &RobotDef) -> Value {
     let sensor = |sensor: &scene::SensorDef| {
         json!({
             "name": sensor.name,
-            "pose": pose(&scene::pose(sensor.position, sensor.direction)),
+            "link": link_number(def, sensor.link),
+            "pose": def.mount_of(sensor).map(|(_, _, mount)| pose(&mount)),
             "max_range": sensor.config.max_range(),
             "fan": sensor.config.fan().map(|fan| json!({
                 "first": fan.first, "resolution": fan.resolution, "level": fan.level,
@@ -62,8 +63,17 @@ fn class_json(def: &RobotDef) -> Value {
         "drawn": drawn.first().map(|(_, pieces)| still(pieces)),
         "links": links.collect::<Vec<_>>(),
         "wheels": wheels.collect::<Vec<_>>(),
+        "joints": def.with_values().filter_map(joint).collect::<Vec<_>>(),
         "sensors": def.sensors.iter().map(sensor).collect::<Vec<_>>(),
     })
+}
+
+/// A joint that goes to positions by `SET {Type Joint}`, rad or m.
+fn joint(link: &Link) -> Option<Value> {
+    let joint = link.joint.as_ref()?;
+    let goes = joint.drive.as_ref().is_some_and(|motor| motor.stiffness.is_some());
+    let [min, max] = joint.limits.filter(|_| goes)?;
+    Some(json!({ "name": link.name, "min": min, "max": max }))
 }
 
 /// How far the joints of an axle steer to both sides, rad.
@@ -76,8 +86,6 @@ fn most_steered(def: &RobotDef, axle: usize) -> f64 {
 /// A wheel in the frame of the link that carries it: a number among `links`, or of the body none.
 fn wheel(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn]) -> Value {
     let carrier = def.links.get(wheel.parent).map_or([0.0; 3], Link::origin);
-    let links = def.links.iter().enumerate().skip(1).filter(|(_, link)| !link.is_driven_wheel());
-    let link = links.map(|(number, _)| number).position(|number| number == wheel.parent);
     let [x, y, z] = wheel.position;
     let [from_x, from_y, from_z] = carrier;
     let rollers: Vec<&Drawn> = drawn.iter().filter(|it| it.is_roller).collect();
@@ -87,7 +95,7 @@ fn wheel(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn]) -> Value {
     });
     json!({
         "name": wheel.name,
-        "link": link,
+        "link": link_number(def, wheel.parent),
         "position": [x - from_x, y - from_y, z - from_z],
         "drawn": still(drawn),
         "max_speed": wheel.drive.as_ref().map(|motor| motor.max_speed),
@@ -97,6 +105,12 @@ fn wheel(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn]) -> Value {
             "colour": colour,
         })),
     })
+}
+
+/// The number of a link among those that the page has; of the body none.
+fn link_number(def: &RobotDef, link: usize) -> Option<usize> {
+    let links = def.links.iter().enumerate().skip(1).filter(|(_, link)| !link.is_driven_wheel());
+    links.map(|(number, _)| number).position(|number| number == link)
 }
 
 /// What is drawn of a link beside rollers, in its frame.
