@@ -239,3 +239,29 @@ fn inertial_navigation_drifts_with_the_distance() {
     let spread = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
     assert!((0.015..0.07).contains(&spread), "standard deviation {spread:.4}: {errors:.3?}");
 }
+
+/// In the air velocities change from one step to the next: all of it within one reading.
+#[test]
+fn an_imu_reads_changes_of_velocity_with_z_up_and_rates_of_roll_pitch_and_yaw() {
+    let mut world = scene(&[], 0);
+    let robot = init(&mut world, "INIT {ClassName USARBot.AirRobot} {Location 0,0,-2}");
+    run(&mut world, 1.0);
+    let mut imu = |line: &str| {
+        apply(&mut world, robot, line);
+        let near = |vector: [f32; 3]| vector.map(|it| (f64::from(it) * 100.0).round() / 100.0);
+        let reading = readings(run(&mut world, 0.1)).find_map(|reading| match reading {
+            Reading::Imu(it) => Some([it.acceleration, it.angular_velocity, it.angular_acceleration, it.rotation].map(near)),
+            _ => None,
+        });
+        reading.expect("a reading")
+    };
+    let still = [0.0; 3];
+    assert_eq!(imu("DRIVE {AltitudeVelocity 0.5}"), [[0.0, 0.0, 5.0], still, still, still]);
+    assert_eq!(imu("DRIVE {AltitudeVelocity 0.5}"), [still; 4]);
+    let turned = imu("DRIVE {RotationalVelocity 90}");
+    assert_eq!(turned, [still, [0.0, 0.0, 1.57], [0.0, 0.0, 15.71], [0.0, 0.0, 0.16]]);
+    imu("DRIVE {RotationalVelocity 0} {AltitudeVelocity 0}");
+    // It is turned by 9 degrees, and moves and measures along its own axes.
+    let [acceleration, ..] = imu("DRIVE {LinearVelocity 1} {PitchAngle 0}");
+    assert_eq!(acceleration, [10.0, 0.0, 0.0]);
+}

@@ -14,7 +14,7 @@ pub use conf::{Conf, ItemConf, JointConf, RobotConf, VehicleConf};
 pub use geo::{ActuatorGeo, Geo, ItemGeo, JointGeo, RobotGeo, VehicleGeo};
 pub use nfo::{NamedPose, Nfo};
 pub use sen::{
-    Camera, Encoder, GroundTruth, Ins, Odometry, RangeScanner, ReadWrite as ReadingReadWrite, Reading, Sen, Sonar,
+    Camera, Encoder, GroundTruth, Imu, Ins, Odometry, RangeScanner, ReadWrite as ReadingReadWrite, Reading, Sen, Sonar,
     Tachometer,
 };
 pub use sta::{Sta, Vehicle};

@@ -156,7 +156,7 @@ impl Ros2 {
                 message.twist.covariance[0][0] = NOT_MEASURED;
                 file.put(time, &topic(&odometry.name), &message)
             }
-            Reading::GroundTruth(_) | Reading::Encoder(_) | Reading::Tachometer(_) | Reading::Camera(_) => Ok(()),
+            Reading::GroundTruth(_) | Reading::Imu(_) | Reading::Encoder(_) | Reading::Tachometer(_) | Reading::Camera(_) => Ok(()),
         }
     }
 }

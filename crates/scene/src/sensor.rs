@@ -6,6 +6,7 @@ pub mod battery;
 pub mod camera;
 pub mod encoder;
 pub mod ground_truth;
+pub mod imu;
 pub mod ins;
 pub mod odometry;
 pub mod range_scanner;
@@ -60,6 +61,8 @@ sensors! {
     "GroundTruth", 0.1 => GroundTruth(ground_truth::Config), Deserialize::deserialize;
     /// Inertial navigation that drifts.
     "INS", 0.2 => Ins(ins::Config), Deserialize::deserialize;
+    /// Accelerations and turn rates.
+    "IMU", 0.1 => Imu(imu::Config), Deserialize::deserialize;
     /// Pose from the wheels.
     "Odometry", 0.1 => Odometry(odometry::Config), Deserialize::deserialize;
     /// Ticks of wheel encoders.
@@ -116,7 +119,7 @@ impl Config {
             Self::Encoder(config) => config.validate(),
             Self::Ins(config) => config.validate(),
             Self::Camera(config) => config.validate(),
-            Self::GroundTruth(_) | Self::Odometry(_) | Self::Tachometer(_) | Self::Battery(_) => Ok(()),
+            Self::GroundTruth(_) | Self::Imu(_) | Self::Odometry(_) | Self::Tachometer(_) | Self::Battery(_) => Ok(()),
         }
     }
 }

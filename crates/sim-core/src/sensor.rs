@@ -6,6 +6,7 @@ mod battery;
 mod camera;
 mod encoder;
 mod ground_truth;
+mod imu;
 mod ins;
 mod odometry;
 mod range_scanner;
@@ -95,6 +96,7 @@ pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Box<dyn Se
     match &def.config {
         Config::GroundTruth(config) => Box::new(ground_truth::build(config, mount)),
         Config::Ins(config) => Box::new(ins::build(config, mount)),
+        Config::Imu(_) => Box::new(imu::build(mount)),
         Config::Odometry(config) => Box::new(odometry::build(config, mount)),
         Config::Encoder(config) => Box::new(encoder::build(config, mount)),
         Config::Tachometer(_) => Box::new(tachometer::build(mount)),

@@ -3,6 +3,7 @@
 mod camera;
 mod encoder;
 mod ground_truth;
+mod imu;
 mod ins;
 mod odometry;
 mod range_scanner;
@@ -12,6 +13,7 @@ mod tachometer;
 pub use camera::Camera;
 pub use encoder::Encoder;
 pub use ground_truth::GroundTruth;
+pub use imu::Imu;
 pub use ins::Ins;
 pub use odometry::Odometry;
 pub use range_scanner::RangeScanner;
@@ -81,7 +83,7 @@ macro_rules! readings {
     };
 }
 
-readings! { GroundTruth, Ins, Odometry, Encoder, Tachometer, RangeScanner, Sonar, Camera, }
+readings! { GroundTruth, Ins, Imu, Odometry, Encoder, Tachometer, RangeScanner, Sonar, Camera, }
 
 impl Sen {
     /// An empty body still leaves the space before it (Item.uc:43).

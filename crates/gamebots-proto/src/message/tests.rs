@@ -22,6 +22,7 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "EFF {Time 5.2000} {Type Gripper} {Name Hand} {Status CLOSED}",
         "EFF {Time 5.2000} {Type Gripper} {Name Hand} {Status OPEN}",
         "SEN {Time 29.9739} {Type GroundTruth} {Name GndTruth} {Location 0.625,2.250,1.875} {Orientation 0.000,-0.500,0.000}",
+        "SEN {Time 5.2000} {Type IMU} {Name IMU} {XYZAcceleration 0.2500,-0.5000,0.0000} {AngularVel 0.0000,0.0000,1.5000} {AngularAccel 0.0000,0.0000,-0.2500} {Rotation 0.0000,-0.4375,1.2500}",
         "SEN {Type INS} {Name InsTest} {Location 12.61,-2.68,1.84} {Orientation 0.00,0.00,6.28}",
         "SEN {Time 44.5467} {Type Odometry} {Name Odometer} {Pose 0.0000,0.0000,0.0000}",
         "SEN {Time 5.2000} {Type Tachometer} {Name TachTest} {Vel 0.0000,0.0000,0.0000,0.0000} {Pos 6.2832,6.2832,6.2832,6.2832}",
@@ -103,6 +104,11 @@ fn reading() -> impl Strategy<Value = Reading> {
         .into()),
         (word(), vector(2), vector(2))
             .prop_map(|(name, location, orientation)| Ins { name, location, orientation }.into()),
+        (word(), vector(4), vector(4), vector(4), vector(4)).prop_map(
+            |(name, acceleration, angular_velocity, angular_acceleration, rotation)| {
+                Imu { name, acceleration, angular_velocity, angular_acceleration, rotation }.into()
+            }
+        ),
         (word(), vector(4)).prop_map(|(name, pose)| Odometry { name, pose }.into()),
         proptest::collection::vec((word(), any::<i32>()), 0..4).prop_map(|ticks| Encoder { ticks }.into()),
         (word(), numbers(4, 0..5))

@@ -1,0 +1,65 @@
+//! Accelerations and turn rates as differences between two readings (IMU.uc:25-65): of the velocity, without gravity, along the
+//! sensor's axes with z up; and of roll, pitch and yaw, whose rates are not those about the body's axes.
+
+use std::f64::consts::TAU;
+
+use gamebots_proto::message::{Imu, ItemConf, Reading};
+use nalgebra::Vector3;
+use scene::{Pose, position_and_rotation};
+
+use super::{Mount, Sensor, View, floats};
+
+pub(super) struct Mounted {
+    name: String,
+    pose: Pose,
+    last: Last,
+}
+
+/// What the last reading saw.
+struct Last {
+    time: f64,
+    velocity: Vector3<f64>,
+    angles: [f64; 3],
+    rates: [f64; 3],
+}
+
+pub(super) fn build(mount: Mount) -> Mounted {
+    let View { time, carrier, .. } = *mount.view;
+    let (_, angles) = position_and_rotation(&carrier.pose);
+    let last = Last { time, velocity: carrier.linear, angles, rates: [0.0; 3] };
+    Mounted { name: mount.name.to_owned(), pose: mount.pose, last }
+}
+
+impl Sensor for Mounted {
+    fn type_name(&self) -> &'static str {
+        "IMU"
+    }
+
+    fn sense(&mut self, view: &View) -> Option<Reading> {
+        let View { time, carrier, .. } = *view;
+        let (_, angles) = position_and_rotation(&carrier.pose);
+        let passed = time - self.last.time;
+        // In no time nothing changes.
+        let rate = |change: f64| if passed > 0.0 { change / passed } else { 0.0 };
+        let changed = (carrier.linear - self.last.velocity).map(rate);
+        let along = (carrier.pose.rotation * self.pose.rotation).inverse() * changed;
+        let rates = std::array::from_fn(|axis| {
+            let change: f64 = angles[axis] - self.last.angles[axis];
+            rate(change - TAU * (change / TAU).round())
+        });
+        let changes = std::array::from_fn(|axis| rate(rates[axis] - self.last.rates[axis]));
+        self.last = Last { time, velocity: carrier.linear, angles, rates };
+        let reading = Imu {
+            name: self.name.clone(),
+            acceleration: floats([along.x, along.y, -along.z]),
+            angular_velocity: floats(rates),
+            angular_acceleration: floats(changes),
+            rotation: floats(angles),
+        };
+        Some(reading.into())
+    }
+
+    fn conf(&self) -> ItemConf {
+        ItemConf::Plain { name: self.name.clone() }
+    }
+}
