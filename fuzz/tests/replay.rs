@@ -108,7 +108,8 @@ fn write_log(path: &Path) {
     for _ in 0..50 {
         for (robot, message) in world.step() {
             let record = WireLine { connection: 1, robot: Some(robot.0), line: message.write() };
-            log.write(world.time(), &Record::Out(record)).unwrap();
+            let records = std::iter::once(Record::Out(record)).chain(Record::sensed(Some(robot.0), &message));
+            records.into_iter().for_each(|record| log.write(world.time(), &record).unwrap());
         }
         if states.is_due(world.time()) {
             let records = states.records(&world.def().map, &world.snapshot());

@@ -204,7 +204,8 @@ fn through_the_socket_the_poses_are_the_same() {
     let (mut lines, mut start) = (lines.into_iter().rev().skip(1).rev().peekable(), None);
     loop {
         let line = client.line();
-        let Some(Message::Sen(Sen { time: Some(time), reading: Reading::GroundTruth(truth) })) = Message::read(&line)
+        let Some(Message::Sen(Sen { time: Some(time), reading: Reading::GroundTruth(truth), .. })) =
+            Message::read(&line)
         else {
             continue;
         };

@@ -250,7 +250,9 @@ fn an_imu_reads_changes_of_velocity_with_z_up_and_rates_of_roll_pitch_and_yaw() 
         apply(&mut world, robot, line);
         let near = |vector: [f32; 3]| vector.map(|it| (f64::from(it) * 100.0).round() / 100.0);
         let reading = readings(run(&mut world, 0.1)).find_map(|reading| match reading {
-            Reading::Imu(it) => Some([it.acceleration, it.angular_velocity, it.angular_acceleration, it.rotation].map(near)),
+            Reading::Imu(it) => {
+                Some([it.acceleration, it.angular_velocity, it.angular_acceleration, it.rotation].map(near))
+            }
             _ => None,
         });
         reading.expect("a reading")

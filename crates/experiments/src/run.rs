@@ -301,9 +301,11 @@ impl Stage {
         if self.log.is_none() {
             return Ok(());
         }
-        let line = Record::Out(self.line(message.write()));
-        let time = self.world.time();
-        self.log.as_mut().map_or(Ok(()), |log| log.write(time, &line))
+        let line = self.line(message.write());
+        let (sensed, time) = (Record::sensed(line.robot, message), self.world.time());
+        let records = std::iter::once(Record::Out(line)).chain(sensed);
+        let mut log = self.log.as_mut();
+        records.into_iter().try_for_each(|record| log.as_mut().map_or(Ok(()), |log| log.write(time, &record)))
     }
 
     fn line(&self, line: String) -> WireLine {

@@ -130,7 +130,7 @@ pub(crate) struct Broadcast {
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
     /// When each sensor's last scan was told.
-    scanned: BTreeMap<(RobotId, String), Instant>,
+    scanned: BTreeMap<(RobotId, usize), Instant>,
     /// Viewers at the last frame.
     viewers: usize,
     next_frame: Instant,
@@ -209,22 +209,22 @@ impl Broadcast {
 
     /// Tells what a laser or a sonar measured, but no more often than it can be looked at.
     pub(crate) fn scan(&mut self, world: &World, robot: RobotId, message: &Message) {
-        let Message::Sen(Sen { reading, .. }) = message else { return };
-        let (name, ranges) = match reading {
-            Reading::RangeScanner(scan) => (&scan.name, scan.ranges.as_slice()),
-            Reading::Sonar(sonar) => (&sonar.name, std::slice::from_ref(&sonar.range)),
+        let Message::Sen(Sen { reading, sensor: Some(number), .. }) = message else { return };
+        let ranges = match reading {
+            Reading::RangeScanner(scan) => scan.ranges.as_slice(),
+            Reading::Sonar(sonar) => std::slice::from_ref(&sonar.range),
             _ => return,
         };
         if !self.is_watched() {
             self.scanned.clear();
             return;
         }
-        let (now, sensor) = (Instant::now(), (robot, name.clone()));
+        let (now, sensor) = (Instant::now(), (robot, *number));
         if self.scanned.get(&sensor).is_some_and(|last| now.duration_since(*last) < SCAN_INTERVAL) {
             return;
         }
         self.scanned.insert(sensor, now);
-        if let Some(scan) = frame::scan(world, robot, name, ranges) {
+        if let Some(scan) = frame::scan(world, robot, *number, ranges) {
             let _ = self.notices.send(Notice::Scan(scan.into()));
         }
     }
@@ -249,7 +249,7 @@ mod tests {
         let (mut broadcast, channels) = broadcast(Instant::now());
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::Sonar(Sonar { name: "F1".to_owned(), range: 1.0 });
-            broadcast.scan(&world, RobotId(robot), &Message::Sen(Sen { time: Some(0.0), reading }));
+            broadcast.scan(&world, RobotId(robot), &Message::Sen(Sen { time: Some(0.0), reading, sensor: Some(0) }));
             broadcast.scanned.len()
         };
         assert_eq!(scan(&mut broadcast, 0), 0);

@@ -144,12 +144,17 @@ impl Recording {
         news
     }
 
+    /// Whether anybody wants records.
+    pub(crate) fn is_wanted(&self) -> bool {
+        self.open.is_some() || self.foxglove.is_some()
+    }
+
     /// Takes what `record` gives, if anybody wants it.
     pub(crate) fn record(&mut self, world: &World, record: impl FnOnce() -> Record) {
-        let Self { open, foxglove, .. } = self;
-        if open.is_none() && foxglove.is_none() {
+        if !self.is_wanted() {
             return;
         }
+        let Self { open, foxglove, .. } = self;
         let record = record();
         if let Some(foxglove) = foxglove {
             foxglove.record(world.time(), record.clone());

@@ -401,6 +401,9 @@ impl Server {
     fn send(&mut self, id: ConnectionId, robot: Option<u64>, message: &Message) {
         let text = message.write();
         self.recording.record(&self.world, || Record::Out(WireLine { connection: id, robot, line: text.clone() }));
+        if let Some(sensed) = Record::sensed(robot, message).filter(|_| self.recording.is_wanted()) {
+            self.recording.record(&self.world, || sensed);
+        }
         self.tell_line("out", id, robot, &text);
         if let Some(session) = self.sessions.get(&id) {
             session.outbox().push(text, message.is_periodic());

@@ -1,21 +1,24 @@
 //! Logs in the formats of others.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
+use gamebots_proto::message::{Message, Sen};
 use parquet::basic::Compression;
 use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
+use scene::WorldDef;
 
 use crate::file::storage;
 use crate::ros2::Ros2;
 use crate::table::Table;
 use crate::writer::refused;
-use crate::{Log, RecordError};
+use crate::{Log, Record, RecordError, Sensed, WireLine};
 
 /// Writes a table as Parquet, every column of doubles.
 ///
@@ -49,8 +52,27 @@ pub fn ros2(log: &Log, path: &Path) -> Result<(), RecordError> {
     let world = log.scene().map_err(|reason| refused(path, reason))?;
     let mut file = crate::ros2::begin(storage(path).map_err(|reason| refused(path, reason))?, path)?;
     let mut ros2 = Ros2::new(&world);
+    let mut classes = BTreeMap::new();
     for entry in &log.entries {
         file.with(|file| ros2.write(entry.time, &entry.record, file))?;
+        match &entry.record {
+            Record::State(state) => drop(classes.insert(state.robot, state.class.as_str())),
+            Record::Out(line) => {
+                if let Some(sensed) = sensed(&world, &classes, line) {
+                    file.with(|file| ros2.write(entry.time, &sensed, file))?;
+                }
+            }
+            _ => {}
+        }
     }
     file.finish()
+}
+
+/// What a sensor measured, out of the line that says it: a log has no more, and a name for the sensor's number.
+fn sensed(world: &WorldDef, classes: &BTreeMap<u64, &str>, line: &WireLine) -> Option<Record> {
+    let robot = line.robot.filter(|_| line.line.starts_with("SEN"))?;
+    let Message::Sen(Sen { reading, .. }) = Message::read(&line.line)? else { return None };
+    let sensors = &world.robots.get(*classes.get(&robot)?)?.sensors;
+    let sensor = sensors.iter().position(|sensor| Some(sensor.name.as_str()) == reading.name())?;
+    Some(Record::Sensed(Sensed { robot, sensor, reading }))
 }

@@ -32,6 +32,7 @@ pub use table::{Column, Table};
 pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink};
 
 use foxglove::Encode;
+use gamebots_proto::message::{Message, Reading, Sen};
 use mcap::McapResult;
 use scene::{MapDef, Pose, Snapshot};
 
@@ -102,6 +103,8 @@ pub enum Record {
     In(WireLine),
     /// A line that was sent.
     Out(WireLine),
+    /// What a sensor measured, beside the line that says it; a log has the line alone.
+    Sensed(Sensed),
     /// A connection that ended; without a robot or a line.
     Closed(WireLine),
     /// A robot that left the world, by its number, with its connection or by itself.
@@ -114,7 +117,24 @@ pub enum Record {
     Warning(String),
 }
 
+/// What a sensor of a robot measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensed {
+    /// The robot's number.
+    pub robot: u64,
+    /// The number of the sensor among those of the robot's class.
+    pub sensor: usize,
+    /// What it measured.
+    pub reading: Reading,
+}
+
 impl Record {
+    /// What is to be recorded of a message beside its line, which is sent to the client of a robot.
+    pub fn sensed(robot: Option<u64>, message: &Message) -> Option<Self> {
+        let Message::Sen(Sen { reading, sensor, .. }) = message else { return None };
+        Some(Self::Sensed(Sensed { robot: robot?, sensor: (*sensor)?, reading: reading.clone() }))
+    }
+
     /// Bytes that it takes in memory with its time, about: what it points to has no more room than it needs.
     pub fn size(&self) -> usize {
         let held = match self {
@@ -126,6 +146,9 @@ impl Record {
             Self::Object(object) => object.name.len(),
             Self::Warning(text) => text.len(),
             Self::Left(_) => 0,
+            // Of a scan its ranges; the rest is small.
+            Self::Sensed(Sensed { reading: Reading::RangeScanner(scan), .. }) => size_of_val(scan.ranges.as_slice()),
+            Self::Sensed(_) => 0,
         };
         size_of::<(f64, Self)>() + held
     }

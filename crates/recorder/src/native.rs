@@ -8,13 +8,13 @@ use foxglove::messages::{
     self as fox, FrameTransform, FrameTransforms, JointState, JointStates, PoseInFrame, SceneEntityDeletion,
     SceneUpdate, Timestamp,
 };
-use gamebots_proto::message::{Message, RangeScanner, Reading, Sen};
+use gamebots_proto::message::{RangeScanner, Reading};
 use mcap::McapResult;
 use scene::{Pose, RobotDef, WorldDef};
 
 use crate::file::nanoseconds;
 use crate::places::{Placed, Places};
-use crate::{LEFT, ObjectState, Put, Record, RobotLeft, RobotState, WireLine, drawing};
+use crate::{LEFT, ObjectState, Put, Record, RobotLeft, RobotState, Sensed, drawing};
 
 /// Turns records into messages.
 pub(crate) struct Native {
@@ -35,10 +35,8 @@ impl Native {
     pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut impl Put) -> McapResult<()> {
         match record {
             Record::In(line) => file.put(time, "/wire/in", line),
-            Record::Out(line) => {
-                file.put(time, "/wire/out", line)?;
-                self.write_reading(time, line, file)
-            }
+            Record::Out(line) => file.put(time, "/wire/out", line),
+            Record::Sensed(sensed) => self.write_scan(time, sensed, file),
             Record::Closed(line) => {
                 file.put(time, "/wire/closed", line)?;
                 let text = format!("connection {} ended", line.connection);
@@ -115,18 +113,11 @@ impl Native {
         self.places.clear().try_for_each(|place| erase(time, place, file))
     }
 
-    fn write_reading(&self, time: f64, line: &WireLine, file: &mut impl Put) -> McapResult<()> {
-        let WireLine { robot: Some(robot), line, .. } = line else { return Ok(()) };
-        // Most lines are no scan, and reading them costs more than looking.
-        if !line.contains("{Type RangeScanner}") {
-            return Ok(());
-        }
-        let Some(Message::Sen(Sen { reading: Reading::RangeScanner(scan), .. })) = Message::read(line) else {
-            return Ok(());
-        };
+    fn write_scan(&self, time: f64, sensed: &Sensed, file: &mut impl Put) -> McapResult<()> {
+        let Sensed { robot, sensor, reading: Reading::RangeScanner(scan) } = sensed else { return Ok(()) };
         let RangeScanner { name, ranges, .. } = scan;
         let Some(Placed { place, class }) = self.places.get(*robot) else { return Ok(()) };
-        let sensor = self.world.sensor(class, &name);
+        let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(*sensor));
         let Some(fan) = sensor.and_then(|sensor| sensor.config.fan()).filter(|fan| fan.level) else { return Ok(()) };
         let steps = ranges.len().saturating_sub(1) as f64;
         let scan = fox::LaserScan {
@@ -136,7 +127,7 @@ impl Native {
             // From the right to the left; z is down, so the right is positive.
             start_angle: fan.first,
             end_angle: fan.first - steps * fan.resolution,
-            ranges: ranges.into_iter().map(f64::from).collect(),
+            ranges: ranges.iter().map(|&range| f64::from(range)).collect(),
             intensities: Vec::new(),
         };
         file.put(time, &topic(*place, &format!("sensor/{name}")), &scan)

@@ -6,7 +6,7 @@ mod messages;
 
 use std::path::Path;
 
-use gamebots_proto::message::{Ins, Message, Reading, Sen};
+use gamebots_proto::message::{Ins, Reading};
 use mcap::McapResult;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use scene::sensor::{Config, Fan};
@@ -15,7 +15,7 @@ use scene::{Pose, RobotDef, SensorDef, WorldDef};
 use self::messages as ros;
 use crate::file::{LogFile, Storage, nanoseconds};
 use crate::places::{Placed, Places};
-use crate::{ObjectState, Put, Record, RecordError, RobotState, WireLine};
+use crate::{ObjectState, Put, Record, RecordError, RobotState, Sensed};
 
 /// What stands in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
 const NOT_MEASURED: f64 = -1.0;
@@ -43,12 +43,12 @@ impl Ros2 {
         match record {
             Record::State(state) => self.write_state(time, state, file),
             Record::Object(object) => self.write_object(time, object, file),
-            Record::Out(line) => self.write_reading(time, line, file),
+            Record::Sensed(sensed) => self.write_reading(time, sensed, file),
             Record::Left(robot) => {
                 self.places.leave(*robot);
                 Ok(())
             }
-            Record::In(_) | Record::Closed(_) | Record::Warning(_) => Ok(()),
+            Record::In(_) | Record::Out(_) | Record::Closed(_) | Record::Warning(_) => Ok(()),
         }
     }
 
@@ -110,26 +110,23 @@ impl Ros2 {
         file.put(time, "/tf", &ros::TFMessage { transforms: vec![placed] })
     }
 
-    fn write_reading(&self, time: f64, line: &WireLine, file: &mut LogFile) -> McapResult<()> {
-        let Some(Placed { place, class }) = line.robot.and_then(|robot| self.places.get(robot)) else { return Ok(()) };
+    fn write_reading(&self, time: f64, sensed: &Sensed, file: &mut LogFile) -> McapResult<()> {
+        let Sensed { robot, sensor, reading } = sensed;
+        let Some(Placed { place, class }) = self.places.get(*robot) else { return Ok(()) };
         let place = *place;
-        if !line.line.starts_with("SEN") {
-            return Ok(());
-        }
-        let Some(Message::Sen(Sen { reading, .. })) = Message::read(&line.line) else { return Ok(()) };
-        let sensor = |name: &str| self.world.sensor(class, name).map(|sensor| (sensor, &sensor.config));
+        let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(*sensor));
         let topic = |sensor: &str| format!("/{}/sensor/{}", robot_frame(place), name(sensor));
         let header = |sensor: &str| header(time, &sensor_frame(place, sensor));
         match reading {
-            Reading::RangeScanner(scan) => match sensor(&scan.name).map(|(sensor, config)| (sensor, config.fan())) {
+            Reading::RangeScanner(scan) => match sensor.map(|sensor| (sensor, sensor.config.fan())) {
                 Some((sensor, Some(fan))) if fan.level => {
-                    let message = laser(header(&scan.name), scan.ranges, sensor.scan_interval, fan);
+                    let message = laser(header(&scan.name), scan.ranges.clone(), sensor.scan_interval, fan);
                     file.put(time, &topic(&scan.name), &message)
                 }
                 _ => Ok(()),
             },
-            Reading::Sonar(sonar) => match sensor(&sonar.name) {
-                Some((_, Config::Sonar(config))) => {
+            Reading::Sonar(sonar) => match sensor.map(|sensor| &sensor.config) {
+                Some(Config::Sonar(config)) => {
                     let message = ros::Range {
                         header: header(&sonar.name),
                         radiation_type: ros::ULTRASOUND,
@@ -142,7 +139,7 @@ impl Ros2 {
                 }
                 _ => Ok(()),
             },
-            Reading::Ins(ins) => file.put(time, &topic(&ins.name), &imu(header(&ins.name), &ins)),
+            Reading::Ins(ins) => file.put(time, &topic(&ins.name), &imu(header(&ins.name), ins)),
             Reading::Odometry(odometry) => {
                 let [x, y, theta] = odometry.pose.map(f64::from);
                 let pose = scene::pose([x, y, 0.0], [0.0, 0.0, theta]);
@@ -156,7 +153,11 @@ impl Ros2 {
                 message.twist.covariance[0][0] = NOT_MEASURED;
                 file.put(time, &topic(&odometry.name), &message)
             }
-            Reading::GroundTruth(_) | Reading::Imu(_) | Reading::Encoder(_) | Reading::Tachometer(_) | Reading::Camera(_) => Ok(()),
+            Reading::GroundTruth(_)
+            | Reading::Imu(_)
+            | Reading::Encoder(_)
+            | Reading::Tachometer(_)
+            | Reading::Camera(_) => Ok(()),
         }
     }
 }

@@ -105,7 +105,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
                     first_difference = Some(entry.time);
                 }
             }
-            Record::Out(_) | Record::Warning(_) => {}
+            Record::Out(_) | Record::Sensed(_) | Record::Warning(_) => {}
         }
     }
     if let Some(end) = end {

@@ -30,6 +30,8 @@ pub trait ReadWrite: Sized {
     const TYPE: &'static str;
     /// Whether the header has a `{Time ..}`: INS ships without (DefaultUSAR.ini:51).
     const STAMPED: bool = true;
+    /// The name of the sensor.
+    fn name(&self) -> Option<&str>;
     /// The blocks after the header; empty for a sensor that has nothing to say.
     fn write(&self) -> String;
     /// Reads the blocks of a whole line.
@@ -43,6 +45,8 @@ pub struct Sen {
     pub time: Option<f32>,
     /// What the sensor measured.
     pub reading: Reading,
+    /// The number of the sensor among those of its robot; `None` of a line that was read, which does not say it.
+    pub sensor: Option<usize>,
 }
 
 macro_rules! readings {
@@ -58,10 +62,15 @@ macro_rules! readings {
                 match self { $(Self::$name(_) => $name::TYPE,)* }
             }
 
+            /// The name of its sensor; of several encoders that of the first, and of a camera none.
+            pub fn name(&self) -> Option<&str> {
+                match self { $(Self::$name(reading) => reading.name(),)* }
+            }
+
             /// The line's content with the simulated time in seconds, where the type carries it.
             pub fn at(self, time: f32) -> Sen {
                 let stamped = match self { $(Self::$name(_) => $name::STAMPED,)* };
-                Sen { time: stamped.then_some(time), reading: self }
+                Sen { time: stamped.then_some(time), reading: self, sensor: None }
             }
 
             fn write(&self) -> String {
@@ -86,6 +95,11 @@ macro_rules! readings {
 readings! { GroundTruth, Ins, Imu, Odometry, Encoder, Tachometer, RangeScanner, Sonar, Camera, }
 
 impl Sen {
+    /// The same by a sensor with a number among those of its robot.
+    pub fn of(self, sensor: usize) -> Self {
+        Self { sensor: Some(sensor), ..self }
+    }
+
     /// An empty body still leaves the space before it (Item.uc:43).
     pub(super) fn write(&self) -> String {
         let time = self.time.map(|time| format!(" {{Time {}}}", engine_float(time))).unwrap_or_default();
@@ -97,7 +111,7 @@ impl Sen {
             Some(_) => Some(number(line, "Time")?),
             None => None,
         };
-        Some(Self { time, reading: Reading::read(line)? })
+        Some(Self { time, reading: Reading::read(line)?, sensor: None })
     }
 }
 

@@ -52,14 +52,13 @@ pub(super) fn frame(world: &World) -> Vec<u8> {
 }
 
 /// What a sensor measured; `None` for a sensor that the robot's class does not have.
-pub(super) fn scan(world: &World, robot: RobotId, name: &str, ranges: &[f32]) -> Option<Vec<u8>> {
+pub(super) fn scan(world: &World, robot: RobotId, sensor: usize, ranges: &[f32]) -> Option<Vec<u8>> {
     let (_, class, _) = world.robots().find(|(id, _, _)| *id == robot)?;
-    let sensors = &world.def().robots.get(class)?.sensors;
-    let (index, sensor) = sensors.iter().enumerate().find(|(_, sensor)| sensor.name == name)?;
-    let unit = sensor.config.max_range()? / f64::from(u16::MAX);
+    let def = world.def().robots.get(class)?.sensors.get(sensor)?;
+    let unit = def.config.max_range()? / f64::from(u16::MAX);
     let mut bytes = Bytes::of_kind(2);
     bytes.0.extend((robot.0 as u32).to_le_bytes());
-    bytes.0.push(index as u8);
+    bytes.0.push(sensor as u8);
     bytes.u16(ranges.len());
     ranges.iter().for_each(|&range| bytes.u16((f64::from(range) / unit).round().clamp(0.0, 65535.0) as usize));
     Some(bytes.0)

@@ -184,10 +184,12 @@ impl Robot {
         let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
         let opcode = set.opcode.to_ascii_uppercase();
         let mut messages = Vec::new();
-        for item in items.iter_mut().filter(|item| item.matches(&set.type_name, &set.name)) {
+        let named = items.iter_mut().enumerate().filter(|(_, item)| item.matches(&set.type_name, &set.name));
+        for (number, item) in named {
             let view = View { carrier: physics.carrier(bodies, item.def.link), ..view };
             if item.sensor.set(&opcode, set, &view) == Effect::Scan {
-                messages.extend(item.sensor.sense(&view).map(|reading| Message::Sen(reading.at(time as f32))));
+                messages
+                    .extend(item.sensor.sense(&view).map(|reading| Message::Sen(reading.at(time as f32).of(number))));
             }
         }
         messages
@@ -233,10 +235,10 @@ impl Robot {
         }
         let wheels = physics.wheels(&self.bodies);
         let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
-        for item in items.iter_mut().filter(|item| due(item)) {
+        for (number, item) in items.iter_mut().enumerate().filter(|(_, item)| due(item)) {
             let view = View { carrier: physics.carrier(bodies, item.def.link), ..view };
             if let Some(reading) = item.sensor.sense(&view) {
-                send(Message::Sen(reading.at(time as f32)));
+                send(Message::Sen(reading.at(time as f32).of(number)));
             }
         }
     }

@@ -30,6 +30,8 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
         let kind = match &entry.record {
             Record::In(_) => "lines in",
             Record::Out(_) => "lines out",
+            // A log has the line alone.
+            Record::Sensed(_) => continue,
             Record::Closed(_) => "connections closed",
             Record::Left(_) => "robots that left",
             Record::State(_) => "states",

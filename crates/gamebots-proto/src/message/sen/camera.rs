@@ -10,6 +10,10 @@ pub struct Camera;
 impl ReadWrite for Camera {
     const TYPE: &'static str = "Camera";
 
+    fn name(&self) -> Option<&str> {
+        None
+    }
+
     fn write(&self) -> String {
         String::new()
     }

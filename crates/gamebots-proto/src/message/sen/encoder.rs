@@ -13,6 +13,10 @@ pub struct Encoder {
 impl ReadWrite for Encoder {
     const TYPE: &'static str = "Encoder";
 
+    fn name(&self) -> Option<&str> {
+        self.ticks.first().map(|(name, _)| name.as_str())
+    }
+
     fn write(&self) -> String {
         let wheels: Vec<String> =
             self.ticks.iter().map(|(name, tick)| format!("{{Name {name}}} {{Tick {tick}}}")).collect();

@@ -19,6 +19,10 @@ pub struct GroundTruth {
 impl ReadWrite for GroundTruth {
     const TYPE: &'static str = "GroundTruth";
 
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
+    }
+
     fn write(&self) -> String {
         let [location, orientation] = [self.location, self.orientation].map(|vector| fixed_vector(vector, 3));
         format!("{{Name {}}} {{Location {location}}} {{Orientation {orientation}}}", self.name)

@@ -24,6 +24,10 @@ pub struct Imu {
 impl ReadWrite for Imu {
     const TYPE: &'static str = "IMU";
 
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
+    }
+
     fn write(&self) -> String {
         let vectors = [self.acceleration, self.angular_velocity, self.angular_acceleration, self.rotation];
         let [acceleration, velocity, change, rotation] = vectors.map(|vector| fixed_vector(vector, 4));

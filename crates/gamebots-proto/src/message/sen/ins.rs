@@ -20,6 +20,10 @@ impl ReadWrite for Ins {
     const TYPE: &'static str = "INS";
     const STAMPED: bool = false;
 
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
+    }
+
     fn write(&self) -> String {
         let [location, orientation] = [self.location, self.orientation].map(engine_vector);
         format!("{{Name {}}} {{Location {location}}} {{Orientation {orientation}}}", self.name)

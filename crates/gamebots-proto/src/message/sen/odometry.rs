@@ -17,6 +17,10 @@ pub struct Odometry {
 impl ReadWrite for Odometry {
     const TYPE: &'static str = "Odometry";
 
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
+    }
+
     fn write(&self) -> String {
         format!("{{Name {}}} {{Pose {}}}", self.name, engine_floats(&self.pose))
     }

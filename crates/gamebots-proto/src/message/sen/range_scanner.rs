@@ -21,6 +21,10 @@ pub struct RangeScanner {
 impl ReadWrite for RangeScanner {
     const TYPE: &'static str = "RangeScanner";
 
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
+    }
+
     fn write(&self) -> String {
         let ranges: Vec<String> = self.ranges.iter().map(|&range| fixed(range, 2)).collect();
         let [resolution, field_of_view] = [self.resolution, self.field_of_view].map(|angle| fixed(angle, 4));

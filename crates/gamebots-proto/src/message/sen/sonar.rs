@@ -17,6 +17,10 @@ pub struct Sonar {
 impl ReadWrite for Sonar {
     const TYPE: &'static str = "Sonar";
 
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
+    }
+
     fn write(&self) -> String {
         format!("{{Name {}}} {{Range {}}}", self.name, fixed(self.range, 4))
     }

@@ -19,6 +19,10 @@ pub struct Tachometer {
 impl ReadWrite for Tachometer {
     const TYPE: &'static str = "Tachometer";
 
+    fn name(&self) -> Option<&str> {
+        Some(&self.name)
+    }
+
     fn write(&self) -> String {
         if self.velocities.is_empty() {
             return format!("{{Name {}}}", self.name);
