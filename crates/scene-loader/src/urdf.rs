@@ -5,7 +5,7 @@
 
 mod check;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Node, ParsingOptions};
@@ -140,8 +140,9 @@ impl<'a> Tree<'a> {
             return self.wrong.push((0, "not a URDF: no link is found that is no joint's child".to_owned()));
         };
         // A link, its pose in the URDF's axes, and what it is a part of.
-        let mut open = VecDeque::from([(root, Isometry3::identity(), 0)]);
-        while let Some((link, pose, number)) = open.pop_front() {
+        // The order of parts is that of the sums over them, which rounding makes a part of the robot.
+        let mut open = vec![(root, Isometry3::identity(), 0)];
+        while let Some((link, pose, number)) = open.pop() {
             self.add_link(link, &pose, number);
             for joint in robot.joints.iter().filter(|joint| joint.parent.link == link.name) {
                 let Some(child) = robot.links.iter().find(|link| link.name == joint.child.link) else {
@@ -151,7 +152,7 @@ impl<'a> Tree<'a> {
                 };
                 let place = pose * isometry(&joint.origin);
                 let carried = self.add_joint(joint, child, &place, number);
-                open.push_back((child, place, carried));
+                open.push((child, place, carried));
             }
         }
         // Wheels are numbered in the order of the file.
