@@ -67,12 +67,12 @@ pub enum MotionError {
     #[error("robot `{0}`: expected one with four Mecanum wheels with rollers")]
     NotOmni(String),
     /// The world takes no more robots, or not this one.
-    #[error("{}", told(.0))]
+    #[error("{}", in_words(.0))]
     Refused(Vec<Problem>),
 }
 
 /// Problems in one line.
-pub(crate) fn told(problems: &[Problem]) -> String {
+pub(crate) fn in_words(problems: &[Problem]) -> String {
     problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 

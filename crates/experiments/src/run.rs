@@ -12,7 +12,7 @@ use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
 use sim_core::{Controller, Options, World};
 
-use crate::course::told;
+use crate::course::in_words;
 use crate::plan::{Plan, Run, Setup, Tolerances};
 
 /// Seconds between two ground truth readings, of which the first of every so many is a measured pose (thesis 7.2).
@@ -170,7 +170,7 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let mut stage = Stage { world, controller, log, states };
     stage.greet()?;
     let problems = stage.send(&init)?;
-    let Some(&robot) = stage.controller.robots().last() else { return Err(refuse(&told(&problems))) };
+    let Some(&robot) = stage.controller.robots().last() else { return Err(refuse(&in_words(&problems))) };
 
     let mut poses = Vec::new();
     let mut lines = lines.into_iter().peekable();
@@ -207,7 +207,7 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
         while let Some((_, line)) = lines.next_if(|(at, _)| time - start >= at - 1e-9) {
             let problems = stage.send(&line)?;
             if !problems.is_empty() {
-                return Err(refuse(&format!("{line}: {}", told(&problems))));
+                return Err(refuse(&format!("{line}: {}", in_words(&problems))));
             }
         }
     }

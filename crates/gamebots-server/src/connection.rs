@@ -29,7 +29,7 @@ const UNENDED_LINE: Duration = Duration::from_millis(500);
 /// Number of a connection, from 1.
 pub(crate) type ConnectionId = u64;
 
-/// Everything that the world's thread is told.
+/// Every event of the world's thread.
 pub(crate) enum Event {
     /// A client is here, from this address.
     Opened(ConnectionId, String, Arc<Outbox>),

@@ -79,7 +79,7 @@ impl FoxgloveServer {
     }
 
     /// Hands on what has come, and the time; to be called often.
-    pub(crate) fn tell(&mut self, now: Instant, time: f64) {
+    pub(crate) fn publish(&mut self, now: Instant, time: f64) {
         if now >= self.next_time {
             self.next_time = now + TIME_INTERVAL;
             self.recorder.hand_over();

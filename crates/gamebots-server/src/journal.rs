@@ -1,4 +1,4 @@
-//! What a world was told since it began, kept for the one purpose of making a panic again.
+//! Every request of a world since it began, kept for the one purpose of making a panic again.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! What viewers are told while the world runs. The world's thread makes each thing once, however many look, and only
+//! What viewers get while the world runs. The world's thread makes each thing once, however many look, and only
 //! while somebody does.
 //!
 //! Four channels, by what a slow viewer may miss: of frames (see [`frame`]) and [`Status`] it gets the newest; of [`Notice`]s
@@ -28,7 +28,7 @@ const SCAN_INTERVAL: Duration = Duration::from_millis(100);
 /// Notices, and lines, that a viewer may be behind.
 const MAX_NOTICES: usize = 1024;
 
-/// Something that is told once.
+/// Something that is published once.
 #[derive(Debug, Clone)]
 pub(crate) enum Notice {
     /// What a laser or a sonar measured, see [`frame`].
@@ -54,7 +54,7 @@ pub(crate) struct Line {
 pub(crate) struct Status {
     /// Seconds simulated a second, over the last half second.
     pub(crate) real_time_factor: f64,
-    /// What is wished; 0 is as fast as possible.
+    /// What is asked for; 0 is as fast as possible.
     pub(crate) speed: f64,
     pub(crate) paused: bool,
     /// How often the world began anew.
@@ -91,7 +91,7 @@ pub(crate) struct ClientStatus {
     pub(crate) waiting_bytes: usize,
 }
 
-/// What is to be told now beside where everything is.
+/// What is to be published now beside where everything is.
 pub(crate) struct Due {
     pub(crate) status: bool,
 }
@@ -129,7 +129,7 @@ pub(crate) struct Broadcast {
     statuses: watch::Sender<Arc<str>>,
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
-    /// When each sensor's last scan was told.
+    /// When each sensor's last scan was published.
     scanned: BTreeMap<(RobotId, usize), Instant>,
     /// Viewers at the last frame.
     viewers: usize,
@@ -154,7 +154,7 @@ pub(crate) fn broadcast(now: Instant) -> (Broadcast, Channels) {
 }
 
 impl Broadcast {
-    /// Whether anybody is told anything. The [`Channels`] that new viewers are given hold one end themselves.
+    /// Whether anybody looks. The [`Channels`] that new viewers are given hold one end themselves.
     fn is_watched(&self) -> bool {
         self.frames.receiver_count() > 1
     }
@@ -169,7 +169,7 @@ impl Broadcast {
         self.next_status = now;
     }
 
-    /// What is to be told now; to be asked often.
+    /// What is to be published now; to be asked often.
     pub(crate) fn due(&mut self, now: Instant) -> Option<Due> {
         if now < self.next_frame || !self.is_watched() {
             return None;
@@ -182,7 +182,7 @@ impl Broadcast {
     }
 
     /// Tells where everything is, and the status when it is due; its real-time factor is measured here.
-    pub(crate) fn tell(&mut self, now: Instant, world: &World, status: Option<Status>) {
+    pub(crate) fn publish(&mut self, now: Instant, world: &World, status: Option<Status>) {
         self.next_frame = now + FRAME_INTERVAL;
         self.frames.send_replace(frame::frame(world).into());
         if let Some(status) = status {
@@ -199,7 +199,7 @@ impl Broadcast {
         }
     }
 
-    /// Tells a line of the wire to those who want them.
+    /// Publishes a line of the wire to those who want them.
     pub(crate) fn line(&self, line: impl FnOnce() -> Line) {
         if self.lines.receiver_count() > 0 {
             // Without a listener it is nobody's.
@@ -207,7 +207,7 @@ impl Broadcast {
         }
     }
 
-    /// Tells what a laser or a sonar measured, but no more often than it can be looked at.
+    /// Publishes what a laser or a sonar measured, but no more often than it can be looked at.
     pub(crate) fn scan(&mut self, world: &World, robot: RobotId, message: &Message) {
         let Message::Sen(Sen { reading, sensor: Some(number), .. }) = message else { return };
         let ranges = match reading {
@@ -229,7 +229,7 @@ impl Broadcast {
         }
     }
 
-    /// Tells something in words.
+    /// Publishes something in words.
     pub(crate) fn say(&self, text: &str) {
         let _ = self.notices.send(Notice::Said(text.into()));
     }

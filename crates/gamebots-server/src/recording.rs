@@ -182,9 +182,9 @@ impl Recording {
     }
 
     /// Tells Foxglove what is new; to be called often.
-    pub(crate) fn tell(&mut self, now: Instant, world: &World) {
+    pub(crate) fn publish(&mut self, now: Instant, world: &World) {
         if let Some(foxglove) = &mut self.foxglove {
-            foxglove.tell(now, world.time());
+            foxglove.publish(now, world.time());
         }
     }
 

@@ -123,9 +123,9 @@ impl Server {
             let now = Instant::now();
             if let Some(due) = self.live.due(now) {
                 let status = due.status.then(|| self.status());
-                self.live.tell(now, &self.world, status);
+                self.live.publish(now, &self.world, status);
             }
-            self.recording.tell(now, &self.world);
+            self.recording.publish(now, &self.world);
             for news in self.recording.news() {
                 self.live.say(&news);
                 self.live.changed(now);
@@ -373,7 +373,7 @@ impl Server {
         if !text.is_empty() {
             let robot = self.newest_robot(id);
             self.record(Record::In(WireLine { connection: id, robot, line: text.clone() }));
-            self.tell_line("in", id, robot, text);
+            self.publish_line("in", id, robot, text);
         }
         let Some(session) = self.sessions.get_mut(&id) else { return };
         let robots = session.robots().len();
@@ -404,13 +404,13 @@ impl Server {
         if let Some(sensed) = Record::sensed(robot, message).filter(|_| self.recording.is_wanted()) {
             self.recording.record(&self.world, || sensed);
         }
-        self.tell_line("out", id, robot, &text);
+        self.publish_line("out", id, robot, &text);
         if let Some(session) = self.sessions.get(&id) {
             session.outbox().push(text, message.is_periodic());
         }
     }
 
-    fn tell_line(&self, direction: &'static str, connection: ConnectionId, robot: Option<u64>, text: &str) {
+    fn publish_line(&self, direction: &'static str, connection: ConnectionId, robot: Option<u64>, text: &str) {
         let time = self.world.time();
         self.live.line(|| Line { time, direction, connection, robot, text: text.to_owned() });
     }

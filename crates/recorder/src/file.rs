@@ -12,7 +12,7 @@ use mcap::{Compression, McapResult, WriteOptions, Writer};
 
 use crate::records::MAX_RECORD_BYTES;
 use crate::writer::refused;
-use crate::{Put, RecordError};
+use crate::{Publish, RecordError};
 
 /// Largest message or metadata: a chunk that has it beside the megabyte that chunks have can still be read.
 const MAX_BYTES: usize = MAX_RECORD_BYTES - (4 << 20);
@@ -113,8 +113,8 @@ impl LogFile {
     }
 }
 
-impl Put for LogFile {
-    fn put<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()> {
+impl Publish for LogFile {
+    fn publish<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()> {
         if time as u64 > self.second {
             self.second = time as u64;
             self.flush()?;

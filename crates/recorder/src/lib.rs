@@ -15,11 +15,11 @@ mod file;
 mod live;
 mod messages;
 pub mod native;
-mod places;
 mod reader;
 mod records;
 mod recover;
 pub mod ros2;
+mod slots;
 mod table;
 mod writer;
 
@@ -88,9 +88,9 @@ pub struct End {
 }
 
 /// Where messages go.
-pub(crate) trait Put {
+pub(crate) trait Publish {
     /// Takes a message of a simulated time in seconds; the channel is made when it is first used.
-    fn put<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()>;
+    fn publish<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()>;
 
     /// Nothing that was said on the topics that begin so is true any more.
     fn forget(&mut self, _topics: &str) {}

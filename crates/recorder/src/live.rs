@@ -10,7 +10,7 @@ use scene::WorldDef;
 use crate::file::nanoseconds;
 use crate::native::Native;
 use crate::writer::{Sink, refused};
-use crate::{End, LEFT, Put, Record, RecordError};
+use crate::{End, LEFT, Publish, Record, RecordError};
 
 /// Topics whose last message says nothing about now.
 const PASSING: [&str; 3] = ["/wire/", "/log", LEFT];
@@ -23,7 +23,7 @@ pub struct Live {
     time: f64,
 }
 
-/// The last message of each channel, for those who subscribe later: the map and the robots are told only once.
+/// The last message of each channel, for those who subscribe later: the map and the robots are published only once.
 #[derive(Clone, Default)]
 pub struct Latched(Arc<Mutex<BTreeMap<String, Last>>>);
 
@@ -86,8 +86,8 @@ impl Latched {
     }
 }
 
-impl Put for Channels {
-    fn put<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()> {
+impl Publish for Channels {
+    fn publish<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()> {
         let channel = match self.by_topic.get(topic) {
             Some(channel) => channel.clone(),
             None => self.open::<T>(topic)?,

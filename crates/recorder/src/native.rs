@@ -13,57 +13,57 @@ use mcap::McapResult;
 use scene::{Pose, RobotDef, WorldDef};
 
 use crate::file::nanoseconds;
-use crate::places::{Placed, Places};
-use crate::{LEFT, ObjectState, Put, Record, RobotLeft, RobotState, Sensed, drawing};
+use crate::slots::{Slots, Slotted};
+use crate::{LEFT, ObjectState, Publish, Record, RobotLeft, RobotState, Sensed, drawing};
 
 /// Turns records into messages.
 pub(crate) struct Native {
     world: WorldDef,
     /// The robots that have been drawn.
-    places: Places,
+    slots: Slots,
 }
 
 impl Native {
     /// Begins with what does not change.
-    pub(crate) fn new(world: &WorldDef, file: &mut impl Put) -> McapResult<Self> {
+    pub(crate) fn new(world: &WorldDef, file: &mut impl Publish) -> McapResult<Self> {
         let upside_down = scene::pose([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]);
-        file.put(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
-        file.put(0.0, "/map/scene", &added(0.0, drawing::map(&world.map)))?;
-        Ok(Self { world: world.clone(), places: Places::default() })
+        file.publish(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
+        file.publish(0.0, "/map/scene", &added(0.0, drawing::map(&world.map)))?;
+        Ok(Self { world: world.clone(), slots: Slots::default() })
     }
 
-    pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut impl Put) -> McapResult<()> {
+    pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut impl Publish) -> McapResult<()> {
         match record {
-            Record::In(line) => file.put(time, "/wire/in", line),
-            Record::Out(line) => file.put(time, "/wire/out", line),
+            Record::In(line) => file.publish(time, "/wire/in", line),
+            Record::Out(line) => file.publish(time, "/wire/out", line),
             Record::Sensed(sensed) => self.write_scan(time, sensed, file),
             Record::Closed(line) => {
-                file.put(time, "/wire/closed", line)?;
+                file.publish(time, "/wire/closed", line)?;
                 let text = format!("connection {} ended", line.connection);
-                file.put(time, "/log", &log(time, Level::Info, text))
+                file.publish(time, "/log", &log(time, Level::Info, text))
             }
             Record::Left(robot) => self.write_left(time, *robot, file),
             Record::State(state) => self.write_state(time, state, file),
             Record::Object(object) => write_object(time, object, file),
-            Record::Warning(text) => file.put(time, "/log", &log(time, Level::Warning, text.clone())),
+            Record::Warning(text) => file.publish(time, "/log", &log(time, Level::Warning, text.clone())),
         }
     }
 
-    fn write_state(&mut self, time: f64, state: &RobotState, file: &mut impl Put) -> McapResult<()> {
+    fn write_state(&mut self, time: f64, state: &RobotState, file: &mut impl Publish) -> McapResult<()> {
         let RobotState { robot, class, .. } = state;
-        let place = match self.places.get(*robot) {
-            Some(placed) => placed.place,
+        let slot = match self.slots.get(*robot) {
+            Some(slotted) => slotted.slot,
             None => self.write_come(time, state, file)?,
         };
-        let (frame, pose) = (robot_frame(place), state.pose());
-        let topic = |name: &str| topic(place, name);
-        file.put(time, &topic("state"), state)?;
+        let (frame, pose) = (robot_frame(slot), state.pose());
+        let topic = |name: &str| topic(slot, name);
+        file.publish(time, &topic("state"), state)?;
         let in_world = PoseInFrame {
             timestamp: Some(timestamp(time)),
             frame_id: "world".to_owned(),
             pose: Some(drawing::fox_pose(&pose)),
         };
-        file.put(time, &topic("pose"), &in_world)?;
+        file.publish(time, &topic("pose"), &in_world)?;
         let def = self.world.robots.get(class);
         let states = state.joints();
         let names = def.into_iter().flat_map(RobotDef::with_values).map(|link| link.name.clone());
@@ -74,55 +74,55 @@ impl Native {
             ..JointState::default()
         });
         let joints = JointStates { timestamp: Some(timestamp(time)), joints: joints.collect() };
-        file.put(time, &topic("joints"), &joints)?;
+        file.publish(time, &topic("joints"), &joints)?;
         let links = def.into_iter().flat_map(|def| def.placed_links(&states)).skip(1);
         let links = links.map(|(link, pose)| transform(time, &frame, &format!("{frame}/{}", link.name), &pose));
         let all = std::iter::once(transform(time, "world", &frame, &pose)).chain(links).collect();
-        file.put(time, &topic("tf"), &transforms(all))
+        file.publish(time, &topic("tf"), &transforms(all))
     }
 
-    /// A robot that is seen for the first time; its place.
-    fn write_come(&mut self, time: f64, state: &RobotState, file: &mut impl Put) -> McapResult<u64> {
+    /// A robot that is seen for the first time; its slot.
+    fn write_come(&mut self, time: f64, state: &RobotState, file: &mut impl Publish) -> McapResult<u64> {
         let RobotState { robot, class, name, .. } = state;
-        let place = self.places.come(*robot, class);
+        let slot = self.slots.come(*robot, class);
         let text = format!("robot {robot} came: {class} {name}");
-        file.put(time, "/log", &log(time, Level::Info, text.trim_end().to_owned()))?;
-        let Some(def) = self.world.robots.get(class) else { return Ok(place) };
-        let frame = robot_frame(place);
+        file.publish(time, "/log", &log(time, Level::Info, text.trim_end().to_owned()))?;
+        let Some(def) = self.world.robots.get(class) else { return Ok(slot) };
+        let frame = robot_frame(slot);
         let mount = |sensor: &scene::SensorDef| {
             let (number, link, pose) = def.mount_of(sensor)?;
             let parent = if number == 0 { frame.clone() } else { format!("{frame}/{}", link.name) };
             Some(transform(time, &parent, &format!("{frame}/{}", sensor.name), &pose))
         };
         let mounts = transforms(def.sensors.iter().filter_map(mount).collect());
-        file.put(time, &topic(place, "tf_static"), &mounts)?;
-        file.put(time, &topic(place, "scene"), &added(time, drawing::robot(&frame, def)))?;
-        Ok(place)
+        file.publish(time, &topic(slot, "tf_static"), &mounts)?;
+        file.publish(time, &topic(slot, "scene"), &added(time, drawing::robot(&frame, def)))?;
+        Ok(slot)
     }
 
-    fn write_left(&mut self, time: f64, robot: u64, file: &mut impl Put) -> McapResult<()> {
-        file.put(time, LEFT, &RobotLeft { robot })?;
-        // Without a place it left before its first state.
-        let Some(place) = self.places.leave(robot) else { return Ok(()) };
-        file.put(time, "/log", &log(time, Level::Info, format!("robot {robot} left")))?;
-        erase(time, place, file)
+    fn write_left(&mut self, time: f64, robot: u64, file: &mut impl Publish) -> McapResult<()> {
+        file.publish(time, LEFT, &RobotLeft { robot })?;
+        // Without a slot it left before its first state.
+        let Some(slot) = self.slots.leave(robot) else { return Ok(()) };
+        file.publish(time, "/log", &log(time, Level::Info, format!("robot {robot} left")))?;
+        erase(time, slot, file)
     }
 
     /// Every robot is gone: a fresh world begins.
-    pub(crate) fn start_over(&mut self, time: f64, file: &mut impl Put) -> McapResult<()> {
-        self.places.clear().try_for_each(|place| erase(time, place, file))
+    pub(crate) fn start_over(&mut self, time: f64, file: &mut impl Publish) -> McapResult<()> {
+        self.slots.clear().try_for_each(|slot| erase(time, slot, file))
     }
 
-    fn write_scan(&self, time: f64, sensed: &Sensed, file: &mut impl Put) -> McapResult<()> {
+    fn write_scan(&self, time: f64, sensed: &Sensed, file: &mut impl Publish) -> McapResult<()> {
         let Sensed { robot, sensor, reading: Reading::RangeScanner(scan) } = sensed else { return Ok(()) };
         let RangeScanner { name, ranges, .. } = scan;
-        let Some(Placed { place, class }) = self.places.get(*robot) else { return Ok(()) };
+        let Some(Slotted { slot, class }) = self.slots.get(*robot) else { return Ok(()) };
         let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(*sensor));
         let Some(fan) = sensor.and_then(|sensor| sensor.config.fan()).filter(|fan| fan.level) else { return Ok(()) };
         let steps = ranges.len().saturating_sub(1) as f64;
         let scan = fox::LaserScan {
             timestamp: Some(timestamp(time)),
-            frame_id: format!("{}/{name}", robot_frame(*place)),
+            frame_id: format!("{}/{name}", robot_frame(*slot)),
             pose: Some(drawing::fox_pose(&Pose::identity())),
             // From the right to the left; z is down, so the right is positive.
             start_angle: fan.first,
@@ -130,35 +130,35 @@ impl Native {
             ranges: ranges.iter().map(|&range| f64::from(range)).collect(),
             intensities: Vec::new(),
         };
-        file.put(time, &topic(*place, &format!("sensor/{name}")), &scan)
+        file.publish(time, &topic(*slot, &format!("sensor/{name}")), &scan)
     }
 }
 
 /// Takes a robot out of the picture.
-fn erase(time: f64, place: u64, file: &mut impl Put) -> McapResult<()> {
+fn erase(time: f64, slot: u64, file: &mut impl Publish) -> McapResult<()> {
     let all = SceneEntityDeletion {
         timestamp: Some(timestamp(time)),
         r#type: DeletionType::All as i32,
         ..SceneEntityDeletion::default()
     };
-    file.put(time, &topic(place, "scene"), &SceneUpdate { deletions: vec![all], entities: Vec::new() })?;
-    file.forget(&topic(place, ""));
+    file.publish(time, &topic(slot, "scene"), &SceneUpdate { deletions: vec![all], entities: Vec::new() })?;
+    file.forget(&topic(slot, ""));
     Ok(())
 }
 
-fn write_object(time: f64, object: &ObjectState, file: &mut impl Put) -> McapResult<()> {
+fn write_object(time: f64, object: &ObjectState, file: &mut impl Publish) -> McapResult<()> {
     let number = object.object;
-    file.put(time, &format!("/map/object/{number}"), object)?;
-    let placed = transform(time, "world", &drawing::object_frame(number as usize), &object.pose());
-    file.put(time, &format!("/map/object/{number}/tf"), &transforms(vec![placed]))
+    file.publish(time, &format!("/map/object/{number}"), object)?;
+    let slotted = transform(time, "world", &drawing::object_frame(number as usize), &object.pose());
+    file.publish(time, &format!("/map/object/{number}/tf"), &transforms(vec![slotted]))
 }
 
-fn robot_frame(place: u64) -> String {
-    format!("robot/{place}")
+fn robot_frame(slot: u64) -> String {
+    format!("robot/{slot}")
 }
 
-fn topic(place: u64, name: &str) -> String {
-    format!("/robot/{place}/{name}")
+fn topic(slot: u64, name: &str) -> String {
+    format!("/robot/{slot}/{name}")
 }
 
 fn timestamp(time: f64) -> Timestamp {

@@ -14,8 +14,8 @@ use scene::{Pose, RobotDef, SensorDef, WorldDef};
 
 use self::messages as ros;
 use crate::file::{LogFile, Storage, nanoseconds};
-use crate::places::{Placed, Places};
-use crate::{ObjectState, Put, Record, RecordError, RobotState, Sensed};
+use crate::slots::{Slots, Slotted};
+use crate::{ObjectState, Publish, Record, RecordError, RobotState, Sensed};
 
 /// What stands in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
 const NOT_MEASURED: f64 = -1.0;
@@ -29,14 +29,14 @@ pub(crate) fn begin(storage: Box<dyn Storage>, path: &Path) -> Result<LogFile, R
 pub(crate) struct Ros2 {
     world: WorldDef,
     /// The robots that have been seen.
-    places: Places,
+    slots: Slots,
     /// Last time on `/clock`, ns.
     clock: Option<u64>,
 }
 
 impl Ros2 {
     pub(crate) fn new(world: &WorldDef) -> Self {
-        Self { world: world.clone(), places: Places::default(), clock: None }
+        Self { world: world.clone(), slots: Slots::default(), clock: None }
     }
 
     pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut LogFile) -> McapResult<()> {
@@ -45,7 +45,7 @@ impl Ros2 {
             Record::Object(object) => self.write_object(time, object, file),
             Record::Sensed(sensed) => self.write_reading(time, sensed, file),
             Record::Left(robot) => {
-                self.places.leave(*robot);
+                self.slots.leave(*robot);
                 Ok(())
             }
             Record::In(_) | Record::Out(_) | Record::Closed(_) | Record::Warning(_) => Ok(()),
@@ -57,30 +57,30 @@ impl Ros2 {
         if self.clock.replace(now) == Some(now) {
             return Ok(());
         }
-        file.put(time, "/clock", &ros::Clock { clock: stamp(time) })
+        file.publish(time, "/clock", &ros::Clock { clock: stamp(time) })
     }
 
     fn write_state(&mut self, time: f64, state: &RobotState, file: &mut LogFile) -> McapResult<()> {
         self.write_clock(time, file)?;
         let RobotState { robot, class, .. } = state;
-        let place = self.places.get(*robot).map(|placed| placed.place);
-        let (came, place) = (place.is_none(), place.unwrap_or_else(|| self.places.come(*robot, class)));
-        let frame = robot_frame(place);
+        let slot = self.slots.get(*robot).map(|slotted| slotted.slot);
+        let (came, slot) = (slot.is_none(), slot.unwrap_or_else(|| self.slots.come(*robot, class)));
+        let frame = robot_frame(slot);
         let def = self.world.robots.get(class);
         if let (true, Some(def)) = (came, def) {
             let mount = |sensor: &SensorDef| {
                 let (number, link, pose) = def.mount_of(sensor)?;
                 let parent = if number == 0 { frame.clone() } else { format!("{frame}/{}", name(&link.name)) };
-                Some(transform(time, &parent, &sensor_frame(place, &sensor.name), &pose))
+                Some(transform(time, &parent, &sensor_frame(slot, &sensor.name), &pose))
             };
             let mounts = def.sensors.iter().filter_map(mount).collect();
-            file.put(time, "/tf_static", &ros::TFMessage { transforms: mounts })?;
+            file.publish(time, "/tf_static", &ros::TFMessage { transforms: mounts })?;
         }
         let pose = state.pose();
         let links = def.into_iter().flat_map(|def| def.placed_links(&state.joints())).skip(1);
         let links = links.map(|(link, pose)| transform(time, &frame, &format!("{frame}/{}", name(&link.name)), &pose));
         let transforms = std::iter::once(transform(time, "map", &frame, &pose)).chain(links).collect();
-        file.put(time, "/tf", &ros::TFMessage { transforms })?;
+        file.publish(time, "/tf", &ros::TFMessage { transforms })?;
 
         let (linear, angular) = state.velocity();
         let in_robot = |axes: Vector3<f64>| vector(pose.rotation.inverse() * axes);
@@ -93,7 +93,7 @@ impl Ros2 {
                 covariance: [[0.0; 6]; 6],
             },
         };
-        file.put(time, &format!("/{frame}/ground_truth"), &odometry)?;
+        file.publish(time, &format!("/{frame}/ground_truth"), &odometry)?;
         let joints = ros::JointState {
             header: header(time, &frame),
             name: def.into_iter().flat_map(RobotDef::with_values).map(|link| name(&link.name)).collect(),
@@ -101,27 +101,27 @@ impl Ros2 {
             velocity: state.joint_speeds.clone(),
             effort: Vec::new(),
         };
-        file.put(time, &format!("/{frame}/joint_states"), &joints)
+        file.publish(time, &format!("/{frame}/joint_states"), &joints)
     }
 
     fn write_object(&mut self, time: f64, object: &ObjectState, file: &mut LogFile) -> McapResult<()> {
         self.write_clock(time, file)?;
-        let placed = transform(time, "map", &format!("object_{}", object.object), &object.pose());
-        file.put(time, "/tf", &ros::TFMessage { transforms: vec![placed] })
+        let slotted = transform(time, "map", &format!("object_{}", object.object), &object.pose());
+        file.publish(time, "/tf", &ros::TFMessage { transforms: vec![slotted] })
     }
 
     fn write_reading(&self, time: f64, sensed: &Sensed, file: &mut LogFile) -> McapResult<()> {
         let Sensed { robot, sensor, reading } = sensed;
-        let Some(Placed { place, class }) = self.places.get(*robot) else { return Ok(()) };
-        let place = *place;
+        let Some(Slotted { slot, class }) = self.slots.get(*robot) else { return Ok(()) };
+        let slot = *slot;
         let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(*sensor));
-        let topic = |sensor: &str| format!("/{}/sensor/{}", robot_frame(place), name(sensor));
-        let header = |sensor: &str| header(time, &sensor_frame(place, sensor));
+        let topic = |sensor: &str| format!("/{}/sensor/{}", robot_frame(slot), name(sensor));
+        let header = |sensor: &str| header(time, &sensor_frame(slot, sensor));
         match reading {
             Reading::RangeScanner(scan) => match sensor.map(|sensor| (sensor, sensor.config.fan())) {
                 Some((sensor, Some(fan))) if fan.level => {
                     let message = laser(header(&scan.name), scan.ranges.clone(), sensor.scan_interval, fan);
-                    file.put(time, &topic(&scan.name), &message)
+                    file.publish(time, &topic(&scan.name), &message)
                 }
                 _ => Ok(()),
             },
@@ -135,23 +135,23 @@ impl Ros2 {
                         max_range: config.max_range as f32,
                         range: sonar.range,
                     };
-                    file.put(time, &topic(&sonar.name), &message)
+                    file.publish(time, &topic(&sonar.name), &message)
                 }
                 _ => Ok(()),
             },
-            Reading::Ins(ins) => file.put(time, &topic(&ins.name), &imu(header(&ins.name), ins)),
+            Reading::Ins(ins) => file.publish(time, &topic(&ins.name), &imu(header(&ins.name), ins)),
             Reading::Odometry(odometry) => {
                 let [x, y, theta] = odometry.pose.map(f64::from);
                 let pose = scene::pose([x, y, 0.0], [0.0, 0.0, theta]);
                 let mut message = ros::Odometry {
                     header: header(&odometry.name),
-                    child_frame_id: robot_frame(place),
+                    child_frame_id: robot_frame(slot),
                     pose: ros::PoseWithCovariance { pose: ros_pose(&pose), covariance: [[0.0; 6]; 6] },
                     twist: ros::TwistWithCovariance::default(),
                 };
                 message.header.frame_id.push_str("_start");
                 message.twist.covariance[0][0] = NOT_MEASURED;
-                file.put(time, &topic(&odometry.name), &message)
+                file.publish(time, &topic(&odometry.name), &message)
             }
             Reading::GroundTruth(_)
             | Reading::Imu(_)
@@ -193,12 +193,12 @@ fn imu(header: ros::Header, ins: &Ins) -> ros::Imu {
     }
 }
 
-fn robot_frame(place: u64) -> String {
-    format!("robot_{place}")
+fn robot_frame(slot: u64) -> String {
+    format!("robot_{slot}")
 }
 
-fn sensor_frame(place: u64, sensor: &str) -> String {
-    format!("robot_{place}/{}", name(sensor))
+fn sensor_frame(slot: u64, sensor: &str) -> String {
+    format!("robot_{slot}/{}", name(sensor))
 }
 
 /// A name as ROS allows it: letters, digits and `_`, no digit first.

@@ -41,7 +41,7 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
     check_toml(&Source::of_file(path), name)
 }
 
-/// Materials are told by the name of their file, robots by their wheels; the rest is a map.
+/// Materials have the name of their file, robots have wheels; the rest is a map.
 fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
     let text = source.text(name)?;
     let materials = catalogue::built_in_materials(&[])?;

@@ -5,7 +5,7 @@ use std::fmt;
 
 use scene::check::SceneProblem;
 
-/// Most problems that are told: a file of a million mistakes is no file of this kind.
+/// Most problems that are said: a file of a million mistakes is no file of this kind.
 const MAX_PROBLEMS: usize = 100;
 /// Most names that a message lists.
 const MAX_LISTED: usize = 30;

@@ -22,7 +22,7 @@ pub struct Eff {
     pub time: f32,
     /// Name of the gripper.
     pub name: String,
-    /// As it was told.
+    /// As it was commanded.
     pub closed: bool,
 }
 

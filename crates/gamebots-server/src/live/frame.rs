@@ -11,7 +11,7 @@
 //! | 7 x 4 | position and quaternion x y z w, f32 |
 //! | 6 x 4 | velocity along and angular velocity about the robot's own axes, f32 |
 //! | 1 | driven wheels, then each of them: |
-//! | 3 x 4 | angle, speed, wished speed, f32 |
+//! | 3 x 4 | angle, speed, target speed, f32 |
 //! | 1 | its rollers, then each of them: |
 //! | 2 | angle about its own axis, i16, pi being 32768 |
 //! | 1 | links beside the body and driven wheels, then each of them: |
@@ -29,7 +29,7 @@ use std::f64::consts::PI;
 use scene::{Pose, RobotDef};
 use sim_core::{Contact, Observation, RobotId, World};
 
-/// Contacts of one robot that are told, the strongest first.
+/// Contacts of one robot that are published, the strongest first.
 const MAX_CONTACTS: usize = 64;
 /// Unit of a force, N.
 const FORCE_UNIT: f64 = 0.25;

@@ -22,7 +22,7 @@ use crate::live::{Line, Notice};
 /// Longest text that a viewer may send.
 const MAX_TEXT: usize = 1024;
 
-/// Most lines of the wire that one viewer is told in a window of real time; nobody reads more.
+/// Most lines of the wire that one viewer gets in a window of real time; nobody reads more.
 const MAX_LINES: u64 = 1000;
 const LINE_WINDOW: Duration = Duration::from_secs(1);
 
@@ -41,7 +41,7 @@ pub(super) async fn upgrade(
 ) -> Response {
     socket.max_message_size(MAX_TEXT).on_upgrade(|socket| async move {
         let turns = Arc::new(Semaphore::new(1));
-        let mut viewer = Viewer { socket, site, turns, lines: None, told: (Instant::now(), 0), _place: place };
+        let mut viewer = Viewer { socket, site, turns, lines: None, shown: (Instant::now(), 0), _place: place };
         // A viewer that has left, or takes nothing, needs no farewell.
         let _ = viewer.run().await;
     })
@@ -54,8 +54,8 @@ struct Viewer {
     turns: Arc<Semaphore>,
     /// The lines of the wire, while it wants them.
     lines: Option<Receiver<Arc<Line>>>,
-    /// When the present window began, and how many lines it has been told since.
-    told: (Instant, u64),
+    /// When the present window began, and how many lines it has got since.
+    shown: (Instant, u64),
     _place: Place,
 }
 
@@ -79,14 +79,14 @@ impl Viewer {
                     let frame = frames.borrow_and_update().clone();
                     self.send(Message::Binary(frame)).await?;
                 }
-                notice = notices.recv() => self.tell(notice).await?,
+                notice = notices.recv() => self.send_notice(notice).await?,
                 line = next(&mut self.lines) => self.tell_line(line).await?,
                 received = self.socket.recv() => self.take(received).await?,
             }
         }
     }
 
-    async fn tell(&mut self, notice: Result<Notice, RecvError>) -> Result<(), Gone> {
+    async fn send_notice(&mut self, notice: Result<Notice, RecvError>) -> Result<(), Gone> {
         let message = match notice {
             Ok(Notice::Scan(scan)) => Message::Binary(scan),
             Ok(Notice::Said(said)) => text(&json!({ "said": &*said })),
@@ -102,16 +102,16 @@ impl Viewer {
             Err(RecvError::Lagged(missed)) => *missed,
             Err(RecvError::Closed) => return Err(Gone),
         };
-        if self.told.0.elapsed() >= LINE_WINDOW {
-            let surplus = self.told.1.saturating_sub(MAX_LINES);
-            self.told = (Instant::now(), 0);
+        if self.shown.0.elapsed() >= LINE_WINDOW {
+            let surplus = self.shown.1.saturating_sub(MAX_LINES);
+            self.shown = (Instant::now(), 0);
             if surplus > 0 {
                 self.send(text(&json!({ "missed": surplus }))).await?;
             }
         }
-        self.told.1 += 1 + missed;
+        self.shown.1 += 1 + missed;
         match line {
-            Ok(line) if self.told.1 <= MAX_LINES => self.send(text(&json!({ "line": *line }))).await,
+            Ok(line) if self.shown.1 <= MAX_LINES => self.send(text(&json!({ "line": *line }))).await,
             _ => Ok(()),
         }
     }

@@ -7,7 +7,7 @@ const HOLDING_SPEED: f64 = 0.5;
 /// Time constant of holding, s: the servo's gain over this is the stiffness of a held wheel.
 const HOLDING_TIME: f64 = 0.05;
 
-/// What a joint is told.
+/// A joint's target, and what its servo remembers.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Servo {
     target: f64,

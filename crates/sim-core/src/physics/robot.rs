@@ -53,7 +53,7 @@ pub(super) struct TreeJoint {
     handle: MultibodyJointHandle,
     value: Value,
     servo: Servo,
-    /// What it is told by itself; that of a wheel and of a joint that follows none is its servo's.
+    /// Its own target; that of a wheel and of a joint that follows none is its servo's.
     target: f64,
 }
 

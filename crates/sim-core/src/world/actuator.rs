@@ -1,4 +1,4 @@
-//! What a robot's actuators and grippers are told, and what they say (robots.md 5).
+//! Commands of actuators and grippers, and their states (robots.md 5).
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ActuatorGeo, Asta, Eff, ItemConf, JointConf, JointGeo, Message};

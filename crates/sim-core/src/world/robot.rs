@@ -27,7 +27,7 @@ pub struct Observation {
     pub joints: Vec<JointState>,
     /// The driven wheels, in order.
     pub wheels: Vec<WheelState>,
-    /// The speeds that they are told, rad/s.
+    /// Their target speeds, rad/s.
     pub targets: Vec<f64>,
     /// Angles of the rollers about their own axes, rad, wheel by wheel.
     pub rollers: Vec<f64>,
