@@ -1,6 +1,6 @@
 //! `usarsim snapshot`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use gamebots_proto::command::Command;
 use gamebots_proto::{Line, Problem};
@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     /// A map by name or the path of a map.toml.
     #[arg(long, default_value = "rough", value_name = "NAME|FILE")]
     map: String,
-    /// A robot class to put on the map, or the path of its robot.toml.
+    /// A robot class to put on the map, or the path of its robot.toml or URDF.
     #[arg(long, value_name = "CLASS|FILE")]
     robot: Option<String>,
     /// Where the robot stands.
@@ -103,16 +103,16 @@ const FILLING: f64 = 1.1;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let configuration = |error: String| Failure::new(exit::BAD_CONFIGURATION, error);
-    let file = arguments.robot.as_deref().filter(|robot| robot.ends_with(".toml")).map(std::path::Path::new);
-    let files: Vec<&std::path::Path> = file.into_iter().collect();
+    let file = arguments.robot.as_deref().map(Path::new).filter(|file| file.is_file());
+    let files: Vec<&Path> = file.into_iter().collect();
     let mut def = scene_loader::load_with(&arguments.map, &files, &arguments.set)
         .map_err(|error| configuration(error.to_string()))?;
     def.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     let mut world = World::new(def, Options::default());
     let mut middle = (overview(&world), Vector3::x_axis().into_inner());
     if let Some(robot) = &arguments.robot {
-        let folder = || file?.parent()?.file_name()?.to_str();
-        let class = folder().unwrap_or(robot);
+        let class = scene_loader::robot(robot, &[]).map_or_else(|_| robot.clone(), |def| def.class);
+        let class = class.as_str();
         place(&mut world, class, arguments).map_err(configuration)?;
         if let Some((body, _)) = world.robots().next().and_then(|(id, _, _)| world.state(id)) {
             middle =

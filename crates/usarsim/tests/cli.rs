@@ -317,6 +317,21 @@ fn a_broken_map_or_robot_is_refused_at_start() {
 }
 
 #[test]
+fn a_picture_is_taken_of_a_robot_whatever_its_file_is_called() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robot = include_str!("../../../assets/robots/Kenaf/robot.toml");
+    for name in ["Tracked.toml", "robot.toml"] {
+        let (file, out) = (folder.path().join(name), folder.path().join("picture.png"));
+        std::fs::write(&file, robot).expect("a file");
+        let [file, out] = [&file, &out].map(|path| path.to_str().expect("a path"));
+        let output = run(&["snapshot", "--robot", file, "--size", "64x48", "--seconds", "0.1", "--out", out]);
+        assert_eq!(output.status.code(), Some(0), "{name}: {}", text(&output.stderr));
+        assert!(std::fs::read(out).is_ok_and(|png| png.starts_with(b"\x89PNG")), "{name}");
+        std::fs::remove_file(out).expect("a picture");
+    }
+}
+
+#[test]
 fn what_is_shipped_is_good() {
     let mut files = vec!["assets/materials.toml".to_owned(), "assets/robots/KUKA_YouBot/robot.urdf".to_owned()];
     files.extend(["arena", "rough", "slope-1.5", "slope-4.5", "smooth"].map(|map| format!("maps/{map}/map.toml")));
