@@ -4,7 +4,7 @@ use gamebots_proto::message::{Message, Reading};
 use nalgebra::Vector3;
 use scene::{Material, Object, Shape, Solid, WorldDef};
 use sim_core::{Options, RobotId, World};
-use system_tests::{apply, init, run};
+use system_tests::{apply, command, init, run};
 
 /// Edge of what is carried, m.
 const EDGE: f64 = 0.07;
@@ -130,6 +130,10 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
         let (values, _) = states(&mut world, 1.0);
         assert!((f64::from(values[0]) - expected).abs() < 0.002, "{line}: {values:?}");
     }
+    let mut problems = Vec::new();
+    world.apply(robot, &command("ACT {Name Amr} {Link 0} {Value 1}"), &mut problems);
+    let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
+    assert_eq!(said, ["{Name Amr} is unknown; expected one of Arm, Gripper; nothing is moved"]);
     let confs = ["GETCONF {Type Actuator}", "GETCONF {Type MisPkg}", "GETCONF {Type Gripper}"];
     let confs = confs.map(|line| apply(&mut world, robot, line).join("\n"));
     let first = "{Link 1} {JointType Revolute} {MaxTorque 47.5000} {MinValue -2.9496} {MaxValue 2.9496} {Link 2}";

@@ -155,13 +155,13 @@ impl World {
                 Vec::new()
             }
             Command::Act(act) => {
-                robot.act(&act.name, &act.targets, act.gripper);
+                robot.act(&act.name, &act.targets, act.gripper, problems);
                 Vec::new()
             }
             Command::MisPkg(act) => {
                 let from_zero = |&(link, target): &(usize, f64)| Some((link.checked_sub(1)?, target));
                 let targets: Vec<_> = act.targets.iter().filter_map(from_zero).collect();
-                robot.act(&act.name, &targets, act.gripper);
+                robot.act(&act.name, &targets, act.gripper, problems);
                 Vec::new()
             }
             Command::Set(set) => robot.set(set, &self.physics, time),

@@ -1,11 +1,12 @@
 //! Commands of actuators and grippers, and their states (robots.md 5).
 
+use gamebots_proto::Problem;
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ActuatorGeo, Asta, Eff, ItemConf, JointConf, JointGeo, Message};
 use nalgebra::Vector3;
 use scene::{Actuator, JointKind, RobotDef};
 
-use super::robot::Robot;
+use super::robot::{Robot, unknown};
 use crate::physics::Physics;
 use crate::sensor::floats;
 
@@ -15,7 +16,13 @@ const TORQUE_UNIT: f64 = 5.0;
 impl Robot {
     /// Moves joints of the actuator of a name, in any case, by their numbers from 0; and opens or closes the gripper of that name, or
     /// those that the actuator carries.
-    pub(super) fn act(&mut self, name: &str, targets: &[(usize, f64)], gripper: Option<f64>) {
+    pub(super) fn act(
+        &mut self,
+        name: &str,
+        targets: &[(usize, f64)],
+        gripper: Option<f64>,
+        problems: &mut Vec<Problem>,
+    ) {
         let def = &self.bodies().robot().def;
         let actuator = def.actuators.iter().find(|it| it.name.eq_ignore_ascii_case(name));
         let joint = |&(number, target): &(usize, f64)| Some((def.value_of(*actuator?.links.get(number)?)?, target));
@@ -25,6 +32,10 @@ impl Robot {
             it.name.eq_ignore_ascii_case(name) || it.links.first().is_some_and(|&link| carries(link))
         });
         let grippers: Vec<usize> = grippers.map(|(number, _)| number).collect();
+        if actuator.is_none() && grippers.is_empty() {
+            let known = def.actuators.iter().map(|it| it.name.as_str());
+            problems.push(unknown("Name", name, known.chain(def.grippers.iter().map(|it| it.name.as_str()))));
+        }
         joints.into_iter().for_each(|(joint, target)| self.bodies_mut().set_joint_target(joint, target));
         for number in grippers {
             if let Some(gripper) = gripper {

@@ -154,9 +154,7 @@ impl Robot {
         for (joint, target) in &drive.targets {
             if !self.set_targets(*target, |name| name.eq_ignore_ascii_case(joint)) {
                 let joints = self.def().with_values().filter(|link| link.wheel.is_none());
-                let expected = joints.map(|link| link.name.as_str()).collect::<Vec<_>>().join(", ");
-                let got = joint.chars().take(60).collect();
-                problems.push(Problem::UnknownName { key: "MULTIDRIVE", got, expected, instead: "nothing is moved" });
+                problems.push(unknown("MULTIDRIVE", joint, joints.map(|link| link.name.as_str())));
             }
         }
     }
@@ -262,6 +260,14 @@ fn view<'a>(
 ) -> View<'a> {
     let (robot, body) = (&bodies.robot().def, physics.body(bodies));
     View { time, body, carrier: body, wheels, robot, speed_unit: options.speed_unit, physics, id }
+}
+
+/// A name that none of the robot's joints or actuators has.
+pub(super) fn unknown<'a>(key: &'static str, got: &str, known: impl Iterator<Item = &'a str>) -> Problem {
+    let known: Vec<&str> = known.collect();
+    let expected =
+        if known.is_empty() { "none: this robot has nothing of the kind".to_owned() } else { known.join(", ") };
+    Problem::UnknownName { key, got: got.chars().take(60).collect(), expected, instead: "nothing is moved" }
 }
 
 /// True at the step in which another whole interval since the spawn has passed.
