@@ -94,7 +94,7 @@ def model(definition, shape, cone, dt):
 
 
 def exact(definition):
-    """Way of each motion per radian of the wheels, in the mean over the phases of the rollers."""
+    """Travel of each motion per radian of the wheels, in the mean over the phases of the rollers."""
     wheels = wheels_of(definition)
     radius, half = wheels[0]["radius"], math.pi / wheels[0]["rollers"]["count"]
     base, track = wheels[0]["position"][0], abs(wheels[0]["position"][1])

@@ -46,7 +46,7 @@ fn assert_near(got: f64, expected: f64, part: f64) {
 
 /// The ways of a youBot in ten seconds at 1 rad/s commanded, forward and to the right (m) and clockwise (rad), on a
 /// floor with this coefficient of rolling resistance. Its servos know the speed alone and settle below it by the torque
-/// on a wheel over their gain of 4 N m s/rad: the droop. The torque is a quarter of the resistance times the way of the
+/// on a wheel over their gain of 4 N m s/rad: the droop. The torque is a quarter of the resistance times the travel of the
 /// hubs a radian.
 fn youbot_ways(resistance: f64) -> [f64; 3] {
     // The exact kinematics of six rollers; what moves the hubs when it turns is their distance from the middle.

@@ -85,8 +85,8 @@ fn the_youbots_follow_the_exact_kinematics_on_every_floor() {
         for (motion, tolerance) in [(Motion::Forward, 0.005), (Motion::Right, 0.007), (Motion::Clockwise, 0.01)] {
             let Travel { moved, ratio, ripple, .. } = drive(class, floor, 6, 1.0, motion);
             let what = format!("{class}, {name}, {}", motion.name());
-            println!("{what}: {ratio:.4} of the exact way, ripple {:.3} mm, {moved:.4?}", 1e3 * ripple);
-            assert!((ratio - 1.0).abs() < tolerance, "{what}: {ratio:.4} of the exact way");
+            println!("{what}: {ratio:.4} of the exact travel, ripple {:.3} mm, {moved:.4?}", 1e3 * ripple);
+            assert!((ratio - 1.0).abs() < tolerance, "{what}: {ratio:.4} of the exact travel");
             assert!(ripple < 0.15e-3, "{what}: ripple {:.3} mm", 1e3 * ripple);
             check_straight(&what, motion, moved);
         }
@@ -106,8 +106,8 @@ fn the_analytic_model_is_within_three_thousandths_everywhere() {
             let travel = drive_by(DriveModel::Analytic, options, class, floor, rollers, 1.0, motion);
             let Travel { moved, ratio, ripple, .. } = travel;
             let what = format!("{class}, {name}, {rollers} rollers, {time_step} s, {}", motion.name());
-            println!("{what}: {ratio:.5} of the exact way, ripple {:.4} mm, {moved:.5?}", 1e3 * ripple);
-            assert!((ratio - 1.0).abs() < 0.003, "{what}: {ratio:.5} of the exact way");
+            println!("{what}: {ratio:.5} of the exact travel, ripple {:.4} mm, {moved:.5?}", 1e3 * ripple);
+            assert!((ratio - 1.0).abs() < 0.003, "{what}: {ratio:.5} of the exact travel");
             assert!(ripple < 0.02e-3, "{what}: ripple {:.3} mm", 1e3 * ripple);
             check_straight(&what, motion, moved);
         }
@@ -127,7 +127,7 @@ fn the_analytic_model_is_as_exact_at_full_speed() {
             course.run(4.0);
             let Travel { ratio, ripple, .. } = course.travel().expect("a robot");
             let what = format!("12 rad/s, {time_step} s, {}", motion.name());
-            println!("{what}: {ratio:.5} of the exact way, ripple {:.4} mm", 1e3 * ripple);
+            println!("{what}: {ratio:.5} of the exact travel, ripple {:.4} mm", 1e3 * ripple);
             assert!((ratio - 1.0).abs() < 0.003 && ripple < 0.03e-3, "{what}: {ratio}, {ripple}");
         }
     }
@@ -148,7 +148,7 @@ fn wheels_out_of_phase_roll_as_exactly() {
             course.run(4.0);
             let Travel { ratio, ripple, .. } = course.travel().expect("a robot");
             let what = format!("{}, out of phase, {}", model.name(), motion.name());
-            println!("{what}: {ratio:.5} of the exact way, ripple {:.4} mm", 1e3 * ripple);
+            println!("{what}: {ratio:.5} of the exact travel, ripple {:.4} mm", 1e3 * ripple);
             assert!((ratio - 1.0).abs() < 0.005 && ripple < 0.15e-3, "{what}: {ratio}, {ripple}");
         }
     }
@@ -170,7 +170,7 @@ fn far_from_the_origin_the_way_is_as_exact() {
             let near = ratio(0.0);
             for distance in [100.0, 1000.0] {
                 let (what, far) = (format!("{}, {}, {distance} m away", model.name(), motion.name()), ratio(distance));
-                println!("{what}: {far:.6} of the exact way, {near:.6} at the origin");
+                println!("{what}: {far:.6} of the exact travel, {near:.6} at the origin");
                 assert!((far - near).abs() < most, "{what}: {far}, {near}");
             }
         }
@@ -181,7 +181,7 @@ fn far_from_the_origin_the_way_is_as_exact() {
 fn wheels_of_eight_and_twelve_rollers_work() {
     for count in [8, 12] {
         let Travel { ratio, ripple, .. } = drive("KUKA_YouBot", FLOORS[0].1, count, 1.0, Motion::Right);
-        println!("{count} rollers: {ratio:.4} of the exact way to the right, ripple {:.3} mm", 1e3 * ripple);
+        println!("{count} rollers: {ratio:.4} of the exact travel to the right, ripple {:.3} mm", 1e3 * ripple);
         assert!((ratio - 1.0).abs() < 0.007 && ripple < 0.15e-3, "{count} rollers: {ratio:.4}, {ripple}");
     }
 }
@@ -194,7 +194,7 @@ fn rollers_may_overlap() {
             let options = Options::default();
             let Travel { ratio, ripple, .. } = drive_by(model, options, "KUKA_YouBot", FLOORS[0].1, 6, 1.1, motion);
             let what = format!("{name}, overlap, {}", motion.name());
-            println!("{what}: {ratio:.4} of the exact way, ripple {:.3} mm", 1e3 * ripple);
+            println!("{what}: {ratio:.4} of the exact travel, ripple {:.3} mm", 1e3 * ripple);
             assert!((ratio - 1.0).abs() < 0.01 && ripple < 0.15e-3, "{what}: {ratio:.4}, {ripple}");
         }
     }

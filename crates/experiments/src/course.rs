@@ -14,7 +14,7 @@ const SPIN_UP: f64 = 2.0;
 /// Metres between robots that drive side by side.
 const SPACING: f64 = 2.0;
 
-/// A way to go with all wheels at one speed.
+/// A motion with all wheels at one speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Motion {
     /// Straight ahead.
@@ -107,7 +107,7 @@ pub struct Travel {
     pub moved: [f64; 3],
     /// Mean angle that the wheels turned, rad.
     pub turned: f64,
-    /// The way over the exact one for the angles that the wheels turned.
+    /// The travel over the exact one for the angles that the wheels turned.
     pub ratio: f64,
     /// Highest less lowest place of the first robot's body, m.
     pub ripple: f64,
@@ -196,18 +196,18 @@ impl Course {
         let travels = self.robots.iter().zip(&self.from).enumerate().filter_map(|(index, (&robot, from))| {
             let (to, _) = self.world.state(robot)?;
             let start: UnitQuaternion<f64> = from.pose.rotation;
-            let way = start.inverse() * (to.pose.translation.vector - from.pose.translation.vector);
+            let displacement = start.inverse() * (to.pose.translation.vector - from.pose.translation.vector);
             let (_, _, yaw) = (start.inverse() * to.pose.rotation).euler_angles();
             let (first, last) = (self.wheels[index].first()?, self.wheels[index].last()?);
             let turned = first.iter().zip(last).map(|(first, last)| (last - first).abs()).sum::<f64>() / 4.0;
-            let moved = [way.x, way.y, yaw];
+            let moved = [displacement.x, displacement.y, yaw];
             let ratio = moved[self.motion as usize] / self.exact(index);
             Some(Travel { moved, turned, ratio, ripple })
         });
         travels.max_by(|a, b| (a.ratio - 1.0).abs().total_cmp(&(b.ratio - 1.0).abs()))
     }
 
-    /// The way by the exact kinematics for the angles that the wheels of a robot had after every step: the rollers that
+    /// The travel by the exact kinematics for the angles that the wheels of a robot had after every step: the rollers that
     /// touch change on the way.
     fn exact(&self, robot: usize) -> f64 {
         let pairs = self.wheels[robot].windows(2);
@@ -215,7 +215,7 @@ impl Course {
     }
 }
 
-/// The way of the base in a step in which its wheels turned from one set of angles to another.
+/// The travel of the base in a step in which its wheels turned from one set of angles to another.
 pub(crate) fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f64; 4]) -> Twist {
     let turned = std::array::from_fn(|wheel| after[wheel] - before[wheel]);
     let phases = std::array::from_fn(|wheel| kinematics.phase(wheel, (before[wheel] + after[wheel]) / 2.0));

@@ -1,8 +1,8 @@
 //! Parameters of a robot from measured steps: the values whose simulated steps come nearest, how sure they are, and which of
 //! them the measurements say nothing about.
 //!
-//! The distance of a simulated from a measured step is that of two points of the robot: the way in the plane, and what it turned
-//! as the way of a point 0.3 m from its middle. What is minimised is its root mean square over all measured steps.
+//! The distance of a simulated from a measured step is that of two points of the robot: the travel in the plane, and what it turned
+//! as the displacement of a point 0.3 m from its middle. What is minimised is its root mean square over all measured steps.
 
 mod bootstrap;
 mod measured;
@@ -21,7 +21,7 @@ use self::search::Search;
 use crate::plan::{Plan, PlanError, Run};
 use crate::run::{RunError, Step};
 
-/// Where a turn counts as a way, m from the middle: about where a youBot's wheels are.
+/// Where a turn counts as a travel, m from the middle: about where a youBot's wheels are.
 const TURN_ARM: f64 = 0.3;
 /// What no one measures better than, m.
 const FINEST: f64 = 1e-4;
@@ -263,7 +263,7 @@ impl Fit {
 
     /// Root mean square distance of predicted steps from the measured ones, m.
     fn distance(&self, predicted: &[Step]) -> f64 {
-        let measured: Vec<Step> = self.measured.iter().map(|measured| measured.way).collect();
+        let measured: Vec<Step> = self.measured.iter().map(|measured| measured.travel).collect();
         rms(predicted, &measured)
     }
 
@@ -271,13 +271,14 @@ impl Fit {
     fn scatter(&self) -> Option<f64> {
         let mut groups: BTreeMap<(usize, usize), Vec<[f64; 3]>> = BTreeMap::new();
         for measured in &self.measured {
-            groups.entry((measured.setting, measured.step)).or_default().push(parts(&measured.way));
+            groups.entry((measured.setting, measured.step)).or_default().push(parts(&measured.travel));
         }
         let (mut squares, mut freedom) = (0.0, 0);
         for group in groups.values() {
-            let mean = |part: usize| group.iter().map(|way| way[part]).sum::<f64>() / group.len() as f64;
+            let mean = |part: usize| group.iter().map(|travel| travel[part]).sum::<f64>() / group.len() as f64;
             let means = [mean(0), mean(1), mean(2)];
-            squares += group.iter().flat_map(|way| (0..3).map(|part| (way[part] - means[part]).powi(2))).sum::<f64>();
+            squares +=
+                group.iter().flat_map(|travel| (0..3).map(|part| (travel[part] - means[part]).powi(2))).sum::<f64>();
             freedom += group.len() - 1;
         }
         (freedom > 0).then(|| (squares / freedom as f64).sqrt())

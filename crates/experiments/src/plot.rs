@@ -47,20 +47,21 @@ fn step() -> String {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
-    /// Way along the main direction, m; up to a step, or after the last.
+    /// Travel along the main direction, m; up to a step, or after the last.
     Main,
-    /// Way along the error direction, m.
+    /// Travel along the error direction, m.
     Error,
     /// Turned counterclockwise, rad.
     Yaw,
-    /// Mean way of a step along the main direction, m.
+    /// Mean travel of a step along the main direction, m.
     StepMain,
     /// Mean size of a step's error, m, whatever its sign.
     StepError,
     /// Angle that the wheels turned in all steps, rad.
     WheelsTurned,
-    /// Way along the main direction over the angle that the wheels turned, m/rad.
-    WayPerAngle,
+    /// Travel along the main direction over the angle that the wheels turned, m/rad.
+    #[serde(alias = "way_per_angle")]
+    TravelPerAngle,
 }
 
 impl Quantity {
@@ -75,7 +76,7 @@ impl Quantity {
             Self::StepMain => steps.iter().map(|step| step.main).sum::<f64>() / count,
             Self::StepError => steps.iter().map(|step| step.error.abs()).sum::<f64>() / count,
             Self::WheelsTurned => outcome.wheels_turned,
-            Self::WayPerAngle => steps.iter().map(|step| step.main).sum::<f64>() / outcome.wheels_turned,
+            Self::TravelPerAngle => steps.iter().map(|step| step.main).sum::<f64>() / outcome.wheels_turned,
         }
     }
 
@@ -89,7 +90,7 @@ impl Quantity {
             Self::StepMain => ("mean step, cm", 100.0, 0.01),
             Self::StepError => ("mean size of a step's error, mm", 1000.0, 0.1),
             Self::WheelsTurned => ("wheels turned, rad", 1.0, 0.01),
-            Self::WayPerAngle => ("way over wheel angle, mm/rad", 1000.0, 0.01),
+            Self::TravelPerAngle => ("travel over wheel angle, mm/rad", 1000.0, 0.01),
         }
     }
 }

@@ -21,9 +21,9 @@ const READING_INTERVAL: f64 = 0.1;
 /// What one step was: from one measured pose to the next, in the frame of the robot at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Step {
-    /// Way along the main direction, m.
+    /// Travel along the main direction, m.
     pub main: f64,
-    /// Way along the error direction, m.
+    /// Travel along the error direction, m.
     pub error: f64,
     /// Turned counterclockwise, rad.
     pub yaw: f64,
@@ -232,9 +232,9 @@ pub fn measure(setup: &Setup, poses: &[Pose]) -> Vec<Step> {
 }
 
 fn step(setup: &Setup, start: &Pose, from: &Pose, to: &Pose) -> Step {
-    let way = start.rotation.inverse() * (to.translation.vector - from.translation.vector);
+    let displacement = start.rotation.inverse() * (to.translation.vector - from.translation.vector);
     // The wire's y and yaw are to the right.
-    let (forward, left) = (way.x, -way.y);
+    let (forward, left) = (displacement.x, -displacement.y);
     let along = |[f, l]: [f64; 2]| forward * f + left * l;
     let (_, _, clockwise) = (from.rotation.inverse() * to.rotation).euler_angles();
     let (main, error) = (setup.main.unwrap_or([1.0, 0.0]), setup.error.unwrap_or([0.0, 1.0]));

@@ -168,7 +168,7 @@ impl Scene {
 }
 
 /// A drive at constant speeds: what happened and what the exact kinematics say for the angles of the wheels.
-struct Way {
+struct Travel {
     /// Forward, right (m) and clockwise (rad, not wrapped) in the start frame.
     moved: [f64; 3],
     /// The same by the kinematics, summed in the robot frame.
@@ -179,7 +179,7 @@ struct Way {
     ripple: f64,
 }
 
-fn way(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Way, MotionError> {
+fn travel(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Travel, MotionError> {
     let mut scene = Scene::new(subject, rise, Vec::new())?;
     let kinematics =
         mecanum::finite_rollers(&subject.robot).ok_or_else(|| MotionError::NotOmni(subject.robot.class.clone()))?;
@@ -202,9 +202,9 @@ fn way(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Way, Motio
         let height = (up.inverse() * (body.pose.translation.vector - from.pose.translation.vector)).z;
         (lowest, highest) = (lowest.min(height), highest.max(height));
     }
-    let way = up.inverse() * (scene.body().pose.translation.vector - from.pose.translation.vector);
+    let displacement = up.inverse() * (scene.body().pose.translation.vector - from.pose.translation.vector);
     let turned = std::array::from_fn(|wheel| before[wheel] - start[wheel]);
-    Ok(Way { moved: [way.x, way.y, yaw], exact, turned, ripple: highest - lowest })
+    Ok(Travel { moved: [displacement.x, displacement.y, yaw], exact, turned, ripple: highest - lowest })
 }
 
 fn wrapped(angle: f64) -> f64 {
@@ -219,10 +219,10 @@ fn tolerance(subject: &Subject, other: f64) -> f64 {
 fn forward(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let mut findings = Vec::new();
     for (name, sign) in [("forward", 1.0), ("backward", -1.0)] {
-        let Way { moved, exact, .. } = way(subject, [0.0; 2], [sign; 4])?;
+        let Travel { moved, exact, .. } = travel(subject, [0.0; 2], [sign; 4])?;
         let length = moved[0].abs();
         findings.push(about(format!("{name}, of R theta"), moved[0] / exact[0], 1.0, tolerance(subject, 0.005)));
-        findings.push(below(format!("{name}, sideways, % of the way"), 100.0 * moved[1].abs() / length, 0.3));
+        findings.push(below(format!("{name}, sideways, % of the travel"), 100.0 * moved[1].abs() / length, 0.3));
         findings.push(below(format!("{name}, yaw, degrees a metre"), moved[2].to_degrees().abs() / length, 0.1));
     }
     Ok(findings)
@@ -232,10 +232,15 @@ fn sideways(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let mut findings = Vec::new();
     let mut ways = Vec::new();
     for (name, sign) in [("right", 1.0), ("left", -1.0)] {
-        let Way { moved, exact, turned, .. } = way(subject, [0.0; 2], [sign, -sign, -sign, sign])?;
+        let Travel { moved, exact, turned, .. } = travel(subject, [0.0; 2], [sign, -sign, -sign, sign])?;
         let length = moved[1].abs();
-        findings.push(about(format!("{name}, of the exact way"), moved[1] / exact[1], 1.0, tolerance(subject, 0.007)));
-        findings.push(below(format!("{name}, ahead or back, % of the way"), 100.0 * moved[0].abs() / length, 0.5));
+        findings.push(about(
+            format!("{name}, of the exact travel"),
+            moved[1] / exact[1],
+            1.0,
+            tolerance(subject, 0.007),
+        ));
+        findings.push(below(format!("{name}, ahead or back, % of the travel"), 100.0 * moved[0].abs() / length, 0.5));
         findings.push(below(format!("{name}, yaw, degrees a metre"), moved[2].to_degrees().abs() / length, 0.5));
         ways.push(length / turned.iter().map(|angle| angle.abs()).sum::<f64>());
     }
@@ -244,7 +249,7 @@ fn sideways(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
 }
 
 fn rotation(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let Way { moved, exact, .. } = way(subject, [0.0; 2], [2.0, -2.0, 2.0, -2.0])?;
+    let Travel { moved, exact, .. } = travel(subject, [0.0; 2], [2.0, -2.0, 2.0, -2.0])?;
     let turns = moved[2].abs() / std::f64::consts::TAU;
     Ok(vec![
         about("of the exact angle", moved[2] / exact[2], 1.0, tolerance(subject, 0.01)),
@@ -254,12 +259,12 @@ fn rotation(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
 
 /// The front right and back left wheel alone: forward left.
 fn diagonal(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let Way { moved, exact, .. } = way(subject, [0.0; 2], [0.0, 1.0, 1.0, 0.0])?;
+    let Travel { moved, exact, .. } = travel(subject, [0.0; 2], [0.0, 1.0, 1.0, 0.0])?;
     let heading = (-moved[1]).atan2(moved[0]).to_degrees();
     let exact_heading = (-exact[1]).atan2(exact[0]).to_degrees();
     Ok(vec![
-        about("forward, of the exact way", moved[0] / exact[0], 1.0, 0.01),
-        about("left, of the exact way", moved[1] / exact[1], 1.0, 0.01),
+        about("forward, of the exact travel", moved[0] / exact[0], 1.0, 0.01),
+        about("left, of the exact travel", moved[1] / exact[1], 1.0, 0.01),
         about("direction, degrees", heading, exact_heading, 1.0),
     ])
 }
@@ -279,7 +284,7 @@ fn signs(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let short = Subject { seconds: 2.0, ..subject.clone() };
     let mut right = 0.0;
     for (speeds, expected) in TABLE {
-        let Way { moved, .. } = way(&short, [0.0; 2], speeds)?;
+        let Travel { moved, .. } = travel(&short, [0.0; 2], speeds)?;
         let largest = moved[0].abs().max(moved[1].abs()).max(0.3 * moved[2].abs());
         let sign = |value: f64| if value.abs() < 0.1 * largest { 0.0 } else { value.signum() };
         right += f64::from([sign(moved[0]), sign(moved[1]), sign(0.3 * moved[2])] == expected);
@@ -292,7 +297,7 @@ fn ride_height(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     for (name, speeds) in
         [("forward", [1.0; 4]), ("right", [1.0, -1.0, -1.0, 1.0]), ("turning", [1.0, -1.0, 1.0, -1.0])]
     {
-        findings.push(below(format!("ripple {name}, mm"), 1e3 * way(subject, [0.0; 2], speeds)?.ripple, 0.15));
+        findings.push(below(format!("ripple {name}, mm"), 1e3 * travel(subject, [0.0; 2], speeds)?.ripple, 0.15));
     }
     Ok(findings)
 }
@@ -442,10 +447,10 @@ fn climb(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         for (name, speeds, rise, axis) in
             [("ahead", [1.0; 4], [slope, 0.0], 0), ("aside", [1.0, -1.0, -1.0, 1.0], [0.0, slope], 1)]
         {
-            let flat = way(&smooth, [0.0; 2], speeds)?;
-            let up = way(&smooth, rise, speeds)?;
+            let flat = travel(&smooth, [0.0; 2], speeds)?;
+            let up = travel(&smooth, rise, speeds)?;
             let ratio = (up.moved[axis] / up.exact[axis]) / (flat.moved[axis] / flat.exact[axis]);
-            findings.push(about(format!("{degrees} degrees {name}, way a wheel angle, of flat"), ratio, 1.0, 0.005));
+            findings.push(about(format!("{degrees} degrees {name}, travel a wheel angle, of flat"), ratio, 1.0, 0.005));
             let motor = subject.robot.driven().next().and_then(|wheel| wheel.drive);
             if axis == 0
                 && let Some(motor) = motor.filter(|motor| motor.integral_time.is_none())
@@ -556,7 +561,7 @@ fn convergence(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         ("turning", [1.0, -1.0, 1.0, -1.0], 2),
         ("diagonal", [0.0, 1.0, 1.0, 0.0], 0),
     ] {
-        let ratio = |subject: &Subject| way(subject, [0.0; 2], speeds).map(|way| way.moved[axis] / way.exact[axis]);
+        let ratio = |subject: &Subject| travel(subject, [0.0; 2], speeds).map(|it| it.moved[axis] / it.exact[axis]);
         let (coarse, fine) = (ratio(subject)?, ratio(&halved)?);
         findings.push(below(format!("half the time step, {name}, %"), 100.0 * (coarse / fine - 1.0).abs(), 0.3));
         if axis < 2 && name != "diagonal" {

@@ -31,7 +31,7 @@ pub struct WheelState {
 /// Where a joint is and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
-    /// Angle, rad, not wrapped, or way, m, since the spawn.
+    /// Angle, rad, not wrapped, or displacement, m, since the spawn.
     pub position: f64,
     /// Speed, rad/s or m/s.
     pub speed: f64,

@@ -39,7 +39,7 @@ pub(crate) struct Arguments {
     /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE. May be given several times.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
-    /// Write the way of the first robot as a table: motion, time (s), wheel phase (rad), height over the lowest (m).
+    /// Write the path of the first robot as a table: motion, time (s), wheel phase (rad), height over the lowest (m).
     #[arg(long, value_name = "FILE.csv")]
     trace: Option<PathBuf>,
     /// Print JSON.
@@ -87,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         motions.insert(motion.name().to_owned(), json!({"ratio": travel.ratio, "ripple_mm": 1e3 * travel.ripple}));
         if !arguments.json {
             let (name, ratio) = (motion.name(), travel.ratio);
-            print(format_args!("{name:<10} {ratio:.4} of the exact way, ripple {:.3} mm", 1e3 * travel.ripple));
+            print(format_args!("{name:<10} {ratio:.4} of the exact travel, ripple {:.3} mm", 1e3 * travel.ripple));
         }
     }
     if let Some(file) = &arguments.trace {

@@ -15,13 +15,13 @@ values = [
 ]
 "#;
 
-/// Run, step and way of every step.
+/// Run, step and travel of every step.
 fn steps(folder: &std::path::Path) -> Vec<(String, u32, f64)> {
     let table = std::fs::read_to_string(folder.join("steps.csv")).expect("steps.csv");
     let read = |line: &str| {
         let mut parts = line.split(',');
         let mut part = || parts.next().expect("a part").to_owned();
-        (part(), part().parse().expect("a step"), part().parse().expect("a way"))
+        (part(), part().parse().expect("a step"), part().parse().expect("a travel"))
     };
     table.lines().skip(1).map(read).collect()
 }
@@ -40,11 +40,11 @@ fn an_experiment_through_the_socket_has_the_steps_of_one_in_process() {
     assert_eq!(conduct(&["--out", "there", "--socket", "10"]), (Some(0), String::new()));
     let (here, there) = (steps(&folder.path().join("here")), steps(&folder.path().join("there")));
     assert_eq!(here.len(), 8);
-    for ((run, step, way), (same_run, same_step, on_the_wire)) in here.iter().zip(&there) {
+    for ((run, step, travel), (same_run, same_step, on_the_wire)) in here.iter().zip(&there) {
         assert_eq!((run, step), (same_run, same_step));
         // Poses on the wire have millimetres; the first step begins when its line comes.
         let allowed = if *step == 1 { 0.02 } else { 0.0015 };
-        assert!((way - on_the_wire).abs() < allowed, "{run} {step}: {way} {on_the_wire}");
+        assert!((travel - on_the_wire).abs() < allowed, "{run} {step}: {travel} {on_the_wire}");
     }
     // What came over the socket can be made again, and is not taken for what was made here.
     assert_eq!(run(&["log", "replay", "there/logs"]).0, Some(0));

@@ -65,9 +65,9 @@ pub(super) fn bootstrap<P: Fn(f64) + Sync>(
         let (mut matrix, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
         for _ in 0..members.len() {
             for &row in &members[draw.random_range(0..members.len())] {
-                let Measured { setting, step, way, .. } = &fit.measured[row];
+                let Measured { setting, step, travel, .. } = &fit.measured[row];
                 let slope = slopes.rows(3 * row, 3);
-                let missing = parts(way).into_iter().zip(parts(&simulated[*setting][*step])).map(|(m, p)| m - p);
+                let missing = parts(travel).into_iter().zip(parts(&simulated[*setting][*step])).map(|(m, p)| m - p);
                 matrix += slope.transpose() * slope;
                 right += slope.transpose() * DVector::from_iterator(3, missing);
             }

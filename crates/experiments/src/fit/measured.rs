@@ -16,7 +16,7 @@ pub(super) struct Measured {
     pub(super) block: usize,
     /// Number of the step, from 0.
     pub(super) step: usize,
-    pub(super) way: Step,
+    pub(super) travel: Step,
 }
 
 /// The runs that were measured, and what was measured in them, from a table `run,step,main,error,yaw`. A run is called by the values
@@ -72,7 +72,7 @@ pub(super) fn measurements(
         let new = blocks.len();
         let block = *blocks.entry((name, *times)).or_insert(new);
         *times += 1;
-        measured.push(Measured { setting: index, block, step: step - 1, way: Step { main, error, yaw } });
+        measured.push(Measured { setting: index, block, step: step - 1, travel: Step { main, error, yaw } });
     }
     if measured.is_empty() {
         return Err("expected a table `run,step,main,error,yaw`, m and rad, with at least one step".to_owned());
