@@ -38,6 +38,9 @@ use scene::{MapDef, Pose, Snapshot};
 
 /// Seconds between two recorded states of the robots.
 pub const STATE_INTERVAL: f64 = 0.02;
+/// The newest format of logs that is read, and the one that is written. 1, which logs do not say of themselves: robots are
+/// bodies with wheels. 2: robots are trees of links.
+const FORMAT: u32 = 2;
 /// Name of the metadata that describes a run.
 const RUN: &str = "run";
 /// Name of the metadata that ends a log.

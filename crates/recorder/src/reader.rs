@@ -12,7 +12,7 @@ use prost::Message;
 use scene::WorldDef;
 
 use crate::records::{self, Damage, Record as Raw};
-use crate::{END, LEFT, ObjectState, RUN, Record, RobotLeft, RobotState, WireLine};
+use crate::{END, FORMAT, LEFT, ObjectState, RUN, Record, RobotLeft, RobotState, WireLine};
 
 /// Most bytes in memory for a byte of the file; the log of a youBot takes three. More is a file that was made to fill the
 /// memory: LZ4 alone makes 255 bytes of one.
@@ -70,7 +70,7 @@ pub struct ReadError {
 /// Reads a log. One that was cut off or is damaged gives what is whole before that.
 ///
 /// # Errors
-/// When the file cannot be read or is no log of this program.
+/// When the file cannot be read, is no log of this program, or is of a newer one.
 pub fn read(path: &Path) -> Result<Log, ReadError> {
     let (file, size) = open(path)?;
     let mut room = size.saturating_mul(MAX_EXPANSION).max(ALWAYS_ALLOWED);
@@ -99,6 +99,7 @@ pub fn read(path: &Path) -> Result<Log, ReadError> {
         }
         Ok::<(), Damage>(())
     });
+    check_format(&log.run).map_err(|reason| unreadable(path, reason))?;
     log.damage = read.err().map(|damage| damage.to_string());
     if log.run.is_empty() && log.entries.is_empty() {
         let reason = log.damage.map_or(String::new(), |damage| format!("; {damage}"));
@@ -108,6 +109,16 @@ pub fn read(path: &Path) -> Result<Log, ReadError> {
         ));
     }
     Ok(log)
+}
+
+/// A log of a newer program may mean something else by the same words, so it is not read at all.
+fn check_format(run: &BTreeMap<String, String>) -> Result<(), String> {
+    match run.get("format") {
+        Some(format) if !format.parse().is_ok_and(|format: u32| (1..=FORMAT).contains(&format)) => {
+            Err(format!("it is of format {format:.20}, expected 1 to {FORMAT}; a newer usarsim may read it"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// An MCAP file from its beginning, and its size in bytes.

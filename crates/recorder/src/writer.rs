@@ -12,7 +12,7 @@ use scene::WorldDef;
 use crate::file::{LogFile, Storage, storage};
 use crate::native::Native;
 use crate::ros2::{self, Ros2};
-use crate::{END, End, RUN, Record};
+use crate::{END, End, FORMAT, RUN, Record};
 
 /// Records that are worth waking the thread for.
 const BATCH: usize = 256;
@@ -65,6 +65,7 @@ impl LogWriter {
         let entry = |key: &str, value: &dyn std::fmt::Display| (key.to_owned(), value.to_string());
         let mut metadata: BTreeMap<String, String> = description.iter().cloned().collect();
         metadata.extend([
+            entry("format", &FORMAT),
             entry("map", &world.map.name),
             entry("seed", &options.seed),
             entry("time_step", &options.time_step),

@@ -15,8 +15,12 @@ use support::{line, run, state, world, write};
 
 /// A log with nothing but what it is: magic, header and the metadata `run`.
 fn beginning() -> Vec<u8> {
+    beginning_with("map", "none")
+}
+
+fn beginning_with(key: &str, value: &str) -> Vec<u8> {
     let header = record(op::HEADER, &[text(""), text("test")].concat());
-    let entries = [text("map"), text("none")].concat();
+    let entries = [text(key), text(value)].concat();
     let run = record(op::METADATA, &[text("run"), sized(&entries)].concat());
     [MAGIC.to_vec(), header, run].concat()
 }
@@ -64,6 +68,19 @@ fn log_of(records: &[(f64, Record)]) -> Vec<u8> {
     let file = folder.path().join("log.mcap");
     write(&file, &world(), records, End { time: 1.0, digest: None, dropped: 0 });
     std::fs::read(&file).expect("the log")
+}
+
+#[test]
+fn a_log_of_a_newer_format_is_refused() {
+    for (format, readable) in [("1", true), ("2", true), ("3", false), ("0", false), ("two", false), ("-1", false)] {
+        let read = read(&beginning_with("format", format));
+        assert_eq!(read.is_ok(), readable, "{format}: {read:?}");
+        if let Err(error) = read {
+            assert!(error.contains(&format!("format {format}, expected 1 to 2; a newer usarsim")), "{error}");
+        }
+    }
+    let written = read(&log_of(&[])).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(written.run["format"], "2");
 }
 
 #[test]
