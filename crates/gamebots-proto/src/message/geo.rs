@@ -70,6 +70,8 @@ pub struct ItemGeo {
     pub mount: String,
     /// The number of the actuator's joint, from 1, that moves it.
     pub mount_link: Option<usize>,
+    /// Of a gripper: its tool point against it, m.
+    pub tip: Option<[f32; 3]>,
 }
 
 /// An actuator: where it is, and its joints.
@@ -120,7 +122,7 @@ impl Geo {
             return Some(Self::Robot(robot));
         }
         let type_name = line.get("Type")?.to_owned();
-        if line.get("Tip").is_some() {
+        if line.get("Link").is_some() {
             let items = split_items(line.blocks.get(1..)?).iter().map(ActuatorGeo::read).collect::<Option<_>>()?;
             return Some(Self::Actuators { type_name, items });
         }
@@ -168,15 +170,16 @@ impl RobotGeo {
 }
 
 impl ItemGeo {
-    /// No space before `{Mount`, as in Sensor.uc:40-68.
+    /// No space before `{Mount`, as in Sensor.uc:40-68 and Effector.uc:26-55.
     fn write(&self) -> String {
         format!(
-            " {{Name {}}} {{Location {}}} {{Orientation {}}}{{Mount {}}}{}",
+            " {{Name {}}} {{Location {}}} {{Orientation {}}}{{Mount {}}}{}{}",
             self.name,
             engine_vector(self.location),
             engine_vector(self.orientation),
             self.mount,
             self.mount_link.map(|link| format!("{{MountLink {link}}}")).unwrap_or_default(),
+            self.tip.map(|tip| format!("{{Tip {}}}", engine_vector(tip))).unwrap_or_default(),
         )
     }
 
@@ -188,6 +191,10 @@ impl ItemGeo {
             mount: item.get("Mount")?.to_owned(),
             mount_link: match item.get("MountLink") {
                 Some(_) => Some(number(item, "MountLink")?),
+                None => None,
+            },
+            tip: match item.get("Tip") {
+                Some(tip) => Some(float_array(tip)?),
                 None => None,
             },
         })

@@ -51,6 +51,7 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "GEO {Name AirRobot}",
         "GEO {Type RangeScanner} {Name lms200} {Location 0.21,0.00,-0.20} {Orientation 0.00,0.00,0.00}{Mount P3AT}",
         "GEO {Type Sonar} {Name S1} {Location 0.21,0.00,-0.20} {Orientation 0.00,0.00,0.00}{Mount Arm}{MountLink 3}",
+        "GEO {Type Gripper} {Name Gripper} {Location 0.25,0.00,-0.50} {Orientation 0.00,0.00,0.00}{Mount Arm}{MountLink 5}{Tip 0.00,0.00,0.00}",
         "GEO {Type Actuator} {Name Arm} {Location 0.125,0.000,-0.250} {Orientation 0.000,0.000,0.000}{Mount YouBot} {Link 1} {Parent 0} {Location 0.000,0.000,-0.125} {Orientation 0.00,0.00,0.00} {Link 2} {Parent 1} {Location 0.250,0.000,0.000} {Orientation 1.57,0.00,0.00}{Tip 0.00,0.00,-0.25}",
         "GEO {Type Encoder} {Name W1} {Location 0.00,0.00,0.00} {Orientation 0.00,0.00,0.00}{Mount P3AT} {Name W2} {Location 0.00,0.00,0.00} {Orientation 0.00,0.00,0.00}{Mount P3AT}",
     ] {
@@ -223,18 +224,18 @@ fn any_message() -> impl Strategy<Value = Message> {
                 VehicleGeo::Ground { dimensions, centre_of_gravity, wheel_radius, wheel_separation, wheel_base };
             Message::Geo(Geo::Robot(RobotGeo { name, vehicle }))
         }),
-        (word(), proptest::collection::vec((word(), vector(2), vector(2), word(), 0usize..3), 1..4)).prop_map(
-            |(type_name, items)| {
-                let items = items.into_iter().map(|(name, location, orientation, mount, link)| ItemGeo {
+        (word(), proptest::collection::vec((word(), vector(2), vector(2), word(), 0usize..3, any::<bool>()), 1..4))
+            .prop_map(|(type_name, items)| {
+                let items = items.into_iter().map(|(name, location, orientation, mount, link, has_tip)| ItemGeo {
                     name,
                     location,
                     orientation,
                     mount,
                     mount_link: Some(link).filter(|&link| link > 0),
+                    tip: has_tip.then_some(location),
                 });
                 Message::Geo(Geo::Items { type_name, items: items.collect() })
-            }
-        ),
+            }),
     ]
 }
 

@@ -2,9 +2,9 @@
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ActuatorGeo, Asta, Eff, ItemConf, JointConf, JointGeo, Message};
+use gamebots_proto::message::{ActuatorGeo, Asta, Eff, ItemConf, ItemGeo, JointConf, JointGeo, Message};
 use nalgebra::Vector3;
-use scene::{Actuator, JointKind, RobotDef};
+use scene::{Actuator, Gripper, JointKind, RobotDef};
 
 use super::robot::{Robot, unknown};
 use crate::physics::Physics;
@@ -143,6 +143,30 @@ pub(super) fn geos(def: &RobotDef, name: &str) -> Vec<ActuatorGeo> {
         }
     };
     actuators.map(geo).collect()
+}
+
+/// GEO of the grippers, where a type asks for them: each is amid its fingers' joints, which is also its tool point.
+pub(super) fn gripper_geos(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemGeo> {
+    let asked = type_name.eq_ignore_ascii_case("Gripper");
+    let grippers = def.grippers.iter().filter(|it| asked && (name.is_empty() || it.name.eq_ignore_ascii_case(name)));
+    let geo = |gripper: &Gripper| {
+        let fingers = gripper.links.iter().filter_map(|&link| def.links.get(link));
+        let middle = fingers.map(|it| Vector3::from(it.origin())).sum::<Vector3<f64>>() / gripper.links.len() as f64;
+        let carrier = def.links.get(*gripper.links.first()?)?.joint.as_ref()?.parent;
+        let (mount, mount_link, base) = match def.actuator_of(carrier) {
+            Some((actuator, number)) => (&actuator.name, Some(number), def.links.get(carrier)?.origin().into()),
+            None => (&def.class, None, Vector3::zeros()),
+        };
+        Some(ItemGeo {
+            name: gripper.name.clone(),
+            location: floats((middle - base).into()),
+            orientation: [0.0; 3],
+            mount: mount.clone(),
+            mount_link,
+            tip: Some([0.0; 3]),
+        })
+    };
+    grippers.filter_map(geo).collect()
 }
 
 /// Whether a link is another one or hangs on it.

@@ -31,8 +31,8 @@ pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
         let items = actuator::geos(robot.def(), &ask.name);
         return (!items.is_empty()).then(|| Geo::Actuators { type_name: ask.type_name.clone(), items });
     }
-    let items: Vec<_> =
-        matching(robot, &ask.type_name, &ask.name).map(|item| item_geo(robot.def(), &item.def)).collect();
+    let sensors = matching(robot, &ask.type_name, &ask.name).map(|item| item_geo(robot.def(), &item.def));
+    let items: Vec<_> = sensors.chain(actuator::gripper_geos(robot.def(), &ask.type_name, &ask.name)).collect();
     (!items.is_empty()).then(|| Geo::Items { type_name: ask.type_name.clone(), items })
 }
 
@@ -42,11 +42,11 @@ fn item_geo(def: &RobotDef, sensor: &SensorDef) -> ItemGeo {
     match def.actuator_of(sensor.link).zip(def.mount_of(sensor)) {
         Some(((actuator, number), (_, _, pose))) => {
             let location = floats(pose.translation.vector.into());
-            ItemGeo { name, location, orientation, mount: actuator.name.clone(), mount_link: Some(number) }
+            ItemGeo { name, location, orientation, mount: actuator.name.clone(), mount_link: Some(number), tip: None }
         }
         None => {
             let location = floats(sensor.position);
-            ItemGeo { name, location, orientation, mount: def.class.clone(), mount_link: None }
+            ItemGeo { name, location, orientation, mount: def.class.clone(), mount_link: None, tip: None }
         }
     }
 }
