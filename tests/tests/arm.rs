@@ -96,10 +96,10 @@ fn carry() -> u64 {
     let (_, lifted, _) = go(&to_height(EDGE / 2.0 + 0.1), 3.0);
     println!("lifted to {:.3?}", lifted.as_slice());
     assert!((lifted.z + 0.1 + EDGE / 2.0).abs() < 0.01, "{lifted:?}");
-    let (_, carried, base) = go("DRIVE {LateralVelocity 0.2}", 5.0);
+    let (_, carried, base) = go("DRIVE {LateralVelocity 0.2}", 5.3);
     println!("carried to {:.3?}, the robot at {:.3?}", carried.as_slice(), base.as_slice());
     let (_, carried, base) = go("DRIVE {LateralVelocity 0}", 1.0);
-    assert!(base.y > 0.9 && (carried.y - base.y).abs() < 0.02, "{base:?} {carried:?}");
+    assert!(base.y > 1.0 && (carried.y - base.y).abs() < 0.02, "{base:?} {carried:?}");
     go(&to_height(TABLE + EDGE / 2.0), 2.0);
     go("MISPKG {Name Arm} {Gripper 0}", 1.0);
     let (_, there, _) = go(&to_height(TABLE + EDGE / 2.0 + 0.1), 3.0);
