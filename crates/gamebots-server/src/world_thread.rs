@@ -401,7 +401,9 @@ impl Server {
     fn send(&mut self, id: ConnectionId, robot: Option<u64>, message: &Message) {
         let text = message.write();
         self.recording.record(&self.world, || Record::Out(WireLine { connection: id, robot, line: text.clone() }));
-        if let Some(sensed) = Record::sensed(robot, message).filter(|_| self.recording.is_wanted()) {
+        if self.recording.is_wanted()
+            && let Some(sensed) = Record::sensed(robot, message)
+        {
             self.recording.record(&self.world, || sensed);
         }
         self.publish_line("out", id, robot, &text);
