@@ -21,7 +21,7 @@ use self::search::Search;
 use crate::plan::{Plan, PlanError, Run};
 use crate::run::{RunError, Step};
 
-/// Where a turn counts as a travel, m from the middle: about where a youBot's wheels are.
+/// Where a turn counts as a displacement, m from the middle: about where a youBot's wheels are.
 const TURN_ARM: f64 = 0.3;
 /// What no one measures better than, m.
 const FINEST: f64 = 1e-4;

@@ -230,7 +230,7 @@ fn forward(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
 
 fn sideways(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let mut findings = Vec::new();
-    let mut ways = Vec::new();
+    let mut travels = Vec::new();
     for (name, sign) in [("right", 1.0), ("left", -1.0)] {
         let Travel { moved, exact, turned, .. } = travel(subject, [0.0; 2], [sign, -sign, -sign, sign])?;
         let length = moved[1].abs();
@@ -242,9 +242,9 @@ fn sideways(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         ));
         findings.push(below(format!("{name}, ahead or back, % of the travel"), 100.0 * moved[0].abs() / length, 0.5));
         findings.push(below(format!("{name}, yaw, degrees a metre"), moved[2].to_degrees().abs() / length, 0.5));
-        ways.push(length / turned.iter().map(|angle| angle.abs()).sum::<f64>());
+        travels.push(length / turned.iter().map(|angle| angle.abs()).sum::<f64>());
     }
-    findings.push(about("left over right", ways[1] / ways[0], 1.0, 0.001));
+    findings.push(about("left over right", travels[1] / travels[0], 1.0, 0.001));
     Ok(findings)
 }
 

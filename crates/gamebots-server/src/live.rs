@@ -181,7 +181,7 @@ impl Broadcast {
         Some(Due { status })
     }
 
-    /// Tells where everything is, and the status when it is due; its real-time factor is measured here.
+    /// Publishes where everything is, and the status when it is due; its real-time factor is measured here.
     pub(crate) fn publish(&mut self, now: Instant, world: &World, status: Option<Status>) {
         self.next_frame = now + FRAME_INTERVAL;
         self.frames.send_replace(frame::frame(world).into());

@@ -181,7 +181,7 @@ impl Recording {
         }
     }
 
-    /// Tells Foxglove what is new; to be called often.
+    /// Publishes what is new to Foxglove; to be called often.
     pub(crate) fn publish(&mut self, now: Instant, world: &World) {
         if let Some(foxglove) = &mut self.foxglove {
             foxglove.publish(now, world.time());

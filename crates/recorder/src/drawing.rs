@@ -12,6 +12,7 @@ use scene::{Drawn, Geometry, Link, MapDef, Pose, RobotDef, Shape};
 const PLANE_EDGE: f64 = 100.0;
 /// Thickness of that square, m.
 const PLANE_THICKNESS: f64 = 0.01;
+
 /// What stands on a map, and what can be pushed, in frames of their own.
 pub(crate) fn map(map: &MapDef) -> Vec<SceneEntity> {
     let solid = |frame: &str, solid: &scene::Solid, pose: &Pose| {

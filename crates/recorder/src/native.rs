@@ -149,8 +149,8 @@ fn erase(time: f64, slot: u64, file: &mut impl Publish) -> McapResult<()> {
 fn write_object(time: f64, object: &ObjectState, file: &mut impl Publish) -> McapResult<()> {
     let number = object.object;
     file.publish(time, &format!("/map/object/{number}"), object)?;
-    let slotted = transform(time, "world", &drawing::object_frame(number as usize), &object.pose());
-    file.publish(time, &format!("/map/object/{number}/tf"), &transforms(vec![slotted]))
+    let placed = transform(time, "world", &drawing::object_frame(number as usize), &object.pose());
+    file.publish(time, &format!("/map/object/{number}/tf"), &transforms(vec![placed]))
 }
 
 fn robot_frame(slot: u64) -> String {

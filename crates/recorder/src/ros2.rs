@@ -106,8 +106,8 @@ impl Ros2 {
 
     fn write_object(&mut self, time: f64, object: &ObjectState, file: &mut LogFile) -> McapResult<()> {
         self.write_clock(time, file)?;
-        let slotted = transform(time, "map", &format!("object_{}", object.object), &object.pose());
-        file.publish(time, "/tf", &ros::TFMessage { transforms: vec![slotted] })
+        let placed = transform(time, "map", &format!("object_{}", object.object), &object.pose());
+        file.publish(time, "/tf", &ros::TFMessage { transforms: vec![placed] })
     }
 
     fn write_reading(&self, time: f64, sensed: &Sensed, file: &mut LogFile) -> McapResult<()> {

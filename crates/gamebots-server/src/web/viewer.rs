@@ -80,7 +80,7 @@ impl Viewer {
                     self.send(Message::Binary(frame)).await?;
                 }
                 notice = notices.recv() => self.send_notice(notice).await?,
-                line = next(&mut self.lines) => self.tell_line(line).await?,
+                line = next(&mut self.lines) => self.send_line(line).await?,
                 received = self.socket.recv() => self.take(received).await?,
             }
         }
@@ -96,7 +96,7 @@ impl Viewer {
         self.send(message).await
     }
 
-    async fn tell_line(&mut self, line: Result<Arc<Line>, RecvError>) -> Result<(), Gone> {
+    async fn send_line(&mut self, line: Result<Arc<Line>, RecvError>) -> Result<(), Gone> {
         let missed = match &line {
             Ok(_) => 0,
             Err(RecvError::Lagged(missed)) => *missed,

@@ -10,7 +10,8 @@ use crate::flight::Flight;
 const ATTITUDE_SPEED: f64 = 0.671_115_6;
 
 impl Physics {
-    /// Gives a robot the velocities that it is asked for; its root's body has its origin at `centre` in the robot frame. What stands in its way still stops it in the coming step.
+    /// Gives a robot the velocities that it is asked for; its root's body has its origin at `centre` in the robot frame. What
+    /// stands in its way still stops it in the coming step.
     pub(super) fn fly(&mut self, root: RigidBodyHandle, centre: Vector3<f64>, flight: &Flight) {
         let time_step = self.world.integration_parameters.dt;
         let Some(body) = self.world.bodies.get(root) else { return };

@@ -8,9 +8,8 @@ use rapier3d::prelude::*;
 
 use scene::{MountedWheel, Rollers};
 
-use super::roller::RollerShape;
-
 use super::convert;
+use super::roller::RollerShape;
 
 /// Width of the crown of a plain wheel, m.
 const CROWN_WIDTH: f64 = 0.004;
