@@ -1,6 +1,6 @@
 //! Reading the values of a client's blocks: lenient, always with a result, and with a note of what was wrong.
 
-use crate::{Line, Problem};
+use crate::{Block, Line, Problem};
 
 /// Largest magnitude of a number that a client can send; 32-bit physics has no use for more.
 const LIMIT: f64 = 1e6;
@@ -12,6 +12,15 @@ pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f
         return 0.0;
     };
     limited(key, text, value, problems)
+}
+
+/// Reads a number that counts things from 0.
+pub(crate) fn index_of(block: &Block, problems: &mut Vec<Problem>) -> Option<usize> {
+    let index = block.value.parse().ok();
+    if index.is_none() {
+        problems.push(Problem::NotANumber { key: block.key.clone(), got: shorten(&block.value), read_as: -1.0 });
+    }
+    index
 }
 
 /// A vector, or zeros where the block is missing.

@@ -21,8 +21,8 @@ const MAX_EXPANSION: u64 = 32;
 const ALWAYS_ALLOWED: u64 = 64 << 20;
 /// Longest line from a client: what the server takes, where each byte that is no UTF-8 has become three.
 const MAX_LINE: usize = 3 * MAX_LINE_BYTES;
-/// Most joints of a robot, as in a scene: a table has columns for all joints of the robot that has most.
-const MAX_JOINTS: usize = 100;
+/// Most joints of a robot: a table has columns for all joints of the robot that has most.
+const MAX_JOINTS: usize = scene::check::MAX_LINKS;
 
 /// One record with its simulated time, s.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,6 +13,8 @@ use crate::source::{MAX_MESH, Source};
 
 /// By how much a mesh is scaled: files are in metres, millimetres or inches.
 pub(crate) const SCALE: Range = Range { least: 1e-6, most: 1e6, unit: "" };
+/// Of what says no colour.
+pub(crate) const COLOUR: [f64; 3] = [0.72, 0.72, 0.74];
 
 /// Triangles of one colour, in the axes of their file: z up, or turned so by its reader.
 #[derive(Default)]

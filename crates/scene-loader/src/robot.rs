@@ -14,7 +14,7 @@ use scene::{Aerial, Battery, DriveModel, Link, Part, RobotDef, SensorDef, Shape,
 use serde::Deserialize;
 
 use self::actuator::{read_actuators, read_grippers};
-use self::joint::Links;
+use self::joint::{Links, find_link};
 use self::visual::read_visuals;
 use self::wheel::{read_casters, read_wheels};
 use crate::document::{Document, Table, Vector};
@@ -274,10 +274,7 @@ fn read_sensors<'a>(
         {
             document.problem(&span, format_args!("`wheel` of {name}: expected 0 to {}", wheels.saturating_sub(1)));
         }
-        let link = match &link {
-            Some(link) if complete => document.one_of(&span, "link", link, links.iter().map(|it| it.name.as_str())),
-            _ => Some(0),
-        };
+        let link = find_link(document, &span, "link", link.as_deref(), links, complete);
         let sensor = SensorDef { name, link: link.unwrap_or(0), position, direction, scan_interval, config };
         document.wrong(&span, check::sensor(&sensor));
         sensors.push(sensor);

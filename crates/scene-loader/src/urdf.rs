@@ -25,12 +25,9 @@ const MAX_NAMESPACES: usize = 100;
 /// Error of the position at which a servo gives all its torque, rad or m. A URDF says no stiffness.
 const FULL_TORQUE_ERROR: f64 = 0.02;
 /// Part of its greatest speed by which a servo of the speed is behind when it gives all its torque.
-const FULL_TORQUE_LAG: f64 = 0.1;
+pub(crate) const FULL_TORQUE_LAG: f64 = 0.1;
 /// Most folders above that of the URDF in which a mesh of a package is looked for.
 const MAX_LEVELS: usize = 4;
-/// Of what says no colour.
-const COLOUR: [f64; 3] = [0.72, 0.72, 0.74];
-
 /// A URDF in the robot frame.
 pub(crate) struct Urdf {
     /// Parents before their children. The first is the body; the others have the names of their joints.
@@ -390,7 +387,7 @@ fn visuals(
         shape,
         position,
         rotation,
-        colour: colour.or(own).unwrap_or(COLOUR),
+        colour: colour.or(own).unwrap_or(mesh::COLOUR),
     };
     Ok(shapes.into_iter().map(drawn).collect())
 }

@@ -215,6 +215,12 @@ impl RobotDef {
         self.actuators.iter().find_map(|it| Some((it, it.links.iter().position(|&other| other == link)? + 1)))
     }
 
+    /// The limits of the joints that steer an axle, 0 the front and 1 the rear, rad.
+    pub fn steering_limits(&self, axle: usize) -> impl Iterator<Item = [f64; 2]> {
+        let joints = self.links.iter().filter(move |link| link.steered_axle() == Some(axle));
+        joints.filter_map(|link| link.joint.as_ref()?.limits)
+    }
+
     /// The links whose joints have a value, in the order of a state's joints.
     pub fn with_values(&self) -> impl Iterator<Item = &Link> + Clone {
         self.links.iter().filter(|link| link.has_value())

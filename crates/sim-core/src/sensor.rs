@@ -21,7 +21,7 @@ use scene::sensor::Config;
 use scene::{Pose, RobotDef, SensorDef};
 
 use crate::RobotId;
-use crate::physics::{Physics, RayHit};
+use crate::physics::{Physics, RayHit, RobotBodies};
 use crate::{BodyState, WheelState};
 
 /// What a sensor may see. It cannot change the world.
@@ -46,6 +46,11 @@ pub(crate) struct View<'a> {
 }
 
 impl View<'_> {
+    /// What a sensor on a link sees, by the link's number.
+    pub(crate) fn on_link(self, bodies: &RobotBodies, link: usize) -> Self {
+        Self { carrier: self.physics.carrier(bodies, link).unwrap_or(self.body), ..self }
+    }
+
     /// First hit of a ray from a place in world coordinates.
     pub(crate) fn cast_ray(&self, origin: &Point3<f64>, direction: &Vector3<f64>, max: f64) -> Option<RayHit> {
         self.physics.cast_ray(origin, direction, max, self.id)

@@ -68,12 +68,7 @@ impl ReadWrite for MisPkg {
 }
 
 fn target(link: &Block, of_value: &Block, problems: &mut Vec<Problem>) -> Option<(usize, f64)> {
-    let number = link.value.parse().ok();
-    if number.is_none() {
-        let got = link.value.chars().take(60).collect();
-        problems.push(Problem::NotANumber { key: link.key.clone(), got, read_as: -1.0 });
-    }
-    Some((number?, value::scalar_of(&of_value.key, &of_value.value, problems)))
+    Some((value::index_of(link, problems)?, value::scalar_of(&of_value.key, &of_value.value, problems)))
 }
 
 fn gripper(line: &Line, problems: &mut Vec<Problem>) -> Option<f64> {

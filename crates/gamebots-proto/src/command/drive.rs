@@ -32,6 +32,11 @@ impl Drive {
         value::scalar_of(&block.key, &block.value, problems)
     }
 
+    /// The number of a block that counts things from 0; `None` where it is none.
+    pub fn index_of(block: &Block, problems: &mut Vec<Problem>) -> Option<usize> {
+        value::index_of(block, problems)
+    }
+
     /// The numbers of several keys.
     pub fn numbers<const N: usize>(&self, keys: [&str; N], problems: &mut Vec<Problem>) -> [Option<f64>; N] {
         keys.map(|key| self.number(key, problems))

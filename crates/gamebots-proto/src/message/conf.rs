@@ -294,11 +294,9 @@ impl ItemConf {
     }
 }
 
-/// The joints of an actuator, each a run of blocks that begins with its `{Link ..}`.
+/// The joints of an actuator; the keys of their ends differ.
 fn joints(item: &Line, [min, max]: [&str; 2]) -> Option<Vec<JointConf>> {
-    let runs = item.blocks.chunk_by(|_, next| next.key != "Link");
-    let joint = |blocks: &[Block]| {
-        let line = Line { blocks: blocks.to_vec(), ..Line::default() };
+    let joint = |line: Line| {
         Some(JointConf {
             kind: line.get("JointType")?.to_owned(),
             max_torque: number(&line, "MaxTorque")?,
@@ -306,7 +304,14 @@ fn joints(item: &Line, [min, max]: [&str; 2]) -> Option<Vec<JointConf>> {
             max: number(&line, max)?,
         })
     };
-    runs.filter(|run| run.first().is_some_and(|first| first.key == "Link")).map(joint).collect()
+    split_links(item).map(joint).collect()
+}
+
+/// The joints of an actuator: each starts with its `{Link ..}`.
+pub(super) fn split_links(item: &Line) -> impl Iterator<Item = Line> {
+    let runs = item.blocks.chunk_by(|_, next| next.key != "Link");
+    let runs = runs.filter(|run| run.first().is_some_and(|first| first.key == "Link"));
+    runs.map(|blocks| Line { blocks: blocks.to_vec(), ..Line::default() })
 }
 
 /// Groups blocks by item: each starts with its `{Name ..}`.

@@ -1,9 +1,9 @@
 //! `GEO`: geometry of the robot or of its items (protocol.md 4.7).
 
-use super::conf::split_items;
+use super::conf::{split_items, split_links};
 use super::{float_array, number};
+use crate::Line;
 use crate::number::{engine_vector, fixed, fixed_vector};
-use crate::{Block, Line};
 
 /// One `GEO` line.
 #[derive(Debug, Clone, PartialEq)]
@@ -221,9 +221,7 @@ impl ActuatorGeo {
     }
 
     fn read(item: &Line) -> Option<Self> {
-        let runs = item.blocks.chunk_by(|_, next| next.key != "Link");
-        let joint = |blocks: &[Block]| {
-            let line = Line { blocks: blocks.to_vec(), ..Line::default() };
+        let joint = |line: Line| {
             Some(JointGeo {
                 parent: number(&line, "Parent")?,
                 location: float_array(line.get("Location")?)?,
@@ -235,10 +233,7 @@ impl ActuatorGeo {
             location: float_array(item.get("Location")?)?,
             orientation: float_array(item.get("Orientation")?)?,
             mount: item.get("Mount")?.to_owned(),
-            joints: runs
-                .filter(|run| run.first().is_some_and(|first| first.key == "Link"))
-                .map(joint)
-                .collect::<Option<_>>()?,
+            joints: split_links(item).map(joint).collect::<Option<_>>()?,
             tip: float_array(item.get("Tip")?)?,
         })
     }

@@ -78,9 +78,7 @@ fn joint(link: &Link) -> Option<Value> {
 
 /// How far the joints of an axle steer to both sides, rad.
 fn most_steered(def: &RobotDef, axle: usize) -> f64 {
-    let joints = def.links.iter().filter(|link| link.steered_axle() == Some(axle));
-    let limits = joints.filter_map(|link| link.joint.as_ref()?.limits);
-    limits.map(|[least, most]| most.min(-least)).reduce(f64::min).unwrap_or(0.0)
+    def.steering_limits(axle).map(|[least, most]| most.min(-least)).reduce(f64::min).unwrap_or(0.0)
 }
 
 /// A wheel in the frame of the link that carries it: a number among `links`, or of the body none.

@@ -69,9 +69,7 @@ impl Links {
         key: &str,
         name: Option<&str>,
     ) -> Option<usize> {
-        let (name, known) = (name.unwrap_or(ROOT), self.links.iter().map(|link| link.name.as_str()));
-        let number = known.clone().position(|known| known == name).or((!self.complete).then_some(0));
-        number.or_else(|| document.one_of(span, key, name, known))
+        find_link(document, span, key, name, &self.links, self.complete)
     }
 
     /// Adds the links that hang on joints beside those of wheels and of a URDF.
@@ -129,6 +127,21 @@ impl Links {
         }
         rebuilt(self.links, &self.taken, wheels)
     }
+}
+
+/// The number of a link by its name; without one, the body. Where not all links could be read, a name that is not known is no
+/// mistake of its own and stands for the body.
+pub(super) fn find_link(
+    document: &mut Document,
+    span: &Range<usize>,
+    key: &str,
+    name: Option<&str>,
+    links: &[Link],
+    complete: bool,
+) -> Option<usize> {
+    let (name, known) = (name.unwrap_or(ROOT), links.iter().map(|link| link.name.as_str()));
+    let number = known.clone().position(|known| known == name).or((!complete).then_some(0));
+    number.or_else(|| document.one_of(span, key, name, known))
 }
 
 /// Links without those that are taken, and with others behind them that hang on the same ones.

@@ -2,12 +2,10 @@
 //! said in the robot's assumptions; a robot.toml that names the URDF says it better.
 
 use nalgebra::{Point3, Vector3};
-use scene::{
-    JointKind, Link, Material, Motor, MountedWheel, Pose, RobotDef, SensorDef, Shape, Side, Steering, Wheel, check,
-    sensor,
-};
+use scene::{JointKind, Link, Material, Motor, Pose, RobotDef, SensorDef, Shape, Side, Steering, Wheel, check, sensor};
 
 use super::joint::rebuilt;
+use super::wheel::wrong_wheel;
 use crate::materials::Materials;
 use crate::problem::Problems;
 use crate::source::Source;
@@ -59,8 +57,7 @@ pub(crate) fn read(
     let shown = source.display(file);
     let links = robot.links.iter().enumerate();
     let wrong = links.flat_map(|(number, link)| {
-        let wheel = MountedWheel::of((number, link)).map_or(Vec::new(), |wheel| check::wheel(&wheel));
-        let wrong = check::link(link, number).into_iter().chain(wheel);
+        let wrong = check::link(link, number).into_iter().chain(wrong_wheel(link));
         wrong.map(|message| format!("joint {}: {message}", link.name)).collect::<Vec<_>>()
     });
     let mut wrong: Vec<String> = wrong.collect();
@@ -206,13 +203,13 @@ impl Guess {
     }
 }
 
-/// A wheel's motor: what the URDF says of it, and a servo that gives all its torque a tenth of its speed behind.
+/// A wheel's motor: what the URDF says of it, and a servo of the speed as other joints have.
 fn motor(continuous: &Continuous, robot_mass: f64, radius: f64) -> Motor {
     let max_speed = continuous.max_speed.unwrap_or(WHEEL_SPEED);
     let max_torque = continuous.max_torque.unwrap_or(WHEEL_PUSH * robot_mass * GRAVITY * radius);
     // A rotor as `Motor::armature` has to have one.
     let armature = robot_mass / 4.0 * radius * radius;
-    let gain = max_torque / (0.1 * max_speed);
+    let gain = max_torque / (urdf::FULL_TORQUE_LAG * max_speed);
     Motor { max_speed, gain, max_torque, stiffness: None, integral_time: Some(0.1), armature }
 }
 

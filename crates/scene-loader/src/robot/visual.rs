@@ -2,15 +2,13 @@
 
 use std::ops::Range;
 
-use scene::{Link, ROOT, Shape, Visual, check};
+use scene::{Link, Shape, Visual, check};
 use serde::Deserialize;
 
+use super::joint::find_link;
 use crate::document::{Document, Table, Vector};
 use crate::mesh;
 use crate::source::Source;
-
-/// Of what says no colour.
-pub(crate) const COLOUR: [f64; 3] = [0.72, 0.72, 0.74];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -39,10 +37,7 @@ pub(super) fn read_visuals<'a>(
     complete: bool,
 ) {
     for (span, entry) in document.list::<VisualEntry>(root, "visual") {
-        let name = entry.link.as_deref().unwrap_or(ROOT);
-        let names = links.iter().map(|link| link.name.as_str());
-        let link = names.clone().position(|known| known == name);
-        let link = if complete { link.or_else(|| document.one_of(&span, "link", name, names)) } else { link };
+        let link = find_link(document, &span, "link", entry.link.as_deref(), links, complete);
         for (shape, colour) in shapes(source, document, &span, &entry) {
             let VisualEntry { position, rotation, .. } = entry;
             let visual = Visual { shape, position, rotation, colour };
@@ -60,7 +55,7 @@ fn shapes(
     span: &Range<usize>,
     entry: &VisualEntry,
 ) -> Vec<(Shape, [f64; 3])> {
-    let colour = entry.colour.unwrap_or(COLOUR);
+    let colour = entry.colour.unwrap_or(mesh::COLOUR);
     match (entry.size, entry.radius, entry.length, &entry.mesh, entry.scale) {
         (Some(size), None, None, None, None) => vec![(Shape::Box { size }, colour)],
         (None, Some(radius), None, None, None) => vec![(Shape::Ball { radius }, colour)],
@@ -75,7 +70,7 @@ fn shapes(
                 Vec::new()
             });
             let piece = |it: mesh::Piece| {
-                let colour = entry.colour.or(it.colour).unwrap_or(COLOUR);
+                let colour = entry.colour.or(it.colour).unwrap_or(mesh::COLOUR);
                 (it.scaled([scale; 3]), colour)
             };
             pieces.into_iter().map(piece).collect()

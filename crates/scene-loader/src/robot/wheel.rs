@@ -198,7 +198,8 @@ fn read_wheel(
     Some(wheel)
 }
 
-fn wrong_wheel(link: &Link) -> Vec<String> {
+/// What is wrong with the wheel that a link is; without one, nothing.
+pub(super) fn wrong_wheel(link: &Link) -> Vec<String> {
     MountedWheel::of((1, link)).map_or(Vec::new(), |wheel| check::wheel(&wheel))
 }
 

@@ -104,7 +104,7 @@ pub(super) const MAX_POSES: usize = 1000;
 /// Most parts of a robot, and most solids of its body.
 pub(super) const MAX_PARTS: usize = 1000;
 /// Most links of a robot, beside its rollers: a Nao has 25, and the cost of a step grows with the square of their number.
-pub(super) const MAX_LINKS: usize = 100;
+pub const MAX_LINKS: usize = 100;
 /// Most wheels of a robot.
 pub(super) const MAX_WHEELS: usize = 32;
 /// Most rollers of a robot: the cost of a step grows with the square of their number.

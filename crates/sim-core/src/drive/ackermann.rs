@@ -34,8 +34,9 @@ pub(super) fn wheel_speeds(
 /// Where the steering joints are to be.
 pub(super) fn joint_targets(robot: &RobotDef, steer: [f64; 2]) -> Vec<(usize, f64)> {
     // Beyond its limits a slope could turn the other way.
-    let steer =
-        [0, 1].map(|axle| limits(robot, axle).fold(steer[axle], |angle, [least, most]| angle.clamp(least, most)));
+    let within =
+        |axle| robot.steering_limits(axle).fold(steer[axle], |angle: f64, [least, most]| angle.clamp(least, most));
+    let steer = [0, 1].map(within);
     let centre = turning_centre(robot, steer);
     let joints = robot.with_values().enumerate();
     let target = |(number, link): (usize, &Link)| {
@@ -66,11 +67,6 @@ fn turning_centre(robot: &RobotDef, [front, rear]: [f64; 2]) -> Option<[f64; 2]>
 
 /// The smallest range of the steering joints of front and rear, rad: from end to end, not to one side.
 pub(super) fn ranges(robot: &RobotDef) -> [f32; 2] {
-    [0, 1].map(|axle| limits(robot, axle).map(|[least, most]| most - least).reduce(f64::min).unwrap_or(NO_RANGE) as f32)
-}
-
-/// The limits of the joints that steer an axle, rad.
-fn limits(robot: &RobotDef, axle: usize) -> impl Iterator<Item = [f64; 2]> {
-    let joints = robot.with_values().filter(move |link| link.steered_axle() == Some(axle));
-    joints.filter_map(|link| link.joint.as_ref()?.limits)
+    let ranges = |axle| robot.steering_limits(axle).map(|[least, most]| most - least);
+    [0, 1].map(|axle| ranges(axle).reduce(f64::min).unwrap_or(NO_RANGE) as f32)
 }

@@ -35,14 +35,7 @@ fn numbered(drive: &Drive, problems: &mut Vec<Problem>) -> Vec<(usize, f64)> {
     let mut number = None;
     for block in &drive.blocks {
         if block.key.eq_ignore_ascii_case("WheelNumber") {
-            number = block.value.parse::<usize>().ok();
-            if number.is_none() {
-                problems.push(Problem::NotANumber {
-                    key: block.key.clone(),
-                    got: block.value.chars().take(60).collect(),
-                    read_as: -1.0,
-                });
-            }
+            number = Drive::index_of(block, problems);
         } else if block.key.eq_ignore_ascii_case("WheelSpeed") {
             let speed = Drive::number_of(block, problems);
             wheels.extend(number.take().map(|number| (number, speed)));

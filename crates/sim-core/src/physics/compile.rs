@@ -293,9 +293,8 @@ impl Tree {
                 self.gears.extend(joints.map(|(leader, follower)| Gear { leader, follower, multiplier, offset }));
             }
             CouplingKind::Target => {
-                let leader = def.links.iter().take(leader).filter(|link| link.has_value()).count();
                 if let Some(Joint { role: Role::Value(value), .. }) = &mut self.links[numbers[follower]].joint {
-                    value.follows = Some(Coupling { leader, ..coupling });
+                    value.follows = def.value_of(leader).map(|leader| Coupling { leader, ..coupling });
                 }
             }
         }

@@ -361,30 +361,16 @@ impl Physics {
             return BodyState { pose: *base.pose(), linear, angular };
         }
         let (body, centre) = (&self.world.bodies[bodies.all[0]], bodies.robot.centre());
-        let pose = convert::from_pose(body.position()) * Translation3::from(-centre);
-        let (linear, angular) = (convert::from_vector(body.linvel()), convert::from_vector(body.angvel()));
-        BodyState { pose, linear: linear - angular.cross(&(pose.rotation * centre)), angular }
+        frame_at(body, body.linvel(), centre)
     }
 
-    /// The robot frame as it moves with a link by its number in the definition, when every joint was at 0.
-    pub(crate) fn carrier(&self, bodies: &RobotBodies, link: usize) -> BodyState {
-        let body = self.body(bodies);
-        let def = &bodies.robot.def;
-        let Some(origin) = def.links.get(link).filter(|_| link > 0).map(|link| Vector3::from(link.origin())) else {
-            return body;
-        };
-        let moving = match &bodies.robot.kind {
-            Kind::Tree(tree) => tree.numbers.get(link).and_then(|&number| self.world.bodies.get(bodies.all[number])),
-            Kind::Base(_) => None,
-        };
-        let Some(moving) = moving else {
-            // A base of one body has nothing that moves but wheels.
-            return body;
-        };
-        let (pose, angular) = (convert::from_pose(moving.position()), convert::from_vector(moving.angvel()));
-        let linear = convert::from_vector(moving.velocity_at_point(moving.translation()));
-        let pose = pose * Translation3::from(-origin);
-        BodyState { pose, linear: linear - angular.cross(&(pose.rotation * origin)), angular }
+    /// The robot frame as it moves with a link by its number in the definition, when every joint was at 0. `None` of the body,
+    /// whose own it is, and of a base of one body, which has nothing that moves but wheels.
+    pub(crate) fn carrier(&self, bodies: &RobotBodies, link: usize) -> Option<BodyState> {
+        let Kind::Tree(tree) = &bodies.robot.kind else { return None };
+        let origin = bodies.robot.def.links.get(link).filter(|_| link > 0)?.origin();
+        let body = self.world.bodies.get(bodies.all[*tree.numbers.get(link)?])?;
+        Some(frame_at(body, body.velocity_at_point(body.translation()), origin.into()))
     }
 
     /// The robot does not collide with itself (the thesis lists 81 disabled pairs, all within one robot;
@@ -426,6 +412,13 @@ impl Physics {
             });
         }
     }
+}
+
+/// The frame in which a body has its origin at `origin`, and that moves with it; `linear` is the velocity there.
+fn frame_at(body: &RigidBody, linear: Vector, origin: Vector3<f64>) -> BodyState {
+    let pose = convert::from_pose(body.position()) * Translation3::from(-origin);
+    let (linear, angular) = (convert::from_vector(linear), convert::from_vector(body.angvel()));
+    BodyState { pose, linear: linear - angular.cross(&(pose.rotation * origin)), angular }
 }
 
 /// The engine puts bodies to sleep below 0.4 m/s; a youBot drives at 0.05.

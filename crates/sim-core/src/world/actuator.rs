@@ -6,6 +6,7 @@ use gamebots_proto::message::{ActuatorGeo, Asta, Eff, ItemConf, ItemGeo, JointCo
 use nalgebra::Vector3;
 use scene::{Actuator, Gripper, JointKind, RobotDef};
 
+use super::answer::item_geo;
 use super::robot::{Robot, unknown};
 use crate::physics::Physics;
 use crate::sensor::floats;
@@ -53,7 +54,7 @@ impl Robot {
             _ => return,
         };
         let named = self.def().grippers.iter().enumerate();
-        let named = named.filter(|(_, it)| set.name.is_empty() || it.name.eq_ignore_ascii_case(&set.name));
+        let named = named.filter(|(_, it)| is_asked(&it.name, &set.name));
         let numbers: Vec<usize> = named.map(|(number, _)| number).collect();
         numbers.into_iter().for_each(|number| self.grip(number, closed));
     }
@@ -88,8 +89,7 @@ impl Robot {
 
 /// CONF of what a robot has of a type that is no sensor's; a name, in any case, chooses one.
 pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf> {
-    let is_named = |own: &str| name.is_empty() || own.eq_ignore_ascii_case(name);
-    let actuators = def.actuators.iter().filter(|it| is_named(&it.name));
+    let actuators = def.actuators.iter().filter(|it| is_asked(&it.name, name));
     let (own, joints) = (|it: &Actuator| it.name.clone(), |it: &Actuator| joint_confs(def, it));
     if type_name == "MisPkg" {
         return actuators.map(|it| ItemConf::MisPkg { name: own(it), joints: joints(it) }).collect();
@@ -97,7 +97,7 @@ pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf
     match type_name.to_ascii_lowercase().as_str() {
         "actuator" => actuators.map(|it| ItemConf::Actuator { name: own(it), joints: joints(it) }).collect(),
         "gripper" => {
-            let grippers = def.grippers.iter().filter(|it| is_named(&it.name));
+            let grippers = def.grippers.iter().filter(|it| is_asked(&it.name, name));
             grippers.map(|it| ItemConf::Gripper { name: it.name.clone() }).collect()
         }
         _ => Vec::new(),
@@ -121,7 +121,7 @@ fn joint_confs(def: &RobotDef, actuator: &Actuator) -> Vec<JointConf> {
 
 /// GEO of the actuators; a name, in any case, chooses one. Everything is parallel to the robot frame when every joint is at 0.
 pub(super) fn geos(def: &RobotDef, name: &str) -> Vec<ActuatorGeo> {
-    let actuators = def.actuators.iter().filter(|it| name.is_empty() || it.name.eq_ignore_ascii_case(name));
+    let actuators = def.actuators.iter().filter(|it| is_asked(&it.name, name));
     let origin = |link: usize| def.links.get(link).map_or_else(Vector3::zeros, |link| link.origin().into());
     let geo = |actuator: &Actuator| {
         let parent_of = |link: usize| def.links.get(link)?.joint.as_ref().map(|joint| joint.parent);
@@ -148,25 +148,19 @@ pub(super) fn geos(def: &RobotDef, name: &str) -> Vec<ActuatorGeo> {
 /// GEO of the grippers, where a type asks for them: each is amid its fingers' joints, which is also its tool point.
 pub(super) fn gripper_geos(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemGeo> {
     let asked = type_name.eq_ignore_ascii_case("Gripper");
-    let grippers = def.grippers.iter().filter(|it| asked && (name.is_empty() || it.name.eq_ignore_ascii_case(name)));
+    let grippers = def.grippers.iter().filter(|it| asked && is_asked(&it.name, name));
     let geo = |gripper: &Gripper| {
         let fingers = gripper.links.iter().filter_map(|&link| def.links.get(link));
         let middle = fingers.map(|it| Vector3::from(it.origin())).sum::<Vector3<f64>>() / gripper.links.len() as f64;
         let carrier = def.links.get(*gripper.links.first()?)?.joint.as_ref()?.parent;
-        let (mount, mount_link, base) = match def.actuator_of(carrier) {
-            Some((actuator, number)) => (&actuator.name, Some(number), def.links.get(carrier)?.origin().into()),
-            None => (&def.class, None, Vector3::zeros()),
-        };
-        Some(ItemGeo {
-            name: gripper.name.clone(),
-            location: floats((middle - base).into()),
-            orientation: [0.0; 3],
-            mount: mount.clone(),
-            mount_link,
-            tip: Some([0.0; 3]),
-        })
+        Some(ItemGeo { tip: Some([0.0; 3]), ..item_geo(def, &gripper.name, carrier, middle, [0.0; 3]) })
     };
     grippers.filter_map(geo).collect()
+}
+
+/// Whether a name, in any case, asks for an item of its own name; an empty one asks for all.
+pub(super) fn is_asked(own: &str, name: &str) -> bool {
+    name.is_empty() || own.eq_ignore_ascii_case(name)
 }
 
 /// Whether a link is another one or hangs on it.

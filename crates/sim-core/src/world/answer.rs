@@ -2,7 +2,7 @@
 
 use gamebots_proto::command::{GetConf, GetGeo};
 use gamebots_proto::message::{Conf, Geo, ItemGeo, RobotConf, RobotGeo};
-
+use nalgebra::Vector3;
 use scene::{RobotDef, SensorDef};
 
 use super::actuator;
@@ -31,23 +31,34 @@ pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
         let items = actuator::geos(robot.def(), &ask.name);
         return (!items.is_empty()).then(|| Geo::Actuators { type_name: ask.type_name.clone(), items });
     }
-    let sensors = matching(robot, &ask.type_name, &ask.name).map(|item| item_geo(robot.def(), &item.def));
+    let sensor = |SensorDef { name, link, position, direction, .. }: &SensorDef| {
+        item_geo(robot.def(), name, *link, (*position).into(), *direction)
+    };
+    let sensors = matching(robot, &ask.type_name, &ask.name).map(|item| sensor(&item.def));
     let items: Vec<_> = sensors.chain(actuator::gripper_geos(robot.def(), &ask.type_name, &ask.name)).collect();
     (!items.is_empty()).then(|| Geo::Items { type_name: ask.type_name.clone(), items })
 }
 
-/// Where a sensor is when every joint is at 0: in the robot frame, or against the actuator's link that carries it.
-fn item_geo(def: &RobotDef, sensor: &SensorDef) -> ItemGeo {
-    let (name, orientation) = (sensor.name.clone(), floats(sensor.direction));
-    match def.actuator_of(sensor.link).zip(def.mount_of(sensor)) {
-        Some(((actuator, number), (_, _, pose))) => {
-            let location = floats(pose.translation.vector.into());
-            ItemGeo { name, location, orientation, mount: actuator.name.clone(), mount_link: Some(number), tip: None }
-        }
-        None => {
-            let location = floats(sensor.position);
-            ItemGeo { name, location, orientation, mount: def.class.clone(), mount_link: None, tip: None }
-        }
+/// Where an item on a link is when every joint is at 0: in the robot frame, or against the actuator's link that carries it.
+pub(super) fn item_geo(
+    def: &RobotDef,
+    name: &str,
+    link: usize,
+    position: Vector3<f64>,
+    orientation: [f64; 3],
+) -> ItemGeo {
+    let (mount, mount_link, origin) = match def.actuator_of(link).zip(def.links.get(link)) {
+        Some(((actuator, number), link)) => (&actuator.name, Some(number), link.origin()),
+        None => (&def.class, None, [0.0; 3]),
+    };
+    let location = floats((position - Vector3::from(origin)).into());
+    ItemGeo {
+        name: name.to_owned(),
+        location,
+        orientation: floats(orientation),
+        mount: mount.clone(),
+        mount_link,
+        tip: None,
     }
 }
 

@@ -7,6 +7,7 @@ use gamebots_proto::command::{Drive, MultiDrive, Set};
 use gamebots_proto::message::{Message, Sta};
 use scene::{JointState, Pose, RobotDef, SensorDef};
 
+use super::actuator::is_asked;
 use super::{Options, RobotId, seed};
 use crate::drive::DriveState;
 use crate::physics::{CompiledRobot, Physics, RobotBodies};
@@ -71,8 +72,7 @@ impl Robot {
         let view = view(id, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
         let mount = |(index, def): (usize, &SensorDef)| {
             let rng = seed::stream(options.seed, id.0, &def.name, index);
-            let carrier = physics.carrier(&robot.bodies, def.link);
-            Item { def: def.clone(), sensor: sensor::mount(def, rng, &View { carrier, ..view }) }
+            Item { def: def.clone(), sensor: sensor::mount(def, rng, &view.on_link(&robot.bodies, def.link)) }
         };
         robot.items = class.def.sensors.iter().enumerate().map(mount).collect();
         robot
@@ -184,7 +184,7 @@ impl Robot {
         let mut messages = Vec::new();
         let named = items.iter_mut().enumerate().filter(|(_, item)| item.matches(&set.type_name, &set.name));
         for (number, item) in named {
-            let view = View { carrier: physics.carrier(bodies, item.def.link), ..view };
+            let view = view.on_link(bodies, item.def.link);
             if item.sensor.set(&opcode, set, &view) == Effect::Scan {
                 messages
                     .extend(item.sensor.sense(&view).map(|reading| Message::Sen(reading.at(time as f32).of(number))));
@@ -234,7 +234,7 @@ impl Robot {
         let wheels = physics.wheels(&self.bodies);
         let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
         for (number, item) in items.iter_mut().enumerate().filter(|(_, item)| due(item)) {
-            let view = View { carrier: physics.carrier(bodies, item.def.link), ..view };
+            let view = view.on_link(bodies, item.def.link);
             if let Some(reading) = item.sensor.sense(&view) {
                 send(Message::Sen(reading.at(time as f32).of(number)));
             }
@@ -245,8 +245,7 @@ impl Robot {
 impl Item {
     /// Type and name in any case; an empty name is every item of the type.
     pub(super) fn matches(&self, type_name: &str, name: &str) -> bool {
-        self.sensor.type_name().eq_ignore_ascii_case(type_name)
-            && (name.is_empty() || self.def.name.eq_ignore_ascii_case(name))
+        self.sensor.type_name().eq_ignore_ascii_case(type_name) && is_asked(&self.def.name, name)
     }
 }
 
