@@ -4,9 +4,10 @@
 
 use std::path::{Path, PathBuf};
 
+use gamebots_proto::Command;
 use scene::WorldDef;
 use scene_loader::LoadError;
-use sim_core::{Controller, Options, World};
+use sim_core::{Options, World};
 use tempfile::TempDir;
 
 use crate::assert_finite;
@@ -135,16 +136,19 @@ fn drive_on_map(file: &Path) {
 fn drive(definition: WorldDef, class: &str) {
     let start = definition.map.starts[0].name.clone();
     let mut world = World::new(definition, Options::default());
-    let (mut controller, mut problems) = (Controller::default(), Vec::new());
+    let (mut robot, mut problems) = (None, Vec::new());
     for line in [
         format!("INIT {{ClassName {class}}} {{Start {start}}}"),
         "DRIVE {Left 2} {Right 3} {Front-Left 2} {Front-Right 3} {Back-Left 1} {Back-Right 2}".to_owned(),
         "GETCONF {Type Robot}".to_owned(),
         "GETGEO {Type Robot}".to_owned(),
     ] {
-        assert_finite("an answer", &controller.execute_line(&line, &mut world, &mut problems));
+        let command = Command::parse(&line, &mut problems).expect("a command");
+        let executed = world.execute(robot, &command, &mut problems);
+        robot = executed.spawned.or(robot);
+        assert_finite("an answer", &executed.answers);
     }
-    let robot = controller.robots()[0];
+    let robot = robot.expect("a robot");
     assert_finite("the start", &world.observe(robot));
     for step in 0..STEPS {
         assert_finite("a message", &world.step());

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 use std::sync::LazyLock;
 
+use gamebots_proto::Command;
 use scene::{DriveModel, WorldDef};
-use sim_core::{Controller, Options, RobotId, World};
+use sim_core::{Options, RobotId, World};
 
 use crate::assert_finite;
 
@@ -49,7 +50,8 @@ pub fn world(bytes: &[u8]) {
 fn run(text: &str) -> (u64, String) {
     let (scene, lines) = text.split_once('\n').unwrap_or((text, ""));
     let mut world = World::new(definition(scene), Options::default());
-    let mut controllers: [Controller; 3] = Default::default();
+    // The robots of three clients, the newest last.
+    let mut clients: [Vec<RobotId>; 3] = Default::default();
     let (mut steps, mut sent) = (0, String::new());
     for line in lines.lines().take(MAX_LINES) {
         if let Ok(wanted) = line.trim().parse::<u32>() {
@@ -57,7 +59,7 @@ fn run(text: &str) -> (u64, String) {
             (0..wanted).for_each(|_| step(&mut world, &mut sent));
             steps += wanted;
         } else {
-            act(line, &mut controllers, &mut world, &mut sent);
+            act(line, &mut clients, &mut world, &mut sent);
         }
     }
     assert_eq!(world.time(), f64::from(steps) * world.time_step());
@@ -73,15 +75,19 @@ fn definition(scene: &str) -> WorldDef {
     definition
 }
 
-fn act(line: &str, controllers: &mut [Controller; 3], world: &mut World, sent: &mut String) {
+fn act(line: &str, clients: &mut [Vec<RobotId>; 3], world: &mut World, sent: &mut String) {
     let connection = line.bytes().next().unwrap_or_default();
     let text = line.get(1..).unwrap_or_default().trim();
-    let controller = &mut controllers[usize::from(connection) % 3];
+    let robots = &mut clients[usize::from(connection) % 3];
     let full = world.robots().count() >= MAX_ROBOTS;
     if text.is_empty() {
-        std::mem::take(controller).end(world);
-    } else if !(full && text.get(..4).is_some_and(|verb| verb.eq_ignore_ascii_case("INIT"))) {
-        for message in controller.execute_line(text, world, &mut Vec::new()) {
+        robots.drain(..).for_each(|robot| world.remove(robot));
+    } else if let Some(command) = Command::parse(text, &mut Vec::new())
+        && !(full && matches!(command, Command::Init(_)))
+    {
+        let executed = world.execute(robots.last().copied(), &command, &mut Vec::new());
+        robots.extend(executed.spawned);
+        for message in executed.answers {
             assert_finite("an answer", &message);
             let _ = writeln!(sent, "{}", message.write());
         }

@@ -8,6 +8,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use fuzz::{TARGETS, Target};
+use gamebots_proto::Command;
 use mcap::WriteOptions;
 use mcap::read::{ChunkFlattener, Options as ReadOptions};
 use mcap::records::Record as Raw;
@@ -15,7 +16,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use recorder::{End, LogWriter, Record, StateTimer, WireLine};
 use scene::WorldDef;
-use sim_core::{Controller, Options, World};
+use sim_core::{Options, World};
 
 /// The inputs of a target in the order of their names.
 fn corpus(name: &str) -> Vec<(PathBuf, Vec<u8>)> {
@@ -99,11 +100,12 @@ fn write_log(path: &Path) {
     let world = WorldDef { map, robots };
     let mut log = LogWriter::create(path, &world, Options::default(), &[]).unwrap();
     let mut world = World::new(world, Options::default());
-    let (mut controller, mut states) = (Controller::default(), StateTimer::default());
+    let (mut robot, mut states) = (None, StateTimer::default());
     let line = |connection: u64, line: &str| WireLine { connection, robot: None, line: line.to_owned() };
     for text in ["INIT {ClassName CasterSkidRobot} {Name A}", "DRIVE {Left 2} {Right 3}"] {
         log.write(0.0, &Record::In(line(1, text))).unwrap();
-        controller.execute_line(text, &mut world, &mut Vec::new());
+        let command = Command::parse(text, &mut Vec::new()).unwrap();
+        robot = world.execute(robot, &command, &mut Vec::new()).spawned.or(robot);
     }
     for _ in 0..50 {
         for (robot, message) in world.step() {

@@ -50,7 +50,7 @@ pub fn init(world: &mut World, text: &str) -> RobotId {
 
 /// Gives a robot a line and returns the lines that it answers.
 pub fn apply(world: &mut World, robot: RobotId, text: &str) -> Vec<String> {
-    world.apply(robot, &command(text), &mut Vec::new()).iter().map(Message::write).collect()
+    world.execute(Some(robot), &command(text), &mut Vec::new()).answers.iter().map(Message::write).collect()
 }
 
 /// Lets time pass and returns every message.

@@ -131,7 +131,7 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
         assert!((f64::from(values[0]) - expected).abs() < 0.002, "{line}: {values:?}");
     }
     let mut problems = Vec::new();
-    world.apply(robot, &command("ACT {Name Amr} {Link 0} {Value 1}"), &mut problems);
+    world.execute(Some(robot), &command("ACT {Name Amr} {Link 0} {Value 1}"), &mut problems);
     let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
     assert_eq!(said, ["{Name Amr} is unknown; expected one of Arm, Gripper; nothing is moved"]);
     let confs = ["GETCONF {Type Actuator}", "GETCONF {Type MisPkg}", "GETCONF {Type Gripper}"];

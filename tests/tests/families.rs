@@ -236,7 +236,7 @@ fn a_platform_stays_where_it_is_and_what_has_legs_falls() {
         let robot = init(&mut world, "INIT {ClassName USARBot.Column} {Location 0,0,-1}");
         apply(&mut world, robot, "SET {Type Joint} {Name Head} {Opcode Angle} {Params 0.4}");
         let mut problems = Vec::new();
-        world.apply(robot, &command("DRIVE {Left 1} {Right 1}"), &mut problems);
+        world.execute(Some(robot), &command("DRIVE {Left 1} {Right 1}"), &mut problems);
         assert_eq!(problems.len(), 1, "{problems:?}");
         run(&mut world, 2.0);
         let fallen = body(&world).pose.translation.z + 1.0;
@@ -265,7 +265,7 @@ fn a_robot_of_every_class_is_driven_in_its_own_words() {
             Steering::Legged | Steering::None => continue,
         };
         let mut problems = Vec::new();
-        world.apply(robot, &command(line), &mut problems);
+        world.execute(Some(robot), &command(line), &mut problems);
         assert_eq!(problems, [], "{class}: {line}");
         run(&mut world, 2.0);
         let ahead = body(&world).pose.translation.x;

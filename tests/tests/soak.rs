@@ -6,8 +6,8 @@ use std::time::Instant;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use scene::DriveModel;
-use sim_core::{Controller, Options, TIME_STEP, World};
-use system_tests::{Usage, alone, sessions, setting};
+use sim_core::{Options, RobotId, TIME_STEP, World};
+use system_tests::{Usage, alone, command, init, sessions, setting};
 
 /// Robots that come and leave, unless `USARSIM_SOAK_LEAVINGS` says otherwise.
 const LEAVINGS: u64 = 2_000;
@@ -28,10 +28,12 @@ fn world(map: &str, seed: u64) -> World {
     World::new(def, Options { seed, ..Options::default() })
 }
 
-fn send(controller: &mut Controller, world: &mut World, line: &str) {
+/// Sends a line of a client that has this robot, and returns the one that it has then.
+fn send(robot: Option<RobotId>, world: &mut World, line: &str) -> Option<RobotId> {
     let mut problems = Vec::new();
-    controller.execute_line(line, world, &mut problems);
+    let spawned = world.execute(robot, &command(line), &mut problems).spawned;
     assert!(problems.is_empty(), "{line}: {problems:?}");
+    spawned.or(robot)
 }
 
 #[track_caller]
@@ -56,16 +58,13 @@ fn robots_that_leave_leave_nothing_behind() {
             7 => ["CasterSkidRobot", "BasicSkidRobot"],
             _ => ["P3AT", "P3AT"],
         };
-        let mut controllers = classes.map(|class| {
-            let mut controller = Controller::default();
-            send(&mut controller, &mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}"));
-            controller
-        });
-        for controller in &mut controllers {
-            send(controller, &mut world, "DRIVE {Left 1} {Right 1}");
+        let mut robots = classes
+            .map(|class| init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}")));
+        for robot in robots {
+            send(Some(robot), &mut world, "DRIVE {Left 1} {Right 1}");
         }
         // Nothing but the lower robot can push the upper one.
-        let upper = controllers[1].robots()[0];
+        let upper = robots[1];
         let is_pushed = |world: &World| {
             let contacts = world.observe(upper).expect("the upper robot").contacts;
             contacts.iter().any(|contact| contact.force.norm() > 0.0)
@@ -75,10 +74,10 @@ fn robots_that_leave_leave_nothing_behind() {
             is_pushed(&world)
         }));
         if pair % 2 == 1 {
-            controllers.reverse();
+            robots.reverse();
         }
-        for controller in controllers {
-            controller.end(&mut world);
+        for robot in robots {
+            world.remove(robot);
             world.step();
         }
         if pair == 500 {
@@ -98,10 +97,9 @@ fn robots_that_leave_in_the_step_in_which_others_come_leave_nothing_behind() {
     let mut first = 0;
     for round in 0..20_000 {
         let class = ["P3AT", "KUKA_YouBot", "P2AT"][round % 3];
-        let mut controller = Controller::default();
-        send(&mut controller, &mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}"));
+        let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}"));
         world.step();
-        controller.end(&mut world);
+        world.remove(robot);
         if round == 1000 {
             first = Usage::of("self").resident;
         }
@@ -111,7 +109,7 @@ fn robots_that_leave_in_the_step_in_which_others_come_leave_nothing_behind() {
 
 /// One who comes, drives and leaves, time and again.
 struct Visitor {
-    controller: Option<Controller>,
+    robot: Option<RobotId>,
     /// The step of its coming or leaving.
     next: u64,
 }
@@ -133,7 +131,7 @@ fn soak(seed: u64, seconds: u64, mut report: impl FnMut(u64, &Outcome)) -> Outco
     let mut world = world("arena", seed);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut outcome = Outcome { digest: 0, messages: 0, visits: 0, commands: 0, robots: 0 };
-    let mut visitors: Vec<Visitor> = (0..4).map(|index| Visitor { controller: None, next: index * SECOND }).collect();
+    let mut visitors: Vec<Visitor> = (0..4).map(|index| Visitor { robot: None, next: index * SECOND }).collect();
     for step in 0..seconds * SECOND {
         // Commands come ten times a second.
         if step % (SECOND / 10) == 0 {
@@ -160,23 +158,20 @@ fn visit(
     outcome: &mut Outcome,
 ) {
     let is_due = step >= visitor.next;
-    match &mut visitor.controller {
+    match visitor.robot {
         None if is_due => {
-            let mut controller = Controller::default();
             // One P3AT costs as much as five youBots.
             let class = if index == 0 { "P3AT" } else { "KUKA_YouBot" };
             let place = sessions::place(random);
-            send(&mut controller, world, &format!("INIT {{ClassName USARBot.{class}}} {place}"));
-            (visitor.controller, visitor.next) = (Some(controller), step + random.random_range(5..90) * SECOND);
+            visitor.robot = send(None, world, &format!("INIT {{ClassName USARBot.{class}}} {place}"));
+            visitor.next = step + random.random_range(5..90) * SECOND;
             outcome.visits += 1;
         }
         Some(_) if is_due => {
-            if let Some(controller) = visitor.controller.take() {
-                controller.end(world);
-            }
+            visitor.robot.take().into_iter().for_each(|robot| world.remove(robot));
             visitor.next = step + random.random_range(1..30) * SECOND;
         }
-        Some(controller) if random.random_bool(0.1) => {
+        robot @ Some(_) if random.random_bool(0.1) => {
             let mut speed = || random.random_range(-8.0..8.0);
             let line = if index == 0 {
                 format!("DRIVE {{Left {:.2}}} {{Right {:.2}}}", speed(), speed())
@@ -186,8 +181,8 @@ fn visit(
                 let blocks = wheels.iter().zip(speeds).map(|(wheel, speed)| format!(" {{{wheel} {speed:.2}}}"));
                 format!("DRIVE{}", blocks.collect::<String>())
             };
-            send(controller, world, &line);
-            send(controller, world, ["GETCONF {Type Robot}", "GETGEO {Type GroundTruth}"][random.random_range(0..2)]);
+            send(robot, world, &line);
+            send(robot, world, ["GETCONF {Type Robot}", "GETGEO {Type GroundTruth}"][random.random_range(0..2)]);
             outcome.commands += 2;
         }
         _ => {}

@@ -143,7 +143,7 @@ impl Course {
         course.run(SETTLING);
         let drive = drive_command(motion.signs().map(|sign| sign * speed));
         for &robot in &course.robots {
-            course.world.apply(robot, &drive, &mut Vec::new());
+            course.world.execute(Some(robot), &drive, &mut Vec::new());
         }
         course.run(SPIN_UP);
         let states: Vec<_> = course.robots.iter().filter_map(|&robot| course.world.state(robot)).collect();

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use gamebots_proto::Problem;
 use gamebots_proto::message::{Message, Reading};
+use gamebots_proto::{Command, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
-use scene::{MapDef, Pose, RobotDef, WorldDef};
+use scene::{MapDef, Pose, RobotDef, RobotId, WorldDef};
 use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
-use sim_core::{Controller, Options, World};
+use sim_core::{Options, World};
 
 use crate::course::in_words;
 use crate::plan::{Plan, Run, Setup, Tolerances};
@@ -166,11 +166,11 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let Prepared { world, options, init, lines } = prepare(plan, run)?;
     let refuse = |reason: &str| RunError::Setup { id: run.id.clone(), reason: reason.to_owned() };
     let log = log.map(|path| LogWriter::create(path, &world, options, &run.metadata(options.seed))).transpose()?;
-    let (world, controller, states) = (World::new(world, options), Controller::default(), StateTimer::default());
-    let mut stage = Stage { world, controller, log, states };
+    let (world, states) = (World::new(world, options), StateTimer::default());
+    let mut stage = Stage { world, robot: None, log, states };
     stage.greet()?;
     let problems = stage.send(&init)?;
-    let Some(&robot) = stage.controller.robots().last() else { return Err(refuse(&in_words(&problems))) };
+    let Some(robot) = stage.robot else { return Err(refuse(&in_words(&problems))) };
 
     let mut poses = Vec::new();
     let mut lines = lines.into_iter().peekable();
@@ -257,7 +257,7 @@ impl Run {
 /// The world with its log and its only client.
 struct Stage {
     world: World,
-    controller: Controller,
+    robot: Option<RobotId>,
     log: Option<LogWriter>,
     states: StateTimer,
 }
@@ -275,8 +275,11 @@ impl Stage {
             log.write(self.world.time(), &line)?;
         }
         let mut problems = Vec::new();
-        let answers = self.controller.execute_line(text, &mut self.world, &mut problems);
-        answers.iter().try_for_each(|answer| self.record_out(answer))?;
+        let command = Command::parse(text, &mut problems);
+        let executed = command.map(|command| self.world.execute(self.robot, &command, &mut problems));
+        let executed = executed.unwrap_or_default();
+        self.robot = executed.spawned.or(self.robot);
+        executed.answers.iter().try_for_each(|answer| self.record_out(answer))?;
         Ok(problems)
     }
 
@@ -309,6 +312,6 @@ impl Stage {
     }
 
     fn line(&self, line: String) -> WireLine {
-        WireLine { connection: 1, robot: self.controller.robots().last().map(|robot| robot.0), line }
+        WireLine { connection: 1, robot: self.robot.map(|robot| robot.0), line }
     }
 }

@@ -141,7 +141,7 @@ impl Scene {
     }
 
     fn drive(&mut self, speeds: [f64; 4]) {
-        self.world.apply(self.robot, &drive_command(speeds), &mut Vec::new());
+        self.world.execute(Some(self.robot), &drive_command(speeds), &mut Vec::new());
     }
 
     fn run(&mut self, seconds: f64) {

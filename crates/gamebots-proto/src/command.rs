@@ -36,6 +36,11 @@ macro_rules! commands {
             /// The verbs, upper case, in the order of the list.
             pub const VERBS: &'static [&'static str] = &[$($verb),*];
 
+            /// Reads a line as it was sent, see [`Command::read`].
+            pub fn parse(text: &str, problems: &mut Vec<Problem>) -> Option<Self> {
+                Self::read(&Line::parse(text), problems)
+            }
+
             /// Reads a line. An unknown verb gives `None` and a [`Problem::UnknownVerb`].
             pub fn read(line: &Line, problems: &mut Vec<Problem>) -> Option<Self> {
                 if line.truncated {

@@ -20,6 +20,7 @@ mod journal;
 mod listener;
 mod live;
 mod outbox;
+mod owners;
 mod pace;
 mod playback;
 mod recording;

@@ -1,11 +1,10 @@
-//! What the world knows of one connection: its robots, its outbox, its mistakes.
+//! One connection as the world's thread sees it: what it has sent, its outbox, its mistakes.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gamebots_proto::message::{Message, Nfo};
 use gamebots_proto::{Command, Problem};
-use sim_core::{Controller, RobotId, World};
 use tracing::warn;
 
 use crate::connection::{ConnectionId, Request, Turn};
@@ -22,9 +21,6 @@ pub(crate) struct Session {
     /// Address of the client.
     peer: String,
     outbox: Arc<Outbox>,
-    controller: Controller,
-    /// The line that made each of its robots, by which they come back in a fresh world.
-    inits: Vec<String>,
     lines: u64,
     dropped: u64,
     warnings: Budget,
@@ -45,8 +41,6 @@ impl Session {
             id,
             peer,
             outbox,
-            controller: Controller::default(),
-            inits: Vec::new(),
             lines: 0,
             dropped: 0,
             warnings: Budget::default(),
@@ -120,52 +114,28 @@ impl Session {
         self.dropped
     }
 
-    pub(crate) fn robots(&self) -> &[RobotId] {
-        self.controller.robots()
-    }
-
     pub(crate) fn outbox(&self) -> &Outbox {
         &self.outbox
     }
 
-    /// Executes a request and returns what it answers, and what was logged about it.
-    pub(crate) fn execute(
-        &mut self,
-        request: &Request,
-        world: &mut World,
-        now: Instant,
-    ) -> (Vec<Message>, Vec<String>) {
+    /// Counts a line, and heeds what it says about the connection itself.
+    pub(crate) fn note(&mut self, command: Option<&Command>) {
         self.lines += 1;
-        let Request { text, command, problems } = request;
-        let (mut problems, mut warnings, mut answers) = (problems.clone(), Vec::new(), Vec::new());
         if let Some(Command::Report(report)) = command {
             self.report_errors = report.errors;
         }
-        if let Some(command) = command {
-            answers = self.controller.execute(command, world, &mut problems);
-            if self.controller.robots().len() > self.inits.len() {
-                self.inits.push(text.clone());
-            }
-        }
-        for problem in problems {
-            warnings.extend(self.warn(text, &problem, now));
-            if self.report_errors {
-                answers.push(Message::Nfo(Nfo::Error(problem.to_string())));
-            }
-        }
+    }
+
+    /// Logs what was wrong with a line; returns what the client is told of it, and what was logged.
+    pub(crate) fn refuse(&mut self, text: &str, problems: &[Problem], now: Instant) -> (Vec<Message>, Vec<String>) {
+        let warnings = problems.iter().filter_map(|problem| self.warn(text, problem, now)).collect();
+        let answer = |problem: &Problem| Message::Nfo(Nfo::Error(problem.to_string()));
+        let answers = if self.report_errors { problems.iter().map(answer).collect() } else { Vec::new() };
         (answers, warnings)
     }
 
-    /// Forgets its robots and gives back the lines that made them: their world is over.
-    pub(crate) fn start_over(&mut self) -> Vec<(RobotId, String)> {
-        let robots = self.controller.robots().to_vec();
-        self.controller = Controller::default();
-        robots.into_iter().zip(self.inits.drain(..)).collect()
-    }
-
-    /// Removes its robots, and lets the client have what still waits for it.
-    pub(crate) fn end(self, world: &mut World) {
-        self.controller.end(world);
+    /// Lets the client have what still waits for it.
+    pub(crate) fn end(self) {
         self.outbox.close();
     }
 

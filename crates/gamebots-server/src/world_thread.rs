@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use gamebots_proto::message::Message;
 use recorder::{Record, WireLine};
-use sim_core::{LostRobot, RobotId, World};
+use sim_core::{Executed, LostRobot, RobotId, World};
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
@@ -19,6 +19,7 @@ use crate::control::Control;
 use crate::foxglove_server::FoxgloveServer;
 use crate::journal::Journal;
 use crate::live::{Broadcast, ClientStatus, Line, RobotStatus, Status};
+use crate::owners::Owners;
 use crate::pace::Pace;
 use crate::recording::Recording;
 use crate::session::{Budget, Session, Spent};
@@ -68,7 +69,7 @@ pub(crate) fn spawn(
             resets: 0,
             report_errors,
             sessions: BTreeMap::new(),
-            owners: BTreeMap::new(),
+            owners: Owners::default(),
             credit: Duration::ZERO,
             forgotten: now,
             controls: Budget::default(),
@@ -91,8 +92,7 @@ struct Server {
     resets: u64,
     report_errors: bool,
     sessions: BTreeMap<ConnectionId, Session>,
-    /// The connection that each robot reports to.
-    owners: BTreeMap<RobotId, ConnectionId>,
+    owners: Owners,
     /// Time that requests may take while the next step is due: as much as steps have taken, so that neither side can hold
     /// up the other.
     credit: Duration,
@@ -172,12 +172,11 @@ impl Server {
         let start = Instant::now();
         for (robot, message) in self.world.step() {
             self.live.scan(&self.world, robot, &message);
-            if let Some(&owner) = self.owners.get(&robot) {
+            if let Some(owner) = self.owners.of(robot) {
                 self.send(owner, Some(robot.0), &message);
             }
         }
         for LostRobot { id, class, name } in self.world.take_lost() {
-            self.owners.remove(&id);
             self.live.forget(id);
             self.recording.record(&self.world, || Record::Left(id.0));
             let text = format!("robot {} ({class} {name}) is removed: its state is not finite any more", id.0);
@@ -301,18 +300,22 @@ impl Server {
         }
         if let Some(mut session) = self.sessions.remove(&id) {
             session.report_dropped();
-            let robots = session.robots().to_vec();
-            session.end(&mut self.world);
-            for robot in robots {
-                self.live.forget(robot);
-                if self.world.state(robot).is_none() {
-                    self.record(Record::Left(robot.0));
-                }
-            }
-            self.owners.retain(|_, owner| *owner != id);
+            session.end();
+            self.remove_robots(id);
         }
         self.record(Record::Closed(WireLine { connection: id, robot: None, line: String::new() }));
         self.live.changed(Instant::now());
+    }
+
+    /// The robots of a connection that has ended leave the world, or only the newest if the world keeps robots.
+    fn remove_robots(&mut self, id: ConnectionId) {
+        let robots = self.owners.leave(id);
+        let kept = if self.world.options().keep_robots { robots.len().saturating_sub(1) } else { 0 };
+        for robot in robots.into_iter().skip(kept) {
+            self.live.forget(robot);
+            self.world.remove(robot);
+            self.record(Record::Left(robot.0));
+        }
     }
 
     fn control(&mut self, control: Control) {
@@ -355,47 +358,40 @@ impl Server {
             self.live.say(&error.to_string());
         }
         self.journal.clear();
-        self.owners.clear();
         self.resets += 1;
-        let mut inits: Vec<(RobotId, ConnectionId, String)> = Vec::new();
-        for (&id, session) in &mut self.sessions {
-            inits.extend(session.start_over().into_iter().map(|(robot, line)| (robot, id, line)));
-        }
-        inits.sort_by_key(|(robot, ..)| *robot);
-        for (_, id, line) in inits {
-            self.execute(id, &Request::read(Ok(line)));
+        for (id, init) in self.owners.start_over() {
+            self.execute(id, &Request::read(Ok(init)));
         }
         self.live.say("the world began anew");
     }
 
     fn execute(&mut self, id: ConnectionId, request: &Request) {
-        let Request { text, .. } = request;
+        let Request { text, command, problems } = request;
+        let pawn = self.owners.newest(id);
         if !text.is_empty() {
-            let robot = self.newest_robot(id);
+            let robot = pawn.map(|robot| robot.0);
             self.record(Record::In(WireLine { connection: id, robot, line: text.clone() }));
             self.publish_line("in", id, robot, text);
         }
         let Some(session) = self.sessions.get_mut(&id) else { return };
-        let robots = session.robots().len();
-        let (answers, warnings) = session.execute(request, &mut self.world, Instant::now());
-        if session.robots().len() > robots {
-            self.owners.extend(session.robots().last().map(|&robot| (robot, id)));
+        session.note(command.as_ref());
+        let mut problems = problems.clone();
+        let executed = command.as_ref().map(|command| self.world.execute(pawn, command, &mut problems));
+        let Executed { answers, spawned } = executed.unwrap_or_default();
+        let (refusals, warnings) = session.refuse(text, &problems, Instant::now());
+        if let Some(robot) = spawned {
+            self.owners.add(robot, id, text.clone());
             self.live.changed(Instant::now());
         }
         warnings.iter().for_each(|warning| self.say(warning));
-        let robot = self.newest_robot(id);
-        answers.iter().for_each(|answer| self.send(id, robot, answer));
+        let robot = spawned.or(pawn).map(|robot| robot.0);
+        answers.iter().chain(&refusals).for_each(|answer| self.send(id, robot, answer));
     }
 
     /// Records what happened to the world, for logs and for the report of a panic.
     fn record(&mut self, record: Record) {
         self.journal.add(self.world.time(), record.clone());
         self.recording.record(&self.world, || record);
-    }
-
-    /// The number of the robot that a connection's commands go to.
-    fn newest_robot(&self, id: ConnectionId) -> Option<u64> {
-        self.sessions.get(&id).and_then(|session| session.robots().last()).map(|robot| robot.0)
     }
 
     fn send(&mut self, id: ConnectionId, robot: Option<u64>, message: &Message) {
@@ -428,7 +424,7 @@ impl Server {
             id: id.0,
             class: class.to_owned(),
             name: name.to_owned(),
-            connection: self.owners.get(&id).copied(),
+            connection: self.owners.of(id),
             battery: self.world.battery(id),
         };
         let client = |(&connection, session): (&ConnectionId, &Session)| ClientStatus {

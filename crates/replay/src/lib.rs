@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use gamebots_proto::Command;
 use recorder::{Log, Record, RobotState, STATE_INTERVAL};
 use scene::{Options, RobotId};
-use sim_core::{Controller, World};
+use sim_core::World;
 
 /// Longest replay, simulated seconds: a month.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
@@ -77,7 +78,8 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     let panic_at = log.run.get("panic_at").and_then(|steps| steps.parse().ok());
     // Who leaves, and when, is in the log.
     let mut world = World::new(def, Options { seed, speed_unit, time_step, panic_at, ..Options::default() });
-    let mut controllers: BTreeMap<u64, Controller> = BTreeMap::new();
+    // The newest robot of each connection.
+    let mut pawns: BTreeMap<u64, RobotId> = BTreeMap::new();
     let (mut states, mut first_difference) = (0, None);
     // The report of a panic has no states.
     let most = if log.run.contains_key("panic") { MAX_IDLE } else { MAX_GAP };
@@ -85,11 +87,15 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
         advance(&mut world, entry.time, most)?;
         match &entry.record {
             Record::In(line) => {
-                let controller = controllers.entry(line.connection).or_default();
-                controller.execute_line(&line.line, &mut world, &mut Vec::new());
+                let mut problems = Vec::new();
+                if let Some(command) = Command::parse(&line.line, &mut problems) {
+                    let pawn = pawns.get(&line.connection).copied();
+                    let spawned = world.execute(pawn, &command, &mut problems).spawned;
+                    pawns.extend(spawned.map(|robot| (line.connection, robot)));
+                }
             }
             Record::Closed(line) => {
-                controllers.remove(&line.connection);
+                pawns.remove(&line.connection);
             }
             Record::Left(robot) => world.remove(RobotId(*robot)),
             Record::State(state) => {

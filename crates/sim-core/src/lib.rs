@@ -17,4 +17,4 @@ mod world;
 pub use compiled::CompiledScene;
 pub use physics::Contact;
 pub use scene::{BodyState, Options, RobotId, TIME_STEP, WheelState};
-pub use world::{Controller, LostRobot, Observation, World};
+pub use world::{Executed, LostRobot, Observation, World};

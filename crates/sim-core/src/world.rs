@@ -2,7 +2,6 @@
 
 mod actuator;
 mod answer;
-mod controller;
 mod robot;
 mod seed;
 
@@ -16,7 +15,6 @@ use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
 use crate::CompiledScene;
 use crate::physics::{CompiledRobot, Physics};
 use crate::sensor::floats;
-pub use controller::Controller;
 pub use robot::Observation;
 use robot::Robot;
 use scene::{BodyState, NamedPose, Options, Pose, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef};
@@ -36,6 +34,15 @@ pub struct World {
     robots: BTreeMap<RobotId, Robot>,
     next_id: u64,
     lost: Vec<LostRobot>,
+}
+
+/// What came of a command.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Executed {
+    /// What goes back to the client, in order.
+    pub answers: Vec<Message>,
+    /// The robot that came into being: from now on the commands of the client go to it (BotConnection.uc:37-47).
+    pub spawned: Option<RobotId>,
 }
 
 /// A robot that had to be taken out of the world: its state was not finite any more.
@@ -127,52 +134,52 @@ impl World {
         }
     }
 
-    /// The answer to a question about the map, which needs no robot; `None` for every other command.
-    pub fn ask(&self, command: &Command) -> Option<Message> {
-        let map = &self.def().map;
-        match command {
-            Command::GetStartPoses(_) => Some(Nfo::StartPoses(map.starts.iter().map(wire_pose).collect())),
-            Command::GetPathNodes(_) => Some(Nfo::PathNodes(map.path_nodes.iter().map(wire_pose).collect())),
-            Command::GetClosestPathNode(ask) => ask.location.map(|place| closest(&map.path_nodes, place)),
-            _ => None,
-        }
-        .map(Message::Nfo)
-    }
-
-    /// Gives a robot a command and returns what it answers. With a flat battery it ignores everything.
-    pub fn apply(&mut self, id: RobotId, command: &Command, problems: &mut Vec<Problem>) -> Vec<Message> {
+    /// Does what a command says; one for a robot goes to the pawn, which is the newest robot of the client that sent it. What is
+    /// wrong with it is noted in `problems`. With a flat battery a robot ignores everything.
+    pub fn execute(&mut self, pawn: Option<RobotId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
         let time = self.time();
-        let Some(robot) = self.robots.get_mut(&id).filter(|robot| robot.battery_left(time) > 0) else {
-            return Vec::new();
-        };
-        match command {
-            Command::Drive(drive) => {
+        let answers = match (command, pawn.and_then(|pawn| self.robots.get_mut(&pawn))) {
+            (Command::Init(init), _) => return Executed { answers: Vec::new(), spawned: self.init(init, problems) },
+            (Command::GetStartPoses(_), _) => {
+                vec![Message::Nfo(Nfo::StartPoses(self.def().map.starts.iter().map(wire_pose).collect()))]
+            }
+            (Command::GetPathNodes(_), _) => {
+                vec![Message::Nfo(Nfo::PathNodes(self.def().map.path_nodes.iter().map(wire_pose).collect()))]
+            }
+            (Command::GetClosestPathNode(ask), _) => {
+                let nodes = &self.def().map.path_nodes;
+                ask.location.map(|position| Message::Nfo(closest(nodes, position))).into_iter().collect()
+            }
+            // It is about the connection.
+            (Command::Report(_), _) => Vec::new(),
+            (_, None) => {
+                problems.push(Problem::NoRobot { verb: command.verb() });
+                Vec::new()
+            }
+            (_, Some(robot)) if robot.battery_left(time) <= 0 => Vec::new(),
+            (Command::Drive(drive), Some(robot)) => {
                 robot.drive(drive, problems);
                 Vec::new()
             }
-            Command::MultiDrive(drive) => {
+            (Command::MultiDrive(drive), Some(robot)) => {
                 robot.multi_drive(drive, problems);
                 Vec::new()
             }
-            Command::Act(act) => {
+            (Command::Act(act), Some(robot)) => {
                 robot.act(&act.name, &act.targets, act.gripper, problems);
                 Vec::new()
             }
-            Command::MisPkg(act) => {
+            (Command::MisPkg(act), Some(robot)) => {
                 let from_zero = |&(link, target): &(usize, f64)| Some((link.checked_sub(1)?, target));
                 let targets: Vec<_> = act.targets.iter().filter_map(from_zero).collect();
                 robot.act(&act.name, &targets, act.gripper, problems);
                 Vec::new()
             }
-            Command::Set(set) => robot.set(set, &self.physics, time),
-            Command::GetConf(ask) => answer::conf(robot, ask).map(Message::Conf).into_iter().collect(),
-            Command::GetGeo(ask) => answer::geo(robot, ask).map(Message::Geo).into_iter().collect(),
-            Command::Init(_)
-            | Command::Report(_)
-            | Command::GetStartPoses(_)
-            | Command::GetPathNodes(_)
-            | Command::GetClosestPathNode(_) => Vec::new(),
-        }
+            (Command::Set(set), Some(robot)) => robot.set(set, &self.physics, time),
+            (Command::GetConf(ask), Some(robot)) => answer::conf(robot, ask).map(Message::Conf).into_iter().collect(),
+            (Command::GetGeo(ask), Some(robot)) => answer::geo(robot, ask).map(Message::Geo).into_iter().collect(),
+        };
+        Executed { answers, spawned: None }
     }
 
     /// One time step: physics first, then the wheels are read, then whatever is due reports, robot by robot.
@@ -317,8 +324,8 @@ fn wire_pose(pose: &NamedPose) -> WirePose {
 }
 
 /// The node nearest in the plane (BotConnection.uc:394-432).
-fn closest(nodes: &[NamedPose], place: [f64; 3]) -> Nfo {
-    let distance = |node: &NamedPose| (node.position[0] - place[0]).hypot(node.position[1] - place[1]);
+fn closest(nodes: &[NamedPose], position: [f64; 3]) -> Nfo {
+    let distance = |node: &NamedPose| (node.position[0] - position[0]).hypot(node.position[1] - position[1]);
     let nearest = nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
     nearest.map_or(Nfo::PathNode { name: "None".to_owned(), location: [0.0; 3] }, |node| {
         let WirePose { name, location, .. } = wire_pose(node);

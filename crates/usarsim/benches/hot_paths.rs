@@ -20,7 +20,7 @@ fn world(class: &str, model: DriveModel, robots: u32) -> World {
         let init = Init { class_name: class.to_owned(), location, ..Init::default() };
         let robot = world.init(&init, &mut Vec::new()).expect("a robot");
         let drive = Drive::default().with("Left", 1.0).with("Right", 1.0);
-        world.apply(robot, &Command::Drive(drive), &mut Vec::new());
+        world.execute(Some(robot), &Command::Drive(drive), &mut Vec::new());
     }
     (0..500).for_each(|_| drop(world.step()));
     world
@@ -56,7 +56,7 @@ fn one_laser_scan(bencher: Bencher) {
     let robot = world.robots().next().map(|(id, ..)| id).expect("a robot");
     let line = Line::parse("SET {Type RangeScanner} {Name Hokuyo} {Opcode SCAN}");
     let scan = Command::read(&line, &mut Vec::new()).expect("a command");
-    bencher.bench_local(|| world.apply(robot, &scan, &mut Vec::new()));
+    bencher.bench_local(|| world.execute(Some(robot), &scan, &mut Vec::new()));
 }
 
 #[divan::bench]

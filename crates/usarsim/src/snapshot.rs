@@ -143,7 +143,7 @@ fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), St
         && let Some(robot) = world.init(&init, &mut problems)
         && let Some(drive) = drive
     {
-        world.apply(robot, &drive, &mut problems);
+        world.execute(Some(robot), &drive, &mut problems);
     }
     if let Some(problem) = problems.first() {
         return Err(problem.to_string());

@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
+use gamebots_proto::Command;
 use recorder::{End, LogWriter, Record, RobotState, StateTimer, Vector, WireLine};
-use scene::WorldDef;
-use sim_core::{Controller, Options, World};
+use scene::{RobotId, WorldDef};
+use sim_core::{Options, World};
 
 /// The map `rough` and the class of one robot.
 pub(crate) fn world() -> WorldDef {
@@ -34,18 +35,18 @@ pub(crate) fn state(robot: u64, class: &str) -> RobotState {
 pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
     let (mut world, mut states) = (World::new(world(), Options::default()), StateTimer::default());
     let mut records = Vec::new();
-    let mut controllers = [Controller::default(), Controller::default()];
-    let say = |world: &mut World, controller: &mut Controller, records: &mut Vec<_>, connection, text: &str| {
-        let line =
-            WireLine { connection, robot: controller.robots().last().map(|robot| robot.0), line: text.to_owned() };
+    let mut robots = Vec::new();
+    let send = |world: &mut World, records: &mut Vec<_>, connection: u64, robot: Option<RobotId>, text: &str| {
+        let line = WireLine { connection, robot: robot.map(|robot| robot.0), line: text.to_owned() };
         records.push((world.time(), Record::In(line)));
-        controller.execute_line(text, world, &mut Vec::new());
+        let command = Command::parse(text, &mut Vec::new()).expect("a command");
+        world.execute(robot, &command, &mut Vec::new()).spawned
     };
     for (connection, y) in [(1, 0), (2, 3)] {
-        let controller = &mut controllers[connection - 1];
         let init = format!("INIT {{ClassName USARBot.P3AT}} {{Name R{connection}}} {{Location 2,{y},0}}");
-        say(&mut world, controller, &mut records, connection as u64, &init);
-        say(&mut world, controller, &mut records, connection as u64, "DRIVE {Left 2} {Right 1}");
+        let robot = send(&mut world, &mut records, connection, None, &init);
+        send(&mut world, &mut records, connection, robot, "DRIVE {Left 2} {Right 1}");
+        robots.extend(robot);
     }
     for step in 0..250 {
         for (robot, message) in world.step() {
@@ -57,7 +58,7 @@ pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
             records.extend(due.into_iter().map(|record| (world.time(), record)));
         }
         if step == 125 {
-            let robot = controllers[1].robots()[0];
+            let robot = robots[1];
             world.remove(robot);
             records.push((world.time(), Record::Left(robot.0)));
             records.push((world.time(), Record::Closed(WireLine { connection: 2, robot: None, line: String::new() })));

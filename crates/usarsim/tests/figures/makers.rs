@@ -10,8 +10,8 @@ use experiments::{Course, Motion, Travel};
 use gamebots_proto::message::{Message, Reading};
 use kinematics::FiniteRollers;
 use kinematics::thesis::{Sizes, base_velocity, printed};
-use scene::{DriveModel, WorldDef};
-use sim_core::{Controller, Options, World};
+use scene::{DriveModel, RobotId, WorldDef};
+use sim_core::{Options, World};
 
 use crate::{UNTIMED, budget, repository};
 
@@ -172,24 +172,32 @@ pub(crate) fn motion() -> String {
 
 fn p3at() -> String {
     let mut world = World::new(world("rough"), Options::default());
-    let mut controller = Controller::default();
-    let place = |world: &World, controller: &Controller| {
-        let (body, wheels) = world.state(controller.robots()[0]).unwrap();
+    let mut robot = None;
+    let state = |world: &World, robot: Option<RobotId>| {
+        let (body, wheels) = world.state(robot.unwrap()).unwrap();
         (body.pose.translation.x, wheels.iter().map(|wheel| wheel.angle).sum::<f64>() / wheels.len() as f64)
     };
-    controller.execute_line("INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}", &mut world, &mut Vec::new());
+    execute(&mut world, &mut robot, "INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}");
     run_for(&mut world, 0.5);
-    controller.execute_line("DRIVE {Left 3} {Right 3}", &mut world, &mut Vec::new());
+    execute(&mut world, &mut robot, "DRIVE {Left 3} {Right 3}");
     run_for(&mut world, 2.0);
-    let from = place(&world, &controller);
+    let from = state(&world, robot);
     run_for(&mut world, 10.0);
-    let to = place(&world, &controller);
+    let to = state(&world, robot);
     let (moved, turned) = (to.0 - from.0, to.1 - from.1);
     let radius = world.def().robots["P3AT"].wheel_geometry().radius;
     let (by_wheels, commanded) = (radius * turned, radius * 30.0);
     format!(
         "| P3AT on `rough` | forward, 3 rad/s | {moved:.3} m | {turned:.2} rad | {by_wheels:.3} m | {commanded:.3} m |"
     )
+}
+
+/// Does what a line says for the newest robot, and returns what it answers.
+fn execute(world: &mut World, robot: &mut Option<RobotId>, line: &str) -> Vec<Message> {
+    let command = gamebots_proto::Command::parse(line, &mut Vec::new()).unwrap();
+    let executed = world.execute(*robot, &command, &mut Vec::new());
+    *robot = executed.spawned.or(*robot);
+    executed.answers
 }
 
 /// Lets time pass and returns the lines that are sent.
@@ -201,7 +209,7 @@ fn run_for(world: &mut World, seconds: f64) -> Vec<Message> {
 /// What is typed, and the answers; of what streams for some seconds after it, the last status and ground truth.
 pub(crate) fn session() -> String {
     let mut world = World::new(world("rough"), Options::default());
-    let mut controller = Controller::default();
+    let mut robot = None;
     let mut text = format!("\n\n```console\n$ nc 127.0.0.1 3000\n{}\n", world.greeting().write());
     for (typed, seconds) in [
         ("INIT {ClassName USARBot.KUKA_YouBot} {Name R1} {Start PlayerStart_0}", 0.0),
@@ -211,7 +219,7 @@ pub(crate) fn session() -> String {
         ("DRIVE {Left 0} {Right 0}", 0.0),
     ] {
         text += &format!("> {typed}\n");
-        for answer in controller.execute_line(typed, &mut world, &mut Vec::new()) {
+        for answer in execute(&mut world, &mut robot, typed) {
             text += &format!("{}\n", answer.write());
         }
         let streamed = run_for(&mut world, seconds);
