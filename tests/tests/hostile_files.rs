@@ -9,10 +9,10 @@ use rand_chacha::ChaCha8Rng;
 use scene::check::{self, Range};
 use scene::sensor::Config;
 use scene::{
-    Battery, DriveModel, Joint, JointKind, MapDef, Material, Motor, Object, Part, RobotDef, Rollers, Shape, Solid,
-    Steering, Wheel, WorldDef,
+    Battery, DriveModel, Joint, JointKind, MapDef, Material, Motor, Object, Part, RobotDef, RobotSnapshot, Rollers,
+    Shape, Solid, Steering, Wheel, WorldDef,
 };
-use sim_core::{Observation, Options, World};
+use sim_core::{Options, World};
 use system_tests::{apply, init};
 
 /// Every built-in robot on a map with a mesh, and something to push.
@@ -708,12 +708,11 @@ fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
             );
         }
         let messages = world.step();
-        let Some(Observation { body, joints, wheels, targets, rollers, contacts }) = world.observe(id) else {
+        let Some(RobotSnapshot { body, joints, targets, rollers, contacts, .. }) = world.observe(id) else {
             return Err(format!("step {step}: the robot lost its finite state"));
         };
         let mut numbers = [targets, rollers].concat();
         numbers.extend(joints.iter().flat_map(|joint| [joint.position, joint.speed]));
-        numbers.extend(wheels.iter().flat_map(|wheel| [wheel.angle, wheel.speed]));
         numbers.extend([body.linear, body.angular].iter().flatten());
         numbers.extend(contacts.iter().flat_map(|contact| [contact.point, contact.force]).flat_map(<[f64; 3]>::from));
         for pose in world.objects().chain([body.pose]) {

@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use nalgebra::Vector3;
-use scene::DriveModel;
-use sim_core::{Observation, Options, World};
+use scene::{DriveModel, RobotSnapshot};
+use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
 const GRAVITY: f64 = 9.81;
@@ -19,7 +19,7 @@ fn world(map: &str, model: DriveModel) -> World {
 /// The mean force on a robot over a second: hand-overs between rollers make single steps uneven.
 fn force(world: &mut World, robot: sim_core::RobotId) -> Vector3<f64> {
     let steps = 500;
-    let sum = |observation: Observation| observation.contacts.iter().map(|contact| contact.force).sum::<Vector3<f64>>();
+    let sum = |robot: RobotSnapshot| robot.contacts.iter().map(|contact| contact.force).sum::<Vector3<f64>>();
     let total: Vector3<f64> = (0..steps)
         .map(|_| {
             world.step();
@@ -50,7 +50,7 @@ fn check_weight_is_held(class: &str, model: DriveModel) {
             assert!(off < 0.001, "{class} {model:?} on {map}, {drive}: {force:?} for {weight}");
             let contacts = world.observe(robot).unwrap().contacts;
             assert!(contacts.len() >= wheels, "{class} {model:?} on {map}, {drive}: {contacts:?}");
-            let pushes = |contact: &sim_core::Contact| contact.force.norm() > 0.0;
+            let pushes = |contact: &scene::Contact| contact.force.norm() > 0.0;
             assert!(contacts.iter().all(pushes), "{class} {model:?} on {map}, {drive}: {contacts:?}");
         }
     }

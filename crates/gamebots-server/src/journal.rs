@@ -30,11 +30,6 @@ impl Journal {
         }
     }
 
-    /// A fresh world begins.
-    pub(crate) fn clear(&mut self) {
-        *self = Self::default();
-    }
-
     /// Writes a log that `usarsim log replay` runs to the same panic: with the step in which it happened, and without a
     /// digest, which nobody could know.
     ///

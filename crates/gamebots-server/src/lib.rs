@@ -23,6 +23,7 @@ mod outbox;
 mod owners;
 mod pace;
 mod playback;
+mod publisher;
 mod recording;
 mod session;
 mod web;

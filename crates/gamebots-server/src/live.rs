@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use gamebots_proto::message::{Message, Reading, Sen};
+use scene::{Snapshot, WorldDef};
 use serde::Serialize;
 use sim_core::{RobotId, World};
 use tokio::sync::{broadcast, watch};
@@ -182,17 +183,17 @@ impl Broadcast {
     }
 
     /// Publishes where everything is, and the status when it is due; its real-time factor is measured here.
-    pub(crate) fn publish(&mut self, now: Instant, world: &World, status: Option<Status>) {
+    pub(crate) fn publish(&mut self, now: Instant, scene: &WorldDef, snapshot: &Snapshot, status: Option<Status>) {
         self.next_frame = now + FRAME_INTERVAL;
-        self.frames.send_replace(frame::frame(world).into());
+        self.frames.send_replace(frame::frame(scene, snapshot).into());
         if let Some(status) = status {
             self.next_status = now + STATUS_INTERVAL;
             let (before, time, _) = self.measured;
             let elapsed = now.duration_since(before);
             // A shorter time is too uneven to measure by.
             if elapsed >= STATUS_INTERVAL {
-                let factor = (world.time() - time).max(0.0) / elapsed.as_secs_f64();
-                self.measured = (now, world.time(), factor);
+                let factor = (snapshot.time - time).max(0.0) / elapsed.as_secs_f64();
+                self.measured = (now, snapshot.time, factor);
             }
             let status = Status { real_time_factor: self.measured.2, ..status };
             self.statuses.send_replace(serde_json::json!({ "status": status }).to_string().into());
@@ -224,7 +225,7 @@ impl Broadcast {
             return;
         }
         self.scanned.insert(sensor, now);
-        if let Some(scan) = frame::scan(world, robot, *number, ranges) {
+        if let Some(scan) = world.robot(robot).and_then(|def| frame::scan(def, robot.0, *number, ranges)) {
             let _ = self.notices.send(Notice::Scan(scan.into()));
         }
     }
@@ -238,7 +239,6 @@ impl Broadcast {
 #[cfg(test)]
 mod tests {
     use gamebots_proto::message::Sonar;
-    use scene::WorldDef;
     use sim_core::Options;
 
     use super::*;

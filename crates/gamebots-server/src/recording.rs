@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use recorder::{Closing, LogWriter, Record, RecordError, Recorder, StateTimer, Storage};
+use scene::{MapDef, Snapshot};
 use sim_core::{Options, World};
 
 use crate::foxglove_server::FoxgloveServer;
@@ -149,42 +150,41 @@ impl Recording {
         self.open.is_some() || self.foxglove.is_some()
     }
 
-    /// Takes what `record` gives, if anybody wants it.
-    pub(crate) fn record(&mut self, world: &World, record: impl FnOnce() -> Record) {
-        if !self.is_wanted() {
-            return;
-        }
+    /// Takes a record, if anybody wants it.
+    pub(crate) fn record(&mut self, world: &World, record: Record) {
         let Self { open, foxglove, .. } = self;
-        let record = record();
-        if let Some(foxglove) = foxglove {
-            foxglove.record(world.time(), record.clone());
-        }
-        if let Some(open) = open {
-            open.recorder.record(world.time(), record);
-        }
-    }
-
-    /// Takes the states of the world when they are due; to be called after every step.
-    pub(crate) fn record_states(&mut self, world: &World) {
-        let time = world.time();
-        let mut open = self.open.as_mut().filter(|open| open.states.is_due(time));
-        let mut foxglove = self.foxglove.as_mut().filter(|foxglove| foxglove.wants_states(time));
-        if open.is_none() && foxglove.is_none() {
-            return;
-        }
-        let (map, snapshot) = (&world.def().map, world.snapshot());
-        if let Some(Open { recorder, states, .. }) = &mut open {
-            states.records(map, &snapshot).into_iter().for_each(|state| recorder.record(time, state));
-        }
-        if let Some(foxglove) = &mut foxglove {
-            foxglove.record_states(map, &snapshot);
+        match (foxglove, open) {
+            (Some(foxglove), Some(open)) => {
+                foxglove.record(world.time(), record.clone());
+                open.recorder.record(world.time(), record);
+            }
+            (Some(foxglove), None) => foxglove.record(world.time(), record),
+            (None, Some(open)) => open.recorder.record(world.time(), record),
+            (None, None) => {}
         }
     }
 
-    /// Publishes what is new to Foxglove; to be called often.
-    pub(crate) fn publish(&mut self, now: Instant, world: &World) {
+    /// Whether states are due at a simulated time, s; to be asked after every step.
+    pub(crate) fn wants_states(&self, time: f64) -> bool {
+        self.open.as_ref().is_some_and(|open| open.states.is_due(time))
+            || self.foxglove.as_ref().is_some_and(|foxglove| foxglove.wants_states(time))
+    }
+
+    /// Takes the states of the world where they are due.
+    pub(crate) fn record_states(&mut self, map: &MapDef, snapshot: &Snapshot) {
+        let time = snapshot.time;
+        if let Some(Open { recorder, states, .. }) = self.open.as_mut().filter(|open| open.states.is_due(time)) {
+            states.records(map, snapshot).into_iter().for_each(|state| recorder.record(time, state));
+        }
+        if let Some(foxglove) = self.foxglove.as_mut().filter(|foxglove| foxglove.wants_states(time)) {
+            foxglove.record_states(map, snapshot);
+        }
+    }
+
+    /// Publishes what is new to Foxglove; to be called often. The simulated time is in s.
+    pub(crate) fn publish(&mut self, now: Instant, time: f64) {
         if let Some(foxglove) = &mut self.foxglove {
-            foxglove.publish(now, world.time());
+            foxglove.publish(now, time);
         }
     }
 
@@ -353,14 +353,14 @@ mod tests {
         while recording.path().is_some() {
             // Numbers that LZ4 makes nothing smaller of.
             number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            recording.record(&world, || Record::Warning(format!("{number:x}")));
+            recording.record(&world, Record::Warning(format!("{number:x}")));
             world.step();
         }
         let said = news(&mut recording);
         assert!(said.len() == 1 && said[0].starts_with("the recording ended: log "), "{said:?}");
         assert!(said[0].ends_with("run.mcap: no storage space"), "{said:?}");
         assert!(recording.news().is_empty(), "it is said once");
-        recording.record(&world, || Record::Warning("nobody hears it".to_owned()));
+        recording.record(&world, Record::Warning("nobody hears it".to_owned()));
         recording.stop(&world);
         recording.storage = recorder::storage;
         recording.start_unnamed(Instant::now() + BEGIN_INTERVAL, &world).expect("another disk");
@@ -372,7 +372,7 @@ mod tests {
         let (mut recording, now) = (recording(folder.path()), Instant::now());
         recording.start_unnamed(now, &world).expect("a log");
         drop(folder);
-        recording.record(&world, || Record::Warning("into nothing".to_owned()));
+        recording.record(&world, Record::Warning("into nothing".to_owned()));
         let refused = recording.start_over(now, &world, &world).expect_err("no folder").to_string();
         assert!(refused.contains("run-2.mcap: No such file or directory"), "{refused}");
         assert_eq!(recording.path(), None);
@@ -411,7 +411,7 @@ mod tests {
         let mut later = (0..).map(|second| now + Duration::from_secs(second));
         for _ in 0..MAX_CLOSING {
             recording.start_unnamed(later.next().unwrap_or(now), &world).expect("a log");
-            recording.record(&world, || Record::Warning("it waits".to_owned()));
+            recording.record(&world, Record::Warning("it waits".to_owned()));
             recording.stop(&world);
             assert_eq!(recording.path(), None);
         }

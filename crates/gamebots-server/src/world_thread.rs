@@ -3,13 +3,11 @@
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
-use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gamebots_proto::message::Message;
-use recorder::{Record, WireLine};
 use sim_core::{Executed, LostRobot, RobotId, World};
 use tokio::sync::oneshot;
 use tracing::{info, warn};
@@ -17,10 +15,10 @@ use tracing::{info, warn};
 use crate::connection::{ConnectionId, Event, Request};
 use crate::control::Control;
 use crate::foxglove_server::FoxgloveServer;
-use crate::journal::Journal;
-use crate::live::{Broadcast, ClientStatus, Line, RobotStatus, Status};
+use crate::live::{Broadcast, ClientStatus, RobotStatus, Status};
 use crate::owners::Owners;
 use crate::pace::Pace;
+use crate::publisher::Publisher;
 use crate::recording::Recording;
 use crate::session::{Budget, Session, Spent};
 use crate::{Config, ServeError};
@@ -61,8 +59,7 @@ pub(crate) fn spawn(
         let _gone = gone;
         let now = Instant::now();
         let mut server = Server {
-            recording,
-            live,
+            publisher: Publisher::new(recording, live),
             timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
             pace: Pace::new(real_time_factor, now, world.time()),
             world,
@@ -73,7 +70,6 @@ pub(crate) fn spawn(
             credit: Duration::ZERO,
             forgotten: now,
             controls: Budget::default(),
-            journal: Journal::default(),
         };
         // What is left of the world after a panic is only read.
         let result = std::panic::catch_unwind(AssertUnwindSafe(|| server.run(&events)));
@@ -84,8 +80,7 @@ pub(crate) fn spawn(
 
 struct Server {
     world: World,
-    recording: Recording,
-    live: Broadcast,
+    publisher: Publisher,
     timing: Timing,
     pace: Pace,
     /// How often the world began anew.
@@ -100,7 +95,6 @@ struct Server {
     forgotten: Instant,
     /// Controls that are logged.
     controls: Budget,
-    journal: Journal,
 }
 
 /// How time is to pass.
@@ -121,15 +115,7 @@ impl Server {
         // Nobody can tell it anything any more, or somebody has told it to stop.
         while self.take_events(events).is_ok() {
             let now = Instant::now();
-            if let Some(due) = self.live.due(now) {
-                let status = due.status.then(|| self.status());
-                self.live.publish(now, &self.world, status);
-            }
-            self.recording.publish(now, &self.world);
-            for news in self.recording.news() {
-                self.live.say(&news);
-                self.live.changed(now);
-            }
+            self.publish(now);
             if now.duration_since(drop_report) >= DROP_REPORT_INTERVAL {
                 self.sessions.values_mut().for_each(Session::report_dropped);
                 drop_report = now;
@@ -152,16 +138,15 @@ impl Server {
     }
 
     /// Ends logs and connections; after a panic with a report of it.
-    fn end(mut self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
+    fn end(self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
         self.sessions.values().for_each(|session| session.outbox().close());
         let Some(panic) = panic else {
-            self.recording.stop(&self.world);
+            self.publisher.end(&self.world);
             return Ok(());
         };
         let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
         let reason = text.unwrap_or("without a message").to_owned();
-        self.recording.stop_broken(&self.world);
-        let report = match self.journal.write(Path::new(""), &self.world, &reason) {
+        let report = match self.publisher.end_broken(&self.world, &reason) {
             Ok(path) => format!("`usarsim log replay {}` makes it again", path.display()),
             Err(error) => format!("no report could be written: {error}"),
         };
@@ -171,19 +156,18 @@ impl Server {
     fn step(&mut self) {
         let start = Instant::now();
         for (robot, message) in self.world.step() {
-            self.live.scan(&self.world, robot, &message);
+            self.publisher.reported(&self.world, robot, &message);
             if let Some(owner) = self.owners.of(robot) {
-                self.send(owner, Some(robot.0), &message);
+                self.send(owner, Some(robot), &message);
             }
         }
         for LostRobot { id, class, name } in self.world.take_lost() {
-            self.live.forget(id);
-            self.recording.record(&self.world, || Record::Left(id.0));
+            self.publisher.left(&self.world, id);
             let text = format!("robot {} ({class} {name}) is removed: its state is not finite any more", id.0);
             warn!("{text}");
-            self.say(&text);
+            self.publisher.warn(&self.world, &text);
         }
-        self.recording.record_states(&self.world);
+        self.publisher.stepped(&self.world);
         let took = start.elapsed();
         self.credit = (self.credit + took).min(MAX_CREDIT.max(took));
     }
@@ -197,7 +181,8 @@ impl Server {
         }
         if let Some(reached) = self.pace.lag_report(now, self.world.time()) {
             warn!(reached = format!("{reached:.2}"), "behind its pace: the real-time factor of the last 5 s");
-            self.say(&format!("behind its pace: real-time factor {reached:.2} of the last 5 s"));
+            let text = format!("behind its pace: real-time factor {reached:.2} of the last 5 s");
+            self.publisher.warn(&self.world, &text);
         }
         self.pace.wait(now, self.world.time())
     }
@@ -224,7 +209,7 @@ impl Server {
                 self.sessions.insert(id, session);
                 let greeting = self.world.greeting();
                 self.send(id, None, &greeting);
-                self.live.changed(Instant::now());
+                self.publisher.came(Instant::now());
             }
             Event::Requests(id, requests, turn) => {
                 if let Some(session) = self.sessions.get_mut(&id) {
@@ -303,8 +288,7 @@ impl Server {
             session.end();
             self.remove_robots(id);
         }
-        self.record(Record::Closed(WireLine { connection: id, robot: None, line: String::new() }));
-        self.live.changed(Instant::now());
+        self.publisher.closed(&self.world, id);
     }
 
     /// The robots of a connection that has ended leave the world, or only the newest if the world keeps robots.
@@ -312,13 +296,13 @@ impl Server {
         let robots = self.owners.leave(id);
         let kept = if self.world.options().keep_robots { robots.len().saturating_sub(1) } else { 0 };
         for robot in robots.into_iter().skip(kept) {
-            self.live.forget(robot);
             self.world.remove(robot);
-            self.record(Record::Left(robot.0));
+            self.publisher.left(&self.world, robot);
         }
     }
 
     fn control(&mut self, control: Control) {
+        let now = Instant::now();
         match control {
             Control::Pause(paused) => (self.timing.paused, self.timing.steps) = (paused, 0),
             Control::Step(steps) => {
@@ -326,52 +310,36 @@ impl Server {
                 self.timing.steps = self.timing.steps.saturating_add(steps);
             }
             Control::Speed(speed) => self.timing.speed = speed,
-            Control::Reset => self.reset(),
-            Control::Record(true) => match self.recording.start_unnamed(Instant::now(), &self.world) {
-                Ok(()) => self.say_recording(),
-                Err(error) => self.say(&error.to_string()),
-            },
-            Control::Record(false) => self.recording.stop(&self.world),
+            Control::Reset => self.reset(now),
+            Control::Record(on) => self.publisher.record(now, &self.world, on),
         }
-        if let Spent::Granted { .. } = self.controls.spend(Instant::now()) {
+        if let Spent::Granted { .. } = self.controls.spend(now) {
             info!(?control, time = self.world.time(), "asked by a viewer");
         }
-        self.pace = Pace::new(self.timing.speed, Instant::now(), self.world.time());
-        self.live.changed(Instant::now());
-    }
-
-    fn say_recording(&mut self) {
-        if let Some(path) = self.recording.path() {
-            self.live.say(&format!("recording to {}", path.display()));
-        }
+        self.pace = Pace::new(self.timing.speed, now, self.world.time());
+        self.publisher.came(now);
     }
 
     /// A fresh world; everyone who is connected gets their robots back where they were first put, in the same order.
-    fn reset(&mut self) {
-        let now = Instant::now();
-        if let Err(error) = self.recording.may_start_over(now) {
-            return self.say(&format!("not begun anew: {error}"));
+    fn reset(&mut self, now: Instant) {
+        if let Err(error) = self.publisher.may_start_over(now) {
+            return self.publisher.warn(&self.world, &format!("not begun anew: {error}"));
         }
         let fresh = World::new(self.world.scene().clone(), self.world.options());
         let old = std::mem::replace(&mut self.world, fresh);
-        if let Err(error) = self.recording.start_over(now, &old, &self.world) {
-            self.live.say(&error.to_string());
-        }
-        self.journal.clear();
+        self.publisher.start_over(now, &old, &self.world);
         self.resets += 1;
         for (id, init) in self.owners.start_over() {
             self.execute(id, &Request::read(Ok(init)));
         }
-        self.live.say("the world began anew");
+        self.publisher.announce(now, "the world began anew");
     }
 
     fn execute(&mut self, id: ConnectionId, request: &Request) {
         let Request { text, command, problems } = request;
         let pawn = self.owners.newest(id);
         if !text.is_empty() {
-            let robot = pawn.map(|robot| robot.0);
-            self.record(Record::In(WireLine { connection: id, robot, line: text.clone() }));
-            self.publish_line("in", id, robot, text);
+            self.publisher.received(&self.world, id, pawn, text);
         }
         let Some(session) = self.sessions.get_mut(&id) else { return };
         session.note(command.as_ref());
@@ -381,51 +349,30 @@ impl Server {
         let (refusals, warnings) = session.refuse(text, &problems, Instant::now());
         if let Some(robot) = spawned {
             self.owners.add(robot, id, text.clone());
-            self.live.changed(Instant::now());
+            self.publisher.came(Instant::now());
         }
-        warnings.iter().for_each(|warning| self.say(warning));
-        let robot = spawned.or(pawn).map(|robot| robot.0);
+        warnings.iter().for_each(|warning| self.publisher.warn(&self.world, warning));
+        let robot = spawned.or(pawn);
         answers.iter().chain(&refusals).for_each(|answer| self.send(id, robot, answer));
     }
 
-    /// Records what happened to the world, for logs and for the report of a panic.
-    fn record(&mut self, record: Record) {
-        self.journal.add(self.world.time(), record.clone());
-        self.recording.record(&self.world, || record);
-    }
-
-    fn send(&mut self, id: ConnectionId, robot: Option<u64>, message: &Message) {
+    fn send(&mut self, id: ConnectionId, robot: Option<RobotId>, message: &Message) {
         let text = message.write();
-        self.recording.record(&self.world, || Record::Out(WireLine { connection: id, robot, line: text.clone() }));
-        if self.recording.is_wanted()
-            && let Some(sensed) = Record::sensed(robot, message)
-        {
-            self.recording.record(&self.world, || sensed);
-        }
-        self.publish_line("out", id, robot, &text);
+        self.publisher.sent(&self.world, id, robot, message, &text);
         if let Some(session) = self.sessions.get(&id) {
             session.outbox().push(text, message.is_periodic());
         }
     }
 
-    fn publish_line(&self, direction: &'static str, connection: ConnectionId, robot: Option<u64>, text: &str) {
-        let time = self.world.time();
-        self.live.line(|| Line { time, direction, connection, robot, text: text.to_owned() });
-    }
-
-    /// Says what is wrong to the log and to viewers.
-    fn say(&mut self, warning: &str) {
-        self.recording.record(&self.world, || Record::Warning(warning.to_owned()));
-        self.live.say(warning);
-    }
-
-    fn status(&self) -> Status {
+    /// Publishes what is due by the clock.
+    fn publish(&mut self, now: Instant) {
+        let Self { publisher, world, owners, sessions, timing, resets, .. } = self;
         let robot = |(id, class, name): (RobotId, &str, &str)| RobotStatus {
             id: id.0,
             class: class.to_owned(),
             name: name.to_owned(),
-            connection: self.owners.of(id),
-            battery: self.world.battery(id),
+            connection: owners.of(id),
+            battery: world.battery(id),
         };
         let client = |(&connection, session): (&ConnectionId, &Session)| ClientStatus {
             connection,
@@ -434,14 +381,14 @@ impl Server {
             dropped: session.dropped(),
             waiting_bytes: session.outbox().waiting_bytes(),
         };
-        Status {
+        publisher.publish(now, world, |recording| Status {
             real_time_factor: 0.0,
-            speed: self.timing.speed,
-            paused: self.timing.paused,
-            resets: self.resets,
-            recording: self.recording.path().map(|path| path.display().to_string()),
-            robots: self.world.robots().map(robot).collect(),
-            clients: self.sessions.iter().map(client).collect(),
-        }
+            speed: timing.speed,
+            paused: timing.paused,
+            resets: *resets,
+            recording: recording.map(|path| path.display().to_string()),
+            robots: world.robots().map(robot).collect(),
+            clients: sessions.iter().map(client).collect(),
+        });
     }
 }

@@ -61,6 +61,19 @@ pub struct RobotSnapshot {
     pub body: BodyState,
     /// Every joint that has a value, wheels too, in the order of the links.
     pub joints: Vec<JointState>,
+    /// Target speeds of the driven wheels, rad/s.
+    pub targets: Vec<f64>,
     /// Angles of the rollers about their own axes, rad, wheel by wheel.
     pub rollers: Vec<f64>,
+    /// Everything that pushed it in the last step.
+    pub contacts: Vec<Contact>,
+}
+
+/// A point where something pushes a robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Where, world frame, m.
+    pub point: Vector3<f64>,
+    /// Force on the robot over the last step, world axes, N: the normal force, friction and rolling resistance together.
+    pub force: Vector3<f64>,
 }

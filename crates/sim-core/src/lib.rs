@@ -15,6 +15,5 @@ mod sensor;
 mod world;
 
 pub use compiled::CompiledScene;
-pub use physics::Contact;
 pub use scene::{BodyState, Options, RobotId, TIME_STEP, WheelState};
-pub use world::{Executed, LostRobot, Observation, World};
+pub use world::{Executed, LostRobot, World};

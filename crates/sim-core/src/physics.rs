@@ -24,7 +24,6 @@ use rapier3d::prelude::*;
 
 pub(crate) use compile::{CompiledMap, CompiledRobot, Materials};
 pub(crate) use identity::Identity;
-pub use observe::Contact;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
 

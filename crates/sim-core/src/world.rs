@@ -15,9 +15,8 @@ use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
 use crate::CompiledScene;
 use crate::physics::{CompiledRobot, Physics};
 use crate::sensor::floats;
-pub use robot::Observation;
 use robot::Robot;
-use scene::{BodyState, NamedPose, Options, Pose, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef};
+use scene::{BodyState, NamedPose, Options, Pose, RobotDef, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef};
 
 /// Most characters of a robot's name that are kept.
 const MAX_NAME_CHARS: usize = 256;
@@ -236,24 +235,21 @@ impl World {
 
     /// Where everything is now.
     pub fn snapshot(&self) -> Snapshot {
-        let robot = |(&id, robot): (&RobotId, &Robot)| RobotSnapshot {
-            id,
-            class: robot.def().class.clone(),
-            name: robot.name().to_owned(),
-            body: self.physics.body(robot.bodies()),
-            joints: self.physics.joints(robot.bodies()),
-            rollers: self.physics.roller_angles(robot.bodies()),
-        };
         Snapshot {
             time: self.time(),
-            robots: self.robots.iter().map(robot).collect(),
+            robots: self.robots.values().map(|robot| robot.snapshot(&self.physics)).collect(),
             objects: self.objects().collect(),
         }
     }
 
-    /// What there is to see of a robot.
-    pub fn observe(&self, id: RobotId) -> Option<Observation> {
-        self.robots.get(&id).map(|robot| robot.observe(&self.physics))
+    /// The same of one robot.
+    pub fn observe(&self, id: RobotId) -> Option<RobotSnapshot> {
+        self.robots.get(&id).map(|robot| robot.snapshot(&self.physics))
+    }
+
+    /// What a robot is made of.
+    pub fn robot(&self, id: RobotId) -> Option<&RobotDef> {
+        self.robots.get(&id).map(Robot::def)
     }
 
     /// Whole seconds that a robot's battery lasts; `None` without one.

@@ -17,7 +17,7 @@
 //! | 1 | links beside the body and driven wheels, then each of them: |
 //! | 7 x 4 | position and quaternion x y z w in the robot frame, f32 |
 //! | 1 | contacts, then each of them: |
-//! | 3 x 4 | place, f32 |
+//! | 3 x 4 | point, f32 |
 //! | 3 x 2 | force, i16, unit 0.25 N |
 //! | 2 | objects, u16, then each of them in the map's order: 7 x 4 position and quaternion, f32 |
 //!
@@ -26,8 +26,7 @@
 
 use std::f64::consts::PI;
 
-use scene::{Pose, RobotDef};
-use sim_core::{Contact, Observation, RobotId, World};
+use scene::{Contact, Pose, RobotDef, RobotSnapshot, Snapshot, WorldDef};
 
 /// Contacts of one robot that are published, the strongest first.
 const MAX_CONTACTS: usize = 64;
@@ -35,29 +34,26 @@ const MAX_CONTACTS: usize = 64;
 const FORCE_UNIT: f64 = 0.25;
 
 /// Where everything is.
-pub(super) fn frame(world: &World) -> Vec<u8> {
+pub(super) fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
     let mut bytes = Bytes::of_kind(1);
-    bytes.0.extend(world.time().to_le_bytes());
-    let robot = |(id, class, _): (RobotId, &str, &str)| Some((id, world.def().robots.get(class)?, world.observe(id)?));
-    let robots: Vec<_> = world.robots().filter_map(robot).collect();
+    bytes.0.extend(snapshot.time.to_le_bytes());
+    let robots = snapshot.robots.iter();
+    let robots: Vec<_> = robots.filter_map(|robot| Some((robot, scene.robots.get(&robot.class)?))).collect();
     bytes.u16(robots.len());
-    for (id, def, observation) in robots {
-        bytes.0.extend((id.0 as u32).to_le_bytes());
-        bytes.robot(def, observation);
+    for (robot, def) in robots {
+        bytes.0.extend((robot.id.0 as u32).to_le_bytes());
+        bytes.robot(def, robot);
     }
-    let objects: Vec<Pose> = world.objects().collect();
-    bytes.u16(objects.len());
-    objects.iter().for_each(|object| bytes.pose(object));
+    bytes.u16(snapshot.objects.len());
+    snapshot.objects.iter().for_each(|object| bytes.pose(object));
     bytes.0
 }
 
-/// What a sensor measured; `None` for a sensor that the robot's class does not have.
-pub(super) fn scan(world: &World, robot: RobotId, sensor: usize, ranges: &[f32]) -> Option<Vec<u8>> {
-    let (_, class, _) = world.robots().find(|(id, _, _)| *id == robot)?;
-    let def = world.def().robots.get(class)?.sensors.get(sensor)?;
-    let unit = def.config.max_range()? / f64::from(u16::MAX);
+/// What a sensor of a robot measured; `None` for a sensor that the robot's class does not have.
+pub(super) fn scan(def: &RobotDef, robot: u64, sensor: usize, ranges: &[f32]) -> Option<Vec<u8>> {
+    let unit = def.sensors.get(sensor)?.config.max_range()? / f64::from(u16::MAX);
     let mut bytes = Bytes::of_kind(2);
-    bytes.0.extend((robot.0 as u32).to_le_bytes());
+    bytes.0.extend((robot as u32).to_le_bytes());
     bytes.0.push(sensor as u8);
     bytes.u16(ranges.len());
     ranges.iter().for_each(|&range| bytes.u16((f64::from(range) / unit).round().clamp(0.0, 65535.0) as usize));
@@ -88,26 +84,29 @@ impl Bytes {
         self.f32s(pose.translation.vector.iter().chain(pose.rotation.coords.iter()));
     }
 
-    fn robot(&mut self, def: &RobotDef, observation: Observation) {
-        let Observation { body, joints, wheels, targets, rollers, mut contacts } = observation;
+    fn robot(&mut self, def: &RobotDef, robot: &RobotSnapshot) {
+        let RobotSnapshot { body, joints, targets, rollers, contacts, .. } = robot;
         self.pose(&body.pose);
         let own = body.pose.rotation.inverse();
         self.f32s((own * body.linear).iter().chain((own * body.angular).iter()));
+        let wheels = def.with_values().zip(joints).filter(|(link, _)| link.is_driven_wheel());
+        let wheels: Vec<_> = wheels.map(|(_, wheel)| wheel).collect();
         self.0.push(wheels.len() as u8);
-        let (mut rollers, roller_counts) = (rollers.into_iter(), def.driven().map(|wheel| wheel.roller_count()));
-        for ((wheel, target), count) in wheels.iter().zip(&targets).zip(roller_counts) {
-            self.f32s(&[wheel.angle, wheel.speed, *target]);
+        let (mut rollers, roller_counts) = (rollers.iter(), def.driven().map(|wheel| wheel.roller_count()));
+        for ((wheel, target), count) in wheels.iter().zip(targets).zip(roller_counts) {
+            self.f32s(&[wheel.position, wheel.speed, *target]);
             self.0.push(count as u8);
             for angle in rollers.by_ref().take(count) {
                 let turned = angle - 2.0 * PI * (angle / (2.0 * PI)).round();
                 self.i16(turned / PI * 32768.0);
             }
         }
-        let mut links = def.placed_links(&joints).into_iter().skip(1).collect::<Vec<_>>();
+        let mut links = def.placed_links(joints).into_iter().skip(1).collect::<Vec<_>>();
         links.retain(|(link, _)| !link.is_driven_wheel());
         self.0.push(links.len() as u8);
         links.iter().for_each(|(_, pose)| self.pose(pose));
-        contacts.sort_by(|a: &Contact, b| b.force.norm_squared().total_cmp(&a.force.norm_squared()));
+        let mut contacts: Vec<&Contact> = contacts.iter().collect();
+        contacts.sort_by(|a, b| b.force.norm_squared().total_cmp(&a.force.norm_squared()));
         contacts.truncate(MAX_CONTACTS);
         self.0.push(contacts.len() as u8);
         for Contact { point, force } in contacts {

@@ -4,18 +4,10 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
+use scene::Contact;
 
 use super::robot::{Drivetrain, joint_state};
 use super::{Physics, RobotBodies, convert, solved};
-
-/// A place where something pushes a robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
-    /// Where, world frame, m.
-    pub point: Vector3<f64>,
-    /// Force on the robot over the last step, world axes, N: the normal force, friction and rolling resistance together.
-    pub force: Vector3<f64>,
-}
 
 impl Physics {
     /// Angles of a robot's rollers about their own axes, rad, -pi to pi, wheel by wheel.

@@ -5,36 +5,19 @@ use std::sync::Arc;
 use gamebots_proto::Problem;
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use gamebots_proto::message::{Message, Sta};
-use scene::{JointState, Pose, RobotDef, SensorDef};
+use scene::{Pose, RobotDef, RobotSnapshot, SensorDef};
 
 use super::actuator::is_asked;
 use super::{Options, RobotId, seed};
+use crate::WheelState;
 use crate::drive::DriveState;
 use crate::physics::{CompiledRobot, Physics, RobotBodies};
 use crate::sensor::{self, Effect, Sensor, View};
-use crate::{BodyState, Contact, WheelState};
 
 /// Seconds between two STA lines (USARVehicle.uc:264).
 const STATUS_INTERVAL: f64 = 0.1;
 /// What STA reports without a battery (BaseVehicle.uc:106-109).
 const NO_BATTERY: i32 = 99999;
-
-/// What there is to see of a robot: for viewers, who look at it more seldom than it moves.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Observation {
-    /// Pose and velocity of the robot frame.
-    pub body: BodyState,
-    /// Every joint that has a value, wheels too, in the order of the links.
-    pub joints: Vec<JointState>,
-    /// The driven wheels, in order.
-    pub wheels: Vec<WheelState>,
-    /// Their target speeds, rad/s.
-    pub targets: Vec<f64>,
-    /// Angles of the rollers about their own axes, rad, wheel by wheel.
-    pub rollers: Vec<f64>,
-    /// Everything that pushed the robot in the last step.
-    pub contacts: Vec<Contact>,
-}
 
 pub(super) struct Robot {
     id: RobotId,
@@ -119,12 +102,14 @@ impl Robot {
         self.def().battery.map_or(NO_BATTERY, |battery| (battery.life - (age - 0.1).max(0.0)).max(0.0) as i32)
     }
 
-    /// What there is to see of it.
-    pub(super) fn observe(&self, physics: &Physics) -> Observation {
-        Observation {
+    /// Where it is and what it does now.
+    pub(super) fn snapshot(&self, physics: &Physics) -> RobotSnapshot {
+        RobotSnapshot {
+            id: self.id,
+            class: self.def().class.clone(),
+            name: self.name.clone(),
             body: physics.body(&self.bodies),
             joints: physics.joints(&self.bodies),
-            wheels: physics.wheels(&self.bodies),
             targets: self.drive.targets.clone(),
             rollers: physics.roller_angles(&self.bodies),
             contacts: physics.contacts(&self.bodies),
