@@ -1,6 +1,6 @@
 //! Bytes to lines to commands, and the same from a server to a client.
 
-use gamebots_proto::{Command, Framing, Line, MAX_BLOCKS, Message, Problem};
+use gamebots_proto::{Command, Dialect, Framing, Line, MAX_BLOCKS, Message, Problem};
 
 use crate::assert_finite;
 
@@ -54,7 +54,7 @@ fn command(text: &str) {
 /// What comes from a server need not be finite; it is not written as such.
 fn message(text: &str) {
     if let Some(message) = Message::read(text) {
-        let written = message.write();
+        let written = message.write(Dialect::Udk);
         let again = Message::read(&written);
         assert!(again.is_some(), "{text:?} was written as {written:?}");
         assert_finite("what is written", &again);

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::sync::LazyLock;
 
-use gamebots_proto::Command;
+use gamebots_proto::{Command, Dialect};
 use scene::{DriveModel, WorldDef};
 use sim_core::{Options, RobotId, World};
 
@@ -89,7 +89,7 @@ fn act(line: &str, clients: &mut [Vec<RobotId>; 3], world: &mut World, sent: &mu
         robots.extend(executed.spawned);
         for message in executed.answers {
             assert_finite("an answer", &message);
-            let _ = writeln!(sent, "{}", message.write());
+            let _ = writeln!(sent, "{}", message.write(Dialect::Udk));
         }
         see(world);
     }
@@ -99,7 +99,7 @@ fn step(world: &mut World, sent: &mut String) {
     let before = world.time();
     for (RobotId(robot), message) in world.step() {
         assert_finite("a message", &message);
-        let _ = writeln!(sent, "{robot} {}", message.write());
+        let _ = writeln!(sent, "{robot} {}", message.write(Dialect::Udk));
     }
     assert!(world.time() > before);
     assert_eq!(world.take_lost(), []);

@@ -8,7 +8,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use fuzz::{TARGETS, Target};
-use gamebots_proto::Command;
+use gamebots_proto::{Command, Dialect};
 use mcap::WriteOptions;
 use mcap::read::{ChunkFlattener, Options as ReadOptions};
 use mcap::records::Record as Raw;
@@ -109,7 +109,7 @@ fn write_log(path: &Path) {
     }
     for _ in 0..50 {
         for (robot, message) in world.step() {
-            let record = WireLine { connection: 1, robot: Some(robot.0), line: message.write() };
+            let record = WireLine { connection: 1, robot: Some(robot.0), line: message.write(Dialect::Udk) };
             let records = std::iter::once(Record::Out(record)).chain(Record::sensed(Some(robot.0), &message));
             records.into_iter().for_each(|record| log.write(world.time(), &record).unwrap());
         }

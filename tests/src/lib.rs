@@ -12,13 +12,13 @@ mod watch;
 pub use honest::Honest;
 pub use measuring::{alone, setting};
 pub use program::{Program, Usage};
-pub use recordings::recordings;
+pub use recordings::{recordings, server_lines};
 pub use server::{PATIENCE, Peer, Server};
 pub use transcript::{Transcript, run_transcript};
 pub use watch::{Seen, Watch};
 
 use gamebots_proto::message::Message;
-use gamebots_proto::{Command, Line};
+use gamebots_proto::{Command, Dialect, Line};
 use sim_core::{Options, RobotId, TIME_STEP, World};
 
 /// A world on a built-in map.
@@ -50,7 +50,12 @@ pub fn init(world: &mut World, text: &str) -> RobotId {
 
 /// Gives a robot a line and returns the lines that it answers.
 pub fn apply(world: &mut World, robot: RobotId, text: &str) -> Vec<String> {
-    world.execute(Some(robot), &command(text), &mut Vec::new()).answers.iter().map(Message::write).collect()
+    world
+        .execute(Some(robot), &command(text), &mut Vec::new())
+        .answers
+        .iter()
+        .map(|answer| answer.write(Dialect::Udk))
+        .collect()
 }
 
 /// Lets time pass and returns every message.

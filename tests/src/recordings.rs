@@ -10,11 +10,7 @@ use serde_json::Value;
 /// # Panics
 /// If they cannot be read.
 pub fn recordings() -> Option<BTreeMap<String, Vec<Value>>> {
-    let Some(folder) = std::env::var_os("USARSIM_CAPTURES") else {
-        println!("skipped: USARSIM_CAPTURES does not name the folder of the recordings");
-        return None;
-    };
-    let folder = PathBuf::from(folder).join("clients");
+    let folder = folder()?.join("clients");
     let files = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let mut recordings = BTreeMap::new();
     for path in files.filter_map(|file| file.ok()).map(|file| file.path()) {
@@ -24,4 +20,27 @@ pub fn recordings() -> Option<BTreeMap<String, Vec<Value>>> {
         recordings.insert(name, text.lines().map(event).collect());
     }
     Some(recordings)
+}
+
+/// The lines that a genuine server of 2011 sent; its client cut off the end of every scan, which ends here with its last
+/// whole range. `None`, with a word about it, without the recordings.
+///
+/// # Panics
+/// If they cannot be read.
+pub fn server_lines() -> Option<Vec<String>> {
+    let path = folder()?.join("usarsim-2011-server.txt");
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mended = |line: &str| match line.rsplit_once(',') {
+        Some((whole, _)) if !line.ends_with('}') => format!("{whole}}}"),
+        _ => line.to_owned(),
+    };
+    Some(text.lines().map(|line| mended(line.trim_end())).filter(|line| line.ends_with('}')).collect())
+}
+
+fn folder() -> Option<PathBuf> {
+    let folder = std::env::var_os("USARSIM_CAPTURES");
+    if folder.is_none() {
+        println!("skipped: USARSIM_CAPTURES does not name the folder of the recordings");
+    }
+    folder.map(PathBuf::from)
 }

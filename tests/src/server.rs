@@ -7,8 +7,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gamebots_client::Client;
-use gamebots_proto::Line;
-use gamebots_server::{Config, Ready, ServeError};
+use gamebots_proto::{Dialect, Line};
+use gamebots_server::{Config, Listener, ServeError, Service};
 use tokio::sync::oneshot;
 
 /// Longest that a test waits for what has to come.
@@ -33,7 +33,8 @@ impl Server {
     /// If it does not start.
     pub fn start(map: &str, robots: &[&Path], change: impl FnOnce(&mut Config)) -> Self {
         let world = scene_loader::load(map, robots).unwrap_or_else(|error| panic!("{error}"));
-        let mut config = Config { port: 0, ..Config::new(world) };
+        let listeners = vec![Listener::new(Service::Controllers { dialect: None }, 0)];
+        let mut config = Config { listeners, ..Config::new(world) };
         change(&mut config);
         let (stop, stopped) = oneshot::channel::<()>();
         let (ready, addresses) = channel();
@@ -50,7 +51,8 @@ impl Server {
         };
         let thread = std::thread::spawn(run);
         let addresses = addresses.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the server does not start"));
-        let Ready { address, page, foxglove } = addresses;
+        let address = addresses.controllers().unwrap_or_else(|| panic!("no port for controllers"));
+        let (page, foxglove) = (addresses.page(), addresses.foxglove().map(|address| address.port()));
         Self { address, page, foxglove, stop: Some(stop), thread: Some(thread) }
     }
 
@@ -88,6 +90,8 @@ impl Drop for Server {
 /// A client that fails the test when what has to come does not.
 pub struct Peer {
     client: Client,
+    /// The dialect in which it expects to be spoken to.
+    pub dialect: Dialect,
 }
 
 impl Peer {
@@ -96,7 +100,7 @@ impl Peer {
     /// # Errors
     /// As the operating system says.
     pub fn connect(address: SocketAddr) -> std::io::Result<Self> {
-        Ok(Self { client: Client::connect(address)? })
+        Ok(Self { client: Client::connect(address)?, dialect: Dialect::Udk })
     }
 
     /// Sends a line.
@@ -123,14 +127,15 @@ impl Peer {
         self.client.finish().unwrap_or_else(|error| panic!("ending: {error}"));
     }
 
-    /// The next line, whatever it is. No session ever has the lines that only older versions sent.
+    /// The next line, whatever it is. No session of UDK's dialect ever has the lines that only older versions sent.
     ///
     /// # Panics
     /// If none comes.
     pub fn line(&mut self) -> String {
         let line = self.client.next_line(PATIENCE);
         let line = line.unwrap_or_else(|error| panic!("reading: {error}")).unwrap_or_else(|| panic!("no line comes"));
-        assert!(!["RES", "MISSTA", "DIE"].iter().any(|verb| line.starts_with(verb)), "{line}");
+        let older = ["RES", "MISSTA", "DIE"].iter().any(|verb| line.starts_with(verb));
+        assert!(self.dialect == Dialect::Ut2004 || !older, "{line}");
         line
     }
 
@@ -147,7 +152,8 @@ impl Peer {
 
     /// The next line that is not on a timer.
     pub fn reply(&mut self) -> String {
-        let periodic = |line: &str| ["SEN ", "STA ", "ASTA ", "EFF "].iter().any(|kind| line.starts_with(kind));
+        let periodic =
+            |line: &str| ["SEN ", "STA ", "ASTA ", "MISSTA ", "EFF "].iter().any(|kind| line.starts_with(kind));
         std::iter::repeat_with(|| self.line()).find(|line| !periodic(line)).unwrap_or_default()
     }
 
@@ -182,7 +188,11 @@ impl Peer {
         let head = format!("{{Type {kind}}}");
         let fits = |line: &str| {
             let verb = line.split(' ').next().unwrap_or_default();
-            if ["STA", "ASTA", "EFF"].contains(&kind) { verb == kind } else { verb == "SEN" && line.contains(&head) }
+            if ["STA", "ASTA", "MISSTA", "EFF"].contains(&kind) {
+                verb == kind
+            } else {
+                verb == "SEN" && line.contains(&head)
+            }
         };
         self.wait_for(kind, fits)
     }

@@ -1,9 +1,9 @@
 //! Transcripts: what clients send and what has to come back, as data.
 //!
 //! ```text
-//! serve map=rough rtf=5          # once, before the first case; both are optional
+//! serve map=rough rtf=5 dialect=udk   # once, before the first case; all are optional
 //! case 48 STA of the P3AT        # starts with no connections
-//! a connect                      # and reads the greeting
+//! a connect                      # and reads the greeting; `a connect ut2004` to be spoken to in that dialect
 //! a send GETCONF {Type Robot}    # ends with CR LF
 //! a raw GETSTART                 # as it is; \r \n \t are escapes
 //! a reply CONF {Name P3AT} ...   # the next line that is not on a timer matches
@@ -21,6 +21,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use gamebots_proto::Dialect;
+use gamebots_server::{Listener, Service};
 use regex::Regex;
 
 use crate::server::time_of;
@@ -32,6 +34,7 @@ pub struct Transcript {
     pub name: String,
     map: String,
     rtf: f64,
+    dialect: Option<Dialect>,
     cases: Vec<Case>,
 }
 
@@ -48,7 +51,7 @@ impl Transcript {
     pub fn read(path: &Path) -> Self {
         let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let name = path.display().to_string();
-        let mut transcript = Self { name, map: "rough".to_owned(), rtf: 5.0, cases: Vec::new() };
+        let mut transcript = Self { name, map: "rough".to_owned(), rtf: 5.0, dialect: None, cases: Vec::new() };
         for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
             match (line.split_once(' '), transcript.cases.last_mut()) {
                 (Some(("serve", settings)), None) => transcript.set(settings),
@@ -76,6 +79,7 @@ impl Transcript {
             match setting.split_once('=') {
                 Some(("map", map)) => self.map = map.to_owned(),
                 Some(("rtf", rtf)) => self.rtf = rtf.parse().unwrap_or_else(|_| panic!("{setting}")),
+                Some(("dialect", name)) => self.dialect = Some(name.parse().unwrap_or_else(|error| panic!("{error}"))),
                 _ => panic!("{}: unknown setting {setting}", self.name),
             }
         }
@@ -87,7 +91,10 @@ impl Transcript {
 /// # Panics
 /// If a case is not met; the message names file, line and case.
 pub fn run_transcript(transcript: &Transcript, robots: &[&Path]) {
-    let server = Server::start(&transcript.map, robots, |config| config.real_time_factor = transcript.rtf);
+    let server = Server::start(&transcript.map, robots, |config| {
+        config.real_time_factor = transcript.rtf;
+        config.listeners = vec![Listener::new(Service::Controllers { dialect: transcript.dialect }, 0)];
+    });
     for case in &transcript.cases {
         let mut peers = BTreeMap::new();
         for (line, step) in &case.steps {
@@ -101,7 +108,9 @@ fn run_step(server: &Server, peers: &mut BTreeMap<String, Peer>, step: &str, pla
     let (name, rest) = step.split_once(' ').unwrap_or_else(|| panic!("{place}: expected a client and a step"));
     let (verb, rest) = rest.split_once(' ').unwrap_or((rest, ""));
     if verb == "connect" {
-        peers.insert(name.to_owned(), server.client());
+        let mut peer = server.client();
+        peer.dialect = if rest == "ut2004" { Dialect::Ut2004 } else { Dialect::Udk };
+        peers.insert(name.to_owned(), peer);
         return;
     }
     if verb == "close" {

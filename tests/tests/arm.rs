@@ -69,7 +69,7 @@ fn states(world: &mut World, seconds: f64) -> (Vec<f32>, bool) {
     let hand = messages.iter().rev().find_map(|it| if let Message::Eff(it) = it { Some(it.clone()) } else { None });
     let arm = arm.expect("an ASTA");
     assert_eq!(arm.name, "Arm");
-    (arm.values, hand.expect("an EFF").closed)
+    (arm.joints.into_iter().map(|joint| joint.value).collect(), hand.expect("an EFF").closed)
 }
 
 /// Picks the cube up, carries it aside and sets it on the table; the bits of where everything is in the end.

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::sync::mpsc::{TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-use gamebots_server::Page;
+use gamebots_server::{Listener, Service};
 use system_tests::{Honest, Seen, Server, Watch};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpSocket, TcpStream};
@@ -79,7 +79,7 @@ fn a_client_that_stops_at_any_point_takes_its_robot_with_it_and_disturbs_nobody(
         config.real_time_factor = 100.0;
         config.options.time_step = 0.02;
         config.stall_timeout = Duration::from_millis(500);
-        config.page = Page::On(0);
+        config.listeners.push(Listener::new(Service::Page, 0));
     });
     let watch = Watch::start(server.page.expect("a page"));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");

@@ -32,6 +32,13 @@ impl Exchange {
         distance(first, last)
     }
 
+    /// The last line of a type of sensor.
+    fn reading(&self, sensor: &str) -> &str {
+        let head = format!("{{Type {sensor}}}");
+        let line = self.lines.iter().rfind(|line| line.starts_with("SEN") && line.contains(&head));
+        line.unwrap_or_else(|| panic!("no {sensor}"))
+    }
+
     fn has(&self, start: &str) -> bool {
         self.lines.iter().any(|line| line.starts_with(start))
     }
@@ -45,6 +52,12 @@ fn position(line: &str) -> Option<[f64; 3]> {
 
 fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// How many sonars a line has one behind the other, from F1 on.
+fn grouped_sonars(line: &str) -> usize {
+    let names = |number: &usize| line.contains(&format!(" {{Name F{number} Range "));
+    (1..).take_while(names).count()
 }
 
 /// Replays a recording on the default map; `None` without the recordings.
@@ -155,7 +168,21 @@ fn the_nist_ros_bridge_gets_the_class_of_its_robot_and_the_names_of_its_sensors(
 #[test]
 fn usarsimcontroller_drives_the_p2at_with_spaces_in_its_vectors() {
     let Some(exchanges) = assert_moves("usarsimcontroller", 0.5) else { return };
-    assert!(exchanges[0].has("CONF {Name P2AT} {Type GroundVehicle}"));
+    assert!(exchanges[0].has("CONF {Type GroundVehicle} {Name P2AT}"));
+    // It splits lines between their blocks and reads by position.
+    let parts = |line: &str| line.split("} {").map(str::to_owned).collect::<Vec<_>>();
+    let sonar = parts(exchanges[0].reading("Sonar"));
+    assert_eq!(sonar.len(), 2 + 16, "{sonar:?}");
+    for (part, name) in sonar[2..].iter().zip(["F1", "F2", "F3", "F4", "F5", "F6", "F7", "F8", "R1"]) {
+        let words: Vec<&str> = part.trim_end_matches('}').trim_start_matches("Name ").split(' ').collect();
+        assert!(words[0] == name && words[2].parse::<f64>().is_ok(), "{part}");
+    }
+    let laser = parts(exchanges[0].reading("RangeScanner"));
+    assert!(laser[2].starts_with("Name ") && laser[5].starts_with("Range "), "{laser:?}");
+    let state = exchanges[0].lines.iter().find(|line| line.starts_with("STA")).expect("an STA");
+    for key in ["LightIntensity", "Battery", "View"] {
+        assert!(Line::parse(state).get(key).is_some_and(|value| value.parse::<i32>().is_ok()), "{state}");
+    }
     let first = exchanges[0].positions()[0];
     assert!((first[0] - 1.5).abs() < 0.05 && (first[1] + 2.25).abs() < 0.05, "{first:?}");
 }
@@ -174,13 +201,28 @@ fn onomasticon_starts_at_its_start() {
 fn ap2dx_drives_the_p2dx_by_percent() {
     // Recorded until just after its DRIVE: in the half second that follows it is under way.
     let Some(exchanges) = assert_moves("ap2dx", 0.1) else { return };
-    assert!(exchanges[0].lines.iter().any(|line| line.contains("{Type Sonar} {Name F8}")));
+    assert_eq!(grouped_sonars(exchanges[0].reading("Sonar")), 8);
+    for (sensor, key) in [("INS", "Location"), ("INS", "Orientation"), ("Odometry", "Pose"), ("RangeScanner", "Range")]
+    {
+        let line = exchanges[0].reading(sensor);
+        let numbers =
+            Line::parse(line).get(key).unwrap_or_default().split(',').map(str::parse::<f64>).collect::<Vec<_>>();
+        assert!(numbers.len() >= 3 && numbers.iter().all(Result::is_ok), "{line}");
+    }
 }
 
 #[test]
 fn swe_thaf_drives_the_p2dx() {
     // It names one side only, so the robot swings about its other wheel.
-    assert_moves("swe-thaf", 0.2);
+    let Some(exchanges) = assert_moves("swe-thaf", 0.2) else { return };
+    // It looks for the type behind the verb, and behind the time where it expects one.
+    assert_eq!(grouped_sonars(exchanges[0].reading("Sonar")), 8);
+    let odometry = exchanges[0].reading("Odometry");
+    let pose = odometry.strip_prefix("SEN {Type Odometry} {Name Odometry} {Pose ").expect(odometry);
+    let theta = pose.trim_end_matches('}').split(',').nth(2).and_then(|theta| theta.parse::<f64>().ok());
+    assert!(theta.is_some_and(|theta| theta.abs() <= 3.15), "{odometry}");
+    let scan = exchanges[0].reading("RangeScanner");
+    assert_eq!(Line::parse(scan).get("Range").map(|ranges| ranges.split(',').count()), Some(181), "{scan}");
 }
 
 #[test]

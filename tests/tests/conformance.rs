@@ -10,8 +10,8 @@ fn folder() -> PathBuf {
 }
 
 fn check(name: &str) {
-    let robot = folder().join("robots/ShortLife/robot.toml");
-    run_transcript(&Transcript::read(&folder().join("conformance").join(name)), &[&robot]);
+    let robots = ["ShortLife", "KR60"].map(|class| folder().join("robots").join(class).join("robot.toml"));
+    run_transcript(&Transcript::read(&folder().join("conformance").join(name)), &robots.each_ref().map(PathBuf::as_path));
 }
 
 #[test]
@@ -40,6 +40,16 @@ fn pioneer2() {
 }
 
 #[test]
+fn ut2004() {
+    check("ut2004.txt");
+}
+
+#[test]
+fn ut2004_for_robots_of_udk() {
+    check("ut2004-forced.txt");
+}
+
+#[test]
 fn youbot() {
     check("youbot.txt");
 }
@@ -57,6 +67,11 @@ fn airrobot() {
 #[test]
 fn arm() {
     check("arm.txt");
+}
+
+#[test]
+fn static_platform() {
+    check("static.txt");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Every family of robots moves as its controllers expect: cars, flippers, robots in the air and platforms.
 
+use gamebots_proto::Dialect;
 use nalgebra::Vector3;
 use scene::{BodyState, Steering};
 use sim_core::{Options, RobotId, World};
@@ -22,7 +23,7 @@ fn yaw(world: &World) -> f64 {
 
 /// Lines of a kind that a world sends in some seconds, as they are on the wire.
 fn lines(world: &mut World, seconds: f64, kind: &str) -> Vec<String> {
-    let written = run(world, seconds).into_iter().map(|message| message.write());
+    let written = run(world, seconds).into_iter().map(|message| message.write(Dialect::Udk));
     written.filter(|line| line.starts_with(kind)).collect()
 }
 

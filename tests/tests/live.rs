@@ -6,7 +6,7 @@ use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
 
-use gamebots_server::{Config, Page};
+use gamebots_server::{Config, Listener, Service};
 use serde_json::Value;
 use system_tests::{PATIENCE, Peer, Server};
 use tungstenite::client::IntoClientRequest;
@@ -16,7 +16,7 @@ use tungstenite::{Message, WebSocket};
 
 fn serve(map: &str, change: impl FnOnce(&mut Config)) -> Server {
     Server::start(map, &[], |config| {
-        config.page = Page::On(0);
+        config.listeners.push(Listener::new(Service::Page, 0));
         change(config);
     })
 }
@@ -454,7 +454,7 @@ fn the_server_stops_while_viewers_ask_for_more_than_it_does() {
 
 #[test]
 fn pages_of_strangers_are_turned_away_from_foxgloves_port() {
-    let server = serve("rough", |config| config.foxglove = Some(0));
+    let server = serve("rough", |config| config.listeners.push(Listener::new(Service::Foxglove, 0)));
     let port = server.foxglove.unwrap_or_else(|| panic!("no port"));
     for (origin, expected) in [
         ("", "101"),

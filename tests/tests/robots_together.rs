@@ -1,5 +1,6 @@
 //! Robots that touch, stand on each other, come at one place and leave while they are touched.
 
+use gamebots_proto::Dialect;
 use nalgebra::Vector3;
 use scene::DriveModel;
 use sim_core::{Options, RobotId, World};
@@ -175,7 +176,7 @@ fn a_robot_whose_state_is_not_finite_is_taken_out_and_the_rest_goes_on() {
         apply(&mut world, broken, "DRIVE {Left 5}{Right 5}");
         apply(&mut world, good, "DRIVE {Left 1}{Right 1}");
         for message in run(&mut world, 2.0) {
-            let line = message.write();
+            let line = message.write(Dialect::Udk);
             assert!(!line.contains("NaN") && !line.contains("inf"), "{model:?}: {line}");
         }
         let lost: Vec<String> = world.take_lost().into_iter().map(|lost| lost.name).collect();

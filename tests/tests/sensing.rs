@@ -1,6 +1,6 @@
 //! Sensors measure what is there: numbers worked out by hand for simple scenes.
 
-use gamebots_proto::message::{Message, Reading};
+use gamebots_proto::message::{Message, Reading, Tick};
 use scene::{NamedPose, Shape, Solid, WorldDef};
 use sim_core::{Options, RobotId, World};
 use system_tests::{apply, init, run};
@@ -192,7 +192,7 @@ fn encoders_and_tachometers_agree_with_the_wheels() {
     apply(&mut world, robot, "DRIVE {Left 1} {Right -1}");
     let messages = run(&mut world, 2.0);
     let (_, wheels) = world.state(robot).expect("the robot");
-    let ticks: Vec<(String, i32)> = readings(messages.clone())
+    let ticks: Vec<Tick> = readings(messages.clone())
         .filter_map(|reading| match reading {
             Reading::Encoder(encoder) => encoder.ticks.into_iter().next(),
             _ => None,
@@ -200,7 +200,7 @@ fn encoders_and_tachometers_agree_with_the_wheels() {
         .collect();
     // W1 is the front left wheel, W2 the back right one; noise is half a percent of the angle.
     for (name, wheel) in [("W1", 1), ("W2", 2)] {
-        let tick = ticks.iter().rev().find(|(label, _)| label == name).expect("a tick").1;
+        let tick = ticks.iter().rev().find(|tick| tick.name == name).expect("a tick").tick;
         let expected = wheels[wheel].angle / 0.01745;
         assert!((f64::from(tick) - expected).abs() < 2.0, "{name}: {tick} instead of {expected:.1}");
     }

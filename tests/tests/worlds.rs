@@ -1,5 +1,6 @@
 //! Where robots stand, and that a run repeats itself.
 
+use gamebots_proto::Dialect;
 use system_tests::{apply, init, run, world};
 
 /// Height of the origin of a standing P3AT above its surface, m.
@@ -92,10 +93,10 @@ fn play(seed: u64) -> (u64, Vec<String>) {
     let p2dx = init(&mut world, "INIT {ClassName USARBot.P2DX} {Start RobotStart2}");
     apply(&mut world, youbot, "DRIVE {LinearVelocity 0.1}{LateralVelocity 0.05}{RotationalVelocity 0.2}");
     apply(&mut world, p2dx, "DRIVE {Left 2}{Right 1}");
-    let mut lines: Vec<String> = run(&mut world, 2.0).iter().map(gamebots_proto::Message::write).collect();
+    let mut lines: Vec<String> = run(&mut world, 2.0).iter().map(|message| message.write(Dialect::Udk)).collect();
     world.remove(p2dx);
     apply(&mut world, youbot, "DRIVE {Left -1}{Right 1}");
-    lines.extend(run(&mut world, 1.0).iter().map(gamebots_proto::Message::write));
+    lines.extend(run(&mut world, 1.0).iter().map(|message| message.write(Dialect::Udk)));
     (world.digest(), lines)
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use gamebots_proto::message::{Message, Reading};
-use gamebots_proto::{Command, Problem};
+use gamebots_proto::{Command, Dialect, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
@@ -304,7 +304,7 @@ impl Stage {
         if self.log.is_none() {
             return Ok(());
         }
-        let line = self.line(message.write());
+        let line = self.line(message.write(Dialect::Udk));
         let (sensed, time) = (Record::sensed(line.robot, message), self.world.time());
         let records = std::iter::once(Record::Out(line)).chain(sensed);
         let mut log = self.log.as_mut();

@@ -1,25 +1,28 @@
-//! What the server says to a client: one file a message, with its writing and its reading side by side.
-//!
-//! Writing is byte for byte USARSim's (UDK), spaces and decimals included; reading serves clients and tests.
+//! What the server says to a client: one file a message, each a table of its fields (see [`Field`]), from which it is written in
+//! both dialects and read.
 
 mod asta;
 mod conf;
 mod geo;
 mod nfo;
+mod res;
 mod sen;
 mod sta;
 
-pub use asta::{Asta, Eff};
-pub use conf::{Conf, ItemConf, JointConf, RobotConf, VehicleConf};
-pub use geo::{ActuatorGeo, Geo, ItemGeo, JointGeo, RobotGeo, VehicleGeo};
-pub use nfo::{NamedPose, Nfo};
-pub use sen::{
-    Camera, Encoder, GroundTruth, Imu, Ins, Odometry, RangeScanner, ReadWrite as ReadingReadWrite, Reading, Sen, Sonar,
-    Tachometer,
+pub use asta::{Asta, Eff, JointSta};
+pub use conf::{
+    ActuatorConf, CameraConf, Conf, EncoderConf, GripperConf, GroundConf, ItemConf, JointConf, MisPkgConf, MisPkgJoint,
+    PlainConf, PoseConf, RangeScannerConf, RobotConf, SonarConf, VehicleConf, WheelsConf,
 };
-pub use sta::{Sta, Vehicle};
+pub use geo::{ActuatorGeo, Geo, GroundGeo, ItemGeo, JointGeo, RobotGeo, VehicleGeo};
+pub use nfo::{Greeting, NamedPose, Nfo, PathNode};
+pub use res::{Nothing, Res};
+pub use sen::{Camera, Encoder, GroundTruth, Imu, Ins, Odometry, RangeScanner, Reading, Sen, Sonar, Tachometer, Tick};
+pub use sta::{GroundSta, Sta, StaHead, Vehicle};
 
-use crate::Line;
+use crate::field::{self, Record};
+pub use crate::field::{Field, Format, Table};
+use crate::{Command, Dialect, Line};
 
 /// One line from the server to a client.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,67 +41,136 @@ pub enum Message {
     Conf(Conf),
     /// Geometry, the answer to GETGEO.
     Geo(Geo),
+    /// What became of a SET; UT2004 only.
+    Res(Res),
+    /// The answer to a GETCONF that nothing fits; UT2004 only.
+    NoConf(Nothing),
+    /// The answer to a GETGEO that nothing fits; UT2004 only.
+    NoGeo(Nothing),
+}
+
+/// A line, and which of the messages that were to be written it says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WrittenLine {
+    /// Without its CR LF.
+    pub line: String,
+    /// Their indices.
+    pub messages: Vec<usize>,
+}
+
+/// The lines for what one robot says in one step: for UT2004 the readings of all sonars, or encoders, are one line.
+pub fn lines<'a>(messages: impl IntoIterator<Item = &'a Message>, dialect: Dialect) -> Vec<WrittenLine> {
+    let messages: Vec<&Message> = messages.into_iter().collect();
+    let group = |message: &Message| match message {
+        Message::Sen(sen) if sen.reading.is_grouped(dialect) => Some(sen.reading.type_name()),
+        _ => None,
+    };
+    let mut written: Vec<WrittenLine> = Vec::with_capacity(messages.len());
+    for (index, message) in messages.iter().enumerate() {
+        let Some(type_name) = group(message) else {
+            written.push(WrittenLine { line: message.write(dialect), messages: vec![index] });
+            continue;
+        };
+        let same = messages.iter().enumerate().filter(|(_, other)| group(other) == Some(type_name));
+        let indices: Vec<usize> = same.clone().map(|(index, _)| index).collect();
+        if indices.first() == Some(&index) {
+            let readings = same.filter_map(|(_, other)| if let Message::Sen(sen) = other { Some(sen) } else { None });
+            let line = Sen::write_grouped(&readings.collect::<Vec<_>>(), dialect);
+            written.push(WrittenLine { line, messages: indices });
+        }
+    }
+    written
+}
+
+/// Every table, with the beginning of the lines that have it, and with the time where that is before the type.
+pub fn tables() -> Vec<(String, Option<Field>, Table)> {
+    let of = |line: &str, table: Table| (line.to_owned(), None, table);
+    let sensors = sen::TABLES.iter();
+    let sensors = sensors.map(|(type_name, time, table)| (format!("SEN {{Type {type_name}}}"), Some(*time), *table));
+    let items = conf::TABLES.iter().map(|table| of("CONF {Type ..}", *table));
+    let mut tables = vec![
+        of("NFO {Gametype BotDeathMatch}", Greeting::TABLE),
+        of("NFO {StartPoses n}", NamedPose::TABLE),
+        of("NFO {Pathnode n}", PathNode::TABLE),
+        of("STA", StaHead::TABLE),
+        of("STA {Type GroundVehicle}", GroundSta::TABLE),
+    ];
+    tables.extend(sensors);
+    tables.extend([of("ASTA", Asta::TABLE), of("EFF", Eff::TABLE), of("CONF", GroundConf::TABLE)]);
+    tables.extend(items);
+    tables.extend([
+        of("GEO {Type GroundVehicle}", GroundGeo::TABLE),
+        of("GEO {Type ..}", ItemGeo::TABLE),
+        of("GEO {Type Actuator}", ActuatorGeo::TABLE),
+        of("RES", Res::TABLE),
+        of("CONF, GEO", Nothing::TABLE),
+    ]);
+    tables
 }
 
 impl Message {
-    /// The line, without its CR LF.
-    pub fn write(&self) -> String {
-        match self {
-            Self::Nfo(message) => message.write(),
-            Self::Sta(message) => message.write(),
-            Self::Sen(message) => message.write(),
-            Self::Asta(message) => message.write(),
-            Self::Eff(message) => message.write(),
-            Self::Conf(message) => message.write(),
-            Self::Geo(message) => message.write(),
+    /// What a client of a dialect is told of a command beside the answers: UT2004 answers every SET, and gives back a question that
+    /// nothing fits. `found` is whether the robot has what the command names; the simulated time is in seconds.
+    pub fn receipt(command: &Command, found: bool, time: f32, dialect: Dialect) -> Option<Self> {
+        if dialect == Dialect::Udk {
+            return None;
+        }
+        let name = |name: &String| Some(name.clone()).filter(|name| !name.is_empty());
+        let nothing = |type_name: &String, asked| Nothing { type_name: type_name.clone(), name: name(asked) };
+        match command {
+            Command::Set(set) => {
+                Some(Self::Res(Res { time, type_name: set.type_name.clone(), name: name(&set.name), found }))
+            }
+            Command::GetConf(ask) if !found => Some(Self::NoConf(nothing(&ask.type_name, &ask.name))),
+            Command::GetGeo(ask) if !found => Some(Self::NoGeo(nothing(&ask.type_name, &ask.name))),
+            _ => None,
         }
     }
 
-    /// Reads a line of a server; `None` if it is not one of these messages.
+    /// The line in a dialect, without its CR LF.
+    pub fn write(&self, dialect: Dialect) -> String {
+        let blocks = |verb: &str, blocks| format!("{verb}{}", field::blocks(blocks));
+        match self {
+            Self::Nfo(message) => message.write(dialect),
+            Self::Sta(message) => message.write(dialect),
+            Self::Sen(message) => message.write(dialect),
+            Self::Asta(message) => blocks(dialect.of(["ASTA", "MISSTA"]), message.write(dialect)),
+            Self::Eff(message) => blocks("EFF", message.write(dialect)),
+            Self::Conf(message) => message.write(dialect),
+            Self::Geo(message) => message.write(dialect),
+            Self::Res(message) => blocks("RES", message.write(dialect)),
+            Self::NoConf(message) => blocks("CONF", message.write(dialect)),
+            Self::NoGeo(message) => blocks("GEO", message.write(dialect)),
+        }
+    }
+
+    /// Reads a line of a server, in either dialect; `None` if it is not one of these messages. Of a line with the readings of
+    /// several sensors it is the first, see [`Message::read_all`].
     pub fn read(text: &str) -> Option<Self> {
+        Self::read_all(text).into_iter().next()
+    }
+
+    /// Reads everything that a line of a server says, in either dialect; nothing if it is not one of these messages.
+    pub fn read_all(text: &str) -> Vec<Self> {
         let line = Line::parse(text);
-        match line.verb.as_str() {
+        let one = match line.verb.as_str() {
+            "SEN" => return Sen::read(&line).unwrap_or_default().into_iter().map(Self::Sen).collect(),
             "NFO" => Nfo::read(&line).map(Self::Nfo),
             "STA" => Sta::read(&line).map(Self::Sta),
-            "SEN" => Sen::read(&line).map(Self::Sen),
-            "ASTA" => Asta::read(&line).map(Self::Asta),
+            "ASTA" | "MISSTA" => Asta::read(&line).map(Self::Asta),
             "EFF" => Eff::read(&line).map(Self::Eff),
             "CONF" => Conf::read(&line).map(Self::Conf),
             "GEO" => Geo::read(&line).map(Self::Geo),
+            "RES" => Res::read(&line).map(Self::Res),
             _ => None,
-        }
+        };
+        one.into_iter().collect()
     }
 
     /// True for the lines that come on a timer: the next one replaces it, so a client that does not keep up
     /// may lose it. Answers are never lost.
     pub fn is_periodic(&self) -> bool {
         matches!(self, Self::Sta(_) | Self::Sen(_) | Self::Asta(_) | Self::Eff(_))
-    }
-}
-
-/// Numbers separated by commas.
-fn floats(text: &str) -> Option<Vec<f32>> {
-    text.split(',').map(|part| part.trim().parse().ok()).collect()
-}
-
-fn float_array<const N: usize>(text: &str) -> Option<[f32; N]> {
-    floats(text)?.try_into().ok()
-}
-
-fn number<T: std::str::FromStr>(line: &Line, key: &str) -> Option<T> {
-    line.get(key)?.parse().ok()
-}
-
-/// Booleans are written `True` and `False`.
-fn boolean(value: bool) -> &'static str {
-    if value { "True" } else { "False" }
-}
-
-fn read_boolean(line: &Line, key: &str) -> Option<bool> {
-    match line.get(key)? {
-        "True" => Some(true),
-        "False" => Some(false),
-        _ => None,
     }
 }
 

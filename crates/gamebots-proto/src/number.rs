@@ -1,7 +1,7 @@
 //! The two number formats of the wire, in 32-bit floats. Nothing else formats a number for a client.
 //!
 //! USARSim's own formatter ([`fixed`], UnitsConverter.uc:46-71) truncates; the Unreal engine's
-//! ([`engine_float`], [`engine_vector`]) rounds. Which message uses which is part of its format.
+//! ([`rounded`]) rounds. Which message uses which is part of its format.
 //! A number that is not finite is written as 0: no client can read `NaN`.
 
 /// `%Fn`: fixed point with `decimals` digits, truncated toward zero; `-` whenever the value is below zero.
@@ -14,24 +14,9 @@ pub fn fixed(value: f32, decimals: u32) -> String {
     format!("{sign}{whole:.0}.{fraction:0width$.0}", width = decimals as usize)
 }
 
-/// Three [`fixed`] numbers with commas between and no spaces.
-pub fn fixed_vector(value: [f32; 3], decimals: u32) -> String {
-    value.map(|component| fixed(component, decimals)).join(",")
-}
-
-/// `%f`: four decimals, rounded.
-pub fn engine_float(value: f32) -> String {
-    format!("{:.4}", finite(value))
-}
-
-/// `%v`: three numbers of two decimals, rounded; may print `-0.00`, as the engine does.
-pub fn engine_vector(value: [f32; 3]) -> String {
-    value.map(|component| format!("{:.2}", finite(component))).join(",")
-}
-
-/// Three [`engine_float`] numbers with commas between.
-pub fn engine_floats(values: &[f32]) -> String {
-    values.iter().map(|&value| engine_float(value)).collect::<Vec<_>>().join(",")
+/// So many decimals, rounded: the engine has four (`%f`), and two for vectors (`%v`), and may print `-0.00`.
+pub fn rounded(value: f32, decimals: u32) -> String {
+    format!("{:.1$}", finite(value), decimals as usize)
 }
 
 fn finite(value: f32) -> f32 {
@@ -72,9 +57,9 @@ mod tests {
 
     #[test]
     fn the_engine_rounds() {
-        assert_eq!(engine_float(44.5467), "44.5467");
-        assert_eq!(engine_float(std::f32::consts::TAU), "6.2832");
-        assert_eq!(engine_vector([-5.468, 27.82, 1.27]), "-5.47,27.82,1.27");
-        assert_eq!(engine_vector([-0.001, 0.0, 0.0]), "-0.00,0.00,0.00");
+        assert_eq!(rounded(44.5467, 4), "44.5467");
+        assert_eq!(rounded(std::f32::consts::TAU, 4), "6.2832");
+        assert_eq!([-5.468, 27.82, -0.001].map(|number| rounded(number, 2)), ["-5.47", "27.82", "-0.00"]);
+        assert_eq!(rounded(f32::NAN, 2), "0.00");
     }
 }

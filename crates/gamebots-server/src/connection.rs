@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-use gamebots_proto::{Command, Framing, Line, Problem};
+use gamebots_proto::{Command, Dialect, Framing, Line, Problem};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
@@ -31,8 +31,8 @@ pub(crate) type ConnectionId = u64;
 
 /// Every event of the world's thread.
 pub(crate) enum Event {
-    /// A client is here, from this address.
-    Opened(ConnectionId, String, Arc<Outbox>),
+    /// A client is here.
+    Opened(Opened),
     /// The lines of one segment, together: what a client sends in one piece is handled before time goes on.
     Requests(ConnectionId, Vec<Request>, Turn),
     /// It is gone.
@@ -41,6 +41,16 @@ pub(crate) enum Event {
     Control(Control, Turn),
     /// The server stops.
     Stop,
+}
+
+/// A client that has come.
+pub(crate) struct Opened {
+    pub(crate) id: ConnectionId,
+    /// Its address.
+    pub(crate) peer: String,
+    /// The dialect of all its lines; without one, robots decide.
+    pub(crate) dialect: Option<Dialect>,
+    pub(crate) outbox: Arc<Outbox>,
 }
 
 /// Held while something waits for the world. Whoever sends has one turn, so however much a client sends, one segment of it
@@ -70,14 +80,20 @@ impl Request {
 }
 
 /// Serves a client until it leaves, or is disconnected because it takes nothing.
-pub(crate) async fn serve(id: ConnectionId, stream: TcpStream, events: Sender<Event>, stall_timeout: Duration) {
+pub(crate) async fn serve(
+    id: ConnectionId,
+    stream: TcpStream,
+    dialect: Option<Dialect>,
+    events: Sender<Event>,
+    stall_timeout: Duration,
+) {
     if let Err(error) = stream.set_nodelay(true) {
         warn!(connection = id, %error, "cannot turn off delayed sending");
     }
     let peer = stream.peer_addr().map_or_else(|_| "unknown".to_owned(), |peer| peer.to_string());
     let (read, write) = stream.into_split();
     let outbox = Arc::new(Outbox::default());
-    if events.send(Event::Opened(id, peer, outbox.clone())).is_err() {
+    if events.send(Event::Opened(Opened { id, peer, dialect, outbox: outbox.clone() })).is_err() {
         return;
     }
     let writer = write_lines(write, &outbox, stall_timeout);

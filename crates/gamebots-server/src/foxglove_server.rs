@@ -32,8 +32,6 @@ pub(crate) struct FoxgloveServer {
     recorder: Recorder,
     states: StateTimer,
     next_time: Instant,
-    /// Where clients come in.
-    address: SocketAddr,
 }
 
 /// Starts serving on a listener.
@@ -51,18 +49,12 @@ pub(crate) async fn start(
     let server = server.message_backlog_size(BACKLOG).listener(Arc::new(Late(latched)));
     let started = server.start().await;
     let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;
-    let address = listener.local_addr().map_err(ServeError::Start)?;
     tokio::spawn(gate::serve(listener, host.to_owned(), SocketAddr::from((hidden, handle.port()))));
     let (recorder, states) = (Recorder::new(live)?, StateTimer::default());
-    Ok(FoxgloveServer { handle, _context: context, recorder, states, next_time: Instant::now(), address })
+    Ok(FoxgloveServer { handle, _context: context, recorder, states, next_time: Instant::now() })
 }
 
 impl FoxgloveServer {
-    /// The port that it listens on.
-    pub(crate) fn port(&self) -> u16 {
-        self.address.port()
-    }
-
     pub(crate) fn record(&mut self, time: f64, record: Record) {
         self.recorder.record(time, record);
     }

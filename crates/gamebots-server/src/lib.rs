@@ -36,6 +36,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use gamebots_proto::Dialect;
 use scene::WorldDef;
 use sim_core::Options;
 
@@ -75,11 +76,11 @@ pub struct Config {
     pub options: Options,
     /// Address to listen on.
     pub host: String,
-    /// Port to listen on; 0 takes a free one.
-    pub port: u16,
+    /// What is served, and on which ports.
+    pub listeners: Vec<Listener>,
     /// Simulated seconds a real second; 0 is as fast as possible.
     pub real_time_factor: f64,
-    /// Listening pauses while there are more connections than this.
+    /// Listening for controllers pauses while there are more connections than this.
     pub max_connections: usize,
     /// Tell clients what was wrong with their lines, which USARSim does not.
     pub report_errors: bool,
@@ -89,10 +90,6 @@ pub struct Config {
     pub ros2_log: bool,
     /// File of the logs that a viewer begins, numbered where it exists.
     pub unnamed_log: PathBuf,
-    /// Where the page is served.
-    pub page: Page,
-    /// Port of Foxglove's WebSocket protocol; 0 takes a free one.
-    pub foxglove: Option<u16>,
     /// A client that takes nothing for this long is disconnected.
     pub stall_timeout: Duration,
 }
@@ -103,41 +100,74 @@ impl Config {
         Self {
             options: Options::default(),
             host: "127.0.0.1".to_owned(),
-            port: 3000,
+            listeners: vec![Listener::new(Service::Controllers { dialect: None }, 3000)],
             real_time_factor: 1.0,
             max_connections: 64,
             report_errors: false,
             log: None,
             ros2_log: false,
             unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
-            page: Page::None,
-            foxglove: None,
             stall_timeout: Duration::from_secs(30),
             world,
         }
     }
 }
 
-/// Where the page with the 3-D view is served.
+/// A port and what is served there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Page {
-    /// Nowhere.
-    None,
-    /// On this port; 0 takes a free one.
-    On(u16),
-    /// On this port, or a free one if it is taken.
-    Near(u16),
+pub struct Listener {
+    /// What is served.
+    pub service: Service,
+    /// The port; 0 takes a free one.
+    pub port: u16,
+    /// Whether a free port is taken where another program has this one.
+    pub or_another: bool,
 }
 
-/// Where a server that is ready listens.
+impl Listener {
+    /// A service on this very port, or on a free one for 0.
+    pub fn new(service: Service, port: u16) -> Self {
+        Self { service, port, or_another: false }
+    }
+}
+
+/// What a server does for who connects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Ready {
-    /// For clients of the protocol.
-    pub address: SocketAddr,
-    /// For browsers.
-    pub page: Option<SocketAddr>,
-    /// Port for Foxglove.
-    pub foxglove: Option<u16>,
+pub enum Service {
+    /// The protocol of USARSim, for controllers.
+    Controllers {
+        /// The dialect of all lines; without one, the class of a robot decides.
+        dialect: Option<Dialect>,
+    },
+    /// The page with the 3-D view, for browsers.
+    Page,
+    /// The channels of a log, for Foxglove.
+    Foxglove,
+}
+
+/// Where a server that is ready listens: what is served, in the order of its configuration.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Ready(pub Vec<(Service, SocketAddr)>);
+
+impl Ready {
+    /// Where controllers connect.
+    pub fn controllers(&self) -> Option<SocketAddr> {
+        self.address(|service| matches!(service, Service::Controllers { .. }))
+    }
+
+    /// Where browsers do.
+    pub fn page(&self) -> Option<SocketAddr> {
+        self.address(|service| service == Service::Page)
+    }
+
+    /// Where Foxglove does.
+    pub fn foxglove(&self) -> Option<SocketAddr> {
+        self.address(|service| service == Service::Foxglove)
+    }
+
+    fn address(&self, is: impl Fn(Service) -> bool) -> Option<SocketAddr> {
+        self.0.iter().find(|(service, _)| is(*service)).map(|(_, address)| *address)
+    }
 }
 
 /// Why serving did not start, or stopped by itself.

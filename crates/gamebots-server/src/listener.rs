@@ -1,18 +1,20 @@
-//! Accepting clients, and pausing when there are too many.
+//! What listens: a port each for controllers, viewers and Foxglove. Accepting clients, and pausing when there are too many.
 
+use std::cell::Cell;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
-use tokio::net::{TcpListener, TcpSocket, lookup_host};
+use futures_util::future::join_all;
+use tokio::net::{TcpListener, TcpSocket, TcpStream, lookup_host};
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 use tracing::{info, warn};
 
-use crate::connection::Event;
-use crate::foxglove_server::FoxgloveServer;
+use crate::connection::{ConnectionId, Event};
+use crate::live::Channels;
 use crate::web::Site;
-use crate::{Config, Page, Ready, ServeError, connection, foxglove_server, live, web, world_thread};
+use crate::{Config, Listener, Ready, ServeError, Service, connection, foxglove_server, live, web, world_thread};
 
 /// Longest that the last lines to all clients may take.
 const FAREWELL_TIMEOUT: Duration = Duration::from_millis(500);
@@ -28,50 +30,42 @@ pub(crate) async fn serve(
     ready: impl FnOnce(Ready),
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    let listener = listen(&config.host, config.port).await?;
-    let address = local_address(&listener, &config.host, config.port)?;
-    let page = match config.page {
-        Page::None => None,
-        Page::On(port) => Some(listen_for_viewers(&config.host, port).await?),
-        Page::Near(port) => Some(listen_near(&config.host, port).await?),
-    };
-    let page_address = page.as_ref().map(|page| local_address(page, &config.host, 0)).transpose()?;
+    let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
     // Not bounded by itself: whoever sends waits for a turn, see `connection::Turn`.
     let (events, receiver) = mpsc::channel();
-    let (gone, world_gone) = oneshot::channel();
-    let (live, channels) = live::broadcast(Instant::now());
-    let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
-    let scene = page.as_ref().map(|_| live::scene_json(&config.world, config.options.seed, address.port()).to_string());
-    let site = Site {
-        host: config.host.clone(),
-        protocol: reachable(address),
-        scene: scene.unwrap_or_default().into(),
-        channels,
-        events: events.clone(),
-        stall_timeout,
-    };
-    let foxglove = match config.foxglove {
-        Some(port) => {
-            let listener = listen(&config.host, port).await?;
-            Some(foxglove_server::start(listener, &config.host, &config.world, events.clone()).await?)
+    for listener in &config.listeners {
+        let bound = listen(&config.host, *listener).await?;
+        let address = bound.local_addr().map_err(ServeError::Start)?;
+        addresses.push((listener.service, address));
+        match listener.service {
+            Service::Controllers { dialect } => controllers.push((dialect, address, bound)),
+            Service::Page => pages.push(bound),
+            Service::Foxglove => {
+                foxglove = Some(foxglove_server::start(bound, &config.host, &config.world, events.clone()).await?);
+            }
         }
-        None => None,
-    };
-    let addresses = Ready { address, page: page_address, foxglove: foxglove.as_ref().map(FoxgloveServer::port) };
+    }
+    let addresses = Ready(addresses);
+    let (gone, mut world_gone) = oneshot::channel();
+    let (live, channels) = live::broadcast(Instant::now());
+    let site = Arc::new(site(&config, &addresses, channels, events.clone()));
+    let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
     let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;
     ready(addresses);
-    let mut clients = JoinSet::new();
-    let accepting = accept_clients(&mut clients, listener, address, max_connections, stall_timeout, events.clone());
-    let showing = async {
-        match page {
-            Some(page) => web::serve(page, site).await,
-            None => std::future::pending().await,
-        }
-    };
-    let mut world_gone = world_gone;
+    let mut clients: Vec<JoinSet<()>> = controllers.iter().map(|_| JoinSet::new()).collect();
+    let ids = Cell::new(0);
+    let accepting = clients.iter_mut().zip(controllers).map(|(clients, (dialect, address, bound))| {
+        let (ids, events) = (&ids, &events);
+        let serve = move |stream| {
+            ids.set(ids.get() + 1);
+            (ids.get(), connection::serve(ids.get(), stream, dialect, events.clone(), stall_timeout))
+        };
+        accept_clients(clients, bound, address, max_connections, serve)
+    });
+    let showing = pages.into_iter().map(|page| web::serve(page, site.clone()));
     let is_gone = tokio::select! {
-        () = accepting => false,
-        () = showing => false,
+        () = forever(accepting) => false,
+        () = forever(showing) => false,
         () = shutdown => false,
         _ = &mut world_gone => true,
     };
@@ -81,31 +75,60 @@ pub(crate) async fn serve(
         let _ = world_gone.await;
     }
     // It has closed every outbox; what waits there is sent to those who take it.
-    let _ = tokio::time::timeout(FAREWELL_TIMEOUT, async { while clients.join_next().await.is_some() {} }).await;
-    clients.shutdown().await;
+    let farewell = async {
+        for clients in &mut clients {
+            while clients.join_next().await.is_some() {}
+        }
+    };
+    let _ = tokio::time::timeout(FAREWELL_TIMEOUT, farewell).await;
+    for clients in &mut clients {
+        clients.shutdown().await;
+    }
     world.join().map_err(|_| ServeError::WorldStopped)?
 }
 
-async fn listen(host: &str, port: u16) -> Result<TcpListener, ServeError> {
-    let listener = TcpListener::bind((host, port)).await;
-    listener.map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
+/// Runs all of them, and never ends.
+async fn forever(services: impl Iterator<Item = impl Future<Output = ()>>) {
+    join_all(services).await;
+    std::future::pending().await
+}
+
+/// What the page needs to know.
+fn site(config: &Config, addresses: &Ready, channels: Channels, events: mpsc::Sender<Event>) -> Site {
+    // Without controllers there is nothing behind the page's own way to drive, and its WebSocket says so.
+    let protocol = addresses.controllers().unwrap_or_else(|| SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
+    let scene = addresses.page().map(|_| live::scene_json(&config.world, config.options.seed, protocol.port()));
+    Site {
+        host: config.host.clone(),
+        protocol: reachable(protocol),
+        scene: scene.map_or_else(String::new, |scene| scene.to_string()).into(),
+        channels,
+        events,
+        stall_timeout: config.stall_timeout,
+    }
+}
+
+async fn listen(host: &str, Listener { service, port, or_another }: Listener) -> Result<TcpListener, ServeError> {
+    let bind = async |port| match service {
+        Service::Page => listen_for_viewers(host, port).await,
+        Service::Controllers { .. } | Service::Foxglove => TcpListener::bind((host, port)).await,
+    };
+    let bound = bind(port).await;
+    let bound = if or_another && bound.is_err() {
+        warn!(port, ?service, "taken by another program: a free port is used");
+        bind(0).await
+    } else {
+        bound
+    };
+    bound.map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
 }
 
 /// The page's listener. Little waits in its connections, so that a slow viewer sees the newest frame and not one of
 /// seconds ago.
-async fn listen_for_viewers(host: &str, port: u16) -> Result<TcpListener, ServeError> {
-    let failed = |reason| ServeError::Listen { host: host.to_owned(), port, reason };
-    let mut result = Err(failed(std::io::ErrorKind::AddrNotAvailable.into()));
-    for address in lookup_host((host, port)).await.map_err(failed)? {
-        let listen = || {
-            let socket = if address.is_ipv4() { TcpSocket::new_v4()? } else { TcpSocket::new_v6()? };
-            socket.set_reuseaddr(true)?;
-            // Those that are accepted inherit it.
-            socket.set_send_buffer_size(MAX_UNSENT_TO_VIEWER)?;
-            socket.bind(address)?;
-            socket.listen(BACKLOG)
-        };
-        result = listen().map_err(failed);
+async fn listen_for_viewers(host: &str, port: u16) -> std::io::Result<TcpListener> {
+    let mut result = Err(std::io::ErrorKind::AddrNotAvailable.into());
+    for address in lookup_host((host, port)).await? {
+        result = listen_at(address);
         if result.is_ok() {
             break;
         }
@@ -113,17 +136,13 @@ async fn listen_for_viewers(host: &str, port: u16) -> Result<TcpListener, ServeE
     result
 }
 
-async fn listen_near(host: &str, port: u16) -> Result<TcpListener, ServeError> {
-    let wanted = listen_for_viewers(host, port).await;
-    if wanted.is_err() {
-        warn!(port, "taken by another program: the page is on a free port");
-        return listen_for_viewers(host, 0).await;
-    }
-    wanted
-}
-
-fn local_address(listener: &TcpListener, host: &str, port: u16) -> Result<SocketAddr, ServeError> {
-    listener.local_addr().map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
+fn listen_at(address: SocketAddr) -> std::io::Result<TcpListener> {
+    let socket = if address.is_ipv4() { TcpSocket::new_v4()? } else { TcpSocket::new_v6()? };
+    socket.set_reuseaddr(true)?;
+    // Those that are accepted inherit it.
+    socket.set_send_buffer_size(MAX_UNSENT_TO_VIEWER)?;
+    socket.bind(address)?;
+    socket.listen(BACKLOG)
 }
 
 /// An address at which this machine reaches what it listens on.
@@ -138,16 +157,14 @@ fn reachable(mut address: SocketAddr) -> SocketAddr {
 
 /// As in USARSim the limit is passed by one: listening stops when there are more than `max` connections, and the
 /// operating system refuses clients until one leaves (BotServer.uc:46-72).
-async fn accept_clients(
+async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
     clients: &mut JoinSet<()>,
     listener: TcpListener,
     address: SocketAddr,
     max: usize,
-    stall_timeout: Duration,
-    events: mpsc::Sender<Event>,
+    serve: impl Fn(TcpStream) -> (ConnectionId, S),
 ) {
     let mut listener = Some(listener);
-    let mut next_id = 0;
     loop {
         if clients.len() > max {
             if listener.take().is_some() {
@@ -165,9 +182,9 @@ async fn accept_clients(
         tokio::select! {
             accepted = accept => match accepted {
                 Ok((stream, peer)) => {
-                    next_id += 1;
-                    info!(connection = next_id, %peer, "client connected");
-                    clients.spawn(connection::serve(next_id, stream, events.clone(), stall_timeout));
+                    let (id, client) = serve(stream);
+                    info!(connection = id, %peer, "client connected");
+                    clients.spawn(client);
                 }
                 Err(error) => {
                     warn!(%error, "cannot accept a client");

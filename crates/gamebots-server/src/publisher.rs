@@ -35,19 +35,19 @@ impl Publisher {
         self.live.line(|| Line { time: world.time(), direction: "in", connection, robot, text: line.to_owned() });
     }
 
-    /// A message of a robot, or about none, goes to a client as this line.
-    pub(crate) fn sent(
+    /// Messages of a robot, or one about none, go to a client as this line.
+    pub(crate) fn sent<'a>(
         &mut self,
         world: &World,
         connection: ConnectionId,
         robot: Option<RobotId>,
-        message: &Message,
+        messages: impl Iterator<Item = &'a Message>,
         line: &str,
     ) {
         let robot = robot.map(|robot| robot.0);
         if self.recording.is_wanted() {
             self.recording.record(world, Record::Out(WireLine { connection, robot, line: line.to_owned() }));
-            if let Some(sensed) = Record::sensed(robot, message) {
+            for sensed in messages.filter_map(|message| Record::sensed(robot, message)) {
                 self.recording.record(world, sensed);
             }
         }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gamebots_proto::message::{Message, Nfo};
-use gamebots_proto::{Command, Problem};
+use gamebots_proto::{Command, Dialect, Problem};
 use tracing::warn;
 
-use crate::connection::{ConnectionId, Request, Turn};
+use crate::connection::{ConnectionId, Opened, Request, Turn};
 use crate::outbox::Outbox;
 
 /// Problems of one connection that are logged in a second; the rest is counted.
@@ -20,6 +20,8 @@ pub(crate) struct Session {
     id: ConnectionId,
     /// Address of the client.
     peer: String,
+    /// The dialect of all its lines; without one, robots decide.
+    dialect: Option<Dialect>,
     outbox: Arc<Outbox>,
     lines: u64,
     dropped: u64,
@@ -36,10 +38,12 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    pub(crate) fn new(id: ConnectionId, peer: String, outbox: Arc<Outbox>, report_errors: bool) -> Self {
+    pub(crate) fn new(opened: Opened, report_errors: bool) -> Self {
+        let Opened { id, peer, dialect, outbox } = opened;
         Self {
             id,
             peer,
+            dialect,
             outbox,
             lines: 0,
             dropped: 0,
@@ -97,6 +101,11 @@ impl Session {
 
     pub(crate) fn forget_half(&mut self) {
         self.cost /= 2;
+    }
+
+    /// The dialect of all its lines; without one, robots decide.
+    pub(crate) fn dialect(&self) -> Option<Dialect> {
+        self.dialect
     }
 
     /// Address of the client.

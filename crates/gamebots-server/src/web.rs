@@ -56,8 +56,7 @@ pub(crate) struct Site {
 pub(crate) type Place = Arc<OwnedSemaphorePermit>;
 
 /// Serves until it is dropped.
-pub(crate) async fn serve(listener: TcpListener, site: Site) {
-    let site = Arc::new(site);
+pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
     let router = Router::new()
         .route("/scene.json", get(scene))
         .route("/live", get(viewer::upgrade))

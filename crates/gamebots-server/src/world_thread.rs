@@ -7,7 +7,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use gamebots_proto::message::Message;
+use gamebots_proto::Dialect;
+use gamebots_proto::message::{self, Message, WrittenLine};
 use sim_core::{Executed, LostRobot, RobotId, World};
 use tokio::sync::oneshot;
 use tracing::{info, warn};
@@ -155,11 +156,9 @@ impl Server {
 
     fn step(&mut self) {
         let start = Instant::now();
-        for (robot, message) in self.world.step() {
-            self.publisher.reported(&self.world, robot, &message);
-            if let Some(owner) = self.owners.of(robot) {
-                self.send(owner, Some(robot), &message);
-            }
+        let reports = self.world.step();
+        for of_robot in reports.chunk_by(|(robot, _), (next, _)| robot == next) {
+            self.report(of_robot);
         }
         for LostRobot { id, class, name } in self.world.take_lost() {
             self.publisher.left(&self.world, id);
@@ -200,15 +199,16 @@ impl Server {
 
     fn take(&mut self, event: Event) -> Result<(), Stop> {
         match event {
-            Event::Opened(id, peer, outbox) => {
+            Event::Opened(opened) => {
+                let id = opened.id;
                 // It begins behind those that cost little, so that leaving and coming again gains nothing.
                 let clients = self.sessions.len().max(1) as u32;
                 let mean = self.sessions.values().map(Session::cost).sum::<Duration>() / clients;
-                let mut session = Session::new(id, peer, outbox, self.report_errors);
+                let mut session = Session::new(opened, self.report_errors);
                 session.add_cost(mean);
                 self.sessions.insert(id, session);
                 let greeting = self.world.greeting();
-                self.send(id, None, &greeting);
+                self.send(id, None, &[greeting]);
                 self.publisher.came(Instant::now());
             }
             Event::Requests(id, requests, turn) => {
@@ -345,7 +345,7 @@ impl Server {
         session.note(command.as_ref());
         let mut problems = problems.clone();
         let executed = command.as_ref().map(|command| self.world.execute(pawn, command, &mut problems));
-        let Executed { answers, spawned } = executed.unwrap_or_default();
+        let Executed { mut answers, found, spawned } = executed.unwrap_or_default();
         let (refusals, warnings) = session.refuse(text, &problems, Instant::now());
         if let Some(robot) = spawned {
             self.owners.add(robot, id, text.clone());
@@ -353,14 +353,41 @@ impl Server {
         }
         warnings.iter().for_each(|warning| self.publisher.warn(&self.world, warning));
         let robot = spawned.or(pawn);
-        answers.iter().chain(&refusals).for_each(|answer| self.send(id, robot, answer));
+        let dialect = self.dialect(id, robot);
+        let time = self.world.time() as f32;
+        let receipt = command.as_ref().filter(|_| robot.is_some());
+        answers.extend(receipt.and_then(|command| Message::receipt(command, found, time, dialect)));
+        answers.extend(refusals);
+        self.send(id, robot, &answers);
     }
 
-    fn send(&mut self, id: ConnectionId, robot: Option<RobotId>, message: &Message) {
-        let text = message.write();
-        self.publisher.sent(&self.world, id, robot, message, &text);
-        if let Some(session) = self.sessions.get(&id) {
-            session.outbox().push(text, message.is_periodic());
+    /// The dialect in which a connection is told of a robot, or of the map: its listener's, or else the robot's.
+    fn dialect(&self, id: ConnectionId, robot: Option<RobotId>) -> Dialect {
+        let of_robot = || {
+            let robot = robot.and_then(|robot| self.world.robot(robot));
+            if robot.is_some_and(|def| def.speaks_ut2004) { Dialect::Ut2004 } else { Dialect::Udk }
+        };
+        self.sessions.get(&id).and_then(Session::dialect).unwrap_or_else(of_robot)
+    }
+
+    /// Hands on what a robot has reported in a step.
+    fn report(&mut self, reports: &[(RobotId, Message)]) {
+        let Some(&(robot, _)) = reports.first() else { return };
+        reports.iter().for_each(|(_, message)| self.publisher.reported(&self.world, robot, message));
+        if let Some(owner) = self.owners.of(robot) {
+            self.send(owner, Some(robot), reports.iter().map(|(_, message)| message));
+        }
+    }
+
+    /// Sends messages of a robot, or about none, that belong together.
+    fn send<'a>(&mut self, id: ConnectionId, robot: Option<RobotId>, messages: impl IntoIterator<Item = &'a Message>) {
+        let messages: Vec<&Message> = messages.into_iter().collect();
+        for WrittenLine { line, messages: said } in message::lines(messages.iter().copied(), self.dialect(id, robot)) {
+            let said: Vec<&Message> = said.iter().filter_map(|&index| messages.get(index).copied()).collect();
+            self.publisher.sent(&self.world, id, robot, said.iter().copied(), &line);
+            if let Some(session) = self.sessions.get(&id) {
+                session.outbox().push(line, said.iter().all(|message| message.is_periodic()));
+            }
         }
     }
 

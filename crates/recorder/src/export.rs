@@ -58,7 +58,7 @@ pub fn ros2(log: &Log, path: &Path) -> Result<(), RecordError> {
         match &entry.record {
             Record::State(state) => drop(classes.insert(state.robot, state.class.as_str())),
             Record::Out(line) => {
-                if let Some(sensed) = sensed(&world, &classes, line) {
+                for sensed in sensed(&world, &classes, line) {
                     file.with(|file| ros2.write(entry.time, &sensed, file))?;
                 }
             }
@@ -68,11 +68,14 @@ pub fn ros2(log: &Log, path: &Path) -> Result<(), RecordError> {
     file.finish()
 }
 
-/// What a sensor measured, out of the line that says it: a log has no more, and a name for the sensor's number.
-fn sensed(world: &WorldDef, classes: &BTreeMap<u64, &str>, line: &WireLine) -> Option<Record> {
-    let robot = line.robot.filter(|_| line.line.starts_with("SEN"))?;
-    let Message::Sen(Sen { reading, .. }) = Message::read(&line.line)? else { return None };
-    let sensors = &world.robots.get(*classes.get(&robot)?)?.sensors;
-    let sensor = sensors.iter().position(|sensor| Some(sensor.name.as_str()) == reading.name())?;
-    Some(Record::Sensed(Sensed { robot, sensor, reading }))
+/// What sensors measured, out of the line that says it: a log has no more, and a name for a sensor's number.
+fn sensed(world: &WorldDef, classes: &BTreeMap<u64, &str>, line: &WireLine) -> Vec<Record> {
+    let Some(robot) = line.robot.filter(|_| line.line.starts_with("SEN")) else { return Vec::new() };
+    let Some(def) = classes.get(&robot).and_then(|class| world.robots.get(*class)) else { return Vec::new() };
+    let sensed = |message| {
+        let Message::Sen(Sen { reading, .. }) = message else { return None };
+        let sensor = def.sensors.iter().position(|sensor| Some(sensor.name.as_str()) == reading.name())?;
+        Some(Record::Sensed(Sensed { robot, sensor, reading }))
+    };
+    Message::read_all(&line.line).into_iter().filter_map(sensed).collect()
 }

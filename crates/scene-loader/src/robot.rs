@@ -23,7 +23,7 @@ use crate::problem::{Problems, Unread, listed, suggestion};
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
-const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
+const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, dialect, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
                     caster, joint, visual, actuator, gripper, sensor, battery, aerial";
 
 /// A part of the body: a solid box that gives its mass, and the shape that touches the world unless it is hidden.
@@ -80,6 +80,7 @@ pub(crate) fn read(
     let reported_steering = read_reported_steering(&mut document, &mut root);
     let drive_model = read_drive_model(&mut document, &mut root);
     let one_side_drives = document.optional(&mut root, "one_side_drives").unwrap_or(false);
+    let speaks_ut2004 = read_dialect(&mut document, &mut root);
     let reported_max_torque = document.optional(&mut root, "reported_max_torque").unwrap_or(50000.0);
     if !root.has("part") && !root.has("urdf") {
         document.problem(&(0..0), "no [[part]] and no `urdf`: expected at least one part with a mass");
@@ -116,6 +117,7 @@ pub(crate) fn read(
         reported_steering,
         drive_model,
         one_side_drives,
+        speaks_ut2004,
         links,
         sensors,
         actuators,
@@ -173,6 +175,15 @@ fn read_drive_model<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Dr
         document.problem(&span, error);
         DriveModel::default()
     })
+}
+
+/// Whether its clients are spoken to in the dialect of UT2004.
+fn read_dialect<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> bool {
+    let Ok(Some((span, name))) = document.section::<String>(root, "dialect") else { return false };
+    if !["udk", "ut2004"].contains(&name.as_str()) {
+        document.problem(&span, format!("`{name}` is no dialect: expected udk or ut2004"));
+    }
+    name == "ut2004"
 }
 
 /// The URDF that a robot names, and where.

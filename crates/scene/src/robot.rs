@@ -121,6 +121,8 @@ pub struct RobotDef {
     /// Whether `{Left ..}` or `{Right ..}` alone moves its side. USARSim (UDK) wants both; controllers of UT2004's
     /// robots send one.
     pub one_side_drives: bool,
+    /// Whether only USARSim for UT2004 had it, so that its clients are spoken to in that dialect.
+    pub speaks_ut2004: bool,
     /// Its tree: parents before their children, so the first is the root. Driven wheels come before casters, in the order that
     /// encoders and tachometers number them.
     pub links: Vec<Link>,

@@ -19,6 +19,8 @@ pub(crate) struct Robot {
     drive_model: DriveModel,
     one_side_drives: bool,
     #[serde(default)]
+    speaks_ut2004: bool,
+    #[serde(default)]
     links: Vec<Link>,
     #[serde(default)]
     parts: Vec<Part>,
@@ -69,6 +71,7 @@ impl From<Robot> for RobotDef {
             reported_steering: stored.reported_steering,
             drive_model: stored.drive_model,
             one_side_drives: stored.one_side_drives,
+            speaks_ut2004: stored.speaks_ut2004,
             links,
             sensors: stored.sensors,
             actuators: stored.actuators,

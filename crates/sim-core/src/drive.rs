@@ -9,7 +9,7 @@ mod skid;
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
-use gamebots_proto::message::{Vehicle, VehicleConf, VehicleGeo};
+use gamebots_proto::message::{GroundSta, Vehicle, VehicleConf, VehicleGeo};
 use kinematics::Twist;
 use scene::{JointState, RobotDef, Side, Steering};
 
@@ -98,10 +98,8 @@ impl DriveState {
     /// What it adds to STA.
     pub(crate) fn status(&self, robot: &RobotDef, joints: impl FnOnce() -> Vec<JointState>) -> Vehicle {
         match &self.family {
-            Family::Skid | Family::Omni(_) => Vehicle::Ground { light: self.light, steer: None },
-            Family::Ackermann(steer) => {
-                Vehicle::Ground { light: self.light, steer: Some(steer.map(|angle| angle as f32)) }
-            }
+            Family::Skid | Family::Omni(_) => self.ground([None; 2]),
+            Family::Ackermann(steer) => self.ground(steer.map(|angle| Some(angle as f32))),
             Family::Aerial(_) => Vehicle::Aerial,
             Family::Legged => {
                 let joints = robot.with_values().zip(joints());
@@ -109,6 +107,10 @@ impl DriveState {
             }
             Family::None => Vehicle::Static,
         }
+    }
+
+    fn ground(&self, [front_steer, rear_steer]: [Option<f32>; 2]) -> Vehicle {
+        Vehicle::Ground(GroundSta { light: self.light, front_steer, rear_steer })
     }
 }
 

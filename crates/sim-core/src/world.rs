@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::{Command, Init};
-use gamebots_proto::message::{Message, NamedPose as WirePose, Nfo};
+use gamebots_proto::message::{Greeting, Message, NamedPose as WirePose, Nfo, PathNode};
 
 use crate::CompiledScene;
 use crate::physics::{CompiledRobot, Physics};
@@ -40,6 +40,8 @@ pub struct World {
 pub struct Executed {
     /// What goes back to the client, in order.
     pub answers: Vec<Message>,
+    /// Whether the robot has what a SET, GETCONF or GETGEO names.
+    pub found: bool,
     /// The robot that came into being: from now on the commands of the client go to it (BotConnection.uc:37-47).
     pub spawned: Option<RobotId>,
 }
@@ -96,7 +98,7 @@ impl World {
     /// The greeting of a connection.
     pub fn greeting(&self) -> Message {
         let map = &self.def().map;
-        Message::Nfo(Nfo::Greeting { level: map.name.clone(), time_limit: map.time_limit })
+        Message::Nfo(Nfo::Greeting(Greeting { level: map.name.clone(), time_limit: map.time_limit }))
     }
 
     /// Puts a robot into the world. `None`, with the reason in `problems`, for an unknown class.
@@ -137,8 +139,11 @@ impl World {
     /// wrong with it is noted in `problems`. With a flat battery a robot ignores everything.
     pub fn execute(&mut self, pawn: Option<RobotId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
         let time = self.time();
+        let mut found = false;
         let answers = match (command, pawn.and_then(|pawn| self.robots.get_mut(&pawn))) {
-            (Command::Init(init), _) => return Executed { answers: Vec::new(), spawned: self.init(init, problems) },
+            (Command::Init(init), _) => {
+                return Executed { spawned: self.init(init, problems), ..Executed::default() };
+            }
             (Command::GetStartPoses(_), _) => {
                 vec![Message::Nfo(Nfo::StartPoses(self.def().map.starts.iter().map(wire_pose).collect()))]
             }
@@ -174,11 +179,23 @@ impl World {
                 robot.act(&act.name, &targets, act.gripper, problems);
                 Vec::new()
             }
-            (Command::Set(set), Some(robot)) => robot.set(set, &self.physics, time),
-            (Command::GetConf(ask), Some(robot)) => answer::conf(robot, ask).map(Message::Conf).into_iter().collect(),
-            (Command::GetGeo(ask), Some(robot)) => answer::geo(robot, ask).map(Message::Geo).into_iter().collect(),
+            (Command::Set(set), Some(robot)) => {
+                let (answers, has_item) = robot.set(set, &self.physics, time);
+                found = has_item;
+                answers
+            }
+            (Command::GetConf(ask), Some(robot)) => {
+                let conf = answer::conf(robot, ask);
+                found = conf.is_some();
+                conf.map(Message::Conf).into_iter().collect()
+            }
+            (Command::GetGeo(ask), Some(robot)) => {
+                let geo = answer::geo(robot, ask);
+                found = geo.is_some();
+                geo.map(Message::Geo).into_iter().collect()
+            }
         };
-        Executed { answers, spawned: None }
+        Executed { answers, found, spawned: None }
     }
 
     /// One time step: physics first, then the wheels are read, then whatever is due reports, robot by robot.
@@ -323,8 +340,8 @@ fn wire_pose(pose: &NamedPose) -> WirePose {
 fn closest(nodes: &[NamedPose], position: [f64; 3]) -> Nfo {
     let distance = |node: &NamedPose| (node.position[0] - position[0]).hypot(node.position[1] - position[1]);
     let nearest = nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.map_or(Nfo::PathNode { name: "None".to_owned(), location: [0.0; 3] }, |node| {
+    nearest.map_or(Nfo::PathNode(PathNode { name: "None".to_owned(), location: [0.0; 3] }), |node| {
         let WirePose { name, location, .. } = wire_pose(node);
-        Nfo::PathNode { name, location }
+        Nfo::PathNode(PathNode { name, location })
     })
 }

@@ -197,7 +197,7 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
                 return;
             }
         };
-        let is_periodic = ["SEN ", "STA ", "ASTA ", "EFF "].iter().any(|kind| line.starts_with(kind));
+        let is_periodic = ["SEN ", "STA ", "ASTA ", "MISSTA ", "EFF "].iter().any(|kind| line.starts_with(kind));
         let is_wanted =
             watched.as_ref().is_some_and(|word| line.to_ascii_lowercase().contains(&word.to_ascii_lowercase()));
         if (!is_periodic || is_wanted) && printer.print(format!("{}\n", pretty(&line, colour))).is_err() {

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use gamebots_server::{Config, Page, Ready, ServeError};
+use gamebots_proto::Dialect;
+use gamebots_server::{Config, Listener, Ready, ServeError, Service};
 use scene::DriveModel;
 use scene_loader::Override;
 use sim_core::Options;
@@ -42,6 +43,10 @@ pub(crate) struct Arguments {
     /// Port to listen on; 0 takes a free one.
     #[arg(long, env = "USARSIM_PORT", default_value_t = 3000)]
     port: u16,
+    /// Dialect of the server's lines: udk, ut2004 (grouped sonars, GEO in one brace, an answer to every SET, as older controllers
+    /// read), or auto: ut2004 for the robots that only it had (P2DX, P2AT).
+    #[arg(long, env = "USARSIM_DIALECT", default_value = "auto", value_name = "DIALECT", value_parser = dialect)]
+    dialect: DialectChoice,
     /// Port of the page with the 3-D view; 0 takes a free one. By default 8080, or a free one if that is taken.
     #[arg(long, env = "USARSIM_HTTP", value_name = "PORT")]
     http: Option<u16>,
@@ -95,6 +100,17 @@ enum LogFormat {
     Ros2,
 }
 
+/// A dialect, or none: robots decide.
+#[derive(Clone, Copy)]
+struct DialectChoice(Option<Dialect>);
+
+fn dialect(text: &str) -> Result<DialectChoice, String> {
+    if text == "auto" {
+        return Ok(DialectChoice(None));
+    }
+    text.parse().map(|dialect| DialectChoice(Some(dialect))).map_err(|error| format!("{error} or auto"))
+}
+
 pub(crate) fn real_time_factor(text: &str) -> Result<f64, String> {
     let factor: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     gamebots_server::check_real_time_factor(factor)
@@ -112,6 +128,12 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         WheelSpeeds::Rad => 1.0,
         WheelSpeeds::Rev => std::f64::consts::TAU,
     };
+    let page = |port, or_another| Listener { service: Service::Page, port, or_another };
+    let page = arguments.http.map_or_else(|| page(DEFAULT_HTTP_PORT, true), |port| page(port, false));
+    let DialectChoice(dialect) = arguments.dialect;
+    let mut listeners = vec![Listener::new(Service::Controllers { dialect }, arguments.port)];
+    listeners.extend(Some(page).filter(|_| !arguments.no_http));
+    listeners.extend(arguments.foxglove.map(|port| Listener::new(Service::Foxglove, port)));
     let config = Config {
         options: Options {
             seed: arguments.seed,
@@ -121,16 +143,10 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
             ..Options::default()
         },
         host: arguments.host,
-        port: arguments.port,
+        listeners,
         real_time_factor: arguments.rtf,
         max_connections: arguments.max_connections,
         report_errors: arguments.report_errors,
-        page: match (arguments.no_http, arguments.http) {
-            (true, _) => Page::None,
-            (false, Some(port)) => Page::On(port),
-            (false, None) => Page::Near(DEFAULT_HTTP_PORT),
-        },
-        foxglove: arguments.foxglove,
         log: arguments.log,
         ros2_log: arguments.log_format == LogFormat::Ros2,
         ..Config::new(world)
@@ -138,7 +154,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let map = config.world.map.name.clone();
     let classes: Vec<String> = config.world.robots.keys().cloned().collect();
     let json = arguments.json;
-    let ready = move |ready: Ready| print(ready_line(ready, &map, &classes, json));
+    let ready = move |ready: Ready| print(ready_line(&ready, &map, &classes, json));
     gamebots_server::run(config, ready, stop_signal()).map_err(|error| match error {
         ServeError::Listen { .. } => Failure::new(exit::UNAVAILABLE, error),
         ServeError::WorldPanicked { .. } => Failure::new(exit::DEFECT, error),
@@ -146,7 +162,9 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     })
 }
 
-fn ready_line(Ready { address, page, foxglove }: Ready, map: &str, classes: &[String], json: bool) -> String {
+fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> String {
+    let (page, foxglove) = (ready.page(), ready.foxglove().map(|foxglove| foxglove.port()));
+    let Some(address) = ready.controllers() else { return String::new() };
     if json {
         let (host, port) = (address.ip().to_string(), address.port());
         let http = page.map(|page| page.port());

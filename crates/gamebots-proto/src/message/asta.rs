@@ -1,61 +1,40 @@
-//! `ASTA` and `EFF`: state of an actuator and of an effector (protocol.md 4.6).
+//! `ASTA` and `EFF`: state of an actuator and of an effector (protocol.md 4.6). `ASTA` was `MISSTA` in UT2004.
 
-use super::number;
-use crate::Line;
-use crate::number::engine_float;
+use crate::field::{Field, Format, record};
 
-/// Where the joints of an actuator are.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Asta {
-    /// Simulated time, s.
-    pub time: f32,
-    /// Name of the actuator.
-    pub name: String,
-    /// Of its joints in order, rad or m. On the wire they are numbered from 1.
-    pub values: Vec<f32>,
-}
-
-/// Whether a gripper is closed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Eff {
-    /// Simulated time, s.
-    pub time: f32,
-    /// Name of the gripper.
-    pub name: String,
-    /// As it was commanded.
-    pub closed: bool,
-}
-
-impl Asta {
-    pub(super) fn write(&self) -> String {
-        let link =
-            |(number, value): (usize, &f32)| format!(" {{Link {}}} {{Value {}}}", number + 1, engine_float(*value));
-        let links: String = self.values.iter().enumerate().map(link).collect();
-        format!("ASTA {{Time {}}} {{Name {}}}{links}", engine_float(self.time), self.name)
-    }
-
-    pub(super) fn read(line: &Line) -> Option<Self> {
-        let values = line.blocks.iter().filter(|block| block.key == "Value").map(|block| block.value.parse().ok());
-        Some(Self {
-            time: number(line, "Time")?,
-            name: line.get("Name")?.to_owned(),
-            values: values.collect::<Option<_>>()?,
-        })
+record! {
+    /// Where the joints of an actuator are.
+    Asta {
+        /// Simulated time.
+        time: f32 = Field::new("Time", Format::Rounded(4)).unit("s").ut2004(Format::Rounded(2)),
+        /// Name of the actuator.
+        name: String = Field::new("Name", Format::Word),
+        ;
+        /// Its joints in order.
+        joints: [JointSta]
     }
 }
 
-impl Eff {
-    pub(super) fn write(&self) -> String {
-        let status = if self.closed { "CLOSED" } else { "OPEN" };
-        format!("EFF {{Time {}}} {{Type Gripper}} {{Name {}}} {{Status {status}}}", engine_float(self.time), self.name)
+record! {
+    /// Where a joint of an actuator is.
+    JointSta {
+        /// Its number from 1.
+        link: usize = Field::new("Link", Format::Integer),
+        /// Its angle or displacement.
+        value: f32 = Field::new("Value", Format::Rounded(4)).unit("rad or m").ut2004(Format::Fixed(4)),
+        /// The torque that holds it, by USARSim its limit with a minus (5 to 1 N m); 0 where it was not on the line.
+        torque: f32 = Field::new("Torque", Format::Absent).unit("N m / 5").ut2004(Format::Rounded(2)),
     }
+}
 
-    pub(super) fn read(line: &Line) -> Option<Self> {
-        let closed = match line.get("Status")? {
-            "CLOSED" => true,
-            "OPEN" => false,
-            _ => return None,
-        };
-        Some(Self { time: number(line, "Time")?, name: line.get("Name")?.to_owned(), closed })
+record! {
+    /// Whether a gripper is closed.
+    Eff {
+        /// Simulated time.
+        time: f32 = Field::new("Time", Format::Rounded(4)).unit("s").then(&[(["Type"; 2], ["Gripper"; 2])]),
+        /// Name of the gripper.
+        name: String = Field::new("Name", Format::Word),
+        /// As it was commanded.
+        closed: bool = Field::new("Status", Format::Either(["OPEN", "CLOSED"])),
     }
 }

@@ -1,8 +1,7 @@
 //! `CONF`: configuration of the robot or of its items (protocol.md 4.7).
 
-use super::{boolean, number, read_boolean};
-use crate::number::{engine_float, fixed};
-use crate::{Block, Line};
+use crate::field::{self, Field, Format, Record, Table, Written, record};
+use crate::{Block, Dialect, Line};
 
 /// One `CONF` line.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,95 +30,252 @@ pub struct RobotConf {
 #[derive(Debug, Clone, PartialEq)]
 pub enum VehicleConf {
     /// On wheels.
-    Ground {
-        /// `SkidSteered`, `AckermanSteered` or `OmniDrive`.
-        steering_type: String,
-        /// Mass of all parts, kg.
-        mass: f32,
-        /// Smallest speed limit of the wheels, rad/s.
-        max_speed: f32,
-        /// Smallest torque limit of the wheels in USARSim's unit (5 to 1 N m).
-        max_torque: f32,
-        /// Range of the steering angles of front and rear, rad; literally 0 where a robot does not steer so.
-        max_steer: Option<[f32; 2]>,
-    },
+    Ground(GroundConf),
     /// Fixed to the ground.
     Static,
     /// In the air or on legs, which add nothing.
     Plain,
 }
 
-/// Configuration of one item, by the form that its type has.
-#[derive(Debug, Clone, PartialEq)]
-#[expect(missing_docs, reason = "the fields are named after the keys")]
-pub enum ItemConf {
-    /// Items of which only the name is known.
-    Plain { name: String },
-    /// GroundTruth, INS, Odometry, Tachometer: seconds between two readings.
-    Timed { name: String, scan_interval: f32 },
-    /// Angle of one tick, rad.
-    Encoder { name: String, resolution: f32 },
-    /// Ranges in metres, angles in radians.
-    RangeScanner {
-        name: String,
-        max_range: f32,
-        min_range: f32,
-        resolution: f32,
-        fov: f32,
-        panning: bool,
-        tilting: bool,
-    },
-    /// Ranges in metres, seconds, radians.
-    Sonar {
-        name: String,
-        max_range: f32,
-        min_range: f32,
-        scan_interval: f32,
-        beam_angle: f32,
-        max_angle_of_incidence: f32,
-        traces_per_cone: u32,
-        number_of_cones: u32,
-    },
-    /// The joints of an actuator, by the form of `{Type Actuator}`.
-    Actuator { name: String, joints: Vec<JointConf> },
-    /// The same by that of `{Type MisPkg}`.
-    MisPkg { name: String, joints: Vec<JointConf> },
+record! {
+    /// What a robot on wheels adds to its configuration.
+    GroundConf {
+        /// `SkidSteered`, `AckermanSteered` or `OmniDrive`.
+        steering_type: String = Field::new("SteeringType", Format::Word),
+        /// Mass of all parts.
+        mass: f32 = Field::new("Mass", Format::Fixed(4)).unit("kg"),
+        /// Smallest speed limit of the wheels.
+        max_speed: f32 = Field::new("MaxSpeed", Format::Fixed(4)).unit("rad/s"),
+        /// Smallest torque limit of the wheels, 5 to 1 N m.
+        max_torque: f32 = Field::new("MaxTorque", Format::Fixed(4)).unit("N m / 5"),
+        /// Range of the steering angles of the front; none where a robot does not steer so.
+        max_front_steer: Option<f32> = Field::new("MaxFrontSteer", Format::FixedOrZero(4)).unit("rad").ut2004(Format::Fixed(4)),
+        /// The same of the rear.
+        max_rear_steer: Option<f32> = Field::new("MaxRearSteer", Format::FixedOrZero(4)).unit("rad").ut2004(Format::Fixed(4)),
+    }
+}
+
+record! {
+    /// Configuration of an item of which only the name is known.
+    PlainConf {
+        /// Name of the item.
+        name: String = Field::new("Name", Format::Word),
+    }
+}
+
+record! {
+    /// Configuration of GroundTruth and INS.
+    PoseConf {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Time between two readings.
+        scan_interval: f32 = Field::new("ScanInterval", Format::Rounded(4)).unit("s").ut2004(Format::Rounded(2)),
+    }
+}
+
+record! {
+    /// Configuration of Odometry and Tachometer.
+    WheelsConf {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Time between two readings.
+        scan_interval: f32 = Field::new("ScanInterval", Format::Rounded(4)).unit("s"),
+    }
+}
+
+record! {
+    /// Configuration of an encoder.
+    EncoderConf {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Angle of one tick.
+        resolution: f32 = Field::new("Resolution", Format::Fixed(4)).unit("rad"),
+    }
+}
+
+record! {
+    /// Configuration of a laser scanner.
+    RangeScannerConf {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Greatest range.
+        max_range: f32 = Field::new("MaxRange", Format::Fixed(4)).unit("m"),
+        /// Least range.
+        min_range: f32 = Field::new("MinRange", Format::Fixed(4)).unit("m"),
+        /// Angle between two beams.
+        resolution: f32 = Field::new("Resolution", Format::Fixed(4)).unit("rad"),
+        /// Angle between the first and the last beam.
+        fov: f32 = Field::new("Fov", Format::Fixed(4)).unit("rad"),
+        /// Whether it scans to the sides.
+        panning: bool = Field::new("Panning", Format::Boolean).ut2004_key("Paning"),
+        /// Whether it scans up and down.
+        tilting: bool = Field::new("Tilting", Format::Boolean),
+    }
+}
+
+record! {
+    /// Configuration of a sonar.
+    SonarConf {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Greatest range.
+        max_range: f32 = Field::new("MaxRange", Format::Fixed(4)).unit("m"),
+        /// Least range.
+        min_range: f32 = Field::new("MinRange", Format::Fixed(4)).unit("m"),
+        /// Time between two readings.
+        scan_interval: f32 = Field::new("ScanInterval", Format::Fixed(4)).unit("s").only_udk(),
+        /// Opening angle of the cone.
+        beam_angle: f32 = Field::new("beamAngle", Format::Fixed(4)).unit("rad").ut2004_key("BeamAngle"),
+        /// Greatest angle against a surface's normal that still gives an echo.
+        max_angle_of_incidence: f32 = Field::new("maxAngleOfIncidence", Format::Fixed(4)).unit("rad").only_udk(),
+        /// Rays on each cone.
+        traces_per_cone: u32 = Field::new("tracesPerCone", Format::Integer).only_udk(),
+        /// Cones within one another.
+        number_of_cones: u32 = Field::new("numberOfCones", Format::Integer).only_udk(),
+    }
+}
+
+record! {
+    /// Configuration of a camera: where its picture is in the image server's.
+    CameraConf {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Column of the picture's first pixel.
+        offset_x: i32 = Field::new("TextureOffsetX", Format::Integer).tight(),
+        /// Row of the picture's first pixel.
+        offset_y: i32 = Field::new("TextureOffsetY", Format::Integer).tight(),
+        /// Columns.
+        resolution_x: i32 = Field::new("TextureResolutionX", Format::Integer).tight(),
+        /// Rows.
+        resolution_y: i32 = Field::new("TextureResolutionY", Format::Integer).tight(),
+        /// Field of view to begin with.
+        default_fov: f32 = Field::new("CameraDefFov", Format::Rounded(4)).unit("degree").tight(),
+        /// Least field of view.
+        min_fov: f32 = Field::new("CameraMinFov", Format::Rounded(4)).unit("degree").tight(),
+        /// Greatest field of view.
+        max_fov: f32 = Field::new("CameraMaxFov", Format::Rounded(4)).unit("degree").tight(),
+        /// Field of view now.
+        fov: f32 = Field::new("CameraFov", Format::Rounded(4)).unit("degree").tight(),
+    }
+}
+
+record! {
+    /// Configuration of an actuator.
+    ActuatorConf {
+        /// Name of the actuator.
+        name: String = Field::new("Name", Format::Word),
+        ;
+        /// Its joints in order.
+        joints: [JointConf]
+    }
+}
+
+record! {
+    /// A joint of an actuator.
+    JointConf {
+        /// Its number from 1.
+        link: usize = Field::new("Link", Format::Integer),
+        /// `Revolute`, `Prismatic` or `Unknown`.
+        kind: String = Field::new("JointType", Format::Word),
+        /// Torque limit, 5 to 1 N m, or force limit in N.
+        max_torque: f32 = Field::new("MaxTorque", Format::Rounded(4)).unit("N m / 5, or N").ut2004(Format::Rounded(2)),
+        /// Least value.
+        min: f32 = Field::new("MinValue", Format::Rounded(4)).unit("rad or m").ut2004(Format::Rounded(2)),
+        /// Greatest value.
+        max: f32 = Field::new("MaxValue", Format::Rounded(4)).unit("rad or m").ut2004(Format::Rounded(2)),
+    }
+}
+
+record! {
+    /// Configuration of an actuator as a mission package.
+    MisPkgConf {
+        /// Name of the actuator.
+        name: String = Field::new("Name", Format::Word),
+        ;
+        /// Its joints in order.
+        joints: [MisPkgJoint]
+    }
+}
+
+record! {
+    /// A joint of a mission package; its speed is a constant of USARSim, rad/s (Actuator.uc:355-382).
+    MisPkgJoint {
+        /// Its number from 1.
+        link: usize = Field::new("Link", Format::Integer),
+        /// `Revolute`, `Prismatic` or `Unknown`.
+        kind: String = Field::new("JointType", Format::Word).then(&[(["MaxRotationSpeed", "MaxSpeed"], ["1.571", "1.57"])]),
+        /// Torque limit, 5 to 1 N m, or force limit in N.
+        max_torque: f32 = Field::new("MaxTorque", Format::Rounded(4)).unit("N m / 5, or N").ut2004(Format::Rounded(2)),
+        /// Least value.
+        min: f32 = Field::new("MinRange", Format::Rounded(4)).unit("rad or m").ut2004(Format::Rounded(2)),
+        /// Greatest value.
+        max: f32 = Field::new("MaxRange", Format::Rounded(4)).unit("rad or m").ut2004(Format::Rounded(2)),
+    }
+}
+
+record! {
     /// A gripper: what it takes.
-    Gripper { name: String },
-    /// Place in the picture in pixels, angles in degrees.
-    Camera {
-        name: String,
-        offset: [i32; 2],
-        resolution: [i32; 2],
-        default_fov: f32,
-        min_fov: f32,
-        max_fov: f32,
-        fov: f32,
-    },
+    GripperConf {
+        /// Name of the gripper.
+        name: String = Field::new("Name", Format::Word).then(&[
+            (["Opcode"; 2], ["Grip"; 2]),
+            (["MaxVal"; 2], ["1"; 2]),
+            (["MinVal"; 2], ["0"; 2]),
+            (["Opcode"; 2], ["Close"; 2]),
+            (["Opcode"; 2], ["Open"; 2]),
+        ]),
+    }
 }
 
-/// A joint of an actuator.
-#[derive(Debug, Clone, PartialEq)]
-pub struct JointConf {
-    /// `Revolute`, `Prismatic` or `Unknown`.
-    pub kind: String,
-    /// Torque limit in USARSim's unit (5 to 1 N m), or force limit, N.
-    pub max_torque: f32,
-    /// Least value, rad or m.
-    pub min: f32,
-    /// Greatest value, rad or m.
-    pub max: f32,
+macro_rules! items {
+    ($($name:ident: $record:ident $($type_name:literal)*,)*) => {
+        /// Configuration of one item, by the form that its type has.
+        #[derive(Debug, Clone, PartialEq)]
+        #[expect(missing_docs, reason = "each variant is documented at its type")]
+        pub enum ItemConf { $($name($record),)* }
+
+        /// The forms.
+        pub(crate) const TABLES: &[Table] = &[$($record::TABLE,)*];
+
+        impl ItemConf {
+            fn write(&self, dialect: Dialect) -> Vec<Written> {
+                match self { $(Self::$name(item) => item.write(dialect),)* }
+            }
+
+            /// By the type in lower case.
+            fn read(type_name: &str, item: &Line) -> Option<Self> {
+                match type_name {
+                    $($($type_name => $record::read(item).map(Self::$name),)*)*
+                    _ => PlainConf::read(item).map(Self::Plain),
+                }
+            }
+        }
+
+        $(impl From<$record> for ItemConf {
+            fn from(item: $record) -> Self { Self::$name(item) }
+        })*
+    };
 }
 
-/// What MisPkg says of every joint's speed, rad/s (Actuator.uc:355-382).
-const MISPKG_SPEED: &str = "1.571";
+items! {
+    Plain: PlainConf,
+    Pose: PoseConf "groundtruth" "ins",
+    Wheels: WheelsConf "odometry" "tachometer",
+    Encoder: EncoderConf "encoder",
+    RangeScanner: RangeScannerConf "rangescanner",
+    Sonar: SonarConf "sonar",
+    Camera: CameraConf "camera",
+    Actuator: ActuatorConf "actuator",
+    MisPkg: MisPkgConf "mispkg",
+    Gripper: GripperConf "gripper",
+}
 
 impl Conf {
-    pub(super) fn write(&self) -> String {
+    pub(super) fn write(&self, dialect: Dialect) -> String {
         match self {
-            Self::Robot(robot) => robot.write(),
+            Self::Robot(robot) => robot.write(dialect),
             Self::Items { type_name, items } => {
-                let items: String = items.iter().map(|item| format!(" {}", item.write())).collect();
+                let items: String = items.iter().map(|item| field::blocks(item.write(dialect))).collect();
                 format!("CONF {{Type {type_name}}}{items}")
             }
         }
@@ -127,191 +283,48 @@ impl Conf {
 
     pub(super) fn read(line: &Line) -> Option<Self> {
         let first = line.blocks.first()?;
-        if first.key == "Name" {
-            return RobotConf::read(line).map(Self::Robot);
+        if let Some(robot) = RobotConf::read(line) {
+            return Some(Self::Robot(robot));
         }
-        let items: Option<_> =
-            split_items(line.blocks.get(1..)?).iter().map(|item| ItemConf::read(&first.value, item)).collect();
+        let type_name = first.value.to_ascii_lowercase();
+        let items = split_items(line.blocks.get(1..)?);
+        let items: Option<_> = items.iter().map(|item| ItemConf::read(&type_name, item)).collect();
         Some(Self::Items { type_name: first.value.clone(), items: items? })
     }
 }
 
 impl RobotConf {
-    fn write(&self) -> String {
-        let name = &self.name;
+    /// UDK has the name first, UT2004 the type.
+    fn write(&self, dialect: Dialect) -> String {
+        let mut blocks = vec![Written::new("Name", self.name.as_str()).ranked(dialect.of([0, 1]))];
+        let type_name = |name| Written::new("Type", name).ranked(dialect.of([1, 0]));
         match &self.vehicle {
-            VehicleConf::Ground { steering_type, mass, max_speed, max_torque, max_steer } => {
-                let literal = || ["0"; 2].map(str::to_owned);
-                let [front, rear] = max_steer.map_or_else(literal, |it| it.map(|it| fixed(it, 4)));
-                let [mass, speed, torque] = [mass, max_speed, max_torque].map(|number| fixed(*number, 4));
-                format!(
-                    "CONF {{Name {name}}} {{Type GroundVehicle}} {{SteeringType {steering_type}}} {{Mass {mass}}} \
-                     {{MaxSpeed {speed}}} {{MaxTorque {torque}}} {{MaxFrontSteer {front}}} {{MaxRearSteer {rear}}}"
-                )
+            VehicleConf::Ground(ground) => {
+                blocks.push(type_name("GroundVehicle"));
+                blocks.extend(ground.write(dialect).into_iter().map(|block| block.ranked(2)));
             }
-            // With the space that USARSim leaves at its end (StaticPlatform.uc:30-33).
             VehicleConf::Static => {
-                format!("CONF {{Name {name}}} {{Type StaticPlatform}} {{SteeringType None}} {{Mass 0}} ")
+                let constants = [("SteeringType", "None"), ("Mass", "0")];
+                blocks.push(type_name("StaticPlatform"));
+                blocks.extend(constants.map(|(key, value)| Written::new(key, value).ranked(2)));
             }
-            VehicleConf::Plain => format!("CONF {{Name {name}}}"),
+            VehicleConf::Plain => {}
         }
+        // With the space that USARSim leaves at its end (StaticPlatform.uc:30-33).
+        let end = if self.vehicle == VehicleConf::Static { " " } else { "" };
+        format!("CONF{}{end}", field::blocks(blocks))
     }
 
+    /// `None` for the answer to another question.
     fn read(line: &Line) -> Option<Self> {
         let vehicle = match line.get("Type") {
-            Some("GroundVehicle") => VehicleConf::Ground {
-                steering_type: line.get("SteeringType")?.to_owned(),
-                mass: number(line, "Mass")?,
-                max_speed: number(line, "MaxSpeed")?,
-                max_torque: number(line, "MaxTorque")?,
-                max_steer: match line.get("MaxFrontSteer") {
-                    Some("0") => None,
-                    _ => Some([number(line, "MaxFrontSteer")?, number(line, "MaxRearSteer")?]),
-                },
-            },
+            Some("GroundVehicle") => VehicleConf::Ground(GroundConf::read(line)?),
             Some("StaticPlatform") => VehicleConf::Static,
             Some(_) => return None,
             None => VehicleConf::Plain,
         };
         Some(Self { name: line.get("Name")?.to_owned(), vehicle })
     }
-}
-
-impl ItemConf {
-    fn write(&self) -> String {
-        match self {
-            Self::Plain { name } => format!("{{Name {name}}}"),
-            Self::Timed { name, scan_interval } => {
-                format!("{{Name {name}}} {{ScanInterval {}}}", engine_float(*scan_interval))
-            }
-            Self::Encoder { name, resolution } => format!("{{Name {name}}} {{Resolution {}}}", fixed(*resolution, 4)),
-            Self::RangeScanner { name, max_range, min_range, resolution, fov, panning, tilting } => format!(
-                "{{Name {name}}} {{MaxRange {}}} {{MinRange {}}} {{Resolution {}}} {{Fov {}}} {{Panning {}}} {{Tilting {}}}",
-                fixed(*max_range, 4),
-                fixed(*min_range, 4),
-                fixed(*resolution, 4),
-                fixed(*fov, 4),
-                boolean(*panning),
-                boolean(*tilting),
-            ),
-            Self::Sonar {
-                name,
-                max_range,
-                min_range,
-                scan_interval,
-                beam_angle,
-                max_angle_of_incidence,
-                traces_per_cone,
-                number_of_cones,
-            } => format!(
-                "{{Name {name}}} {{MaxRange {}}} {{MinRange {}}} {{ScanInterval {}}} {{beamAngle {}}} \
-                 {{maxAngleOfIncidence {}}} {{tracesPerCone {traces_per_cone}}} {{numberOfCones {number_of_cones}}}",
-                fixed(*max_range, 4),
-                fixed(*min_range, 4),
-                fixed(*scan_interval, 4),
-                fixed(*beam_angle, 4),
-                fixed(*max_angle_of_incidence, 4),
-            ),
-            Self::Actuator { name, joints } => {
-                let joint = |(number, it): (usize, &JointConf)| {
-                    let [torque, min, max] = [it.max_torque, it.min, it.max].map(engine_float);
-                    let (number, kind) = (number + 1, &it.kind);
-                    format!(
-                        " {{Link {number}}} {{JointType {kind}}} {{MaxTorque {torque}}} {{MinValue {min}}} {{MaxValue {max}}}"
-                    )
-                };
-                format!("{{Name {name}}}{}", joints.iter().enumerate().map(joint).collect::<String>())
-            }
-            Self::MisPkg { name, joints } => {
-                let joint = |(number, it): (usize, &JointConf)| {
-                    let [torque, min, max] = [it.max_torque, it.min, it.max].map(engine_float);
-                    let (number, kind) = (number + 1, &it.kind);
-                    format!(
-                        " {{Link {number}}} {{JointType {kind}}} {{MaxRotationSpeed {MISPKG_SPEED}}} {{MaxTorque {torque}}} \
-                         {{MinRange {min}}} {{MaxRange {max}}}"
-                    )
-                };
-                format!("{{Name {name}}}{}", joints.iter().enumerate().map(joint).collect::<String>())
-            }
-            Self::Gripper { name } => {
-                format!("{{Name {name}}} {{Opcode Grip}} {{MaxVal 1}} {{MinVal 0}} {{Opcode Close}} {{Opcode Open}}")
-            }
-            Self::Camera { name, offset, resolution, default_fov, min_fov, max_fov, fov } => format!(
-                "{{Name {name}}}{{TextureOffsetX {}}}{{TextureOffsetY {}}}{{TextureResolutionX {}}}{{TextureResolutionY {}}}\
-                 {{CameraDefFov {}}}{{CameraMinFov {}}}{{CameraMaxFov {}}}{{CameraFov {}}}",
-                offset[0],
-                offset[1],
-                resolution[0],
-                resolution[1],
-                engine_float(*default_fov),
-                engine_float(*min_fov),
-                engine_float(*max_fov),
-                engine_float(*fov),
-            ),
-        }
-    }
-
-    fn read(type_name: &str, item: &Line) -> Option<Self> {
-        let name = item.get("Name")?.to_owned();
-        Some(match type_name.to_ascii_lowercase().as_str() {
-            "groundtruth" | "ins" | "odometry" | "tachometer" => {
-                Self::Timed { name, scan_interval: number(item, "ScanInterval")? }
-            }
-            "encoder" => Self::Encoder { name, resolution: number(item, "Resolution")? },
-            "rangescanner" => Self::RangeScanner {
-                name,
-                max_range: number(item, "MaxRange")?,
-                min_range: number(item, "MinRange")?,
-                resolution: number(item, "Resolution")?,
-                fov: number(item, "Fov")?,
-                panning: read_boolean(item, "Panning")?,
-                tilting: read_boolean(item, "Tilting")?,
-            },
-            "sonar" => Self::Sonar {
-                name,
-                max_range: number(item, "MaxRange")?,
-                min_range: number(item, "MinRange")?,
-                scan_interval: number(item, "ScanInterval")?,
-                beam_angle: number(item, "beamAngle")?,
-                max_angle_of_incidence: number(item, "maxAngleOfIncidence")?,
-                traces_per_cone: number(item, "tracesPerCone")?,
-                number_of_cones: number(item, "numberOfCones")?,
-            },
-            "camera" => Self::Camera {
-                name,
-                offset: [number(item, "TextureOffsetX")?, number(item, "TextureOffsetY")?],
-                resolution: [number(item, "TextureResolutionX")?, number(item, "TextureResolutionY")?],
-                default_fov: number(item, "CameraDefFov")?,
-                min_fov: number(item, "CameraMinFov")?,
-                max_fov: number(item, "CameraMaxFov")?,
-                fov: number(item, "CameraFov")?,
-            },
-            "actuator" => Self::Actuator { name, joints: joints(item, ["MinValue", "MaxValue"])? },
-            "mispkg" => Self::MisPkg { name, joints: joints(item, ["MinRange", "MaxRange"])? },
-            "gripper" => Self::Gripper { name },
-            _ => Self::Plain { name },
-        })
-    }
-}
-
-/// The joints of an actuator; the keys of their ends differ.
-fn joints(item: &Line, [min, max]: [&str; 2]) -> Option<Vec<JointConf>> {
-    let joint = |line: Line| {
-        Some(JointConf {
-            kind: line.get("JointType")?.to_owned(),
-            max_torque: number(&line, "MaxTorque")?,
-            min: number(&line, min)?,
-            max: number(&line, max)?,
-        })
-    };
-    split_links(item).map(joint).collect()
-}
-
-/// The joints of an actuator: each starts with its `{Link ..}`.
-pub(super) fn split_links(item: &Line) -> impl Iterator<Item = Line> {
-    let runs = item.blocks.chunk_by(|_, next| next.key != "Link");
-    let runs = runs.filter(|run| run.first().is_some_and(|first| first.key == "Link"));
-    runs.map(|blocks| Line { blocks: blocks.to_vec(), ..Line::default() })
 }
 
 /// Groups blocks by item: each starts with its `{Name ..}`.

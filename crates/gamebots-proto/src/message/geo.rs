@@ -1,9 +1,9 @@
-//! `GEO`: geometry of the robot or of its items (protocol.md 4.7).
+//! `GEO`: geometry of the robot or of its items (protocol.md 4.7). An item of UT2004 stands within one brace, mounted `HARD` where
+//! it is on the body.
 
-use super::conf::{split_items, split_links};
-use super::{float_array, number};
-use crate::Line;
-use crate::number::{engine_vector, fixed, fixed_vector};
+use super::conf::split_items;
+use crate::field::{self, Field, Format, Record, Written, record};
+use crate::{Dialect, Line};
 
 /// One `GEO` line.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,84 +35,105 @@ pub struct RobotGeo {
     pub vehicle: VehicleGeo,
 }
 
-/// What a kind of robot adds to its geometry, metres.
+/// What a kind of robot adds to its geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VehicleGeo {
     /// On wheels.
-    Ground {
-        /// Wheel base, track and 0: axle to axle, not the outline.
-        dimensions: [f32; 3],
-        /// Centre of gravity in the robot frame.
-        centre_of_gravity: [f32; 3],
-        /// Radius of the wheels.
-        wheel_radius: f32,
-        /// Distance of left and right wheels.
-        wheel_separation: f32,
-        /// Distance of front and rear wheels.
-        wheel_base: f32,
-    },
+    Ground(GroundGeo),
     /// Fixed to the ground.
     Static,
     /// In the air or on legs, which add nothing.
     Plain,
 }
 
-/// Where an item is mounted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ItemGeo {
-    /// Name of the item.
-    pub name: String,
-    /// Position in the robot frame, m. USARSim gives the world-axis difference, which is the same at zero rotation.
-    pub location: [f32; 3],
-    /// Roll, pitch, yaw in the robot frame, rad.
-    pub orientation: [f32; 3],
-    /// Class of the robot, or name of the actuator that carries it.
-    pub mount: String,
-    /// The number of the actuator's joint, from 1, that moves it.
-    pub mount_link: Option<usize>,
-    /// Of a gripper: its tool point against it, m.
-    pub tip: Option<[f32; 3]>,
+record! {
+    /// What a robot on wheels adds to its geometry.
+    GroundGeo {
+        /// Wheel base, track and 0: axle to axle, not the outline.
+        dimensions: [f32; 3] = Field::new("Dimensions", Format::Fixed(4)).unit("m"),
+        /// Centre of gravity in the robot frame.
+        centre_of_gravity: [f32; 3] = Field::new("COG", Format::Fixed(4)).unit("m"),
+        /// Radius of the wheels.
+        wheel_radius: f32 = Field::new("WheelRadius", Format::Fixed(4)).unit("m"),
+        /// Distance of left and right wheels.
+        wheel_separation: f32 = Field::new("WheelSeparation", Format::Fixed(4)).unit("m"),
+        /// Distance of front and rear wheels.
+        wheel_base: f32 = Field::new("WheelBase", Format::Fixed(4)).unit("m"),
+    }
 }
 
-/// An actuator: where it is, and its joints.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ActuatorGeo {
-    /// Name of the actuator.
-    pub name: String,
-    /// Position in the robot frame, m.
-    pub location: [f32; 3],
-    /// Roll, pitch, yaw in the robot frame, rad.
-    pub orientation: [f32; 3],
-    /// Class of the robot that carries it.
-    pub mount: String,
-    /// Its joints in order.
-    pub joints: Vec<JointGeo>,
-    /// Its tool point in the frame of its last link, m.
-    pub tip: [f32; 3],
+record! {
+    /// Where an item is mounted.
+    ItemGeo {
+        /// Name of the item.
+        name: String = Field::new("Name", Format::Word),
+        /// Position in the robot frame. USARSim gives the world-axis difference, which is the same at zero rotation.
+        location: [f32; 3] = Field::new("Location", Format::Rounded(2)).unit("m").ut2004(Format::Fixed(4)),
+        /// Roll, pitch, yaw in the robot frame.
+        orientation: [f32; 3] = Field::new("Orientation", Format::Rounded(2)).unit("rad").ut2004(Format::Fixed(4)),
+        /// Class of the robot, or name of the actuator that carries it.
+        mount: String = Field::new("Mount", Format::Word).tight(),
+        /// The number of the actuator's joint, from 1, that moves it.
+        mount_link: Option<usize> = Field::new("MountLink", Format::Integer).tight().only_udk(),
+        /// Of a gripper: its tool point against it.
+        tip: Option<[f32; 3]> = Field::new("Tip", Format::Rounded(2)).unit("m").tight().only_udk(),
+    }
 }
 
-/// A joint of an actuator, against its parent when every joint is at 0.
-#[derive(Debug, Clone, PartialEq)]
-pub struct JointGeo {
-    /// Number of the parent's joint from 1; 0 is the actuator's base.
-    pub parent: usize,
-    /// m.
-    pub location: [f32; 3],
-    /// Roll, pitch, yaw, rad.
-    pub orientation: [f32; 3],
+record! {
+    /// An actuator: where it is, and its joints.
+    ActuatorGeo {
+        /// Name of the actuator.
+        name: String = Field::new("Name", Format::Word),
+        /// Position in the robot frame.
+        location: [f32; 3] = Field::new("Location", Format::Fixed(3)).unit("m").ut2004(Format::Absent),
+        /// Roll, pitch, yaw in the robot frame.
+        orientation: [f32; 3] = Field::new("Orientation", Format::Fixed(3)).unit("rad").ut2004(Format::Absent),
+        /// Class of the robot that carries it.
+        mount: String = Field::new("Mount", Format::Word).tight().ut2004(Format::Absent),
+        /// Its tool point in the frame of its last link.
+        tip: [f32; 3] = Field::new("Tip", Format::Rounded(2)).unit("m").tight().ut2004(Format::Absent).rank([1, 0]),
+        ;
+        /// Its joints in order.
+        joints: [JointGeo]
+    }
+}
+
+record! {
+    /// A joint of an actuator, against its parent when every joint is at 0.
+    JointGeo {
+        /// Its number from 1.
+        link: usize = Field::new("Link", Format::Integer),
+        /// Number of the parent's joint; the actuator's base is 0, and -1 for UT2004.
+        parent: i32 = Field::new("Parent", Format::Integer).ut2004_key("ParentLink"),
+        /// Position.
+        location: [f32; 3] = Field::new("Location", Format::Fixed(3)).unit("m").ut2004(Format::Fixed(4)),
+        /// Roll, pitch, yaw.
+        orientation: [f32; 3] = Field::new("Orientation", Format::Rounded(2)).unit("rad").ut2004(Format::Fixed(4)),
+    }
 }
 
 impl Geo {
-    pub(super) fn write(&self) -> String {
+    pub(super) fn write(&self, dialect: Dialect) -> String {
         match self {
-            Self::Robot(robot) => robot.write(),
+            Self::Robot(robot) => robot.write(dialect),
             Self::Actuators { type_name, items } => {
-                let items: String = items.iter().map(ActuatorGeo::write).collect();
-                format!("GEO {{Type {type_name}}}{items}")
+                let item = |item: &ActuatorGeo| {
+                    let mut item = item.clone();
+                    let from_base = item.joints.iter_mut().filter(|it| it.parent == 0 && dialect == Dialect::Ut2004);
+                    from_base.for_each(|it| it.parent = -1);
+                    field::blocks(item.write(dialect))
+                };
+                format!("GEO {{Type {type_name}}}{}", items.iter().map(item).collect::<String>())
             }
             Self::Items { type_name, items } => {
-                let items: String = items.iter().map(ItemGeo::write).collect();
-                format!("GEO {{Type {type_name}}}{items}")
+                let item = |item: &ItemGeo| match dialect {
+                    Dialect::Udk => field::blocks(item.write(dialect)),
+                    Dialect::Ut2004 => {
+                        field::merged(&ItemGeo { mount: item.ut2004_mount(), ..item.clone() }.write(dialect))
+                    }
+                };
+                format!("GEO {{Type {type_name}}}{}", items.iter().map(item).collect::<String>())
             }
         }
     }
@@ -122,45 +143,34 @@ impl Geo {
             return Some(Self::Robot(robot));
         }
         let type_name = line.get("Type")?.to_owned();
+        let blocks: Vec<_> = line.blocks.iter().skip(1).flat_map(|block| ItemGeo::TABLE.unmerged(block)).collect();
         if line.get("Link").is_some() {
-            let items = split_items(line.blocks.get(1..)?).iter().map(ActuatorGeo::read).collect::<Option<_>>()?;
+            let items = split_items(&blocks).iter().map(ActuatorGeo::read).collect::<Option<_>>()?;
             return Some(Self::Actuators { type_name, items });
         }
-        let items = split_items(line.blocks.get(1..)?).iter().map(ItemGeo::read).collect::<Option<_>>()?;
+        let items = split_items(&blocks).iter().map(ItemGeo::read).collect::<Option<_>>()?;
         Some(Self::Items { type_name, items })
     }
 }
 
 impl RobotGeo {
-    fn write(&self) -> String {
-        let name = &self.name;
-        match &self.vehicle {
-            VehicleGeo::Ground { dimensions, centre_of_gravity, wheel_radius, wheel_separation, wheel_base } => {
-                format!(
-                    "GEO {{Type GroundVehicle}} {{Name {name}}} {{Dimensions {}}} {{COG {}}} {{WheelRadius {}}} \
-                 {{WheelSeparation {}}} {{WheelBase {}}}",
-                    fixed_vector(*dimensions, 4),
-                    fixed_vector(*centre_of_gravity, 4),
-                    fixed(*wheel_radius, 4),
-                    fixed(*wheel_separation, 4),
-                    fixed(*wheel_base, 4),
-                )
+    fn write(&self, dialect: Dialect) -> String {
+        let name = Written::new("Name", self.name.as_str());
+        let blocks = match &self.vehicle {
+            VehicleGeo::Ground(ground) => {
+                let head = vec![Written::new("Type", "GroundVehicle"), name];
+                head.into_iter().chain(ground.write(dialect)).collect()
             }
-            VehicleGeo::Static => format!("GEO {{Type StaticPlatform}} {{Name {name}}}"),
-            VehicleGeo::Plain => format!("GEO {{Name {name}}}"),
-        }
+            VehicleGeo::Static => vec![Written::new("Type", "StaticPlatform"), name],
+            VehicleGeo::Plain => vec![name],
+        };
+        format!("GEO{}", field::blocks(blocks))
     }
 
     /// `None` for the answer to another question.
     fn read(line: &Line) -> Option<Self> {
         let vehicle = match line.get("Type") {
-            Some("GroundVehicle") => VehicleGeo::Ground {
-                dimensions: float_array(line.get("Dimensions")?)?,
-                centre_of_gravity: float_array(line.get("COG")?)?,
-                wheel_radius: number(line, "WheelRadius")?,
-                wheel_separation: number(line, "WheelSeparation")?,
-                wheel_base: number(line, "WheelBase")?,
-            },
+            Some("GroundVehicle") => VehicleGeo::Ground(GroundGeo::read(line)?),
             Some("StaticPlatform") => VehicleGeo::Static,
             Some(_) => return None,
             None => VehicleGeo::Plain,
@@ -170,71 +180,8 @@ impl RobotGeo {
 }
 
 impl ItemGeo {
-    /// No space before `{Mount`, as in Sensor.uc:40-68 and Effector.uc:26-55.
-    fn write(&self) -> String {
-        format!(
-            " {{Name {}}} {{Location {}}} {{Orientation {}}}{{Mount {}}}{}{}",
-            self.name,
-            engine_vector(self.location),
-            engine_vector(self.orientation),
-            self.mount,
-            self.mount_link.map(|link| format!("{{MountLink {link}}}")).unwrap_or_default(),
-            self.tip.map(|tip| format!("{{Tip {}}}", engine_vector(tip))).unwrap_or_default(),
-        )
-    }
-
-    fn read(item: &Line) -> Option<Self> {
-        Some(Self {
-            name: item.get("Name")?.to_owned(),
-            location: float_array(item.get("Location")?)?,
-            orientation: float_array(item.get("Orientation")?)?,
-            mount: item.get("Mount")?.to_owned(),
-            mount_link: match item.get("MountLink") {
-                Some(_) => Some(number(item, "MountLink")?),
-                None => None,
-            },
-            tip: match item.get("Tip") {
-                Some(tip) => Some(float_array(tip)?),
-                None => None,
-            },
-        })
-    }
-}
-
-impl ActuatorGeo {
-    /// Spaces as in Actuator.uc:243-317.
-    fn write(&self) -> String {
-        let joint = |(number, it): (usize, &JointGeo)| {
-            let (location, orientation) = (fixed_vector(it.location, 3), engine_vector(it.orientation));
-            let (number, parent) = (number + 1, it.parent);
-            format!(" {{Link {number}}} {{Parent {parent}}} {{Location {location}}} {{Orientation {orientation}}}")
-        };
-        format!(
-            " {{Name {}}} {{Location {}}} {{Orientation {}}}{{Mount {}}}{}{{Tip {}}}",
-            self.name,
-            fixed_vector(self.location, 3),
-            fixed_vector(self.orientation, 3),
-            self.mount,
-            self.joints.iter().enumerate().map(joint).collect::<String>(),
-            engine_vector(self.tip),
-        )
-    }
-
-    fn read(item: &Line) -> Option<Self> {
-        let joint = |line: Line| {
-            Some(JointGeo {
-                parent: number(&line, "Parent")?,
-                location: float_array(line.get("Location")?)?,
-                orientation: float_array(line.get("Orientation")?)?,
-            })
-        };
-        Some(Self {
-            name: item.get("Name")?.to_owned(),
-            location: float_array(item.get("Location")?)?,
-            orientation: float_array(item.get("Orientation")?)?,
-            mount: item.get("Mount")?.to_owned(),
-            joints: split_links(item).map(joint).collect::<Option<_>>()?,
-            tip: float_array(item.get("Tip")?)?,
-        })
+    /// `HARD` on the body, or the link of an actuator, as in `CameraPanTilt_Link2`.
+    fn ut2004_mount(&self) -> String {
+        self.mount_link.map_or_else(|| "HARD".to_owned(), |link| format!("{}_Link{link}", self.mount))
     }
 }

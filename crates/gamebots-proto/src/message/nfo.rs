@@ -1,56 +1,64 @@
 //! `NFO`: the greeting and the answers about the map (protocol.md 4.1).
 
-use super::{float_array, number};
-use crate::Line;
-use crate::number::engine_floats;
+use crate::field::{self, Field, Format, Record, record};
+use crate::{Block, Dialect, Line};
 
-/// A start pose or a path node of the map.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NamedPose {
-    /// Its tag: no white space, no braces.
-    pub name: String,
-    /// Position, m.
-    pub location: [f32; 3],
-    /// Roll, pitch, yaw, rad.
-    pub rotation: [f32; 3],
+record! {
+    /// A start pose or a path node of the map.
+    NamedPose {
+        /// Its tag: no white space, no braces.
+        name: String = Field::new("Name", Format::Word),
+        /// Position.
+        location: [f32; 3] = Field::new("Location", Format::Rounded(4)).unit("m").ut2004(Format::Rounded(2)),
+        /// Roll, pitch, yaw.
+        rotation: [f32; 3] = Field::new("Orientation", Format::Rounded(4)).unit("rad").ut2004(Format::Rounded(2)),
+    }
+}
+
+record! {
+    /// The first line of every connection, after `{Gametype BotDeathMatch}`.
+    Greeting {
+        /// Name of the map.
+        level: String = Field::new("Level", Format::Word),
+        /// Time limit of the game.
+        time_limit: u32 = Field::new("TimeLimit", Format::Integer).unit("min"),
+    }
+}
+
+record! {
+    /// The path node nearest to a position.
+    PathNode {
+        /// Tag of the node; `None` on a map without nodes.
+        name: String = Field::new("Pathnode", Format::Word),
+        /// Its position.
+        location: [f32; 3] = Field::new("Location", Format::Rounded(4)).unit("m"),
+    }
 }
 
 /// One `NFO` line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Nfo {
     /// The first line of every connection.
-    Greeting {
-        /// Name of the map.
-        level: String,
-        /// Time limit of the game, minutes.
-        time_limit: u32,
-    },
+    Greeting(Greeting),
     /// Answer to GETSTARTPOSES.
     StartPoses(Vec<NamedPose>),
     /// Answer to GETPATHNODES.
     PathNodes(Vec<NamedPose>),
     /// Answer to GETCLOSESTPATHNODE.
-    PathNode {
-        /// Tag of the node; `None` on a map without nodes.
-        name: String,
-        /// Its position, m.
-        location: [f32; 3],
-    },
+    PathNode(PathNode),
     /// What was wrong with a line of the client; sent only with `--report-errors`, not part of USARSim.
     Error(String),
 }
 
 impl Nfo {
-    pub(super) fn write(&self) -> String {
+    pub(super) fn write(&self, dialect: Dialect) -> String {
         match self {
-            Self::Greeting { level, time_limit } => {
-                format!("NFO {{Gametype BotDeathMatch}} {{Level {level}}} {{TimeLimit {time_limit}}}")
+            Self::Greeting(greeting) => {
+                format!("NFO {{Gametype BotDeathMatch}}{}", field::blocks(greeting.write(dialect)))
             }
-            Self::StartPoses(poses) => write_poses("StartPoses", poses),
-            Self::PathNodes(poses) => write_poses("PathNodes", poses),
-            Self::PathNode { name, location } => {
-                format!("NFO {{Pathnode {name}}} {{Location {}}}", engine_floats(location))
-            }
+            Self::StartPoses(poses) => write_poses("StartPoses", poses, dialect),
+            Self::PathNodes(poses) => write_poses("PathNodes", poses, dialect),
+            Self::PathNode(node) => format!("NFO{}", field::blocks(node.write(dialect))),
             Self::Error(text) => {
                 format!("NFO {{Error {}}}", text.replace(['{', '}', '\r', '\n'], "'"))
             }
@@ -60,42 +68,40 @@ impl Nfo {
     pub(super) fn read(line: &Line) -> Option<Self> {
         let first = line.blocks.first()?;
         match first.key.as_str() {
-            "Gametype" => {
-                Some(Self::Greeting { level: line.get("Level")?.to_owned(), time_limit: number(line, "TimeLimit")? })
-            }
+            "Gametype" => Greeting::read(line).map(Self::Greeting),
             "StartPoses" => read_poses(line).map(Self::StartPoses),
             "PathNodes" => read_poses(line).map(Self::PathNodes),
-            "Pathnode" => {
-                Some(Self::PathNode { name: first.value.clone(), location: float_array(line.get("Location")?)? })
-            }
+            "Pathnode" => PathNode::read(line).map(Self::PathNode),
             "Error" => Some(Self::Error(first.value.clone())),
             _ => None,
         }
     }
 }
 
-fn write_poses(key: &str, poses: &[NamedPose]) -> String {
-    let list: Vec<String> = poses
-        .iter()
-        .map(|pose| format!("{} {} {}", pose.name, engine_floats(&pose.location), engine_floats(&pose.rotation)))
-        .collect();
+/// UDK has the values of all poses in one block, UT2004 a block of its own for each pose, with keys.
+fn write_poses(key: &str, poses: &[NamedPose], dialect: Dialect) -> String {
     let head = format!("NFO {{{key} {}}}", poses.len());
-    if list.is_empty() { head } else { format!("{head} {{{}}}", list.join(" ")) }
+    let written = poses.iter().map(|pose| pose.write(dialect));
+    match dialect {
+        Dialect::Ut2004 => head + &written.map(|pose| field::merged(&pose)).collect::<String>(),
+        Dialect::Udk if poses.is_empty() => head,
+        Dialect::Udk => format!("{head} {{{}}}", written.map(|pose| field::bare(&pose)).collect::<Vec<_>>().join(" ")),
+    }
 }
 
-/// The second block is a plain list, so its key is the first tag.
+/// The second block of UDK is a plain list, so its key is the first tag.
 fn read_poses(line: &Line) -> Option<Vec<NamedPose>> {
     let Some(block) = line.blocks.get(1) else { return Some(Vec::new()) };
+    let pose = |blocks| NamedPose::read(&Line { blocks, ..Line::default() });
+    let items: Vec<Vec<Block>> = line.blocks.iter().skip(1).map(|block| NamedPose::TABLE.unmerged(block)).collect();
+    if items.iter().all(|item| item.len() > 1) {
+        return items.into_iter().map(pose).collect();
+    }
     let words: Vec<&str> = std::iter::once(block.key.as_str()).chain(block.value.split_whitespace()).collect();
-    words
-        .chunks(3)
-        .map(|words| match words {
-            [name, location, rotation] => Some(NamedPose {
-                name: (*name).to_owned(),
-                location: float_array(location)?,
-                rotation: float_array(rotation)?,
-            }),
-            _ => None,
-        })
-        .collect()
+    let named = |words: &[&str]| {
+        let keys = NamedPose::TABLE.fields.iter().map(|field| field.key[0]);
+        let block = |(key, word): (&str, &&str)| Block { key: key.to_owned(), value: (*word).to_owned() };
+        keys.zip(words).map(block).collect()
+    };
+    words.chunks(3).map(|words| pose(named(words))).collect()
 }

@@ -11,7 +11,7 @@ mod sonar;
 mod tachometer;
 
 pub use camera::Camera;
-pub use encoder::Encoder;
+pub use encoder::{Encoder, Tick};
 pub use ground_truth::GroundTruth;
 pub use imu::Imu;
 pub use ins::Ins;
@@ -20,22 +20,23 @@ pub use range_scanner::RangeScanner;
 pub use sonar::Sonar;
 pub use tachometer::Tachometer;
 
-use super::number;
-use crate::Line;
-use crate::number::engine_float;
+use crate::field::{self, Field, Format, Record, Table, Written};
+use crate::{Dialect, Line};
 
 /// The body of one type of sensor.
-pub trait ReadWrite: Sized {
+pub(crate) trait Body: Record {
     /// The word in `{Type ..}`.
     const TYPE: &'static str;
-    /// Whether the header has a `{Time ..}`: INS ships without (DefaultUSAR.ini:51).
-    const STAMPED: bool = true;
+    /// How the header has the time.
+    const TIME: [Format; 2];
+    /// Whether the readings of one step share a line in UT2004's dialect.
+    const IS_GROUPED: bool = false;
     /// The name of the sensor.
     fn name(&self) -> Option<&str>;
-    /// The blocks after the header; empty for a sensor that has nothing to say.
-    fn write(&self) -> String;
-    /// Reads the blocks of a whole line.
-    fn read(line: &Line) -> Option<Self>;
+    /// Whether what was read is all there.
+    fn is_whole(&self) -> bool {
+        true
+    }
 }
 
 /// One reading with its time.
@@ -56,6 +57,9 @@ macro_rules! readings {
         #[expect(missing_docs, reason = "each variant is documented at its type")]
         pub enum Reading { $($name($name),)* }
 
+        /// The types with the time in their header and their tables.
+        pub(crate) const TABLES: &[(&str, Field, Table)] = &[$(($name::TYPE, time($name::TIME), $name::TABLE),)*];
+
         impl Reading {
             /// The word in `{Type ..}`.
             pub fn type_name(&self) -> &'static str {
@@ -67,20 +71,29 @@ macro_rules! readings {
                 match self { $(Self::$name(reading) => reading.name(),)* }
             }
 
-            /// The line's content with the simulated time in seconds, where the type carries it.
+            /// The line's content with the simulated time in seconds, where UDK's lines carry it.
             pub fn at(self, time: f32) -> Sen {
-                let stamped = match self { $(Self::$name(_) => $name::STAMPED,)* };
-                Sen { time: stamped.then_some(time), reading: self, sensor: None }
+                let is_stamped = self.time().format[0] != Format::Absent;
+                Sen { time: is_stamped.then_some(time), reading: self, sensor: None }
             }
 
-            fn write(&self) -> String {
-                match self { $(Self::$name(reading) => reading.write(),)* }
+            /// Whether the readings of one step share a line in a dialect.
+            pub(crate) fn is_grouped(&self, dialect: Dialect) -> bool {
+                dialect == Dialect::Ut2004 && match self { $(Self::$name(_) => $name::IS_GROUPED,)* }
+            }
+
+            fn time(&self) -> Field {
+                match self { $(Self::$name(_) => time($name::TIME),)* }
+            }
+
+            fn write(&self, dialect: Dialect) -> Vec<Written> {
+                match self { $(Self::$name(reading) => reading.write(dialect),)* }
             }
 
             fn read(line: &Line) -> Option<Self> {
                 let type_name = line.get("Type")?;
                 $(if type_name == $name::TYPE {
-                    return $name::read(line).map(Self::$name);
+                    return $name::read(line).filter(Body::is_whole).map(Self::$name);
                 })*
                 None
             }
@@ -94,6 +107,10 @@ macro_rules! readings {
 
 readings! { GroundTruth, Ins, Imu, Odometry, Encoder, Tachometer, RangeScanner, Sonar, Camera, }
 
+const fn time(format: [Format; 2]) -> Field {
+    Field::new("Time", format[0]).ut2004(format[1]).unit("s").about(" Simulated time.")
+}
+
 impl Sen {
     /// The same by a sensor with a number among those of its robot.
     pub fn of(self, sensor: usize) -> Self {
@@ -101,21 +118,50 @@ impl Sen {
     }
 
     /// An empty body still leaves the space before it (Item.uc:43).
-    pub(super) fn write(&self) -> String {
-        let time = self.time.map(|time| format!(" {{Time {}}}", engine_float(time))).unwrap_or_default();
-        format!("SEN{time} {{Type {}}} {}", self.reading.type_name(), self.reading.write())
+    pub(super) fn write(&self, dialect: Dialect) -> String {
+        let mut line = self.head(dialect);
+        let body = self.reading.write(dialect);
+        if body.is_empty() {
+            line.push(' ');
+        } else if self.reading.is_grouped(dialect) {
+            line += &field::merged(&body);
+        } else {
+            line += &field::blocks(body);
+        }
+        line
     }
 
-    pub(super) fn read(line: &Line) -> Option<Self> {
+    /// The readings of grouped sensors in one line.
+    pub(super) fn write_grouped(readings: &[&Self], dialect: Dialect) -> String {
+        let mut line = readings.first().map_or_else(String::new, |first| first.head(dialect));
+        readings.iter().for_each(|reading| line += &field::merged(&reading.reading.write(dialect)));
+        line
+    }
+
+    fn head(&self, dialect: Dialect) -> String {
+        let mut time = Vec::new();
+        self.time.iter().for_each(|value| self.reading.time().write(value, dialect, &mut time));
+        format!("SEN{} {{Type {}}}", field::blocks(time), self.reading.type_name())
+    }
+
+    /// Reads a line of either dialect: those of UT2004 may have several readings.
+    pub(super) fn read(line: &Line) -> Option<Vec<Self>> {
+        let type_name = line.get("Type")?;
+        let (.., table) = TABLES.iter().find(|(known, ..)| *known == type_name)?;
         let time = match line.get("Time") {
-            Some(_) => Some(number(line, "Time")?),
+            Some(time) => Some(time.parse().ok()?),
             None => None,
         };
-        Some(Self { time, reading: Reading::read(line)?, sensor: None })
+        let item = table.each.first().unwrap_or(table);
+        let (head, body): (Vec<_>, Vec<_>) =
+            line.blocks.iter().cloned().partition(|block| matches!(block.key.as_str(), "Time" | "Type"));
+        let items: Vec<_> = body.iter().map(|block| item.unmerged(block)).collect();
+        let is_merged = items.iter().any(|item| item.len() > 1);
+        let lines = if is_merged { items } else { vec![body] };
+        let read = |body: Vec<_>| {
+            let line = Line { blocks: [head.clone(), body].concat(), ..Line::default() };
+            Some(Self { time, reading: Reading::read(&line)?, sensor: None })
+        };
+        lines.into_iter().map(read).collect()
     }
-}
-
-/// The name of the sensor, as every body but the camera's starts with it.
-fn name(line: &Line) -> Option<String> {
-    line.get("Name").map(str::to_owned)
 }

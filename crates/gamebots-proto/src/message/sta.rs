@@ -1,8 +1,18 @@
-//! `STA`: state of a robot (protocol.md 4.2).
+//! `STA`: state of a robot (protocol.md 4.2). UT2004 has the type first and the battery last.
 
-use super::{boolean, number, read_boolean};
-use crate::Line;
-use crate::number::{engine_float, fixed};
+use crate::field::{self, Field, Format, Record, Written, record};
+use crate::number::rounded;
+use crate::{Dialect, Line};
+
+record! {
+    /// State of a robot, whatever its kind.
+    StaHead {
+        /// Simulated time.
+        time: f32 = Field::new("Time", Format::Rounded(4)).unit("s").ut2004(Format::Rounded(2)).rank([0, 1]),
+        /// Estimated time left in the battery; 99999 without one.
+        battery: i32 = Field::new("Battery", Format::Integer).unit("s").rank([0, 5]).then(&[(["View"; 2], ["", "-1"])]),
+    }
+}
 
 /// State of a robot.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,12 +29,7 @@ pub struct Sta {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Vehicle {
     /// On wheels.
-    Ground {
-        /// Headlight on.
-        light: bool,
-        /// Steering angles of front and rear as they were asked for, rad; literally 0 where a robot does not steer so.
-        steer: Option<[f32; 2]>,
-    },
+    Ground(GroundSta),
     /// On legs: its joints by name, rad.
     Legged {
         /// In the order of the robot.
@@ -32,50 +37,63 @@ pub enum Vehicle {
     },
     /// Fixed to the ground.
     Static,
-    /// In the air, which adds nothing.
+    /// In the air, which adds nothing but, for UT2004, a light that is off.
     Aerial,
 }
 
+record! {
+    /// What a robot on wheels adds to its state.
+    GroundSta {
+        /// Whether the headlight is on.
+        light: bool = Field::new("LightToggle", Format::Boolean).rank([2, 4]).then(&[(["LightIntensity"; 2], ["100", "0"])]),
+        /// Steering angle of the front as it was asked for; none where a robot does not steer so.
+        front_steer: Option<f32> = Field::new("FrontSteer", Format::FixedOrZero(4)).unit("rad").ut2004(Format::Fixed(4)).rank([2, 2]),
+        /// The same of the rear.
+        rear_steer: Option<f32> = Field::new("RearSteer", Format::FixedOrZero(4)).unit("rad").ut2004(Format::Fixed(4)).rank([2, 2]),
+    }
+}
+
 impl Sta {
-    pub(super) fn write(&self) -> String {
-        let head = format!("STA {{Time {}}} {{Battery {}}}", engine_float(self.time), self.battery);
-        match &self.vehicle {
-            Vehicle::Ground { light, steer } => {
-                let [front, rear] = steer.map_or_else(|| ["0"; 2].map(str::to_owned), |it| it.map(|it| fixed(it, 4)));
-                let light = boolean(*light);
-                format!(
-                    "{head} {{Type GroundVehicle}} {{LightToggle {light}}} {{LightIntensity 100}} {{FrontSteer {front}}} \
-                     {{RearSteer {rear}}}"
-                )
-            }
-            Vehicle::Legged { joints } => {
-                let joint = |(name, angle): &(String, f32)| format!(" {{{name} {}}}", engine_float(*angle));
-                format!("{head} {{Type LeggedVehicle}}{}", joints.iter().map(joint).collect::<String>())
-            }
-            Vehicle::Static => format!("{head} {{Type StaticPlatform}}"),
-            Vehicle::Aerial => head,
+    pub(super) fn write(&self, dialect: Dialect) -> String {
+        let mut blocks = StaHead { time: self.time, battery: self.battery }.write(dialect);
+        let type_name = match &self.vehicle {
+            Vehicle::Ground(_) => "GroundVehicle",
+            Vehicle::Legged { .. } => "LeggedVehicle",
+            Vehicle::Static => "StaticPlatform",
+            Vehicle::Aerial => dialect.of(["", "AerialVehicle"]),
+        };
+        if !type_name.is_empty() {
+            blocks.push(Written::new("Type", type_name).ranked(dialect.of([1, 0])));
         }
+        match &self.vehicle {
+            Vehicle::Ground(ground) => blocks.extend(ground.write(dialect)),
+            Vehicle::Legged { joints } => {
+                let joint = |(name, angle): &(String, f32)| Written::new(name, rounded(*angle, 4)).ranked(2);
+                blocks.extend(joints.iter().map(joint));
+            }
+            Vehicle::Aerial if dialect == Dialect::Ut2004 => {
+                let light = [("LightToggle", "False"), ("LightIntensity", "0")];
+                blocks.extend(light.map(|(key, value)| Written::new(key, value).ranked(4)));
+            }
+            Vehicle::Static | Vehicle::Aerial => {}
+        }
+        format!("STA{}", field::blocks(blocks))
     }
 
     pub(super) fn read(line: &Line) -> Option<Self> {
         let vehicle = match line.get("Type") {
-            Some("GroundVehicle") => Vehicle::Ground { light: read_boolean(line, "LightToggle")?, steer: steer(line)? },
+            Some("GroundVehicle") => Vehicle::Ground(GroundSta::read(line)?),
             Some("LeggedVehicle") => {
+                let is_joint =
+                    |block: &&crate::Block| !["Time", "Battery", "Type", "View"].contains(&block.key.as_str());
                 let joint = |block: &crate::Block| Some((block.key.clone(), block.value.parse().ok()?));
-                Vehicle::Legged { joints: line.blocks.get(3..)?.iter().map(joint).collect::<Option<_>>()? }
+                Vehicle::Legged { joints: line.blocks.iter().filter(is_joint).map(joint).collect::<Option<_>>()? }
             }
             Some("StaticPlatform") => Vehicle::Static,
+            Some("AerialVehicle") | None => Vehicle::Aerial,
             Some(_) => return None,
-            None => Vehicle::Aerial,
         };
-        Some(Self { time: number(line, "Time")?, battery: number(line, "Battery")?, vehicle })
+        let StaHead { time, battery } = StaHead::read(line)?;
+        Some(Self { time, battery, vehicle })
     }
-}
-
-/// The steering angles, of which a literal 0 is none.
-fn steer(line: &Line) -> Option<Option<[f32; 2]>> {
-    if line.get("FrontSteer") == Some("0") {
-        return Some(None);
-    }
-    Some(Some([number(line, "FrontSteer")?, number(line, "RearSteer")?]))
 }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use gamebots_proto::Command;
+use gamebots_proto::{Command, Dialect};
 use recorder::{End, LogWriter, Record, RobotState, StateTimer, Vector, WireLine};
 use scene::{RobotId, WorldDef};
 use sim_core::{Options, World};
@@ -50,7 +50,7 @@ pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
     }
     for step in 0..250 {
         for (robot, message) in world.step() {
-            let line = WireLine { connection: robot.0 + 1, robot: Some(robot.0), line: message.write() };
+            let line = WireLine { connection: robot.0 + 1, robot: Some(robot.0), line: message.write(Dialect::Udk) };
             records.push((world.time(), Record::Out(line)));
         }
         if states.is_due(world.time()) {

@@ -45,6 +45,7 @@ pub(crate) fn read(
         reported_steering: None,
         drive_model: scene::DriveModel::Bodies,
         one_side_drives: false,
+        speaks_ut2004: false,
         links,
         sensors: sensors(steering),
         actuators: Vec::new(),

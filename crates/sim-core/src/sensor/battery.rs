@@ -1,7 +1,7 @@
 //! The battery as an item: it answers `GETCONF {Type Sensor}` and sends nothing (Battery.uc:45-77). What it holds
 //! is the robot's `battery`.
 
-use gamebots_proto::message::{ItemConf, Reading};
+use gamebots_proto::message::{ItemConf, PlainConf, Reading};
 
 use super::{Mount, Sensor, View};
 
@@ -23,6 +23,6 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::Plain { name: self.name.clone() }
+        PlainConf { name: self.name.clone() }.into()
     }
 }

@@ -2,7 +2,7 @@
 //! (USARCamera.uc). Its pictures belong to the image server.
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{Camera, ItemConf, Reading};
+use gamebots_proto::message::{Camera, CameraConf, ItemConf, Reading};
 use scene::sensor::camera::Config;
 
 use super::{Effect, Mount, Sensor, View};
@@ -28,7 +28,7 @@ impl Sensor for Mounted {
     }
 
     fn sense(&mut self, _view: &View) -> Option<Reading> {
-        Some(Camera.into())
+        Some(Camera {}.into())
     }
 
     /// `ZOOM` or `FOV` in radians, truncated to whole degrees; 0 is the default.
@@ -45,14 +45,17 @@ impl Sensor for Mounted {
     fn conf(&self) -> ItemConf {
         let [default_fov, min_fov, max_fov, fov] =
             [self.default, self.min, self.max, self.now].map(|angle| angle as f32);
-        ItemConf::Camera {
+        CameraConf {
             name: self.name.clone(),
-            offset: [0, 0],
-            resolution: [320, 240],
+            offset_x: 0,
+            offset_y: 0,
+            resolution_x: 320,
+            resolution_y: 240,
             default_fov,
             min_fov,
             max_fov,
             fov,
         }
+        .into()
     }
 }

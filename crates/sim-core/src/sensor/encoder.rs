@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{Encoder, ItemConf, Reading};
+use gamebots_proto::message::{Encoder, EncoderConf, ItemConf, Reading, Tick};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use scene::sensor::encoder::Config;
@@ -49,7 +49,7 @@ impl Sensor for Mounted {
         let ticks = self.wheels.iter().map(|(label, wheel, reference)| {
             let factor = 1.0 + if noise > 0.0 { rng.random_range(-noise..noise) } else { 0.0 };
             let spin = (view.wheels[*wheel].angle - reference) * factor;
-            (label.clone(), ((spin % TAU) / resolution) as i32)
+            Tick { name: label.clone(), tick: ((spin % TAU) / resolution) as i32 }
         });
         Some(Encoder { ticks: ticks.collect() }.into())
     }
@@ -65,6 +65,6 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::Encoder { name: self.name.clone(), resolution: self.resolution as f32 }
+        EncoderConf { name: self.name.clone(), resolution: self.resolution as f32 }.into()
     }
 }

@@ -1,6 +1,6 @@
 //! Exact pose of the robot's body, or of the sensor itself (GroundTruth.uc:23-41; no noise).
 
-use gamebots_proto::message::{GroundTruth, ItemConf, Reading};
+use gamebots_proto::message::{GroundTruth, ItemConf, PoseConf, Reading};
 use scene::sensor::ground_truth::Config;
 use scene::{Pose, position_and_rotation};
 
@@ -32,6 +32,6 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::Timed { name: self.name.clone(), scan_interval: self.scan_interval as f32 }
+        PoseConf { name: self.name.clone(), scan_interval: self.scan_interval as f32 }.into()
     }
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use gamebots_proto::message::{Imu, ItemConf, Reading};
+use gamebots_proto::message::{Imu, ItemConf, PlainConf, Reading};
 use nalgebra::Vector3;
 use scene::{Pose, position_and_rotation};
 
@@ -60,6 +60,6 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::Plain { name: self.name.clone() }
+        PlainConf { name: self.name.clone() }.into()
     }
 }

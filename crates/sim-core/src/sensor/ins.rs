@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{Ins, ItemConf, Reading};
+use gamebots_proto::message::{Ins, ItemConf, PoseConf, Reading};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -108,6 +108,6 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::Timed { name: self.name.clone(), scan_interval: self.scan_interval as f32 }
+        PoseConf { name: self.name.clone(), scan_interval: self.scan_interval as f32 }.into()
     }
 }

@@ -4,7 +4,7 @@
 //! textbook Mecanum kinematics as the real youBot's driver does, or those of finite rollers.
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ItemConf, Odometry, Reading};
+use gamebots_proto::message::{ItemConf, Odometry, Reading, WheelsConf};
 use kinematics::{FiniteRollers, Mecanum, PlanarPose, Skid, Twist};
 use scene::sensor::odometry::Config;
 use scene::{RobotDef, Side, Steering};
@@ -98,6 +98,6 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::Timed { name: self.name.clone(), scan_interval: self.scan_interval as f32 }
+        WheelsConf { name: self.name.clone(), scan_interval: self.scan_interval as f32 }.into()
     }
 }

@@ -4,7 +4,7 @@
 //! No noise and no minimum range, as there; a miss reads the maximum range.
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ItemConf, RangeScanner as Scan, Reading};
+use gamebots_proto::message::{ItemConf, RangeScanner as Scan, RangeScannerConf, Reading};
 use nalgebra::Vector3;
 use scene::rotation_units;
 use scene::{Pose, sensor::RangeScanner};
@@ -82,7 +82,7 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::RangeScanner {
+        RangeScannerConf {
             name: self.name.clone(),
             max_range: self.max_range as f32,
             min_range: self.min_range as f32,
@@ -91,6 +91,7 @@ impl Sensor for Mounted {
             panning: self.yaw,
             tilting: self.pitch,
         }
+        .into()
     }
 }
 

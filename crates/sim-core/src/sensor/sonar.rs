@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use gamebots_proto::message::{ItemConf, Reading, Sonar};
+use gamebots_proto::message::{ItemConf, Reading, Sonar, SonarConf};
 use nalgebra::{UnitQuaternion, Vector3};
 use scene::rotation_units;
 
@@ -67,7 +67,7 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::Sonar {
+        SonarConf {
             name: self.name.clone(),
             max_range: self.config.max_range as f32,
             min_range: self.config.min_range as f32,
@@ -77,5 +77,6 @@ impl Sensor for Mounted {
             traces_per_cone: self.config.traces_per_cone,
             number_of_cones: self.config.number_of_cones,
         }
+        .into()
     }
 }

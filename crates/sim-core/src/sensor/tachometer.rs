@@ -1,7 +1,7 @@
 //! Speeds and angles of all driven wheels (Tachometer.uc:27-61), without noise.
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ItemConf, Reading, Tachometer};
+use gamebots_proto::message::{ItemConf, Reading, Tachometer, WheelsConf};
 
 use super::{Effect, Mount, Sensor, View};
 
@@ -58,6 +58,6 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
-        ItemConf::Timed { name: self.name.clone(), scan_interval: self.scan_interval as f32 }
+        WheelsConf { name: self.name.clone(), scan_interval: self.scan_interval as f32 }.into()
     }
 }

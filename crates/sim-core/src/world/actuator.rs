@@ -2,7 +2,10 @@
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ActuatorGeo, Asta, Eff, ItemConf, ItemGeo, JointConf, JointGeo, Message};
+use gamebots_proto::message::{
+    ActuatorConf, ActuatorGeo, Asta, Eff, GripperConf, ItemConf, ItemGeo, JointConf, JointGeo, JointSta, Message,
+    MisPkgConf, MisPkgJoint,
+};
 use nalgebra::Vector3;
 use scene::{Actuator, Gripper, JointKind, RobotDef};
 
@@ -46,17 +49,19 @@ impl Robot {
     }
 
     /// Opens and closes grippers: `Open`, `Close`, or `Grip` with 0 or 1, in any case; without a name all (Gripper.uc:34-45).
-    pub(super) fn set_grippers(&mut self, set: &Set) {
+    /// Says whether there is one.
+    pub(super) fn set_grippers(&mut self, set: &Set) -> bool {
         let closed = match set.opcode.to_ascii_uppercase().as_str() {
             "OPEN" => false,
             "CLOSE" => true,
             "GRIP" => set.numbers().is_some_and(|numbers| numbers.first().is_some_and(|&number| number != 0.0)),
-            _ => return,
+            _ => return false,
         };
         let named = self.def().grippers.iter().enumerate();
         let named = named.filter(|(_, it)| is_asked(&it.name, &set.name));
         let numbers: Vec<usize> = named.map(|(number, _)| number).collect();
-        numbers.into_iter().for_each(|number| self.grip(number, closed));
+        numbers.iter().for_each(|&number| self.grip(number, closed));
+        !numbers.is_empty()
     }
 
     fn grip(&mut self, number: usize, closed: bool) {
@@ -77,9 +82,12 @@ impl Robot {
         }
         let joints = physics.joints(self.bodies());
         for actuator in &def.actuators {
-            let value = |&link: &usize| joints.get(def.value_of(link)?).map(|joint| joint.position as f32);
-            let values = actuator.links.iter().filter_map(value).collect();
-            send(Message::Asta(Asta { time: time as f32, name: actuator.name.clone(), values }));
+            let joint = |(number, conf): (usize, JointConf)| {
+                let state = joints.get(def.value_of(*actuator.links.get(number)?)?)?;
+                Some(JointSta { link: conf.link, value: state.position as f32, torque: -conf.max_torque })
+            };
+            let joints = joint_confs(def, actuator).into_iter().enumerate().filter_map(joint).collect();
+            send(Message::Asta(Asta { time: time as f32, name: actuator.name.clone(), joints }));
         }
         for (gripper, &closed) in def.grippers.iter().zip(self.closed_grippers()) {
             send(Message::Eff(Eff { time: time as f32, name: gripper.name.clone(), closed }));
@@ -92,21 +100,23 @@ pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf
     let actuators = def.actuators.iter().filter(|it| is_asked(&it.name, name));
     let (own, joints) = (|it: &Actuator| it.name.clone(), |it: &Actuator| joint_confs(def, it));
     if type_name == "MisPkg" {
-        return actuators.map(|it| ItemConf::MisPkg { name: own(it), joints: joints(it) }).collect();
+        let joint = |JointConf { link, kind, max_torque, min, max }| MisPkgJoint { link, kind, max_torque, min, max };
+        let joints = |it| joints(it).into_iter().map(joint).collect();
+        return actuators.map(|it| MisPkgConf { name: own(it), joints: joints(it) }.into()).collect();
     }
     match type_name.to_ascii_lowercase().as_str() {
-        "actuator" => actuators.map(|it| ItemConf::Actuator { name: own(it), joints: joints(it) }).collect(),
+        "actuator" => actuators.map(|it| ActuatorConf { name: own(it), joints: joints(it) }.into()).collect(),
         "gripper" => {
             let grippers = def.grippers.iter().filter(|it| is_asked(&it.name, name));
-            grippers.map(|it| ItemConf::Gripper { name: it.name.clone() }).collect()
+            grippers.map(|it| GripperConf { name: it.name.clone() }.into()).collect()
         }
         _ => Vec::new(),
     }
 }
 
 fn joint_confs(def: &RobotDef, actuator: &Actuator) -> Vec<JointConf> {
-    let joint = |&link: &usize| {
-        let joint = def.links.get(link)?.joint.as_ref()?;
+    let joint = |(link, &number): (usize, &usize)| {
+        let joint = def.links.get(number)?.joint.as_ref()?;
         let (kind, unit) = match joint.kind {
             JointKind::Revolute | JointKind::Continuous => ("Revolute", TORQUE_UNIT),
             JointKind::Prismatic => ("Prismatic", 1.0),
@@ -114,9 +124,9 @@ fn joint_confs(def: &RobotDef, actuator: &Actuator) -> Vec<JointConf> {
         };
         let [min, max] = joint.limits.unwrap_or_default().map(|limit| limit as f32);
         let max_torque = joint.drive.as_ref().map_or(0.0, |motor| motor.max_torque * unit) as f32;
-        Some(JointConf { kind: kind.to_owned(), max_torque, min, max })
+        Some(JointConf { link, kind: kind.to_owned(), max_torque, min, max })
     };
-    actuator.links.iter().filter_map(joint).collect()
+    (1..).zip(&actuator.links).filter_map(joint).collect()
 }
 
 /// GEO of the actuators; a name, in any case, chooses one. Everything is parallel to the robot frame when every joint is at 0.
@@ -126,11 +136,16 @@ pub(super) fn geos(def: &RobotDef, name: &str) -> Vec<ActuatorGeo> {
     let geo = |actuator: &Actuator| {
         let parent_of = |link: usize| def.links.get(link)?.joint.as_ref().map(|joint| joint.parent);
         let base = actuator.links.first().and_then(|&link| parent_of(link)).map_or_else(Vector3::zeros, origin);
-        let joint = |&link: &usize| {
+        let joint = |(number, &link): (usize, &usize)| {
             let parent = parent_of(link).and_then(|it| actuator.links.iter().position(|&own| own == it));
             let from = parent.map_or(base, |parent| origin(actuator.links[parent]));
             let location = floats((origin(link) - from).into());
-            JointGeo { parent: parent.map_or(0, |parent| parent + 1), location, orientation: [0.0; 3] }
+            JointGeo {
+                link: number,
+                parent: parent.map_or(0, |parent| parent as i32 + 1),
+                location,
+                orientation: [0.0; 3],
+            }
         };
         let last = actuator.links.last().map_or(base, |&link| origin(link));
         ActuatorGeo {
@@ -138,7 +153,7 @@ pub(super) fn geos(def: &RobotDef, name: &str) -> Vec<ActuatorGeo> {
             location: floats(base.into()),
             orientation: [0.0; 3],
             mount: def.class.clone(),
-            joints: actuator.links.iter().map(joint).collect(),
+            joints: (1..).zip(&actuator.links).map(joint).collect(),
             tip: floats((Vector3::from(actuator.tip) - last).into()),
         }
     };

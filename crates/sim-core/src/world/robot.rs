@@ -127,11 +127,12 @@ impl Robot {
 
     /// Sets the targets of joints beside wheels: `SET {Type Joint}` with the opcode `Angle` or `Target`, both in exact case, and
     /// the name of a link in any case, or `AllAngles` or `AllJoints` (BotConnection.uc:515-544, USARVehicle.uc:274-316).
-    fn set_joints(&mut self, set: &Set) {
+    /// Says whether there is one.
+    fn set_joints(&mut self, set: &Set) -> bool {
         let target = set.numbers().and_then(|numbers| numbers.first().copied());
-        let Some(target) = target.filter(|_| matches!(set.opcode.as_str(), "Angle" | "Target")) else { return };
+        let Some(target) = target.filter(|_| matches!(set.opcode.as_str(), "Angle" | "Target")) else { return false };
         let all = ["AllAngles", "AllJoints"].iter().any(|all| set.name.eq_ignore_ascii_case(all));
-        self.set_targets(target, |name| all || name.eq_ignore_ascii_case(&set.name));
+        self.set_targets(target, |name| all || name.eq_ignore_ascii_case(&set.name))
     }
 
     /// Sets the targets of joints beside wheels by their names, in any case.
@@ -153,29 +154,28 @@ impl Robot {
         !numbers.is_empty()
     }
 
-    /// Delivers a SET to every item that it names, or to joints; a scan asked for goes out at once.
-    pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> Vec<Message> {
+    /// Delivers a SET to every item that it names, or to joints, and says whether there is one; a scan asked for goes out at once.
+    pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> (Vec<Message>, bool) {
         if set.type_name == "Joint" {
-            self.set_joints(set);
-            return Vec::new();
+            return (Vec::new(), self.set_joints(set));
         }
         if set.type_name.eq_ignore_ascii_case("Gripper") {
-            self.set_grippers(set);
-            return Vec::new();
+            return (Vec::new(), self.set_grippers(set));
         }
         let wheels = physics.wheels(&self.bodies);
         let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
         let opcode = set.opcode.to_ascii_uppercase();
-        let mut messages = Vec::new();
+        let (mut messages, mut found) = (Vec::new(), false);
         let named = items.iter_mut().enumerate().filter(|(_, item)| item.matches(&set.type_name, &set.name));
         for (number, item) in named {
+            found = true;
             let view = view.on_link(bodies, item.def.link);
             if item.sensor.set(&opcode, set, &view) == Effect::Scan {
                 messages
                     .extend(item.sensor.sense(&view).map(|reading| Message::Sen(reading.at(time as f32).of(number))));
             }
         }
-        messages
+        (messages, found)
     }
 
     /// The sensors, to be changed, beside what they see, which is not.

@@ -8,7 +8,7 @@ use experiments::plan::{Plan, Run};
 use experiments::run::{Outcome, Prepared, RunError, measure, prepare};
 use gamebots_client::Client;
 use gamebots_proto::message::{Message, Reading, Sen};
-use gamebots_server::{Config, Ready};
+use gamebots_server::{Config, Listener, Ready, Service};
 use recorder::Record;
 use scene::{JointState, Pose};
 
@@ -24,18 +24,19 @@ const TIME_TOLERANCE: f64 = 1e-4;
 pub(super) fn run(plan: &Plan, run: &Run, log: &Path, real_time_factor: f64) -> Result<Outcome, RunError> {
     let refuse = |reason: &dyn std::fmt::Display| RunError::Setup { id: run.id.clone(), reason: reason.to_string() };
     let Prepared { world, options, init, lines } = prepare(plan, run)?;
-    let config = Config { options, port: 0, real_time_factor, log: Some(log.to_owned()), ..Config::new(world) };
+    let listeners = vec![Listener::new(Service::Controllers { dialect: None }, 0)];
+    let config = Config { options, listeners, real_time_factor, log: Some(log.to_owned()), ..Config::new(world) };
     let (ready, address) = mpsc::channel();
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
     let server = std::thread::spawn(move || {
         let shutdown = async { drop(stopped.await) };
-        let ready = |Ready { address, .. }| {
+        let ready = |addresses: Ready| {
             // It is waited for below.
-            let _ = ready.send(address);
+            let _ = ready.send(addresses.controllers());
         };
         gamebots_server::run(config, ready, shutdown)
     });
-    let driven = address.recv().ok().map(|address| {
+    let driven = address.recv().ok().flatten().map(|address| {
         let mut client = Client::connect(address).map_err(|error| refuse(&error))?;
         drive(plan, run, &mut client, &init, &lines).map_err(|reason| refuse(&reason))
     });

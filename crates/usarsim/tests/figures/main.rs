@@ -25,7 +25,8 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure; with `true` it takes times as well.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 11] = [
+const FIGURES: [(&str, Maker); 12] = [
+    ("messages", |_| makers::messages()),
     ("session", |_| makers::session()),
     ("motion", |_| makers::motion()),
     ("drive-models", makers::drive_models),

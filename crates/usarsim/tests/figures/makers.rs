@@ -7,7 +7,8 @@ use experiments::claim::Claims;
 use experiments::plan::{Plan, Run};
 use experiments::run::{self, Outcome};
 use experiments::{Course, Motion, Travel};
-use gamebots_proto::message::{Message, Reading};
+use gamebots_proto::Dialect;
+use gamebots_proto::message::{self, Field, Message, Reading};
 use kinematics::FiniteRollers;
 use kinematics::thesis::{Sizes, base_velocity, printed};
 use scene::{DriveModel, RobotId, WorldDef};
@@ -210,7 +211,7 @@ fn run_for(world: &mut World, seconds: f64) -> Vec<Message> {
 pub(crate) fn session() -> String {
     let mut world = World::new(world("rough"), Options::default());
     let mut robot = None;
-    let mut text = format!("\n\n```console\n$ nc 127.0.0.1 3000\n{}\n", world.greeting().write());
+    let mut text = format!("\n\n```console\n$ nc 127.0.0.1 3000\n{}\n", world.greeting().write(Dialect::Udk));
     for (typed, seconds) in [
         ("INIT {ClassName USARBot.KUKA_YouBot} {Name R1} {Start PlayerStart_0}", 0.0),
         ("GETCONF {Type Robot}", 1.0),
@@ -220,18 +221,50 @@ pub(crate) fn session() -> String {
     ] {
         text += &format!("> {typed}\n");
         for answer in execute(&mut world, &mut robot, typed) {
-            text += &format!("{}\n", answer.write());
+            text += &format!("{}\n", answer.write(Dialect::Udk));
         }
         let streamed = run_for(&mut world, seconds);
         let is_truth =
             |message: &&Message| matches!(message, Message::Sen(sen) if matches!(sen.reading, Reading::GroundTruth(_)));
         let status = streamed.iter().rfind(|message| matches!(message, Message::Sta(_)));
         for message in status.into_iter().chain(streamed.iter().rfind(is_truth)) {
-            text += &format!("{}\n", message.write());
+            text += &format!("{}\n", message.write(Dialect::Udk));
         }
         text += if streamed.is_empty() { "" } else { "...\n" };
     }
     text + "```\n\n"
+}
+
+/// Every field of every message, from the tables by which they are written.
+pub(crate) fn messages() -> String {
+    let head = "| key | UDK | UT2004 | unit | meaning |\n|---|---|---|---|---|\n";
+    let either = |[udk, ut2004]: [&str; 2], mark: &str| match () {
+        () if udk == ut2004 => format!("{mark}{udk}{mark}"),
+        () => format!("{mark}{udk}{mark}, UT2004 {mark}{ut2004}{mark}"),
+    };
+    let row = |field: &Field| {
+        let [udk, ut2004] = field.format;
+        let about = field.about.trim();
+        let mut rows = format!("| {} | {udk} | {ut2004} | {} | {about} |\n", either(field.key, "`"), field.unit);
+        for (key, value) in field.then {
+            let [udk, ut2004] = value.map(|value| if value.is_empty() { "-".to_owned() } else { format!("`{value}`") });
+            rows += &format!("| {} | {udk} | {ut2004} | | Always the same. |\n", either(*key, "`"));
+        }
+        rows
+    };
+    let rows = |fields: &[Field]| fields.iter().map(row).collect::<String>();
+    let mut text = String::from("\n\n");
+    for (line, time, table) in message::tables() {
+        text += &format!("### `{line}`: {}\n\n{}\n\n", table.name, table.about.trim());
+        let own: Vec<Field> = time.into_iter().chain(table.fields.iter().copied()).collect();
+        if !own.is_empty() {
+            text += &format!("{head}{}\n", rows(&own));
+        }
+        for each in table.each {
+            text += &format!("Then, any number of times: {}\n\n{head}{}\n", each.about.trim(), rows(each.fields));
+        }
+    }
+    text
 }
 
 /// The three kinematics beside what the model without inertia of rollers gives.

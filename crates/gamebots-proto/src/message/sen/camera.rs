@@ -1,24 +1,18 @@
 //! An empty body: a camera sends its line, its pictures go elsewhere (protocol.md 0.9).
 
-use super::ReadWrite;
-use crate::Line;
+use super::Body;
+use crate::field::{Format, record};
 
-/// The camera is alive.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Camera;
+record! {
+    /// The camera is alive.
+    Camera {}
+}
 
-impl ReadWrite for Camera {
+impl Body for Camera {
     const TYPE: &'static str = "Camera";
+    const TIME: [Format; 2] = [Format::Rounded(4), Format::Fixed(4)];
 
     fn name(&self) -> Option<&str> {
         None
-    }
-
-    fn write(&self) -> String {
-        String::new()
-    }
-
-    fn read(_line: &Line) -> Option<Self> {
-        Some(Self)
     }
 }

@@ -1,34 +1,33 @@
-//! `{Name W1} {Tick n}`, once for each wheel that the sensor reads (Encoder.uc:29-52).
+//! `{Name W1} {Tick n}`, once for each wheel that the sensor reads (Encoder.uc:29-52); all encoders of a UT2004 robot are one line.
 
-use super::ReadWrite;
-use crate::Line;
+use super::Body;
+use crate::field::{Field, Format, record};
 
-/// Ticks of wheel encoders.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Encoder {
-    /// Name and tick of each wheel, in order; empty when the sensor reads no wheel.
-    pub ticks: Vec<(String, i32)>,
+record! {
+    /// The angle of a wheel.
+    Tick {
+        /// Name of the encoder.
+        name: String = Field::new("Name", Format::Word),
+        /// Angle in units of the encoder's resolution.
+        tick: i32 = Field::new("Tick", Format::Integer),
+    }
 }
 
-impl ReadWrite for Encoder {
+record! {
+    /// Ticks of wheel encoders.
+    Encoder {
+        ;
+        /// Of each wheel, in order; none when the sensor reads no wheel.
+        ticks: [Tick]
+    }
+}
+
+impl Body for Encoder {
     const TYPE: &'static str = "Encoder";
+    const TIME: [Format; 2] = [Format::Rounded(4), Format::Absent];
+    const IS_GROUPED: bool = true;
 
     fn name(&self) -> Option<&str> {
-        self.ticks.first().map(|(name, _)| name.as_str())
-    }
-
-    fn write(&self) -> String {
-        let wheels: Vec<String> =
-            self.ticks.iter().map(|(name, tick)| format!("{{Name {name}}} {{Tick {tick}}}")).collect();
-        wheels.join(" ")
-    }
-
-    fn read(line: &Line) -> Option<Self> {
-        let body: Vec<_> = line.blocks.iter().filter(|block| block.key == "Name" || block.key == "Tick").collect();
-        let ticks = body.chunks(2).map(|pair| match pair {
-            [name, tick] => Some((name.value.clone(), tick.value.parse().ok()?)),
-            _ => None,
-        });
-        Some(Self { ticks: ticks.collect::<Option<_>>()? })
+        self.ticks.first().map(|tick| tick.name.as_str())
     }
 }

@@ -1,38 +1,26 @@
-//! `{Name n} {Location x,y,z} {Orientation r,p,y}`, three decimals, truncated (GroundTruth.uc:23-41).
+//! `{Name n} {Location x,y,z} {Orientation r,p,y}` (GroundTruth.uc:23-41): UDK truncates to three decimals; UT2004 has two, and
+//! angles without a sign.
 
-use super::super::float_array;
-use super::{ReadWrite, name};
-use crate::Line;
-use crate::number::fixed_vector;
+use super::Body;
+use crate::field::{Field, Format, record};
 
-/// Where the robot is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GroundTruth {
-    /// Name of the sensor.
-    pub name: String,
-    /// Position, m.
-    pub location: [f32; 3],
-    /// Roll, pitch, yaw, rad.
-    pub orientation: [f32; 3],
+record! {
+    /// Where the robot is.
+    GroundTruth {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Position.
+        location: [f32; 3] = Field::new("Location", Format::Fixed(3)).unit("m").ut2004(Format::Rounded(2)),
+        /// Roll, pitch, yaw.
+        orientation: [f32; 3] = Field::new("Orientation", Format::Fixed(3)).unit("rad").ut2004(Format::Turns(2)),
+    }
 }
 
-impl ReadWrite for GroundTruth {
+impl Body for GroundTruth {
     const TYPE: &'static str = "GroundTruth";
+    const TIME: [Format; 2] = [Format::Rounded(4), Format::Fixed(4)];
 
     fn name(&self) -> Option<&str> {
         Some(&self.name)
-    }
-
-    fn write(&self) -> String {
-        let [location, orientation] = [self.location, self.orientation].map(|vector| fixed_vector(vector, 3));
-        format!("{{Name {}}} {{Location {location}}} {{Orientation {orientation}}}", self.name)
-    }
-
-    fn read(line: &Line) -> Option<Self> {
-        Some(Self {
-            name: name(line)?,
-            location: float_array(line.get("Location")?)?,
-            orientation: float_array(line.get("Orientation")?)?,
-        })
     }
 }

@@ -1,50 +1,29 @@
-//! `{Name n} {XYZAcceleration x,y,z} {AngularVel r,p,y} {AngularAccel r,p,y} {Rotation r,p,y}`, four decimals, truncated
-//! (IMU.uc:25-65).
+//! `{Name n} {XYZAcceleration x,y,z} {AngularVel r,p,y} {AngularAccel r,p,y} {Rotation r,p,y}` (IMU.uc:25-65).
 
-use super::super::float_array;
-use super::{ReadWrite, name};
-use crate::Line;
-use crate::number::fixed_vector;
+use super::Body;
+use crate::field::{Field, Format, record};
 
-/// How a sensor is accelerated and turns.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Imu {
-    /// Name of the sensor.
-    pub name: String,
-    /// Acceleration without gravity along the sensor's x, its y and against its z, m/s².
-    pub acceleration: [f32; 3],
-    /// Rates of roll, pitch and yaw, rad/s.
-    pub angular_velocity: [f32; 3],
-    /// Their changes, rad/s².
-    pub angular_acceleration: [f32; 3],
-    /// Roll, pitch, yaw, rad.
-    pub rotation: [f32; 3],
+record! {
+    /// How a sensor is accelerated and turns.
+    Imu {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Acceleration without gravity along the sensor's x, its y and against its z.
+        acceleration: [f32; 3] = Field::new("XYZAcceleration", Format::Fixed(4)).unit("m/s²"),
+        /// Rates of roll, pitch and yaw.
+        angular_velocity: [f32; 3] = Field::new("AngularVel", Format::Fixed(4)).unit("rad/s"),
+        /// Their changes.
+        angular_acceleration: [f32; 3] = Field::new("AngularAccel", Format::Fixed(4)).unit("rad/s²"),
+        /// Roll, pitch, yaw.
+        rotation: [f32; 3] = Field::new("Rotation", Format::Fixed(4)).unit("rad"),
+    }
 }
 
-impl ReadWrite for Imu {
+impl Body for Imu {
     const TYPE: &'static str = "IMU";
+    const TIME: [Format; 2] = [Format::Rounded(4), Format::Fixed(4)];
 
     fn name(&self) -> Option<&str> {
         Some(&self.name)
-    }
-
-    fn write(&self) -> String {
-        let vectors = [self.acceleration, self.angular_velocity, self.angular_acceleration, self.rotation];
-        let [acceleration, velocity, change, rotation] = vectors.map(|vector| fixed_vector(vector, 4));
-        format!(
-            "{{Name {}}} {{XYZAcceleration {acceleration}}} {{AngularVel {velocity}}} {{AngularAccel {change}}} \
-             {{Rotation {rotation}}}",
-            self.name
-        )
-    }
-
-    fn read(line: &Line) -> Option<Self> {
-        Some(Self {
-            name: name(line)?,
-            acceleration: float_array(line.get("XYZAcceleration")?)?,
-            angular_velocity: float_array(line.get("AngularVel")?)?,
-            angular_acceleration: float_array(line.get("AngularAccel")?)?,
-            rotation: float_array(line.get("Rotation")?)?,
-        })
     }
 }

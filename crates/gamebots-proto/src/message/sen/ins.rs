@@ -1,39 +1,25 @@
-//! `{Name n} {Location x,y,z} {Orientation r,p,y}`, two decimals, rounded; no time (INS.uc:99-145).
+//! `{Name n} {Location x,y,z} {Orientation r,p,y}`; no time in either dialect (INS.uc:99-145, DefaultUSAR.ini:51).
 
-use super::super::float_array;
-use super::{ReadWrite, name};
-use crate::Line;
-use crate::number::engine_vector;
+use super::Body;
+use crate::field::{Field, Format, record};
 
-/// Where the inertial navigation believes the robot to be.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ins {
-    /// Name of the sensor.
-    pub name: String,
-    /// Estimated position, m.
-    pub location: [f32; 3],
-    /// Estimated roll, pitch, yaw, rad, each in [0, 2 pi).
-    pub orientation: [f32; 3],
+record! {
+    /// Where the inertial navigation believes the robot to be.
+    Ins {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Estimated position.
+        location: [f32; 3] = Field::new("Location", Format::Rounded(2)).unit("m"),
+        /// Estimated roll, pitch, yaw, each in [0, 2 pi).
+        orientation: [f32; 3] = Field::new("Orientation", Format::Rounded(2)).unit("rad"),
+    }
 }
 
-impl ReadWrite for Ins {
+impl Body for Ins {
     const TYPE: &'static str = "INS";
-    const STAMPED: bool = false;
+    const TIME: [Format; 2] = [Format::Absent, Format::Absent];
 
     fn name(&self) -> Option<&str> {
         Some(&self.name)
-    }
-
-    fn write(&self) -> String {
-        let [location, orientation] = [self.location, self.orientation].map(engine_vector);
-        format!("{{Name {}}} {{Location {location}}} {{Orientation {orientation}}}", self.name)
-    }
-
-    fn read(line: &Line) -> Option<Self> {
-        Some(Self {
-            name: name(line)?,
-            location: float_array(line.get("Location")?)?,
-            orientation: float_array(line.get("Orientation")?)?,
-        })
     }
 }

@@ -1,31 +1,23 @@
-//! `{Name n} {Pose x,y,theta}`, four decimals, rounded (Odometry.uc:99-135).
+//! `{Name n} {Pose x,y,theta}` (Odometry.uc:99-135); without a time, and with its angle wrapped, for UT2004.
 
-use super::super::float_array;
-use super::{ReadWrite, name};
-use crate::Line;
-use crate::number::engine_floats;
+use super::Body;
+use crate::field::{Field, Format, record};
 
-/// Where the wheels say the robot is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Odometry {
-    /// Name of the sensor.
-    pub name: String,
-    /// x, y in metres and theta in radians (clockwise positive, not wrapped), in the start frame of the robot.
-    pub pose: [f32; 3],
+record! {
+    /// Where the wheels say the robot is.
+    Odometry {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// x, y and theta (clockwise positive; for UDK not wrapped) in the frame in which the robot started.
+        pose: [f32; 3] = Field::new("Pose", Format::Rounded(4)).unit("m, rad").ut2004(Format::Pose(4)),
+    }
 }
 
-impl ReadWrite for Odometry {
+impl Body for Odometry {
     const TYPE: &'static str = "Odometry";
+    const TIME: [Format; 2] = [Format::Rounded(4), Format::Absent];
 
     fn name(&self) -> Option<&str> {
         Some(&self.name)
-    }
-
-    fn write(&self) -> String {
-        format!("{{Name {}}} {{Pose {}}}", self.name, engine_floats(&self.pose))
-    }
-
-    fn read(line: &Line) -> Option<Self> {
-        Some(Self { name: name(line)?, pose: float_array(line.get("Pose")?)? })
     }
 }

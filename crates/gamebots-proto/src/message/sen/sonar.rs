@@ -1,31 +1,24 @@
-//! `{Name n} {Range d}`, four decimals, truncated; one line a sonar (SonarSensor.uc:38-90).
+//! `{Name n} {Range d}`, one line a sonar (SonarSensor.uc:38-90); all sonars of a UT2004 robot are one line.
 
-use super::super::number;
-use super::{ReadWrite, name};
-use crate::Line;
-use crate::number::fixed;
+use super::Body;
+use crate::field::{Field, Format, record};
 
-/// Distance to the nearest echo.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sonar {
-    /// Name of the sensor.
-    pub name: String,
-    /// Distance, m.
-    pub range: f32,
+record! {
+    /// Distance to the nearest echo.
+    Sonar {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Distance.
+        range: f32 = Field::new("Range", Format::Fixed(4)).unit("m"),
+    }
 }
 
-impl ReadWrite for Sonar {
+impl Body for Sonar {
     const TYPE: &'static str = "Sonar";
+    const TIME: [Format; 2] = [Format::Rounded(4), Format::Fixed(4)];
+    const IS_GROUPED: bool = true;
 
     fn name(&self) -> Option<&str> {
         Some(&self.name)
-    }
-
-    fn write(&self) -> String {
-        format!("{{Name {}}} {{Range {}}}", self.name, fixed(self.range, 4))
-    }
-
-    fn read(line: &Line) -> Option<Self> {
-        Some(Self { name: name(line)?, range: number(line, "Range")? })
     }
 }

@@ -1,40 +1,29 @@
-//! `{Name n} {Vel v,v,..} {Pos p,p,..}`, four decimals, rounded (Tachometer.uc:27-61).
+//! `{Name n} {Vel v,v,..} {Pos p,p,..}` (Tachometer.uc:27-61).
 
-use super::super::floats;
-use super::{ReadWrite, name};
-use crate::Line;
-use crate::number::engine_floats;
+use super::Body;
+use crate::field::{Field, Format, record};
 
-/// Speed and angle of every driven wheel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Tachometer {
-    /// Name of the sensor.
-    pub name: String,
-    /// Speeds, rad/s; empty without wheels, and then both blocks are missing.
-    pub velocities: Vec<f32>,
-    /// Angles turned since the last reset up to the reading before, rad.
-    pub positions: Vec<f32>,
+record! {
+    /// Speed and angle of every driven wheel.
+    Tachometer {
+        /// Name of the sensor.
+        name: String = Field::new("Name", Format::Word),
+        /// Speeds; left out without wheels.
+        velocities: Vec<f32> = Field::new("Vel", Format::Rounded(4)).unit("rad/s"),
+        /// Angles turned since the last reset up to the reading before; left out without wheels.
+        positions: Vec<f32> = Field::new("Pos", Format::Rounded(4)).unit("rad"),
+    }
 }
 
-impl ReadWrite for Tachometer {
+impl Body for Tachometer {
     const TYPE: &'static str = "Tachometer";
+    const TIME: [Format; 2] = [Format::Rounded(4), Format::Absent];
 
     fn name(&self) -> Option<&str> {
         Some(&self.name)
     }
 
-    fn write(&self) -> String {
-        if self.velocities.is_empty() {
-            return format!("{{Name {}}}", self.name);
-        }
-        let [velocities, positions] = [&self.velocities, &self.positions].map(|values| engine_floats(values));
-        format!("{{Name {}}} {{Vel {velocities}}} {{Pos {positions}}}", self.name)
-    }
-
-    fn read(line: &Line) -> Option<Self> {
-        let values = |key| line.get(key).map_or(Some(Vec::new()), floats);
-        let (velocities, positions) = (values("Vel")?, values("Pos")?);
-        let whole = velocities.len() == positions.len();
-        if whole { Some(Self { name: name(line)?, velocities, positions }) } else { None }
+    fn is_whole(&self) -> bool {
+        self.velocities.len() == self.positions.len()
     }
 }
