@@ -11,7 +11,10 @@ fn folder() -> PathBuf {
 
 fn check(name: &str) {
     let robots = ["ShortLife", "KR60"].map(|class| folder().join("robots").join(class).join("robot.toml"));
-    run_transcript(&Transcript::read(&folder().join("conformance").join(name)), &robots.each_ref().map(PathBuf::as_path));
+    run_transcript(
+        &Transcript::read(&folder().join("conformance").join(name)),
+        &robots.each_ref().map(PathBuf::as_path),
+    );
 }
 
 #[test]

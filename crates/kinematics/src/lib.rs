@@ -11,6 +11,7 @@
 //! | to the right | R omega | cos(phi) R omega, mean sin(pi/N)/(pi/N): 0.955 for N = 6 | R omega, then scaled by sqrt(2)/2 without a reason |
 //! | turning | R omega / L | R omega / (ly + y(phi) + lx / cos(phi)), mean 0.972 for the youBot | R omega / (lx - ly): 4.5 times as fast |
 
+pub mod coulomb;
 mod finite;
 mod mecanum;
 mod skid;

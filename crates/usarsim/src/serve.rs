@@ -108,7 +108,9 @@ fn dialect(text: &str) -> Result<DialectChoice, String> {
     if text == "auto" {
         return Ok(DialectChoice(None));
     }
-    text.parse().map(|dialect| DialectChoice(Some(dialect))).map_err(|error| format!("{error} or auto"))
+    text.parse()
+        .map(|dialect| DialectChoice(Some(dialect)))
+        .map_err(|_: String| "expected auto, udk or ut2004".to_owned())
 }
 
 pub(crate) fn real_time_factor(text: &str) -> Result<f64, String> {
