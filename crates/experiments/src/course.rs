@@ -1,20 +1,26 @@
-//! Motions of an omnidirectional robot, measured in the world and compared with the exact kinematics of its wheels.
+//! Motions of a robot on wheels, measured in the world and compared with how it should move for the angles that its wheels turned.
+
+use std::f64::consts::PI;
 
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Problem};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::UnitQuaternion;
-use scene::WorldDef;
-use sim_core::{BodyState, Options, RobotId, WheelState, World, mecanum};
+use scene::{RobotDef, Steering, WorldDef};
+use sim_core::{BodyState, Options, RobotId, WheelState, World};
+
+use crate::reference::Reference;
 
 /// Seconds that a robot stands before it drives, to settle on its floor.
 pub(crate) const SETTLING: f64 = 0.5;
 /// Seconds from the command to the beginning of what is measured.
 const SPIN_UP: f64 = 2.0;
+/// The last seconds of it, in which it is noted how the robots stand.
+const WEIGHING: f64 = 0.5;
 /// Metres between robots that drive side by side.
 const SPACING: f64 = 2.0;
 
-/// A motion with all wheels at one speed.
+/// A steady motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Motion {
     /// Straight ahead.
@@ -23,11 +29,22 @@ pub enum Motion {
     Right,
     /// Clockwise on the spot.
     Clockwise,
+    /// Ahead and to the right: the right side at half the speed of the left, or steered by half of what can be.
+    Curve,
 }
 
 impl Motion {
-    /// The three.
+    /// Those of Mecanum bases, with all wheels at one speed.
     pub const ALL: [Self; 3] = [Self::Forward, Self::Right, Self::Clockwise];
+
+    /// Those that a robot can make.
+    pub fn of_robot(robot: &RobotDef) -> &'static [Self] {
+        match robot.steering {
+            Steering::Omni => &Self::ALL,
+            Steering::Ackermann => &[Self::Forward, Self::Curve],
+            _ => &[Self::Forward, Self::Clockwise, Self::Curve],
+        }
+    }
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -35,15 +52,28 @@ impl Motion {
             Self::Forward => "forward",
             Self::Right => "right",
             Self::Clockwise => "clockwise",
+            Self::Curve => "curve",
         }
     }
 
-    /// Signs of the wheels: front left, front right, back left, back right.
-    fn signs(self) -> [f64; 4] {
-        match self {
-            Self::Forward => [1.0, 1.0, 1.0, 1.0],
-            Self::Right => [1.0, -1.0, -1.0, 1.0],
-            Self::Clockwise => [1.0, -1.0, 1.0, -1.0],
+    /// The command that brings the wheels to a speed, rad/s.
+    fn command(self, robot: &RobotDef, speed: f64) -> Command {
+        let drive = |values: &[(&str, f64)]| {
+            Command::Drive(values.iter().fold(Drive::default(), |drive, (key, value)| drive.with(key, *value)))
+        };
+        match (robot.steering, self) {
+            (Steering::Omni, Self::Right) => drive_command([speed, -speed, -speed, speed]),
+            (Steering::Omni, Self::Clockwise) => drive_command([speed, -speed, speed, -speed]),
+            (Steering::Omni, _) => drive_command([speed; 4]),
+            (Steering::Ackermann, _) => {
+                let half =
+                    |axle| robot.steering_limits(axle).map(|[_, most]| most / 2.0).reduce(f64::min).unwrap_or(0.0);
+                let steer = if self == Self::Curve { half(0) } else { 0.0 };
+                drive(&[("Speed", speed), ("FrontSteer", steer), ("RearSteer", 0.0)])
+            }
+            (_, Self::Clockwise) => drive(&[("Left", speed), ("Right", -speed)]),
+            (_, Self::Curve) => drive(&[("Left", speed), ("Right", speed / 2.0)]),
+            (_, _) => drive(&[("Left", speed), ("Right", speed)]),
         }
     }
 
@@ -52,7 +82,7 @@ impl Motion {
         match self {
             Self::Forward => twist.forward,
             Self::Right => twist.right,
-            Self::Clockwise => twist.clockwise,
+            Self::Clockwise | Self::Curve => twist.clockwise,
         }
     }
 }
@@ -66,6 +96,9 @@ pub enum MotionError {
     /// Its motion has no exact kinematics here.
     #[error("robot `{0}`: expected one with four Mecanum wheels with rollers")]
     NotOmni(String),
+    /// It has nothing to drive with.
+    #[error("robot `{0}`: expected one with driven wheels")]
+    NotWheeled(String),
     /// The world takes no more robots, or not this one.
     #[error("{}", in_words(.0))]
     Refused(Vec<Problem>),
@@ -80,10 +113,13 @@ pub(crate) fn in_words(problems: &[Problem]) -> String {
 pub struct Course {
     world: World,
     robots: Vec<RobotId>,
-    kinematics: FiniteRollers,
+    /// What each robot is compared with.
+    references: Vec<Reference>,
     from: Vec<BodyState>,
-    /// Angles of the four wheels of each robot, at the start and after every step.
-    wheels: Vec<Vec<[f64; 4]>>,
+    /// Angles of the driven wheels of each robot, at the start and after every step.
+    wheels: Vec<Vec<Vec<f64>>>,
+    /// Heading of each robot now, and how far it has turned since the start, rad.
+    headings: Vec<[f64; 2]>,
     motion: Motion,
     /// Height of the first robot's body after every step, m.
     heights: Vec<f64>,
@@ -94,7 +130,8 @@ pub struct Course {
 pub struct Moment {
     /// Seconds since the start of what is measured.
     pub time: f64,
-    /// Angle of the front left wheel within its spacing of rollers, rad: 0 where a roller touches at its middle.
+    /// Angle of the front left wheel within its spacing of rollers, rad: 0 where a roller touches at its middle, and without
+    /// rollers.
     pub phase: f64,
     /// Height of the body over its lowest place, m.
     pub height: f64,
@@ -118,7 +155,7 @@ impl Course {
     /// `speed`, rad/s.
     ///
     /// # Errors
-    /// When the class is unknown or has no rollers.
+    /// When the class is unknown or has no driven wheels.
     pub fn start(
         def: WorldDef,
         options: Options,
@@ -128,7 +165,9 @@ impl Course {
         speed: f64,
     ) -> Result<Self, MotionError> {
         let robot = def.robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.to_owned()))?;
-        let kinematics = mecanum::finite_rollers(robot).ok_or_else(|| MotionError::NotOmni(class.to_owned()))?;
+        let reference = || Reference::of(robot).ok_or_else(|| MotionError::NotWheeled(class.to_owned()));
+        let references = (0..count).map(|_| reference()).collect::<Result<_, _>>()?;
+        let drive = motion.command(robot, speed);
         let [x, y, z] = def.map.starts.first().map_or([0.0; 3], |start| start.position);
         let mut world = World::new(def, options);
         let mut robots = Vec::new();
@@ -138,17 +177,26 @@ impl Course {
             let mut problems = Vec::new();
             robots.push(world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?);
         }
-        let mut course =
-            Self { world, robots, kinematics, from: Vec::new(), wheels: Vec::new(), motion, heights: Vec::new() };
+        let mut course = Self {
+            world,
+            robots,
+            references,
+            from: Vec::new(),
+            wheels: Vec::new(),
+            headings: Vec::new(),
+            motion,
+            heights: Vec::new(),
+        };
         course.run(SETTLING);
-        let drive = drive_command(motion.signs().map(|sign| sign * speed));
         for &robot in &course.robots {
             course.world.execute(Some(robot), &drive, &mut Vec::new());
         }
-        course.run(SPIN_UP);
+        course.run(SPIN_UP - WEIGHING);
+        course.weigh(WEIGHING);
         let states: Vec<_> = course.robots.iter().filter_map(|&robot| course.world.state(robot)).collect();
         course.from = states.iter().map(|(body, _)| *body).collect();
-        course.wheels = states.iter().map(|(_, wheels)| vec![angles(wheels)]).collect();
+        course.wheels = states.iter().map(|(_, wheels)| vec![all_angles(wheels)]).collect();
+        course.headings = states.iter().map(|(body, _)| [heading(body), 0.0]).collect();
         course.heights.clear();
         Ok(course)
     }
@@ -163,7 +211,24 @@ impl Course {
                     self.heights.push(-body.pose.translation.z);
                 }
                 if let Some(track) = self.wheels.get_mut(index) {
-                    track.push(angles(&wheels));
+                    track.push(all_angles(&wheels));
+                }
+                if let Some([before, turned]) = self.headings.get_mut(index) {
+                    let now = heading(&body);
+                    *turned += (now - *before + PI).rem_euclid(2.0 * PI) - PI;
+                    *before = now;
+                }
+            }
+        }
+    }
+
+    /// Drives on and notes how the robots stand.
+    fn weigh(&mut self, seconds: f64) {
+        for _ in 0..(seconds / self.world.time_step()).round() as u64 {
+            self.world.step();
+            for (reference, &robot) in self.references.iter_mut().zip(&self.robots) {
+                if let (Some(def), Some(snapshot)) = (self.world.robot(robot), self.world.observe(robot)) {
+                    reference.note(&self.world.def().map, def, &snapshot);
                 }
             }
         }
@@ -173,9 +238,13 @@ impl Course {
     pub fn moments(&self) -> Vec<Moment> {
         let lowest = self.lowest();
         let wheels = self.wheels.first().into_iter().flatten().skip(1);
-        let moment = |(step, (wheels, height)): (usize, (&[f64; 4], &f64))| Moment {
+        let phase = |angles: &[f64]| match self.references.first() {
+            Some(Reference::Rollers(rollers)) => rollers.phase(0, angles[0]),
+            _ => 0.0,
+        };
+        let moment = |(step, (wheels, height)): (usize, (&Vec<f64>, &f64))| Moment {
             time: (step + 1) as f64 * self.world.time_step(),
-            phase: self.kinematics.phase(0, wheels[0]),
+            phase: phase(wheels),
             height: height - lowest,
         };
         wheels.zip(&self.heights).enumerate().map(moment).collect()
@@ -190,28 +259,46 @@ impl Course {
         self.world.digest()
     }
 
-    /// What the robots did since the start, turning less than half a turn.
+    /// What the robots did since the start.
     pub fn travel(&self) -> Option<Travel> {
         let ripple = self.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max) - self.lowest();
         let travels = self.robots.iter().zip(&self.from).enumerate().filter_map(|(index, (&robot, from))| {
             let (to, _) = self.world.state(robot)?;
             let start: UnitQuaternion<f64> = from.pose.rotation;
             let displacement = start.inverse() * (to.pose.translation.vector - from.pose.translation.vector);
-            let (_, _, yaw) = (start.inverse() * to.pose.rotation).euler_angles();
+            let [_, yaw] = *self.headings.get(index)?;
             let (first, last) = (self.wheels[index].first()?, self.wheels[index].last()?);
-            let turned = first.iter().zip(last).map(|(first, last)| (last - first).abs()).sum::<f64>() / 4.0;
+            let turned =
+                first.iter().zip(last).map(|(first, last)| (last - first).abs()).sum::<f64>() / first.len() as f64;
             let moved = [displacement.x, displacement.y, yaw];
-            let ratio = moved[self.motion as usize] / self.exact(index);
+            let axis = match self.motion {
+                Motion::Forward => 0,
+                Motion::Right => 1,
+                Motion::Clockwise | Motion::Curve => 2,
+            };
+            let ratio = moved[axis] / self.exact(index);
             Some(Travel { moved, turned, ratio, ripple })
         });
         travels.max_by(|a, b| (a.ratio - 1.0).abs().total_cmp(&(b.ratio - 1.0).abs()))
     }
 
-    /// The travel by the exact kinematics for the angles that the wheels of a robot had after every step: the rollers that
-    /// touch change on the way.
+    /// The travel that a robot's wheels should have given for the angles that they had after every step: the rollers that touch
+    /// change on the way; plain wheels turn steadily, at their mean speeds.
     fn exact(&self, robot: usize) -> f64 {
-        let pairs = self.wheels[robot].windows(2);
-        pairs.map(|pair| self.motion.of(exact_step(&self.kinematics, pair[0], pair[1]))).sum()
+        let (reference, angles) = (&self.references[robot], &self.wheels[robot]);
+        match reference {
+            Reference::Rollers(rollers) => {
+                let four = |angles: &[f64]| std::array::from_fn(|wheel| angles[wheel]);
+                let steps = angles.windows(2);
+                steps.map(|pair| self.motion.of(exact_step(rollers, four(&pair[0]), four(&pair[1])))).sum()
+            }
+            Reference::Sliding(sliding) => {
+                let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return 0.0 };
+                let turned: Vec<f64> = first.iter().zip(last).map(|(first, last)| last - first).collect();
+                // Friction does not know speeds, so that in one unit of time the wheels turn as far as they did.
+                self.motion.of(sliding.twist(&turned))
+            }
+        }
     }
 }
 
@@ -220,6 +307,16 @@ pub(crate) fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f
     let turned = std::array::from_fn(|wheel| after[wheel] - before[wheel]);
     let phases = std::array::from_fn(|wheel| kinematics.phase(wheel, (before[wheel] + after[wheel]) / 2.0));
     kinematics.forward(turned, phases)
+}
+
+/// Clockwise from the world's x, rad.
+fn heading(body: &BodyState) -> f64 {
+    let (_, _, yaw) = body.pose.rotation.euler_angles();
+    yaw
+}
+
+fn all_angles(wheels: &[WheelState]) -> Vec<f64> {
+    wheels.iter().map(|wheel| wheel.angle).collect()
 }
 
 /// A command for the four wheels, rad/s.

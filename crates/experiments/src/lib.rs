@@ -13,6 +13,7 @@ mod course;
 pub mod fit;
 pub mod plan;
 pub mod plot;
+mod reference;
 pub mod report;
 pub mod run;
 pub mod table;

@@ -379,7 +379,15 @@ fn bench_measures_speed_and_error_in_one_run() {
     assert!(number("real_time_factor") > 0.0 && number("microseconds_per_step") > 0.0, "{report}");
     assert_eq!((number("dt"), number("robots")), (0.004, 2.0));
     assert!(number("worst_error_percent") < 3.0, "{report}");
-    assert_eq!(run(&["bench", "--robot", "P3AT"]).status.code(), Some(78));
+    let output = run(&["bench", "--robot", "CasterSkidRobot", "--seconds", "1", "--json"]);
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    for motion in ["forward", "clockwise", "curve"] {
+        let ratio = result["motions"][motion]["ratio"].as_f64().expect("a ratio");
+        assert!((ratio - 1.0).abs() < 0.01, "{result}");
+    }
+    let refused = run(&["bench", "--robot", "AirRobot"]);
+    assert_eq!(refused.status.code(), Some(78));
+    assert!(text(&refused.stderr).contains("expected one with driven wheels"), "{}", text(&refused.stderr));
 }
 
 #[test]

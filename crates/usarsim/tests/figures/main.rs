@@ -25,7 +25,7 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure; with `true` it takes times as well.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 12] = [
+const FIGURES: [(&str, Maker); 13] = [
     ("messages", |_| makers::messages()),
     ("session", |_| makers::session()),
     ("motion", |_| makers::motion()),
@@ -36,6 +36,7 @@ const FIGURES: [(&str, Maker); 12] = [
     ("cost-of-logs", |timed| makers::cost(timed, &["log"])),
     ("cost-of-viewers", |timed| makers::cost(timed, &["watch"])),
     ("kinematics", |_| makers::kinematics()),
+    ("sliding", |_| makers::sliding()),
     ("thesis", |_| makers::thesis()),
     ("thesis-runs", |_| makers::thesis_runs()),
 ];

@@ -11,7 +11,7 @@ use gamebots_proto::Dialect;
 use gamebots_proto::message::{self, Field, Message, Reading};
 use kinematics::FiniteRollers;
 use kinematics::thesis::{Sizes, base_velocity, printed};
-use scene::{DriveModel, RobotId, WorldDef};
+use scene::{DriveModel, RobotId, Steering, WorldDef};
 use sim_core::{Options, World};
 
 use crate::{UNTIMED, budget, repository};
@@ -142,6 +142,25 @@ fn by_kinematics(motion: Motion, signs: [f64; 4]) -> [f64; 3] {
     let textbook = [twist.forward, twist.right, twist.clockwise][axis];
     // Its x is to the right, its y ahead, its yaw counterclockwise.
     [textbook, textbook * part[axis], [velocity.y, velocity.x, -velocity.z][axis]]
+}
+
+/// How far robots on plain wheels go of what the balance of friction gives.
+pub(crate) fn sliding() -> String {
+    let def = world("rough");
+    let on_plain_wheels =
+        def.robots.values().filter(|robot| robot.steering != Steering::Omni && robot.driven().next().is_some());
+    let rows = on_plain_wheels.map(|robot| {
+        let motions = Motion::of_robot(robot);
+        let ratio = |motion| {
+            let mut course = Course::start(def.clone(), Options::default(), &robot.class, 1, motion, 1.0).unwrap();
+            course.run(10.0);
+            format!("{:.3}", course.travel().unwrap().ratio)
+        };
+        let cell = |motion| if motions.contains(&motion) { ratio(motion) } else { "-".to_owned() };
+        let cells = [Motion::Forward, Motion::Clockwise, Motion::Curve].map(cell);
+        format!("| `{}` | {} |", robot.class, cells.join(" | "))
+    });
+    table("| robot | straight on | on the spot | on a curve |", rows)
 }
 
 pub(crate) fn far() -> String {

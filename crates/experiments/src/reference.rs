@@ -1,0 +1,105 @@
+//! How a robot should move for the angles that its wheels turned: what a measured motion is compared with.
+
+use kinematics::coulomb::{self, Contact};
+use kinematics::{FiniteRollers, Twist};
+use nalgebra::Vector3;
+use scene::{MapDef, Material, RobotDef, RobotSnapshot, WHEEL_AXIS};
+use sim_core::mecanum;
+
+/// The kinematics of a robot.
+pub(crate) enum Reference {
+    /// Mecanum wheels: exact, roller by roller.
+    Rollers(FiniteRollers),
+    /// Plain wheels: the twist at which Coulomb's friction balances.
+    Sliding(Sliding),
+}
+
+/// A robot on plain wheels.
+#[derive(Default)]
+pub(crate) struct Sliding {
+    wheels: Vec<Wheel>,
+    /// Moments that loads were noted of.
+    noted: f64,
+}
+
+/// A wheel where it touches the ground.
+struct Wheel {
+    /// Forward and to the right in the robot frame, m.
+    position: [f64; 2],
+    /// In which direction it rolls.
+    rolling: [f64; 2],
+    radius: f64,
+    /// Friction of the pair of it and the floor; none of a caster, which turns about every axis.
+    friction: f64,
+    /// Rolling resistance of the pair.
+    resistance: f64,
+    is_driven: bool,
+    /// Sum of its loads, N.
+    load: f64,
+}
+
+impl Reference {
+    /// That of a class of robots; `None` for one without wheels.
+    pub(crate) fn of(robot: &RobotDef) -> Option<Self> {
+        let sliding = || robot.driven().next().map(|_| Self::Sliding(Sliding::default()));
+        mecanum::finite_rollers(robot).map(Self::Rollers).or_else(sliding)
+    }
+
+    /// Notes how a robot stands and steers, and what its wheels carry; to be called in every step of some time.
+    pub(crate) fn note(&mut self, map: &MapDef, def: &RobotDef, robot: &RobotSnapshot) {
+        if let (Self::Sliding(sliding), Some(floor)) = (self, map.solids.first()) {
+            sliding.note(&floor.material, def, robot);
+        }
+    }
+}
+
+impl Sliding {
+    fn note(&mut self, floor: &Material, def: &RobotDef, robot: &RobotSnapshot) {
+        let placed = def.placed_links(&robot.joints);
+        let wheels = placed.iter().filter_map(|(link, pose)| Some((link, link.wheel.as_ref()?, pose)));
+        let loads: Vec<f64> = self.wheels.iter().map(|wheel| wheel.load).collect();
+        self.wheels = wheels
+            .enumerate()
+            .map(|(number, (link, wheel, pose))| {
+                let axis = pose.rotation * Vector3::from(WHEEL_AXIS);
+                // The wheel rolls across its axis, z being down.
+                let rolling = Vector3::z().cross(&axis);
+                Wheel {
+                    position: [pose.translation.x, pose.translation.y],
+                    rolling: [rolling.x, rolling.y],
+                    radius: wheel.radius,
+                    friction: if link.is_driven_wheel() { wheel.material.pair(floor).0 } else { 0.0 },
+                    resistance: wheel.material.rolling_resistance + floor.rolling_resistance,
+                    is_driven: link.is_driven_wheel(),
+                    load: loads.get(number).copied().unwrap_or_default(),
+                }
+            })
+            .collect();
+        self.noted += 1.0;
+        let own = robot.body.pose.inverse();
+        for contact in &robot.contacts {
+            let at = own * nalgebra::Point3::from(contact.point);
+            let distance = |wheel: &Wheel| (wheel.position[0] - at.x).hypot(wheel.position[1] - at.y);
+            if let Some(wheel) = self.wheels.iter_mut().min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+                // Up is negative.
+                wheel.load -= contact.force.z;
+            }
+        }
+    }
+
+    /// The twist while the driven wheels turn at speeds, rad/s.
+    pub(crate) fn twist(&self, speeds: &[f64]) -> Twist {
+        let mut speeds = speeds.iter();
+        let mut contacts = Vec::new();
+        for wheel in &self.wheels {
+            let Wheel { position, rolling, radius, friction, resistance, .. } = *wheel;
+            let speed = if wheel.is_driven { speeds.next().copied().unwrap_or_default() } else { 0.0 };
+            let load = wheel.load / self.noted;
+            let rolling = rolling.map(|part| part * radius * speed);
+            contacts.push(Contact { position, rolling, friction: friction * load, along: None });
+            // Rolling resistance is a force against the motion of the hub.
+            contacts.push(Contact { position, rolling: [0.0; 2], friction: resistance * load, along: None });
+        }
+        coulomb::quasi_static(&contacts)
+    }
+}
