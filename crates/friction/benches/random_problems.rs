@@ -1,0 +1,29 @@
+//! Time of 100 000 random problems, cold: `cargo bench -p friction`.
+
+use friction::{Problem, solve};
+use nalgebra::DVector;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use support::{Kind, random};
+
+/// Problems of each kind.
+const COUNT: usize = 25_000;
+
+fn main() {
+    divan::main();
+}
+
+/// All problems of a kind one after the other: the time of one is what divan calls an item's.
+#[divan::bench(args = Kind::ALL, sample_count = 3, sample_size = 1)]
+fn cold(bencher: divan::Bencher, kind: Kind) {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let problems: Vec<Problem> = (0..COUNT).map(|_| random(kind, &mut rng)).collect();
+    bencher.counter(divan::counter::ItemsCount::new(COUNT)).bench_local(|| {
+        let unsettled = |problem: &&Problem| !solve(problem, DVector::zeros(problem.missing.len())).is_settled;
+        problems.iter().filter(unsettled).count()
+    });
+}

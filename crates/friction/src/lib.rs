@@ -1,0 +1,24 @@
+//! Contacts with Coulomb's friction, solved to the end.
+//!
+//! Between two steps every contact gives an impulse: along its normal, which never pulls, and in its tangent plane, at most the
+//! coefficient of friction times the normal impulse. Where it slides it gives all of that, against its slip. A [`Problem`] says
+//! what velocity an impulse on any row gives on any other, and what velocities are missing; [`solve`] finds the impulses.
+//!
+//! Nothing here knows bodies, shapes or steps: whoever has those reduces them to rows.
+//!
+//! # Method
+//! Sweeps over the contacts, each solved exactly for the impulses of the others, say within a few which contacts push, which hold and
+//! which slide. They are slow to say how much where many contacts of one body say nearly the same; Newton's method does that in two or
+//! three steps from there. In steady motion the impulses of the step before are a start from which one step of it is enough. Both have a
+//! bound, so that there is always an answer, and [`Outcome`] says whether it is right.
+
+mod local;
+mod newton;
+mod problem;
+mod solver;
+
+pub use problem::{Contact, Problem, Residual};
+pub use solver::{Outcome, TOLERANCE, solve};
+
+/// Rows of a contact: its normal and two tangents.
+pub const ROWS: usize = 3;

@@ -1,0 +1,70 @@
+//! One contact, solved exactly for the impulses of all others.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::problem::Contact;
+
+/// Steps of the search for a compliance.
+const MAX_STEPS: usize = 80;
+
+/// The impulses of a contact with a response of its own to the velocity that the others leave missing.
+///
+/// A contact that needs no push has none. One that can hold without passing its cone holds. Otherwise it slides: with a compliance
+/// of its tangents at which the push aside is just what friction can give. The more compliance, the smaller that push against the
+/// normal impulse, so there is one such value.
+pub(crate) fn solve(response: &Matrix3<f64>, missing: &Vector3<f64>, contact: &Contact) -> Vector3<f64> {
+    if missing.x <= 0.0 {
+        return Vector3::zeros();
+    }
+    if contact.friction == 0.0 {
+        return Vector3::x() * (missing.x / response[(0, 0)]);
+    }
+    let at = |compliance: f64| {
+        let mut matrix = *response;
+        matrix[(1, 1)] += compliance;
+        matrix[(2, 2)] += compliance;
+        if !contact.is_isotropic {
+            matrix.fixed_view_mut::<2, 1>(0, 2).fill(0.0);
+            matrix.fixed_view_mut::<1, 2>(2, 0).fill(0.0);
+            matrix[(2, 2)] = 1.0;
+        }
+        let missing = if contact.is_isotropic { *missing } else { Vector3::new(missing.x, missing.y, 0.0) };
+        matrix.cholesky().map_or_else(Vector3::zeros, |it| it.solve(&missing))
+    };
+    // How far beyond its cone; one that pulls is.
+    let beyond = |push: &Vector3<f64>| push.y.hypot(push.z) - contact.friction * push.x;
+    let held = at(0.0);
+    if held.x >= 0.0 && beyond(&held) <= 0.0 {
+        return held;
+    }
+    // Eight times as much until it is within, then between the two by false position, each end kept once at most (Illinois).
+    let unit = response[(1, 1)].max(response[(2, 2)]);
+    let (mut least, mut most) = (0.0, unit);
+    let (mut off_least, mut push) = (beyond(&held), at(most));
+    let mut off_most = beyond(&push);
+    while off_most > 0.0 && most < 1e12 * unit {
+        (least, off_least) = (most, off_most);
+        most *= 8.0;
+        push = at(most);
+        off_most = beyond(&push);
+    }
+    for _ in 0..MAX_STEPS {
+        if off_most.abs() <= 1e-12 * push.x.abs() || most - least <= 1e-15 * most {
+            break;
+        }
+        let middle = least + (most - least) * (off_least / (off_least - off_most)).clamp(0.01, 0.99);
+        push = at(middle);
+        let off = beyond(&push);
+        if off.abs() <= 1e-12 * push.x.abs() {
+            break;
+        }
+        if off > 0.0 {
+            (least, off_least) = (middle, off);
+            off_most /= 2.0;
+        } else {
+            (most, off_most) = (middle, off);
+            off_least /= 2.0;
+        }
+    }
+    push
+}

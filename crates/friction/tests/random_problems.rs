@@ -1,0 +1,84 @@
+//! Thousands of random problems, cold: every answer is checked row by row.
+
+use friction::{ROWS, TOLERANCE, solve};
+use nalgebra::DVector;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+mod support;
+
+use support::{Kind, random};
+
+/// Problems of each kind.
+const COUNT: usize = 1000;
+
+#[test]
+fn what_settles_is_right_and_nearly_all_does() {
+    let mut all_unsettled = 0;
+    for kind in Kind::ALL {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let (mut unsettled, mut steps, mut sweeps, mut worst) = (0, 0, 0, 0.0_f64);
+        for _ in 0..COUNT {
+            let problem = random(kind, &mut rng);
+            let outcome = solve(&problem, DVector::zeros(problem.missing.len()));
+            let residual = problem.residual(&outcome.impulses).worst();
+            assert!(outcome.impulses.iter().all(|it| it.is_finite()), "{kind:?}: {problem:?}");
+            assert_eq!(outcome.is_settled, residual <= TOLERANCE, "{kind:?}: misses by {residual:e}");
+            unsettled += usize::from(!outcome.is_settled);
+            (steps, sweeps, worst) = (steps + outcome.newton_steps, sweeps + outcome.sweeps, worst.max(residual));
+        }
+        let mean = |total: usize| total as f64 / COUNT as f64;
+        println!(
+            "{kind:?}: {unsettled} of {COUNT} not settled, at worst {worst:.1e}; {:.1} sweeps and {:.1} steps in the mean",
+            mean(sweeps),
+            mean(steps)
+        );
+        all_unsettled += unsettled;
+    }
+    // Two of a thousand.
+    assert!(all_unsettled * 500 <= COUNT * Kind::ALL.len(), "{all_unsettled} not settled");
+}
+
+/// In steady motion the impulses of the step before are right, and those of one that is nearly the same almost.
+#[test]
+fn a_problem_that_comes_again_takes_no_sweep() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    let (mut same, mut near) = (0, 0);
+    for _ in 0..COUNT {
+        let mut problem = random(Kind::Wheels, &mut rng);
+        let first = solve(&problem, DVector::zeros(problem.missing.len()));
+        if !first.is_settled {
+            continue;
+        }
+        let again = solve(&problem, first.impulses.clone());
+        assert_eq!((again.sweeps, again.newton_steps, &again.impulses), (0, 0, &first.impulses));
+        same += 1;
+        problem.missing *= 1.0 + 1e-4;
+        near += usize::from(solve(&problem, first.impulses).sweeps == 0);
+    }
+    assert!(same > 990 && near * 100 >= same * 99, "{near} of {same}");
+}
+
+/// What can be worked out by hand: a body of 2 kg on one contact.
+#[test]
+fn one_contact_holds_slides_or_lets_go() {
+    let response = nalgebra::DMatrix::from_diagonal_element(ROWS, ROWS, 0.5);
+    for (missing, isotropic, expected) in [
+        // It comes down with 1 m/s and aside with 0.3, which half the normal impulse can stop.
+        ([1.0, 0.3, 0.0], true, [2.0, 0.6, 0.0]),
+        // Or aside with 1.0 along a diagonal, which it cannot.
+        ([1.0, 0.8, 0.6], true, [2.0, 0.8, 0.6]),
+        // It goes up.
+        ([-1.0, 0.8, 0.6], true, [0.0, 0.0, 0.0]),
+        // A roller pushes along its axis alone.
+        ([1.0, 0.3, 0.6], false, [2.0, 0.6, 0.0]),
+        ([1.0, -0.8, 0.6], false, [2.0, -1.0, 0.0]),
+    ] {
+        let contacts = vec![friction::Contact { friction: 0.5, is_isotropic: isotropic }];
+        let problem =
+            friction::Problem { response: response.clone(), missing: DVector::from_row_slice(&missing), contacts };
+        let outcome = solve(&problem, DVector::zeros(ROWS));
+        let off = (&outcome.impulses - DVector::from_row_slice(&expected)).amax();
+        assert!(outcome.is_settled && off < 1e-9, "{missing:?}: {}, expected {expected:?}", outcome.impulses);
+    }
+}
