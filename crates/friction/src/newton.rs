@@ -5,22 +5,25 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use crate::ROWS;
 use crate::problem::Problem;
 
-/// Steps of one try: from a good start two or three are enough.
-const MAX_STEPS: usize = 20;
+/// What part of Newton's steps is taken, and how many at most, one try after the other from the same start. From a good one two or
+/// three whole steps are enough; where those go round in a circle, shorter ones seldom do.
+const TRIES: [(f64, usize); 3] = [(1.0, 20), (0.7, 40), (0.4, 40)];
 
 /// Newton's steps, of which each solves the conditions that hold where it is (Alart and Curnier 1991): a contact pushes or not, and
-/// holds or slides. They are whole steps: shortened so that each is better than the last, they end where none is. `None` where they
-/// do not settle.
+/// holds or slides. They need not make each answer better than the last: where they have to, they end where none is. `None` where
+/// they do not settle.
 pub(crate) fn solve(problem: &Problem, from: &DVector<f64>, tolerance: f64, steps: &mut usize) -> Option<DVector<f64>> {
-    let mut impulses = from.clone();
-    for _ in 0..=MAX_STEPS {
-        if problem.residual(&impulses).worst() <= tolerance {
-            return Some(impulses);
+    TRIES.into_iter().find_map(|(share, most)| {
+        let mut impulses = from.clone();
+        for _ in 0..=most {
+            if problem.residual(&impulses).worst() <= tolerance {
+                return Some(impulses);
+            }
+            *steps += 1;
+            impulses -= step(problem, &impulses)? * share;
         }
-        *steps += 1;
-        impulses -= step(problem, &impulses)?;
-    }
-    None
+        None
+    })
 }
 
 /// By how much Newton's method moves the impulses: what is to be taken from them.
