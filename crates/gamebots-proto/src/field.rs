@@ -92,6 +92,11 @@ impl Field {
         Self { key: [self.key[0], key], ..self }
     }
 
+    /// Not in UDK's dialect.
+    pub(crate) const fn only_ut2004(self) -> Self {
+        Self { format: [Format::Absent, self.format[1]], ..self }
+    }
+
     /// Not in UT2004's dialect.
     pub(crate) const fn only_udk(self) -> Self {
         self.ut2004(Format::Absent)
@@ -132,6 +137,7 @@ impl Field {
         let [udk, ut2004] = self.key;
         let (text, format) = match line.get(udk) {
             None if udk != ut2004 => (line.get(ut2004), self.format[1]),
+            text if self.format[0] == Format::Absent => (text, self.format[1]),
             text => (text, self.format[0]),
         };
         if text.is_none() && self.format.contains(&Format::Absent) {

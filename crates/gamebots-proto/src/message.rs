@@ -161,7 +161,7 @@ impl Message {
             "EFF" => Eff::read(&line).map(Self::Eff),
             "CONF" => Conf::read(&line).map(Self::Conf),
             "GEO" => Geo::read(&line).map(Self::Geo),
-            "RES" => Res::read(&line).map(Self::Res),
+            "RES" if line.get("Status").is_some() => Res::read(&line).map(Self::Res),
             _ => None,
         };
         one.into_iter().collect()

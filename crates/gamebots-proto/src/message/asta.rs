@@ -23,7 +23,7 @@ record! {
         /// Its angle or displacement.
         value: f32 = Field::new("Value", Format::Rounded(4)).unit("rad or m").ut2004(Format::Fixed(4)),
         /// The torque that holds it, by USARSim its limit with a minus (5 to 1 N m); 0 where it was not on the line.
-        torque: f32 = Field::new("Torque", Format::Absent).unit("N m / 5").ut2004(Format::Rounded(2)),
+        torque: f32 = Field::new("Torque", Format::Rounded(2)).unit("N m / 5").only_ut2004(),
     }
 }
 

@@ -6,13 +6,13 @@ record! {
     /// What became of a SET.
     Res {
         /// Simulated time.
-        time: f32 = Field::new("Time", Format::Rounded(2)).unit("s"),
+        time: f32 = Field::new("Time", Format::Rounded(2)).unit("s").only_ut2004(),
         /// Type of the item, as the client typed it.
-        type_name: String = Field::new("Type", Format::Word),
+        type_name: String = Field::new("Type", Format::Word).only_ut2004(),
         /// Name of the item, if the client typed one.
-        name: Option<String> = Field::new("Name", Format::Word),
+        name: Option<String> = Field::new("Name", Format::Word).only_ut2004(),
         /// Whether the robot has such an item.
-        found: bool = Field::new("Status", Format::Either(["Failed", "OK"])),
+        found: bool = Field::new("Status", Format::Either(["Failed", "OK"])).only_ut2004(),
     }
 }
 
@@ -20,8 +20,8 @@ record! {
     /// The question of a GETCONF or GETGEO that nothing fits, given back.
     Nothing {
         /// The type, as the client typed it.
-        type_name: String = Field::new("Type", Format::Word),
+        type_name: String = Field::new("Type", Format::Word).only_ut2004(),
         /// The name, if the client typed one.
-        name: Option<String> = Field::new("Name", Format::Word),
+        name: Option<String> = Field::new("Name", Format::Word).only_ut2004(),
     }
 }
