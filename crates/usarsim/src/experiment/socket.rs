@@ -7,6 +7,7 @@ use std::time::Duration;
 use experiments::plan::{Plan, Run};
 use experiments::run::{Outcome, Prepared, RunError, measure, prepare};
 use gamebots_client::Client;
+use gamebots_proto::Dialect;
 use gamebots_proto::message::{Message, Reading, Sen};
 use gamebots_server::{Config, Listener, Ready, Service};
 use recorder::Record;
@@ -24,7 +25,8 @@ const TIME_TOLERANCE: f64 = 1e-4;
 pub(super) fn run(plan: &Plan, run: &Run, log: &Path, real_time_factor: f64) -> Result<Outcome, RunError> {
     let refuse = |reason: &dyn std::fmt::Display| RunError::Setup { id: run.id.clone(), reason: reason.to_string() };
     let Prepared { world, options, init, lines } = prepare(plan, run)?;
-    let listeners = vec![Listener::new(Service::Controllers { dialect: None }, 0)];
+    // Its poses have a millimetre; in the other dialect they have a centimetre.
+    let listeners = vec![Listener::new(Service::Controllers { dialect: Some(Dialect::Udk) }, 0)];
     let config = Config { options, listeners, real_time_factor, log: Some(log.to_owned()), ..Config::new(world) };
     let (ready, address) = mpsc::channel();
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
