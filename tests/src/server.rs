@@ -7,6 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gamebots_client::Client;
+use gamebots_proto::message::PERIODIC_VERBS;
 use gamebots_proto::{Dialect, Line};
 use gamebots_server::{Config, Listener, ServeError, Service};
 use tokio::sync::oneshot;
@@ -152,8 +153,7 @@ impl Peer {
 
     /// The next line that is not on a timer.
     pub fn reply(&mut self) -> String {
-        let periodic =
-            |line: &str| ["SEN ", "STA ", "ASTA ", "MISSTA ", "EFF "].iter().any(|kind| line.starts_with(kind));
+        let periodic = |line: &str| line.split(' ').next().is_some_and(|verb| PERIODIC_VERBS.contains(&verb));
         std::iter::repeat_with(|| self.line()).find(|line| !periodic(line)).unwrap_or_default()
     }
 

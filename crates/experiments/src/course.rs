@@ -1,6 +1,6 @@
 //! Motions of a robot on wheels, measured in the world and compared with how it should move for the angles that its wheels turned.
 
-use std::f64::consts::PI;
+use std::f64::consts::TAU;
 
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Problem};
@@ -58,9 +58,6 @@ impl Motion {
 
     /// The command that brings the wheels to a speed, rad/s.
     fn command(self, robot: &RobotDef, speed: f64) -> Command {
-        let drive = |values: &[(&str, f64)]| {
-            Command::Drive(values.iter().fold(Drive::default(), |drive, (key, value)| drive.with(key, *value)))
-        };
         match (robot.steering, self) {
             (Steering::Omni, Self::Right) => drive_command([speed, -speed, -speed, speed]),
             (Steering::Omni, Self::Clockwise) => drive_command([speed, -speed, speed, -speed]),
@@ -215,7 +212,7 @@ impl Course {
                 }
                 if let Some([before, turned]) = self.headings.get_mut(index) {
                     let now = heading(&body);
-                    *turned += (now - *before + PI).rem_euclid(2.0 * PI) - PI;
+                    *turned += wrapped(now - *before);
                     *before = now;
                 }
             }
@@ -227,8 +224,11 @@ impl Course {
         for _ in 0..(seconds / self.world.time_step()).round() as u64 {
             self.world.step();
             for (reference, &robot) in self.references.iter_mut().zip(&self.robots) {
-                if let (Some(def), Some(snapshot)) = (self.world.robot(robot), self.world.observe(robot)) {
-                    reference.note(&self.world.def().map, def, &snapshot);
+                if let Reference::Sliding(sliding) = reference
+                    && let Some(floor) = self.world.def().map.solids.first()
+                    && let (Some(def), Some(snapshot)) = (self.world.robot(robot), self.world.observe(robot))
+                {
+                    sliding.note(&floor.material, def, &snapshot);
                 }
             }
         }
@@ -270,14 +270,9 @@ impl Course {
             let (first, last) = (self.wheels[index].first()?, self.wheels[index].last()?);
             let turned =
                 first.iter().zip(last).map(|(first, last)| (last - first).abs()).sum::<f64>() / first.len() as f64;
-            let moved = [displacement.x, displacement.y, yaw];
-            let axis = match self.motion {
-                Motion::Forward => 0,
-                Motion::Right => 1,
-                Motion::Clockwise | Motion::Curve => 2,
-            };
-            let ratio = moved[axis] / self.exact(index);
-            Some(Travel { moved, turned, ratio, ripple })
+            let moved = Twist { forward: displacement.x, right: displacement.y, clockwise: yaw };
+            let ratio = self.motion.of(moved) / self.exact(index);
+            Some(Travel { moved: [displacement.x, displacement.y, yaw], turned, ratio, ripple })
         });
         travels.max_by(|a, b| (a.ratio - 1.0).abs().total_cmp(&(b.ratio - 1.0).abs()))
     }
@@ -315,6 +310,11 @@ fn heading(body: &BodyState) -> f64 {
     yaw
 }
 
+/// The same angle between -pi and pi.
+pub(crate) fn wrapped(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
 fn all_angles(wheels: &[WheelState]) -> Vec<f64> {
     wheels.iter().map(|wheel| wheel.angle).collect()
 }
@@ -322,7 +322,11 @@ fn all_angles(wheels: &[WheelState]) -> Vec<f64> {
 /// A command for the four wheels, rad/s.
 pub(crate) fn drive_command(speeds: [f64; 4]) -> Command {
     let keys = ["Front-Left", "Front-Right", "Back-Left", "Back-Right"];
-    Command::Drive(keys.iter().zip(speeds).fold(Drive::default(), |drive, (key, speed)| drive.with(key, speed)))
+    drive(&std::array::from_fn::<_, 4, _>(|wheel| (keys[wheel], speeds[wheel])))
+}
+
+fn drive(values: &[(&str, f64)]) -> Command {
+    Command::Drive(values.iter().fold(Drive::default(), |drive, (key, value)| drive.with(key, *value)))
 }
 
 pub(crate) fn angles(wheels: &[WheelState]) -> [f64; 4] {

@@ -3,7 +3,7 @@
 use kinematics::coulomb::{self, Contact};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::Vector3;
-use scene::{MapDef, Material, RobotDef, RobotSnapshot, WHEEL_AXIS};
+use scene::{Material, RobotDef, RobotSnapshot, WHEEL_AXIS};
 use sim_core::mecanum;
 
 /// The kinematics of a robot.
@@ -44,17 +44,11 @@ impl Reference {
         let sliding = || robot.driven().next().map(|_| Self::Sliding(Sliding::default()));
         mecanum::finite_rollers(robot).map(Self::Rollers).or_else(sliding)
     }
-
-    /// Notes how a robot stands and steers, and what its wheels carry; to be called in every step of some time.
-    pub(crate) fn note(&mut self, map: &MapDef, def: &RobotDef, robot: &RobotSnapshot) {
-        if let (Self::Sliding(sliding), Some(floor)) = (self, map.solids.first()) {
-            sliding.note(&floor.material, def, robot);
-        }
-    }
 }
 
 impl Sliding {
-    fn note(&mut self, floor: &Material, def: &RobotDef, robot: &RobotSnapshot) {
+    /// Notes how a robot stands and steers, and what its wheels carry; to be called in every step of some time.
+    pub(crate) fn note(&mut self, floor: &Material, def: &RobotDef, robot: &RobotSnapshot) {
         let placed = def.placed_links(&robot.joints);
         let wheels = placed.iter().filter_map(|(link, pose)| Some((link, link.wheel.as_ref()?, pose)));
         let loads: Vec<f64> = self.wheels.iter().map(|wheel| wheel.load).collect();

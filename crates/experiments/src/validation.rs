@@ -11,7 +11,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use scene::{DriveModel, MapDef, Material, RobotDef, Shape, Solid, WheelGeometry, WorldDef};
 use sim_core::{BodyState, Options, RobotId, WheelState, World, mecanum};
 
-use crate::course::{MotionError, SETTLING, angles, drive_command, exact_step};
+use crate::course::{MotionError, SETTLING, angles, drive_command, exact_step, wrapped};
 
 /// One measured number and what it should be.
 #[derive(Debug, Clone, PartialEq)]
@@ -205,10 +205,6 @@ fn travel(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Travel,
     let displacement = up.inverse() * (scene.body().pose.translation.vector - from.pose.translation.vector);
     let turned = std::array::from_fn(|wheel| before[wheel] - start[wheel]);
     Ok(Travel { moved: [displacement.x, displacement.y, yaw], exact, turned, ripple: highest - lowest })
-}
-
-fn wrapped(angle: f64) -> f64 {
-    angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
 }
 
 /// The analytic model is held to 0.3 %, others to what the check allows.

@@ -385,35 +385,21 @@ impl Value for Vec<f32> {
     }
 }
 
-impl Value for Option<[f32; 3]> {
-    fn write(&self, format: Format) -> Option<String> {
-        self.as_ref()?.write(format)
-    }
+macro_rules! optional {
+    ($($type:ty)*) => {$(
+        /// What is missing has no block.
+        impl Value for Option<$type> {
+            fn write(&self, format: Format) -> Option<String> {
+                self.as_ref()?.write(format)
+            }
 
-    fn read(text: Option<&str>, format: Format) -> Option<Self> {
-        text.map_or(Some(None), |text| Value::read(Some(text), format).map(Some))
-    }
+            fn read(text: Option<&str>, format: Format) -> Option<Self> {
+                text.map_or(Some(None), |text| Value::read(Some(text), format).map(Some))
+            }
+        }
+    )*};
 }
-
-impl Value for Option<String> {
-    fn write(&self, _: Format) -> Option<String> {
-        self.clone()
-    }
-
-    fn read(text: Option<&str>, _: Format) -> Option<Self> {
-        Some(text.map(str::to_owned))
-    }
-}
-
-impl Value for Option<usize> {
-    fn write(&self, format: Format) -> Option<String> {
-        self.as_ref()?.write(format)
-    }
-
-    fn read(text: Option<&str>, format: Format) -> Option<Self> {
-        text.map_or(Some(None), |text| Value::read(Some(text), format).map(Some))
-    }
-}
+optional! { [f32; 3] String usize }
 
 fn number(value: f32, format: Format) -> String {
     match format {

@@ -49,37 +49,43 @@ pub enum Message {
     NoGeo(Nothing),
 }
 
-/// A line, and which of the messages that were to be written it says.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct WrittenLine {
+/// The verbs of the lines that come on a timer.
+pub const PERIODIC_VERBS: [&str; 5] = ["SEN", "STA", "ASTA", "MISSTA", "EFF"];
+
+/// A line, and the messages that it says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrittenLine<'a> {
     /// Without its CR LF.
     pub line: String,
-    /// Their indices.
-    pub messages: Vec<usize>,
+    /// One, or the readings that share it.
+    pub messages: Vec<&'a Message>,
 }
 
 /// The lines for what one robot says in one step: for UT2004 the readings of all sonars, or encoders, are one line.
-pub fn lines<'a>(messages: impl IntoIterator<Item = &'a Message>, dialect: Dialect) -> Vec<WrittenLine> {
-    let messages: Vec<&Message> = messages.into_iter().collect();
+pub fn lines<'a>(messages: impl IntoIterator<Item = &'a Message>, dialect: Dialect) -> Vec<WrittenLine<'a>> {
     let group = |message: &Message| match message {
         Message::Sen(sen) if sen.reading.is_grouped(dialect) => Some(sen.reading.type_name()),
         _ => None,
     };
-    let mut written: Vec<WrittenLine> = Vec::with_capacity(messages.len());
-    for (index, message) in messages.iter().enumerate() {
-        let Some(type_name) = group(message) else {
-            written.push(WrittenLine { line: message.write(dialect), messages: vec![index] });
-            continue;
-        };
-        let same = messages.iter().enumerate().filter(|(_, other)| group(other) == Some(type_name));
-        let indices: Vec<usize> = same.clone().map(|(index, _)| index).collect();
-        if indices.first() == Some(&index) {
-            let readings = same.filter_map(|(_, other)| if let Message::Sen(sen) = other { Some(sen) } else { None });
-            let line = Sen::write_grouped(&readings.collect::<Vec<_>>(), dialect);
-            written.push(WrittenLine { line, messages: indices });
+    let mut groups: Vec<(Option<&str>, Vec<&Message>)> = Vec::new();
+    for message in messages {
+        let own = group(message);
+        match groups.iter_mut().find(|(other, _)| own.is_some() && *other == own) {
+            Some((_, together)) => together.push(message),
+            None => groups.push((own, vec![message])),
         }
     }
-    written
+    let written = |(_, messages): (_, Vec<&'a Message>)| {
+        let line = match messages.as_slice() {
+            [alone] => alone.write(dialect),
+            together => {
+                let sen = |message: &&'a Message| if let Message::Sen(sen) = message { Some(sen) } else { None };
+                Sen::write_together(&together.iter().filter_map(sen).collect::<Vec<_>>(), dialect)
+            }
+        };
+        WrittenLine { line, messages }
+    };
+    groups.into_iter().map(written).collect()
 }
 
 /// Every table, with the beginning of the lines that have it, and with the time where that is before the type.

@@ -36,18 +36,18 @@ impl Publisher {
     }
 
     /// Messages of a robot, or one about none, go to a client as this line.
-    pub(crate) fn sent<'a>(
+    pub(crate) fn sent(
         &mut self,
         world: &World,
         connection: ConnectionId,
         robot: Option<RobotId>,
-        messages: impl Iterator<Item = &'a Message>,
+        messages: &[&Message],
         line: &str,
     ) {
         let robot = robot.map(|robot| robot.0);
         if self.recording.is_wanted() {
             self.recording.record(world, Record::Out(WireLine { connection, robot, line: line.to_owned() }));
-            for sensed in messages.filter_map(|message| Record::sensed(robot, message)) {
+            for sensed in messages.iter().filter_map(|message| Record::sensed(robot, message)) {
                 self.recording.record(world, sensed);
             }
         }
@@ -59,8 +59,8 @@ impl Publisher {
         self.live.scan(world, robot, message);
     }
 
-    /// A client or a robot has come.
-    pub(crate) fn came(&mut self, now: Instant) {
+    /// Something is otherwise: a client or a robot has come, or time passes otherwise.
+    pub(crate) fn changed(&mut self, now: Instant) {
         self.snapshot = None;
         self.live.changed(now);
     }

@@ -143,11 +143,6 @@ impl Session {
         (answers, warnings)
     }
 
-    /// Lets the client have what still waits for it.
-    pub(crate) fn end(self) {
-        self.outbox.close();
-    }
-
     /// Logs the periodic lines that were dropped since the last call.
     pub(crate) fn report_dropped(&mut self) {
         let dropped = self.outbox.take_dropped();

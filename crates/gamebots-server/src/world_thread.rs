@@ -209,7 +209,7 @@ impl Server {
                 self.sessions.insert(id, session);
                 let greeting = self.world.greeting();
                 self.send(id, None, &[greeting]);
-                self.publisher.came(Instant::now());
+                self.publisher.changed(Instant::now());
             }
             Event::Requests(id, requests, turn) => {
                 if let Some(session) = self.sessions.get_mut(&id) {
@@ -285,7 +285,7 @@ impl Server {
         }
         if let Some(mut session) = self.sessions.remove(&id) {
             session.report_dropped();
-            session.end();
+            session.outbox().close();
             self.remove_robots(id);
         }
         self.publisher.closed(&self.world, id);
@@ -317,7 +317,7 @@ impl Server {
             info!(?control, time = self.world.time(), "asked by a viewer");
         }
         self.pace = Pace::new(self.timing.speed, now, self.world.time());
-        self.publisher.came(now);
+        self.publisher.changed(now);
     }
 
     /// A fresh world; everyone who is connected gets their robots back where they were first put, in the same order.
@@ -349,7 +349,7 @@ impl Server {
         let (refusals, warnings) = session.refuse(text, &problems, Instant::now());
         if let Some(robot) = spawned {
             self.owners.add(robot, id, text.clone());
-            self.publisher.came(Instant::now());
+            self.publisher.changed(Instant::now());
         }
         warnings.iter().for_each(|warning| self.publisher.warn(&self.world, warning));
         let robot = spawned.or(pawn);
@@ -381,12 +381,10 @@ impl Server {
 
     /// Sends messages of a robot, or about none, that belong together.
     fn send<'a>(&mut self, id: ConnectionId, robot: Option<RobotId>, messages: impl IntoIterator<Item = &'a Message>) {
-        let messages: Vec<&Message> = messages.into_iter().collect();
-        for WrittenLine { line, messages: said } in message::lines(messages.iter().copied(), self.dialect(id, robot)) {
-            let said: Vec<&Message> = said.iter().filter_map(|&index| messages.get(index).copied()).collect();
-            self.publisher.sent(&self.world, id, robot, said.iter().copied(), &line);
+        for WrittenLine { line, messages } in message::lines(messages, self.dialect(id, robot)) {
+            self.publisher.sent(&self.world, id, robot, &messages, &line);
             if let Some(session) = self.sessions.get(&id) {
-                session.outbox().push(line, said.iter().all(|message| message.is_periodic()));
+                session.outbox().push(line, messages.iter().all(|message| message.is_periodic()));
             }
         }
     }

@@ -7,6 +7,7 @@ use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::time::Duration;
 
 use gamebots_client::Client;
+use gamebots_proto::message::PERIODIC_VERBS;
 use gamebots_proto::{Block, Command, Line};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
@@ -197,7 +198,7 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
                 return;
             }
         };
-        let is_periodic = ["SEN ", "STA ", "ASTA ", "MISSTA ", "EFF "].iter().any(|kind| line.starts_with(kind));
+        let is_periodic = line.split(' ').next().is_some_and(|verb| PERIODIC_VERBS.contains(&verb));
         let is_wanted =
             watched.as_ref().is_some_and(|word| line.to_ascii_lowercase().contains(&word.to_ascii_lowercase()));
         if (!is_periodic || is_wanted) && printer.print(format!("{}\n", pretty(&line, colour))).is_err() {

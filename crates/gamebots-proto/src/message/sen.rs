@@ -117,25 +117,20 @@ impl Sen {
         Self { sensor: Some(sensor), ..self }
     }
 
-    /// An empty body still leaves the space before it (Item.uc:43).
     pub(super) fn write(&self, dialect: Dialect) -> String {
-        let mut line = self.head(dialect);
-        let body = self.reading.write(dialect);
-        if body.is_empty() {
-            line.push(' ');
-        } else if self.reading.is_grouped(dialect) {
-            line += &field::merged(&body);
-        } else {
-            line += &field::blocks(body);
-        }
-        line
+        Self::write_together(&[self], dialect)
     }
 
-    /// The readings of grouped sensors in one line.
-    pub(super) fn write_grouped(readings: &[&Self], dialect: Dialect) -> String {
-        let mut line = readings.first().map_or_else(String::new, |first| first.head(dialect));
-        readings.iter().for_each(|reading| line += &field::merged(&reading.reading.write(dialect)));
-        line
+    /// One line for a reading, or for several of one type that share it. An empty body still leaves the space before it (Item.uc:43).
+    pub(super) fn write_together(readings: &[&Self], dialect: Dialect) -> String {
+        let Some(first) = readings.first() else { return String::new() };
+        let body: Vec<Written> = readings.iter().flat_map(|it| it.reading.write(dialect)).collect();
+        let body = match body.is_empty() {
+            true => " ".to_owned(),
+            false if first.reading.is_grouped(dialect) => field::merged(&body),
+            false => field::blocks(body),
+        };
+        first.head(dialect) + &body
     }
 
     fn head(&self, dialect: Dialect) -> String {

@@ -7,7 +7,7 @@ use gamebots_proto::message::{
     MisPkgConf, MisPkgJoint,
 };
 use nalgebra::Vector3;
-use scene::{Actuator, Gripper, JointKind, RobotDef};
+use scene::{Actuator, Gripper, Joint, JointKind, RobotDef};
 
 use super::answer::item_geo;
 use super::robot::{Robot, unknown};
@@ -82,11 +82,12 @@ impl Robot {
         }
         let joints = physics.joints(self.bodies());
         for actuator in &def.actuators {
-            let joint = |(number, conf): (usize, JointConf)| {
-                let state = joints.get(def.value_of(*actuator.links.get(number)?)?)?;
-                Some(JointSta { link: conf.link, value: state.position as f32, torque: -conf.max_torque })
+            let joint = |(link, &number): (usize, &usize)| {
+                let state = joints.get(def.value_of(number)?)?;
+                let torque = -max_torque(def.links.get(number)?.joint.as_ref()?);
+                Some(JointSta { link, value: state.position as f32, torque })
             };
-            let joints = joint_confs(def, actuator).into_iter().enumerate().filter_map(joint).collect();
+            let joints = (1..).zip(&actuator.links).filter_map(joint).collect();
             send(Message::Asta(Asta { time: time as f32, name: actuator.name.clone(), joints }));
         }
         for (gripper, &closed) in def.grippers.iter().zip(self.closed_grippers()) {
@@ -114,16 +115,22 @@ pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf
     }
 }
 
+/// The limit of a joint's motor, in USARSim's unit of torque, or in N.
+fn max_torque(joint: &Joint) -> f32 {
+    let unit = if joint.kind == JointKind::Prismatic { 1.0 } else { TORQUE_UNIT };
+    joint.drive.as_ref().map_or(0.0, |motor| motor.max_torque * unit) as f32
+}
+
 fn joint_confs(def: &RobotDef, actuator: &Actuator) -> Vec<JointConf> {
     let joint = |(link, &number): (usize, &usize)| {
         let joint = def.links.get(number)?.joint.as_ref()?;
-        let (kind, unit) = match joint.kind {
-            JointKind::Revolute | JointKind::Continuous => ("Revolute", TORQUE_UNIT),
-            JointKind::Prismatic => ("Prismatic", 1.0),
-            JointKind::Fixed | JointKind::Ball => ("Unknown", TORQUE_UNIT),
+        let kind = match joint.kind {
+            JointKind::Revolute | JointKind::Continuous => "Revolute",
+            JointKind::Prismatic => "Prismatic",
+            JointKind::Fixed | JointKind::Ball => "Unknown",
         };
         let [min, max] = joint.limits.unwrap_or_default().map(|limit| limit as f32);
-        let max_torque = joint.drive.as_ref().map_or(0.0, |motor| motor.max_torque * unit) as f32;
+        let max_torque = max_torque(joint);
         Some(JointConf { link, kind: kind.to_owned(), max_torque, min, max })
     };
     (1..).zip(&actuator.links).filter_map(joint).collect()
