@@ -1,7 +1,8 @@
 //! Contacts with Coulomb's friction, solved to the end.
 //!
 //! Between two steps every contact gives an impulse: along its normal, which never pulls, and in its tangent plane, at most the
-//! coefficient of friction times the normal impulse. Where it slides it gives all of that, against its slip. A [`Problem`] says
+//! coefficient of friction times the normal impulse. Where it slides it gives all of that, against its slip. Ends of joints, their dry
+//! friction and couplings are less than that: a normal alone, or one row with a limit. A [`Problem`] says
 //! what velocity an impulse on any row gives on any other, and what velocities are missing; [`solve`] finds the impulses.
 //!
 //! Nothing here knows bodies, shapes or steps: whoever has those reduces them to rows.
@@ -17,8 +18,5 @@ mod newton;
 mod problem;
 mod solver;
 
-pub use problem::{Contact, Problem, Residual};
+pub use problem::{Constraint, Problem, Residual};
 pub use solver::{Outcome, TOLERANCE, solve};
-
-/// Rows of a contact: its normal and two tangents.
-pub const ROWS: usize = 3;

@@ -2,8 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::problem::Contact;
-
 /// Steps of the search for a compliance.
 const MAX_STEPS: usize = 80;
 
@@ -12,33 +10,29 @@ const MAX_STEPS: usize = 80;
 /// A contact that needs no push has none. One that can hold without passing its cone holds. Otherwise it slides: with a compliance
 /// of its tangents at which the push aside is just what friction can give. The more compliance, the smaller that push against the
 /// normal impulse, so there is one such value.
-pub(crate) fn solve(response: &Matrix3<f64>, missing: &Vector3<f64>, contact: &Contact) -> Vector3<f64> {
+///
+/// Tangents that the contact does not have respond to their own impulse alone, and miss nothing.
+pub(crate) fn solve(response: &Matrix3<f64>, missing: &Vector3<f64>, friction: f64, tangents: usize) -> Vector3<f64> {
     if missing.x <= 0.0 {
         return Vector3::zeros();
     }
-    if contact.friction == 0.0 {
+    if friction == 0.0 || tangents == 0 {
         return Vector3::x() * (missing.x / response[(0, 0)]);
     }
     let at = |compliance: f64| {
         let mut matrix = *response;
         matrix[(1, 1)] += compliance;
         matrix[(2, 2)] += compliance;
-        if !contact.is_isotropic {
-            matrix.fixed_view_mut::<2, 1>(0, 2).fill(0.0);
-            matrix.fixed_view_mut::<1, 2>(2, 0).fill(0.0);
-            matrix[(2, 2)] = 1.0;
-        }
-        let missing = if contact.is_isotropic { *missing } else { Vector3::new(missing.x, missing.y, 0.0) };
-        matrix.cholesky().map_or_else(Vector3::zeros, |it| it.solve(&missing))
+        matrix.cholesky().map_or_else(Vector3::zeros, |it| it.solve(missing))
     };
     // How far beyond its cone; one that pulls is.
-    let beyond = |push: &Vector3<f64>| push.y.hypot(push.z) - contact.friction * push.x;
+    let beyond = |push: &Vector3<f64>| push.y.hypot(push.z) - friction * push.x;
     let held = at(0.0);
     if held.x >= 0.0 && beyond(&held) <= 0.0 {
         return held;
     }
     // Eight times as much until it is within, then between the two by false position, each end kept once at most (Illinois).
-    let unit = response[(1, 1)].max(response[(2, 2)]);
+    let unit = if tangents == 1 { response[(1, 1)] } else { response[(1, 1)].max(response[(2, 2)]) };
     let (mut least, mut most) = (0.0, unit);
     let (mut off_least, mut push) = (beyond(&held), at(most));
     let mut off_most = beyond(&push);

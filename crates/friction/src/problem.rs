@@ -1,38 +1,45 @@
 //! What is to be solved, and how well an answer solves it.
 
-use nalgebra::{DMatrix, DVector, Vector2};
+use nalgebra::{DMatrix, DVector};
 
-use crate::ROWS;
-
-/// A contact.
+/// Rows that belong together, and what their impulses may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
-    /// Coefficient of friction.
-    pub friction: f64,
-    /// Whether friction acts along both tangents, or along the first alone, as at a free roller, whose axis that is.
-    pub is_isotropic: bool,
+pub enum Constraint {
+    /// A contact: its normal, then so many tangents. Two at a surface; one at a free roller, whose axis it is; none at the end of a
+    /// joint. The normal impulse is 0 or more, that of the tangents together at most the coefficient of friction times as much.
+    Contact {
+        /// Coefficient of friction.
+        friction: f64,
+        /// 0 to 2.
+        tangents: usize,
+    },
+    /// One row whose impulse is at most so much either way, N s: dry friction of a joint, or a coupling where it is infinite.
+    Within(f64),
 }
 
-impl Contact {
-    /// In how many directions friction acts.
-    pub(crate) fn tangents(&self) -> usize {
-        if self.is_isotropic { 2 } else { 1 }
+impl Constraint {
+    /// How many rows it has.
+    pub fn rows(&self) -> usize {
+        match self {
+            Self::Contact { tangents, .. } => 1 + tangents,
+            Self::Within(_) => 1,
+        }
     }
 }
 
-/// Contacts of bodies that act on each other. Rows are ordered contact by contact: normal, first and second tangent.
+/// Constraints of bodies that act on each other. Rows are ordered constraint by constraint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// The velocity that an impulse of 1 N s on a row gives on each row, m/s: symmetric and positive definite. What a contact itself
-    /// gives way, as a servo or a spring does, is on the diagonal.
+    /// The velocity that an impulse of 1 N s on a row gives on each row, m/s: symmetric and positive definite. What a constraint
+    /// itself gives way, as a servo or a spring does, is on the diagonal.
     pub response: DMatrix<f64>,
     /// The velocity that is missing on each row without impulses, m/s: to the least normal velocity that is allowed, and to no slip.
     pub missing: DVector<f64>,
-    /// The contacts.
-    pub contacts: Vec<Contact>,
+    /// The constraints.
+    pub constraints: Vec<Constraint>,
 }
 
-/// By how much an answer misses, at the contact where it misses most; relative to the greatest velocity that was missing.
+/// By how much an answer misses, at the constraint where it misses most; relative to the greatest velocity that was missing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Residual {
     /// A contact pulls or goes on to penetrate.
@@ -49,11 +56,19 @@ impl Residual {
 }
 
 impl Problem {
-    /// The velocity that an impulse of 1 N s along a tangent of a contact gives there, m/s: of the tangent that gives way less.
-    pub(crate) fn tangent_response(&self, contact: usize) -> f64 {
-        let tangents = 1..=self.contacts[contact].tangents();
-        let own = |tangent| self.response[(contact * ROWS + tangent, contact * ROWS + tangent)];
-        tangents.map(own).fold(f64::INFINITY, f64::min)
+    /// Every constraint with its first row.
+    pub(crate) fn constraints(&self) -> impl Iterator<Item = (usize, Constraint)> {
+        let mut next = 0;
+        self.constraints.iter().map(move |&constraint| {
+            let row = next;
+            next += constraint.rows();
+            (row, constraint)
+        })
+    }
+
+    /// The velocity that an impulse of 1 N s along a tangent gives there, m/s: of so many from a row on the one that gives way less.
+    pub(crate) fn tangent_response(&self, first: usize, tangents: usize) -> f64 {
+        (first..first + tangents).map(|row| self.response[(row, row)]).fold(f64::INFINITY, f64::min)
     }
 
     /// What velocities are measured by: the greatest that is missing, m/s.
@@ -61,29 +76,47 @@ impl Problem {
         self.missing.amax().max(f64::MIN_POSITIVE)
     }
 
+    /// The velocity on every row with impulses, m/s, beside what was to be reached.
+    pub(crate) fn velocity(&self, impulses: &DVector<f64>) -> DVector<f64> {
+        &self.response * impulses - &self.missing
+    }
+
     /// How well impulses solve it, N s.
     pub fn residual(&self, impulses: &DVector<f64>) -> Residual {
-        let velocity = &self.response * impulses - &self.missing;
+        self.residual_at(impulses, &self.velocity(impulses))
+    }
+
+    /// The same for impulses whose velocity is known.
+    pub(crate) fn residual_at(&self, impulses: &DVector<f64>, velocity: &DVector<f64>) -> Residual {
         let scale = self.scale();
         let mut worst = Residual::default();
-        for (number, contact) in self.contacts.iter().enumerate() {
-            let row = number * ROWS;
-            // An impulse in terms of the velocity that it gives its own contact.
-            let own = self.response[(row, row)];
-            let (pushed, gap) = (impulses[row] * own, velocity[row]);
-            // Complementarity: the one that is not positive is to be 0.
-            worst.normal = worst.normal.max(pushed.min(gap).abs() / scale);
-            let own = self.tangent_response(number);
-            let tangents = contact.tangents();
-            let part = |of: &DVector<f64>| {
-                Vector2::from_fn(|tangent, _| if tangent < tangents { of[row + 1 + tangent] } else { 0.0 })
-            };
-            let (push, slip) = (part(impulses), part(&velocity));
-            // The impulse is the point of its disc nearest to itself less the slip (De Saxcé's projection).
-            let most = contact.friction * impulses[row].max(0.0);
-            let wanted = push - slip / own;
-            let wanted = if wanted.norm() > most { wanted * (most / wanted.norm()) } else { wanted };
-            worst.tangent = worst.tangent.max((push - wanted).norm() * own / scale);
+        for (row, constraint) in self.constraints() {
+            match constraint {
+                Constraint::Within(most) => {
+                    let own = self.response[(row, row)];
+                    let wanted = (impulses[row] - velocity[row] / own).clamp(-most, most);
+                    worst.tangent = worst.tangent.max((impulses[row] - wanted).abs() * own / scale);
+                }
+                Constraint::Contact { friction, tangents } => {
+                    // An impulse in terms of the velocity that it gives its own contact.
+                    let (pushed, gap) = (impulses[row] * self.response[(row, row)], velocity[row]);
+                    // Complementarity: the one that is not positive is to be 0.
+                    worst.normal = worst.normal.max(pushed.min(gap).abs() / scale);
+                    if tangents == 0 {
+                        continue;
+                    }
+                    let own = self.tangent_response(row + 1, tangents);
+                    // The impulse is the point of its disc nearest to itself less the slip (De Saxcé's projection).
+                    let most = friction * impulses[row].max(0.0);
+                    let (push, slip) = (impulses.rows(row + 1, tangents), velocity.rows(row + 1, tangents));
+                    let wanted = |tangent: usize| push[tangent] - slip[tangent] / own;
+                    let length = (0..tangents).map(|tangent| wanted(tangent).powi(2)).sum::<f64>().sqrt();
+                    let share = if length > most { most / length } else { 1.0 };
+                    let off =
+                        (0..tangents).map(|tangent| (push[tangent] - wanted(tangent) * share).powi(2)).sum::<f64>();
+                    worst.tangent = worst.tangent.max(off.sqrt() * own / scale);
+                }
+            }
         }
         worst
     }

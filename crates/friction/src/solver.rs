@@ -2,8 +2,8 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use crate::problem::Problem;
-use crate::{ROWS, local, newton};
+use crate::problem::{Constraint, Problem};
+use crate::{local, newton};
 
 /// How far an answer may miss, of the greatest velocity that is missing.
 pub const TOLERANCE: f64 = 1e-6;
@@ -47,16 +47,29 @@ pub fn solve(problem: &Problem, mut impulses: DVector<f64>) -> Outcome {
     }
 }
 
-/// Every contact in turn, exactly, for the impulses of the others (nonsmooth Gauss-Seidel; Jean and Moreau 1992).
+/// Every constraint in turn, exactly, for the impulses of the others (nonsmooth Gauss-Seidel; Jean and Moreau 1992).
 fn sweep(problem: &Problem, impulses: &mut DVector<f64>) {
-    for (number, contact) in problem.contacts.iter().enumerate() {
-        let row = number * ROWS;
-        let own: Matrix3<f64> = problem.response.fixed_view::<ROWS, ROWS>(row, row).into_owned();
-        let before = impulses.fixed_rows::<ROWS>(row).into_owned();
+    for (row, constraint) in problem.constraints() {
+        let count = constraint.rows();
         // The response is symmetric, and its columns lie together in memory.
-        let given = Vector3::from_fn(|it, _| problem.response.column(row + it).dot(impulses));
-        let missing = problem.missing.fixed_rows::<ROWS>(row) - given + own * before;
-        let push = local::solve(&own, &missing, contact);
-        impulses.fixed_rows_mut::<ROWS>(row).copy_from(&push);
+        let given = |row: usize| problem.response.column(row).dot(impulses);
+        match constraint {
+            Constraint::Within(most) => {
+                let left = (problem.missing[row] - given(row)) / problem.response[(row, row)];
+                impulses[row] = (impulses[row] + left).clamp(-most, most);
+            }
+            Constraint::Contact { friction, tangents } => {
+                // Rows that it does not have respond to nothing and miss nothing.
+                let mut own = Matrix3::identity();
+                own.view_mut((0, 0), (count, count)).copy_from(&problem.response.view((row, row), (count, count)));
+                let mut before = Vector3::zeros();
+                before.rows_mut(0, count).copy_from(&impulses.rows(row, count));
+                let left = Vector3::from_fn(
+                    |it, _| if it < count { problem.missing[row + it] - given(row + it) } else { 0.0 },
+                );
+                let push = local::solve(&own, &(left + own * before), friction, tangents);
+                impulses.rows_mut(row, count).copy_from(&push.rows(0, count));
+            }
+        }
     }
 }

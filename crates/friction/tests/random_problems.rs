@@ -1,7 +1,7 @@
 //! Thousands of random problems, cold: every answer is checked row by row.
 
-use friction::{ROWS, TOLERANCE, solve};
-use nalgebra::DVector;
+use friction::{Constraint, Problem, TOLERANCE, solve};
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -59,26 +59,36 @@ fn a_problem_that_comes_again_takes_no_sweep() {
     assert!(same > 990 && near * 100 >= same * 99, "{near} of {same}");
 }
 
-/// What can be worked out by hand: a body of 2 kg on one contact.
+/// What can be worked out by hand: a body of 2 kg on one contact, a joint with dry friction.
 #[test]
 fn one_contact_holds_slides_or_lets_go() {
-    let response = nalgebra::DMatrix::from_diagonal_element(ROWS, ROWS, 0.5);
-    for (missing, isotropic, expected) in [
+    let contact = |tangents| Constraint::Contact { friction: 0.5, tangents };
+    for (constraint, missing, expected) in [
         // It comes down with 1 m/s and aside with 0.3, which half the normal impulse can stop.
-        ([1.0, 0.3, 0.0], true, [2.0, 0.6, 0.0]),
+        (contact(2), vec![1.0, 0.3, 0.0], vec![2.0, 0.6, 0.0]),
         // Or aside with 1.0 along a diagonal, which it cannot.
-        ([1.0, 0.8, 0.6], true, [2.0, 0.8, 0.6]),
+        (contact(2), vec![1.0, 0.8, 0.6], vec![2.0, 0.8, 0.6]),
         // It goes up.
-        ([-1.0, 0.8, 0.6], true, [0.0, 0.0, 0.0]),
+        (contact(2), vec![-1.0, 0.8, 0.6], vec![0.0, 0.0, 0.0]),
         // A roller pushes along its axis alone.
-        ([1.0, 0.3, 0.6], false, [2.0, 0.6, 0.0]),
-        ([1.0, -0.8, 0.6], false, [2.0, -1.0, 0.0]),
+        (contact(1), vec![1.0, 0.3], vec![2.0, 0.6]),
+        (contact(1), vec![1.0, -0.8], vec![2.0, -1.0]),
+        // The end of a joint only stops.
+        (contact(0), vec![1.0], vec![2.0]),
+        (contact(0), vec![-1.0], vec![0.0]),
+        // Dry friction holds, or slides with all that it has.
+        (Constraint::Within(1.0), vec![0.4], vec![0.8]),
+        (Constraint::Within(1.0), vec![-0.8], vec![-1.0]),
+        (Constraint::Within(f64::INFINITY), vec![-0.8], vec![-1.6]),
     ] {
-        let contacts = vec![friction::Contact { friction: 0.5, is_isotropic: isotropic }];
-        let problem =
-            friction::Problem { response: response.clone(), missing: DVector::from_row_slice(&missing), contacts };
-        let outcome = solve(&problem, DVector::zeros(ROWS));
+        let response = DMatrix::from_diagonal_element(missing.len(), missing.len(), 0.5);
+        let problem = Problem { response, missing: DVector::from_vec(missing.clone()), constraints: vec![constraint] };
+        let outcome = solve(&problem, DVector::zeros(missing.len()));
         let off = (&outcome.impulses - DVector::from_row_slice(&expected)).amax();
-        assert!(outcome.is_settled && off < 1e-9, "{missing:?}: {}, expected {expected:?}", outcome.impulses);
+        assert!(
+            outcome.is_settled && off < 1e-9,
+            "{constraint:?} {missing:?}: {}, expected {expected:?}",
+            outcome.impulses
+        );
     }
 }

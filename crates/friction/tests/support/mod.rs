@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use friction::{Contact, Problem, ROWS};
+use friction::{Constraint, Problem};
 use nalgebra::{DMatrix, DVector, Matrix3, Unit, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -59,7 +59,7 @@ pub(crate) fn random(kind: Kind, rng: &mut ChaCha8Rng) -> Problem {
     let mut vector = |most: f64| Vector3::from_fn(|_, _| rng.random_range(-most..most));
     let (velocity, turning) = (vector(2.0) - Vector3::z(), vector(3.0));
     let mut rows: Vec<(Vector3<f64>, Vector3<f64>, f64, f64)> = Vec::new();
-    let mut contacts = Vec::new();
+    let mut constraints = Vec::new();
     for _ in 0..count {
         let normal = kind.normal(rng);
         let position = Vector3::from_fn(|axis, _| {
@@ -78,10 +78,16 @@ pub(crate) fn random(kind: Kind, rng: &mut ChaCha8Rng) -> Problem {
         } else {
             (0.0, 0.0)
         };
-        for (axis, rim, give) in [(normal, 0.0, 0.0), (first, rim, give), (second, 0.0, 0.0)] {
+        let contact = Constraint::Contact {
+            friction: rng.random_range(0.05..1.2),
+            tangents: if rng.random_bool(0.8) { 2 } else { 1 },
+        };
+        for (axis, rim, give) in
+            [(normal, 0.0, 0.0), (first, rim, give), (second, 0.0, 0.0)].into_iter().take(contact.rows())
+        {
             rows.push((axis, position.cross(&axis), rim, give));
         }
-        contacts.push(Contact { friction: rng.random_range(0.05..1.2), is_isotropic: rng.random_bool(0.8) });
+        constraints.push(contact);
     }
     let dot = |a: usize, b: usize| {
         let ((axis, arm, ..), (other, other_arm, ..)) = (&rows[a], &rows[b]);
@@ -89,12 +95,11 @@ pub(crate) fn random(kind: Kind, rng: &mut ChaCha8Rng) -> Problem {
     };
     // A little softness, as a contact of compliance has: many contacts of one body say the same.
     let softness = 1e-3 / mass;
-    let response = DMatrix::from_fn(count * ROWS, count * ROWS, |a, b| {
-        dot(a, b) + if a == b { softness + rows[a].3 } else { 0.0 }
-    });
-    let missing = DVector::from_fn(count * ROWS, |row, _| {
+    let response =
+        DMatrix::from_fn(rows.len(), rows.len(), |a, b| dot(a, b) + if a == b { softness + rows[a].3 } else { 0.0 });
+    let missing = DVector::from_fn(rows.len(), |row, _| {
         let (axis, arm, rim, _) = rows[row];
         rim - axis.dot(&velocity) - arm.dot(&turning)
     });
-    Problem { response, missing, contacts }
+    Problem { response, missing, constraints }
 }
