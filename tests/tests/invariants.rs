@@ -25,7 +25,7 @@ fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-const PURE: [&str; 5] = ["friction", "gamebots-proto", "kinematics", "scene", "sim-core"];
+const PURE: [&str; 6] = ["articulated", "friction", "gamebots-proto", "kinematics", "scene", "sim-core"];
 
 /// The dependencies as a list: negating an inverted tree would take a dev-dependency for a dependency.
 fn dependencies(package: &str) -> String {

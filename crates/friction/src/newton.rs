@@ -102,7 +102,7 @@ fn eliminate(slopes: &mut DMatrix<f64>, right: &mut DVector<f64>) -> bool {
         }
         let (used, rest) = slopes.split_at_mut((unknown + 1) * count);
         let used = &used[unknown * count..];
-        if !(used[unknown].abs() > 0.0) {
+        if used[unknown] == 0.0 {
             return false;
         }
         for (other, equation) in rest.chunks_exact_mut(count).enumerate() {

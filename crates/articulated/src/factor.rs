@@ -1,0 +1,62 @@
+//! A symmetric matrix with entries only where one degree of freedom is above another, and its factors L'L (Featherstone 2008, 8.4).
+//!
+//! Row by row, each with an entry for every degree of freedom of its chain, from the root down. The row of one that is above another
+//! begins with the same ones as the other's, so all inner loops run along slices.
+
+use crate::Tree;
+
+/// Puts the factors in the place of the matrix. Its diagonal has the inverses then.
+pub(crate) fn factorise(tree: &Tree, matrix: &mut [f64]) {
+    for (number, dof) in tree.dofs.iter().enumerate().rev() {
+        let (above, row) = matrix.split_at_mut(dof.row);
+        let row = &mut row[..=dof.depth];
+        let inverse = 1.0 / row[dof.depth].sqrt();
+        row[dof.depth] = inverse;
+        let row = &mut row[..dof.depth];
+        row.iter_mut().for_each(|it| *it *= inverse);
+        for (depth, &other) in tree.chain(number)[..dof.depth].iter().enumerate() {
+            let factor = row[depth];
+            if factor != 0.0 {
+                let of_other = &mut above[tree.dofs[other].row..][..=depth];
+                of_other.iter_mut().zip(&row[..=depth]).for_each(|(to, from)| *to -= factor * from);
+            }
+        }
+    }
+}
+
+/// Solves for one right side, in place, with L' and then L.
+pub(crate) fn solve(tree: &Tree, factors: &[f64], right: &mut [f64]) {
+    for (number, dof) in tree.dofs.iter().enumerate().rev() {
+        let row = &factors[dof.row..][..=dof.depth];
+        right[number] *= row[dof.depth];
+        let value = right[number];
+        for (&other, factor) in tree.chain(number)[..dof.depth].iter().zip(row) {
+            right[other] -= factor * value;
+        }
+    }
+    solve_lower(tree, factors, right);
+}
+
+/// Solves for one right side, in place, with L alone.
+pub(crate) fn solve_lower(tree: &Tree, factors: &[f64], right: &mut [f64]) {
+    for (number, dof) in tree.dofs.iter().enumerate() {
+        let row = &factors[dof.row..][..=dof.depth];
+        let chain = &tree.chain(number)[..dof.depth];
+        let known: f64 = chain.iter().zip(row).map(|(&other, factor)| factor * right[other]).sum();
+        right[number] = (right[number] - known) * row[dof.depth];
+    }
+}
+
+/// Solves with L' for right sides that only the chain of one degree of freedom has entries of, from the root down, in place.
+pub(crate) fn solve_chain<const SIDES: usize>(tree: &Tree, factors: &[f64], tip: usize, right: &mut [[f64; SIDES]]) {
+    for (depth, &number) in tree.chain(tip).iter().enumerate().rev() {
+        let row = &factors[tree.dofs[number].row..][..=depth];
+        let (above, own) = right.split_at_mut(depth);
+        own[0].iter_mut().for_each(|it| *it *= row[depth]);
+        for (to, factor) in above.iter_mut().zip(row) {
+            for (to, own) in to.iter_mut().zip(&own[0]) {
+                *to -= factor * own;
+            }
+        }
+    }
+}

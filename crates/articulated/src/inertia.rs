@@ -1,0 +1,94 @@
+//! The matrix of inertia by composite bodies, and the forces that gravity and motion need (Featherstone 2008, 6.2 and 5.3).
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::{Body, Joint};
+
+/// A link with everything that hangs on it, about the centre of the root.
+#[derive(Clone, Copy)]
+struct Composite {
+    mass: f64,
+    /// Mass times the position of its centre.
+    moment: Vector3<f64>,
+    inertia: Matrix3<f64>,
+    /// The force that its motion needs with no joint accelerated, and the moment of it.
+    force: Vector3<f64>,
+    turning: Vector3<f64>,
+}
+
+/// How a link accelerates where no joint does: the velocity turns, and the world falls up.
+#[derive(Clone, Copy)]
+struct Acceleration {
+    angular: Vector3<f64>,
+    linear: Vector3<f64>,
+}
+
+/// Writes the matrix with implicit servos and dampers in the place of the factors, and the generalised impulse of a step in the
+/// place of the free velocity.
+pub(crate) fn assemble(body: &mut Body, gravity: Vector3<f64>, time_step: f64) {
+    let Body { tree, frames, axes, velocity, drives, force, factors, free, .. } = body;
+    let mut composites: Vec<Composite> = Vec::with_capacity(frames.len());
+    let mut accelerations: Vec<Acceleration> = Vec::with_capacity(frames.len());
+    for (number, (link, frame)) in tree.links.iter().zip(&*frames).enumerate() {
+        let acceleration = if number == 0 {
+            let from_centre = frame.angular.cross(&frame.angular.cross(&frame.origin));
+            Acceleration { angular: Vector3::zeros(), linear: from_centre - gravity }
+        } else {
+            let (parent, above) = (&frames[link.parent], accelerations[link.parent]);
+            let arm = frame.origin - parent.origin;
+            let speed = || velocity[tree.dofs_of[number].0];
+            let axis = || &axes[tree.dofs_of[number].0];
+            let linear = above.linear + above.angular.cross(&arm) + parent.angular.cross(&parent.angular.cross(&arm));
+            match link.joint {
+                Joint::Revolute(_) => {
+                    let angular = above.angular + parent.angular.cross(&(axis().angular * speed()));
+                    Acceleration { angular, linear }
+                }
+                Joint::Prismatic(_) => {
+                    let sliding = parent.angular.cross(&(axis().linear * speed())) * 2.0;
+                    Acceleration { angular: above.angular, linear: linear + sliding }
+                }
+                // The speeds of a ball are along axes that do not turn.
+                Joint::Ball | Joint::Free | Joint::Fixed => Acceleration { angular: above.angular, linear },
+            }
+        };
+        accelerations.push(acceleration);
+        let arm = frame.rotation * link.mass.centre;
+        let at = frame.origin + arm;
+        let own = frame.rotation * link.mass.inertia * frame.rotation.transpose();
+        let Acceleration { angular, linear } = acceleration;
+        let linear = linear + angular.cross(&arm) + frame.angular.cross(&frame.angular.cross(&arm));
+        let force = linear * link.mass.mass;
+        let turning = own * angular + frame.angular.cross(&(own * frame.angular)) + at.cross(&force);
+        let moment = at * link.mass.mass;
+        let inertia = own + (Matrix3::identity() * at.norm_squared() - at * at.transpose()) * link.mass.mass;
+        composites.push(Composite { mass: link.mass.mass, moment, inertia, force, turning });
+    }
+    for number in (0..tree.links.len()).rev() {
+        let own = composites[number];
+        let (first, count) = tree.dofs_of[number];
+        for dof in first..first + count {
+            let axis = &axes[dof];
+            // The momentum of the composite at a speed of 1.
+            let linear = axis.linear * own.mass + axis.angular.cross(&own.moment);
+            let angular = own.inertia * axis.angular + own.moment.cross(&axis.linear);
+            let row = &mut factors[tree.dofs[dof].row..];
+            for (to, &above) in row.iter_mut().zip(tree.chain(dof)) {
+                *to = axes[above].angular.dot(&angular) + axes[above].linear.dot(&linear);
+            }
+            let of = &tree.dofs[dof];
+            let gain = drives[dof].gain + of.damping;
+            row[of.depth] += of.armature + gain * time_step;
+            let needed = axis.angular.dot(&own.turning) + axis.linear.dot(&own.force);
+            free[dof] = (force[dof] + drives[dof].at_rest - gain * velocity[dof] - needed) * time_step;
+        }
+        if number > 0 {
+            let parent = &mut composites[tree.links[number].parent];
+            parent.mass += own.mass;
+            parent.moment += own.moment;
+            parent.inertia += own.inertia;
+            parent.force += own.force;
+            parent.turning += own.turning;
+        }
+    }
+}
