@@ -20,6 +20,8 @@ pub struct Body {
     pub(crate) velocity: Vec<f64>,
     pub(crate) frames: Vec<Frame>,
     pub(crate) axes: Vec<Axis>,
+    /// m/s².
+    pub(crate) gravity: Vector3<f64>,
     /// Servo of every degree of freedom.
     pub(crate) drives: Vec<Drive>,
     /// Generalised force of the coming step beside gravity and servos, N m or N.
@@ -80,6 +82,7 @@ impl Body {
             velocity: vec![0.0; dofs],
             frames: vec![Frame { rotation: Matrix3::identity(), origin: zero, angular: zero, linear: zero }; links],
             axes: vec![Axis { angular: zero, linear: zero }; dofs],
+            gravity: zero,
             drives: vec![Drive::default(); dofs],
             force: vec![0.0; dofs],
             factors: vec![0.0; tree.entries],
@@ -129,6 +132,11 @@ impl Body {
     pub fn velocity_at(&self, link: usize, point: Vector3<f64>) -> Vector3<f64> {
         let Frame { origin, angular, linear, .. } = &self.frames[link];
         linear + angular.cross(&(point - self.centre() - origin))
+    }
+
+    /// Sets what it falls with, m/s²; at first nothing.
+    pub fn set_gravity(&mut self, gravity: Vector3<f64>) {
+        self.gravity = gravity;
     }
 
     /// Sets the servo of a degree of freedom for the coming step.
@@ -217,9 +225,9 @@ impl Body {
         }
     }
 
-    /// Works out inertia and free velocity for a step under gravity, m/s², with the servos in it.
-    pub(crate) fn prepare(&mut self, gravity: Vector3<f64>, time_step: f64) {
-        inertia::assemble(self, gravity, time_step);
+    /// Works out inertia and free velocity for a step, with the servos in it.
+    pub(crate) fn prepare(&mut self, time_step: f64) {
+        inertia::assemble(self, time_step);
         factor::factorise(&self.tree, &mut self.factors);
         factor::solve(&self.tree, &self.factors, &mut self.free);
         self.free.iter_mut().zip(&self.velocity).for_each(|(free, now)| *free += now);

@@ -25,14 +25,14 @@ struct Acceleration {
 
 /// Writes the matrix with implicit servos and dampers in the place of the factors, and the generalised impulse of a step in the
 /// place of the free velocity.
-pub(crate) fn assemble(body: &mut Body, gravity: Vector3<f64>, time_step: f64) {
-    let Body { tree, frames, axes, velocity, drives, force, factors, free, .. } = body;
+pub(crate) fn assemble(body: &mut Body, time_step: f64) {
+    let Body { tree, frames, axes, velocity, gravity, drives, force, factors, free, .. } = body;
     let mut composites: Vec<Composite> = Vec::with_capacity(frames.len());
     let mut accelerations: Vec<Acceleration> = Vec::with_capacity(frames.len());
     for (number, (link, frame)) in tree.links.iter().zip(&*frames).enumerate() {
         let acceleration = if number == 0 {
             let from_centre = frame.angular.cross(&frame.angular.cross(&frame.origin));
-            Acceleration { angular: Vector3::zeros(), linear: from_centre - gravity }
+            Acceleration { angular: Vector3::zeros(), linear: from_centre - *gravity }
         } else {
             let (parent, above) = (&frames[link.parent], accelerations[link.parent]);
             let arm = frame.origin - parent.origin;

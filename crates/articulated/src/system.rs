@@ -97,15 +97,14 @@ struct Rows {
     guess: Vec<f64>,
 }
 
-/// Finds the velocities of bodies at the end of a step, under gravity, m/s². They stay where they are: [`Body::advance`] moves them.
+/// Finds the velocities of bodies at the end of a step. They stay where they are: [`Body::advance`] moves them.
 pub fn step(
     bodies: &mut [&mut Body],
     contacts: &mut [Contact],
     joints: &mut [JointRow],
-    gravity: Vector3<f64>,
     time_step: f64,
 ) -> Outcome {
-    bodies.iter_mut().for_each(|body| body.prepare(gravity, time_step));
+    bodies.iter_mut().for_each(|body| body.prepare(time_step));
     let mut limited = 0;
     loop {
         let (impulses, outcome) = solve(bodies, contacts, joints);
@@ -123,8 +122,11 @@ pub fn step(
         }
         joints.iter_mut().for_each(|joint| joint.impulse = take(1)[0]);
         limited += 1;
-        let again = bodies.iter_mut().filter_map(|body| body.limit_servos().then_some(body));
-        let again = again.map(|body| body.prepare_again(gravity, time_step)).count();
+        let mut again = 0;
+        for body in bodies.iter_mut().filter_map(|body| body.limit_servos().then_some(body)) {
+            body.prepare(time_step);
+            again += 1;
+        }
         if again == 0 || limited == MAX_LIMITED {
             bodies.iter_mut().for_each(|body| std::mem::swap(&mut body.velocity, &mut body.free));
             return outcome;
@@ -144,10 +146,6 @@ impl Body {
             }
         }
         is_any
-    }
-
-    fn prepare_again(&mut self, gravity: Vector3<f64>, time_step: f64) {
-        self.prepare(gravity, time_step);
     }
 }
 

@@ -65,8 +65,10 @@ impl Motion {
             (Steering::Ackermann, _) => {
                 let half =
                     |axle| robot.steering_limits(axle).map(|[_, most]| most / 2.0).reduce(f64::min).unwrap_or(0.0);
-                let steer = if self == Self::Curve { half(0) } else { 0.0 };
-                drive(&[("Speed", speed), ("FrontSteer", steer), ("RearSteer", 0.0)])
+                // A car that steers its rear wheels alone has to turn those.
+                let [front, rear] = if half(0) > 0.0 { [half(0), 0.0] } else { [0.0, half(1)] };
+                let share = if self == Self::Curve { 1.0 } else { 0.0 };
+                drive(&[("Speed", speed), ("FrontSteer", share * front), ("RearSteer", share * rear)])
             }
             (_, Self::Clockwise) => drive(&[("Left", speed), ("Right", -speed)]),
             (_, Self::Curve) => drive(&[("Left", speed), ("Right", speed / 2.0)]),

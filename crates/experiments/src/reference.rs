@@ -89,10 +89,11 @@ impl Sliding {
             let Wheel { position, rolling, radius, friction, resistance, .. } = *wheel;
             let speed = if wheel.is_driven { speeds.next().copied().unwrap_or_default() } else { 0.0 };
             let load = wheel.load / self.noted;
-            let rolling = rolling.map(|part| part * radius * speed);
-            contacts.push(Contact { position, rolling, friction: friction * load, along: None });
-            // Rolling resistance is a force against the motion of the hub.
-            contacts.push(Contact { position, rolling: [0.0; 2], friction: resistance * load, along: None });
+            let passing = rolling.map(|part| part * radius * speed);
+            contacts.push(Contact { position, rolling: passing, friction: friction * load, along: None });
+            // Rolling resistance is a force against the motion of the hub; a driven wheel rolls ahead alone.
+            let along = wheel.is_driven.then_some(rolling);
+            contacts.push(Contact { position, rolling: [0.0; 2], friction: resistance * load, along });
         }
         coulomb::quasi_static(&contacts)
     }

@@ -61,6 +61,8 @@ pub enum DriveModel {
     Bodies,
     /// One body; rollers without inertia whose forces are found in closed form for all wheels together.
     Analytic,
+    /// A tree of links in reduced coordinates, its servos and contacts solved together, friction to the end.
+    Articulated,
     /// The base follows the twist of its wheels' commands, counted with finite rollers, as long as it stands on something.
     Kinematic,
     /// The same by the textbook's matrix.
@@ -69,9 +71,10 @@ pub enum DriveModel {
 
 impl DriveModel {
     /// All of them, with their names in robot.toml and on the command line.
-    pub const ALL: [(&str, Self); 4] = [
+    pub const ALL: [(&str, Self); 5] = [
         ("bodies", Self::Bodies),
         ("analytic", Self::Analytic),
+        ("articulated", Self::Articulated),
         ("kinematic", Self::Kinematic),
         ("kinematic-textbook", Self::KinematicTextbook),
     ];
@@ -143,11 +146,22 @@ pub struct RobotDef {
 }
 
 impl RobotDef {
-    /// Takes another drive model, where one is given and the robot has Mecanum wheels and no other joints; others are always
-    /// made of bodies.
+    /// Takes another drive model, where one is given that can move the robot.
     pub fn set_drive_model(&mut self, model: Option<DriveModel>) {
-        if let Some(model) = model.filter(|_| self.steering == Steering::Omni && !self.has_joints()) {
+        if let Some(model) = model.filter(|&model| self.can_have(model)) {
             self.drive_model = model;
+        }
+    }
+
+    /// Whether a drive model can move it: every robot can be made of bodies; one body is a base on Mecanum wheels without other joints,
+    /// and a tree in reduced coordinates one without them.
+    pub fn can_have(&self, model: DriveModel) -> bool {
+        match model {
+            DriveModel::Bodies => true,
+            DriveModel::Articulated => self.steering != Steering::Omni,
+            DriveModel::Analytic | DriveModel::Kinematic | DriveModel::KinematicTextbook => {
+                self.steering == Steering::Omni && !self.has_joints()
+            }
         }
     }
 

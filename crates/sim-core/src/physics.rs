@@ -1,6 +1,7 @@
 //! Rigid bodies and contacts: the only place that names rapier3d.
 
 mod aerial;
+mod articulated;
 mod compile;
 mod contact;
 mod convert;
@@ -44,6 +45,8 @@ pub(crate) struct Physics {
     objects: Vec<RigidBodyHandle>,
     /// Time left of the landing of a robot, s; `LANDING_TIME` while one falls.
     landing: f64,
+    /// What is kept of the contacts of robots in reduced coordinates.
+    contacts: articulated::Contacts,
     /// What stands until the next step in the places of colliders that were removed.
     placeholders: Vec<ColliderHandle>,
 }
@@ -77,7 +80,7 @@ impl Physics {
         }
         // The colliders enter the query structure with the first step; of nothing, it moves nothing.
         world.step();
-        Self { world, materials, objects, landing: 0.0, placeholders: Vec::new() }
+        Self { world, materials, objects, landing: 0.0, contacts: articulated::Contacts::default(), placeholders: Vec::new() }
     }
 
     /// Advances by one time step.

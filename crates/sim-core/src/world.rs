@@ -209,6 +209,7 @@ impl World {
         self.robots.values_mut().for_each(|robot| self.physics.give_velocity(robot.bodies_mut()));
         self.robots.values().for_each(|robot| self.physics.react(robot.bodies()));
         self.robots.values_mut().for_each(|robot| self.physics.note_pushes(robot.bodies_mut()));
+        self.physics.solve_articulated(self.robots.values_mut().map(Robot::bodies_mut));
         self.physics.step();
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);

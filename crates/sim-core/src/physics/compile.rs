@@ -13,6 +13,7 @@ use scene::{
     Steering,
 };
 
+use super::articulated::Articulated;
 use super::convert;
 use super::identity::{Identity, Mark};
 use super::rigid_base::BaseWheel;
@@ -48,7 +49,7 @@ pub(super) struct Surface {
 impl Surface {
     /// A shape at a pose of its parent, without mass of its own. Both sides of a contact average, which is
     /// [`Material::pair`].
-    fn new(shape: SharedShape, pose: &Pose, material: &Material, materials: &mut Materials) -> Self {
+    pub(super) fn new(shape: SharedShape, pose: &Pose, material: &Material, materials: &mut Materials) -> Self {
         let builder = ColliderBuilder::new(shape)
             .position(convert::pose(pose))
             .density(0.0)
@@ -57,6 +58,11 @@ impl Surface {
             .restitution(material.restitution)
             .restitution_combine_rule(CoefficientCombineRule::Average);
         Self { builder, material: materials.number(material) }
+    }
+
+    /// Its shape, and where that is on what carries it.
+    pub(super) fn placed(&self) -> (SharedShape, EnginePose) {
+        (self.builder.shape.clone(), self.builder.position)
     }
 
     /// Its collider, of what it is.
@@ -113,6 +119,8 @@ pub(super) enum Kind {
     Tree(Tree),
     /// One body.
     Base(Base),
+    /// A tree in reduced coordinates.
+    Articulated(Arc<Articulated>),
 }
 
 /// Links, parents before their children.
@@ -188,8 +196,8 @@ pub(super) struct Joint {
 /// What a joint does.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Role {
-    /// Has a value in the robot's state.
-    Value(Value),
+    /// Has a value in the robot's state, along the engine's axis.
+    Value(JointAxis, Value),
     /// Lets a roller spin.
     Roller,
     /// Holds, or lets a caster turn.
@@ -199,7 +207,6 @@ pub(super) enum Role {
 /// A joint with one number for its position.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Value {
-    pub(super) axis: JointAxis,
     /// Its servo of the position has no targets beyond.
     pub(super) limits: Option<[f64; 2]>,
     pub(super) motor: Option<Motor>,
@@ -218,10 +225,12 @@ pub(super) struct Base {
 impl CompiledRobot {
     pub(crate) fn new(def: RobotDef, materials: &mut Materials) -> Self {
         let shapes: Vec<SharedShape> = def.body_solids().iter().map(|solid| shape::shared(&solid.shape)).collect();
-        let kind = if def.drive_model == DriveModel::Bodies {
-            Kind::Tree(Tree::new(&def, &shapes, materials))
-        } else {
-            Kind::Base(Base::new(&def, &shapes, materials))
+        let kind = match def.drive_model {
+            DriveModel::Bodies => Kind::Tree(Tree::new(&def, &shapes, materials)),
+            DriveModel::Articulated => Kind::Articulated(Arc::new(Articulated::new(&def, &shapes, materials))),
+            DriveModel::Analytic | DriveModel::Kinematic | DriveModel::KinematicTextbook => {
+                Kind::Base(Base::new(&def, &shapes, materials))
+            }
         };
         let solids = def.body_solids().iter().zip(shapes).map(|(solid, shape)| (solid.pose(), shape));
         let carried = def.links.iter().skip(1).flat_map(|link| &link.solids);
@@ -234,7 +243,7 @@ impl CompiledRobot {
     pub(super) fn centre(&self) -> Vector3<f64> {
         match &self.kind {
             Kind::Tree(tree) => tree.centre,
-            Kind::Base(_) => Vector3::zeros(),
+            Kind::Base(_) | Kind::Articulated(_) => Vector3::zeros(),
         }
     }
 }
@@ -293,7 +302,7 @@ impl Tree {
                 self.gears.extend(joints.map(|(leader, follower)| Gear { leader, follower, multiplier, offset }));
             }
             CouplingKind::Target => {
-                if let Some(Joint { role: Role::Value(value), .. }) = &mut self.links[numbers[follower]].joint {
+                if let Some(Joint { role: Role::Value(_, value), .. }) = &mut self.links[numbers[follower]].joint {
                     value.follows = def.value_of(leader).map(|leader| Coupling { leader, ..coupling });
                 }
             }
@@ -402,15 +411,29 @@ fn axis_of(kind: JointKind) -> Option<JointAxis> {
 impl Joint {
     /// A joint of a definition at an anchor in the frame of the body of a link with a number.
     fn new(def: &scene::Joint, parent: usize, anchor: Vector3<f64>, is_wheel: bool) -> Self {
-        let value = |axis| Value { axis, limits: def.limits, motor: def.drive.clone(), follows: None, is_wheel };
         Self {
             parent,
             joint: engine_joint(def, anchor),
             damping: def.damping,
             friction: def.friction,
             armature: def.drive.as_ref().map_or(0.0, |motor| motor.armature),
-            role: axis_of(def.kind).map_or(Role::Free, |axis| Role::Value(value(axis))),
+            role: axis_of(def.kind).map_or(Role::Free, |axis| Role::Value(axis, Value::new(def, is_wheel))),
         }
+    }
+}
+
+impl Value {
+    /// That of a joint of a definition.
+    pub(super) fn new(def: &scene::Joint, is_wheel: bool) -> Self {
+        Self { limits: def.limits, motor: def.drive.clone(), follows: None, is_wheel }
+    }
+
+    /// The nearest target that its servo may have: a position within its ends, or a speed.
+    pub(super) fn within_limits(&self, target: f64) -> f64 {
+        let Some(motor) = &self.motor else { return target };
+        let limits =
+            if motor.stiffness.is_some() { self.limits } else { Some([-motor.max_speed, motor.max_speed]) };
+        limits.map_or(target, |[least, most]| target.clamp(least, most))
     }
 }
 

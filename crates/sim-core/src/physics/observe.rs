@@ -18,6 +18,7 @@ impl Physics {
                 rollers.iter().map(|roller| wrapped(angle(roller))).collect()
             }
             Drivetrain::Rigid(base) => base.roller_angles().collect(),
+            Drivetrain::Articulated(_) => Vec::new(),
         }
     }
 
@@ -42,6 +43,17 @@ impl Physics {
                 let pushes = base.pushes().iter().filter(|(_, impulse)| *impulse != Vector3::zeros());
                 contacts.extend(pushes.map(|&(point, impulse)| Contact { point, force: impulse / time_step }));
                 share(&mut contacts[before..], base.shared() / time_step);
+            }
+            Drivetrain::Articulated(robot) => {
+                for &(_, contact) in robot.contacts().iter().filter(|(wheel, _)| wheel.is_none()) {
+                    contacts.push(contact);
+                }
+                for (number, &resistance) in robot.resistances().iter().enumerate() {
+                    let before = contacts.len();
+                    let of_wheel = robot.contacts().iter().filter(|(wheel, _)| *wheel == Some(number));
+                    contacts.extend(of_wheel.map(|&(_, contact)| contact));
+                    share(&mut contacts[before..], resistance);
+                }
             }
         }
         contacts

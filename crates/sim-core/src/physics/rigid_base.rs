@@ -143,7 +143,7 @@ impl RigidBase {
         let following = match robot.drive_model {
             DriveModel::Kinematic => mecanum::finite_rollers(robot).map(Following::FiniteRollers),
             DriveModel::KinematicTextbook => mecanum::textbook(robot).map(Following::Textbook),
-            DriveModel::Bodies | DriveModel::Analytic => None,
+            DriveModel::Bodies | DriveModel::Articulated | DriveModel::Analytic => None,
         };
         Self {
             body,

@@ -8,6 +8,7 @@ use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
 use scene::{Coupling, JointState, Pose, RobotDef, Steering};
 
+use super::articulated::{self, ArticulatedRobot};
 use super::compile::{Base, CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree, Value};
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
@@ -46,11 +47,13 @@ pub(super) enum Drivetrain {
         treads: Vec<Tread>,
     },
     Rigid(Box<RigidBase>),
+    Articulated(Box<ArticulatedRobot>),
 }
 
 /// A joint that has a value.
 pub(super) struct TreeJoint {
     handle: MultibodyJointHandle,
+    axis: JointAxis,
     value: Value,
     servo: Servo,
     /// Its own target; that of a wheel and of a joint that follows none is its servo's.
@@ -82,8 +85,16 @@ impl RobotBodies {
     fn base_mut(&mut self) -> Option<&mut RigidBase> {
         match &mut self.drivetrain {
             Drivetrain::Rigid(base) => Some(base),
-            Drivetrain::Multibody { .. } => None,
+            Drivetrain::Multibody { .. } | Drivetrain::Articulated(_) => None,
         }
+    }
+
+    fn articulated(&self) -> Option<&ArticulatedRobot> {
+        if let Drivetrain::Articulated(robot) = &self.drivetrain { Some(robot) } else { None }
+    }
+
+    fn articulated_mut(&mut self) -> Option<&mut ArticulatedRobot> {
+        if let Drivetrain::Articulated(robot) = &mut self.drivetrain { Some(robot) } else { None }
     }
 
     /// Whether a body is one of the robot's.
@@ -99,17 +110,22 @@ impl RobotBodies {
                 wheels.zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
             }
             Drivetrain::Rigid(base) => base.set_wheel_speeds(speeds),
+            Drivetrain::Articulated(robot) => robot.set_wheel_speeds(speeds),
         }
     }
 
     /// Sets the target of the servo of a joint by its number among those that have a value: rad or m within its limits, or
     /// rad/s or m/s, as its motor is a servo of. A base of one body has no joints but wheels, and takes none.
     pub(crate) fn set_joint_target(&mut self, joint: usize, target: f64) {
-        if let Drivetrain::Multibody { joints, .. } = &mut self.drivetrain
-            && let Some(joint) = joints.get_mut(joint)
-        {
-            joint.target = joint.within_limits(target);
-            joint.servo.set_target(joint.target);
+        match &mut self.drivetrain {
+            Drivetrain::Multibody { joints, .. } => {
+                if let Some(joint) = joints.get_mut(joint) {
+                    joint.target = joint.value.within_limits(target);
+                    joint.servo.set_target(joint.target);
+                }
+            }
+            Drivetrain::Rigid(_) => {}
+            Drivetrain::Articulated(robot) => robot.set_joint_target(joint, target),
         }
     }
 }
@@ -120,6 +136,10 @@ impl Physics {
         let (all, drivetrain) = match &robot.kind {
             Kind::Tree(tree) => self.spawn_tree(tree, id, pose),
             Kind::Base(base) => self.spawn_base(&robot.def, base, id, pose),
+            Kind::Articulated(tree) => {
+                let robot = ArticulatedRobot::spawn(&mut self.world, tree.clone(), id, pose);
+                (robot.bodies().collect(), Drivetrain::Articulated(Box::new(robot)))
+            }
         };
         let flight = (robot.def.steering == Steering::Aerial).then(Flight::default);
         let bodies = RobotBodies { robot, all, drivetrain, flight };
@@ -159,11 +179,12 @@ impl Physics {
             if let Some(Joint { parent, joint, role, .. }) = &link.joint {
                 let joint = self.world.multibody_joints.insert(all[*parent], body, *joint, true);
                 match (role, joint) {
-                    (Role::Value(value), Some(handle)) => {
-                        joints.push(TreeJoint { handle, value: value.clone(), servo: Servo::default(), target: 0.0 });
+                    (&Role::Value(axis, ref value), Some(handle)) => {
+                        let (value, servo) = (value.clone(), Servo::default());
+                        joints.push(TreeJoint { handle, axis, value, servo, target: 0.0 });
                     }
                     (Role::Roller, handle) => rollers.extend(handle),
-                    (Role::Value(_), None) | (Role::Free, _) => {}
+                    (Role::Value(..), None) | (Role::Free, _) => {}
                 }
             }
             if let Some(wheel) = link.wheel {
@@ -214,12 +235,12 @@ impl Physics {
     /// Gives a robot's motors and wheels their part in the coming step. A base of one body is only solved for, so that
     /// every robot sees the others as the last step left them.
     pub(crate) fn before_step(&mut self, bodies: &mut RobotBodies) {
-        if let (Some(flight), Some(&root)) = (bodies.flight, bodies.all.first()) {
-            self.fly(root, bodies.robot.centre(), &flight);
-        }
-        let RobotBodies { robot, all, drivetrain, .. } = bodies;
+        let RobotBodies { robot, all, drivetrain, flight } = bodies;
         match drivetrain {
             Drivetrain::Multibody { joints, treads, .. } => {
+                if let (Some(flight), Some(&root)) = (flight, all.first()) {
+                    self.fly(root, robot.centre(), flight);
+                }
                 self.reset_forces(all);
                 follow_targets(joints);
                 self.set_motors(joints);
@@ -228,7 +249,23 @@ impl Physics {
                 }
             }
             Drivetrain::Rigid(base) => base.solve(&self.world, &self.materials),
+            Drivetrain::Articulated(robot) => {
+                let time_step = self.world.integration_parameters.dt;
+                robot.before_step(convert::from_vector(self.world.gravity), time_step, flight.as_ref());
+            }
         }
+    }
+
+    /// Moves the robots in reduced coordinates on by a step, all that touch each other together.
+    pub(crate) fn solve_articulated<'a>(&mut self, robots: impl Iterator<Item = &'a mut RobotBodies>) {
+        let mut robots: Vec<&mut ArticulatedRobot> = robots.filter_map(RobotBodies::articulated_mut).collect();
+        articulated::solve(&self.world, &self.materials, &mut robots, &mut self.contacts);
+        robots.iter().for_each(|robot| robot.lead_engine(&mut self.world));
+    }
+
+    /// Puts the shapes of the robots in reduced coordinates where they are, for rays.
+    pub(crate) fn enter_shapes<'a>(&mut self, robots: impl Iterator<Item = &'a RobotBodies>) {
+        robots.filter_map(RobotBodies::articulated).for_each(|robot| robot.enter_queries(&mut self.world));
     }
 
     /// Solves anew for robots that stand on each other; to be called when every robot is solved for by itself.
@@ -270,6 +307,7 @@ impl Physics {
         match &bodies.drivetrain {
             Drivetrain::Multibody { joints, .. } => joints.iter().map(|joint| joint.state(&self.world)).collect(),
             Drivetrain::Rigid(base) => base.wheels().collect(),
+            Drivetrain::Articulated(robot) => robot.joints().map(|(_, state)| state).collect(),
         }
     }
 
@@ -282,6 +320,9 @@ impl Physics {
                 wheels.map(|wheel| of_wheel(wheel.state(&self.world))).collect()
             }
             Drivetrain::Rigid(base) => base.wheels().map(of_wheel).collect(),
+            Drivetrain::Articulated(robot) => {
+                robot.joints().filter(|(is_wheel, _)| *is_wheel).map(|(_, state)| of_wheel(state)).collect()
+            }
         }
     }
 
@@ -302,13 +343,13 @@ impl Physics {
         let time_step = self.world.integration_parameters.dt;
         for joint in joints {
             let JointState { position, speed } = joint.state(&self.world);
-            let TreeJoint { handle, value, servo, .. } = joint;
+            let TreeJoint { handle, axis, value, servo, .. } = joint;
             let Some(motor) = &value.motor else { continue };
             let Torque { at_rest, gain } = servo.torque(motor, position, speed, time_step);
             if let Some((multibody, link)) = self.world.multibody_joints.get_mut(*handle)
                 && let Some(link) = multibody.link_mut(link)
             {
-                link.joint.data.set_motor_velocity(value.axis, at_rest / gain, gain);
+                link.joint.data.set_motor_velocity(*axis, at_rest / gain, gain);
             }
         }
     }
@@ -341,6 +382,9 @@ impl Physics {
     /// Whether every number of a robot is one. The engine holds a body whose state is none where it was last, which is no
     /// better.
     pub(crate) fn is_sound(&self, bodies: &RobotBodies) -> bool {
+        if let Some(robot) = bodies.articulated() {
+            return robot.is_sound();
+        }
         let BodyState { pose, linear, angular } = self.body(bodies);
         let body = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(&linear).chain(&angular);
         let joints = self.joints(bodies);
@@ -360,6 +404,9 @@ impl Physics {
             let (linear, angular) = base.velocity();
             return BodyState { pose: *base.pose(), linear, angular };
         }
+        if let Some(robot) = bodies.articulated() {
+            return robot.state();
+        }
         let (body, centre) = (&self.world.bodies[bodies.all[0]], bodies.robot.centre());
         frame_at(body, body.linvel(), centre)
     }
@@ -367,8 +414,11 @@ impl Physics {
     /// The robot frame as it moves with a link by its number in the definition, when every joint was at 0. `None` of the body,
     /// whose own it is, and of a base of one body, which has nothing that moves but wheels.
     pub(crate) fn carrier(&self, bodies: &RobotBodies, link: usize) -> Option<BodyState> {
-        let Kind::Tree(tree) = &bodies.robot.kind else { return None };
         let origin = bodies.robot.def.links.get(link).filter(|_| link > 0)?.origin();
+        if let Some(robot) = bodies.articulated() {
+            return robot.carrier(link, origin.into());
+        }
+        let Kind::Tree(tree) = &bodies.robot.kind else { return None };
         let body = self.world.bodies.get(bodies.all[*tree.numbers.get(link)?])?;
         Some(frame_at(body, body.velocity_at_point(body.translation()), origin.into()))
     }
@@ -436,22 +486,14 @@ fn follow_targets(joints: &mut [TreeJoint]) {
         let follower = &joints[number];
         let Some(Coupling { leader, multiplier, offset, .. }) = follower.value.follows else { continue };
         let Some(leader) = joints.get(leader) else { continue };
-        let target = follower.within_limits(follower.target + multiplier * leader.servo.target() + offset);
+        let target = follower.value.within_limits(follower.target + multiplier * leader.servo.target() + offset);
         joints[number].servo.set_target(target);
     }
 }
 
 impl TreeJoint {
-    /// The nearest target that its servo may have: a position within its ends, or a speed.
-    fn within_limits(&self, target: f64) -> f64 {
-        let Some(motor) = &self.value.motor else { return target };
-        let limits =
-            if motor.stiffness.is_some() { self.value.limits } else { Some([-motor.max_speed, motor.max_speed]) };
-        limits.map_or(target, |[least, most]| target.clamp(least, most))
-    }
-
     fn state(&self, world: &PhysicsWorld) -> JointState {
-        joint_state(world, self.handle, self.value.axis)
+        joint_state(world, self.handle, self.axis)
     }
 }
 

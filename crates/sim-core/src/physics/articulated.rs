@@ -1,0 +1,263 @@
+//! Robots as trees in reduced coordinates (the crate `articulated`): how they are made, driven and read.
+//!
+//! The engine has their shapes, on bodies that it does not move, so that rays and its own bodies meet them.
+
+mod compile;
+mod shape_contact;
+mod together;
+mod wheel;
+
+use std::sync::Arc;
+
+use articulated::{Body, Drive, JointRow};
+use friction::Constraint;
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use rapier3d::prelude::*;
+use scene::{BodyState, Contact, Coupling, JointState, Pose};
+
+use super::identity::Identity;
+use super::motor::{Servo, Torque};
+use super::rolling::{self, Load};
+use super::convert;
+use crate::RobotId;
+use crate::flight::Flight;
+
+pub(super) use compile::Articulated;
+use compile::JointValue;
+pub(super) use together::{Contacts, solve};
+
+/// The end of a joint gives way over this time, s: what is beyond it comes back in it.
+const END_TIME: f64 = 0.02;
+
+/// A robot and its state.
+pub(crate) struct ArticulatedRobot {
+    id: RobotId,
+    made_of: Arc<Articulated>,
+    body: Body,
+    servos: Vec<Servo>,
+    /// Targets of the joints with a value as they were set, before couplings.
+    targets: Vec<f64>,
+    /// Impulses of the rows of its joints in the last step.
+    joint_impulses: Vec<f64>,
+    /// What each wheel stood on in the last step.
+    loads: Vec<Load>,
+    /// Rolling resistance of each wheel in the last step, N.
+    resistances: Vec<Vector3<f64>>,
+    /// What pushed it in the last step, with the wheel that it pushed.
+    contacts: Vec<(Option<usize>, Contact)>,
+    /// The engine's bodies of its links, and their colliders.
+    in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
+    /// Fixed colliders that it may touch until it leaves a box.
+    near: Option<(rapier3d::parry::bounding_volume::Aabb, Vec<ColliderHandle>)>,
+}
+
+impl ArticulatedRobot {
+    /// Puts a robot at a pose of its frame, at rest.
+    pub(super) fn spawn(world: &mut PhysicsWorld, made_of: Arc<Articulated>, id: RobotId, pose: &Pose) -> Self {
+        let body = Body::new(made_of.tree.clone(), *pose);
+        let mut in_engine = Vec::new();
+        for link in 0..made_of.tree.links().len() {
+            let place = link_pose(&body, link);
+            let handle = world.insert_body(RigidBodyBuilder::kinematic_position_based().pose(convert::pose(&place)));
+            let own = made_of.surfaces.iter().enumerate().filter(|(_, surface)| surface.link == link);
+            let colliders = own.map(|(number, surface)| {
+                let identity = Identity::Link { robot: id, link: link as u32 };
+                (world.insert_collider(surface.seen.collider(identity), Some(handle)), number)
+            });
+            in_engine.push((handle, colliders.collect()));
+        }
+        let (joints, wheels) = (made_of.joints.len(), made_of.wheels.len());
+        Self {
+            id,
+            body,
+            servos: vec![Servo::default(); joints],
+            targets: vec![0.0; joints],
+            joint_impulses: Vec::new(),
+            loads: vec![Load::default(); wheels],
+            resistances: vec![Vector3::zeros(); wheels],
+            contacts: Vec::new(),
+            in_engine,
+            near: None,
+            made_of,
+        }
+    }
+
+    /// The engine's bodies.
+    pub(super) fn bodies(&self) -> impl Iterator<Item = RigidBodyHandle> {
+        self.in_engine.iter().map(|(body, _)| *body)
+    }
+
+    /// Sets the targets of the wheels' servos, rad/s.
+    pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
+        let made_of = self.made_of.clone();
+        let wheels = made_of.joints.iter().enumerate().filter(|(_, joint)| joint.value.is_wheel);
+        for ((number, _), &speed) in wheels.zip(speeds) {
+            self.servos[number].set_target(speed);
+        }
+    }
+
+    /// Sets the target of a joint by its number among those with a value.
+    pub(super) fn set_joint_target(&mut self, joint: usize, target: f64) {
+        if let Some(made_of) = self.made_of.joints.get(joint) {
+            self.targets[joint] = made_of.value.within_limits(target);
+            self.servos[joint].set_target(self.targets[joint]);
+        }
+    }
+
+    /// Gives servos, rolling resistance and flight their part in the coming step.
+    pub(super) fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64, flight: Option<&Flight>) {
+        let made_of = self.made_of.clone();
+        if let Some(flight) = flight {
+            let (linear, angular) = flight.velocity(self.body.pose(), self.body.tree().links()[0].mass.centre, time_step);
+            let velocity = self.body.velocity_mut();
+            velocity[..3].copy_from_slice(angular.as_slice());
+            velocity[3..6].copy_from_slice(linear.as_slice());
+            self.body.place();
+        }
+        self.body.set_gravity(if flight.is_some() { Vector3::zeros() } else { gravity });
+        for (number, joint) in made_of.joints.iter().enumerate() {
+            if let Some(Coupling { leader, multiplier, offset, .. }) = joint.value.follows {
+                let leading = self.servos.get(leader).map_or(0.0, Servo::target);
+                let target = joint.value.within_limits(self.targets[number] + multiplier * leading + offset);
+                self.servos[number].set_target(target);
+            }
+            let Some(motor) = &joint.value.motor else { continue };
+            let JointState { position, speed } = self.joint(joint);
+            let Torque { at_rest, gain } = self.servos[number].torque(motor, position, speed, time_step);
+            self.body.set_drive(joint.dof, Drive { at_rest, gain, most: motor.max_torque });
+        }
+        let share = made_of.mass / made_of.wheels.len().max(1) as f64;
+        for (number, wheel) in made_of.wheels.iter().enumerate() {
+            let frame = &self.body.frames()[wheel.parent];
+            let hub = self.body.centre() + frame.origin + frame.rotation * wheel.hub;
+            let mut velocity = self.body.velocity_at(wheel.parent, hub) + gravity * time_step;
+            if wheel.rolls_ahead_only {
+                let ahead = frame.rotation * Vector3::x();
+                velocity = ahead * ahead.dot(&velocity);
+            }
+            let force = rolling::impulse(&self.loads[number], velocity, share) / time_step;
+            self.resistances[number] = force;
+            self.body.push(wheel.parent, hub, force);
+        }
+    }
+
+    /// Ends, dry friction and couplings of its joints in the coming step; it is the body of a number.
+    fn joint_rows(&self, number: usize, time_step: f64) -> impl Iterator<Item = JointRow> {
+        let row = move |terms, constraint, target| JointRow {
+            body: number,
+            terms,
+            constraint,
+            target,
+            compliance: 0.0,
+            impulse: 0.0,
+        };
+        let back = move |beyond: f64| if beyond > 0.0 { beyond / (time_step + END_TIME) } else { beyond / time_step };
+        let end = Constraint::Contact { friction: 0.0, tangents: 0 };
+        let of_joints = self.made_of.joints.iter().flat_map(move |joint| {
+            let JointState { position, speed } = self.joint(joint);
+            let [low, high] = joint.value.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            // Ends that are far away are left out: of what a joint does in a few steps.
+            let reach = 0.01 + 4.0 * speed.abs() * time_step;
+            let low = (position - low < reach)
+                .then(|| row([Some((joint.dof, 1.0)), None], end, back(low - position)));
+            let high = (high - position < reach)
+                .then(|| row([Some((joint.dof, -1.0)), None], end, back(position - high)));
+            let friction = (joint.friction > 0.0).then(|| {
+                row([Some((joint.dof, 1.0)), None], Constraint::Within(joint.friction * time_step), 0.0)
+            });
+            [low, high, friction].into_iter().flatten()
+        });
+        let of_gears = self.made_of.gears.iter().map(move |gear| {
+            let at = |link: usize| self.body.position(link);
+            let off = gear.multiplier * at(gear.leader.0) + gear.offset - at(gear.follower.0);
+            let terms = [Some((gear.follower.1, 1.0)), Some((gear.leader.1, -gear.multiplier))];
+            row(terms, Constraint::Within(f64::INFINITY), off / (time_step + END_TIME))
+        });
+        of_joints.chain(of_gears)
+    }
+
+    /// Moves on by a step.
+    fn advance(&mut self, time_step: f64) {
+        self.body.advance(time_step);
+    }
+
+    /// Tells the engine where its shapes come to be in the coming step of the engine.
+    pub(super) fn lead_engine(&self, world: &mut PhysicsWorld) {
+        for (link, (handle, _)) in self.in_engine.iter().enumerate() {
+            let place = convert::pose(&link_pose(&self.body, link));
+            if let Some(body) = world.bodies.get_mut(*handle) {
+                body.set_next_kinematic_position(place);
+            }
+        }
+    }
+
+    /// Puts its shapes where they are, for rays and for those who look for room.
+    pub(super) fn enter_queries(&self, world: &mut PhysicsWorld) {
+        for (link, (handle, colliders)) in self.in_engine.iter().enumerate() {
+            let place = convert::pose(&link_pose(&self.body, link));
+            if let Some(body) = world.bodies.get_mut(*handle) {
+                body.set_position(place, false);
+            }
+            for &(handle, number) in colliders {
+                let PhysicsWorld { broad_phase, integration_parameters, colliders, .. } = world;
+                if let Some(collider) = colliders.get_mut(handle) {
+                    collider.set_position(place * self.made_of.surfaces[number].pose);
+                    broad_phase.set_aabb(integration_parameters, handle, collider.compute_aabb());
+                }
+            }
+        }
+    }
+
+    /// Pose and velocity of the robot frame.
+    pub(super) fn state(&self) -> BodyState {
+        let frame = &self.body.frames()[0];
+        BodyState { pose: *self.body.pose(), linear: frame.linear, angular: frame.angular }
+    }
+
+    /// The robot frame as it moves with a link of the definition, whose origin is at `origin` in it when every joint is at 0.
+    pub(super) fn carrier(&self, link: usize, origin: Vector3<f64>) -> Option<BodyState> {
+        let &(own, offset) = self.made_of.places.get(link)?;
+        let (frame, pose) = (&self.body.frames()[own], link_pose(&self.body, own));
+        let pose = pose * nalgebra::Translation3::from(offset - origin);
+        let lever = pose.translation.vector - (self.body.centre() + frame.origin);
+        Some(BodyState { pose, linear: frame.linear + frame.angular.cross(&lever), angular: frame.angular })
+    }
+
+    /// Every joint with a value, in the order of the links.
+    pub(super) fn joints(&self) -> impl Iterator<Item = (bool, JointState)> {
+        self.made_of.joints.iter().map(|joint| (joint.value.is_wheel, self.joint(joint)))
+    }
+
+    fn joint(&self, joint: &JointValue) -> JointState {
+        JointState { position: self.body.position(joint.link), speed: self.body.velocity()[joint.dof] }
+    }
+
+    /// What pushed it in the last step, with the wheel that it pushed.
+    pub(super) fn contacts(&self) -> &[(Option<usize>, Contact)] {
+        &self.contacts
+    }
+
+    /// Rolling resistance of each wheel in the last step, N.
+    pub(super) fn resistances(&self) -> &[Vector3<f64>] {
+        &self.resistances
+    }
+
+    /// Whether every number of it is one.
+    pub(super) fn is_sound(&self) -> bool {
+        self.body.is_finite()
+    }
+
+    /// Mixes its state into a digest.
+    pub(super) fn digest(&self, mix: impl FnMut(f64)) {
+        let pose = self.body.pose();
+        let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(self.body.velocity());
+        numbers.copied().for_each(mix);
+    }
+}
+
+/// Pose of a link in the world.
+fn link_pose(body: &Body, link: usize) -> Pose {
+    let frame = &body.frames()[link];
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame.rotation));
+    Pose::from_parts((body.centre() + frame.origin).into(), rotation)
+}

@@ -1,0 +1,235 @@
+//! A class of robots as a tree, worked out once.
+
+use std::sync::Arc;
+
+use articulated::{Joint, Link, Mass, Tree};
+use nalgebra::{Point3, Vector3};
+use rapier3d::math::Pose as EnginePose;
+use rapier3d::prelude::SharedShape;
+use scene::{Coupling, CouplingKind, JointKind, Material, MountedWheel, RobotDef, Steering};
+
+use super::super::compile::{Materials, Surface as Seen, TreeWheel, Value};
+use super::super::{convert, shape};
+
+/// What robots of a class share.
+pub(in super::super) struct Articulated {
+    pub(super) tree: Arc<Tree>,
+    /// Mass with everything that it carries, kg.
+    pub(super) mass: f64,
+    /// Of every link of the definition the link of the tree that it is a part of, and its origin there, m.
+    pub(super) places: Vec<(usize, Vector3<f64>)>,
+    pub(super) surfaces: Vec<Surface>,
+    /// Every joint that has a value, in the order of the definition's links.
+    pub(super) joints: Vec<JointValue>,
+    pub(super) gears: Vec<Gear>,
+    /// Its wheels, casters too.
+    pub(super) wheels: Vec<TreeWheel>,
+}
+
+/// A joint that has a value.
+pub(super) struct JointValue {
+    pub(super) link: usize,
+    pub(super) dof: usize,
+    pub(super) value: Value,
+    /// Dry friction, N m or N.
+    pub(super) friction: f64,
+}
+
+/// A joint that is moved by another: each by its link and degree of freedom.
+pub(super) struct Gear {
+    pub(super) leader: (usize, usize),
+    pub(super) follower: (usize, usize),
+    pub(super) multiplier: f64,
+    /// rad or m.
+    pub(super) offset: f64,
+}
+
+/// Something of a link that touches.
+pub(super) struct Surface {
+    pub(super) link: usize,
+    pub(super) form: Form,
+    pub(super) material: Material,
+    /// What the engine has of it.
+    pub(super) seen: Seen,
+    pub(super) shape: SharedShape,
+    /// In the frame of the link.
+    pub(super) pose: EnginePose,
+    /// Middle and half the size of a box around it along the axes of the link, m.
+    pub(super) middle: Vector3<f64>,
+    pub(super) half: Vector3<f64>,
+    /// The wheel that it is, by its number among them.
+    pub(super) wheel: Option<usize>,
+}
+
+/// How its contacts are found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Form {
+    /// By the engine's geometry.
+    Solid,
+    /// A wheel about the y axis of its link.
+    Wheel {
+        /// m.
+        radius: f64,
+        /// m.
+        half_width: f64,
+    },
+    /// A ball about the origin of its link.
+    Ball {
+        /// m.
+        radius: f64,
+    },
+}
+
+impl Articulated {
+    pub(in super::super) fn new(def: &RobotDef, shapes: &[SharedShape], materials: &mut Materials) -> Self {
+        let mut made = Self {
+            tree: Arc::new(Tree::new(Vec::new())),
+            mass: f64::from(def.mass()),
+            places: Vec::new(),
+            surfaces: Vec::new(),
+            joints: Vec::new(),
+            gears: Vec::new(),
+            wheels: Vec::new(),
+        };
+        let mut links: Vec<Link> = Vec::new();
+        for (number, link) in def.links.iter().enumerate() {
+            let place = made.add_link(def, number, link, &mut links);
+            made.places.push(place);
+            match MountedWheel::of((number, link)) {
+                Some(wheel) => made.add_wheel(&wheel, place, materials),
+                None => made.add_solids(link, place, if number == 0 { Some(shapes) } else { None }, materials),
+            }
+        }
+        made.tree = Arc::new(Tree::new(links));
+        for joint in &mut made.joints {
+            joint.dof = made.tree.dof_of(joint.link);
+        }
+        for (number, link) in def.links.iter().enumerate() {
+            if let Some(coupling) = link.joint.as_ref().and_then(|joint| joint.coupling) {
+                made.add_coupling(def, number, coupling);
+            }
+        }
+        made
+    }
+
+    /// Adds a link to those of the tree, or to the one that it is fixed to.
+    fn add_link(
+        &mut self,
+        def: &RobotDef,
+        number: usize,
+        link: &scene::Link,
+        links: &mut Vec<Link>,
+    ) -> (usize, Vector3<f64>) {
+        let wheel = MountedWheel::of((number, link));
+        let mut mass = match &wheel {
+            Some(wheel) => wheel.hub_mass(wheel.drive.is_some()),
+            None => link.mass(),
+        };
+        if wheel.is_none() {
+            mass.centre -= Vector3::from(link.origin());
+        }
+        // A link without parts has no centre.
+        let centre = if mass.mass > 0.0 { mass.centre } else { Vector3::zeros() };
+        let mass = Mass { mass: mass.mass, centre, inertia: mass.inertia };
+        let Some(joint) = &link.joint else {
+            let is_free = def.steering != Steering::None;
+            let [linear, angular] = def.body_damping();
+            let root = Link::new(0, if is_free { Joint::Free } else { Joint::Fixed }, Vector3::zeros(), mass);
+            // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
+            let damping = angular * (mass.inertia.trace() / 3.0);
+            links.push(Link { damping, linear_damping: linear * mass.mass, ..root });
+            return (0, Vector3::zeros());
+        };
+        let (parent, from) = self.places[joint.parent];
+        let anchor = from + Vector3::from(joint.anchor) - Vector3::from(def.links[joint.parent].origin());
+        let axis = Vector3::from(joint.axis);
+        let kind = match joint.kind {
+            JointKind::Fixed => {
+                links[parent].mass = together(&links[parent].mass, &mass, anchor);
+                return (parent, anchor);
+            }
+            JointKind::Revolute | JointKind::Continuous => Joint::Revolute(axis),
+            JointKind::Prismatic => Joint::Prismatic(axis),
+            JointKind::Ball => Joint::Ball,
+        };
+        links.push(Link {
+            is_round: wheel.is_some(),
+            damping: joint.damping,
+            armature: joint.drive.as_ref().map_or(0.0, |motor| motor.armature),
+            ..Link::new(parent, kind, anchor, mass)
+        });
+        let own = links.len() - 1;
+        if let Some(wheel) = &wheel {
+            let rolls_ahead_only = wheel.drive.is_some() && wheel.rollers.is_none();
+            self.wheels.push(TreeWheel { parent, hub: anchor, rolls_ahead_only });
+        }
+        if joint.kind.has_value() {
+            let value = Value::new(joint, wheel.is_some());
+            self.joints.push(JointValue { link: own, dof: 0, value, friction: joint.friction });
+        }
+        (own, Vector3::zeros())
+    }
+
+    fn add_wheel(&mut self, wheel: &MountedWheel, (link, _): (usize, Vector3<f64>), materials: &mut Materials) {
+        let (radius, half_width) = (wheel.radius, wheel.width / 2.0);
+        let form = if wheel.drive.is_some() { Form::Wheel { radius, half_width } } else { Form::Ball { radius } };
+        let number = self.wheels.len() - 1;
+        let seen = Seen::new(shape::outline(wheel), &scene::Pose::identity(), &wheel.material, materials);
+        self.add_surface(link, form, &wheel.material, seen, Some(number));
+    }
+
+    fn add_solids(
+        &mut self,
+        link: &scene::Link,
+        (own, offset): (usize, Vector3<f64>),
+        shapes: Option<&[SharedShape]>,
+        materials: &mut Materials,
+    ) {
+        for (number, solid) in link.solids.iter().enumerate() {
+            let pose = nalgebra::Translation3::from(offset) * link.pose_of(solid);
+            let shape = shapes.map_or_else(|| shape::shared(&solid.shape), |shapes| shapes[number].clone());
+            let seen = Seen::new(shape, &pose, &solid.material, materials);
+            self.add_surface(own, Form::Solid, &solid.material, seen, None);
+        }
+    }
+
+    fn add_surface(&mut self, link: usize, form: Form, material: &Material, seen: Seen, wheel: Option<usize>) {
+        let (shape, pose) = seen.placed();
+        let around = shape.compute_aabb(&pose);
+        let (middle, half) = (convert::from_vector(around.center()), convert::from_vector(around.half_extents()));
+        self.surfaces.push(Surface { link, form, material: material.clone(), seen, shape, pose, middle, half, wheel });
+    }
+
+    fn add_coupling(&mut self, def: &RobotDef, follower: usize, coupling: Coupling) {
+        let Coupling { leader, multiplier, offset, kind } = coupling;
+        let place = |link: usize| {
+            let own = self.places[link].0;
+            def.value_of(link).map(|_| (own, self.tree.dof_of(own)))
+        };
+        let (Some(leading), Some(following)) = (place(leader), place(follower)) else { return };
+        match (kind, def.value_of(leader), def.value_of(follower)) {
+            (CouplingKind::Mimic, ..) => {
+                self.gears.push(Gear { leader: leading, follower: following, multiplier, offset });
+            }
+            (CouplingKind::Target, Some(leader), Some(follower)) => {
+                self.joints[follower].value.follows = Some(Coupling { leader, ..coupling });
+            }
+            (CouplingKind::Target, ..) => {}
+        }
+    }
+}
+
+/// Two masses as one, the second at an offset.
+fn together(one: &Mass, other: &Mass, offset: Vector3<f64>) -> Mass {
+    let mass = one.mass + other.mass;
+    if mass == 0.0 {
+        return *one;
+    }
+    let at = other.centre + offset;
+    let centre = (one.centre * one.mass + at * other.mass) / mass;
+    let about = |own: &Mass, at: Vector3<f64>| {
+        let arm = Point3::from(at) - Point3::from(centre);
+        own.inertia + (nalgebra::Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * own.mass
+    };
+    Mass { mass, centre, inertia: about(one, one.centre) + about(other, at) }
+}

@@ -1,0 +1,198 @@
+//! Where a surface of a robot touches a shape.
+
+use nalgebra::Vector3;
+use rapier3d::math::{Pose as EnginePose, Vector};
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::parry::query::details::NormalConstraints;
+use rapier3d::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use rapier3d::parry::shape::Shape;
+
+use super::super::contact::distance;
+use super::super::convert;
+use super::compile::{Form, Surface};
+use super::wheel::{Meeting, Touch, Wheel};
+
+/// Touches nearer to each other than this are one, m.
+const SAME_PLACE: f64 = 1e-5;
+/// Most touches of one face with another.
+const MAX_POINTS: usize = 4;
+
+/// Adds the touches of a surface at a pose with a shape at another within a distance, m; world axes.
+pub(super) fn touches(
+    own: &Surface,
+    own_pose: &EnginePose,
+    other: &dyn Shape,
+    other_pose: &EnginePose,
+    prediction: f64,
+    found: &mut Vec<Touch>,
+) {
+    if let Some(half_space) = other.as_halfspace() {
+        let normal = convert::from_vector(other_pose.rotation * half_space.normal);
+        let place = convert::from_vector(other_pose.translation);
+        if !on_plane(own, own_pose, normal, place, prediction, found) {
+            on_solid(own, own_pose, other, other_pose, prediction, found);
+        }
+        return;
+    }
+    if own.form == Form::Solid {
+        return on_solid(own, own_pose, other, other_pose, prediction, found);
+    }
+    let pose = other_pose.inv_mul(own_pose);
+    let before = found.len();
+    let mut is_side = false;
+    let mut on_part = |part_pose: Option<&EnginePose>, part: &dyn Shape, within: Option<&dyn NormalConstraints>| {
+        let local = part_pose.map_or(pose, |part_pose| part_pose.inv_mul(&pose));
+        let frame = part_pose.map_or(*other_pose, |part_pose| *other_pose * *part_pose);
+        let nearest = |point: Vector3<f64>| {
+            let (distance, normal) = distance(part, convert::vector(point))?;
+            Some((distance, convert::from_vector(normal)))
+        };
+        let centre = convert::from_vector(local.translation);
+        let touches = match own.form {
+            Form::Wheel { radius, half_width } => {
+                let axle = convert::from_vector(local.rotation * Vector::Y);
+                match (Wheel { hub: centre, axle, radius, half_width }).on_shape(prediction, nearest) {
+                    Meeting::Tread(touches) => touches,
+                    Meeting::Side => {
+                        is_side = true;
+                        return;
+                    }
+                }
+            }
+            Form::Ball { radius } => [on_ball(centre, radius, prediction, nearest), None, None],
+            Form::Solid => [None; 3],
+        };
+        for touch in touches.into_iter().flatten() {
+            if within.is_some_and(|within| is_inner_edge(within, &local, &touch)) {
+                continue;
+            }
+            let world = Touch {
+                point: convert::from_vector(frame * convert::vector(touch.point)),
+                normal: convert::from_vector(frame.rotation * convert::vector(touch.normal)),
+                gap: touch.gap,
+            };
+            // On an edge between two triangles both hold it at the same place.
+            if !found[before..].iter().any(|known| (known.point - world.point).amax() < SAME_PLACE) {
+                found.push(world);
+            }
+        }
+    };
+    match other.as_composite_shape() {
+        None => on_part(None, other, None),
+        Some(composite) => {
+            let near = own.shape.compute_aabb(&pose).loosened(prediction);
+            for part in composite.bvh().intersect_aabb(&near) {
+                composite.map_part_at(part, &mut on_part);
+            }
+        }
+    }
+    if is_side {
+        on_solid(own, own_pose, other, other_pose, prediction, found);
+    }
+}
+
+/// The touches with a plane; not those of solids that reach it, nor that of a wheel's side: whether that is all.
+fn on_plane(
+    own: &Surface,
+    pose: &EnginePose,
+    normal: Vector3<f64>,
+    place: Vector3<f64>,
+    prediction: f64,
+    found: &mut Vec<Touch>,
+) -> bool {
+    let centre = convert::from_vector(pose.translation);
+    let touch = match own.form {
+        Form::Wheel { radius, half_width } => {
+            let axle = convert::from_vector(pose.rotation * Vector::Y);
+            if normal.dot(&axle).abs() > super::wheel::SIDE {
+                return normal.dot(&(centre - place)) > radius.hypot(half_width) + prediction;
+            }
+            Wheel { hub: centre, axle, radius, half_width }.on_plane(normal, place)
+        }
+        Form::Ball { radius } => {
+            let height = normal.dot(&(centre - place));
+            Touch { normal, point: centre - normal * radius, gap: height - radius }
+        }
+        Form::Solid => {
+            // The box around it, in the surface's own axes.
+            let around = own.shape.compute_local_aabb();
+            let middle = convert::from_vector(*pose * around.center());
+            let half = around.half_extents().to_array();
+            let axes = [Vector::X, Vector::Y, Vector::Z].map(|axis| convert::from_vector(pose.rotation * axis));
+            let reach: f64 = axes.iter().zip(half).map(|(axis, half)| axis.dot(&normal).abs() * half).sum();
+            return normal.dot(&(middle - place)) - reach > prediction;
+        }
+    };
+    if touch.gap <= prediction {
+        found.push(touch);
+    }
+    true
+}
+
+fn on_ball(
+    centre: Vector3<f64>,
+    radius: f64,
+    prediction: f64,
+    nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
+) -> Option<Touch> {
+    let (distance, normal) = nearest(centre)?;
+    let touch = Touch { normal, point: centre - normal * radius, gap: distance - radius };
+    (touch.gap <= prediction).then_some(touch)
+}
+
+/// An edge inside of a mesh is no edge: the face beside it holds what touches.
+fn is_inner_edge(within: &dyn NormalConstraints, pose: &EnginePose, touch: &Touch) -> bool {
+    use rapier3d::parry::query::details::NormalConstraintsPair;
+    let mut normal = convert::vector(touch.normal);
+    let mut back = pose.rotation.inverse() * -normal;
+    let allowed = (Some(within), None).project_local_normals(pose, &mut normal, &mut back);
+    !allowed || convert::from_vector(normal).dot(&touch.normal) < 1.0 - 1e-6
+}
+
+/// The touches that the engine's geometry finds.
+fn on_solid(
+    own: &Surface,
+    own_pose: &EnginePose,
+    other: &dyn Shape,
+    other_pose: &EnginePose,
+    prediction: f64,
+    found: &mut Vec<Touch>,
+) {
+    let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+    let between = other_pose.inv_mul(own_pose);
+    let dispatcher = DefaultQueryDispatcher;
+    let known =
+        dispatcher.contact_manifolds(&between, other, own.shape.as_ref(), prediction, &mut manifolds, &mut None);
+    if known.is_err() {
+        return;
+    }
+    for manifold in &manifolds {
+        let frame = manifold.subshape_pos1().map_or(*other_pose, |pose| *other_pose * pose);
+        let normal = convert::from_vector(frame.rotation * manifold.local_n1);
+        let points = manifold.points.iter().filter(|point| point.dist <= prediction);
+        let touches = points.map(|point| {
+            let on_other = convert::from_vector(frame * point.local_p1);
+            Touch { normal, point: on_other + normal * point.dist, gap: point.dist }
+        });
+        spread(touches.collect(), found);
+    }
+}
+
+/// Of many touches of one face those that hold it: the deepest, the one farthest from it, and the ones farthest from their line on
+/// either side.
+fn spread(touches: Vec<Touch>, found: &mut Vec<Touch>) {
+    if touches.len() <= MAX_POINTS {
+        return found.extend(touches);
+    }
+    let by = |size: &dyn Fn(&Touch) -> f64| touches.iter().copied().max_by(|a, b| size(a).total_cmp(&size(b)));
+    let Some(deepest) = by(&|touch| -touch.gap) else { return };
+    let Some(farthest) = by(&|touch| (touch.point - deepest.point).norm()) else { return };
+    let across = deepest.normal.cross(&(farthest.point - deepest.point));
+    let off = |touch: &Touch| across.dot(&(touch.point - deepest.point));
+    found.extend([Some(deepest), Some(farthest), by(&off), by(&|touch| -off(touch))].into_iter().flatten());
+}
+
+/// A box around a surface in the world.
+pub(super) fn around(own: &Surface, own_pose: &EnginePose) -> Aabb {
+    own.shape.compute_aabb(own_pose)
+}
