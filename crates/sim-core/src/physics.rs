@@ -28,6 +28,7 @@ pub(crate) use identity::Identity;
 pub(crate) use query::RayHit;
 pub(crate) use robot::RobotBodies;
 
+use articulated::MapObject;
 use scene::{BodyState, Pose, WheelState};
 
 /// Sweeps of the solver over the contacts while a robot lands. One is enough where the last step's impulses are a good
@@ -41,8 +42,12 @@ const LANDING_TIME: f64 = 0.1;
 pub(crate) struct Physics {
     world: PhysicsWorld,
     materials: Arc<Materials>,
-    /// The bodies of the map's objects, in its order.
-    objects: Vec<RigidBodyHandle>,
+    /// The map's objects, in its order.
+    objects: Vec<MapObject>,
+    /// How many robots the engine moves.
+    robots_of_engine: usize,
+    /// Whether something came or left, which the engine notices with a step.
+    is_changed: bool,
     /// Time left of the landing of a robot, s; `LANDING_TIME` while one falls.
     landing: f64,
     /// What is kept of the contacts of robots in reduced coordinates.
@@ -74,17 +79,30 @@ impl Physics {
         }
         let mut objects = Vec::new();
         for (index, object) in (0..).zip(&map.objects) {
-            let body = world.insert_body(object.body.clone());
-            world.insert_collider(object.surface.collider(Identity::Object(index)), Some(body));
-            objects.push(body);
+            objects.push(MapObject::spawn(&mut world, object, index));
         }
         // The colliders enter the query structure with the first step; of nothing, it moves nothing.
         world.step();
-        Self { world, materials, objects, landing: 0.0, contacts: articulated::Contacts::default(), placeholders: Vec::new() }
+        Self {
+            world,
+            materials,
+            objects,
+            robots_of_engine: 0,
+            is_changed: false,
+            landing: 0.0,
+            contacts: articulated::Contacts::default(),
+            placeholders: Vec::new(),
+        }
     }
 
-    /// Advances by one time step.
+    /// Whether the engine has anything to move, or to notice.
+    pub(crate) fn is_engine_needed(&self) -> bool {
+        self.robots_of_engine > 0 || self.is_changed || self.objects.iter().any(MapObject::is_moved_by_engine)
+    }
+
+    /// Advances by one time step what the engine moves.
     pub(crate) fn step(&mut self) {
+        self.is_changed = false;
         let sweeps = if self.landing > 0.0 { LANDING_SWEEPS } else { 1 };
         let parameters = &mut self.world.integration_parameters;
         // With the velocity that pushes out overlaps, and without it.
@@ -96,21 +114,23 @@ impl Physics {
             self.world.remove_collider(placeholder);
         }
         self.world.step();
+        self.objects.iter_mut().for_each(|object| object.note_rest(&self.world));
     }
 
     /// Where the map's objects are, in its order.
     pub(crate) fn objects(&self) -> impl Iterator<Item = Pose> {
-        self.objects.iter().map(|&object| convert::from_pose(self.world.bodies[object].position()))
+        self.objects.iter().map(|object| object.pose(&self.world))
     }
 
     /// Mixes the state of every body into a digest, in the order that they were made.
-    pub(crate) fn digest(&self, mix: impl FnMut(f64)) {
-        let numbers = self.world.bodies.iter().flat_map(|(_, body)| {
+    pub(crate) fn digest(&self, mut mix: impl FnMut(f64)) {
+        let numbers = self.world.bodies.iter().filter(|(_, body)| !body.is_kinematic()).flat_map(|(_, body)| {
             let (position, velocity) = (body.position(), body.vels());
             let vectors = [position.translation, velocity.linvel, velocity.angvel].map(|vector| vector.to_array());
             vectors.into_iter().flatten().chain(position.rotation.to_array())
         });
-        numbers.for_each(mix);
+        numbers.for_each(&mut mix);
+        self.objects.iter().flat_map(MapObject::numbers).for_each(mix);
     }
 }
 

@@ -29,6 +29,8 @@ pub struct World {
     scene: CompiledScene,
     options: Options,
     physics: Physics,
+    /// Whether the engine took part in the last step.
+    is_engine_running: bool,
     steps: u64,
     robots: BTreeMap<RobotId, Robot>,
     next_id: u64,
@@ -62,7 +64,7 @@ impl World {
     pub fn new(scene: impl Into<CompiledScene>, options: Options) -> Self {
         let scene = scene.into();
         let physics = Physics::new(scene.map(), scene.materials(), options.time_step);
-        Self { scene, options, physics, steps: 0, robots: BTreeMap::new(), next_id: 0, lost: Vec::new() }
+        Self { scene, options, physics, is_engine_running: false, steps: 0, robots: BTreeMap::new(), next_id: 0, lost: Vec::new() }
     }
 
     /// Simulated time, s.
@@ -112,6 +114,7 @@ impl World {
             return None;
         }
         let pose = self.start_pose(init, problems);
+        self.enter_shapes();
         let pose = self.physics.standing_pose(&class, &pose);
         let id = RobotId(self.next_id);
         self.next_id += 1;
@@ -138,6 +141,9 @@ impl World {
     /// Does what a command says; one for a robot goes to the pawn, which is the newest robot of the client that sent it. What is
     /// wrong with it is noted in `problems`. With a flat battery a robot ignores everything.
     pub fn execute(&mut self, pawn: Option<RobotId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
+        if let Command::Set(_) = command {
+            self.enter_shapes();
+        }
         let time = self.time();
         let mut found = false;
         let answers = match (command, pawn.and_then(|pawn| self.robots.get_mut(&pawn))) {
@@ -209,17 +215,34 @@ impl World {
         self.robots.values_mut().for_each(|robot| self.physics.give_velocity(robot.bodies_mut()));
         self.robots.values().for_each(|robot| self.physics.react(robot.bodies()));
         self.robots.values_mut().for_each(|robot| self.physics.note_pushes(robot.bodies_mut()));
+        let is_engine_needed = self.physics.is_engine_needed();
+        if is_engine_needed && !self.is_engine_running {
+            // The engine has them where they were when it was needed last.
+            self.enter_shapes();
+        }
         self.physics.solve_articulated(self.robots.values_mut().map(Robot::bodies_mut));
-        self.physics.step();
+        if is_engine_needed {
+            self.physics.lead_engine(self.robots.values().map(Robot::bodies));
+            self.physics.step();
+        }
+        self.is_engine_running = is_engine_needed;
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
         let mut messages = Vec::new();
         self.robots.values_mut().for_each(|robot| robot.after_step(&self.physics));
         self.remove_unsound();
+        // Rays are the only ones that ask the engine where such robots are.
+        if !is_engine_needed && self.robots.values().any(|robot| robot.is_about_to_look(steps)) {
+            self.enter_shapes();
+        }
         for (&id, robot) in &mut self.robots {
             robot.report(&self.physics, time, steps, |message| messages.push((id, message)));
         }
         messages
+    }
+
+    fn enter_shapes(&mut self) {
+        self.physics.enter_shapes(self.robots.values().map(Robot::bodies));
     }
 
     /// Nothing that is not a number is ever sent, and one broken robot does not break the others.
@@ -290,6 +313,7 @@ impl World {
         for robot in self.robots.values() {
             let joints = self.physics.joints(robot.bodies());
             joints.iter().flat_map(|joint| [joint.position, joint.speed]).for_each(&mut mix);
+            self.physics.numbers(robot.bodies()).into_iter().for_each(&mut mix);
         }
         hash.value()
     }

@@ -3,6 +3,7 @@
 //! The engine has their shapes, on bodies that it does not move, so that rays and its own bodies meet them.
 
 mod compile;
+mod object;
 mod shape_contact;
 mod together;
 mod wheel;
@@ -23,13 +24,14 @@ use crate::RobotId;
 use crate::flight::Flight;
 
 pub(super) use compile::Articulated;
+pub(super) use object::MapObject;
 use compile::JointValue;
 pub(super) use together::{Contacts, solve};
 
 /// The end of a joint gives way over this time, s: what is beyond it comes back in it.
 const END_TIME: f64 = 0.02;
 
-/// A robot and its state.
+/// A robot and its state; or an object, which has no joints.
 pub(crate) struct ArticulatedRobot {
     id: RobotId,
     made_of: Arc<Articulated>,
@@ -66,10 +68,20 @@ impl ArticulatedRobot {
             });
             in_engine.push((handle, colliders.collect()));
         }
+        Self::at_rest(made_of, id, pose, in_engine)
+    }
+
+    /// One whose shapes the engine has already, by link.
+    fn at_rest(
+        made_of: Arc<Articulated>,
+        id: RobotId,
+        pose: &Pose,
+        in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
+    ) -> Self {
         let (joints, wheels) = (made_of.joints.len(), made_of.wheels.len());
         Self {
             id,
-            body,
+            body: Body::new(made_of.tree.clone(), *pose),
             servos: vec![Servo::default(); joints],
             targets: vec![0.0; joints],
             joint_impulses: Vec::new(),
@@ -176,11 +188,6 @@ impl ArticulatedRobot {
         of_joints.chain(of_gears)
     }
 
-    /// Moves on by a step.
-    fn advance(&mut self, time_step: f64) {
-        self.body.advance(time_step);
-    }
-
     /// Tells the engine where its shapes come to be in the coming step of the engine.
     pub(super) fn lead_engine(&self, world: &mut PhysicsWorld) {
         for (link, (handle, _)) in self.in_engine.iter().enumerate() {
@@ -247,11 +254,11 @@ impl ArticulatedRobot {
         self.body.is_finite()
     }
 
-    /// Mixes its state into a digest.
-    pub(super) fn digest(&self, mix: impl FnMut(f64)) {
+    /// Pose and generalised velocity.
+    pub(super) fn numbers(&self) -> Vec<f64> {
         let pose = self.body.pose();
         let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(self.body.velocity());
-        numbers.copied().for_each(mix);
+        numbers.copied().collect()
     }
 }
 

@@ -84,6 +84,8 @@ pub(crate) struct CompiledMap {
 pub(super) struct CompiledObject {
     pub(super) body: RigidBodyBuilder,
     pub(super) surface: Surface,
+    /// The same near robots in reduced coordinates.
+    pub(super) made_of: Arc<Articulated>,
 }
 
 impl CompiledMap {
@@ -97,7 +99,8 @@ impl CompiledMap {
             let body = body.linear_damping(material.linear_damping).angular_damping(material.angular_damping);
             let mut surface = surface(&solid.shape, &Pose::identity(), material);
             surface.builder = surface.builder.mass(object.mass);
-            CompiledObject { body, surface }
+            let made_of = Arc::new(Articulated::of_object(surface.clone(), object.mass, material));
+            CompiledObject { body, surface, made_of }
         });
         Self { gravity: map.gravity, objects: objects.collect(), solids }
     }

@@ -8,7 +8,7 @@ use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
 use scene::{Coupling, JointState, Pose, RobotDef, Steering};
 
-use super::articulated::{self, ArticulatedRobot};
+use super::articulated::{self, ArticulatedRobot, MapObject};
 use super::compile::{Base, CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree, Value};
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
@@ -141,6 +141,8 @@ impl Physics {
                 (robot.bodies().collect(), Drivetrain::Articulated(Box::new(robot)))
             }
         };
+        self.is_changed = true;
+        self.robots_of_engine += usize::from(!matches!(drivetrain, Drivetrain::Articulated(_)));
         let flight = (robot.def.steering == Steering::Aerial).then(Flight::default);
         let bodies = RobotBodies { robot, all, drivetrain, flight };
         self.enter_queries(&bodies);
@@ -222,6 +224,8 @@ impl Physics {
     /// The engine forgets what a removed collider was near to only if no other one has taken its place by the next step;
     /// otherwise it keeps that for ever. So something that touches nothing takes the places until then.
     pub(crate) fn remove(&mut self, bodies: &RobotBodies) {
+        self.is_changed = true;
+        self.robots_of_engine -= usize::from(bodies.articulated().is_none());
         let mut places = 0;
         for &body in bodies.all.iter().rev() {
             places += self.world.remove_body_with_colliders(body, true).map_or(0, |body| body.colliders().len());
@@ -258,14 +262,27 @@ impl Physics {
 
     /// Moves the robots in reduced coordinates on by a step, all that touch each other together.
     pub(crate) fn solve_articulated<'a>(&mut self, robots: impl Iterator<Item = &'a mut RobotBodies>) {
-        let mut robots: Vec<&mut ArticulatedRobot> = robots.filter_map(RobotBodies::articulated_mut).collect();
-        articulated::solve(&self.world, &self.materials, &mut robots, &mut self.contacts);
-        robots.iter().for_each(|robot| robot.lead_engine(&mut self.world));
+        let robots: Vec<&mut ArticulatedRobot> = robots.filter_map(RobotBodies::articulated_mut).collect();
+        articulated::solve(&mut self.world, &self.materials, robots, &mut self.objects, &mut self.contacts);
     }
 
-    /// Puts the shapes of the robots in reduced coordinates where they are, for rays.
+    /// Says to the engine where the robots in reduced coordinates come to be in its coming step.
+    pub(crate) fn lead_engine<'a>(&mut self, robots: impl Iterator<Item = &'a RobotBodies>) {
+        let taken = self.objects.iter().filter_map(MapObject::taken);
+        taken.for_each(|taken| taken.lead_engine(&mut self.world));
+        robots.filter_map(RobotBodies::articulated).for_each(|robot| robot.lead_engine(&mut self.world));
+    }
+
+    /// Puts the shapes of the robots in reduced coordinates where they are, for rays, and for those who look for room.
     pub(crate) fn enter_shapes<'a>(&mut self, robots: impl Iterator<Item = &'a RobotBodies>) {
+        let taken = self.objects.iter().filter_map(MapObject::taken);
+        taken.for_each(|taken| taken.enter_queries(&mut self.world));
         robots.filter_map(RobotBodies::articulated).for_each(|robot| robot.enter_queries(&mut self.world));
+    }
+
+    /// Numbers that say where a robot in reduced coordinates is and how it moves; the engine's are its bodies'.
+    pub(crate) fn numbers(&self, bodies: &RobotBodies) -> Vec<f64> {
+        bodies.articulated().map_or_else(Vec::new, ArticulatedRobot::numbers)
     }
 
     /// Solves anew for robots that stand on each other; to be called when every robot is solved for by itself.

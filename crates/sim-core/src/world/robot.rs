@@ -197,6 +197,12 @@ impl Robot {
         physics.after_step(&mut self.bodies);
     }
 
+    /// Whether one of its sensors measures at a step.
+    pub(super) fn is_about_to_look(&self, step: u64) -> bool {
+        let age = step - self.spawned;
+        self.items.iter().any(|item| is_due(age, self.options.time_step, item.def.scan_interval))
+    }
+
     /// Sends what is due at a step: the status, then the sensors in mounting order unless the battery is flat.
     pub(super) fn report(&mut self, physics: &Physics, time: f64, step: u64, mut send: impl FnMut(Message)) {
         let age = step - self.spawned;

@@ -13,6 +13,7 @@ use super::super::compile::Materials;
 use super::super::convert;
 use super::super::rolling::Load;
 use super::compile::{Form, Surface};
+use super::object::{MapObject, take_near};
 use super::shape_contact::{around, touches};
 use super::wheel::Touch;
 use super::{ArticulatedRobot, link_pose};
@@ -59,22 +60,37 @@ struct Found {
     resistance: f64,
 }
 
-/// Moves robots on by a step.
-pub(in super::super) fn solve(
-    world: &PhysicsWorld,
+/// Moves robots on by a step, and the objects that are near them.
+pub(in super::super) fn solve<'a>(
+    world: &mut PhysicsWorld,
     materials: &Materials,
-    robots: &mut [&mut ArticulatedRobot],
+    mut robots: Vec<&'a mut ArticulatedRobot>,
+    objects: &'a mut [MapObject],
     known: &mut Contacts,
 ) {
     let time_step = world.integration_parameters.dt;
-    let placed: Vec<Vec<Placed>> = robots.iter().map(|robot| placed(robot, time_step)).collect();
+    let mut placed: Vec<Vec<Placed>> = robots.iter().map(|robot| all_placed(robot, time_step)).collect();
+    if !objects.is_empty() {
+        let around: Vec<Aabb> = placed.iter().filter_map(|placed| whole(placed)).collect();
+        take_near(world, objects, &around);
+        let gravity = convert::from_vector(world.gravity);
+        for taken in objects.iter_mut().filter_map(|object| object.taken.as_deref_mut()) {
+            taken.body.set_gravity(gravity);
+            placed.push(all_placed(taken, time_step));
+            robots.push(taken);
+        }
+    }
+    let robots = robots.as_mut_slice();
     let mut found = Vec::new();
     for (number, robot) in robots.iter_mut().enumerate() {
         touch_fixed(world, materials, number, robot, &placed[number], &mut found);
     }
     for one in 0..robots.len() {
         for other in 0..one {
-            touch_each_other(robots, &placed, other, one, &mut found);
+            let near = whole(&placed[one]).zip(whole(&placed[other])).is_some_and(|(one, other)| one.intersects(&other));
+            if near {
+                touch_each_other(robots, &placed, other, one, &mut found);
+            }
         }
     }
     let groups = groups(robots.len(), &found);
@@ -84,7 +100,7 @@ pub(in super::super) fn solve(
     }
     known.impulses = impulses;
     for robot in robots {
-        robot.advance(time_step);
+        robot.body.advance(time_step);
     }
 }
 
@@ -96,7 +112,7 @@ struct Placed {
     prediction: f64,
 }
 
-fn placed(robot: &ArticulatedRobot, time_step: f64) -> Vec<Placed> {
+fn all_placed(robot: &ArticulatedRobot, time_step: f64) -> Vec<Placed> {
     let poses: Vec<EnginePose> =
         (0..robot.body.frames().len()).map(|link| convert::pose(&link_pose(&robot.body, link))).collect();
     let of_surface = |surface: &Surface| {
@@ -112,6 +128,11 @@ fn placed(robot: &ArticulatedRobot, time_step: f64) -> Vec<Placed> {
     robot.made_of.surfaces.iter().map(of_surface).collect()
 }
 
+/// A box around all of them.
+fn whole(placed: &[Placed]) -> Option<Aabb> {
+    placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other))
+}
+
 /// Adds what a robot touches that does not move.
 fn touch_fixed(
     world: &PhysicsWorld,
@@ -121,9 +142,7 @@ fn touch_fixed(
     placed: &[Placed],
     found: &mut Vec<Found>,
 ) {
-    let Some(whole) = placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other)) else {
-        return;
-    };
+    let Some(whole) = whole(placed) else { return };
     let near = match robot.near.take() {
         Some((around, near)) if around.contains(&whole) => (around, near),
         _ => {
