@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
-use crate::{Joint, Pose, Tree, factor, inertia};
+use crate::{Joint, Link, Mass, Pose, Tree, factor, inertia};
 
 /// A tree, where it is and how it moves.
 #[derive(Debug, Clone)]
@@ -30,6 +30,17 @@ pub struct Body {
     pub(crate) factors: Vec<f64>,
     /// Velocity at the end of the step without contacts.
     pub(crate) free: Vec<f64>,
+    /// Of one that something else moves.
+    given: Option<Given>,
+}
+
+/// How something gives way that something else moves.
+#[derive(Debug, Clone)]
+struct Given {
+    /// As the factors have it.
+    inertia: Vec<f64>,
+    /// Of every link.
+    links: Vec<Vec<Axis>>,
 }
 
 /// A link at a moment. Positions are from [`Body::centre`], in world axes.
@@ -87,10 +98,38 @@ impl Body {
             force: vec![0.0; dofs],
             factors: vec![0.0; tree.entries],
             free: vec![0.0; dofs],
+            given: None,
             tree,
         };
         body.place();
         body
+    }
+
+    /// Something that another program moves, as its contacts feel it: its generalised velocity at the end of a step without them, the
+    /// inertia that belongs to it, and for every link the twist that each speed gives it about the centre, the angular part first.
+    pub fn given(centre: Vector3<f64>, velocity: &[f64], inertia: &DMatrix<f64>, links: Vec<Vec<[Vector3<f64>; 2]>>) -> Self {
+        let nothing = Mass { mass: 0.0, centre: Vector3::zeros(), inertia: Matrix3::zeros() };
+        let link = |number: usize| {
+            let joint = if number == 0 { Joint::Fixed } else { Joint::Prismatic(Vector3::x()) };
+            Link::new(number.saturating_sub(1), joint, Vector3::zeros(), nothing)
+        };
+        let tree = Tree::new((0..=velocity.len()).map(link).collect());
+        let mut body = Self::new(Arc::new(tree), Pose::translation(centre.x, centre.y, centre.z));
+        body.velocity.copy_from_slice(velocity);
+        let axis = |[angular, linear]: [Vector3<f64>; 2]| Axis { angular, linear };
+        let links = links.into_iter().map(|twists| twists.into_iter().map(axis).collect()).collect();
+        let count = velocity.len();
+        let inertia = (0..count).flat_map(|row| (0..=row).map(move |column| inertia[(row, column)])).collect();
+        body.given = Some(Given { inertia, links });
+        body
+    }
+
+    /// The degrees of freedom that move a link, from the root down, by the last of them, and what each does; `None` where nothing does.
+    pub(crate) fn axes_of(&self, link: usize) -> Option<(usize, impl Iterator<Item = (usize, &Axis)>)> {
+        let tip = if self.given.is_some() { self.velocity.len().checked_sub(1) } else { self.tree.tip(link) }?;
+        let own = self.given.as_ref().map(|given| &given.links[link]);
+        let axis = move |&dof: &usize| (dof, own.map_or(&self.axes[dof], |own| &own[dof]));
+        Some((tip, self.tree.chain(tip).iter().map(axis)))
     }
 
     /// What it is made of.
@@ -130,6 +169,11 @@ impl Body {
 
     /// Velocity of a point of a link in the world, m/s.
     pub fn velocity_at(&self, link: usize, point: Vector3<f64>) -> Vector3<f64> {
+        if self.given.is_some() {
+            let at = point - self.centre();
+            let moved = self.axes_of(link).map(|(_, axes)| axes.map(|(dof, axis)| axis.at(at) * self.velocity[dof]).sum());
+            return moved.unwrap_or_default();
+        }
         let Frame { origin, angular, linear, .. } = &self.frames[link];
         linear + angular.cross(&(point - self.centre() - origin))
     }
@@ -146,8 +190,8 @@ impl Body {
 
     /// Pushes a link at a point in the coming step with a force, N.
     pub fn push(&mut self, link: usize, point: Vector3<f64>, force: Vector3<f64>) {
-        let Some(tip) = self.tree.tip(link) else { return };
         let at = point - self.centre();
+        let Some(tip) = self.tree.tip(link) else { return };
         for &dof in self.tree.chain(tip) {
             self.force[dof] += self.axes[dof].at(at).dot(&force);
         }
@@ -227,6 +271,12 @@ impl Body {
 
     /// Works out inertia and free velocity for a step, with the servos in it.
     pub(crate) fn prepare(&mut self, time_step: f64) {
+        if let Some(given) = &self.given {
+            self.factors.copy_from_slice(&given.inertia);
+            factor::factorise(&self.tree, &mut self.factors);
+            self.free.copy_from_slice(&self.velocity);
+            return;
+        }
         inertia::assemble(self, time_step);
         factor::factorise(&self.tree, &mut self.factors);
         factor::solve(&self.tree, &self.factors, &mut self.free);

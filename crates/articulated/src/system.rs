@@ -32,8 +32,8 @@ pub struct Contact {
     pub friction: f64,
     /// Least speed along the normal at the end of the step, m/s.
     pub target: f64,
-    /// How it gives way along the normal, m/s per N s.
-    pub compliance: f64,
+    /// How it gives way along the normal and each tangent, m/s per N s.
+    pub compliance: [f64; 3],
     /// What is pushed along the normal.
     pub first: Side,
     /// What is pushed against it; `None` is the world.
@@ -42,13 +42,15 @@ pub struct Contact {
     pub impulse: Vector3<f64>,
 }
 
-/// What a joint does beside its servo: an end, dry friction, a coupling.
+/// What a joint does beside its servo: an end, dry friction, a coupling. Or what makes a root follow a velocity.
 #[derive(Debug, Clone, Copy)]
 pub struct JointRow {
     /// Among the bodies of the system.
     pub body: usize,
     /// Degrees of freedom with their factors.
     pub terms: [Option<(usize, f64)>; 2],
+    /// Factors of a free root's generalised velocity, where there are no terms.
+    pub root: [f64; 6],
     /// What its impulse may be: a row.
     pub constraint: Constraint,
     /// Speed, or least speed of an end, rad/s or m/s.
@@ -98,12 +100,7 @@ struct Rows {
 }
 
 /// Finds the velocities of bodies at the end of a step. They stay where they are: [`Body::advance`] moves them.
-pub fn step(
-    bodies: &mut [&mut Body],
-    contacts: &mut [Contact],
-    joints: &mut [JointRow],
-    time_step: f64,
-) -> Outcome {
+pub fn step(bodies: &mut [&mut Body], contacts: &mut [Contact], joints: &mut [JointRow], time_step: f64) -> Outcome {
     bodies.iter_mut().for_each(|body| body.prepare(time_step));
     let mut limited = 0;
     loop {
@@ -226,11 +223,11 @@ impl Rows {
         let mut velocity = [0.0; 3];
         let mut part = |side: Side, sign: f64| {
             let body = &bodies[side.body];
-            let tip = body.tree.tip(side.link)?;
+            let (tip, axes) = body.axes_of(side.link)?;
             let at = contact.point - body.centre();
             let start = self.entries.len();
-            for &dof in body.tree.chain(tip) {
-                let moved = body.axes[dof].at(at) * sign;
+            for (dof, axis) in axes {
+                let moved = axis.at(at) * sign;
                 let entry = directions.map(|direction| direction.dot(&moved));
                 for (velocity, entry) in velocity.iter_mut().zip(entry) {
                     *velocity += entry * body.free[dof];
@@ -245,7 +242,7 @@ impl Rows {
         let targets = [contact.target, 0.0, 0.0];
         for (number, direction) in directions.iter().enumerate().take(rows) {
             self.missing.push(targets[number] - velocity[number]);
-            self.compliance.push(if number == 0 { contact.compliance } else { 0.0 });
+            self.compliance.push(contact.compliance[number]);
             self.guess.push(contact.impulse.dot(direction));
         }
         self.constraints.push(Constraint::Contact { friction: contact.friction, tangents });
@@ -254,15 +251,23 @@ impl Rows {
     fn add_joint(&mut self, bodies: &[&mut Body], joint: &JointRow) {
         let body = &bodies[joint.body];
         let mut velocity = 0.0;
-        let parts = joint.terms.map(|term| {
-            let (dof, factor) = term?;
-            velocity += factor * body.free[dof];
-            let start = self.entries.len();
-            self.entries.resize(start + body.tree.dofs[dof].depth, [0.0; 3]);
-            self.entries.push([factor, 0.0, 0.0]);
-            factor::solve_chain(&body.tree, &body.factors, dof, &mut self.entries[start..]);
-            Some(Part { body: joint.body, tip: dof, entries: start..self.entries.len() })
-        });
+        let start = self.entries.len();
+        let parts = if joint.terms == [None; 2] {
+            velocity += joint.root.iter().zip(&body.free).map(|(factor, speed)| factor * speed).sum::<f64>();
+            self.entries.extend(joint.root.map(|factor| [factor, 0.0, 0.0]));
+            factor::solve_chain(&body.tree, &body.factors, 5, &mut self.entries[start..]);
+            [Some(Part { body: joint.body, tip: 5, entries: start..self.entries.len() }), None]
+        } else {
+            joint.terms.map(|term| {
+                let (dof, factor) = term?;
+                velocity += factor * body.free[dof];
+                let start = self.entries.len();
+                self.entries.resize(start + body.tree.dofs[dof].depth, [0.0; 3]);
+                self.entries.push([factor, 0.0, 0.0]);
+                factor::solve_chain(&body.tree, &body.factors, dof, &mut self.entries[start..]);
+                Some(Part { body: joint.body, tip: dof, entries: start..self.entries.len() })
+            })
+        };
         self.blocks.push(Block { row: self.missing.len(), rows: 1, parts });
         self.missing.push(joint.target - velocity);
         self.compliance.push(joint.compliance);

@@ -109,7 +109,15 @@ fn joints_have_ends_friction_and_couplings() {
         Link::new(0, Joint::Revolute(Vector3::y()), Vector3::zeros(), mass(1.0, [0.1; 3])),
         Link::new(0, Joint::Revolute(Vector3::z()), Vector3::x(), mass(1.0, [0.1; 3])),
     ];
-    let row = |terms, constraint| JointRow { body: 0, terms, constraint, target: 0.0, compliance: 0.0, impulse: 0.0 };
+    let row = |terms, constraint| JointRow {
+        body: 0,
+        terms,
+        root: [0.0; 6],
+        constraint,
+        target: 0.0,
+        compliance: 0.0,
+        impulse: 0.0,
+    };
     let start = || {
         let mut body = Body::new(Arc::new(Tree::new(links.clone())), Pose::identity());
         body.velocity_mut()[0] = 1.0;
@@ -160,7 +168,7 @@ fn a_skid_robot_turns_on_the_spot_by_coulombs_friction() {
                     tangents: [Some(Vector3::x()), Some(Vector3::y())],
                     friction: 0.8,
                     target: point.z / (time_step + 0.02),
-                    compliance: 1.0 / (time_step * 1e6 * (time_step + 0.02)),
+                    compliance: [1.0 / (time_step * 1e6 * (time_step + 0.02)), 0.0, 0.0],
                     first: Side { body: 0, link: 1 + wheel },
                     second: None,
                     impulse: impulses[wheel],

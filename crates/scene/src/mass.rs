@@ -58,7 +58,8 @@ impl Wheel {
         self.mass_with_rollers(true).inertia[(1, 1)]
     }
 
-    fn mass_with_rollers(&self, driven: bool) -> Mass {
+    /// Mass with its rollers, which are held.
+    pub fn mass_with_rollers(&self, driven: bool) -> Mass {
         let hub = self.hub_mass(driven);
         let Some(rollers) = &self.rollers else { return hub };
         let own = rollers.inertia(self.radius);

@@ -53,15 +53,15 @@ impl Steering {
     }
 }
 
-/// How the wheels of a Mecanum robot move it. Other robots are always made of bodies.
+/// How a robot is moved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum DriveModel {
-    /// Chassis, wheels and rollers are bodies of the engine, their contacts Coulomb's: the reference.
-    #[default]
+    /// Chassis, wheels and rollers are bodies of the engine, their contacts Coulomb's: an independent reference.
     Bodies,
-    /// One body; rollers without inertia whose forces are found in closed form for all wheels together.
+    /// The same with rollers that have no inertia, and carry force along their axes alone.
     Analytic,
-    /// A tree of links in reduced coordinates, its servos and contacts solved together, friction to the end.
+    /// A tree of links in reduced coordinates, its servos and contacts solved together, friction to the end. Rollers are links.
+    #[default]
     Articulated,
     /// The base follows the twist of its wheels' commands, counted with finite rollers, as long as it stands on something.
     Kinematic,
@@ -153,14 +153,12 @@ impl RobotDef {
         }
     }
 
-    /// Whether a drive model can move it: every robot can be made of bodies; one body is a base on Mecanum wheels without other joints,
-    /// and a tree in reduced coordinates one without them.
+    /// Whether a drive model can move it: those of rollers only what has Mecanum wheels.
     pub fn can_have(&self, model: DriveModel) -> bool {
         match model {
-            DriveModel::Bodies => true,
-            DriveModel::Articulated => self.steering != Steering::Omni,
+            DriveModel::Bodies | DriveModel::Articulated => true,
             DriveModel::Analytic | DriveModel::Kinematic | DriveModel::KinematicTextbook => {
-                self.steering == Steering::Omni && !self.has_joints()
+                self.steering == Steering::Omni
             }
         }
     }

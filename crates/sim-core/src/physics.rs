@@ -9,14 +9,10 @@ mod identity;
 mod motor;
 mod observe;
 mod query;
-mod rigid_base;
 mod robot;
 mod roller;
 mod rolling;
 mod shape;
-mod touching;
-mod traction;
-mod wheel_contact;
 
 use std::sync::Arc;
 

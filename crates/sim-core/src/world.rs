@@ -64,7 +64,16 @@ impl World {
     pub fn new(scene: impl Into<CompiledScene>, options: Options) -> Self {
         let scene = scene.into();
         let physics = Physics::new(scene.map(), scene.materials(), options.time_step);
-        Self { scene, options, physics, is_engine_running: false, steps: 0, robots: BTreeMap::new(), next_id: 0, lost: Vec::new() }
+        Self {
+            scene,
+            options,
+            physics,
+            is_engine_running: false,
+            steps: 0,
+            robots: BTreeMap::new(),
+            next_id: 0,
+            lost: Vec::new(),
+        }
     }
 
     /// Simulated time, s.
@@ -211,10 +220,6 @@ impl World {
     pub fn step(&mut self) -> Vec<(RobotId, Message)> {
         assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
-        self.physics.solve_touching(self.robots.values_mut().map(Robot::bodies_mut));
-        self.robots.values_mut().for_each(|robot| self.physics.give_velocity(robot.bodies_mut()));
-        self.robots.values().for_each(|robot| self.physics.react(robot.bodies()));
-        self.robots.values_mut().for_each(|robot| self.physics.note_pushes(robot.bodies_mut()));
         let is_engine_needed = self.physics.is_engine_needed();
         if is_engine_needed && !self.is_engine_running {
             // The engine has them where they were when it was needed last.
@@ -229,7 +234,6 @@ impl World {
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
         let mut messages = Vec::new();
-        self.robots.values_mut().for_each(|robot| robot.after_step(&self.physics));
         self.remove_unsound();
         // Rays are the only ones that ask the engine where such robots are.
         if !is_engine_needed && self.robots.values().any(|robot| robot.is_about_to_look(steps)) {

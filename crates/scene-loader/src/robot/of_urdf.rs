@@ -43,7 +43,7 @@ pub(crate) fn read(
         description: format!("From {file}"),
         steering,
         reported_steering: None,
-        drive_model: scene::DriveModel::Bodies,
+        drive_model: scene::DriveModel::default(),
         one_side_drives: false,
         speaks_ut2004: false,
         links,

@@ -7,8 +7,8 @@ use super::map::material;
 use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
-    Actuator, Aerial, Battery, Coupling, CouplingKind, DriveModel, Gripper, Joint, JointKind, Link, Motor,
-    MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Visual, WHEEL_AXIS,
+    Actuator, Aerial, Battery, Coupling, CouplingKind, Gripper, Joint, JointKind, Link, Motor, MountedWheel, Part,
+    RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Visual, WHEEL_AXIS,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -321,8 +321,9 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
         let expected = "expected a revolute [[joint]] with FrontSteer or RearSteer in its name";
         wrong.push(format!("steering \"ackermann\": {expected}"));
     }
-    if def.drive_model != DriveModel::Bodies && def.has_joints() {
-        wrong.push("`drive_model` other than \"bodies\" of a robot with joints: expected wheels alone".to_owned());
+    if !def.can_have(def.drive_model) {
+        let name = def.drive_model.name();
+        wrong.push(format!("`drive_model` \"{name}\": expected steering \"omni\", or \"articulated\" or \"bodies\""));
     }
     if wrong.is_empty() {
         wrong.extend(masses(def));
@@ -386,8 +387,7 @@ fn omni(def: &RobotDef) -> Option<String> {
     const ORDER: [(f64, Side, f64); 4] =
         [(1.0, Side::Left, 1.0), (1.0, Side::Right, -1.0), (-1.0, Side::Left, -1.0), (-1.0, Side::Right, 1.0)];
     if def.steering != Steering::Omni {
-        let bodies = def.drive_model == DriveModel::Bodies;
-        return (!bodies).then(|| "`drive_model` other than \"bodies\": expected steering \"omni\"".to_owned());
+        return None;
     }
     let fits = |(wheel, (front, side, angle)): (MountedWheel, (f64, Side, f64))| {
         wheel.position[0] * front >= LEAST_OFFSET

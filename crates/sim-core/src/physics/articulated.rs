@@ -3,7 +3,10 @@
 //! The engine has their shapes, on bodies that it does not move, so that rays and its own bodies meet them.
 
 mod compile;
+mod finding;
+mod following;
 mod object;
+mod ring;
 mod shape_contact;
 mod together;
 mod wheel;
@@ -16,20 +19,24 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rapier3d::prelude::*;
 use scene::{BodyState, Contact, Coupling, JointState, Pose};
 
+use super::convert;
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
 use super::rolling::{self, Load};
-use super::convert;
 use crate::RobotId;
 use crate::flight::Flight;
 
 pub(super) use compile::Articulated;
+use compile::{JointValue, Ring};
 pub(super) use object::MapObject;
-use compile::JointValue;
 pub(super) use together::{Contacts, solve};
 
 /// The end of a joint gives way over this time, s: what is beyond it comes back in it.
 const END_TIME: f64 = 0.02;
+
+/// Gain of what does what it is asked for, whatever it takes: the wheels of a base that follows its commands, the attitude of one that
+/// flies, N m s/rad.
+const STIFF: f64 = 1e6;
 
 /// A robot and its state; or an object, which has no joints.
 pub(crate) struct ArticulatedRobot {
@@ -39,11 +46,13 @@ pub(crate) struct ArticulatedRobot {
     servos: Vec<Servo>,
     /// Targets of the joints with a value as they were set, before couplings.
     targets: Vec<f64>,
+    /// Angles of rollers that are no links, ring by ring, rad: to be looked at.
+    roller_angles: Vec<Vec<f64>>,
     /// Impulses of the rows of its joints in the last step.
     joint_impulses: Vec<f64>,
     /// What each wheel stood on in the last step.
     loads: Vec<Load>,
-    /// Rolling resistance of each wheel in the last step, N.
+    /// Forces of the ground on each wheel in the last step that no contact has, N: rolling resistance, and what makes it follow.
     resistances: Vec<Vector3<f64>>,
     /// What pushed it in the last step, with the wheel that it pushed.
     contacts: Vec<(Option<usize>, Contact)>,
@@ -64,7 +73,13 @@ impl ArticulatedRobot {
             let own = made_of.surfaces.iter().enumerate().filter(|(_, surface)| surface.link == link);
             let colliders = own.map(|(number, surface)| {
                 let identity = Identity::Link { robot: id, link: link as u32 };
-                (world.insert_collider(surface.seen.collider(identity), Some(handle)), number)
+                (
+                    world.insert_collider(
+                        surface.seen.collider(identity).solver_groups(InteractionGroups::none()),
+                        Some(handle),
+                    ),
+                    number,
+                )
             });
             in_engine.push((handle, colliders.collect()));
         }
@@ -84,6 +99,7 @@ impl ArticulatedRobot {
             body: Body::new(made_of.tree.clone(), *pose),
             servos: vec![Servo::default(); joints],
             targets: vec![0.0; joints],
+            roller_angles: made_of.rings.iter().map(|ring| vec![0.0; ring.shape.len()]).collect(),
             joint_impulses: Vec::new(),
             loads: vec![Load::default(); wheels],
             resistances: vec![Vector3::zeros(); wheels],
@@ -120,10 +136,15 @@ impl ArticulatedRobot {
     pub(super) fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64, flight: Option<&Flight>) {
         let made_of = self.made_of.clone();
         if let Some(flight) = flight {
-            let (linear, angular) = flight.velocity(self.body.pose(), self.body.tree().links()[0].mass.centre, time_step);
+            let (linear, angular) =
+                flight.velocity(self.body.pose(), self.body.tree().links()[0].mass.centre, time_step);
             let velocity = self.body.velocity_mut();
             velocity[..3].copy_from_slice(angular.as_slice());
             velocity[3..6].copy_from_slice(linear.as_slice());
+            // What stands in its way stops it, and does not turn it.
+            for axis in 0..3 {
+                self.body.set_drive(axis, Drive { at_rest: STIFF * angular[axis], gain: STIFF, most: f64::INFINITY });
+            }
             self.body.place();
         }
         self.body.set_gravity(if flight.is_some() { Vector3::zeros() } else { gravity });
@@ -135,6 +156,11 @@ impl ArticulatedRobot {
             }
             let Some(motor) = &joint.value.motor else { continue };
             let JointState { position, speed } = self.joint(joint);
+            if made_of.following.is_some() && joint.value.is_wheel {
+                let target = self.servos[number].target();
+                self.body.set_drive(joint.dof, Drive { at_rest: STIFF * target, gain: STIFF, most: f64::INFINITY });
+                continue;
+            }
             let Torque { at_rest, gain } = self.servos[number].torque(motor, position, speed, time_step);
             self.body.set_drive(joint.dof, Drive { at_rest, gain, most: motor.max_torque });
         }
@@ -158,6 +184,7 @@ impl ArticulatedRobot {
         let row = move |terms, constraint, target| JointRow {
             body: number,
             terms,
+            root: [0.0; 6],
             constraint,
             target,
             compliance: 0.0,
@@ -170,13 +197,11 @@ impl ArticulatedRobot {
             let [low, high] = joint.value.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
             // Ends that are far away are left out: of what a joint does in a few steps.
             let reach = 0.01 + 4.0 * speed.abs() * time_step;
-            let low = (position - low < reach)
-                .then(|| row([Some((joint.dof, 1.0)), None], end, back(low - position)));
-            let high = (high - position < reach)
-                .then(|| row([Some((joint.dof, -1.0)), None], end, back(position - high)));
-            let friction = (joint.friction > 0.0).then(|| {
-                row([Some((joint.dof, 1.0)), None], Constraint::Within(joint.friction * time_step), 0.0)
-            });
+            let low = (position - low < reach).then(|| row([Some((joint.dof, 1.0)), None], end, back(low - position)));
+            let high =
+                (high - position < reach).then(|| row([Some((joint.dof, -1.0)), None], end, back(position - high)));
+            let friction = (joint.friction > 0.0)
+                .then(|| row([Some((joint.dof, 1.0)), None], Constraint::Within(joint.friction * time_step), 0.0));
             [low, high, friction].into_iter().flatten()
         });
         let of_gears = self.made_of.gears.iter().map(move |gear| {
@@ -186,6 +211,41 @@ impl ArticulatedRobot {
             row(terms, Constraint::Within(f64::INFINITY), off / (time_step + END_TIME))
         });
         of_joints.chain(of_gears)
+    }
+
+    /// What makes it follow its commands in the coming step, if it does; it is the body of a number. `gravity` is what a kilogram weighs.
+    fn following_rows(&self, number: usize, gravity: f64, time_step: f64) -> Option<[JointRow; 3]> {
+        let following = self.made_of.following.as_ref()?;
+        let mut wheels = self.made_of.joints.iter().zip(&self.servos).filter(|(joint, _)| joint.value.is_wheel);
+        let wheels: [(f64, f64); 4] = std::array::from_fn(|_| {
+            let wheel = wheels.next();
+            wheel.map_or((0.0, 0.0), |(joint, servo)| (servo.target(), self.body.position(joint.link)))
+        });
+        let weight = gravity * self.made_of.mass;
+        Some(following.rows(number, &self.body, [wheels.map(|it| it.0), wheels.map(|it| it.1)], weight, time_step))
+    }
+
+    /// Notes what made it follow its commands as a force of the ground on its wheels, which it stands for.
+    fn note_following<'a>(&mut self, rows: impl Iterator<Item = &'a JointRow>, time_step: f64) {
+        let linear = |row: &JointRow| Vector3::from_column_slice(&row.root[3..]) * row.impulse;
+        let force = rows.map(linear).sum::<Vector3<f64>>() / (time_step * self.resistances.len().max(1) as f64);
+        self.resistances.iter_mut().for_each(|resistance| *resistance += force);
+    }
+
+    /// How far a wheel has turned beyond its frame, rad.
+    fn turned(&self, ring: &Ring) -> f64 {
+        if ring.first_link.is_some() { 0.0 } else { self.body.position(ring.wheel) }
+    }
+
+    /// Angles of its rollers about their own axes, wheel by wheel, rad.
+    pub(super) fn roller_angles(&self) -> Vec<f64> {
+        let of_ring = |(ring, angles): (&Ring, &Vec<f64>)| -> Vec<f64> {
+            ring.first_link.map_or_else(
+                || angles.clone(),
+                |first| (first..first + angles.len()).map(|link| self.body.position(link)).collect(),
+            )
+        };
+        self.made_of.rings.iter().zip(&self.roller_angles).flat_map(of_ring).collect()
     }
 
     /// Tells the engine where its shapes come to be in the coming step of the engine.
@@ -264,7 +324,23 @@ impl ArticulatedRobot {
 
 /// Pose of a link in the world.
 fn link_pose(body: &Body, link: usize) -> Pose {
-    let frame = &body.frames()[link];
-    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame.rotation));
-    Pose::from_parts((body.centre() + frame.origin).into(), rotation)
+    let rotation =
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(body.frames()[link].rotation));
+    Pose::from_parts((body.centre() + body.frames()[link].origin).into(), rotation)
+}
+
+/// Poses of all links in the world.
+fn link_poses(body: &Body) -> Vec<Pose> {
+    let (links, centre) = (body.tree().links(), body.centre());
+    let mut poses: Vec<Pose> = Vec::with_capacity(links.len());
+    for (number, (link, frame)) in links.iter().zip(body.frames()).enumerate() {
+        let rotation = match number {
+            0 => body.pose().rotation,
+            // It turns with its parent alone.
+            _ if link.is_round => poses[link.parent].rotation,
+            _ => UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame.rotation)),
+        };
+        poses.push(Pose::from_parts((centre + frame.origin).into(), rotation));
+    }
+    poses
 }

@@ -16,7 +16,6 @@ use scene::{
 use super::articulated::Articulated;
 use super::convert;
 use super::identity::{Identity, Mark};
-use super::rigid_base::BaseWheel;
 use super::shape;
 
 /// Materials by number.
@@ -120,8 +119,6 @@ pub(crate) struct CompiledRobot {
 pub(super) enum Kind {
     /// A multibody.
     Tree(Tree),
-    /// One body.
-    Base(Base),
     /// A tree in reduced coordinates.
     Articulated(Arc<Articulated>),
 }
@@ -218,22 +215,12 @@ pub(super) struct Value {
     pub(super) is_wheel: bool,
 }
 
-/// A robot as one body.
-pub(super) struct Base {
-    pub(super) mass: Mass,
-    pub(super) surfaces: Vec<Surface>,
-    pub(super) wheels: Arc<[BaseWheel]>,
-}
-
 impl CompiledRobot {
     pub(crate) fn new(def: RobotDef, materials: &mut Materials) -> Self {
         let shapes: Vec<SharedShape> = def.body_solids().iter().map(|solid| shape::shared(&solid.shape)).collect();
         let kind = match def.drive_model {
             DriveModel::Bodies => Kind::Tree(Tree::new(&def, &shapes, materials)),
-            DriveModel::Articulated => Kind::Articulated(Arc::new(Articulated::new(&def, &shapes, materials))),
-            DriveModel::Analytic | DriveModel::Kinematic | DriveModel::KinematicTextbook => {
-                Kind::Base(Base::new(&def, &shapes, materials))
-            }
+            _ => Kind::Articulated(Arc::new(Articulated::new(&def, &shapes, materials))),
         };
         let solids = def.body_solids().iter().zip(shapes).map(|(solid, shape)| (solid.pose(), shape));
         let carried = def.links.iter().skip(1).flat_map(|link| &link.solids);
@@ -246,7 +233,7 @@ impl CompiledRobot {
     pub(super) fn centre(&self) -> Vector3<f64> {
         match &self.kind {
             Kind::Tree(tree) => tree.centre,
-            Kind::Base(_) | Kind::Articulated(_) => Vector3::zeros(),
+            Kind::Articulated(_) => Vector3::zeros(),
         }
     }
 }
@@ -434,39 +421,8 @@ impl Value {
     /// The nearest target that its servo may have: a position within its ends, or a speed.
     pub(super) fn within_limits(&self, target: f64) -> f64 {
         let Some(motor) = &self.motor else { return target };
-        let limits =
-            if motor.stiffness.is_some() { self.limits } else { Some([-motor.max_speed, motor.max_speed]) };
+        let limits = if motor.stiffness.is_some() { self.limits } else { Some([-motor.max_speed, motor.max_speed]) };
         limits.map_or(target, |[least, most]| target.clamp(least, most))
-    }
-}
-
-impl Base {
-    fn new(def: &RobotDef, shapes: &[SharedShape], materials: &mut Materials) -> Self {
-        let mut surfaces = body_surfaces(def, shapes, Vector3::zeros(), materials);
-        for caster in def.wheels().filter(|wheel| wheel.drive.is_none()) {
-            let mut ball =
-                Surface::new(SharedShape::ball(caster.radius), &caster.pose(0.0), &caster.material, materials);
-            ball.builder = ball.builder.friction(0.0);
-            surfaces.push(ball);
-        }
-        // The wheels are only seen, by rays and by the wheels of others. As one collider they cost one box a step.
-        let disc = |wheel: MountedWheel| {
-            (
-                EnginePose::from_translation(convert::vector(wheel.position)),
-                SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
-            )
-        };
-        let discs = SharedShape::compound(def.driven().map(disc).collect());
-        // A real wheel turns and its rollers give way, which this does not: half of a tread's friction stands for that.
-        let material = Material { name: "wheel".to_owned(), friction: 0.5, ..Material::default() };
-        let mut discs = Surface::new(discs, &Pose::identity(), &material, materials);
-        discs.builder = discs.builder.collision_groups(InteractionGroups::none());
-        surfaces.push(discs);
-        Self {
-            mass: def.total_mass(),
-            surfaces,
-            wheels: def.driven().filter_map(|wheel| BaseWheel::new(&wheel)).collect(),
-        }
     }
 }
 

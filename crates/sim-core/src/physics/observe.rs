@@ -17,15 +17,13 @@ impl Physics {
                 let angle = |&roller| joint_state(&self.world, roller, JointAxis::AngX).position;
                 rollers.iter().map(|roller| wrapped(angle(roller))).collect()
             }
-            Drivetrain::Rigid(base) => base.roller_angles().collect(),
-            Drivetrain::Articulated(_) => Vec::new(),
+            Drivetrain::Articulated(robot) => robot.roller_angles().into_iter().map(wrapped).collect(),
         }
     }
 
     /// Everything that pushed a robot in the last step. Rolling resistance is a force on a hub; it is added to the
     /// contacts of its wheel, so that the sum is what the ground did.
     pub(crate) fn contacts(&self, bodies: &RobotBodies) -> Vec<Contact> {
-        let time_step = self.world.integration_parameters.dt;
         let mut contacts = Vec::new();
         if let Some(chassis) = bodies.all().first().and_then(|&chassis| self.world.bodies.get(chassis)) {
             self.add_contacts(chassis.colliders(), &mut contacts);
@@ -37,12 +35,6 @@ impl Physics {
                     self.add_contacts(&tread.colliders, &mut contacts);
                     share(&mut contacts[before..], tread.resistance);
                 }
-            }
-            Drivetrain::Rigid(base) => {
-                let before = contacts.len();
-                let pushes = base.pushes().iter().filter(|(_, impulse)| *impulse != Vector3::zeros());
-                contacts.extend(pushes.map(|&(point, impulse)| Contact { point, force: impulse / time_step }));
-                share(&mut contacts[before..], base.shared() / time_step);
             }
             Drivetrain::Articulated(robot) => {
                 for &(_, contact) in robot.contacts().iter().filter(|(wheel, _)| wheel.is_none()) {

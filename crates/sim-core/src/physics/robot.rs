@@ -6,15 +6,13 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
-use scene::{Coupling, JointState, Pose, RobotDef, Steering};
+use scene::{Coupling, JointState, Pose, Steering};
 
 use super::articulated::{self, ArticulatedRobot, MapObject};
-use super::compile::{Base, CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree, Value};
+use super::compile::{CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree, Value};
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
-use super::rigid_base::RigidBase;
 use super::rolling::{self, Load};
-use super::touching::solve_touching;
 use super::{BodyState, LANDING_TIME, Physics, WheelState, convert};
 use crate::RobotId;
 use crate::flight::Flight;
@@ -46,7 +44,6 @@ pub(super) enum Drivetrain {
         /// Of every wheel, casters too.
         treads: Vec<Tread>,
     },
-    Rigid(Box<RigidBase>),
     Articulated(Box<ArticulatedRobot>),
 }
 
@@ -82,13 +79,6 @@ impl RobotBodies {
         &self.drivetrain
     }
 
-    fn base_mut(&mut self) -> Option<&mut RigidBase> {
-        match &mut self.drivetrain {
-            Drivetrain::Rigid(base) => Some(base),
-            Drivetrain::Multibody { .. } | Drivetrain::Articulated(_) => None,
-        }
-    }
-
     fn articulated(&self) -> Option<&ArticulatedRobot> {
         if let Drivetrain::Articulated(robot) = &self.drivetrain { Some(robot) } else { None }
     }
@@ -109,7 +99,6 @@ impl RobotBodies {
                 let wheels = joints.iter_mut().filter(|joint| joint.value.is_wheel);
                 wheels.zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
             }
-            Drivetrain::Rigid(base) => base.set_wheel_speeds(speeds),
             Drivetrain::Articulated(robot) => robot.set_wheel_speeds(speeds),
         }
     }
@@ -124,7 +113,6 @@ impl RobotBodies {
                     joint.servo.set_target(joint.target);
                 }
             }
-            Drivetrain::Rigid(_) => {}
             Drivetrain::Articulated(robot) => robot.set_joint_target(joint, target),
         }
     }
@@ -135,7 +123,6 @@ impl Physics {
     pub(crate) fn spawn(&mut self, robot: Arc<CompiledRobot>, id: RobotId, pose: &Pose) -> RobotBodies {
         let (all, drivetrain) = match &robot.kind {
             Kind::Tree(tree) => self.spawn_tree(tree, id, pose),
-            Kind::Base(base) => self.spawn_base(&robot.def, base, id, pose),
             Kind::Articulated(tree) => {
                 let robot = ArticulatedRobot::spawn(&mut self.world, tree.clone(), id, pose);
                 (robot.bodies().collect(), Drivetrain::Articulated(Box::new(robot)))
@@ -200,25 +187,6 @@ impl Physics {
         (all, Drivetrain::Multibody { joints, rollers, treads: treads.into_values().collect() })
     }
 
-    fn spawn_base(
-        &mut self,
-        def: &RobotDef,
-        base: &Base,
-        id: RobotId,
-        pose: &Pose,
-    ) -> (Vec<RigidBodyHandle>, Drivetrain) {
-        let body = self.world.insert_body(dynamic_body(pose, convert::mass(&base.mass)));
-        for surface in &base.surfaces {
-            self.world.insert_collider(surface.collider(Identity::Link { robot: id, link: 0 }), Some(body));
-        }
-        if let Some(body) = self.world.bodies.get_mut(body) {
-            // Gravity comes in with the forces of the wheels.
-            body.set_gravity_scale(0.0, false);
-        }
-        let base = RigidBase::new(body, def, base, *pose);
-        (vec![body], Drivetrain::Rigid(Box::new(base)))
-    }
-
     /// Takes a robot out of the world.
     ///
     /// The engine forgets what a removed collider was near to only if no other one has taken its place by the next step;
@@ -252,7 +220,6 @@ impl Physics {
                     self.set_rolling_resistance(tree, robot.mass, all, treads);
                 }
             }
-            Drivetrain::Rigid(base) => base.solve(&self.world, &self.materials),
             Drivetrain::Articulated(robot) => {
                 let time_step = self.world.integration_parameters.dt;
                 robot.before_step(convert::from_vector(self.world.gravity), time_step, flight.as_ref());
@@ -263,7 +230,8 @@ impl Physics {
     /// Moves the robots in reduced coordinates on by a step, all that touch each other together.
     pub(crate) fn solve_articulated<'a>(&mut self, robots: impl Iterator<Item = &'a mut RobotBodies>) {
         let robots: Vec<&mut ArticulatedRobot> = robots.filter_map(RobotBodies::articulated_mut).collect();
-        articulated::solve(&mut self.world, &self.materials, robots, &mut self.objects, &mut self.contacts);
+        let Self { world, materials, objects, robots_of_engine, contacts, .. } = self;
+        articulated::solve(world, materials, robots, objects, *robots_of_engine, contacts);
     }
 
     /// Says to the engine where the robots in reduced coordinates come to be in its coming step.
@@ -285,45 +253,10 @@ impl Physics {
         bodies.articulated().map_or_else(Vec::new, ArticulatedRobot::numbers)
     }
 
-    /// Solves anew for robots that stand on each other; to be called when every robot is solved for by itself.
-    pub(crate) fn solve_touching<'a>(&self, robots: impl Iterator<Item = &'a mut RobotBodies>) {
-        let mut bases: Vec<&mut RigidBase> = robots.filter_map(RobotBodies::base_mut).collect();
-        solve_touching(&mut bases, self.world.integration_parameters.dt);
-    }
-
-    /// Gives the engine the velocity that was solved for; to be called when every robot is solved for.
-    pub(crate) fn give_velocity(&mut self, bodies: &mut RobotBodies) {
-        if let Some(base) = bodies.base_mut() {
-            base.give_velocity(&mut self.world);
-        }
-    }
-
-    /// Pushes what the robot's wheels push; to be called when every velocity is given, which would undo it.
-    pub(crate) fn react(&mut self, bodies: &RobotBodies) {
-        if let Drivetrain::Rigid(base) = &bodies.drivetrain {
-            base.react(&mut self.world);
-        }
-    }
-
-    /// Notes what the wheels of others push; to be called when all have.
-    pub(crate) fn note_pushes(&self, bodies: &mut RobotBodies) {
-        if let Some(base) = bodies.base_mut() {
-            base.note_pushes(&self.world);
-        }
-    }
-
-    /// Takes on what the step did to a base of one body.
-    pub(crate) fn after_step(&self, bodies: &mut RobotBodies) {
-        if let Some(base) = bodies.base_mut() {
-            base.advance(&self.world);
-        }
-    }
-
     /// Every joint that has a value, in the order of the links.
     pub(crate) fn joints(&self, bodies: &RobotBodies) -> Vec<JointState> {
         match &bodies.drivetrain {
             Drivetrain::Multibody { joints, .. } => joints.iter().map(|joint| joint.state(&self.world)).collect(),
-            Drivetrain::Rigid(base) => base.wheels().collect(),
             Drivetrain::Articulated(robot) => robot.joints().map(|(_, state)| state).collect(),
         }
     }
@@ -336,7 +269,6 @@ impl Physics {
                 let wheels = joints.iter().filter(|joint| joint.value.is_wheel);
                 wheels.map(|wheel| of_wheel(wheel.state(&self.world))).collect()
             }
-            Drivetrain::Rigid(base) => base.wheels().map(of_wheel).collect(),
             Drivetrain::Articulated(robot) => {
                 robot.joints().filter(|(is_wheel, _)| *is_wheel).map(|(_, state)| of_wheel(state)).collect()
             }
@@ -417,10 +349,6 @@ impl Physics {
 
     /// Pose and velocity of the robot frame.
     pub(crate) fn body(&self, bodies: &RobotBodies) -> BodyState {
-        if let Drivetrain::Rigid(base) = &bodies.drivetrain {
-            let (linear, angular) = base.velocity();
-            return BodyState { pose: *base.pose(), linear, angular };
-        }
         if let Some(robot) = bodies.articulated() {
             return robot.state();
         }

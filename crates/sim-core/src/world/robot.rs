@@ -193,10 +193,6 @@ impl Robot {
         physics.before_step(&mut self.bodies);
     }
 
-    pub(super) fn after_step(&mut self, physics: &Physics) {
-        physics.after_step(&mut self.bodies);
-    }
-
     /// Whether one of its sensors measures at a step.
     pub(super) fn is_about_to_look(&self, step: u64) -> bool {
         let age = step - self.spawned;

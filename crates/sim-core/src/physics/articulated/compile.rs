@@ -6,10 +6,12 @@ use articulated::{Joint, Link, Mass, Tree};
 use nalgebra::{Point3, Vector3};
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::SharedShape;
-use scene::{Coupling, CouplingKind, JointKind, Material, MountedWheel, RobotDef, Steering};
+use scene::{Coupling, CouplingKind, DriveModel, JointKind, Material, MountedWheel, RobotDef, Rollers, Steering};
 
 use super::super::compile::{Materials, Surface as Seen, TreeWheel, Value};
 use super::super::{convert, shape};
+use super::following::Following;
+use super::ring::RollerRing;
 
 /// What robots of a class share.
 pub(in super::super) struct Articulated {
@@ -24,6 +26,20 @@ pub(in super::super) struct Articulated {
     pub(super) gears: Vec<Gear>,
     /// Its wheels, casters too.
     pub(super) wheels: Vec<TreeWheel>,
+    pub(super) rings: Vec<Ring>,
+    /// What makes it follow its commands, if it does.
+    pub(super) following: Option<Following>,
+}
+
+/// The rollers of a wheel.
+pub(super) struct Ring {
+    pub(super) shape: RollerRing,
+    /// The link of the wheel.
+    pub(super) wheel: usize,
+    /// The link of the first roller, the others behind it; without them rollers weigh on the wheel and turn as they like.
+    pub(super) first_link: Option<usize>,
+    /// Bearing friction of a roller, N m s/rad.
+    pub(super) damping: f64,
 }
 
 /// A joint that has a value.
@@ -73,6 +89,8 @@ pub(super) enum Form {
         /// m.
         half_width: f64,
     },
+    /// The rollers of a wheel, by their number among the rings.
+    Rollers(usize),
     /// A ball about the origin of its link.
     Ball {
         /// m.
@@ -90,13 +108,15 @@ impl Articulated {
             joints: Vec::new(),
             gears: Vec::new(),
             wheels: Vec::new(),
+            rings: Vec::new(),
+            following: Following::of(def),
         };
         let mut links: Vec<Link> = Vec::new();
         for (number, link) in def.links.iter().enumerate() {
             let place = made.add_link(def, number, link, &mut links);
             made.places.push(place);
             match MountedWheel::of((number, link)) {
-                Some(wheel) => made.add_wheel(&wheel, place, materials),
+                Some(wheel) => made.add_wheel(def, &wheel, place, &mut links, materials),
                 None => made.add_solids(link, place, if number == 0 { Some(shapes) } else { None }, materials),
             }
         }
@@ -122,7 +142,8 @@ impl Articulated {
     ) -> (usize, Vector3<f64>) {
         let wheel = MountedWheel::of((number, link));
         let mut mass = match &wheel {
-            Some(wheel) => wheel.hub_mass(wheel.drive.is_some()),
+            Some(wheel) if rollers_are_links(def) => wheel.hub_mass(wheel.drive.is_some()),
+            Some(wheel) => wheel.mass_with_rollers(wheel.drive.is_some()),
             None => link.mass(),
         };
         if wheel.is_none() {
@@ -153,7 +174,7 @@ impl Articulated {
             JointKind::Ball => Joint::Ball,
         };
         links.push(Link {
-            is_round: wheel.is_some(),
+            is_round: wheel.as_ref().is_some_and(|wheel| wheel.rollers.is_none() || !rollers_are_links(def)),
             damping: joint.damping,
             armature: joint.drive.as_ref().map_or(0.0, |motor| motor.armature),
             ..Link::new(parent, kind, anchor, mass)
@@ -170,12 +191,28 @@ impl Articulated {
         (own, Vector3::zeros())
     }
 
-    fn add_wheel(&mut self, wheel: &MountedWheel, (link, _): (usize, Vector3<f64>), materials: &mut Materials) {
+    fn add_wheel(
+        &mut self,
+        def: &RobotDef,
+        wheel: &MountedWheel,
+        (link, _): (usize, Vector3<f64>),
+        links: &mut Vec<Link>,
+        materials: &mut Materials,
+    ) {
         let (radius, half_width) = (wheel.radius, wheel.width / 2.0);
-        let form = if wheel.drive.is_some() { Form::Wheel { radius, half_width } } else { Form::Ball { radius } };
+        let (form, material) = match (wheel.drive, &wheel.rollers) {
+            (None, _) => (Form::Ball { radius }, &wheel.material),
+            (Some(_), None) => (Form::Wheel { radius, half_width }, &wheel.material),
+            (Some(_), Some(rollers)) => {
+                let first_link = rollers_are_links(def).then(|| add_rollers(rollers, radius, link, links));
+                let shape = RollerRing::new(rollers, radius);
+                self.rings.push(Ring { shape, wheel: link, first_link, damping: rollers.damping });
+                (Form::Rollers(self.rings.len() - 1), &rollers.material)
+            }
+        };
         let number = self.wheels.len() - 1;
-        let seen = Seen::new(shape::outline(wheel), &scene::Pose::identity(), &wheel.material, materials);
-        self.add_surface(link, form, &wheel.material, seen, Some(number));
+        let seen = Seen::new(shape::outline(wheel), &scene::Pose::identity(), material, materials);
+        self.add_surface(link, form, material, seen, Some(number));
     }
 
     fn add_solids(
@@ -217,6 +254,26 @@ impl Articulated {
             (CouplingKind::Target, ..) => {}
         }
     }
+}
+
+/// Whether the rollers of a robot's wheels are links of their own.
+fn rollers_are_links(def: &RobotDef) -> bool {
+    def.drive_model == DriveModel::Articulated
+}
+
+/// Adds the rollers of a wheel as links that turn about their axes, and gives the number of the first.
+fn add_rollers(rollers: &Rollers, wheel_radius: f64, wheel: usize, links: &mut Vec<Link>) -> usize {
+    let first = links.len();
+    let own = rollers.inertia(wheel_radius);
+    for index in 0..rollers.count {
+        let pose = rollers.pose(index);
+        let turn = pose.rotation.to_rotation_matrix();
+        let mass = Mass { mass: rollers.mass, centre: Vector3::zeros(), inertia: turn * own * turn.inverse() };
+        let joint = Joint::Revolute(pose.rotation * Vector3::x());
+        let link = Link::new(wheel, joint, pose.translation.vector, mass);
+        links.push(Link { is_round: true, damping: rollers.damping, ..link });
+    }
+    first
 }
 
 /// Two masses as one, the second at an offset.

@@ -56,6 +56,8 @@ impl Articulated {
             joints: Vec::new(),
             gears: Vec::new(),
             wheels: Vec::new(),
+            rings: Vec::new(),
+            following: None,
         }
     }
 }
@@ -111,8 +113,13 @@ impl MapObject {
         let Some(body) = world.bodies.get_mut(self.in_engine) else { return };
         let (linear, angular) = (convert::from_vector(body.linvel()), convert::from_vector(body.angvel()));
         body.set_body_type(RigidBodyType::KinematicPositionBased, false);
+        // What the engine moves is solved with it, too.
+        if let Some(collider) = world.colliders.get_mut(self.collider) {
+            collider.set_solver_groups(InteractionGroups::none());
+        }
         let in_engine = vec![(self.in_engine, vec![(self.collider, 0)])];
-        let mut taken = ArticulatedRobot::at_rest(self.made_of.clone(), RobotId(u64::MAX - number as u64), &pose, in_engine);
+        let mut taken =
+            ArticulatedRobot::at_rest(self.made_of.clone(), RobotId(u64::MAX - number as u64), &pose, in_engine);
         taken.body.velocity_mut()[..3].copy_from_slice(angular.as_slice());
         taken.body.velocity_mut()[3..6].copy_from_slice(linear.as_slice());
         taken.body.place();
@@ -124,6 +131,9 @@ impl MapObject {
         let Some(body) = world.bodies.get_mut(self.in_engine) else { return };
         let (angular, linear) = taken.body.velocity().split_at(3);
         body.set_body_type(RigidBodyType::Dynamic, true);
+        if let Some(collider) = world.colliders.get_mut(self.collider) {
+            collider.set_solver_groups(InteractionGroups::all());
+        }
         body.set_position(convert::pose(taken.body.pose()), true);
         body.set_angvel(Vector::new(angular[0], angular[1], angular[2]), true);
         body.set_linvel(Vector::new(linear[0], linear[1], linear[2]), true);

@@ -1,13 +1,14 @@
 //! Where a surface of a robot touches a shape.
 
 use nalgebra::Vector3;
+use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::{Pose as EnginePose, Vector};
-use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::details::NormalConstraints;
-use rapier3d::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use rapier3d::parry::query::{ContactManifold, PersistentQueryDispatcher};
 use rapier3d::parry::shape::Shape;
 
-use super::super::contact::distance;
+use super::super::contact::{RollerDispatcher, distance};
 use super::super::convert;
 use super::compile::{Form, Surface};
 use super::wheel::{Meeting, Touch, Wheel};
@@ -60,7 +61,7 @@ pub(super) fn touches(
                 }
             }
             Form::Ball { radius } => [on_ball(centre, radius, prediction, nearest), None, None],
-            Form::Solid => [None; 3],
+            Form::Solid | Form::Rollers(_) => [None; 3],
         };
         for touch in touches.into_iter().flatten() {
             if within.is_some_and(|within| is_inner_edge(within, &local, &touch)) {
@@ -70,6 +71,7 @@ pub(super) fn touches(
                 point: convert::from_vector(frame * convert::vector(touch.point)),
                 normal: convert::from_vector(frame.rotation * convert::vector(touch.normal)),
                 gap: touch.gap,
+                roller: None,
             };
             // On an edge between two triangles both hold it at the same place.
             if !found[before..].iter().any(|known| (known.point - world.point).amax() < SAME_PLACE) {
@@ -111,9 +113,9 @@ fn on_plane(
         }
         Form::Ball { radius } => {
             let height = normal.dot(&(centre - place));
-            Touch { normal, point: centre - normal * radius, gap: height - radius }
+            Touch { normal, point: centre - normal * radius, gap: height - radius, roller: None }
         }
-        Form::Solid => {
+        Form::Solid | Form::Rollers(_) => {
             // The box around it, in the surface's own axes.
             let around = own.shape.compute_local_aabb();
             let middle = convert::from_vector(*pose * around.center());
@@ -136,7 +138,7 @@ fn on_ball(
     nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
 ) -> Option<Touch> {
     let (distance, normal) = nearest(centre)?;
-    let touch = Touch { normal, point: centre - normal * radius, gap: distance - radius };
+    let touch = Touch { normal, point: centre - normal * radius, gap: distance - radius, roller: None };
     (touch.gap <= prediction).then_some(touch)
 }
 
@@ -158,9 +160,9 @@ fn on_solid(
     prediction: f64,
     found: &mut Vec<Touch>,
 ) {
-    let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+    let mut manifolds: Vec<ContactManifold<ContactManifoldData, ContactData>> = Vec::new();
     let between = other_pose.inv_mul(own_pose);
-    let dispatcher = DefaultQueryDispatcher;
+    let dispatcher = RollerDispatcher;
     let known =
         dispatcher.contact_manifolds(&between, other, own.shape.as_ref(), prediction, &mut manifolds, &mut None);
     if known.is_err() {
@@ -172,7 +174,7 @@ fn on_solid(
         let points = manifold.points.iter().filter(|point| point.dist <= prediction);
         let touches = points.map(|point| {
             let on_other = convert::from_vector(frame * point.local_p1);
-            Touch { normal, point: on_other + normal * point.dist, gap: point.dist }
+            Touch { normal, point: on_other + normal * point.dist, gap: point.dist, roller: None }
         });
         spread(touches.collect(), found);
     }
@@ -190,9 +192,4 @@ fn spread(touches: Vec<Touch>, found: &mut Vec<Touch>) {
     let across = deepest.normal.cross(&(farthest.point - deepest.point));
     let off = |touch: &Touch| across.dot(&(touch.point - deepest.point));
     found.extend([Some(deepest), Some(farthest), by(&off), by(&|touch| -off(touch))].into_iter().flatten());
-}
-
-/// A box around a surface in the world.
-pub(super) fn around(own: &Surface, own_pose: &EnginePose) -> Aabb {
-    own.shape.compute_aabb(own_pose)
 }

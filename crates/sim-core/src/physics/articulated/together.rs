@@ -2,21 +2,22 @@
 //!
 //! Robots that touch each other are one system, whatever their order; the others are solved each by itself.
 
-use articulated::{Contact, JointRow, Side};
+use articulated::{Body, Contact, JointRow, Side};
 use nalgebra::Vector3;
-use rapier3d::math::Pose as EnginePose;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
-use scene::Material;
 
 use super::super::compile::Materials;
 use super::super::convert;
 use super::super::rolling::Load;
-use super::compile::{Form, Surface};
+use super::ArticulatedRobot;
+use super::compile::Form;
+use super::finding::{
+    Found, Key, MARGIN, OfEngine, Placed, Second, hand_over, placed, touch_each_other, touch_engine, touch_fixed,
+    velocity_of, whole,
+};
 use super::object::{MapObject, take_near};
-use super::shape_contact::{around, touches};
-use super::wheel::Touch;
-use super::{ArticulatedRobot, link_pose};
+use super::wheel::{RollerTouch, SIDE, Touch};
 
 /// Stiffness of what touches, N/m. It shares the load between contacts.
 const STIFFNESS: f64 = 1e8;
@@ -24,12 +25,10 @@ const STIFFNESS: f64 = 1e8;
 const RECOVERY_TIME: f64 = 0.02;
 /// Fastest that it is, m/s.
 const MAX_RECOVERY: f64 = 1.0;
-/// Contacts are looked for over this distance and what a surface does in a step, m.
-const PREDICTION: f64 = 0.001;
-/// What does not move is looked for over this distance around a robot, and looked for again when it has left that, m.
-const NEAR: f64 = 0.1;
 /// Below this speed nothing bounces, m/s.
 const LEAST_BOUNCE: f64 = 0.2;
+/// A bearing that gives way by more than so many times the robot's own speed under a push brakes next to nothing.
+const WEAK: f64 = 1e4;
 
 /// What is kept of one step for the next.
 #[derive(Default)]
@@ -39,307 +38,264 @@ pub(in super::super) struct Contacts {
     pub(in super::super) unsettled: u64,
 }
 
-/// What touches what: a surface of a robot, a surface of another or a collider, and which of their touches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Key {
-    own: (u64, usize),
-    other: (Option<u64>, usize),
-    number: usize,
-}
-
-/// A touch of a surface.
-struct Found {
-    key: Key,
-    first: (usize, usize),
-    /// A robot's surface; `None` is what does not move.
-    second: Option<(usize, usize)>,
-    touch: Touch,
-    /// Friction, restitution and rolling resistance of the pair.
-    friction: f64,
-    restitution: f64,
-    resistance: f64,
-}
-
 /// Moves robots on by a step, and the objects that are near them.
 pub(in super::super) fn solve<'a>(
     world: &mut PhysicsWorld,
     materials: &Materials,
     mut robots: Vec<&'a mut ArticulatedRobot>,
     objects: &'a mut [MapObject],
+    robots_of_engine: usize,
     known: &mut Contacts,
 ) {
+    if robots.is_empty() && objects.iter().all(|object| object.taken().is_none()) {
+        return;
+    }
     let time_step = world.integration_parameters.dt;
-    let mut placed: Vec<Vec<Placed>> = robots.iter().map(|robot| all_placed(robot, time_step)).collect();
+    let gravity = convert::from_vector(world.gravity);
+    let mut all_placed: Vec<Vec<Placed>> = robots.iter().map(|robot| placed(robot, time_step)).collect();
     if !objects.is_empty() {
-        let around: Vec<Aabb> = placed.iter().filter_map(|placed| whole(placed)).collect();
+        let around: Vec<Aabb> = all_placed.iter().filter_map(|placed| whole(placed)).collect();
         take_near(world, objects, &around);
-        let gravity = convert::from_vector(world.gravity);
         for taken in objects.iter_mut().filter_map(|object| object.taken.as_deref_mut()) {
             taken.body.set_gravity(gravity);
-            placed.push(all_placed(taken, time_step));
+            all_placed.push(placed(taken, time_step));
             robots.push(taken);
         }
     }
     let robots = robots.as_mut_slice();
-    let mut found = Vec::new();
+    let (mut found, mut of_engine) = (Vec::new(), Vec::new());
     for (number, robot) in robots.iter_mut().enumerate() {
-        touch_fixed(world, materials, number, robot, &placed[number], &mut found);
+        touch_fixed(world, materials, number, robot, &all_placed[number], &mut found);
+        if robots_of_engine > 0 {
+            touch_engine(world, materials, number, robot, &all_placed[number], &mut of_engine, &mut found);
+        }
     }
     for one in 0..robots.len() {
         for other in 0..one {
-            let near = whole(&placed[one]).zip(whole(&placed[other])).is_some_and(|(one, other)| one.intersects(&other));
-            if near {
-                touch_each_other(robots, &placed, other, one, &mut found);
+            let near = whole(&all_placed[one]).zip(whole(&all_placed[other]));
+            if near.is_some_and(|(one, other)| one.intersects(&other)) {
+                touch_each_other(robots, &all_placed, other, one, &mut found);
             }
         }
     }
-    let groups = groups(robots.len(), &found);
+    hand_over(robots, &mut found, time_step);
+    let mut step = Step { robots, of_engine: &mut of_engine, found: &found, weight: gravity.norm(), time_step };
     let mut impulses = Vec::with_capacity(found.len());
-    for group in groups {
-        solve_group(robots, &group, &found, known, &mut impulses, time_step);
+    for group in step.groups() {
+        step.solve(&group, known, &mut impulses);
     }
-    known.impulses = impulses;
+    known.impulses.clear();
+    for (it, impulse) in impulses {
+        known.impulses.push((it.key, impulse));
+        if let Second::OfEngine(number, link) = it.second {
+            react(world, of_engine[number].links[link], it.touch.point, -impulse);
+        }
+    }
     for robot in robots {
         robot.body.advance(time_step);
     }
 }
 
-/// A surface where it is.
-struct Placed {
-    pose: EnginePose,
-    around: Aabb,
-    /// How far it looks for contacts, m.
-    prediction: f64,
-}
-
-fn all_placed(robot: &ArticulatedRobot, time_step: f64) -> Vec<Placed> {
-    let poses: Vec<EnginePose> =
-        (0..robot.body.frames().len()).map(|link| convert::pose(&link_pose(&robot.body, link))).collect();
-    let of_surface = |surface: &Surface| {
-        let pose = poses[surface.link] * surface.pose;
-        let frame = &robot.body.frames()[surface.link];
-        let arm = frame.rotation * surface.middle;
-        let speed = (frame.linear + frame.angular.cross(&arm)).norm() + frame.angular.norm() * surface.half.norm();
-        // A wheel's own turning brings it nowhere.
-        let speed = if surface.form == Form::Solid { speed } else { frame.linear.norm() };
-        let prediction = PREDICTION + speed * time_step;
-        Placed { pose, around: around(surface, &pose).loosened(prediction), prediction }
-    };
-    robot.made_of.surfaces.iter().map(of_surface).collect()
-}
-
-/// A box around all of them.
-fn whole(placed: &[Placed]) -> Option<Aabb> {
-    placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other))
-}
-
-/// Adds what a robot touches that does not move.
-fn touch_fixed(
-    world: &PhysicsWorld,
-    materials: &Materials,
-    number: usize,
-    robot: &mut ArticulatedRobot,
-    placed: &[Placed],
-    found: &mut Vec<Found>,
-) {
-    let Some(whole) = whole(placed) else { return };
-    let near = match robot.near.take() {
-        Some((around, near)) if around.contains(&whole) => (around, near),
-        _ => {
-            let around = whole.loosened(NEAR);
-            let query = world.query_pipeline_with_filter(QueryFilter::only_fixed());
-            let mut near: Vec<ColliderHandle> =
-                query.intersect_aabb_conservative(around).map(|(handle, _)| handle).collect();
-            near.sort_by_key(|handle| handle.into_raw_parts());
-            (around, near)
-        }
-    };
-    let mut met = Vec::new();
-    for &handle in &near.1 {
-        let Some(collider) = world.colliders.get(handle) else { continue };
-        let shape = collider.shape();
-        let bounds = shape.as_halfspace().is_none().then(|| collider.compute_aabb());
-        let material = materials.of(collider);
-        for (index, (surface, at)) in robot.made_of.surfaces.iter().zip(placed).enumerate() {
-            if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
-                continue;
-            }
-            met.clear();
-            touches(surface, &at.pose, shape, collider.position(), at.prediction, &mut met);
-            let own = (robot.id.0, index);
-            let other = (None, handle.into_raw_parts().0 as usize);
-            let pair = Pair::of(&surface.material, material);
-            found.extend(met.drain(..).enumerate().map(|(touch_number, touch)| {
-                pair.found(Key { own, other, number: touch_number }, (number, index), None, touch)
-            }));
-        }
-    }
-    robot.near = Some(near);
-}
-
-/// Adds where two robots touch each other.
-fn touch_each_other(
-    robots: &[&mut ArticulatedRobot],
-    placed: &[Vec<Placed>],
-    one: usize,
-    other: usize,
-    found: &mut Vec<Found>,
-) {
-    let mut met = Vec::new();
-    for (own_index, own_at) in placed[one].iter().enumerate() {
-        for (its_index, its_at) in placed[other].iter().enumerate() {
-            if !own_at.around.intersects(&its_at.around) {
-                continue;
-            }
-            // Wheels and balls have a geometry of their own, so they are the ones that touch.
-            let is_plain = robots[one].made_of.surfaces[own_index].form == Form::Solid;
-            let ((first, index, at), (second, its_index, its_at)) = if is_plain {
-                ((other, its_index, its_at), (one, own_index, own_at))
-            } else {
-                ((one, own_index, own_at), (other, its_index, its_at))
-            };
-            let (surface, its) = (&robots[first].made_of.surfaces[index], &robots[second].made_of.surfaces[its_index]);
-            met.clear();
-            let prediction = at.prediction + its_at.prediction;
-            touches(surface, &at.pose, its.shape.as_ref(), &its_at.pose, prediction, &mut met);
-            let (own, its_key) = ((robots[first].id.0, index), (Some(robots[second].id.0), its_index));
-            let pair = Pair::of(&surface.material, &its.material);
-            found.extend(met.drain(..).enumerate().map(|(number, touch)| {
-                let key = Key { own, other: its_key, number };
-                pair.found(key, (first, index), Some((second, its_index)), touch)
-            }));
-        }
+/// Gives an impulse to a link of a robot of the engine. It has its velocity from the multibody, and an impulse on it is lost: it gets a
+/// force for one step.
+fn react(world: &mut PhysicsWorld, handle: RigidBodyHandle, point: Vector3<f64>, impulse: Vector3<f64>) {
+    let time_step = world.integration_parameters.dt;
+    if let Some(link) = world.bodies.get_mut(handle) {
+        link.add_force_at_point(convert::vector(impulse / time_step), convert::vector(point), true);
     }
 }
 
-/// What two materials do to each other.
-struct Pair {
-    friction: f64,
-    restitution: f64,
-    resistance: f64,
-}
-
-impl Pair {
-    fn of(one: &Material, other: &Material) -> Self {
-        let (friction, restitution) = one.pair(other);
-        Self { friction, restitution, resistance: one.rolling_resistance + other.rolling_resistance }
-    }
-
-    fn found(&self, key: Key, first: (usize, usize), second: Option<(usize, usize)>, touch: Touch) -> Found {
-        let &Self { friction, restitution, resistance } = self;
-        Found { key, first, second, touch, friction, restitution, resistance }
-    }
-}
-
-/// Robots that touch each other, group by group, in the order of the first of each.
-fn groups(count: usize, found: &[Found]) -> Vec<Vec<usize>> {
-    let mut group: Vec<usize> = (0..count).collect();
-    for (one, other) in found.iter().filter_map(|it| Some((it.first.0, it.second?.0))) {
-        let (kept, given_up) = (group[one].min(group[other]), group[one].max(group[other]));
-        group.iter_mut().filter(|it| **it == given_up).for_each(|it| *it = kept);
-    }
-    let members = |first: usize| (first..count).filter(|&number| group[number] == first).collect();
-    (0..count).filter(|&number| group[number] == number).map(members).collect()
-}
-
-/// Finds the velocities of some robots at the end of the step, and notes what pushed them.
-fn solve_group(
-    robots: &mut [&mut ArticulatedRobot],
-    group: &[usize],
-    found: &[Found],
-    known: &mut Contacts,
-    impulses: &mut Vec<(Key, Vector3<f64>)>,
+/// What takes part in a step.
+struct Step<'s, 'r, 'a> {
+    robots: &'s mut [&'r mut ArticulatedRobot],
+    of_engine: &'s mut [OfEngine],
+    found: &'a [Found],
+    /// What a kilogram weighs, N.
+    weight: f64,
     time_step: f64,
-) {
-    let body_of = |robot: usize| group.iter().position(|&member| member == robot);
-    let own: Vec<&Found> = found.iter().filter(|it| body_of(it.first.0).is_some()).collect();
-    let mut contacts: Vec<Contact> = own
-        .iter()
-        .map(|it| {
-            let side = |(robot, surface): (usize, usize)| Side {
-                body: body_of(robot).unwrap_or_default(),
-                link: robots[robot].made_of.surfaces[surface].link,
-            };
-            contact(robots, it, side(it.first), it.second.map(side), known, time_step)
-        })
-        .collect();
-    let mut joints: Vec<JointRow> = Vec::new();
-    for (body, &robot) in group.iter().enumerate() {
-        let rows = robots[robot].joint_rows(body, time_step);
-        let guesses = &robots[robot].joint_impulses;
-        let before = joints.len();
-        joints.extend(rows);
-        let rows = &mut joints[before..];
-        if rows.len() == guesses.len() {
-            rows.iter_mut().zip(guesses).for_each(|(row, &impulse)| row.impulse = impulse);
+}
+
+impl<'a> Step<'_, '_, 'a> {
+    /// Robots that touch each other, group by group, in the order of the first of each. The engine's bodies come behind the robots.
+    fn groups(&self) -> Vec<Vec<usize>> {
+        let count = self.robots.len() + self.of_engine.len();
+        let mut group: Vec<usize> = (0..count).collect();
+        for it in self.found {
+            let Some(other) = self.second_body(it.second) else { continue };
+            let (one, other) = (group[it.first.0], group[other]);
+            let (kept, given_up) = (one.min(other), one.max(other));
+            group.iter_mut().filter(|it| **it == given_up).for_each(|it| *it = kept);
+        }
+        let members = |first: usize| (first..count).filter(|&number| group[number] == first).collect();
+        (0..count).filter(|&number| group[number] == number).map(members).collect()
+    }
+
+    fn second_body(&self, second: Second) -> Option<usize> {
+        match second {
+            Second::Fixed => None,
+            Second::Robot(robot, _) => Some(robot),
+            Second::OfEngine(body, _) => Some(self.robots.len() + body),
         }
     }
-    let outcome = {
-        let mut members = robots.iter_mut().enumerate().filter(|(number, _)| group.contains(number));
-        let mut bodies: Vec<_> = members.by_ref().map(|(_, robot)| &mut robot.body).collect();
-        articulated::step(&mut bodies, &mut contacts, &mut joints, time_step)
-    };
-    known.unsettled += u64::from(!outcome.is_settled);
-    for (body, &robot) in group.iter().enumerate() {
-        let robot = &mut robots[robot];
-        robot.contacts.clear();
-        robot.loads.fill(Load::default());
-        robot.joint_impulses = joints.iter().filter(|row| row.body == body).map(|row| row.impulse).collect();
+
+    /// Finds the velocities of a group at the end of the step, and notes what pushed it.
+    fn solve(&mut self, group: &[usize], known: &mut Contacts, impulses: &mut Vec<(&'a Found, Vector3<f64>)>) {
+        let body_of = |number: usize| group.iter().position(|&member| member == number);
+        let own: Vec<&'a Found> = self.found.iter().filter(|it| body_of(it.first.0).is_some()).collect();
+        let mut contacts = Vec::with_capacity(own.len());
+        for it in &own {
+            let first = Side { body: body_of(it.first.0).unwrap_or_default(), link: self.link_of(it) };
+            let second = self.second_body(it.second).and_then(body_of).map(|body| {
+                let link = match it.second {
+                    Second::Robot(robot, surface) => self.robots[robot].made_of.surfaces[surface].link,
+                    Second::OfEngine(_, link) => link,
+                    Second::Fixed => 0,
+                };
+                Side { body, link }
+            });
+            let contact = self.contact(it, first, second, known);
+            contacts.push(contact);
+        }
+        let mut joints: Vec<JointRow> = Vec::new();
+        for (body, &number) in group.iter().enumerate().filter(|&(_, &number)| number < self.robots.len()) {
+            let robot = &self.robots[number];
+            let before = joints.len();
+            joints.extend(robot.joint_rows(body, self.time_step));
+            if contacts.iter().any(|contact| contact.first.body == body) {
+                joints.extend(robot.following_rows(body, self.weight, self.time_step).into_iter().flatten());
+            }
+            let rows = &mut joints[before..];
+            if rows.len() == robot.joint_impulses.len() {
+                rows.iter_mut().zip(&robot.joint_impulses).for_each(|(row, &impulse)| row.impulse = impulse);
+            }
+        }
+        let outcome = {
+            let robots = self.robots.iter_mut().map(|robot| &mut robot.body);
+            let all = robots.chain(self.of_engine.iter_mut().map(|it| &mut it.body)).enumerate();
+            let mut bodies: Vec<&mut Body> =
+                all.filter(|(number, _)| group.contains(number)).map(|(_, body)| body).collect();
+            articulated::step(&mut bodies, &mut contacts, &mut joints, self.time_step)
+        };
+        known.unsettled += u64::from(!outcome.is_settled);
+        let robots = self.robots.len();
+        for (body, &number) in group.iter().enumerate().filter(|&(_, &number)| number < robots) {
+            let robot = &mut self.robots[number];
+            robot.contacts.clear();
+            robot.loads.fill(Load::default());
+            robot.joint_impulses.clear();
+            robot.joint_impulses.extend(joints.iter().filter(|row| row.body == body).map(|row| row.impulse));
+            robot.note_following(joints.iter().filter(|row| row.body == body), self.time_step);
+        }
+        for (it, contact) in own.into_iter().zip(&contacts) {
+            self.note(it, contact);
+            impulses.push((it, contact.impulse));
+        }
     }
-    for (it, contact) in own.into_iter().zip(&contacts) {
-        impulses.push((it.key, contact.impulse));
+
+    /// The link that a touch pushes.
+    fn link_of(&self, found: &Found) -> usize {
+        let made_of = &self.robots[found.first.0].made_of;
+        let surface = &made_of.surfaces[found.first.1];
+        let (Form::Rollers(ring), Some(roller)) = (surface.form, found.touch.roller) else { return surface.link };
+        made_of.rings[ring].first_link.map_or(surface.link, |first| first + roller.index)
+    }
+
+    /// A touch as the solver takes it.
+    fn contact(&mut self, found: &Found, first: Side, second: Option<Side>, known: &Contacts) -> Contact {
+        let time_step = self.time_step;
+        let Touch { point, normal, gap, .. } = found.touch;
+        let robot = &self.robots[found.first.0];
+        let velocity =
+            robot.body.velocity_at(first.link, point) - velocity_of(found.second, self.robots, self.of_engine, point);
+        let speed = normal.dot(&velocity);
+        let push = if gap > 0.0 { -gap / time_step } else { (-gap / (time_step + RECOVERY_TIME)).min(MAX_RECOVERY) };
+        let bounces = gap <= 0.0 && speed < -LEAST_BOUNCE;
+        let guess = known.impulses.iter().find(|(key, _)| *key == found.key);
+        let mut contact = Contact {
+            point,
+            normal,
+            tangents: self.tangents(found),
+            friction: found.friction,
+            target: if bounces { push.max(-speed * found.restitution) } else { push },
+            compliance: [1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)), 0.0, 0.0],
+            first,
+            second,
+            impulse: guess.map_or_else(Vector3::zeros, |(_, impulse)| *impulse),
+        };
+        self.free_roller(found, &mut contact, velocity);
+        contact
+    }
+
+    /// In which directions friction acts: along the way that a wheel rolls, or along a roller's axis, and across.
+    fn tangents(&self, found: &Found) -> [Option<Vector3<f64>>; 2] {
+        let (robot, normal) = (&self.robots[found.first.0], found.touch.normal);
+        let surface = &robot.made_of.surfaces[found.first.1];
+        let along = match (found.touch.roller, surface.form) {
+            (Some(RollerTouch { axis, .. }), _) => (axis - normal * axis.dot(&normal)).try_normalize(1e-6),
+            (None, Form::Wheel { .. }) => {
+                normal.cross(&(robot.body.frames()[surface.link].rotation * Vector3::y())).try_normalize(0.1)
+            }
+            (None, _) => None,
+        };
+        let along = along.unwrap_or_else(|| {
+            let aside = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+            normal.cross(&aside).normalize()
+        });
+        [Some(along), Some(normal.cross(&along))]
+    }
+
+    /// Lets a roller without inertia turn, which carries force along its axis alone but for its bearing; a base that follows its
+    /// commands slides where it has to.
+    fn free_roller(&mut self, found: &Found, contact: &mut Contact, velocity: Vector3<f64>) {
+        let robot = &mut *self.robots[found.first.0];
+        let (Some(RollerTouch { index, radius, .. }), Form::Rollers(ring)) =
+            (found.touch.roller, robot.made_of.surfaces[found.first.1].form)
+        else {
+            return;
+        };
+        let made_of = robot.made_of.clone();
+        let ring_of = &made_of.rings[ring];
+        let Some(across) = contact.tangents[1].filter(|_| ring_of.first_link.is_none()) else { return };
+        let passing = across.dot(&velocity);
+        // It rolls as fast as what it touches passes by.
+        if found.touch.gap < MARGIN {
+            robot.roller_angles[ring][index] -= passing / radius * self.time_step;
+        }
+        if made_of.following.is_some() {
+            contact.tangents = [None; 2];
+            return;
+        }
+        let axle = robot.body.frames()[ring_of.wheel].rotation * Vector3::y();
+        if contact.normal.dot(&axle).abs() > SIDE {
+            return;
+        }
+        // Torque d w of the bearing at the roller's speed w = v / rho is a force d v / rho².
+        let free = radius.powi(2) / (ring_of.damping * self.time_step);
+        if free * made_of.mass < WEAK {
+            contact.compliance[2] = free;
+        } else {
+            // So little does not need to be solved for.
+            contact.tangents[1] = None;
+            robot.body.push(ring_of.wheel, contact.point, across * (-passing / (free * self.time_step)));
+        }
+    }
+
+    /// Notes what a contact did to its robots.
+    fn note(&mut self, found: &Found, contact: &Contact) {
         let push = contact.impulse.dot(&contact.normal);
         if push <= 0.0 {
-            continue;
+            return;
         }
-        let sides = [Some((it.first, 1.0)), it.second.map(|second| (second, -1.0))];
-        for ((robot, surface), sign) in sides.into_iter().flatten() {
-            let robot = &mut robots[robot];
+        let second = if let Second::Robot(robot, surface) = found.second { Some((robot, surface)) } else { None };
+        for ((robot, surface), sign) in [Some((found.first, 1.0)), second.map(|it| (it, -1.0))].into_iter().flatten() {
+            let robot = &mut self.robots[robot];
             let wheel = robot.made_of.surfaces[surface].wheel;
-            let force = contact.impulse * (sign / time_step);
+            let force = contact.impulse * (sign / self.time_step);
             robot.contacts.push((wheel, scene::Contact { point: contact.point, force }));
             if let Some(load) = wheel.map(|wheel| &mut robot.loads[wheel]) {
                 load.normal += contact.normal * (sign * push);
-                load.resistance += it.resistance * push;
+                load.resistance += found.resistance * push;
             }
         }
     }
-}
-
-/// A touch as the solver takes it.
-fn contact(
-    robots: &[&mut ArticulatedRobot],
-    found: &Found,
-    first: Side,
-    second: Option<Side>,
-    known: &Contacts,
-    time_step: f64,
-) -> Contact {
-    let Touch { point, normal, gap } = found.touch;
-    let velocity = |(robot, _): (usize, usize), side: Side| robots[robot].body.velocity_at(side.link, point);
-    let other = found.second.zip(second).map_or_else(Vector3::zeros, |(it, side)| velocity(it, side));
-    let speed = normal.dot(&(velocity(found.first, first) - other));
-    let push = if gap > 0.0 { -gap / time_step } else { (-gap / (time_step + RECOVERY_TIME)).min(MAX_RECOVERY) };
-    let bounces = gap <= 0.0 && speed < -LEAST_BOUNCE;
-    let surface = &robots[found.first.0].made_of.surfaces[found.first.1];
-    let axle = robots[found.first.0].body.frames()[surface.link].rotation * Vector3::y();
-    let ahead = normal.cross(&axle).try_normalize(0.1);
-    let ahead = ahead.filter(|_| matches!(surface.form, Form::Wheel { .. })).unwrap_or_else(|| any_tangent(&normal));
-    let guess = known.impulses.iter().find(|(key, _)| *key == found.key);
-    Contact {
-        point,
-        normal,
-        tangents: [Some(ahead), Some(normal.cross(&ahead))],
-        friction: found.friction,
-        target: if bounces { push.max(-speed * found.restitution) } else { push },
-        compliance: 1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)),
-        first,
-        second,
-        impulse: guess.map_or_else(Vector3::zeros, |(_, impulse)| *impulse),
-    }
-}
-
-fn any_tangent(normal: &Vector3<f64>) -> Vector3<f64> {
-    let aside = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
-    normal.cross(&aside).normalize()
 }

@@ -1,7 +1,7 @@
 //! Where a plain wheel touches a convex shape.
 //!
 //! The wheel is a cylinder that gives way a little: flat on a plane its load is in the middle, and moves to an edge as the wheel leans.
-//! On anything else its two edges are discs, each of which touches the plane that holds it off the shape.
+//! On anything else it is a row of discs, each of which touches the plane that holds it off the shape: its edges count, and the nearest.
 
 use nalgebra::Vector3;
 
@@ -14,6 +14,8 @@ const SAME_NORMAL: f64 = 1.0 - 1e-9;
 const SAME_HEIGHT: f64 = 1e-7;
 /// Rounds in which the point of a disc nearest to a shape is found.
 const ROUNDS: usize = 4;
+/// Steps in which the nearest disc of a wheel is found: a width of 0.1 m is a tenth of a millimetre then.
+const HALVINGS: usize = 15;
 /// The part of a disc's radius from its rim inward that is taken for round there.
 const RIM: f64 = 0.25;
 
@@ -26,6 +28,19 @@ pub(super) struct Touch {
     pub(super) point: Vector3<f64>,
     /// Gap; negative where they overlap, m.
     pub(super) gap: f64,
+    /// The roller that touches.
+    pub(super) roller: Option<RollerTouch>,
+}
+
+/// How a roller touches.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RollerTouch {
+    /// Which of the wheel's.
+    pub(super) index: usize,
+    /// Its axis.
+    pub(super) axis: Vector3<f64>,
+    /// Distance of the point from the axis along the normal, m.
+    pub(super) radius: f64,
 }
 
 /// A wheel in the frame of what it may touch.
@@ -52,7 +67,7 @@ impl Wheel {
         let lean = normal.dot(&self.axle);
         let along = (-lean / LEANING).clamp(-1.0, 1.0) * self.half_width;
         let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
-        Touch { normal, point, gap: normal.dot(&(point - place)) }
+        Touch { normal, point, gap: normal.dot(&(point - place)), roller: None }
     }
 
     /// From the axle to where the rim is nearest to a plane.
@@ -88,13 +103,37 @@ impl Wheel {
         }
         let touch = |along: f64, normal: Vector3<f64>, place: Vector3<f64>| {
             let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
-            Touch { normal, point, gap: normal.dot(&(point - place)) }
+            Touch { normal, point, gap: normal.dot(&(point - place)), roller: None }
         };
         let edges = [touch(-self.half_width, left, left_place), touch(self.half_width, right, right_place)];
         let least = edges.iter().map(|edge| edge.gap).fold(prediction, f64::min);
-        let middle = self.plane_under(0.0, normal, &nearest).map(|(normal, place)| touch(0.0, normal, place));
+        let at =
+            |along: f64| self.plane_under(along, normal, &nearest).map(|(normal, place)| touch(along, normal, place));
+        let between = self.nearest_disc(at).filter(|between| between.gap < least - SAME_HEIGHT);
         let edges = edges.map(|edge| Some(edge).filter(|edge| edge.gap <= prediction));
-        Meeting::Tread([edges[0], edges[1], middle.filter(|middle| middle.gap < least - SAME_HEIGHT)])
+        Meeting::Tread([edges[0], edges[1], between])
+    }
+
+    /// The touch of the disc that is nearest. The gap of a convex shape is a convex function of the place on the axle, so the ends of
+    /// a part of the axle close in on it (golden section).
+    fn nearest_disc(&self, at: impl Fn(f64) -> Option<Touch>) -> Option<Touch> {
+        const SHARE: f64 = 0.618_033_988_749_895;
+        let (mut low, mut high) = (-self.half_width, self.half_width);
+        let inner = |low: f64, high: f64| (high - SHARE * (high - low), low + SHARE * (high - low));
+        let (one, other) = inner(low, high);
+        let (mut left, mut right) = ((one, at(one)?), (other, at(other)?));
+        for _ in 0..HALVINGS {
+            if left.1.gap < right.1.gap {
+                (high, right) = (right.0, left);
+                let (place, _) = inner(low, high);
+                left = (place, at(place)?);
+            } else {
+                (low, left) = (left.0, right);
+                let (_, place) = inner(low, high);
+                right = (place, at(place)?);
+            }
+        }
+        Some(if left.1.gap < right.1.gap { left.1 } else { right.1 })
     }
 
     /// The plane that holds the disc at a place on the axle off a shape: its normal and a point of it.
@@ -170,8 +209,24 @@ mod tests {
         let wheel = Wheel { hub: Vector3::new(back, 0.0, height), ..WHEEL };
         let found = touches(wheel, step_at(0.0));
         let expected = Vector3::new(back, 0.0, height) / 0.1;
-        assert!(found.iter().all(|touch| (touch.normal - expected).norm() < 1e-6 && touch.gap.abs() < 1e-9), "{found:?}");
+        assert!(
+            found.iter().all(|touch| (touch.normal - expected).norm() < 1e-6 && touch.gap.abs() < 1e-9),
+            "{found:?}"
+        );
         assert!(!found.is_empty());
+    }
+
+    /// A rail under a part of its width holds it there.
+    #[test]
+    fn a_wheel_stands_on_a_rail_between_its_edges() {
+        // A cylinder along x.
+        let (radius, aside) = (0.004, 0.011);
+        let rail = |point: Vector3<f64>| {
+            let away = Vector3::new(0.0, point.y - aside, point.z + radius);
+            Some((away.norm() - radius, away.normalize()))
+        };
+        let found = touches(WHEEL, rail);
+        assert!(found.iter().any(|touch| touch.gap.abs() < 1e-5 && (touch.point.y - aside).abs() < 1e-3), "{found:?}");
     }
 
     /// Half on a kerb it stands on the edge that is above it.

@@ -5,12 +5,11 @@ use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::parry::math::{Pose as EnginePose, Vector};
 use rapier3d::parry::query::details::NormalConstraints;
 use rapier3d::parry::shape::Shape;
-use rapier3d::prelude::*;
 use scene::{Pose, Rollers};
 
-use super::contact::{Touch, distance, touch_part};
-use super::convert;
-use super::roller::RollerShape;
+use super::super::contact::{Touch, distance, touch_part};
+use super::super::convert;
+use super::super::roller::RollerShape;
 
 /// Rollers this far off the direction to a surface are looked at beside the nearest one, rad: a contact is up to 21 mm
 /// beside the hub, so where a surface ends obliquely its point nearest to the hub is up to 15 mm before or behind it.
@@ -35,8 +34,6 @@ pub(super) struct WheelContact {
     pub(super) rolling_radius: f64,
     /// Gap, m; negative where they overlap.
     pub(super) gap: f64,
-    /// What is touched.
-    pub(super) other: ColliderHandle,
 }
 
 /// The rollers of a wheel as geometry.
@@ -67,17 +64,22 @@ impl RollerRing {
         }
     }
 
-    /// Finds every touch of the ring with a collider. `hub` is the pose of the wheel when its angle is 0.
+    /// How many rollers it has.
+    pub(super) fn len(&self) -> usize {
+        self.rollers.len()
+    }
+
+    /// Finds every touch of the ring with a shape at a pose. `hub` is the pose of the wheel when its angle is 0.
     pub(super) fn touch(
         &self,
         hub: &Pose,
         angle: f64,
         prediction: f64,
-        handle: ColliderHandle,
-        collider: &Collider,
+        shape: &dyn Shape,
+        frame: &EnginePose,
         contacts: &mut Vec<WheelContact>,
     ) {
-        let frame = convert::from_pose(collider.position());
+        let frame = convert::from_pose(frame);
         let hub = frame.inv_mul(hub);
         let mut touch =
             |part_pose: Option<&EnginePose>, part: &dyn Shape, constraints: Option<&dyn NormalConstraints>| {
@@ -85,14 +87,13 @@ impl RollerRing {
                 let local = part_frame.map_or(hub, |pose| pose.inv_mul(&hub));
                 let frame = part_frame.map_or(frame, |pose| frame * pose);
                 self.touch_part(&local, angle, prediction, part, constraints, |index, roller, touch| {
-                    let contact = self.contact(&frame, index, roller, touch, handle);
+                    let contact = self.contact(&frame, index, roller, touch);
                     // On an edge between two triangles both hold the roller at the same place.
                     if !contacts.iter().any(|known| (known.point - contact.point).amax() < SAME_PLACE) {
                         contacts.push(contact);
                     }
                 });
             };
-        let shape = collider.shape();
         let Some(composite) = shape.as_composite_shape() else {
             touch(None, shape, None);
             return;
@@ -141,7 +142,7 @@ impl RollerRing {
         }
     }
 
-    fn contact(&self, frame: &Pose, index: usize, roller: &Pose, touch: Touch, other: ColliderHandle) -> WheelContact {
+    fn contact(&self, frame: &Pose, index: usize, roller: &Pose, touch: Touch) -> WheelContact {
         let normal = convert::from_vector(touch.normal);
         let axis = roller.rotation * Vector3::x();
         let radius = self.shape.radius_at(touch.along);
@@ -154,7 +155,6 @@ impl RollerRing {
             axis: frame.rotation * axis,
             rolling_radius: radius,
             gap,
-            other,
         }
     }
 }

@@ -1,0 +1,359 @@
+//! What robots in reduced coordinates touch.
+
+use articulated::Body;
+use nalgebra::{DMatrix, Vector3};
+use rapier3d::math::Pose as EnginePose;
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::parry::shape::Shape;
+use rapier3d::prelude::*;
+use scene::Material;
+
+use super::super::compile::Materials;
+use super::super::convert;
+use super::ArticulatedRobot;
+use super::compile::{Form, Surface};
+use super::link_poses;
+use super::ring::WheelContact;
+use super::shape_contact::touches;
+use super::wheel::{RollerTouch, Touch};
+
+/// Contacts are looked for over this distance and what a surface does in a step, m.
+const PREDICTION: f64 = 0.001;
+/// What does not move is looked for over this distance around a robot, and looked for again when it has left that, m.
+const NEAR: f64 = 0.1;
+/// A roller that stays farther away than this in a step, as it moves now, leaves its surface to a nearer one, m.
+pub(super) const MARGIN: f64 = 1e-6;
+/// Cosine above which two normals are of one surface.
+const SAME_SURFACE: f64 = 0.99;
+
+/// What touches what: a surface of a robot, a surface of another or a collider, and which of their touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Key {
+    own: (u64, usize),
+    other: (Option<u64>, usize),
+    number: usize,
+}
+
+/// A touch of a surface.
+pub(super) struct Found {
+    pub(super) key: Key,
+    /// A robot, by its number, and its surface.
+    pub(super) first: (usize, usize),
+    pub(super) second: Second,
+    pub(super) touch: Touch,
+    /// Friction, restitution and rolling resistance of the pair.
+    pub(super) friction: f64,
+    pub(super) restitution: f64,
+    pub(super) resistance: f64,
+}
+
+/// What is touched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Second {
+    /// Something that does not move.
+    Fixed,
+    /// A surface of a robot.
+    Robot(usize, usize),
+    /// A robot that the engine moves, by its number among those that are touched, and its link.
+    OfEngine(usize, usize),
+}
+
+/// A robot that the engine moves and others touch.
+pub(super) struct OfEngine {
+    pub(super) links: Vec<RigidBodyHandle>,
+    pub(super) body: Body,
+}
+
+/// A surface where it is.
+pub(super) struct Placed {
+    pub(super) pose: EnginePose,
+    pub(super) around: Aabb,
+    /// How far it looks for contacts, m.
+    prediction: f64,
+}
+
+/// The surfaces of a robot where they are.
+pub(super) fn placed(robot: &ArticulatedRobot, time_step: f64) -> Vec<Placed> {
+    let frames = robot.body.frames();
+    let (poses, centre) = (link_poses(&robot.body), robot.body.centre());
+    let of_surface = |surface: &Surface| {
+        let frame = &frames[surface.link];
+        let pose = convert::pose(&poses[surface.link]) * surface.pose;
+        let arm = frame.rotation * surface.middle;
+        // Its own turning brings a wheel nowhere.
+        let speed = if surface.form == Form::Solid {
+            (frame.linear + frame.angular.cross(&arm)).norm() + frame.angular.norm() * surface.half.norm()
+        } else {
+            frame.linear.norm()
+        };
+        let prediction = PREDICTION + speed * time_step;
+        let reach = frame.rotation.abs() * surface.half + Vector3::repeat(prediction);
+        let around = Aabb::from_half_extents(convert::vector(centre + frame.origin + arm), convert::vector(reach));
+        Placed { pose, around, prediction }
+    };
+    robot.made_of.surfaces.iter().map(of_surface).collect()
+}
+
+/// A box around all of them.
+pub(super) fn whole(placed: &[Placed]) -> Option<Aabb> {
+    placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other))
+}
+
+/// Adds what a robot with a number touches that does not move.
+pub(super) fn touch_fixed(
+    world: &PhysicsWorld,
+    materials: &Materials,
+    number: usize,
+    robot: &mut ArticulatedRobot,
+    placed: &[Placed],
+    found: &mut Vec<Found>,
+) {
+    let Some(whole) = whole(placed) else { return };
+    let near = match robot.near.take() {
+        Some((around, near)) if around.contains(&whole) => (around, near),
+        _ => {
+            let around = whole.loosened(NEAR);
+            let query = world.query_pipeline_with_filter(QueryFilter::only_fixed());
+            let mut near: Vec<ColliderHandle> =
+                query.intersect_aabb_conservative(around).map(|(handle, _)| handle).collect();
+            near.sort_by_key(|handle| handle.into_raw_parts());
+            (around, near)
+        }
+    };
+    for &handle in &near.1 {
+        if let Some(collider) = world.colliders.get(handle) {
+            let other = Other { collider, material: materials.of(collider), id: None, handle, second: Second::Fixed };
+            touch_collider(&other, number, robot, placed, found);
+        }
+    }
+    robot.near = Some(near);
+}
+
+/// Adds the robots of the engine that a robot with a number touches.
+pub(super) fn touch_engine(
+    world: &PhysicsWorld,
+    materials: &Materials,
+    number: usize,
+    robot: &ArticulatedRobot,
+    placed: &[Placed],
+    bodies: &mut Vec<OfEngine>,
+    found: &mut Vec<Found>,
+) {
+    let Some(whole) = whole(placed) else { return };
+    let filter = QueryFilter::exclude_fixed().exclude_sensors();
+    let query = world.query_pipeline_with_filter(filter);
+    for (handle, collider) in query.intersect_aabb_conservative(whole) {
+        let Some(parent) = collider.parent() else { continue };
+        if !world.bodies.get(parent).is_some_and(RigidBody::is_dynamic) {
+            continue;
+        }
+        let known = |bodies: &[OfEngine]| {
+            bodies.iter().enumerate().find_map(|(index, it)| Some((index, it.links.iter().position(|&link| link == parent)?)))
+        };
+        if known(bodies).is_none() {
+            bodies.extend(OfEngine::new(world, parent));
+        }
+        let Some((index, link)) = known(bodies) else { continue };
+        let second = Second::OfEngine(index, link);
+        let other = Other { collider, material: materials.of(collider), id: Some(u64::MAX), handle, second };
+        touch_collider(&other, number, robot, placed, found);
+    }
+}
+
+/// A collider of the engine.
+struct Other<'a> {
+    collider: &'a Collider,
+    material: &'a Material,
+    id: Option<u64>,
+    handle: ColliderHandle,
+    second: Second,
+}
+
+fn touch_collider(other: &Other, number: usize, robot: &ArticulatedRobot, placed: &[Placed], found: &mut Vec<Found>) {
+    let shape = other.collider.shape();
+    let bounds = shape.as_halfspace().is_none().then(|| other.collider.compute_aabb());
+    let mut met = Vec::new();
+    for (index, (surface, at)) in robot.made_of.surfaces.iter().zip(placed).enumerate() {
+        if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
+            continue;
+        }
+        meet(robot, surface, at, shape, other.collider.position(), at.prediction, &mut met);
+        let key = |touch| Key {
+            own: (robot.id.0, index),
+            other: (other.id, other.handle.into_raw_parts().0 as usize),
+            number: touch,
+        };
+        let pair = Pair::of(&surface.material, other.material);
+        let touches = met.drain(..).enumerate();
+        found.extend(
+            touches.map(|(touch_number, touch)| pair.found(key(touch_number), (number, index), other.second, touch)),
+        );
+    }
+}
+
+/// Adds where two robots, by their numbers, touch each other.
+pub(super) fn touch_each_other(
+    robots: &[&mut ArticulatedRobot],
+    placed: &[Vec<Placed>],
+    one: usize,
+    other: usize,
+    found: &mut Vec<Found>,
+) {
+    let mut met = Vec::new();
+    for (own_index, own_at) in placed[one].iter().enumerate() {
+        for (its_index, its_at) in placed[other].iter().enumerate() {
+            if !own_at.around.intersects(&its_at.around) {
+                continue;
+            }
+            // Wheels and balls have a geometry of their own, so they are the ones that touch.
+            let rank = |robot: usize, index: usize| robots[robot].made_of.surfaces[index].form.rank();
+            let is_first = rank(one, own_index) >= rank(other, its_index);
+            let ((first, index, at), (second, its_index, its_at)) = if is_first {
+                ((one, own_index, own_at), (other, its_index, its_at))
+            } else {
+                ((other, its_index, its_at), (one, own_index, own_at))
+            };
+            let (robot, surface) = (&*robots[first], &robots[first].made_of.surfaces[index]);
+            let its = &robots[second].made_of.surfaces[its_index];
+            let prediction = at.prediction + its_at.prediction;
+            meet(robot, surface, at, its.shape.as_ref(), &its_at.pose, prediction, &mut met);
+            let own = (robot.id.0, index);
+            let its_key = (Some(robots[second].id.0), its_index);
+            let pair = Pair::of(&surface.material, &its.material);
+            let touches = met.drain(..).enumerate();
+            found.extend(touches.map(|(number, touch)| {
+                let key = Key { own, other: its_key, number };
+                pair.found(key, (first, index), Second::Robot(second, its_index), touch)
+            }));
+        }
+    }
+}
+
+impl Form {
+    /// Of two that touch the higher one says how.
+    fn rank(self) -> u32 {
+        match self {
+            Self::Solid => 0,
+            Self::Ball { .. } => 1,
+            Self::Wheel { .. } => 2,
+            Self::Rollers(_) => 3,
+        }
+    }
+}
+
+/// Adds the touches of a surface of a robot with a shape at a pose.
+fn meet(
+    robot: &ArticulatedRobot,
+    surface: &Surface,
+    at: &Placed,
+    shape: &dyn Shape,
+    pose: &EnginePose,
+    prediction: f64,
+    met: &mut Vec<Touch>,
+) {
+    let Form::Rollers(ring) = surface.form else {
+        return touches(surface, &at.pose, shape, pose, prediction, met);
+    };
+    let ring = &robot.made_of.rings[ring];
+    let hub = convert::from_pose(&at.pose);
+    let mut contacts: Vec<WheelContact> = Vec::new();
+    ring.shape.touch(&hub, robot.turned(ring), prediction, shape, pose, &mut contacts);
+    met.extend(contacts.into_iter().map(|WheelContact { point, normal, roller, axis, rolling_radius, gap }| Touch {
+        normal,
+        point,
+        gap,
+        roller: Some(RollerTouch { index: roller, axis, radius: rolling_radius }),
+    }));
+}
+
+/// Takes out rollers that hand their load over. Where one follows the next, both share the load only while both press; that the wheel
+/// turns does not bring the next one nearer: it comes down where the last leaves, on the same circle.
+pub(super) fn hand_over(robots: &[&mut ArticulatedRobot], found: &mut Vec<Found>, time_step: f64) {
+    let stays = |it: &Found| {
+        if it.touch.roller.is_none() {
+            return true;
+        }
+        let nearer = |peer: &Found| {
+            peer.first == it.first
+                && peer.touch.gap < it.touch.gap
+                && peer.touch.normal.dot(&it.touch.normal) > SAME_SURFACE
+        };
+        let robot = &robots[it.first.0];
+        let ring = robot.made_of.surfaces[it.first.1].link;
+        let carrier = robot.body.tree().links()[ring].parent;
+        let approach = it.touch.normal.dot(&robot.body.velocity_at(carrier, it.touch.point));
+        it.touch.gap + approach * time_step <= MARGIN || !found.iter().any(nearer)
+    };
+    let stays: Vec<bool> = found.iter().map(stays).collect();
+    let mut stays = stays.into_iter();
+    found.retain(|_| stays.next().unwrap_or(true));
+}
+
+/// What two materials do to each other.
+struct Pair {
+    friction: f64,
+    restitution: f64,
+    resistance: f64,
+}
+
+impl Pair {
+    fn of(one: &Material, other: &Material) -> Self {
+        let (friction, restitution) = one.pair(other);
+        Self { friction, restitution, resistance: one.rolling_resistance + other.rolling_resistance }
+    }
+
+    fn found(&self, key: Key, first: (usize, usize), second: Second, touch: Touch) -> Found {
+        let &Self { friction, restitution, resistance } = self;
+        Found { key, first, second, touch, friction, restitution, resistance }
+    }
+}
+
+impl OfEngine {
+    /// A robot of the engine as its contacts feel it in the coming step. `None` before its first.
+    fn new(world: &PhysicsWorld, handle: RigidBodyHandle) -> Option<Self> {
+        let index = world.multibody_joints.rigid_body_link(handle)?.multibody;
+        let multibody = world.multibody_joints.get_multibody(index)?;
+        let mass = multibody.inv_augmented_mass();
+        let (count, bodies) = (multibody.ndofs(), multibody.links().map(MultibodyLink::rigid_body_handle));
+        let links: Vec<RigidBodyHandle> = bodies.collect();
+        let is_ready = |link: usize| multibody.body_jacobian(link).ncols() == count;
+        if mass.lu_internal().nrows() != count || !(0..links.len()).all(is_ready) {
+            return None;
+        }
+        let inertia = mass.try_inverse()?.try_inverse()?;
+        let inertia = DMatrix::from_fn(count, count, |row, column| inertia[(row, column)]);
+        let centre = convert::from_vector(world.bodies.get(links[0])?.center_of_mass());
+        let twists = links.iter().enumerate().map(|(link, &body)| {
+            let jacobian = multibody.body_jacobian(link);
+            let arm = centre - world.bodies.get(body).map_or(centre, |body| convert::from_vector(body.center_of_mass()));
+            let column = |dof: usize| {
+                let part = |first: usize| Vector3::from_fn(|row, _| jacobian[(first + row, dof)]);
+                [part(3), part(0) + part(3).cross(&arm)]
+            };
+            (0..count).map(column).collect::<Vec<[Vector3<f64>; 2]>>()
+        });
+        let twists: Vec<Vec<[Vector3<f64>; 2]>> = twists.collect();
+        let mut velocity: Vec<f64> = multibody.generalized_velocity().iter().copied().collect();
+        // What is free falls; what stands on the ground is held by its own contacts, which come after these.
+        let fall = convert::from_vector(world.gravity) * world.integration_parameters.dt;
+        let is_free = multibody.root().joint().ndofs() == 6;
+        velocity.iter_mut().zip(&fall).filter(|_| is_free).for_each(|(speed, fall)| *speed += fall);
+        Some(Self { links, body: Body::given(centre, &velocity, &inertia, twists) })
+    }
+}
+
+/// Velocity of what is touched at a point, m/s.
+pub(super) fn velocity_of(
+    second: Second,
+    robots: &[&mut ArticulatedRobot],
+    bodies: &[OfEngine],
+    point: Vector3<f64>,
+) -> Vector3<f64> {
+    match second {
+        Second::Fixed => Vector3::zeros(),
+        Second::Robot(robot, surface) => {
+            robots[robot].body.velocity_at(robots[robot].made_of.surfaces[surface].link, point)
+        }
+        Second::OfEngine(body, link) => bodies[body].body.velocity_at(link, point),
+    }
+}
