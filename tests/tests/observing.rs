@@ -119,8 +119,7 @@ fn a_robot_carries_another() {
 fn a_robot_stands_as_high_on_another_in_every_drive_model() {
     for on_wheels in [false, true] {
         let models = DriveModel::ALL.into_iter().filter(|&(_, model)| can_stand(model, on_wheels));
-        let heights: Vec<f64> =
-            models.map(|(_, model)| check_carries("BasicSkidRobot", on_wheels, model)).collect();
+        let heights: Vec<f64> = models.map(|(_, model)| check_carries("BasicSkidRobot", on_wheels, model)).collect();
         println!("on wheels: {on_wheels}: {heights:.5?} m");
         assert!(heights.iter().all(|height| (height - heights[0]).abs() < 5e-4), "{on_wheels}: {heights:?}");
     }

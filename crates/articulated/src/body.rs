@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
+use crate::inertia::{Acceleration, Composite};
 use crate::{Joint, Link, Mass, Pose, Tree, factor, inertia};
 
 /// A tree, where it is and how it moves.
@@ -30,6 +31,9 @@ pub struct Body {
     pub(crate) factors: Vec<f64>,
     /// Velocity at the end of the step without contacts.
     pub(crate) free: Vec<f64>,
+    /// Room for the links' inertia and acceleration.
+    pub(crate) composites: Vec<Composite>,
+    pub(crate) accelerations: Vec<Acceleration>,
     /// Of one that something else moves.
     given: Option<Given>,
 }
@@ -98,6 +102,8 @@ impl Body {
             force: vec![0.0; dofs],
             factors: vec![0.0; tree.entries],
             free: vec![0.0; dofs],
+            composites: Vec::new(),
+            accelerations: Vec::new(),
             given: None,
             tree,
         };
@@ -107,7 +113,12 @@ impl Body {
 
     /// Something that another program moves, as its contacts feel it: its generalised velocity at the end of a step without them, the
     /// inertia that belongs to it, and for every link the twist that each speed gives it about the centre, the angular part first.
-    pub fn given(centre: Vector3<f64>, velocity: &[f64], inertia: &DMatrix<f64>, links: Vec<Vec<[Vector3<f64>; 2]>>) -> Self {
+    pub fn given(
+        centre: Vector3<f64>,
+        velocity: &[f64],
+        inertia: &DMatrix<f64>,
+        links: Vec<Vec<[Vector3<f64>; 2]>>,
+    ) -> Self {
         let nothing = Mass { mass: 0.0, centre: Vector3::zeros(), inertia: Matrix3::zeros() };
         let link = |number: usize| {
             let joint = if number == 0 { Joint::Fixed } else { Joint::Prismatic(Vector3::x()) };
@@ -171,7 +182,8 @@ impl Body {
     pub fn velocity_at(&self, link: usize, point: Vector3<f64>) -> Vector3<f64> {
         if self.given.is_some() {
             let at = point - self.centre();
-            let moved = self.axes_of(link).map(|(_, axes)| axes.map(|(dof, axis)| axis.at(at) * self.velocity[dof]).sum());
+            let moved =
+                self.axes_of(link).map(|(_, axes)| axes.map(|(dof, axis)| axis.at(at) * self.velocity[dof]).sum());
             return moved.unwrap_or_default();
         }
         let Frame { origin, angular, linear, .. } = &self.frames[link];

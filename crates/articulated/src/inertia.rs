@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 use crate::{Body, Joint};
 
 /// A link with everything that hangs on it, about the centre of the root.
-#[derive(Clone, Copy)]
-struct Composite {
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Composite {
     mass: f64,
     /// Mass times the position of its centre.
     moment: Vector3<f64>,
@@ -17,8 +17,8 @@ struct Composite {
 }
 
 /// How a link accelerates where no joint does: the velocity turns, and the world falls up.
-#[derive(Clone, Copy)]
-struct Acceleration {
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Acceleration {
     angular: Vector3<f64>,
     linear: Vector3<f64>,
 }
@@ -26,9 +26,10 @@ struct Acceleration {
 /// Writes the matrix with implicit servos and dampers in the place of the factors, and the generalised impulse of a step in the
 /// place of the free velocity.
 pub(crate) fn assemble(body: &mut Body, time_step: f64) {
-    let Body { tree, frames, axes, velocity, gravity, drives, force, factors, free, .. } = body;
-    let mut composites: Vec<Composite> = Vec::with_capacity(frames.len());
-    let mut accelerations: Vec<Acceleration> = Vec::with_capacity(frames.len());
+    let Body { tree, frames, axes, velocity, gravity, drives, force, factors, free, composites, accelerations, .. } =
+        body;
+    composites.clear();
+    accelerations.clear();
     for (number, (link, frame)) in tree.links.iter().zip(&*frames).enumerate() {
         let acceleration = if number == 0 {
             let from_centre = frame.angular.cross(&frame.angular.cross(&frame.origin));

@@ -1,7 +1,7 @@
 //! Bodies with everything that holds them in one step, solved as one system.
 
 use friction::{Constraint, Problem};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use crate::{Body, Drive, factor};
 
@@ -87,37 +87,45 @@ struct Part {
     entries: std::ops::Range<usize>,
 }
 
-/// The rows of a step.
+/// Room that one step after the other can use.
 #[derive(Default)]
-struct Rows {
+pub struct Workspace {
     blocks: Vec<Block>,
+    /// Rows of the contacts, multiplied by the inverse of L'.
     entries: Vec<[f64; 3]>,
-    /// Without contacts, and then multiplied by the inverse of L'.
-    missing: Vec<f64>,
     compliance: Vec<f64>,
-    constraints: Vec<Constraint>,
-    guess: Vec<f64>,
+    problem: Problem,
+    impulses: Vec<f64>,
+    /// What the impulses give to one body, multiplied likewise.
+    change: Vec<f64>,
+    friction: friction::Workspace,
 }
 
 /// Finds the velocities of bodies at the end of a step. They stay where they are: [`Body::advance`] moves them.
-pub fn step(bodies: &mut [&mut Body], contacts: &mut [Contact], joints: &mut [JointRow], time_step: f64) -> Outcome {
+pub fn step(
+    bodies: &mut [&mut Body],
+    contacts: &mut [Contact],
+    joints: &mut [JointRow],
+    time_step: f64,
+    workspace: &mut Workspace,
+) -> Outcome {
     bodies.iter_mut().for_each(|body| body.prepare(time_step));
     let mut limited = 0;
     loop {
-        let (impulses, outcome) = solve(bodies, contacts, joints);
-        let rows = impulses.as_slice();
+        let outcome = workspace.solve(bodies, contacts, joints);
+        let rows = workspace.impulses.as_slice();
         let mut next = 0;
-        let mut take = |count: usize| {
-            next += count;
-            &rows[next - count..next]
+        let mut take = || {
+            next += 1;
+            rows[next - 1]
         };
         for contact in &mut *contacts {
-            contact.impulse = contact.normal * take(1)[0];
+            contact.impulse = contact.normal * take();
             for tangent in contact.tangents.into_iter().flatten() {
-                contact.impulse += tangent * take(1)[0];
+                contact.impulse += tangent * take();
             }
         }
-        joints.iter_mut().for_each(|joint| joint.impulse = take(1)[0]);
+        joints.iter_mut().for_each(|joint| joint.impulse = take());
         limited += 1;
         let mut again = 0;
         for body in bodies.iter_mut().filter_map(|body| body.limit_servos().then_some(body)) {
@@ -146,65 +154,19 @@ impl Body {
     }
 }
 
-/// Solves for the impulse on every row, and leaves the velocities at the end of the step in the bodies' free ones.
-fn solve(bodies: &mut [&mut Body], contacts: &[Contact], joints: &[JointRow]) -> (DVector<f64>, Outcome) {
-    let mut rows = Rows::default();
-    contacts.iter().for_each(|contact| rows.add_contact(bodies, contact));
-    joints.iter().for_each(|joint| rows.add_joint(bodies, joint));
-    let Rows { blocks, entries, missing, compliance, constraints, guess } = rows;
-    if missing.is_empty() {
-        return (DVector::zeros(0), Outcome { is_settled: true, ..Outcome::default() });
-    }
-    let count = missing.len();
-    let mut response = DMatrix::zeros(count, count);
-    for (number, block) in blocks.iter().enumerate() {
-        for other in &blocks[..=number] {
-            let Some(shared) = shared(bodies, &entries, block, other) else { continue };
-            for own in 0..block.rows {
-                for its in 0..other.rows {
-                    response[(block.row + own, other.row + its)] = shared[(own, its)];
-                    response[(other.row + its, block.row + own)] = shared[(own, its)];
-                }
-            }
-        }
-    }
-    for (row, compliance) in compliance.into_iter().enumerate() {
-        let own = response[(row, row)];
-        response[(row, row)] += if compliance > 0.0 { compliance } else { own * SOFTNESS };
-    }
-    let problem = Problem { response, missing: DVector::from_vec(missing), constraints };
-    let friction::Outcome { impulses, sweeps, newton_steps, is_settled } =
-        friction::solve(&problem, DVector::from_vec(guess));
-    // The impulses, multiplied by the inverse of L', and then by that of L.
-    let mut changes: Vec<Vec<f64>> = bodies.iter().map(|body| vec![0.0; body.free.len()]).collect();
-    for block in &blocks {
-        let own = &impulses.as_slice()[block.row..][..block.rows];
-        for part in block.parts.iter().flatten() {
-            let chain = bodies[part.body].tree.chain(part.tip);
-            for (&dof, entries) in chain.iter().zip(&entries[part.entries.clone()]) {
-                changes[part.body][dof] += entries.iter().zip(own).map(|(entry, impulse)| entry * impulse).sum::<f64>();
-            }
-        }
-    }
-    for (body, change) in bodies.iter_mut().zip(&mut changes) {
-        factor::solve_lower(&body.tree, &body.factors, change);
-        body.free.iter_mut().zip(change).for_each(|(free, change)| *free += *change);
-    }
-    (impulses, Outcome { is_settled, sweeps, newton_steps })
-}
-
-/// The velocity that impulses on the rows of one block give on those of another; `None` where they have no body in common.
-fn shared(bodies: &[&mut Body], entries: &[[f64; 3]], one: &Block, other: &Block) -> Option<Matrix3<f64>> {
+/// The velocity that impulses on the rows of one block give on those of another, column by column; `None` where they have no body in
+/// common.
+fn shared(bodies: &[&mut Body], entries: &[[f64; 3]], one: &Block, other: &Block) -> Option<[[f64; 3]; 3]> {
     let mut sum = None;
     for own in one.parts.iter().flatten() {
         for its in other.parts.iter().flatten().filter(|its| its.body == own.body) {
             let common = bodies[own.body].tree.common(own.tip, its.tip);
-            let sum: &mut Matrix3<f64> = sum.get_or_insert_with(Matrix3::zeros);
+            let sum: &mut [[f64; 3]; 3] = sum.get_or_insert([[0.0; 3]; 3]);
             let (own, its) = (&entries[own.entries.clone()][..common], &entries[its.entries.clone()][..common]);
             for (own, its) in own.iter().zip(its) {
                 for column in 0..3 {
                     for row in 0..3 {
-                        sum[(row, column)] += own[row] * its[column];
+                        sum[column][row] += own[row] * its[column];
                     }
                 }
             }
@@ -213,9 +175,61 @@ fn shared(bodies: &[&mut Body], entries: &[[f64; 3]], one: &Block, other: &Block
     sum
 }
 
-impl Rows {
+impl Workspace {
+    /// Solves for the impulse on every row, and leaves the velocities at the end of the step in the bodies' free ones.
+    fn solve(&mut self, bodies: &mut [&mut Body], contacts: &[Contact], joints: &[JointRow]) -> Outcome {
+        self.blocks.clear();
+        self.entries.clear();
+        self.compliance.clear();
+        self.impulses.clear();
+        self.problem.missing.clear();
+        self.problem.constraints.clear();
+        contacts.iter().for_each(|contact| self.add_contact(bodies, contact));
+        joints.iter().for_each(|joint| self.add_joint(bodies, joint));
+        let Self { blocks, entries, compliance, problem, impulses, change, friction } = self;
+        let count = impulses.len();
+        if count == 0 {
+            return Outcome { is_settled: true, ..Outcome::default() };
+        }
+        let response = &mut problem.response;
+        response.clear();
+        response.resize(count * count, 0.0);
+        for (number, block) in blocks.iter().enumerate() {
+            for other in &blocks[..=number] {
+                let Some(shared) = shared(bodies, entries, block, other) else { continue };
+                for (its, column) in shared.iter().enumerate().take(other.rows) {
+                    for (own, &velocity) in column.iter().enumerate().take(block.rows) {
+                        response[(block.row + own) * count + other.row + its] = velocity;
+                        response[(other.row + its) * count + block.row + own] = velocity;
+                    }
+                }
+            }
+        }
+        for (row, &compliance) in compliance.iter().enumerate() {
+            let own = &mut response[row * (count + 1)];
+            *own += if compliance > 0.0 { compliance } else { *own * SOFTNESS };
+        }
+        let friction::Outcome { sweeps, newton_steps, is_settled } = friction::solve(problem, impulses, friction);
+        for (number, body) in bodies.iter_mut().enumerate() {
+            change.clear();
+            change.resize(body.free.len(), 0.0);
+            for block in blocks.iter() {
+                let own = &impulses[block.row..][..block.rows];
+                for part in block.parts.iter().flatten().filter(|part| part.body == number) {
+                    let chain = body.tree.chain(part.tip);
+                    for (&dof, entries) in chain.iter().zip(&entries[part.entries.clone()]) {
+                        change[dof] += entries.iter().zip(own).map(|(entry, impulse)| entry * impulse).sum::<f64>();
+                    }
+                }
+            }
+            factor::solve_lower(&body.tree, &body.factors, change);
+            body.free.iter_mut().zip(change.iter()).for_each(|(free, change)| *free += *change);
+        }
+        Outcome { is_settled, sweeps, newton_steps }
+    }
+
     fn add_contact(&mut self, bodies: &[&mut Body], contact: &Contact) {
-        let row = self.missing.len();
+        let row = self.impulses.len();
         let directions = [Some(contact.normal), contact.tangents[0], contact.tangents[1]];
         let directions: [Vector3<f64>; 3] = directions.map(Option::unwrap_or_default);
         let tangents = contact.tangents.iter().flatten().count();
@@ -241,11 +255,11 @@ impl Rows {
         self.blocks.push(Block { row, rows, parts });
         let targets = [contact.target, 0.0, 0.0];
         for (number, direction) in directions.iter().enumerate().take(rows) {
-            self.missing.push(targets[number] - velocity[number]);
+            self.problem.missing.push(targets[number] - velocity[number]);
             self.compliance.push(contact.compliance[number]);
-            self.guess.push(contact.impulse.dot(direction));
+            self.impulses.push(contact.impulse.dot(direction));
         }
-        self.constraints.push(Constraint::Contact { friction: contact.friction, tangents });
+        self.problem.constraints.push(Constraint::Contact { friction: contact.friction, tangents });
     }
 
     fn add_joint(&mut self, bodies: &[&mut Body], joint: &JointRow) {
@@ -268,10 +282,10 @@ impl Rows {
                 Some(Part { body: joint.body, tip: dof, entries: start..self.entries.len() })
             })
         };
-        self.blocks.push(Block { row: self.missing.len(), rows: 1, parts });
-        self.missing.push(joint.target - velocity);
+        self.blocks.push(Block { row: self.impulses.len(), rows: 1, parts });
+        self.problem.missing.push(joint.target - velocity);
         self.compliance.push(joint.compliance);
-        self.guess.push(joint.impulse);
-        self.constraints.push(joint.constraint);
+        self.impulses.push(joint.impulse);
+        self.problem.constraints.push(joint.constraint);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use articulated::{Body, Contact, Drive, Joint, JointRow, Link, Mass, Pose, Side, Tree, step};
+use articulated::{Body, Contact, Drive, Joint, JointRow, Link, Mass, Pose, Side, Tree, Workspace, step};
 use friction::Constraint;
 use nalgebra::{Matrix3, Vector3};
 
@@ -14,7 +14,7 @@ fn mass(mass: f64, moments: [f64; 3]) -> Mass {
 
 fn run(body: &mut Body, time_step: f64, seconds: f64) {
     for _ in 0..(seconds / time_step).round() as usize {
-        step(&mut [&mut *body], &mut [], &mut [], time_step);
+        step(&mut [&mut *body], &mut [], &mut [], time_step, &mut Workspace::default());
         body.advance(time_step);
     }
 }
@@ -130,7 +130,7 @@ fn joints_have_ends_friction_and_couplings() {
         (row([Some((0, 1.0)), Some((1, -0.5))], Constraint::Within(f64::INFINITY)), [0.2, 0.4]),
     ] {
         let mut body = start();
-        let outcome = step(&mut [&mut body], &mut [], &mut [joint], 0.01);
+        let outcome = step(&mut [&mut body], &mut [], &mut [joint], 0.01, &mut Workspace::default());
         let off = body.velocity().iter().zip(expected).map(|(found, expected)| (found - expected).abs());
         assert!(outcome.is_settled && off.fold(0.0, f64::max) < 1e-5, "{joint:?}: {:?}", body.velocity());
     }
@@ -174,7 +174,7 @@ fn a_skid_robot_turns_on_the_spot_by_coulombs_friction() {
                     impulse: impulses[wheel],
                 });
             }
-            let outcome = step(&mut [&mut body], &mut contacts, &mut [], time_step);
+            let outcome = step(&mut [&mut body], &mut contacts, &mut [], time_step, &mut Workspace::default());
             assert!(outcome.is_settled, "step {number} of {time_step} s: {outcome:?}");
             impulses = std::array::from_fn(|wheel| contacts[wheel].impulse);
             body.advance(time_step);

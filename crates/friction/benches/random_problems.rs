@@ -1,7 +1,6 @@
 //! Time of 100 000 random problems, cold: `cargo bench -p friction`.
 
-use friction::{Problem, solve};
-use nalgebra::DVector;
+use friction::{Problem, Workspace, solve};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -23,7 +22,9 @@ fn cold(bencher: divan::Bencher, kind: Kind) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let problems: Vec<Problem> = (0..COUNT).map(|_| random(kind, &mut rng)).collect();
     bencher.counter(divan::counter::ItemsCount::new(COUNT)).bench_local(|| {
-        let unsettled = |problem: &&Problem| !solve(problem, DVector::zeros(problem.missing.len())).is_settled;
+        let mut workspace = Workspace::default();
+        let unsettled =
+            |problem: &&Problem| !solve(problem, &mut vec![0.0; problem.missing.len()], &mut workspace).is_settled;
         problems.iter().filter(unsettled).count()
     });
 }

@@ -19,4 +19,4 @@ mod problem;
 mod solver;
 
 pub use problem::{Constraint, Problem, Residual};
-pub use solver::{Outcome, TOLERANCE, solve};
+pub use solver::{Outcome, TOLERANCE, Workspace, solve};

@@ -16,17 +16,28 @@ pub(crate) fn solve(response: &Matrix3<f64>, missing: &Vector3<f64>, friction: f
     if missing.x <= 0.0 {
         return Vector3::zeros();
     }
+    let normal = response[(0, 0)];
     if friction == 0.0 || tangents == 0 {
-        return Vector3::x() * (missing.x / response[(0, 0)]);
+        return Vector3::x() * (missing.x / normal);
     }
+    // Without the normal, and along the directions in which the tangents do not answer each other.
+    let [one, other] = [response[(1, 0)], response[(2, 0)]];
+    let block = [
+        response[(1, 1)] - one * one / normal,
+        response[(2, 1)] - one * other / normal,
+        response[(2, 2)] - other * other / normal,
+    ];
+    let left = [missing.y - one * missing.x / normal, missing.z - other * missing.x / normal];
+    let ([first, second], [x, y]) = principal(block);
+    let turned = [x * left[0] + y * left[1], x * left[1] - y * left[0]];
     let at = |compliance: f64| {
-        let mut matrix = *response;
-        matrix[(1, 1)] += compliance;
-        matrix[(2, 2)] += compliance;
-        matrix.cholesky().map_or_else(Vector3::zeros, |it| it.solve(missing))
+        let [along, across] = [turned[0] / (first + compliance), turned[1] / (second + compliance)];
+        let [one_push, other_push] = [x * along - y * across, y * along + x * across];
+        let push = (missing.x - one * one_push - other * other_push) / normal;
+        Vector3::new(push, one_push, other_push)
     };
     // How far beyond its cone; one that pulls is.
-    let beyond = |push: &Vector3<f64>| push.y.hypot(push.z) - friction * push.x;
+    let beyond = |push: &Vector3<f64>| (push.y * push.y + push.z * push.z).sqrt() - friction * push.x;
     let held = at(0.0);
     if held.x >= 0.0 && beyond(&held) <= 0.0 {
         return held;
@@ -61,4 +72,15 @@ pub(crate) fn solve(response: &Matrix3<f64>, missing: &Vector3<f64>, friction: f
         }
     }
     push
+}
+
+/// The principal values of a symmetric matrix of two rows, given by its three entries, and the direction of the first.
+fn principal([xx, xy, yy]: [f64; 3]) -> ([f64; 2], [f64; 2]) {
+    let (mean, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
+    let spread = (half * half + xy * xy).sqrt();
+    let values = [mean + spread, mean - spread];
+    // The longer of two ways to write the same direction.
+    let (x, y) = if half > 0.0 { (half + spread, xy) } else { (xy, spread - half) };
+    let length = (x * x + y * y).sqrt();
+    if length == 0.0 { (values, [1.0, 0.0]) } else { (values, [x / length, y / length]) }
 }

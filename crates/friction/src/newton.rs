@@ -1,52 +1,60 @@
 //! Newton's method for all impulses at once.
 
-use nalgebra::{DMatrix, DVector};
-
-use crate::problem::{Constraint, Problem};
+use crate::problem::{Constraint, Problem, dot};
+use crate::solver::Workspace;
 
 /// What part of Newton's steps is taken, and how many at most, one try after the other from the same start. From a good one two or
 /// three whole steps are enough; where those go round in a circle, shorter ones seldom do.
 const TRIES: [(f64, usize); 3] = [(1.0, 20), (0.7, 40), (0.4, 40)];
+/// The one try from the impulses of the step before, which are right or nearly so, or of another motion.
+const FIRST_TRY: [(f64, usize); 1] = [(1.0, 8)];
 
 /// Newton's steps, of which each solves the conditions that hold where it is (Alart and Curnier 1991): a contact pushes or not, and
-/// holds or slides. They need not make each answer better than the last: where they have to, they end where none is. `None` where
-/// they do not settle.
-pub(crate) fn solve(problem: &Problem, from: &DVector<f64>, tolerance: f64, steps: &mut usize) -> Option<DVector<f64>> {
-    let mut slopes = problem.response.clone();
-    TRIES.into_iter().find_map(|(share, most)| {
-        let mut impulses = from.clone();
+/// holds or slides. They need not make each answer better than the last: where they have to, they end where none is. Whether they
+/// settle; if not, the impulses stay as they were.
+pub(crate) fn solve(
+    problem: &Problem,
+    impulses: &mut [f64],
+    is_first: bool,
+    tolerance: f64,
+    steps: &mut usize,
+    workspace: &mut Workspace,
+) -> bool {
+    let tries: &[(f64, usize)] = if is_first { &FIRST_TRY } else { &TRIES };
+    let Workspace { trial, velocity, slopes } = workspace;
+    for &(share, most) in tries {
+        trial.clear();
+        trial.extend_from_slice(impulses);
         for _ in 0..=most {
-            let mut velocity = problem.velocity(&impulses);
-            if problem.residual_at(&impulses, &velocity).worst() <= tolerance {
-                return Some(impulses);
+            problem.velocity(trial, velocity);
+            if problem.residual_at(trial, velocity).worst() <= tolerance {
+                impulses.copy_from_slice(trial);
+                return true;
             }
             *steps += 1;
-            step(problem, &impulses, &mut velocity, &mut slopes)?;
-            impulses.axpy(-share, &velocity, 1.0);
+            if !step(problem, trial, velocity, slopes) {
+                return false;
+            }
+            trial.iter_mut().zip(&*velocity).for_each(|(impulse, step)| *impulse -= share * step);
         }
-        None
-    })
+    }
+    false
 }
 
-/// By how much Newton's method moves the impulses: what is to be taken from them, in the place of the velocity that they give.
-/// `slopes` is room for a matrix.
-fn step(
-    problem: &Problem,
-    impulses: &DVector<f64>,
-    velocity: &mut DVector<f64>,
-    slopes: &mut DMatrix<f64>,
-) -> Option<()> {
-    // The conditions, row by row, and their slopes, transposed, as columns lie together in memory. One that is about a velocity is
-    // that row of the response, which is symmetric.
-    slopes.copy_from(&problem.response);
-    let missed = velocity;
-    let set_to = |slopes: &mut DMatrix<f64>, missed: &mut DVector<f64>, row: usize, impulse: f64| {
-        slopes.column_mut(row).fill(0.0);
-        slopes[(row, row)] = 1.0;
+/// By how much Newton's method moves the impulses: what is to be taken from them, in the place of the velocity that they give. Whether
+/// there is an answer. `slopes` is room for a matrix.
+fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], slopes: &mut Vec<f64>) -> bool {
+    // The conditions, row by row, and their slopes. One that is about a velocity is that row of the response.
+    slopes.clear();
+    slopes.extend_from_slice(&problem.response);
+    let (count, missed) = (velocity.len(), velocity);
+    let set_to = |slopes: &mut [f64], missed: &mut [f64], row: usize, impulse: f64| {
+        slopes[row * count..][..count].fill(0.0);
+        slopes[row * (count + 1)] = 1.0;
         missed[row] = impulses[row] - impulse;
     };
     for (row, constraint) in problem.constraints() {
-        let own = problem.response[(row, row)];
+        let own = problem.own(row);
         match constraint {
             Constraint::Within(most) => {
                 let wanted = impulses[row] - missed[row] / own;
@@ -59,12 +67,14 @@ fn step(
             }
             Constraint::Contact { tangents: 0, .. } => {}
             Constraint::Contact { friction, tangents } => {
-                let own = problem.tangent_response(row + 1, tangents);
+                // Of the lighter tangent, so that one that holds is not taken for one that slides.
+                let own = (row + 1..=row + tangents).map(|row| problem.own(row)).fold(0.0, f64::max);
                 let wanted = [0, 1].map(|tangent| {
                     let row = row + 1 + tangent;
                     if tangent < tangents { impulses[row] - missed[row] / own } else { 0.0 }
                 });
-                let (length, most) = (wanted[0].hypot(wanted[1]), friction * impulses[row]);
+                let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
+                let most = friction * impulses[row];
                 if length <= most {
                     continue;
                 }
@@ -72,26 +82,27 @@ fn step(
                 for tangent in 0..tangents {
                     let at = row + 1 + tangent;
                     set_to(slopes, missed, at, most * direction[tangent]);
+                    let slope = &mut slopes[at * count..][..count];
                     // Of how the direction turns: of each tangent what is across it.
                     for other in 0..tangents {
                         let across = f64::from(u8::from(tangent == other)) - direction[tangent] * direction[other];
                         let share = across * most / length;
-                        slopes[(row + 1 + other, at)] -= share;
-                        slopes.column_mut(at).axpy(share / own, &problem.response.column(row + 1 + other), 1.0);
+                        let response = problem.of_row(row + 1 + other);
+                        slope.iter_mut().zip(response).for_each(|(to, from)| *to += share / own * from);
+                        slope[row + 1 + other] -= share;
                     }
-                    slopes[(row, at)] -= friction * direction[tangent];
+                    slope[row] -= friction * direction[tangent];
                 }
             }
         }
     }
-    eliminate(slopes, missed).then_some(())
+    eliminate(slopes, missed)
 }
 
-/// Solves a system of which `slopes` has the equations as columns, for their right sides, in place. Whether there is an answer.
-fn eliminate(slopes: &mut DMatrix<f64>, right: &mut DVector<f64>) -> bool {
+/// Solves equations, row after row, for their right sides, in place. Whether there is an answer.
+fn eliminate(slopes: &mut [f64], right: &mut [f64]) -> bool {
     let count = right.len();
-    let (slopes, right) = (slopes.as_mut_slice(), right.as_mut_slice());
-    // Equation by equation; of those that are left the one that says most of an unknown is used for it.
+    // Of the equations that are left the one that says most of an unknown is used for it.
     for unknown in 0..count {
         let size = |equation: &usize| slopes[equation * count + unknown].abs();
         let Some(chosen) = (unknown..count).max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
@@ -116,8 +127,7 @@ fn eliminate(slopes: &mut DMatrix<f64>, right: &mut DVector<f64>) -> bool {
     }
     for unknown in (0..count).rev() {
         let equation = &slopes[unknown * count..][..count];
-        let known: f64 =
-            equation[unknown + 1..].iter().zip(&right[unknown + 1..]).map(|(slope, value)| slope * value).sum();
+        let known = dot(&equation[unknown + 1..], &right[unknown + 1..]);
         right[unknown] = (right[unknown] - known) / equation[unknown];
     }
     right.iter().all(|it| it.is_finite())

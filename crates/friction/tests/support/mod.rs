@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use friction::{Constraint, Problem};
-use nalgebra::{DMatrix, DVector, Matrix3, Unit, Vector3};
+use nalgebra::{Matrix3, Unit, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -95,11 +95,9 @@ pub(crate) fn random(kind: Kind, rng: &mut ChaCha8Rng) -> Problem {
     };
     // A little softness, as a contact of compliance has: many contacts of one body say the same.
     let softness = 1e-3 / mass;
-    let response =
-        DMatrix::from_fn(rows.len(), rows.len(), |a, b| dot(a, b) + if a == b { softness + rows[a].3 } else { 0.0 });
-    let missing = DVector::from_fn(rows.len(), |row, _| {
-        let (axis, arm, rim, _) = rows[row];
-        rim - axis.dot(&velocity) - arm.dot(&turning)
-    });
+    let count = rows.len();
+    let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+    let response = pairs.map(|(a, b)| dot(a, b) + if a == b { softness + rows[a].3 } else { 0.0 }).collect();
+    let missing = rows.iter().map(|(axis, arm, rim, _)| rim - axis.dot(&velocity) - arm.dot(&turning)).collect();
     Problem { response, missing, constraints }
 }

@@ -148,7 +148,10 @@ pub(super) fn touch_engine(
             continue;
         }
         let known = |bodies: &[OfEngine]| {
-            bodies.iter().enumerate().find_map(|(index, it)| Some((index, it.links.iter().position(|&link| link == parent)?)))
+            bodies
+                .iter()
+                .enumerate()
+                .find_map(|(index, it)| Some((index, it.links.iter().position(|&link| link == parent)?)))
         };
         if known(bodies).is_none() {
             bodies.extend(OfEngine::new(world, parent));
@@ -325,7 +328,8 @@ impl OfEngine {
         let centre = convert::from_vector(world.bodies.get(links[0])?.center_of_mass());
         let twists = links.iter().enumerate().map(|(link, &body)| {
             let jacobian = multibody.body_jacobian(link);
-            let arm = centre - world.bodies.get(body).map_or(centre, |body| convert::from_vector(body.center_of_mass()));
+            let arm =
+                centre - world.bodies.get(body).map_or(centre, |body| convert::from_vector(body.center_of_mass()));
             let column = |dof: usize| {
                 let part = |first: usize| Vector3::from_fn(|row, _| jacobian[(first + row, dof)]);
                 [part(3), part(0) + part(3).cross(&arm)]

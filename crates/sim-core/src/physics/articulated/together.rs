@@ -34,6 +34,7 @@ const WEAK: f64 = 1e4;
 #[derive(Default)]
 pub(in super::super) struct Contacts {
     impulses: Vec<(Key, Vector3<f64>)>,
+    workspace: articulated::Workspace,
     /// Steps of a system in which not every contact came to do what it should.
     pub(in super::super) unsettled: u64,
 }
@@ -174,7 +175,7 @@ impl<'a> Step<'_, '_, 'a> {
             let all = robots.chain(self.of_engine.iter_mut().map(|it| &mut it.body)).enumerate();
             let mut bodies: Vec<&mut Body> =
                 all.filter(|(number, _)| group.contains(number)).map(|(_, body)| body).collect();
-            articulated::step(&mut bodies, &mut contacts, &mut joints, self.time_step)
+            articulated::step(&mut bodies, &mut contacts, &mut joints, self.time_step, &mut known.workspace)
         };
         known.unsettled += u64::from(!outcome.is_settled);
         let robots = self.robots.len();
