@@ -7,8 +7,6 @@ use crate::{Body, Drive, factor};
 
 /// Part of a tangent's own response that is added to it: contacts of one body that say the same need it to have one answer.
 const SOFTNESS: f64 = 1e-6;
-/// How often servos that come to their limits are noticed in a step.
-const MAX_LIMITED: usize = 8;
 
 /// Where a contact acts: a link of a body, by their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,6 +97,8 @@ pub struct Workspace {
     /// What the impulses give to one body, multiplied likewise.
     change: Vec<f64>,
     friction: friction::Workspace,
+    /// Servos that would pass their limits, as rows that do not.
+    limited: Vec<JointRow>,
 }
 
 /// Finds the velocities of bodies at the end of a step. They stay where they are: [`Body::advance`] moves them.
@@ -110,7 +110,7 @@ pub fn step(
     workspace: &mut Workspace,
 ) -> Outcome {
     bodies.iter_mut().for_each(|body| body.prepare(time_step));
-    let mut limited = 0;
+    workspace.limited.clear();
     loop {
         let outcome = workspace.solve(bodies, contacts, joints);
         let rows = workspace.impulses.as_slice();
@@ -126,31 +126,38 @@ pub fn step(
             }
         }
         joints.iter_mut().for_each(|joint| joint.impulse = take());
-        limited += 1;
-        let mut again = 0;
-        for body in bodies.iter_mut().filter_map(|body| body.limit_servos().then_some(body)) {
-            body.prepare(time_step);
-            again += 1;
+        let before = workspace.limited.len();
+        for (number, body) in bodies.iter_mut().enumerate() {
+            body.limit_servos(number, time_step, &mut workspace.limited);
         }
-        if again == 0 || limited == MAX_LIMITED {
+        if workspace.limited.len() == before {
             bodies.iter_mut().for_each(|body| std::mem::swap(&mut body.velocity, &mut body.free));
             return outcome;
         }
+        bodies.iter_mut().for_each(|body| body.prepare(time_step));
     }
 }
 
 impl Body {
-    /// Gives servos that would pass their limits those, whatever the speed. Whether there are any.
-    fn limit_servos(&mut self) -> bool {
-        let mut is_any = false;
-        for (drive, speed) in self.drives.iter_mut().zip(&self.free) {
-            let wanted = drive.at_rest - drive.gain * speed;
-            if drive.gain > 0.0 && wanted.abs() > drive.most {
-                *drive = Drive { at_rest: drive.most.copysign(wanted), gain: 0.0, most: drive.most };
-                is_any = true;
+    /// Makes rows of the servos that would pass their limits: a row gives way as its servo does, and gives no more than it can. The body
+    /// has a number among all.
+    fn limit_servos(&mut self, number: usize, time_step: f64, limited: &mut Vec<JointRow>) {
+        for (dof, (drive, speed)) in self.drives.iter_mut().zip(&self.free).enumerate() {
+            let Drive { at_rest, gain, most } = *drive;
+            let wanted = at_rest - gain * speed;
+            if gain > 0.0 && wanted.abs() > most {
+                *drive = Drive::default();
+                limited.push(JointRow {
+                    body: number,
+                    terms: [Some((dof, 1.0)), None],
+                    root: [0.0; 6],
+                    constraint: Constraint::Within(most * time_step),
+                    target: at_rest / gain,
+                    compliance: 1.0 / (gain * time_step),
+                    impulse: (most * time_step).copysign(wanted),
+                });
             }
         }
-        is_any
     }
 }
 
@@ -186,7 +193,10 @@ impl Workspace {
         self.problem.constraints.clear();
         contacts.iter().for_each(|contact| self.add_contact(bodies, contact));
         joints.iter().for_each(|joint| self.add_joint(bodies, joint));
-        let Self { blocks, entries, compliance, problem, impulses, change, friction } = self;
+        let limited = std::mem::take(&mut self.limited);
+        limited.iter().for_each(|servo| self.add_joint(bodies, servo));
+        self.limited = limited;
+        let Self { blocks, entries, compliance, problem, impulses, change, friction, .. } = self;
         let count = impulses.len();
         if count == 0 {
             return Outcome { is_settled: true, ..Outcome::default() };

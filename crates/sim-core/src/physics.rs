@@ -113,6 +113,11 @@ impl Physics {
         self.objects.iter_mut().for_each(|object| object.note_rest(&self.world));
     }
 
+    /// How many systems of robots were solved in which not every contact came to do what it should.
+    pub(crate) fn unsettled_steps(&self) -> u64 {
+        self.contacts.unsettled
+    }
+
     /// Where the map's objects are, in its order.
     pub(crate) fn objects(&self) -> impl Iterator<Item = Pose> {
         self.objects.iter().map(|object| object.pose(&self.world))

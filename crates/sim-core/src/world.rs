@@ -278,6 +278,12 @@ impl World {
         Some((self.physics.body(robot.bodies()), self.physics.wheels(robot.bodies())))
     }
 
+    /// How many steps of a robot, or of robots that touch each other, ended before every contact did what it should: what there was was
+    /// taken. See [`friction::Outcome::is_settled`].
+    pub fn unsettled_steps(&self) -> u64 {
+        self.physics.unsettled_steps()
+    }
+
     /// Where everything is now.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {

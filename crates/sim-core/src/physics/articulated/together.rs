@@ -35,7 +35,7 @@ const WEAK: f64 = 1e4;
 pub(in super::super) struct Contacts {
     impulses: Vec<(Key, Vector3<f64>)>,
     workspace: articulated::Workspace,
-    /// Steps of a system in which not every contact came to do what it should.
+    /// Systems solved in which not every contact came to do what it should.
     pub(in super::super) unsettled: u64,
 }
 

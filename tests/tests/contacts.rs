@@ -1,0 +1,151 @@
+//! Robots in contact in every way that they come to be: what falls comes to rest, on what is there, and nothing is gained.
+
+use nalgebra::Vector3;
+use scene::RobotId;
+use sim_core::{Options, World};
+use system_tests::{apply, init, run};
+
+/// A world with robots, each a class with its location and rotation.
+fn world_with(map: &str, time_step: f64, robots: &[(&str, [f64; 3], [f64; 3])]) -> (World, Vec<RobotId>) {
+    let def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let mut world = World::new(def, Options { time_step, ..Options::default() });
+    let line = |(class, [x, y, z], [roll, pitch, yaw]): &(&str, [f64; 3], [f64; 3])| {
+        format!("INIT {{ClassName USARBot.{class}}} {{Location {x},{y},{z}}} {{Rotation {roll},{pitch},{yaw}}}")
+    };
+    let robots = robots.iter().map(|robot| init(&mut world, &line(robot))).collect();
+    (world, robots)
+}
+
+fn fastest(world: &World, robots: &[RobotId]) -> f64 {
+    let speed = |robot: &RobotId| world.state(*robot).expect("the robot is there").0.linear.norm();
+    robots.iter().map(speed).fold(0.0, f64::max)
+}
+
+/// What lies still.
+const STILL: [f64; 2] = [1e-4, 1e-5];
+
+/// Lets robots fall for some seconds and checks that they lie still then, on what is there: none faster than so much, m/s, and none
+/// elsewhere a second later, m.
+#[track_caller]
+fn check_rests(robots: &[(&str, [f64; 3], [f64; 3])], seconds: f64, [most_speed, most_way]: [f64; 2]) {
+    for time_step in [0.002, 0.008] {
+        let (mut world, ids) = world_with("rough", time_step, robots);
+        run(&mut world, seconds);
+        let before: Vec<Vector3<f64>> =
+            ids.iter().map(|id| world.state(*id).unwrap().0.pose.translation.vector).collect();
+        run(&mut world, 1.0);
+        let speed = fastest(&world, &ids);
+        let moved = ids
+            .iter()
+            .zip(&before)
+            .map(|(id, before)| (world.state(*id).unwrap().0.pose.translation.vector - before).norm());
+        let moved = moved.fold(0.0, f64::max);
+        let lowest = before.iter().map(|place| place.z).fold(f64::NEG_INFINITY, f64::max);
+        let unsettled = world.unsettled_steps();
+        println!(
+            "{robots:?} at {time_step} s: {speed:.1e} m/s, {moved:.1e} m, lowest {lowest:.3}, {unsettled} unsettled"
+        );
+        assert!(speed < most_speed && moved < most_way, "{robots:?} at {time_step} s: {speed} m/s, moved {moved} m");
+        // One step of five hundred.
+        assert!(unsettled as f64 * 500.0 < (seconds + 1.0) / time_step, "{robots:?} at {time_step} s: {unsettled}");
+        assert!(lowest < 0.01, "{robots:?} at {time_step} s: one sank to {lowest} m");
+    }
+}
+
+#[test]
+fn what_falls_comes_to_rest() {
+    for class in ["P3AT", "P2DX", "Kenaf", "YouBot", "YouBotArm", "CasterSkidRobot", "BasicAckermanRobot"] {
+        for rotation in [[0.0; 3], [3.1, 0.0, 0.0], [1.5, 0.0, 0.0], [0.3, 1.2, 0.0]] {
+            check_rests(&[(class, [0.0, 0.0, -0.8], rotation)], 12.0, STILL);
+        }
+    }
+}
+/// Six robots in a heap, and one on another.
+#[test]
+fn a_heap_comes_to_rest() {
+    for class in ["P3AT", "YouBot", "Kenaf"] {
+        let at = |number: u32| {
+            let number = f64::from(number);
+            (class, [0.05 * number, 0.03 * (number * 2.0).sin(), -0.4 - 0.45 * number], [0.4 * number, 0.3, number])
+        };
+        check_rests(&(0..6).map(at).collect::<Vec<_>>(), 8.0, [0.2, 0.02]);
+    }
+    let stack = |number: u32| ("YouBot", [0.0, 0.0, -0.3 * f64::from(number)], [0.0; 3]);
+    check_rests(&(0..6).map(stack).collect::<Vec<_>>(), 2.0, STILL);
+}
+
+/// A robot that drives into a row of others pushes them on with what its wheels have, and all go at one speed.
+#[test]
+fn a_robot_pushes_a_row() {
+    let row: Vec<_> = (0..3).map(|number| ("P3AT", [0.62 * f64::from(number), 0.0, 0.0], [0.0; 3])).collect();
+    for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
+        let (mut world, ids) = world_with("rough", 0.004, &order.map(|number| row[number]));
+        let pusher = ids[order.iter().position(|&number| number == 0).expect("a first")];
+        run(&mut world, 0.5);
+        // The others roll along slowly; the one behind wants to be faster.
+        for &id in &ids {
+            apply(&mut world, id, if id == pusher { "DRIVE {Left 4} {Right 4}" } else { "DRIVE {Left 2} {Right 2}" });
+        }
+        run(&mut world, 5.0);
+        let speeds: Vec<f64> = ids.iter().map(|id| world.state(*id).unwrap().0.linear.x).collect();
+        let unsettled = world.unsettled_steps();
+        println!("{order:?}: {speeds:.4?} m/s, {unsettled} unsettled");
+        assert!(speeds.iter().all(|speed| (speed - speeds[0]).abs() < 1e-3), "{order:?}: {speeds:?}");
+        assert!(speeds[0] > 0.19, "{order:?}: {speeds:?}");
+    }
+}
+
+/// What a wheel stands on need not be wider than a few millimetres, nor without gaps.
+#[test]
+fn wheels_pass_a_gap() {
+    for gap in [0.002, 0.005, 0.02] {
+        for class in ["P3AT", "YouBot"] {
+            let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
+            let floor = def.map.solids[0].clone();
+            let slab = |from: f64, to: f64| {
+                let shape = scene::Shape::Box { size: [to - from, 4.0, 0.1] };
+                scene::Solid { shape, position: [(from + to) / 2.0, 0.0, 0.05], ..floor.clone() }
+            };
+            def.map.solids = vec![slab(-2.0, 0.5), slab(0.5 + gap, 4.0)];
+            let mut world = World::new(def, Options { time_step: 0.004, ..Options::default() });
+            let id = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}}"));
+            run(&mut world, 0.5);
+            let height = |world: &World| world.state(id).unwrap().0.pose.translation.z;
+            let (start, mut lowest) = (height(&world), f64::NEG_INFINITY);
+            apply(
+                &mut world,
+                id,
+                "DRIVE {Left 3} {Right 3} {Front-Left 3} {Front-Right 3} {Rear-Left 3} {Rear-Right 3}",
+            );
+            for _ in 0..1250 {
+                world.step();
+                lowest = lowest.max(height(&world) - start);
+            }
+            let (body, _) = world.state(id).unwrap();
+            println!("{class}, {gap} m: sank by {:.2} mm, at {:.2} m", 1e3 * lowest, body.pose.translation.x);
+            assert!(
+                body.pose.translation.x > 0.7,
+                "{class} stays at {} m before a gap of {gap}",
+                body.pose.translation.x
+            );
+            // A rim of radius R sinks by gap² / 8 R.
+            assert!(lowest < gap * gap / 8.0 / 0.05 + 2e-5, "{class} sinks by {lowest} m into {gap}");
+        }
+    }
+}
+
+/// An arm that is pressed against the floor gives way with its torque, and the base stays where it is.
+#[test]
+fn an_arm_pressed_against_the_floor_holds() {
+    let (mut world, ids) = world_with("rough", 0.004, &[("YouBotArm", [0.0, 0.0, 0.0], [0.0; 3])]);
+    run(&mut world, 0.5);
+    let arm: Vec<String> = world.robot(ids[0]).unwrap().with_values().map(|link| link.name.clone()).collect();
+    println!("{arm:?}");
+    apply(&mut world, ids[0], "SET {Type Joint} {Name AllJoints} {Opcode Angle} {Params 1.3}");
+    run(&mut world, 6.0);
+    let before = world.state(ids[0]).unwrap().0.pose.translation.vector;
+    run(&mut world, 1.0);
+    let body = world.state(ids[0]).unwrap().0;
+    println!("{:?}, {} unsettled", body.pose, world.unsettled_steps());
+    assert!(body.linear.norm() < 1e-3 && (body.pose.translation.vector - before).norm() < 1e-3, "{body:?}");
+}
