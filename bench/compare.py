@@ -154,7 +154,7 @@ def main():
     definition, seconds = robot(), arguments.seconds
     peers = [(shape, cone, dt) for shape in ("ellipsoid", "chain 5", "chain 9") for cone in ("pyramidal", "elliptic") for dt in (0.002, 0.004, 0.008, 0.012, 0.016, 0.02)]
     runs = {f"MuJoCo {mujoco.__version__}, {shape}, {cone}|{1e3 * dt:g}": (lambda s=shape, c=cone, t=dt: mujoco_row(definition, s, c, t, seconds)) for shape, cone, dt in peers}
-    ours = [("bodies", 0.002), ("bodies", 0.004), ("analytic", 0.002), ("analytic", 0.004), ("analytic", 0.008), ("analytic", 0.012), ("analytic", 0.016), ("analytic", 0.02), ("kinematic", 0.016)]
+    ours = [("bodies", 0.002), ("bodies", 0.004), ("articulated", 0.002), ("articulated", 0.004), ("articulated", 0.008), ("articulated", 0.012), ("articulated", 0.016), ("analytic", 0.002), ("analytic", 0.004), ("analytic", 0.008), ("analytic", 0.012), ("analytic", 0.016), ("analytic", 0.02), ("kinematic", 0.016)]
     runs |= {f"usarsim, {name}|{1e3 * dt:g}": (lambda n=name, t=dt: usarsim_row(n, t, seconds)) for name, dt in ours}
     if arguments.check:
         arguments.repeat, runs = 1, {key: run for key, run in runs.items() if key.startswith("usarsim")}

@@ -121,7 +121,7 @@ fn write_log(path: &Path) {
     log.write(world.time(), &Record::In(line(2, "GETSTARTPOSES"))).unwrap();
     log.write(world.time(), &Record::Closed(line(2, ""))).unwrap();
     log.write(world.time(), &Record::Warning("nothing is wrong".to_owned())).unwrap();
-    log.finish(End { time: world.time(), digest: Some(world.digest()), dropped: 0 }).unwrap();
+    log.finish(End { time: world.time(), digest: Some(world.digest()), unsettled_steps: 0, dropped: 0 }).unwrap();
 }
 
 /// The same records without compression and checksums, in which a changed byte reaches whoever reads it.

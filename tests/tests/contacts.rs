@@ -1,7 +1,7 @@
 //! Robots in contact in every way that they come to be: what falls comes to rest, on what is there, and nothing is gained.
 
 use nalgebra::Vector3;
-use scene::RobotId;
+use scene::{BodyState, RobotId};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
@@ -16,9 +16,16 @@ fn world_with(map: &str, time_step: f64, robots: &[(&str, [f64; 3], [f64; 3])]) 
     (world, robots)
 }
 
+fn body(world: &World, robot: RobotId) -> BodyState {
+    world.state(robot).expect("the robot is there").0
+}
+
+fn place(world: &World, robot: RobotId) -> Vector3<f64> {
+    body(world, robot).pose.translation.vector
+}
+
 fn fastest(world: &World, robots: &[RobotId]) -> f64 {
-    let speed = |robot: &RobotId| world.state(*robot).expect("the robot is there").0.linear.norm();
-    robots.iter().map(speed).fold(0.0, f64::max)
+    robots.iter().map(|&robot| body(world, robot).linear.norm()).fold(0.0, f64::max)
 }
 
 /// What lies still.
@@ -31,14 +38,10 @@ fn check_rests(robots: &[(&str, [f64; 3], [f64; 3])], seconds: f64, [most_speed,
     for time_step in [0.002, 0.008] {
         let (mut world, ids) = world_with("rough", time_step, robots);
         run(&mut world, seconds);
-        let before: Vec<Vector3<f64>> =
-            ids.iter().map(|id| world.state(*id).unwrap().0.pose.translation.vector).collect();
+        let before: Vec<Vector3<f64>> = ids.iter().map(|id| place(&world, *id)).collect();
         run(&mut world, 1.0);
         let speed = fastest(&world, &ids);
-        let moved = ids
-            .iter()
-            .zip(&before)
-            .map(|(id, before)| (world.state(*id).unwrap().0.pose.translation.vector - before).norm());
+        let moved = ids.iter().zip(&before).map(|(id, before)| (place(&world, *id) - before).norm());
         let moved = moved.fold(0.0, f64::max);
         let lowest = before.iter().map(|place| place.z).fold(f64::NEG_INFINITY, f64::max);
         let unsettled = world.unsettled_steps();
@@ -87,7 +90,7 @@ fn a_robot_pushes_a_row() {
             apply(&mut world, id, if id == pusher { "DRIVE {Left 4} {Right 4}" } else { "DRIVE {Left 2} {Right 2}" });
         }
         run(&mut world, 5.0);
-        let speeds: Vec<f64> = ids.iter().map(|id| world.state(*id).unwrap().0.linear.x).collect();
+        let speeds: Vec<f64> = ids.iter().map(|id| body(&world, *id).linear.x).collect();
         let unsettled = world.unsettled_steps();
         println!("{order:?}: {speeds:.4?} m/s, {unsettled} unsettled");
         assert!(speeds.iter().all(|speed| (speed - speeds[0]).abs() < 1e-3), "{order:?}: {speeds:?}");
@@ -110,7 +113,7 @@ fn wheels_pass_a_gap() {
             let mut world = World::new(def, Options { time_step: 0.004, ..Options::default() });
             let id = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}}"));
             run(&mut world, 0.5);
-            let height = |world: &World| world.state(id).unwrap().0.pose.translation.z;
+            let height = |world: &World| place(world, id).z;
             let (start, mut lowest) = (height(&world), f64::NEG_INFINITY);
             apply(
                 &mut world,
@@ -121,7 +124,7 @@ fn wheels_pass_a_gap() {
                 world.step();
                 lowest = lowest.max(height(&world) - start);
             }
-            let (body, _) = world.state(id).unwrap();
+            let body = body(&world, id);
             println!("{class}, {gap} m: sank by {:.2} mm, at {:.2} m", 1e3 * lowest, body.pose.translation.x);
             assert!(
                 body.pose.translation.x > 0.7,
@@ -139,13 +142,14 @@ fn wheels_pass_a_gap() {
 fn an_arm_pressed_against_the_floor_holds() {
     let (mut world, ids) = world_with("rough", 0.004, &[("YouBotArm", [0.0, 0.0, 0.0], [0.0; 3])]);
     run(&mut world, 0.5);
-    let arm: Vec<String> = world.robot(ids[0]).unwrap().with_values().map(|link| link.name.clone()).collect();
+    let arm: Vec<String> =
+        world.robot(ids[0]).expect("the robot is there").with_values().map(|link| link.name.clone()).collect();
     println!("{arm:?}");
     apply(&mut world, ids[0], "SET {Type Joint} {Name AllJoints} {Opcode Angle} {Params 1.3}");
     run(&mut world, 6.0);
-    let before = world.state(ids[0]).unwrap().0.pose.translation.vector;
+    let before = place(&world, ids[0]);
     run(&mut world, 1.0);
-    let body = world.state(ids[0]).unwrap().0;
+    let body = body(&world, ids[0]);
     println!("{:?}, {} unsettled", body.pose, world.unsettled_steps());
     assert!(body.linear.norm() < 1e-3 && (body.pose.translation.vector - before).norm() < 1e-3, "{body:?}");
 }

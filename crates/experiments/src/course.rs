@@ -261,6 +261,11 @@ impl Course {
         self.world.digest()
     }
 
+    /// See [`World::unsettled_steps`].
+    pub fn unsettled_steps(&self) -> u64 {
+        self.world.unsettled_steps()
+    }
+
     /// What the robots did since the start.
     pub fn travel(&self) -> Option<Travel> {
         let ripple = self.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max) - self.lowest();

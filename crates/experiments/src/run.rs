@@ -213,7 +213,12 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     }
     let (digest, seconds) = (stage.world.digest(), stage.world.time());
     if let Some(log) = stage.log {
-        log.finish(End { time: seconds, digest: Some(digest), dropped: 0 })?;
+        log.finish(End {
+            time: seconds,
+            digest: Some(digest),
+            unsettled_steps: stage.world.unsettled_steps(),
+            dropped: 0,
+        })?;
     }
     Ok(Outcome {
         id: run.id.clone(),

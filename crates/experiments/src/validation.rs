@@ -207,9 +207,10 @@ fn travel(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Travel,
     Ok(Travel { moved: [displacement.x, displacement.y, yaw], exact, turned, ripple: highest - lowest })
 }
 
-/// The analytic model is held to 0.3 %, others to what the check allows.
+/// Trees in reduced coordinates are held to 0.3 %, others to what the check allows.
 fn tolerance(subject: &Subject, other: f64) -> f64 {
-    if subject.robot.drive_model == DriveModel::Analytic { 0.003 } else { other }
+    let is_exact = matches!(subject.robot.drive_model, DriveModel::Analytic | DriveModel::Articulated);
+    if is_exact { 0.003 } else { other }
 }
 
 fn forward(subject: &Subject) -> Result<Vec<Finding>, MotionError> {

@@ -42,7 +42,8 @@ impl Journal {
         description.extend(self.lost_until.map(|time| ("began".to_owned(), time.to_string())));
         let mut log = LogWriter::create(&path, world.def(), world.options(), &description)?;
         self.entries.iter().try_for_each(|(time, record)| log.write(*time, record))?;
-        log.finish(End { time: world.time() + world.time_step(), digest: None, dropped: 0 })?;
+        let (time, unsettled_steps) = (world.time() + world.time_step(), world.unsettled_steps());
+        log.finish(End { time, digest: None, unsettled_steps, dropped: 0 })?;
         Ok(path)
     }
 }

@@ -60,6 +60,8 @@ pub(crate) struct Status {
     pub(crate) paused: bool,
     /// How often the world began anew.
     pub(crate) resets: u64,
+    /// Steps of robots that ended before every contact did what it should.
+    pub(crate) unsettled_steps: u64,
     /// File of the log that is being written.
     pub(crate) recording: Option<String>,
     pub(crate) robots: Vec<RobotStatus>,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use recorder::{Closing, LogWriter, Record, RecordError, Recorder, StateTimer, Storage};
+use recorder::{Closing, End, LogWriter, Record, RecordError, Recorder, StateTimer, Storage};
 use scene::{MapDef, Snapshot};
 use sim_core::{Options, World};
 
@@ -111,7 +111,7 @@ impl Recording {
     /// Ends the log of a world that has panicked, with the step in which it did and without a digest.
     pub(crate) fn stop_broken(&mut self, world: &World) {
         if let Some(Open { path, recorder, .. }) = self.open.take() {
-            self.closing.push((path, recorder.finish(world.time() + world.time_step(), None)));
+            self.closing.push((path, recorder.finish(end_of(world, world.time() + world.time_step(), None))));
         }
     }
 
@@ -215,7 +215,7 @@ impl Recording {
     /// Ends the log, if one is written, and gives back its name.
     fn end(&mut self, world: &World) -> Option<PathBuf> {
         let Open { path, name, recorder, .. } = self.open.take()?;
-        self.closing.push((path, recorder.finish(world.time(), Some(world.digest()))));
+        self.closing.push((path, recorder.finish(end_of(world, world.time(), Some(world.digest())))));
         Some(name)
     }
 
@@ -231,6 +231,11 @@ impl Recording {
             }
         }
     }
+}
+
+/// How a world ends at a time, with a digest if it has one.
+fn end_of(world: &World, time: f64, digest: Option<u64>) -> End {
+    End { time, digest, unsettled_steps: world.unsettled_steps(), dropped: 0 }
 }
 
 #[cfg(test)]

@@ -411,6 +411,7 @@ impl Server {
             speed: timing.speed,
             paused: timing.paused,
             resets: *resets,
+            unsettled_steps: world.unsettled_steps(),
             recording: recording.map(|path| path.display().to_string()),
             robots: world.robots().map(robot).collect(),
             clients: sessions.iter().map(client).collect(),

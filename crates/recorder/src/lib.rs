@@ -86,7 +86,9 @@ pub struct End {
     pub time: f64,
     /// A number that two worlds share only if every body has the same bits; none of a world that has panicked.
     pub digest: Option<u64>,
-    /// Records that did not get into the log.
+    /// Steps of robots that ended before every contact did what it should.
+    pub unsettled_steps: u64,
+    /// Records that did not get into the log; what writes it counts them.
     pub dropped: u64,
 }
 

@@ -38,7 +38,7 @@ pub struct Entry {
 pub struct Log {
     /// What describes the run.
     pub run: BTreeMap<String, String>,
-    /// How it ended: `seconds`, `digest`, `dropped`. Empty when the log was cut off.
+    /// How it ended: `seconds`, `digest`, `dropped`, `unsettled_steps`. Empty when the log was cut off.
     pub end: BTreeMap<String, String>,
     /// What was recorded, in its order.
     pub entries: Vec<Entry>,
@@ -200,7 +200,7 @@ impl Topic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LogWriter, Recorder};
+    use crate::{End, LogWriter, Recorder};
 
     fn line(number: u64) -> Record {
         Record::In(WireLine { connection: number, robot: None, line: format!("DRIVE {{Left {number}}}") })
@@ -212,7 +212,7 @@ mod tests {
         let log = LogWriter::create(path, &world, scene::Options::default(), &[]).unwrap();
         let mut recorder = Recorder::new(log).unwrap();
         (0..1000).for_each(|number| recorder.record(number as f64 * 0.002, line(number)));
-        recorder.finish(2.0, Some(0xabc));
+        recorder.finish(End { time: 2.0, digest: Some(0xabc), unsettled_steps: 3, dropped: 0 });
     }
 
     #[test]

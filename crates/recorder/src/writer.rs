@@ -129,8 +129,12 @@ impl LogWriter {
     /// When the disk takes no more.
     pub fn finish(self, end: End) -> Result<(), RecordError> {
         let entry = |key: &str, value: String| (key.to_owned(), value);
-        let End { time, digest, dropped } = end;
-        let mut metadata = BTreeMap::from([entry("seconds", time.to_string()), entry("dropped", dropped.to_string())]);
+        let End { time, digest, unsettled_steps, dropped } = end;
+        let mut metadata = BTreeMap::from([
+            entry("seconds", time.to_string()),
+            entry("dropped", dropped.to_string()),
+            entry("unsettled_steps", unsettled_steps.to_string()),
+        ]);
         metadata.extend(digest.map(|digest| entry("digest", format!("{digest:016x}"))));
         let Self { mut file, ros2, .. } = self;
         file.with(|file| file.metadata(END, metadata))?;
@@ -237,9 +241,9 @@ impl Recorder {
         ended(thread).err()
     }
 
-    /// Ends the log properly, with the simulated time and the digest of the world, if it has one; the thread does the work.
-    pub fn finish(mut self, time: f64, digest: Option<u64>) -> Closing {
-        self.queue.end(Ending::World { time, digest });
+    /// Ends the log properly, with how the world ended; the thread does the work.
+    pub fn finish(mut self, end: End) -> Closing {
+        self.queue.end(Ending::World(end));
         Closing { thread: self.thread.take() }
     }
 }
@@ -308,7 +312,7 @@ struct Waiting {
 #[derive(Clone, Copy)]
 enum Ending {
     /// The world is over.
-    World { time: f64, digest: Option<u64> },
+    World(End),
     /// Nobody has said how.
     Abandoned,
 }
@@ -393,7 +397,7 @@ fn write_all(mut log: impl Sink, queue: &Queue) -> Result<(), RecordError> {
             waiting.dropped
         };
         match ending {
-            Some(Ending::World { time, digest }) => return log.finish(End { time, digest, dropped }),
+            Some(Ending::World(end)) => return log.finish(End { dropped, ..end }),
             Some(Ending::Abandoned) => return log.flush(),
             None => {}
         }

@@ -10,7 +10,7 @@ use mcap::records::{MessageHeader, op};
 use mcap::{MAGIC, WriteOptions};
 use proptest::prelude::*;
 use proptest::sample::Index;
-use recorder::{End, Log, Record, Table, export};
+use recorder::{Log, Record, Table, export};
 use support::{line, run, state, world, write};
 
 /// A log with nothing but what it is: magic, header and the metadata `run`.
@@ -66,7 +66,7 @@ fn read(bytes: &[u8]) -> Result<Log, String> {
 fn log_of(records: &[(f64, Record)]) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("log.mcap");
-    write(&file, &world(), records, End { time: 1.0, digest: None, dropped: 0 });
+    write(&file, &world(), records, support::end(1.0));
     std::fs::read(&file).expect("the log")
 }
 

@@ -176,7 +176,7 @@ fn a_recorder_that_fails_says_so_once_and_takes_on_without_harm() {
     for (time, record) in records {
         recorder.record(time, record);
     }
-    assert_eq!(recorder.finish(1.0, None).wait().map_err(|error| error.to_string()), Ok(()));
+    assert_eq!(recorder.finish(support::end(1.0)).wait().map_err(|error| error.to_string()), Ok(()));
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn the_end_of_a_log_on_a_stalled_disk_is_not_waited_for() {
     let mut recorder = Recorder::new(begin(&disk, None).expect("a log")).expect("a recorder");
     disk.stall(true);
     records.iter().cloned().for_each(|(time, record)| recorder.record(time, record));
-    let closing = recorder.finish(end.time, end.digest);
+    let closing = recorder.finish(end);
     assert!(!closing.is_done());
     disk.stall(false);
     closing.wait().unwrap_or_else(|error| panic!("{error}"));
@@ -216,7 +216,7 @@ fn what_waits_for_a_stalled_disk_is_bounded_and_what_is_lost_is_counted() {
         let text = format!("{number} {}", "x".repeat(length));
         recorder.record(0.001 * f64::from(number), Record::In(support::line(text)));
     }
-    let closing = recorder.finish(10.0, None);
+    let closing = recorder.finish(support::end(10.0));
     disk.stall(false);
     closing.wait().unwrap_or_else(|error| panic!("{error}"));
     let log = disk.read().expect("a log");
@@ -270,7 +270,7 @@ fn ten_thousand_robots_come_and_go_in_one_log() {
             records.push((time, Record::Left(robot)));
         }
     }
-    support::write(&file, &world(), &records, End { time: 200.0, digest: None, dropped: 0 });
+    support::write(&file, &world(), &records, support::end(200.0));
     let bytes = std::fs::read(&file).expect("the log");
     let summary = mcap::Summary::read(&bytes).expect("an index").expect("an index");
     let mut topics: Vec<&str> = summary.channels.values().map(|channel| channel.topic.as_str()).collect();

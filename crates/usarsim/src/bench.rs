@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml.
     #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
     robot: String,
-    /// How its wheels move it: bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
+    /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
     /// How many of them drive side by side.
@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let motions_of_robot = Motion::of_robot(&robot);
     let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
     let options = Options { time_step: dt, ..Options::default() };
-    let (mut simulated, mut wall, mut worst, mut digest) = (0.0, 0.0, 0.0f64, 0u64);
+    let (mut simulated, mut wall, mut worst, mut digest, mut unsettled) = (0.0, 0.0, 0.0f64, 0u64, 0);
     let (mut motions, mut trace) = (serde_json::Map::new(), "motion,time,phase,height\n".to_owned());
     for &motion in motions_of_robot {
         let course = Course::start(def.clone(), options, &class, *robots, motion, 1.0);
@@ -79,6 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         wall += start.elapsed().as_secs_f64();
         simulated += seconds;
         digest = digest.rotate_left(1) ^ course.digest();
+        unsettled += course.unsettled_steps();
         if arguments.trace.is_some() {
             for Moment { time, phase, height } in course.moments() {
                 trace += &format!("{},{time:.4},{phase:.6},{height:.8}\n", motion.name());
@@ -104,6 +105,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "microseconds_per_step": step,
             "dt": dt,
             "robots": robots,
+            "unsettled_steps": unsettled,
             "digest": format!("{digest:016x}"),
             "map": map_name,
             "robot": class,

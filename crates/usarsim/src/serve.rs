@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
     /// several times; `usarsim show` prints what comes of it.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
-    /// How the wheels of Mecanum robots move them: bodies, analytic, kinematic or kinematic-textbook; by default as their
+    /// How robots are moved: articulated, bodies, analytic, kinematic or kinematic-textbook, where they can; by default as their
     /// robot.toml says.
     #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL")]
     drive_model: Option<DriveModel>,

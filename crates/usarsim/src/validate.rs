@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     /// A robot class with Mecanum wheels, or the path of its robot.toml.
     #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
     robot: String,
-    /// How its wheels move it: bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
+    /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
     /// Only this check, 1 to 12. May be given several times.

@@ -8,6 +8,8 @@ export interface Status {
   speed: number;
   paused: boolean;
   resets: number;
+  /** Steps of robots that ended before every contact did what it should. */
+  unsettled_steps: number;
   recording: string | null;
   robots: { id: number; class: string; name: string; connection: number | null; battery: number | null }[];
   clients: { connection: number; peer: string; lines: number; dropped: number }[];

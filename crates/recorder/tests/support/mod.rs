@@ -65,7 +65,7 @@ pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
         }
     }
     records.push((world.time(), Record::Warning("behind its pace".to_owned())));
-    let end = End { time: world.time(), digest: Some(world.digest()), dropped: 0 };
+    let end = End { time: world.time(), digest: Some(world.digest()), unsettled_steps: 0, dropped: 0 };
     (records, end)
 }
 
@@ -80,4 +80,10 @@ pub(crate) fn write(path: &Path, world: &WorldDef, records: &[(f64, Record)], en
         }
     }
     log.finish(end).expect("an end");
+}
+
+/// The end of a world at a time, of which nothing else is known.
+#[allow(dead_code, reason = "not every test ends one")]
+pub(crate) fn end(time: f64) -> End {
+    End { time, digest: None, unsettled_steps: 0, dropped: 0 }
 }

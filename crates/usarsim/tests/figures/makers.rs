@@ -55,6 +55,11 @@ pub(crate) fn drive_models(timed: bool) -> String {
         ("bodies", "0.004", plane),
         ("bodies", "0.004", solid),
         ("bodies", "0.004", mesh),
+        ("articulated", "0.002", plane),
+        ("articulated", "0.004", plane),
+        ("articulated", "0.016", plane),
+        ("articulated", "0.016", solid),
+        ("articulated", "0.016", mesh),
         ("analytic", "0.002", plane),
         ("analytic", "0.008", plane),
         ("analytic", "0.016", plane),
@@ -86,7 +91,7 @@ pub(crate) fn robots(timed: bool) -> String {
     let row = |model: &str| {
         format!("| {model} | {} |", ["1", "10", "20"].map(|robots| microseconds(model, robots)).join(" | "))
     };
-    table("| M, model | N = 1 | 10 | 20 |", ["bodies", "analytic", "kinematic"].map(row))
+    table("| M, model | N = 1 | 10 | 20 |", ["bodies", "articulated", "analytic", "kinematic"].map(row))
 }
 
 pub(crate) fn cost(timed: bool, groups: &[&str]) -> String {
@@ -151,20 +156,24 @@ pub(crate) fn sliding() -> String {
         def.robots.values().filter(|robot| robot.steering != Steering::Omni && robot.driven().next().is_some());
     let rows = on_plain_wheels.map(|robot| {
         let motions = Motion::of_robot(robot);
-        let ratio = |motion| {
-            let mut course = Course::start(def.clone(), Options::default(), &robot.class, 1, motion, 1.0).unwrap();
+        let ratio = |model: DriveModel, motion| {
+            let mut def = def.clone();
+            def.robots.get_mut(&robot.class).unwrap().set_drive_model(Some(model));
+            let mut course = Course::start(def, Options::default(), &robot.class, 1, motion, 1.0).unwrap();
             course.run(10.0);
-            format!("{:.3}", course.travel().unwrap().ratio)
+            format!("{:.4}", course.travel().unwrap().ratio)
         };
-        let cell = |motion| if motions.contains(&motion) { ratio(motion) } else { "-".to_owned() };
-        let cells = [Motion::Forward, Motion::Clockwise, Motion::Curve].map(cell);
+        let cell = |model, motion| if motions.contains(&motion) { ratio(model, motion) } else { "-".to_owned() };
+        let cells = [DriveModel::Articulated, DriveModel::Bodies].map(|model| {
+            [Motion::Forward, Motion::Clockwise, Motion::Curve].map(|motion| cell(model, motion)).join(" | ")
+        });
         format!("| `{}` | {} |", robot.class, cells.join(" | "))
     });
-    table("| robot | straight on | on the spot | on a curve |", rows)
+    table("| robot | straight on | on the spot | on a curve | `bodies`: straight on | on the spot | on a curve |", rows)
 }
 
 pub(crate) fn far() -> String {
-    let rows = [DriveModel::Bodies, DriveModel::Analytic].into_iter().flat_map(|model| {
+    let rows = [DriveModel::Bodies, DriveModel::Articulated, DriveModel::Analytic].into_iter().flat_map(|model| {
         [0.0, 100.0, 1000.0].map(|away| {
             let ratio = |motion| format!("{:.5}", youbot("rough", Some(model), motion, away).ratio);
             format!("| {} | {away} m | {} |", model.name(), Motion::ALL.map(ratio).join(" | "))

@@ -11,7 +11,7 @@ use rapier3d::parry::shape::Shape;
 use super::super::contact::{RollerDispatcher, distance};
 use super::super::convert;
 use super::compile::{Form, Surface};
-use super::wheel::{Meeting, Touch, Wheel};
+use super::wheel::{Touch, Wheel};
 
 /// Touches nearer to each other than this are one, m.
 const SAME_PLACE: f64 = 1e-5;
@@ -53,8 +53,8 @@ pub(super) fn touches(
             Form::Wheel { radius, half_width } => {
                 let axle = convert::from_vector(local.rotation * Vector::Y);
                 match (Wheel { hub: centre, axle, radius, half_width }).on_shape(prediction, nearest) {
-                    Meeting::Tread(touches) => touches,
-                    Meeting::Side => {
+                    Some(touches) => touches,
+                    None => {
                         is_side = true;
                         return;
                     }

@@ -53,14 +53,6 @@ pub(super) struct Wheel {
     pub(super) half_width: f64,
 }
 
-/// How a wheel meets a shape.
-pub(super) enum Meeting {
-    /// With its tread: up to three touches.
-    Tread([Option<Touch>; 3]),
-    /// With its side, which is a plain shape's affair.
-    Side,
-}
-
 impl Wheel {
     /// The touch with a plane through a place.
     pub(super) fn on_plane(&self, normal: Vector3<f64>, place: Vector3<f64>) -> Touch {
@@ -81,25 +73,25 @@ impl Wheel {
         self.radius.hypot(self.half_width)
     }
 
-    /// The touches with a shape within a distance, m; `nearest` is the distance of a point from it, and the normal there.
+    /// The touches of its tread with a shape within a distance, m, `None` where it meets it with its side; `nearest` is the distance of a point from it, and the normal there.
     pub(super) fn on_shape(
         &self,
         prediction: f64,
         nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
-    ) -> Meeting {
-        let nothing = Meeting::Tread([None; 3]);
+    ) -> Option<[Option<Touch>; 3]> {
+        let nothing = Some([None; 3]);
         let Some((distance, normal)) = nearest(self.hub) else { return nothing };
         if distance > self.reach() + prediction {
             return nothing;
         }
         if normal.dot(&self.axle).abs() > SIDE {
-            return Meeting::Side;
+            return None;
         }
         let planes = [-1.0, 1.0].map(|side| self.plane_under(side * self.half_width, normal, &nearest));
         let [Some((left, left_place)), Some((right, right_place))] = planes else { return nothing };
         if left.dot(&right) > SAME_NORMAL && left.dot(&(right_place - left_place)).abs() < SAME_HEIGHT {
             let touch = self.on_plane(left, left_place);
-            return Meeting::Tread([Some(touch).filter(|touch| touch.gap <= prediction), None, None]);
+            return Some([Some(touch).filter(|touch| touch.gap <= prediction), None, None]);
         }
         let touch = |along: f64, normal: Vector3<f64>, place: Vector3<f64>| {
             let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
@@ -111,7 +103,7 @@ impl Wheel {
             |along: f64| self.plane_under(along, normal, &nearest).map(|(normal, place)| touch(along, normal, place));
         let between = self.nearest_disc(at).filter(|between| between.gap < least - SAME_HEIGHT);
         let edges = edges.map(|edge| Some(edge).filter(|edge| edge.gap <= prediction));
-        Meeting::Tread([edges[0], edges[1], between])
+        Some([edges[0], edges[1], between])
     }
 
     /// The touch of the disc that is nearest. The gap of a convex shape is a convex function of the place on the axle, so the ends of
@@ -167,10 +159,7 @@ mod tests {
         Wheel { hub: Vector3::new(0.0, 0.0, 0.1), axle: Vector3::new(0.0, 1.0, 0.0), radius: 0.1, half_width: 0.03 };
 
     fn touches(wheel: Wheel, nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>) -> Vec<Touch> {
-        match wheel.on_shape(0.001, nearest) {
-            Meeting::Tread(touches) => touches.into_iter().flatten().collect(),
-            Meeting::Side => Vec::new(),
-        }
+        wheel.on_shape(0.001, nearest).into_iter().flatten().flatten().collect()
     }
 
     /// Up is z; a box with a corner at an edge line x = edge, below z = 0.
