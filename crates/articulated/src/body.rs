@@ -13,6 +13,8 @@ pub struct Body {
     pub(crate) tree: Arc<Tree>,
     /// Of the root's frame.
     pose: Pose,
+    /// Where the root's centre of mass is.
+    centre: Vector3<f64>,
     /// Position of the joint of every link that has one value, rad or m.
     positions: Vec<f64>,
     /// Orientation of every link on a ball joint in its parent's frame.
@@ -92,6 +94,7 @@ impl Body {
         let zero = Vector3::zeros();
         let mut body = Self {
             pose,
+            centre: zero,
             positions: vec![0.0; links],
             turns: vec![UnitQuaternion::identity(); links],
             velocity: vec![0.0; dofs],
@@ -155,7 +158,7 @@ impl Body {
 
     /// Where the root's centre of mass is, m: what the positions of frames are from.
     pub fn centre(&self) -> Vector3<f64> {
-        (self.pose * Point3::from(self.tree.links[0].mass.centre)).coords
+        self.centre
     }
 
     /// The links as they are now.
@@ -222,6 +225,7 @@ impl Body {
 
     /// Works out frames and axes from positions and velocities.
     pub fn place(&mut self) {
+        self.centre = (self.pose * Point3::from(self.tree.links[0].mass.centre)).coords;
         let Self { tree, pose, positions, turns, velocity, frames, axes, .. } = self;
         for (number, link) in tree.links.iter().enumerate() {
             let (first, _) = tree.dofs_of[number];

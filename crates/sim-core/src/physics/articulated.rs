@@ -28,6 +28,7 @@ use crate::flight::Flight;
 
 pub(super) use compile::Articulated;
 use compile::{JointValue, Ring};
+use finding::Placed;
 pub(super) use object::MapObject;
 pub(super) use together::{Contacts, solve};
 
@@ -56,6 +57,9 @@ pub(crate) struct ArticulatedRobot {
     resistances: Vec<Vector3<f64>>,
     /// What pushed it in the last step, with the wheel that it pushed.
     contacts: Vec<(Option<usize>, Contact)>,
+    /// Where its links and surfaces are, in the step that is made.
+    poses: Vec<Pose>,
+    placed: Vec<Placed>,
     /// The engine's bodies of its links, and their colliders.
     in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
     /// Fixed colliders that it may touch until it leaves a box.
@@ -104,6 +108,8 @@ impl ArticulatedRobot {
             loads: vec![Load::default(); wheels],
             resistances: vec![Vector3::zeros(); wheels],
             contacts: Vec::new(),
+            poses: Vec::new(),
+            placed: Vec::new(),
             in_engine,
             near: None,
             made_of,
@@ -329,10 +335,10 @@ fn link_pose(body: &Body, link: usize) -> Pose {
     Pose::from_parts((body.centre() + body.frames()[link].origin).into(), rotation)
 }
 
-/// Poses of all links in the world.
-fn link_poses(body: &Body) -> Vec<Pose> {
+/// Puts the poses of all links in the world in the place of `poses`.
+fn link_poses(body: &Body, poses: &mut Vec<Pose>) {
     let (links, centre) = (body.tree().links(), body.centre());
-    let mut poses: Vec<Pose> = Vec::with_capacity(links.len());
+    poses.clear();
     for (number, (link, frame)) in links.iter().zip(body.frames()).enumerate() {
         let rotation = match number {
             0 => body.pose().rotation,
@@ -342,5 +348,4 @@ fn link_poses(body: &Body) -> Vec<Pose> {
         };
         poses.push(Pose::from_parts((centre + frame.origin).into(), rotation));
     }
-    poses
 }

@@ -72,31 +72,34 @@ pub(super) struct Placed {
     prediction: f64,
 }
 
-/// The surfaces of a robot where they are.
-pub(super) fn placed(robot: &ArticulatedRobot, time_step: f64) -> Vec<Placed> {
-    let frames = robot.body.frames();
-    let (poses, centre) = (link_poses(&robot.body), robot.body.centre());
-    let of_surface = |surface: &Surface| {
-        let frame = &frames[surface.link];
-        let pose = convert::pose(&poses[surface.link]) * surface.pose;
-        let arm = frame.rotation * surface.middle;
-        // Its own turning brings a wheel nowhere.
-        let speed = if surface.form == Form::Solid {
-            (frame.linear + frame.angular.cross(&arm)).norm() + frame.angular.norm() * surface.half.norm()
-        } else {
-            frame.linear.norm()
-        };
-        let prediction = PREDICTION + speed * time_step;
-        let reach = frame.rotation.abs() * surface.half + Vector3::repeat(prediction);
-        let around = Aabb::from_half_extents(convert::vector(centre + frame.origin + arm), convert::vector(reach));
-        Placed { pose, around, prediction }
-    };
-    robot.made_of.surfaces.iter().map(of_surface).collect()
-}
+impl ArticulatedRobot {
+    /// Works out where its surfaces are.
+    pub(super) fn place_surfaces(&mut self, time_step: f64) {
+        let Self { body, made_of, poses, placed, .. } = self;
+        link_poses(body, poses);
+        let (frames, centre) = (body.frames(), body.centre());
+        placed.clear();
+        placed.extend(made_of.surfaces.iter().map(|surface| {
+            let frame = &frames[surface.link];
+            let pose = convert::pose(&poses[surface.link]) * surface.pose;
+            let arm = frame.rotation * surface.middle;
+            // Its own turning brings a wheel nowhere.
+            let speed = if surface.form == Form::Solid {
+                (frame.linear + frame.angular.cross(&arm)).norm() + frame.angular.norm() * surface.half.norm()
+            } else {
+                frame.linear.norm()
+            };
+            let prediction = PREDICTION + speed * time_step;
+            let reach = frame.rotation.abs() * surface.half + Vector3::repeat(prediction);
+            let around = Aabb::from_half_extents(convert::vector(centre + frame.origin + arm), convert::vector(reach));
+            Placed { pose, around, prediction }
+        }));
+    }
 
-/// A box around all of them.
-pub(super) fn whole(placed: &[Placed]) -> Option<Aabb> {
-    placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other))
+    /// A box around all of them; `None` without any.
+    pub(super) fn around(&self) -> Option<Aabb> {
+        self.placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other))
+    }
 }
 
 /// Adds what a robot with a number touches that does not move.
@@ -105,10 +108,9 @@ pub(super) fn touch_fixed(
     materials: &Materials,
     number: usize,
     robot: &mut ArticulatedRobot,
-    placed: &[Placed],
     found: &mut Vec<Found>,
 ) {
-    let Some(whole) = whole(placed) else { return };
+    let Some(whole) = robot.around() else { return };
     let near = match robot.near.take() {
         Some((around, near)) if around.contains(&whole) => (around, near),
         _ => {
@@ -123,7 +125,7 @@ pub(super) fn touch_fixed(
     for &handle in &near.1 {
         if let Some(collider) = world.colliders.get(handle) {
             let other = Other { collider, material: materials.of(collider), id: None, handle, second: Second::Fixed };
-            touch_collider(&other, number, robot, placed, found);
+            touch_collider(&other, number, robot, found);
         }
     }
     robot.near = Some(near);
@@ -135,11 +137,10 @@ pub(super) fn touch_engine(
     materials: &Materials,
     number: usize,
     robot: &ArticulatedRobot,
-    placed: &[Placed],
     bodies: &mut Vec<OfEngine>,
     found: &mut Vec<Found>,
 ) {
-    let Some(whole) = whole(placed) else { return };
+    let Some(whole) = robot.around() else { return };
     let filter = QueryFilter::exclude_fixed().exclude_sensors();
     let query = world.query_pipeline_with_filter(filter);
     for (handle, collider) in query.intersect_aabb_conservative(whole) {
@@ -159,7 +160,7 @@ pub(super) fn touch_engine(
         let Some((index, link)) = known(bodies) else { continue };
         let second = Second::OfEngine(index, link);
         let other = Other { collider, material: materials.of(collider), id: Some(u64::MAX), handle, second };
-        touch_collider(&other, number, robot, placed, found);
+        touch_collider(&other, number, robot, found);
     }
 }
 
@@ -172,11 +173,11 @@ struct Other<'a> {
     second: Second,
 }
 
-fn touch_collider(other: &Other, number: usize, robot: &ArticulatedRobot, placed: &[Placed], found: &mut Vec<Found>) {
+fn touch_collider(other: &Other, number: usize, robot: &ArticulatedRobot, found: &mut Vec<Found>) {
     let shape = other.collider.shape();
     let bounds = shape.as_halfspace().is_none().then(|| other.collider.compute_aabb());
     let mut met = Vec::new();
-    for (index, (surface, at)) in robot.made_of.surfaces.iter().zip(placed).enumerate() {
+    for (index, (surface, at)) in robot.made_of.surfaces.iter().zip(&robot.placed).enumerate() {
         if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
             continue;
         }
@@ -195,16 +196,10 @@ fn touch_collider(other: &Other, number: usize, robot: &ArticulatedRobot, placed
 }
 
 /// Adds where two robots, by their numbers, touch each other.
-pub(super) fn touch_each_other(
-    robots: &[&mut ArticulatedRobot],
-    placed: &[Vec<Placed>],
-    one: usize,
-    other: usize,
-    found: &mut Vec<Found>,
-) {
+pub(super) fn touch_each_other(robots: &[&mut ArticulatedRobot], one: usize, other: usize, found: &mut Vec<Found>) {
     let mut met = Vec::new();
-    for (own_index, own_at) in placed[one].iter().enumerate() {
-        for (its_index, its_at) in placed[other].iter().enumerate() {
+    for (own_index, own_at) in robots[one].placed.iter().enumerate() {
+        for (its_index, its_at) in robots[other].placed.iter().enumerate() {
             if !own_at.around.intersects(&its_at.around) {
                 continue;
             }
@@ -272,6 +267,9 @@ fn meet(
 /// Takes out rollers that hand their load over. Where one follows the next, both share the load only while both press; that the wheel
 /// turns does not bring the next one nearer: it comes down where the last leaves, on the same circle.
 pub(super) fn hand_over(robots: &[&mut ArticulatedRobot], found: &mut Vec<Found>, time_step: f64) {
+    if found.iter().all(|it| it.touch.roller.is_none()) {
+        return;
+    }
     let stays = |it: &Found| {
         if it.touch.roller.is_none() {
             return true;

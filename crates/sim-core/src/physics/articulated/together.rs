@@ -13,8 +13,7 @@ use super::super::rolling::Load;
 use super::ArticulatedRobot;
 use super::compile::Form;
 use super::finding::{
-    Found, Key, MARGIN, OfEngine, Placed, Second, hand_over, placed, touch_each_other, touch_engine, touch_fixed,
-    velocity_of, whole,
+    Found, Key, MARGIN, OfEngine, Second, hand_over, touch_each_other, touch_engine, touch_fixed, velocity_of,
 };
 use super::object::{MapObject, take_near};
 use super::wheel::{RollerTouch, SIDE, Touch};
@@ -34,6 +33,13 @@ const WEAK: f64 = 1e4;
 #[derive(Default)]
 pub(in super::super) struct Contacts {
     impulses: Vec<(Key, Vector3<f64>)>,
+    /// Those of the step that is made.
+    next: Vec<(Key, Vector3<f64>)>,
+    /// What robots of the engine get of it: which link of which, where and how much.
+    reactions: Vec<(usize, usize, Vector3<f64>, Vector3<f64>)>,
+    found: Vec<Found>,
+    contacts: Vec<Contact>,
+    joints: Vec<JointRow>,
     workspace: articulated::Workspace,
     /// Systems solved in which not every contact came to do what it should.
     pub(in super::super) unsettled: u64,
@@ -53,44 +59,43 @@ pub(in super::super) fn solve<'a>(
     }
     let time_step = world.integration_parameters.dt;
     let gravity = convert::from_vector(world.gravity);
-    let mut all_placed: Vec<Vec<Placed>> = robots.iter().map(|robot| placed(robot, time_step)).collect();
+    robots.iter_mut().for_each(|robot| robot.place_surfaces(time_step));
     if !objects.is_empty() {
-        let around: Vec<Aabb> = all_placed.iter().filter_map(|placed| whole(placed)).collect();
+        let around: Vec<Aabb> = robots.iter().filter_map(|robot| robot.around()).collect();
         take_near(world, objects, &around);
         for taken in objects.iter_mut().filter_map(|object| object.taken.as_deref_mut()) {
             taken.body.set_gravity(gravity);
-            all_placed.push(placed(taken, time_step));
+            taken.place_surfaces(time_step);
             robots.push(taken);
         }
     }
     let robots = robots.as_mut_slice();
-    let (mut found, mut of_engine) = (Vec::new(), Vec::new());
+    let (mut found, mut of_engine) = (std::mem::take(&mut known.found), Vec::new());
+    found.clear();
     for (number, robot) in robots.iter_mut().enumerate() {
-        touch_fixed(world, materials, number, robot, &all_placed[number], &mut found);
+        touch_fixed(world, materials, number, robot, &mut found);
         if robots_of_engine > 0 {
-            touch_engine(world, materials, number, robot, &all_placed[number], &mut of_engine, &mut found);
+            touch_engine(world, materials, number, robot, &mut of_engine, &mut found);
         }
     }
     for one in 0..robots.len() {
         for other in 0..one {
-            let near = whole(&all_placed[one]).zip(whole(&all_placed[other]));
+            let near = robots[one].around().zip(robots[other].around());
             if near.is_some_and(|(one, other)| one.intersects(&other)) {
-                touch_each_other(robots, &all_placed, other, one, &mut found);
+                touch_each_other(robots, other, one, &mut found);
             }
         }
     }
     hand_over(robots, &mut found, time_step);
     let mut step = Step { robots, of_engine: &mut of_engine, found: &found, weight: gravity.norm(), time_step };
-    let mut impulses = Vec::with_capacity(found.len());
+    known.next.clear();
     for group in step.groups() {
-        step.solve(&group, known, &mut impulses);
+        step.solve(&group, known);
     }
-    known.impulses.clear();
-    for (it, impulse) in impulses {
-        known.impulses.push((it.key, impulse));
-        if let Second::OfEngine(number, link) = it.second {
-            react(world, of_engine[number].links[link], it.touch.point, -impulse);
-        }
+    std::mem::swap(&mut known.impulses, &mut known.next);
+    known.found = found;
+    for (number, link, point, impulse) in known.reactions.drain(..) {
+        react(world, of_engine[number].links[link], point, impulse);
     }
     for robot in robots {
         robot.body.advance(time_step);
@@ -107,16 +112,16 @@ fn react(world: &mut PhysicsWorld, handle: RigidBodyHandle, point: Vector3<f64>,
 }
 
 /// What takes part in a step.
-struct Step<'s, 'r, 'a> {
+struct Step<'s, 'r> {
     robots: &'s mut [&'r mut ArticulatedRobot],
     of_engine: &'s mut [OfEngine],
-    found: &'a [Found],
+    found: &'s [Found],
     /// What a kilogram weighs, N.
     weight: f64,
     time_step: f64,
 }
 
-impl<'a> Step<'_, '_, 'a> {
+impl Step<'_, '_> {
     /// Robots that touch each other, group by group, in the order of the first of each. The engine's bodies come behind the robots.
     fn groups(&self) -> Vec<Vec<usize>> {
         let count = self.robots.len() + self.of_engine.len();
@@ -140,11 +145,14 @@ impl<'a> Step<'_, '_, 'a> {
     }
 
     /// Finds the velocities of a group at the end of the step, and notes what pushed it.
-    fn solve(&mut self, group: &[usize], known: &mut Contacts, impulses: &mut Vec<(&'a Found, Vector3<f64>)>) {
+    fn solve(&mut self, group: &[usize], known: &mut Contacts) {
         let body_of = |number: usize| group.iter().position(|&member| member == number);
-        let own: Vec<&'a Found> = self.found.iter().filter(|it| body_of(it.first.0).is_some()).collect();
-        let mut contacts = Vec::with_capacity(own.len());
-        for it in &own {
+        let found = self.found;
+        let own = || found.iter().filter(|it| body_of(it.first.0).is_some());
+        let (mut contacts, mut joints) = (std::mem::take(&mut known.contacts), std::mem::take(&mut known.joints));
+        contacts.clear();
+        joints.clear();
+        for it in own() {
             let first = Side { body: body_of(it.first.0).unwrap_or_default(), link: self.link_of(it) };
             let second = self.second_body(it.second).and_then(body_of).map(|body| {
                 let link = match it.second {
@@ -157,7 +165,6 @@ impl<'a> Step<'_, '_, 'a> {
             let contact = self.contact(it, first, second, known);
             contacts.push(contact);
         }
-        let mut joints: Vec<JointRow> = Vec::new();
         for (body, &number) in group.iter().enumerate().filter(|&(_, &number)| number < self.robots.len()) {
             let robot = &self.robots[number];
             let before = joints.len();
@@ -187,10 +194,14 @@ impl<'a> Step<'_, '_, 'a> {
             robot.joint_impulses.extend(joints.iter().filter(|row| row.body == body).map(|row| row.impulse));
             robot.note_following(joints.iter().filter(|row| row.body == body), self.time_step);
         }
-        for (it, contact) in own.into_iter().zip(&contacts) {
+        for (it, contact) in own().zip(&contacts) {
             self.note(it, contact);
-            impulses.push((it, contact.impulse));
+            known.next.push((it.key, contact.impulse));
+            if let Second::OfEngine(number, link) = it.second {
+                known.reactions.push((number, link, contact.point, -contact.impulse));
+            }
         }
+        (known.contacts, known.joints) = (contacts, joints);
     }
 
     /// The link that a touch pushes.
