@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""usarsim beside MuJoCo: the same youBot, the same motions, on one core of this machine, in one run.
+"""usarsim beside MuJoCo: the same youBot and the same P3AT, the same motions, on one core of this machine, in one run.
 
     python3 -m venv venv && venv/bin/pip install mujoco numpy
     cargo build --release
@@ -7,7 +7,13 @@
 
 Both are driven forward, to the right and on the spot at 1 rad/s and compared with the exact kinematics of wheels with six
 rollers for the angles that the wheels turned. MuJoCo gets the robot that `usarsim show robot KUKA_YouBot` prints, with its
-24 rollers as bodies on hinges. Every row is the fastest of the repeats, which take turns, as these machines are noisy.
+24 rollers as bodies on hinges.
+
+The P3AT is driven forward and on the spot at 1 rad/s and compared with the twist at which Coulomb's friction balances: on four equal
+loads at (+-a, +-b) it turns with w R b / (a^2 + b^2). In MuJoCo contacts do not feel the servos, so a rotor that the robot does not
+have and a softer servo are tried beside the robot's own.
+
+Every row is the fastest of the repeats, which take turns, as these machines are noisy.
 Units: m, s, rad, kg; x forward, y left, z up.
 """
 
@@ -26,8 +32,8 @@ USARSIM = os.path.join(os.path.dirname(__file__), "..", "target", "release", "us
 MOTIONS = {"forward": (1, 1, 1, 1), "left": (-1, 1, 1, -1), "turn": (-1, 1, -1, 1)}
 
 
-def robot():
-    shown = subprocess.run([USARSIM, "show", "robot", "KUKA_YouBot", "--json"], check=True, capture_output=True)
+def robot(name="KUKA_YouBot"):
+    shown = subprocess.run([USARSIM, "show", "robot", name, "--json"], check=True, capture_output=True)
     return json.loads(shown.stdout)
 
 
@@ -129,10 +135,59 @@ def mujoco_row(definition, shape, cone, dt, seconds):
     return {"factor": len(MOTIONS) * (steps // 20) * 20 * dt / wall, "error": error, "ratios": ratios}
 
 
-def usarsim_row(drive_model, dt, seconds):
-    command = [USARSIM, "bench", "--drive-model", drive_model, "--dt", str(dt), "--seconds", str(seconds), "--json"]
+def p3at_model(definition, shape, gain, rotor, dt):
+    """A P3AT whose middle of mass is between its wheels, so that its loads are equal."""
+    wheels = wheels_of(definition)
+    mass = sum(part["mass"] for link in definition["links"] for part in link["parts"])
+    xml = ""
+    for index, wheel in enumerate(wheels):
+        x, y, _ = wheel["position"]
+        radius, half = wheel["radius"], wheel["width"] / 2
+        geom = {"sphere": f'type="sphere" size="{radius}"', "cylinder": f'type="cylinder" size="{radius} {half}" euler="90 0 0"'}[shape]
+        xml += (
+            f'<body pos="{x} {-y} 0"><joint name="w{index}" axis="0 1 0" armature="{rotor}"/>'
+            f'<geom {geom} mass="{wheel["mass"]}" condim="3" friction="0.85 0 0"/></body>'
+        )
+    servos = "".join(f'<velocity joint="w{index}" kv="{gain}" forcerange="-20 20"/>' for index in range(len(wheels)))
+    return mujoco.MjModel.from_xml_string(
+        f'<mujoco><compiler angle="degree"/><option timestep="{dt}" integrator="implicitfast" cone="elliptic" impratio="10"/>'
+        '<worldbody><geom type="plane" size="50 50 1" condim="3" friction="0.85 0 0"/>'
+        f'<body pos="0 0 {wheels[0]["radius"]}"><freejoint/>'
+        f'<inertial pos="0 0 0.02" mass="{mass}" diaginertia="0.1 0.2 0.25"/>{xml}</body></worldbody>'
+        f"<actuator>{servos}</actuator></mujoco>"
+    )
+
+
+def mujoco_p3at_row(definition, shape, gain, rotor, dt, seconds):
+    scene, wheels = p3at_model(definition, shape, gain, rotor, dt), wheels_of(definition)
+    radius, (base, track, _) = wheels[0]["radius"], map(abs, wheels[0]["position"])
+    ratios, wall, steps = {}, 0.0, int(seconds / dt)
+    for name, left in (("forward", 1), ("turn", -1)):
+        signs = np.array([1 if wheel["side"] == "Right" else left for wheel in wheels])
+        data = mujoco.MjData(scene)
+        mujoco.mj_step(scene, data, int(0.5 / dt))
+        data.ctrl[:] = signs
+        mujoco.mj_step(scene, data, int(2 / dt))
+        joints = [scene.joint(f"w{index}").qposadr[0] for index in range(len(wheels))]
+        place, angles = data.qpos[:2].copy(), data.qpos[joints].copy()
+        yaw, last = 0.0, 2 * math.atan2(data.qpos[6], data.qpos[3])
+        start = time.perf_counter()
+        for _ in range(20):
+            mujoco.mj_step(scene, data, steps // 20)
+            now = 2 * math.atan2(data.qpos[6], data.qpos[3])
+            yaw, last = yaw + (now - last + math.pi) % (2 * math.pi) - math.pi, now
+        wall += time.perf_counter() - start
+        turned = float(np.mean(np.abs(data.qpos[joints] - angles)))
+        way = abs(yaw) / (track / (base**2 + track**2)) if name == "turn" else float(np.linalg.norm(data.qpos[:2] - place))
+        ratios[name] = way / (radius * turned)
+    error = 100 * max(abs(ratio - 1) for ratio in ratios.values())
+    return {"factor": 2 * (steps // 20) * 20 * dt / wall, "error": error, "ratios": ratios}
+
+
+def usarsim_row(drive_model, dt, seconds, robot="KUKA_YouBot", motions=("forward", "right", "clockwise")):
+    command = [USARSIM, "bench", "--robot", robot, "--drive-model", drive_model, "--dt", str(dt), "--seconds", str(seconds), "--json"]
     report = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
-    ratios = {name: report["motions"][name]["ratio"] for name in ("forward", "right", "clockwise")}
+    ratios = {name: report["motions"][name]["ratio"] for name in motions}
     return {"factor": report["real_time_factor"], "error": report["worst_error_percent"], "ratios": ratios}
 
 
@@ -156,35 +211,63 @@ def main():
     runs = {f"MuJoCo {mujoco.__version__}, {shape}, {cone}|{1e3 * dt:g}": (lambda s=shape, c=cone, t=dt: mujoco_row(definition, s, c, t, seconds)) for shape, cone, dt in peers}
     ours = [("bodies", 0.002), ("bodies", 0.004), ("articulated", 0.002), ("articulated", 0.004), ("articulated", 0.008), ("articulated", 0.012), ("articulated", 0.016), ("analytic", 0.002), ("analytic", 0.004), ("analytic", 0.008), ("analytic", 0.012), ("analytic", 0.016), ("analytic", 0.02), ("kinematic", 0.016)]
     runs |= {f"usarsim, {name}|{1e3 * dt:g}": (lambda n=name, t=dt: usarsim_row(n, t, seconds)) for name, dt in ours}
+    p3at = robot("P3AT")
+    peers = [(shape, gain, rotor, dt) for shape in ("sphere", "cylinder") for gain, rotor in ((50, 0), (5, 0.5)) for dt in (0.002, 0.008)]
+    sliding = {
+        f"MuJoCo {mujoco.__version__}, {shape}, servo {gain} N m s/rad, rotor {rotor} kg m²|{1e3 * dt:g}": (
+            lambda a=(shape, gain, rotor, dt): mujoco_p3at_row(p3at, *a, seconds)
+        )
+        for shape, gain, rotor, dt in peers
+    }
+    ours = [("bodies", 0.002), ("articulated", 0.002), ("articulated", 0.008), ("articulated", 0.016), ("articulated", 0.02)]
+    sliding |= {f"usarsim, {name}|{1e3 * dt:g}": (lambda n=name, t=dt: usarsim_row(n, t, seconds, "P3AT", ("forward", "clockwise"))) for name, dt in ours}
+    tables = [(runs, "forward | sideways | turning"), (sliding, "forward | on the spot")]
     if arguments.check:
-        arguments.repeat, runs = 1, {key: run for key, run in runs.items() if key.startswith("usarsim")}
+        arguments.repeat = 1
+        tables = [({key: run for key, run in runs.items() if key.startswith("usarsim")}, head) for runs, head in tables]
+    made = [table(runs, head, arguments.repeat) for runs, head in tables]
+    if arguments.check:
+        with open(arguments.check) as file:
+            shown = [line.rstrip("\n") for line in file if line.startswith("| usarsim")]
+        check([line for lines, _ in made for line in lines[2:]], shown)
+        return
+    text = f"One youBot at 1 rad/s on one core, each row the fastest of {arguments.repeat} turns of 3 x {seconds:g} simulated seconds. Made by `bench/compare.py`; see there what is compared.\n\n"
+    text += "\n".join(made[0][0]) + "\n\n" + verdict(made[0][1], 1, 0.3)
+    text += f"\n\n## A robot that has to slide\n\nA P3AT forward and on the spot at 1 rad/s, 2 x {seconds:g} seconds, beside the twist at which Coulomb's friction balances (docs/kinematics.md). MuJoCo's contacts do not feel the servo: with the robot's own it turns a sixth as far as it should or less, with a softer one and an invented rotor nearly as far.\n\n"
+    text += "\n".join(made[1][0]) + "\n\n" + verdict(made[1][1], 2, 0.3)
+    print("\r" + text)
+    if arguments.out:
+        with open(arguments.out, "w") as file:
+            file.write("# usarsim beside MuJoCo\n\n" + text + "\n")
+
+
+def table(runs, head, repeat):
+    """The fastest row of every run, and the table of them."""
     best = {}
-    for turn in range(arguments.repeat):
+    for turn in range(repeat):
         for key, run in runs.items():
-            print(f"\r{turn + 1}/{arguments.repeat} {key:50}", end="", flush=True)
+            print(f"\r{turn + 1}/{repeat} {key:70}", end="", flush=True)
             row = run()
             if key not in best or row["factor"] > best[key]["factor"]:
                 best[key] = row
-    lines = ["| simulator | step, ms | times real time | worst error, % | forward | sideways | turning |", "|---|---|---|---|---|---|---|"]
+    lines = [f"| simulator | step, ms | times real time | worst error, % | {head} |", "|---|---|---|---|" + "---|" * (head.count("|") + 1)]
     for key, row in best.items():
         name, dt = key.split("|")
         ratios = " | ".join(f"{ratio:.4f}" for ratio in row["ratios"].values())
         lines.append(f"| {name} | {dt} | {row['factor']:.0f} | {row['error']:.2f} | {ratios} |")
-    if arguments.check:
-        with open(arguments.check) as file:
-            check(lines[2:], [line.rstrip("\n") for line in file if line.startswith("| usarsim")])
-        return
-    good = [row["factor"] for key, row in best.items() if key.startswith("MuJoCo") and row["error"] <= 1]
-    analytic = max(row["factor"] for key, row in best.items() if "analytic" in key and row["error"] <= 0.3)
-    verdict = f"MuJoCo's best at an error of at most 1 %: {max(good, default=0):.0f} times real time. " if good else "MuJoCo is never within 1 %. "
-    verdict += f"usarsim's analytic model at an error of at most 0.3 %: {analytic:.0f} times"
-    verdict += f", {analytic / max(good):.1f} times as fast." if good else "."
-    text = "\n".join(lines) + "\n\n" + verdict
-    print("\r" + text)
-    if arguments.out:
-        head = f"# usarsim beside MuJoCo\n\nOne youBot at 1 rad/s on one core, each row the fastest of {arguments.repeat} turns of 3 x {seconds:g} simulated seconds. Made by `bench/compare.py`; see there what is compared.\n\n"
-        with open(arguments.out, "w") as file:
-            file.write(head + text + "\n")
+    return lines, best
+
+
+def verdict(best, their_error, our_error):
+    """How much faster usarsim's models are at an error of at most so many percent."""
+    good = [row["factor"] for key, row in best.items() if key.startswith("MuJoCo") and row["error"] <= their_error]
+    text = f"MuJoCo's best at an error of at most {their_error} %: {max(good):.0f} times real time." if good else f"MuJoCo is never within {their_error} %."
+    for model in ("articulated", "analytic"):
+        ours = [row["factor"] for key, row in best.items() if f"usarsim, {model}" in key and row["error"] <= our_error]
+        if ours:
+            text += f" `{model}` at an error of at most {our_error} %: {max(ours):.0f} times"
+            text += f", {max(ours) / max(good):.1f} times as fast." if good else "."
+    return text
 
 
 if __name__ == "__main__":
