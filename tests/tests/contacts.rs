@@ -118,7 +118,7 @@ fn wheels_pass_a_gap() {
             apply(
                 &mut world,
                 id,
-                "DRIVE {Left 3} {Right 3} {Front-Left 3} {Front-Right 3} {Rear-Left 3} {Rear-Right 3}",
+                "DRIVE {Left 3} {Right 3} {Front-Left 3} {Front-Right 3} {Back-Left 3} {Back-Right 3}",
             );
             for _ in 0..1250 {
                 world.step();
