@@ -1,5 +1,5 @@
-//! A robot in the engine: one multibody of the chassis, its wheels and their rollers, or one body with
-//! [`super::rigid_base`].
+//! A robot of a world: a tree in reduced coordinates ([`super::articulated`]), or one multibody of the engine for its chassis, its wheels
+//! and their rollers.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -104,7 +104,7 @@ impl RobotBodies {
     }
 
     /// Sets the target of the servo of a joint by its number among those that have a value: rad or m within its limits, or
-    /// rad/s or m/s, as its motor is a servo of. A base of one body has no joints but wheels, and takes none.
+    /// rad/s or m/s, as its motor is a servo of.
     pub(crate) fn set_joint_target(&mut self, joint: usize, target: f64) {
         match &mut self.drivetrain {
             Drivetrain::Multibody { joints, .. } => {
@@ -204,8 +204,7 @@ impl Physics {
         }
     }
 
-    /// Gives a robot's motors and wheels their part in the coming step. A base of one body is only solved for, so that
-    /// every robot sees the others as the last step left them.
+    /// Gives a robot's motors and wheels their part in the coming step.
     pub(crate) fn before_step(&mut self, bodies: &mut RobotBodies) {
         let RobotBodies { robot, all, drivetrain, flight } = bodies;
         match drivetrain {
