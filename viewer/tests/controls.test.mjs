@@ -1,6 +1,7 @@
 // Keys, focus, and what the form to spawn a robot offers.
 
 import assert from 'node:assert/strict';
+import { setTimeout } from 'node:timers/promises';
 import { X, Y, pageTest, spawnRobot } from './pagetest.mjs';
 import { connectClient, number, waitForNumber } from './server.mjs';
 
@@ -23,6 +24,11 @@ function drives(page) {
     }),
   );
   return lines;
+}
+
+/** Waits for so many lines: the browser reports what it sent later than the page shows what came of it. */
+async function reported(lines, count) {
+  for (const end = Date.now() + 5000; lines.length < count && Date.now() < end;) await setTimeout(20);
 }
 
 /** Presses a key until the chosen robot's first wheel is to turn. */
@@ -120,6 +126,7 @@ pageTest('arrows move the speed slider while it has the focus, and not the robot
   await drive(page, 'w');
   const move = (percent) =>
     `DRIVE {Normalized true} {LinearVelocity ${percent}} {LateralVelocity 0.0} {RotationalVelocity 0.0}`;
+  await reported(sent, 3);
   assert.deepEqual(sent, [move('0.0'), move('42.0'), move('0.0')]);
 });
 

@@ -356,7 +356,7 @@ impl Physics {
     }
 
     /// The robot frame as it moves with a link by its number in the definition, when every joint was at 0. `None` of the body,
-    /// whose own it is, and of a base of one body, which has nothing that moves but wheels.
+    /// whose own it is.
     pub(crate) fn carrier(&self, bodies: &RobotBodies, link: usize) -> Option<BodyState> {
         let origin = bodies.robot.def.links.get(link).filter(|_| link > 0)?.origin();
         if let Some(robot) = bodies.articulated() {
