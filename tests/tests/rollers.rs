@@ -2,7 +2,7 @@
 
 use experiments::{Course, Motion, Travel};
 use scene::DriveModel;
-use sim_core::Options;
+use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
 /// A floor of one solid; its table of the map file.
@@ -63,7 +63,7 @@ fn drive_by(
         ring.count = rollers;
         ring.last_phase = overlap * std::f64::consts::PI / f64::from(rollers);
     }
-    let mut course = Course::start(def, options, class, 1, motion, 1.0).expect("a course");
+    let mut course = Course::start(World::new(def, options), class, 1, motion, 1.0).expect("a course");
     course.run(10.0);
     course.travel().expect("a robot")
 }
@@ -123,7 +123,7 @@ fn the_analytic_model_is_as_exact_at_full_speed() {
             let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
             def.robots.get_mut("KUKA_YouBot").expect("the youBot").drive_model = DriveModel::Analytic;
             let options = Options { time_step, ..Options::default() };
-            let mut course = Course::start(def, options, "KUKA_YouBot", 1, motion, 12.0).expect("a course");
+            let mut course = Course::start(World::new(def, options), "KUKA_YouBot", 1, motion, 12.0).expect("a course");
             course.run(4.0);
             let Travel { ratio, ripple, .. } = course.travel().expect("a robot");
             let what = format!("12 rad/s, {time_step} s, {}", motion.name());
@@ -144,7 +144,8 @@ fn wheels_out_of_phase_roll_as_exactly() {
             for (wheel, first) in robot.wheels_mut().zip([0.3, -0.4, 0.1, 0.0]) {
                 wheel.rollers.as_mut().expect("rollers").first_roller = first;
             }
-            let mut course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0).expect("a course");
+            let mut course =
+                Course::start(World::new(def, Options::default()), "KUKA_YouBot", 1, motion, 1.0).expect("a course");
             course.run(4.0);
             let Travel { ratio, ripple, .. } = course.travel().expect("a robot");
             let what = format!("{}, out of phase, {}", model.name(), motion.name());
@@ -162,7 +163,7 @@ fn far_from_the_origin_the_way_is_as_exact() {
                 let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
                 def.robots.get_mut("KUKA_YouBot").expect("the youBot").drive_model = model;
                 def.map.starts[0].position = [distance, -distance, 0.0];
-                let course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0);
+                let course = Course::start(World::new(def, Options::default()), "KUKA_YouBot", 1, motion, 1.0);
                 let mut course = course.expect("a course");
                 course.run(4.0);
                 course.travel().expect("a robot").ratio

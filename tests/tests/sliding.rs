@@ -1,7 +1,7 @@
 //! Robots on plain wheels beside the twist at which the friction of their wheels balances.
 
 use experiments::{Course, Motion};
-use sim_core::Options;
+use sim_core::{Options, World};
 
 /// The share of the exact motion that a robot makes in some seconds, in steps of 2 ms.
 fn ratio(class: &str, motion: Motion) -> f64 {
@@ -10,7 +10,7 @@ fn ratio(class: &str, motion: Motion) -> f64 {
 
 fn ratio_at(class: &str, motion: Motion, time_step: f64) -> f64 {
     let def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
-    let course = Course::start(def, Options { time_step, ..Options::default() }, class, 1, motion, 1.0);
+    let course = Course::start(World::new(def, Options { time_step, ..Options::default() }), class, 1, motion, 1.0);
     let mut course = course.unwrap_or_else(|error| panic!("{error}"));
     course.run(5.0);
     course.travel().expect("a robot").ratio

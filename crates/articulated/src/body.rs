@@ -301,41 +301,31 @@ impl Body {
 
     /// Moves on by a step with the velocity that it has, and works out where its links are then.
     pub fn advance(&mut self, time_step: f64) {
-        let tree = self.tree.clone();
+        let Self { tree, pose, centre, positions, turns, velocity, frames, force, .. } = self;
         let turned = |rotation: UnitQuaternion<f64>, angular: Vector3<f64>| {
-            UnitQuaternion::from_scaled_axis(angular * time_step) * rotation
+            let turned = UnitQuaternion::from_scaled_axis(angular * time_step) * rotation;
+            UnitQuaternion::new_normalize(turned.into_inner())
         };
-        // Balls turn with what carries them; their own frame is that in the world.
-        let is_ball = |link: usize| tree.links[link].joint == Joint::Ball && !tree.links[link].is_round;
-        let balls: Vec<(usize, UnitQuaternion<f64>)> = (0..tree.links.len())
-            .filter(|&link| is_ball(link))
-            .map(|link| {
-                let dof = tree.dof_of(link);
-                let parent = &self.frames[tree.links[link].parent];
-                let mut angular = Vector3::from_column_slice(&self.velocity[dof..dof + 3]);
-                angular = parent.rotation.transpose() * angular;
-                (link, turned(self.turns[link], angular))
-            })
-            .collect();
-        for (link, turn) in balls {
-            self.turns[link] = UnitQuaternion::new_normalize(turn.into_inner());
-        }
+        let three = |velocity: &[f64]| Vector3::from_column_slice(&velocity[..3]);
         for (number, link) in tree.links.iter().enumerate() {
             let dof = tree.dof_of(number);
             match link.joint {
                 Joint::Free => {
-                    let (angular, linear) = self.velocity[..6].split_at(3);
-                    let (angular, linear) = (Vector3::from_column_slice(angular), Vector3::from_column_slice(linear));
-                    let centre = self.centre() + linear * time_step;
-                    let rotation = UnitQuaternion::new_normalize(turned(self.pose.rotation, angular).into_inner());
+                    let centre = *centre + three(&velocity[3..]) * time_step;
+                    let rotation = turned(pose.rotation, three(velocity));
                     let origin = centre - rotation * link.mass.centre;
-                    self.pose = Pose::from_parts(Translation3::from(origin), rotation);
+                    *pose = Pose::from_parts(Translation3::from(origin), rotation);
                 }
-                Joint::Revolute(_) | Joint::Prismatic(_) => self.positions[number] += self.velocity[dof] * time_step,
+                Joint::Revolute(_) | Joint::Prismatic(_) => positions[number] += velocity[dof] * time_step,
+                // It turns with what carries it; its own frame is that in the world.
+                Joint::Ball if !link.is_round => {
+                    let angular = frames[link.parent].rotation.transpose() * three(&velocity[dof..]);
+                    turns[number] = turned(turns[number], angular);
+                }
                 Joint::Fixed | Joint::Ball => {}
             }
         }
-        self.force.fill(0.0);
+        force.fill(0.0);
         self.place();
     }
 

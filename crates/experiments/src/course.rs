@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Problem};
 use kinematics::{FiniteRollers, Twist};
-use nalgebra::UnitQuaternion;
-use scene::{RobotDef, Steering, WorldDef};
-use sim_core::{BodyState, Options, RobotId, WheelState, World};
+use nalgebra::{UnitQuaternion, Vector3};
+use scene::{RobotDef, Steering};
+use sim_core::{BodyState, RobotId, WheelState, World};
 
 use crate::reference::Reference;
 
@@ -108,6 +108,9 @@ pub(crate) fn in_words(problems: &[Problem]) -> String {
     problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
+/// How often all robots are looked at on their way, s: wheels turn by a twentieth of a roller's spacing meanwhile.
+const LOOKING_INTERVAL: f64 = 0.05;
+
 /// Robots that drive side by side, ready to be measured.
 pub struct Course {
     world: World,
@@ -115,13 +118,37 @@ pub struct Course {
     /// What each robot is compared with.
     references: Vec<Reference>,
     from: Vec<BodyState>,
-    /// Angles of the driven wheels of each robot, at the start and after every step.
-    wheels: Vec<Vec<Vec<f64>>>,
+    /// Angles of the driven wheels of each robot, at the start and whenever it was looked at.
+    wheels: Vec<Track>,
     /// Heading of each robot now, and how far it has turned since the start, rad.
     headings: Vec<[f64; 2]>,
     motion: Motion,
     /// Height of the first robot's body after every step, m.
     heights: Vec<f64>,
+}
+
+/// Angles of the wheels of one robot, moment after moment, rad.
+#[derive(Default)]
+struct Track {
+    wheels: usize,
+    angles: Vec<f64>,
+}
+
+impl Track {
+    fn push(&mut self, wheels: &[WheelState]) {
+        self.wheels = wheels.len();
+        self.angles.extend(wheels.iter().map(|wheel| wheel.angle));
+    }
+
+    fn moments(&self) -> std::slice::ChunksExact<'_, f64> {
+        self.angles.chunks_exact(self.wheels.max(1))
+    }
+
+    /// How far each wheel turned, rad.
+    fn turned(&self) -> Option<Vec<f64>> {
+        let (first, last) = (self.moments().next()?, self.moments().next_back()?);
+        Some(first.iter().zip(last).map(|(first, last)| last - first).collect())
+    }
 }
 
 /// A moment of a motion.
@@ -150,25 +177,17 @@ pub struct Travel {
 }
 
 impl Course {
-    /// Puts robots of a class on the map, side by side from its first start, lets them settle and brings their wheels to
+    /// Puts robots of a class into a new world, side by side from its first start, lets them settle and brings their wheels to
     /// `speed`, rad/s.
     ///
     /// # Errors
     /// When the class is unknown or has no driven wheels.
-    pub fn start(
-        def: WorldDef,
-        options: Options,
-        class: &str,
-        count: u32,
-        motion: Motion,
-        speed: f64,
-    ) -> Result<Self, MotionError> {
-        let robot = def.robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.to_owned()))?;
+    pub fn start(mut world: World, class: &str, count: u32, motion: Motion, speed: f64) -> Result<Self, MotionError> {
+        let robot = world.def().robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.to_owned()))?;
         let reference = || Reference::of(robot).ok_or_else(|| MotionError::NotWheeled(class.to_owned()));
         let references = (0..count).map(|_| reference()).collect::<Result<_, _>>()?;
         let drive = motion.command(robot, speed);
-        let [x, y, z] = def.map.starts.first().map_or([0.0; 3], |start| start.position);
-        let mut world = World::new(def, options);
+        let [x, y, z] = world.def().map.starts.first().map_or([0.0; 3], |start| start.position);
         let mut robots = Vec::new();
         for index in 0..count {
             let location = [x, y + f64::from(index) * SPACING, z];
@@ -194,7 +213,8 @@ impl Course {
         course.weigh(WEIGHING);
         let states: Vec<_> = course.robots.iter().filter_map(|&robot| course.world.state(robot)).collect();
         course.from = states.iter().map(|(body, _)| *body).collect();
-        course.wheels = states.iter().map(|(_, wheels)| vec![all_angles(wheels)]).collect();
+        course.wheels = states.iter().map(|_| Track::default()).collect();
+        course.wheels.iter_mut().zip(&states).for_each(|(track, (_, wheels))| track.push(wheels));
         course.headings = states.iter().map(|(body, _)| [heading(body), 0.0]).collect();
         course.heights.clear();
         Ok(course)
@@ -202,15 +222,19 @@ impl Course {
 
     /// Drives on for some simulated seconds.
     pub fn run(&mut self, seconds: f64) {
-        for _ in 0..(seconds / self.world.time_step()).round() as u64 {
+        let steps = (seconds / self.world.time_step()).round() as u64;
+        let every = (LOOKING_INTERVAL / self.world.time_step()).ceil() as u64;
+        for step in 1..=steps {
             self.world.step();
-            for (index, &robot) in self.robots.iter().enumerate() {
+            // The first is followed step by step.
+            let count = if step % every == 0 || step == steps { self.robots.len() } else { 1 };
+            for (index, &robot) in self.robots.iter().take(count).enumerate() {
                 let Some((body, wheels)) = self.world.state(robot) else { continue };
                 if index == 0 {
                     self.heights.push(-body.pose.translation.z);
                 }
                 if let Some(track) = self.wheels.get_mut(index) {
-                    track.push(all_angles(&wheels));
+                    track.push(&wheels);
                 }
                 if let Some([before, turned]) = self.headings.get_mut(index) {
                     let now = heading(&body);
@@ -239,12 +263,12 @@ impl Course {
     /// The first robot after every step since the start.
     pub fn moments(&self) -> Vec<Moment> {
         let lowest = self.lowest();
-        let wheels = self.wheels.first().into_iter().flatten().skip(1);
+        let wheels = self.wheels.first().into_iter().flat_map(Track::moments).skip(1);
         let phase = |angles: &[f64]| match self.references.first() {
             Some(Reference::Rollers(rollers)) => rollers.phase(0, angles[0]),
             _ => 0.0,
         };
-        let moment = |(step, (wheels, height)): (usize, (&Vec<f64>, &f64))| Moment {
+        let moment = |(step, (wheels, height)): (usize, (&[f64], &f64))| Moment {
             time: (step + 1) as f64 * self.world.time_step(),
             phase: phase(wheels),
             height: height - lowest,
@@ -274,9 +298,8 @@ impl Course {
             let start: UnitQuaternion<f64> = from.pose.rotation;
             let displacement = start.inverse() * (to.pose.translation.vector - from.pose.translation.vector);
             let [_, yaw] = *self.headings.get(index)?;
-            let (first, last) = (self.wheels[index].first()?, self.wheels[index].last()?);
-            let turned =
-                first.iter().zip(last).map(|(first, last)| (last - first).abs()).sum::<f64>() / first.len() as f64;
+            let turned = self.wheels[index].turned()?;
+            let turned = turned.iter().map(|angle| angle.abs()).sum::<f64>() / turned.len() as f64;
             let moved = Twist { forward: displacement.x, right: displacement.y, clockwise: yaw };
             let ratio = self.motion.of(moved) / self.exact(index);
             Some(Travel { moved: [displacement.x, displacement.y, yaw], turned, ratio, ripple })
@@ -284,21 +307,19 @@ impl Course {
         travels.max_by(|a, b| (a.ratio - 1.0).abs().total_cmp(&(b.ratio - 1.0).abs()))
     }
 
-    /// The travel that a robot's wheels should have given for the angles that they had after every step: the rollers that touch
+    /// The travel that a robot's wheels should have given for the angles that they had on the way: the rollers that touch
     /// change on the way; plain wheels turn steadily, at their mean speeds.
     fn exact(&self, robot: usize) -> f64 {
-        let (reference, angles) = (&self.references[robot], &self.wheels[robot]);
+        let (reference, track) = (&self.references[robot], &self.wheels[robot]);
         match reference {
             Reference::Rollers(rollers) => {
                 let four = |angles: &[f64]| std::array::from_fn(|wheel| angles[wheel]);
-                let steps = angles.windows(2);
-                steps.map(|pair| self.motion.of(exact_step(rollers, four(&pair[0]), four(&pair[1])))).sum()
+                let steps = track.moments().zip(track.moments().skip(1));
+                steps.map(|(before, after)| self.motion.of(exact_step(rollers, four(before), four(after)))).sum()
             }
             Reference::Sliding(sliding) => {
-                let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return 0.0 };
-                let turned: Vec<f64> = first.iter().zip(last).map(|(first, last)| last - first).collect();
                 // Friction does not know speeds, so that in one unit of time the wheels turn as far as they did.
-                self.motion.of(sliding.twist(&turned))
+                track.turned().map_or(0.0, |turned| self.motion.of(sliding.twist(&turned)))
             }
         }
     }
@@ -313,17 +334,13 @@ pub(crate) fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f
 
 /// Clockwise from the world's x, rad.
 fn heading(body: &BodyState) -> f64 {
-    let (_, _, yaw) = body.pose.rotation.euler_angles();
-    yaw
+    let ahead = body.pose.rotation * Vector3::x();
+    ahead.y.atan2(ahead.x)
 }
 
 /// The same angle between -pi and pi.
 pub(crate) fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
-}
-
-fn all_angles(wheels: &[WheelState]) -> Vec<f64> {
-    wheels.iter().map(|wheel| wheel.angle).collect()
 }
 
 /// A command for the four wheels, rad/s.

@@ -39,6 +39,7 @@ use std::time::Duration;
 use gamebots_proto::Dialect;
 use scene::WorldDef;
 use sim_core::Options;
+use thread_pool::ThreadPool;
 
 /// What strangers' requests go through, for the fuzz targets.
 #[doc(hidden)]
@@ -92,6 +93,8 @@ pub struct Config {
     pub unnamed_log: PathBuf,
     /// A client that takes nothing for this long is disconnected.
     pub stall_timeout: Duration,
+    /// Threads on which robots that do not touch are moved, and sensors measure.
+    pub threads: ThreadPool,
 }
 
 impl Config {
@@ -108,6 +111,7 @@ impl Config {
             ros2_log: false,
             unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
             stall_timeout: Duration::from_secs(30),
+            threads: ThreadPool::one(),
             world,
         }
     }

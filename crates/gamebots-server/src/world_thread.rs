@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -49,8 +50,8 @@ pub(crate) fn spawn(
     foxglove: Option<FoxgloveServer>,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<Result<(), ServeError>>, ServeError> {
-    let Config { world, options, real_time_factor, report_errors, log, ros2_log, unnamed_log, .. } = config;
-    let world = World::new(world, options);
+    let Config { world, options, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } = config;
+    let world = World::new(world, options).on_threads(Arc::new(threads.clone()));
     let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
     if let Some(path) = log {
         recording.start(&path, &world)?;
@@ -76,7 +77,7 @@ pub(crate) fn spawn(
         let result = std::panic::catch_unwind(AssertUnwindSafe(|| server.run(&events)));
         server.end(result.err())
     };
-    thread.spawn(run).map_err(ServeError::Start)
+    thread.spawn(move || threads.run(run)).map_err(ServeError::Start)
 }
 
 struct Server {
@@ -325,7 +326,7 @@ impl Server {
         if let Err(error) = self.publisher.may_start_over(now) {
             return self.publisher.warn(&self.world, &format!("not begun anew: {error}"));
         }
-        let fresh = World::new(self.world.scene().clone(), self.world.options());
+        let fresh = self.world.anew();
         let old = std::mem::replace(&mut self.world, fresh);
         self.publisher.start_over(now, &old, &self.world);
         self.resets += 1;

@@ -2,7 +2,7 @@
 //!
 //! A [`World`] is made of plain definitions ([`scene`]) and a seed, takes commands and gives messages. It knows
 //! no socket, clock, file, environment or thread: time is the number of steps taken, and the same scene, seed
-//! and commands by step give the same bits.
+//! and commands by step give the same bits, on however many [`Threads`] it is given.
 //!
 //! World frame = the wire's: x forward, y right, z down, right-handed; metres, kilograms, seconds, radians.
 
@@ -12,8 +12,10 @@ mod flight;
 pub mod mecanum;
 mod physics;
 mod sensor;
+mod threads;
 mod world;
 
 pub use compiled::CompiledScene;
 pub use scene::{BodyState, Options, RobotId, TIME_STEP, WheelState};
+pub use threads::{OneThread, Threads};
 pub use world::{Executed, LostRobot, World};

@@ -46,8 +46,10 @@ pub(crate) struct Physics {
     is_changed: bool,
     /// Time left of the landing of a robot, s; `LANDING_TIME` while one falls.
     landing: f64,
-    /// What is kept of the contacts of robots in reduced coordinates.
-    contacts: articulated::Contacts,
+    /// Where systems of robots in reduced coordinates are solved.
+    rooms: Vec<articulated::Room>,
+    /// How many of them did not settle.
+    unsettled: u64,
     /// What stands until the next step in the places of colliders that were removed.
     placeholders: Vec<ColliderHandle>,
 }
@@ -86,7 +88,8 @@ impl Physics {
             robots_of_engine: 0,
             is_changed: false,
             landing: 0.0,
-            contacts: articulated::Contacts::default(),
+            rooms: Vec::new(),
+            unsettled: 0,
             placeholders: Vec::new(),
         }
     }
@@ -115,7 +118,7 @@ impl Physics {
 
     /// How many systems of robots were solved in which not every contact came to do what it should.
     pub(crate) fn unsettled_steps(&self) -> u64 {
-        self.contacts.unsettled
+        self.unsettled
     }
 
     /// Where the map's objects are, in its order.

@@ -15,6 +15,7 @@ use gamebots_proto::message::{Greeting, Message, NamedPose as WirePose, Nfo, Pat
 use crate::CompiledScene;
 use crate::physics::{CompiledRobot, Physics};
 use crate::sensor::floats;
+use crate::threads::{OneThread, Threads, in_parts};
 use robot::Robot;
 use scene::{BodyState, NamedPose, Options, Pose, RobotDef, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef};
 
@@ -35,6 +36,7 @@ pub struct World {
     robots: BTreeMap<RobotId, Robot>,
     next_id: u64,
     lost: Vec<LostRobot>,
+    threads: Arc<dyn Threads>,
 }
 
 /// What came of a command.
@@ -73,7 +75,20 @@ impl World {
             robots: BTreeMap::new(),
             next_id: 0,
             lost: Vec::new(),
+            threads: Arc::new(OneThread),
         }
+    }
+
+    /// The same on so many threads as these are.
+    #[must_use]
+    pub fn on_threads(self, threads: Arc<dyn Threads>) -> Self {
+        Self { threads, ..self }
+    }
+
+    /// A world without robots at time zero that runs as this one does.
+    #[must_use]
+    pub fn anew(&self) -> Self {
+        Self::new(self.scene.clone(), self.options).on_threads(self.threads.clone())
     }
 
     /// Simulated time, s.
@@ -225,7 +240,7 @@ impl World {
             // The engine has them where they were when it was needed last.
             self.enter_shapes();
         }
-        self.physics.solve_articulated(self.robots.values_mut().map(Robot::bodies_mut));
+        self.physics.solve_articulated(self.robots.values_mut().map(Robot::bodies_mut), &*self.threads);
         if is_engine_needed {
             self.physics.lead_engine(self.robots.values().map(Robot::bodies));
             self.physics.step();
@@ -233,16 +248,26 @@ impl World {
         self.is_engine_running = is_engine_needed;
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
-        let mut messages = Vec::new();
         self.remove_unsound();
+        if !self.robots.values().any(|robot| robot.is_about_to_report(steps)) {
+            return Vec::new();
+        }
         // Rays are the only ones that ask the engine where such robots are.
         if !is_engine_needed && self.robots.values().any(|robot| robot.is_about_to_look(steps)) {
             self.enter_shapes();
         }
-        for (&id, robot) in &mut self.robots {
-            robot.report(&self.physics, time, steps, |message| messages.push((id, message)));
-        }
-        messages
+        let (physics, threads) = (&self.physics, &*self.threads);
+        let due = self.robots.iter_mut().filter(|(_, robot)| robot.is_about_to_report(steps));
+        let mut reports: Vec<_> = due.map(|(&id, robot)| (id, robot, Vec::new())).collect();
+        in_parts(threads, 1, &mut reports, &|reports| {
+            for (_, robot, messages) in reports {
+                robot.report(physics, time, steps, |message| messages.push(message));
+            }
+        });
+        let of_robot = |(id, _, messages): (RobotId, &mut Robot, Vec<Message>)| {
+            messages.into_iter().map(move |message| (id, message))
+        };
+        reports.into_iter().flat_map(of_robot).collect()
     }
 
     fn enter_shapes(&mut self) {

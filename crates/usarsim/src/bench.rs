@@ -1,21 +1,23 @@
-//! `usarsim bench`: how fast the world is on one core, and how exact in the same run.
+//! `usarsim bench`: how fast the world is, and how exact in the same run.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use experiments::{Course, Moment, Motion};
 use scene::{DriveModel, WorldDef};
 use scene_loader::Override;
 use serde_json::json;
-use sim_core::Options;
+use sim_core::{Options, World};
+use thread_pool::ThreadPool;
 
 use crate::{Failure, exit, print, within};
 
 /// Options of `bench`.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim bench\n  usarsim bench --drive-model analytic --json\n  \
-    usarsim bench --robots 10 --seconds 5\n  usarsim bench --robot P3AT\n\nA Mecanum robot drives forward, to the right and on the spot at 1 rad/s, and is \
+    usarsim bench --robots 50 --drive-model analytic --threads 2\n  usarsim bench --robot P3AT\n\nA Mecanum robot drives forward, to the right and on the spot at 1 rad/s, and is \
     compared with the exact kinematics of wheels with finite rollers for the angle that the wheels turned; any other forward, on the \
     spot and on a curve, and is compared with the twist at which the friction of its wheels balances.")]
 pub(crate) struct Arguments {
@@ -34,6 +36,9 @@ pub(crate) struct Arguments {
     /// Length of a time step, s; by default 0.004 with `bodies`, 0.016 with the other models. `serve` takes 0.002.
     #[arg(long, value_parser = time_step)]
     dt: Option<f64>,
+    /// Threads on which robots that do not touch are moved.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
+    threads: u32,
     /// A map by name or file, as for `serve`.
     #[arg(long, default_value = "rough", value_name = "NAME|FILE")]
     map: String,
@@ -68,14 +73,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let map_name = map.name.clone();
     let motions_of_robot = Motion::of_robot(&robot);
     let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
+    let threads = ThreadPool::new(arguments.threads as usize).map_err(|error| Failure::new(exit::FAILURE, error))?;
     let options = Options { time_step: dt, ..Options::default() };
     let (mut simulated, mut wall, mut worst, mut digest, mut unsettled) = (0.0, 0.0, 0.0f64, 0u64, 0);
     let (mut motions, mut trace) = (serde_json::Map::new(), "motion,time,phase,height\n".to_owned());
     for &motion in motions_of_robot {
-        let course = Course::start(def.clone(), options, &class, *robots, motion, 1.0);
+        let world = World::new(def.clone(), options).on_threads(Arc::new(threads.clone()));
+        let course = threads.run(|| Course::start(world, &class, *robots, motion, 1.0));
         let mut course = course.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
         let start = Instant::now();
-        course.run(*seconds);
+        threads.run_in_a_hurry(|| course.run(*seconds));
         wall += start.elapsed().as_secs_f64();
         simulated += seconds;
         digest = digest.rotate_left(1) ^ course.digest();
@@ -105,6 +112,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "microseconds_per_step": step,
             "dt": dt,
             "robots": robots,
+            "threads": threads.threads(),
             "unsettled_steps": unsettled,
             "digest": format!("{digest:016x}"),
             "map": map_name,
@@ -113,8 +121,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             "motions": motions,
         }));
     } else {
+        let cores =
+            if threads.threads() == 1 { "one core".to_owned() } else { format!("{} threads", threads.threads()) };
         print(format_args!(
-            "{robots} {class}, {}, steps of {} ms: {factor:.1} times real time on one core, {step:.1} us a step, worst error {:.2} %",
+            "{robots} {class}, {}, steps of {} ms: {factor:.1} times real time on {cores}, {step:.1} us a step, worst error {:.2} %",
             model.name(),
             1e3 * dt,
             100.0 * worst

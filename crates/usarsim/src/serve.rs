@@ -8,6 +8,7 @@ use gamebots_server::{Config, Listener, Ready, ServeError, Service};
 use scene::DriveModel;
 use scene_loader::Override;
 use sim_core::Options;
+use thread_pool::ThreadPool;
 
 use crate::{Failure, exit, print};
 
@@ -83,6 +84,10 @@ pub(crate) struct Arguments {
     /// Unit of wheel speeds on the wire: radians or revolutions a second.
     #[arg(long, env = "USARSIM_WHEEL_SPEEDS", default_value = "rad")]
     wheel_speeds: WheelSpeeds,
+    /// Threads on which robots that do not touch are moved, and sensors measure; by default as many as this machine runs at a time.
+    /// The bits are the same for any number.
+    #[arg(long, env = "USARSIM_THREADS", value_parser = clap::value_parser!(u32).range(1..=256))]
+    threads: Option<u32>,
     /// Print the line that says the server is ready as JSON.
     #[arg(long)]
     json: bool,
@@ -136,6 +141,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let mut listeners = vec![Listener::new(Service::Controllers { dialect }, arguments.port)];
     listeners.extend(Some(page).filter(|_| !arguments.no_http));
     listeners.extend(arguments.foxglove.map(|port| Listener::new(Service::Foxglove, port)));
+    let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {
         options: Options {
             seed: arguments.seed,
@@ -151,6 +157,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         report_errors: arguments.report_errors,
         log: arguments.log,
         ros2_log: arguments.log_format == LogFormat::Ros2,
+        threads: threads.map_err(|error| Failure::new(exit::FAILURE, error))?,
         ..Config::new(world)
     };
     let map = config.world.map.name.clone();

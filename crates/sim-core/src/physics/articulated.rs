@@ -3,6 +3,7 @@
 //! The engine has their shapes, on bodies that it does not move, so that rays and its own bodies meet them.
 
 mod compile;
+mod contact;
 mod finding;
 mod following;
 mod object;
@@ -16,6 +17,7 @@ use std::sync::Arc;
 use articulated::{Body, Drive, JointRow};
 use friction::Constraint;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
 use scene::{BodyState, Contact, Coupling, JointState, Pose};
 
@@ -28,9 +30,9 @@ use crate::flight::Flight;
 
 pub(super) use compile::Articulated;
 use compile::{JointValue, Ring};
-use finding::Placed;
+use finding::{Found, Key, Placed};
 pub(super) use object::MapObject;
-pub(super) use together::{Contacts, solve};
+pub(super) use together::{Room, Surroundings, solve};
 
 /// The end of a joint gives way over this time, s: what is beyond it comes back in it.
 const END_TIME: f64 = 0.02;
@@ -60,10 +62,27 @@ pub(crate) struct ArticulatedRobot {
     /// Where its links and surfaces are, in the step that is made.
     poses: Vec<Pose>,
     placed: Vec<Placed>,
+    standing: Standing,
+    /// Whether it flies.
+    flies: bool,
+    /// What they touch in the step that is made, but for what notes it itself, and the impulses of the last.
+    found: Vec<Found>,
+    known: Vec<(Key, Vector3<f64>)>,
     /// The engine's bodies of its links, and their colliders.
     in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
     /// Fixed colliders that it may touch until it leaves a box.
-    near: Option<(rapier3d::parry::bounding_volume::Aabb, Vec<ColliderHandle>)>,
+    near: Option<(Aabb, Vec<ColliderHandle>)>,
+}
+
+/// What whoever has others to look at needs to know of a robot after a step: one line of a cache, as another core made it.
+#[repr(align(64))]
+struct Standing {
+    /// A box around all of its surfaces.
+    around: Option<Aabb>,
+    /// Whether that is where they are now, and what they touch that does not move is known.
+    is_known: bool,
+    /// Whether every number of the robot is one.
+    is_sound: bool,
 }
 
 impl ArticulatedRobot {
@@ -110,6 +129,10 @@ impl ArticulatedRobot {
             contacts: Vec::new(),
             poses: Vec::new(),
             placed: Vec::new(),
+            standing: Standing { around: None, is_known: false, is_sound: true },
+            flies: false,
+            found: Vec::new(),
+            known: Vec::new(),
             in_engine,
             near: None,
             made_of,
@@ -123,11 +146,8 @@ impl ArticulatedRobot {
 
     /// Sets the targets of the wheels' servos, rad/s.
     pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
-        let made_of = self.made_of.clone();
-        let wheels = made_of.joints.iter().enumerate().filter(|(_, joint)| joint.value.is_wheel);
-        for ((number, _), &speed) in wheels.zip(speeds) {
-            self.servos[number].set_target(speed);
-        }
+        let wheels = self.made_of.joints.iter().zip(&mut self.servos).filter(|(joint, _)| joint.value.is_wheel);
+        wheels.zip(speeds).for_each(|((_, servo), &speed)| servo.set_target(speed));
     }
 
     /// Sets the target of a joint by its number among those with a value.
@@ -138,50 +158,56 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Gives servos, rolling resistance and flight their part in the coming step.
-    pub(super) fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64, flight: Option<&Flight>) {
-        let made_of = self.made_of.clone();
-        if let Some(flight) = flight {
-            let (linear, angular) =
-                flight.velocity(self.body.pose(), self.body.tree().links()[0].mass.centre, time_step);
-            let velocity = self.body.velocity_mut();
-            velocity[..3].copy_from_slice(angular.as_slice());
-            velocity[3..6].copy_from_slice(linear.as_slice());
-            // What stands in its way stops it, and does not turn it.
-            for axis in 0..3 {
-                self.body.set_drive(axis, Drive { at_rest: STIFF * angular[axis], gain: STIFF, most: f64::INFINITY });
-            }
-            self.body.place();
+    /// Gives it the velocities of a flight for the coming step.
+    fn fly(&mut self, flight: &Flight, time_step: f64) {
+        let (linear, angular) = flight.velocity(self.body.pose(), self.body.tree().links()[0].mass.centre, time_step);
+        let velocity = self.body.velocity_mut();
+        velocity[..3].copy_from_slice(angular.as_slice());
+        velocity[3..6].copy_from_slice(linear.as_slice());
+        // What stands in its way stops it, and does not turn it.
+        for axis in 0..3 {
+            self.body.set_drive(axis, Drive { at_rest: STIFF * angular[axis], gain: STIFF, most: f64::INFINITY });
         }
-        self.body.set_gravity(if flight.is_some() { Vector3::zeros() } else { gravity });
+        self.body.place();
+        self.flies = true;
+        self.standing.is_known = false;
+    }
+
+    /// Gives servos and rolling resistance their part in the coming step.
+    fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64) {
+        let Self { made_of, body, servos, targets, loads, resistances, .. } = self;
+        body.set_gravity(if self.flies { Vector3::zeros() } else { gravity });
         for (number, joint) in made_of.joints.iter().enumerate() {
             if let Some(Coupling { leader, multiplier, offset, .. }) = joint.value.follows {
-                let leading = self.servos.get(leader).map_or(0.0, Servo::target);
-                let target = joint.value.within_limits(self.targets[number] + multiplier * leading + offset);
-                self.servos[number].set_target(target);
+                let leading = servos.get(leader).map_or(0.0, Servo::target);
+                let target = joint.value.within_limits(targets[number] + multiplier * leading + offset);
+                servos[number].set_target(target);
             }
             let Some(motor) = &joint.value.motor else { continue };
-            let JointState { position, speed } = self.joint(joint);
             if made_of.following.is_some() && joint.value.is_wheel {
-                let target = self.servos[number].target();
-                self.body.set_drive(joint.dof, Drive { at_rest: STIFF * target, gain: STIFF, most: f64::INFINITY });
+                let target = servos[number].target();
+                body.set_drive(joint.dof, Drive { at_rest: STIFF * target, gain: STIFF, most: f64::INFINITY });
                 continue;
             }
-            let Torque { at_rest, gain } = self.servos[number].torque(motor, position, speed, time_step);
-            self.body.set_drive(joint.dof, Drive { at_rest, gain, most: motor.max_torque });
+            let JointState { position, speed } = joint.state(body);
+            let Torque { at_rest, gain } = servos[number].torque(motor, position, speed, time_step);
+            body.set_drive(joint.dof, Drive { at_rest, gain, most: motor.max_torque });
         }
         let share = made_of.mass / made_of.wheels.len().max(1) as f64;
-        for (number, wheel) in made_of.wheels.iter().enumerate() {
-            let frame = &self.body.frames()[wheel.parent];
-            let hub = self.body.centre() + frame.origin + frame.rotation * wheel.hub;
-            let mut velocity = self.body.velocity_at(wheel.parent, hub) + gravity * time_step;
+        for ((wheel, load), resistance) in made_of.wheels.iter().zip(loads).zip(resistances) {
+            *resistance = Vector3::zeros();
+            if load.resistance == 0.0 {
+                continue;
+            }
+            let frame = &body.frames()[wheel.parent];
+            let hub = body.centre() + frame.origin + frame.rotation * wheel.hub;
+            let mut velocity = body.velocity_at(wheel.parent, hub) + gravity * time_step;
             if wheel.rolls_ahead_only {
                 let ahead = frame.rotation * Vector3::x();
                 velocity = ahead * ahead.dot(&velocity);
             }
-            let force = rolling::impulse(&self.loads[number], velocity, share) / time_step;
-            self.resistances[number] = force;
-            self.body.push(wheel.parent, hub, force);
+            *resistance = rolling::impulse(load, velocity, share) / time_step;
+            body.push(wheel.parent, hub, *resistance);
         }
     }
 
@@ -199,7 +225,7 @@ impl ArticulatedRobot {
         let back = move |beyond: f64| if beyond > 0.0 { beyond / (time_step + END_TIME) } else { beyond / time_step };
         let end = Constraint::Contact { friction: 0.0, tangents: 0 };
         let of_joints = self.made_of.joints.iter().flat_map(move |joint| {
-            let JointState { position, speed } = self.joint(joint);
+            let JointState { position, speed } = joint.state(&self.body);
             let [low, high] = joint.value.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
             // Ends that are far away are left out: of what a joint does in a few steps.
             let reach = 0.01 + 4.0 * speed.abs() * time_step;
@@ -219,6 +245,20 @@ impl ArticulatedRobot {
         of_joints.chain(of_gears)
     }
 
+    /// Adds the rows of its joints, with the impulses of the last step, and of what makes it follow its commands while it touches
+    /// something. `gravity` is what a kilogram weighs.
+    fn add_joint_rows(&self, number: usize, gravity: f64, time_step: f64, rows: &mut Vec<JointRow>) {
+        let before = rows.len();
+        rows.extend(self.joint_rows(number, time_step));
+        if !self.found.is_empty() {
+            rows.extend(self.following_rows(number, gravity, time_step).into_iter().flatten());
+        }
+        let rows = &mut rows[before..];
+        if rows.len() == self.joint_impulses.len() {
+            rows.iter_mut().zip(&self.joint_impulses).for_each(|(row, &impulse)| row.impulse = impulse);
+        }
+    }
+
     /// What makes it follow its commands in the coming step, if it does; it is the body of a number. `gravity` is what a kilogram weighs.
     fn following_rows(&self, number: usize, gravity: f64, time_step: f64) -> Option<[JointRow; 3]> {
         let following = self.made_of.following.as_ref()?;
@@ -229,13 +269,6 @@ impl ArticulatedRobot {
         });
         let weight = gravity * self.made_of.mass;
         Some(following.rows(number, &self.body, [wheels.map(|it| it.0), wheels.map(|it| it.1)], weight, time_step))
-    }
-
-    /// Notes what made it follow its commands as a force of the ground on its wheels, which it stands for.
-    fn note_following<'a>(&mut self, rows: impl Iterator<Item = &'a JointRow>, time_step: f64) {
-        let linear = |row: &JointRow| Vector3::from_column_slice(&row.root[3..]) * row.impulse;
-        let force = rows.map(linear).sum::<Vector3<f64>>() / (time_step * self.resistances.len().max(1) as f64);
-        self.resistances.iter_mut().for_each(|resistance| *resistance += force);
     }
 
     /// How far a wheel has turned beyond its frame, rad.
@@ -298,11 +331,7 @@ impl ArticulatedRobot {
 
     /// Every joint with a value, in the order of the links.
     pub(super) fn joints(&self) -> impl Iterator<Item = (bool, JointState)> {
-        self.made_of.joints.iter().map(|joint| (joint.value.is_wheel, self.joint(joint)))
-    }
-
-    fn joint(&self, joint: &JointValue) -> JointState {
-        JointState { position: self.body.position(joint.link), speed: self.body.velocity()[joint.dof] }
+        self.made_of.joints.iter().map(|joint| (joint.value.is_wheel, joint.state(&self.body)))
     }
 
     /// What pushed it in the last step, with the wheel that it pushed.
@@ -317,7 +346,7 @@ impl ArticulatedRobot {
 
     /// Whether every number of it is one.
     pub(super) fn is_sound(&self) -> bool {
-        self.body.is_finite()
+        self.standing.is_sound
     }
 
     /// Pose and generalised velocity.
@@ -325,6 +354,12 @@ impl ArticulatedRobot {
         let pose = self.body.pose();
         let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(self.body.velocity());
         numbers.copied().collect()
+    }
+}
+
+impl JointValue {
+    fn state(&self, body: &Body) -> JointState {
+        JointState { position: body.position(self.link), speed: body.velocity()[self.dof] }
     }
 }
 

@@ -8,7 +8,7 @@ use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
 use scene::{Coupling, JointState, Pose, Steering};
 
-use super::articulated::{self, ArticulatedRobot, MapObject};
+use super::articulated::{self, ArticulatedRobot, MapObject, Surroundings};
 use super::compile::{CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree, Value};
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
@@ -16,6 +16,7 @@ use super::rolling::{self, Load};
 use super::{BodyState, LANDING_TIME, Physics, WheelState, convert};
 use crate::RobotId;
 use crate::flight::Flight;
+use crate::threads::Threads;
 
 /// A robot of which no wheel carries anything falls when it goes down so fast, m/s. Put onto a surface it comes down with
 /// 0.14 m/s; what is faster has fallen off the map and lands nowhere.
@@ -81,10 +82,6 @@ impl RobotBodies {
 
     fn articulated(&self) -> Option<&ArticulatedRobot> {
         if let Drivetrain::Articulated(robot) = &self.drivetrain { Some(robot) } else { None }
-    }
-
-    fn articulated_mut(&mut self) -> Option<&mut ArticulatedRobot> {
-        if let Drivetrain::Articulated(robot) = &mut self.drivetrain { Some(robot) } else { None }
     }
 
     /// Whether a body is one of the robot's.
@@ -204,7 +201,7 @@ impl Physics {
         }
     }
 
-    /// Gives a robot's motors and wheels their part in the coming step.
+    /// Gives the motors and wheels of a robot that the engine moves their part in the coming step.
     pub(crate) fn before_step(&mut self, bodies: &mut RobotBodies) {
         let RobotBodies { robot, all, drivetrain, flight } = bodies;
         match drivetrain {
@@ -219,18 +216,31 @@ impl Physics {
                     self.set_rolling_resistance(tree, robot.mass, all, treads);
                 }
             }
-            Drivetrain::Articulated(robot) => {
-                let time_step = self.world.integration_parameters.dt;
-                robot.before_step(convert::from_vector(self.world.gravity), time_step, flight.as_ref());
-            }
+            Drivetrain::Articulated(_) => {}
         }
     }
 
     /// Moves the robots in reduced coordinates on by a step, all that touch each other together.
-    pub(crate) fn solve_articulated<'a>(&mut self, robots: impl Iterator<Item = &'a mut RobotBodies>) {
-        let robots: Vec<&mut ArticulatedRobot> = robots.filter_map(RobotBodies::articulated_mut).collect();
-        let Self { world, materials, objects, robots_of_engine, contacts, .. } = self;
-        articulated::solve(world, materials, robots, objects, *robots_of_engine, contacts);
+    pub(crate) fn solve_articulated<'a>(
+        &mut self,
+        robots: impl Iterator<Item = &'a mut RobotBodies>,
+        threads: &dyn Threads,
+    ) {
+        let robots = robots.filter_map(|bodies| match &mut bodies.drivetrain {
+            Drivetrain::Articulated(robot) => Some((&mut **robot, bodies.flight.as_ref())),
+            Drivetrain::Multibody { .. } => None,
+        });
+        let &mut Self {
+            ref mut world,
+            ref materials,
+            ref mut objects,
+            robots_of_engine,
+            is_changed,
+            ref mut rooms,
+            ..
+        } = self;
+        let surroundings = Surroundings { materials, robots_of_engine, is_changed, threads };
+        self.unsettled += articulated::solve(world, surroundings, robots.collect(), objects, rooms);
     }
 
     /// Says to the engine where the robots in reduced coordinates come to be in its coming step.

@@ -28,6 +28,8 @@ pub(super) struct Robot {
     /// Which of its grippers are closed.
     closed: Vec<bool>,
     spawned: u64,
+    /// The step in which it reports next.
+    next_report: u64,
     options: Options,
 }
 
@@ -50,7 +52,7 @@ impl Robot {
         let drive = DriveState::new(&class.def);
         let bodies = physics.spawn(class.clone(), id, pose);
         let closed = vec![false; class.def.grippers.len()];
-        let mut robot = Self { id, name, bodies, drive, items: Vec::new(), closed, spawned, options };
+        let mut robot = Self { id, name, bodies, drive, items: Vec::new(), closed, spawned, next_report: 0, options };
         let wheels = physics.wheels(&robot.bodies);
         let view = view(id, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
         let mount = |(index, def): (usize, &SensorDef)| {
@@ -58,6 +60,7 @@ impl Robot {
             Item { def: def.clone(), sensor: sensor::mount(def, rng, &view.on_link(&robot.bodies, def.link)) }
         };
         robot.items = class.def.sensors.iter().enumerate().map(mount).collect();
+        robot.next_report = robot.report_after(spawned);
         robot
     }
 
@@ -193,6 +196,18 @@ impl Robot {
         physics.before_step(&mut self.bodies);
     }
 
+    /// Whether it has anything to report at a step.
+    pub(super) fn is_about_to_report(&self, step: u64) -> bool {
+        step >= self.next_report
+    }
+
+    /// The first step after another in which it has something to report.
+    fn report_after(&self, step: u64) -> u64 {
+        let intervals = self.items.iter().map(|item| item.def.scan_interval).chain([STATUS_INTERVAL]);
+        let next = intervals.map(|interval| due_after(step - self.spawned, self.options.time_step, interval)).min();
+        next.map_or(u64::MAX, |age| age.saturating_add(self.spawned))
+    }
+
     /// Whether one of its sensors measures at a step.
     pub(super) fn is_about_to_look(&self, step: u64) -> bool {
         let age = step - self.spawned;
@@ -202,6 +217,7 @@ impl Robot {
     /// Sends what is due at a step: the status, then the sensors in mounting order unless the battery is flat.
     pub(super) fn report(&mut self, physics: &Physics, time: f64, step: u64, mut send: impl FnMut(Message)) {
         let age = step - self.spawned;
+        self.next_report = self.report_after(step);
         let battery = self.battery_left(time);
         if is_due(age, self.options.time_step, STATUS_INTERVAL) {
             let vehicle = self.drive.status(self.def(), || physics.joints(&self.bodies));
@@ -262,6 +278,21 @@ fn is_due(age: u64, time_step: f64, interval: f64) -> bool {
     interval > 0.0 && age > 0 && passed(age) > passed(age - 1)
 }
 
+/// The first age after another that is due.
+fn due_after(age: u64, time_step: f64, interval: f64) -> u64 {
+    if interval <= 0.0 {
+        return u64::MAX;
+    }
+    let passed = (age as f64 * time_step / interval + 1e-9).floor();
+    let guess = (passed + 1.0) * interval / time_step;
+    // No world gets as old as that.
+    if guess > 2f64.powi(52) {
+        return u64::MAX;
+    }
+    let first = (age + 1).max((guess as u64).saturating_sub(1));
+    (first..).find(|&age| is_due(age, time_step, interval)).unwrap_or(u64::MAX)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -273,5 +304,24 @@ mod tests {
             assert_eq!(count, expected, "{interval}");
         }
         assert!(is_due(50, 0.002, 0.1) && !is_due(49, 0.002, 0.1) && !is_due(51, 0.002, 0.1));
+    }
+
+    /// What is known of the next report leaves none out.
+    #[test]
+    fn the_next_report_is_the_next_step_that_is_due() {
+        for time_step in [0.001, 0.002, 0.016, 0.02, 0.1] {
+            for interval in [0.1, 0.2, 0.3, 0.05, 0.0333, 0.0015, 1e-9, 7.0, 1e300] {
+                let due: Vec<u64> = (1..3000).filter(|&age| is_due(age, time_step, interval)).collect();
+                for age in 0..2000 {
+                    let next = due_after(age, time_step, interval);
+                    let expected = due.iter().copied().find(|&due| due > age);
+                    assert!(
+                        expected.map_or(next >= 3000, |it| it == next),
+                        "{interval} at {age}: {next}, {expected:?}"
+                    );
+                }
+            }
+        }
+        assert_eq!(due_after(5, 0.002, 0.0), u64::MAX);
     }
 }

@@ -25,12 +25,13 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure; with `true` it takes times as well.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 13] = [
+const FIGURES: [(&str, Maker); 14] = [
     ("messages", |_| makers::messages()),
     ("session", |_| makers::session()),
     ("motion", |_| makers::motion()),
     ("drive-models", makers::drive_models),
     ("robots", makers::robots),
+    ("threads", makers::threads),
     ("far", |_| makers::far()),
     ("cost", |timed| makers::cost(timed, &["start", "drive", "listen"])),
     ("cost-of-logs", |timed| makers::cost(timed, &["log"])),

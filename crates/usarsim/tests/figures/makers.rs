@@ -94,6 +94,17 @@ pub(crate) fn robots(timed: bool) -> String {
     table("| M, model | N = 1 | 10 | 20 |", ["bodies", "articulated", "analytic", "kinematic"].map(row))
 }
 
+pub(crate) fn threads(timed: bool) -> String {
+    let row = |threads: &str| {
+        let robots = ["--drive-model", "analytic", "--dt", "0.008", "--robots", "50", "--seconds", "5"];
+        let report = bench(timed, &[&robots[..], &["--threads", threads]].concat());
+        let [factor, microseconds] = ["real_time_factor", "microseconds_per_step"].map(|key| time(timed, &report[key]));
+        let error = report["worst_error_percent"].as_f64().unwrap();
+        format!("| {threads} | {factor} | {microseconds} | {error:.2} % |")
+    };
+    table("| T, threads | times real time | us a step | worst error |", ["1", "2"].map(row))
+}
+
 pub(crate) fn cost(timed: bool, groups: &[&str]) -> String {
     let rows = budget::ROWS.iter().filter(|(group, ..)| groups.contains(group)).map(|(_, what, measure, bar)| {
         if timed {
@@ -123,7 +134,7 @@ fn youbot(map: &str, model: Option<DriveModel>, motion: Motion, away: f64) -> Tr
     let mut def = world(map);
     def.map.starts[0].position = [away, away, 0.0];
     def.robots.get_mut("KUKA_YouBot").unwrap().set_drive_model(model);
-    let mut course = Course::start(def, Options::default(), "KUKA_YouBot", 1, motion, 1.0).unwrap();
+    let mut course = Course::start(World::new(def, Options::default()), "KUKA_YouBot", 1, motion, 1.0).unwrap();
     course.run(10.0);
     course.travel().unwrap()
 }
@@ -159,7 +170,7 @@ pub(crate) fn sliding() -> String {
         let ratio = |model: DriveModel, motion| {
             let mut def = def.clone();
             def.robots.get_mut(&robot.class).unwrap().set_drive_model(Some(model));
-            let mut course = Course::start(def, Options::default(), &robot.class, 1, motion, 1.0).unwrap();
+            let mut course = Course::start(World::new(def, Options::default()), &robot.class, 1, motion, 1.0).unwrap();
             course.run(10.0);
             format!("{:.4}", course.travel().unwrap().ratio)
         };

@@ -26,19 +26,17 @@ pub(super) const MARGIN: f64 = 1e-6;
 /// Cosine above which two normals are of one surface.
 const SAME_SURFACE: f64 = 0.99;
 
-/// What touches what: a surface of a robot, a surface of another or a collider, and which of their touches.
+/// What a robot touches with what: a surface of its own, a surface of another or a collider, and which of their touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Key {
-    own: (u64, usize),
+    pub(super) surface: usize,
     other: (Option<u64>, usize),
     number: usize,
 }
 
-/// A touch of a surface.
+/// A touch of a surface of a robot.
 pub(super) struct Found {
     pub(super) key: Key,
-    /// A robot, by its number, and its surface.
-    pub(super) first: (usize, usize),
     pub(super) second: Second,
     pub(super) touch: Touch,
     /// Friction, restitution and rolling resistance of the pair.
@@ -62,6 +60,8 @@ pub(super) enum Second {
 pub(super) struct OfEngine {
     pub(super) links: Vec<RigidBodyHandle>,
     pub(super) body: Body,
+    /// What it gets of it: which link, where and how much.
+    pub(super) reactions: Vec<(usize, Vector3<f64>, Vector3<f64>)>,
 }
 
 /// A surface where it is.
@@ -73,8 +73,24 @@ pub(super) struct Placed {
 }
 
 impl ArticulatedRobot {
-    /// Works out where its surfaces are.
-    pub(super) fn place_surfaces(&mut self, time_step: f64) {
+    /// Works out where its surfaces are, and which of them touch what does not move.
+    pub(super) fn look_around(&mut self, world: &PhysicsWorld, materials: &Materials, time_step: f64) {
+        self.standing.is_known = true;
+        self.standing.is_sound = self.body.is_finite();
+        self.found.clear();
+        if self.standing.is_sound {
+            self.place_surfaces(time_step);
+            self.touch_fixed(world, materials);
+        }
+    }
+
+    /// Has it look anew for what is near: something came or left.
+    pub(super) fn forget_near(&mut self) {
+        self.near = None;
+        self.standing.is_known = false;
+    }
+
+    fn place_surfaces(&mut self, time_step: f64) {
         let Self { body, made_of, poses, placed, .. } = self;
         link_poses(body, poses);
         let (frames, centre) = (body.frames(), body.centre());
@@ -94,53 +110,113 @@ impl ArticulatedRobot {
             let around = Aabb::from_half_extents(convert::vector(centre + frame.origin + arm), convert::vector(reach));
             Placed { pose, around, prediction }
         }));
+        self.standing.around = placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other));
     }
 
     /// A box around all of them; `None` without any.
     pub(super) fn around(&self) -> Option<Aabb> {
-        self.placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other))
+        self.standing.around
+    }
+
+    fn touch_fixed(&mut self, world: &PhysicsWorld, materials: &Materials) {
+        let mut found = std::mem::take(&mut self.found);
+        if let Some(whole) = self.standing.around {
+            let near = match self.near.take() {
+                Some((around, near)) if around.contains(&whole) => (around, near),
+                _ => {
+                    let around = whole.loosened(NEAR);
+                    let query = world.query_pipeline_with_filter(QueryFilter::only_fixed());
+                    let mut near: Vec<ColliderHandle> =
+                        query.intersect_aabb_conservative(around).map(|(handle, _)| handle).collect();
+                    near.sort_by_key(|handle| handle.into_raw_parts());
+                    (around, near)
+                }
+            };
+            for &handle in &near.1 {
+                if let Some(collider) = world.colliders.get(handle) {
+                    let material = materials.of(collider);
+                    let other = Other { collider, material, id: None, handle, second: Second::Fixed };
+                    self.touch_collider(&other, &mut found);
+                }
+            }
+            self.near = Some(near);
+        }
+        self.found = found;
+    }
+
+    fn touch_collider(&self, other: &Other, found: &mut Vec<Found>) {
+        let shape = other.collider.shape();
+        let bounds = shape.as_halfspace().is_none().then(|| other.collider.compute_aabb());
+        let mut met = Vec::new();
+        for (index, (surface, at)) in self.made_of.surfaces.iter().zip(&self.placed).enumerate() {
+            if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
+                continue;
+            }
+            self.meet(surface, at, shape, other.collider.position(), at.prediction, &mut met);
+            let key = Key { surface: index, other: (other.id, other.handle.into_raw_parts().0 as usize), number: 0 };
+            add(&mut met, key, other.second, &Pair::of(&surface.material, other.material), found);
+        }
+    }
+
+    /// Adds the touches of one of its surfaces with a shape at a pose.
+    fn meet(
+        &self,
+        surface: &Surface,
+        at: &Placed,
+        shape: &dyn Shape,
+        pose: &EnginePose,
+        prediction: f64,
+        met: &mut Vec<Touch>,
+    ) {
+        let Form::Rollers(ring) = surface.form else {
+            return touches(surface, &at.pose, shape, pose, prediction, met);
+        };
+        let ring = &self.made_of.rings[ring];
+        let hub = convert::from_pose(&at.pose);
+        let mut contacts: Vec<WheelContact> = Vec::new();
+        ring.shape.touch(&hub, self.turned(ring), prediction, shape, pose, &mut contacts);
+        met.extend(contacts.into_iter().map(|WheelContact { point, normal, roller, axis, rolling_radius, gap }| {
+            Touch { normal, point, gap, roller: Some(RollerTouch { index: roller, axis, radius: rolling_radius }) }
+        }));
+    }
+
+    /// Takes out rollers that hand their load over. Where one follows the next, both share the load only while both press; that the
+    /// wheel turns does not bring the next one nearer: it comes down where the last leaves, on the same circle.
+    pub(super) fn hand_over(&mut self, time_step: f64) {
+        let Self { found, made_of, body, .. } = self;
+        if found.iter().all(|it| it.touch.roller.is_none()) {
+            return;
+        }
+        let stays = |it: &Found| {
+            if it.touch.roller.is_none() {
+                return true;
+            }
+            let nearer = |peer: &Found| {
+                peer.key.surface == it.key.surface
+                    && peer.touch.gap < it.touch.gap
+                    && peer.touch.normal.dot(&it.touch.normal) > SAME_SURFACE
+            };
+            let wheel = made_of.surfaces[it.key.surface].link;
+            let carrier = body.tree().links()[wheel].parent;
+            let approach = it.touch.normal.dot(&body.velocity_at(carrier, it.touch.point));
+            it.touch.gap + approach * time_step <= MARGIN || !found.iter().any(nearer)
+        };
+        let stays: Vec<bool> = found.iter().map(stays).collect();
+        let mut stays = stays.into_iter();
+        found.retain(|_| stays.next().unwrap_or(true));
     }
 }
 
-/// Adds what a robot with a number touches that does not move.
-pub(super) fn touch_fixed(
-    world: &PhysicsWorld,
-    materials: &Materials,
-    number: usize,
-    robot: &mut ArticulatedRobot,
-    found: &mut Vec<Found>,
-) {
-    let Some(whole) = robot.around() else { return };
-    let near = match robot.near.take() {
-        Some((around, near)) if around.contains(&whole) => (around, near),
-        _ => {
-            let around = whole.loosened(NEAR);
-            let query = world.query_pipeline_with_filter(QueryFilter::only_fixed());
-            let mut near: Vec<ColliderHandle> =
-                query.intersect_aabb_conservative(around).map(|(handle, _)| handle).collect();
-            near.sort_by_key(|handle| handle.into_raw_parts());
-            (around, near)
-        }
-    };
-    for &handle in &near.1 {
-        if let Some(collider) = world.colliders.get(handle) {
-            let other = Other { collider, material: materials.of(collider), id: None, handle, second: Second::Fixed };
-            touch_collider(&other, number, robot, found);
-        }
-    }
-    robot.near = Some(near);
-}
-
-/// Adds the robots of the engine that a robot with a number touches.
+/// Adds the robots of the engine that a robot touches; says which, by their numbers.
 pub(super) fn touch_engine(
     world: &PhysicsWorld,
     materials: &Materials,
-    number: usize,
-    robot: &ArticulatedRobot,
+    robot: &mut ArticulatedRobot,
     bodies: &mut Vec<OfEngine>,
-    found: &mut Vec<Found>,
-) {
-    let Some(whole) = robot.around() else { return };
+) -> Vec<usize> {
+    let mut touched = Vec::new();
+    let Some(whole) = robot.around() else { return touched };
+    let mut found = std::mem::take(&mut robot.found);
     let filter = QueryFilter::exclude_fixed().exclude_sensors();
     let query = world.query_pipeline_with_filter(filter);
     for (handle, collider) in query.intersect_aabb_conservative(whole) {
@@ -160,8 +236,14 @@ pub(super) fn touch_engine(
         let Some((index, link)) = known(bodies) else { continue };
         let second = Second::OfEngine(index, link);
         let other = Other { collider, material: materials.of(collider), id: Some(u64::MAX), handle, second };
-        touch_collider(&other, number, robot, found);
+        let before = found.len();
+        robot.touch_collider(&other, &mut found);
+        if found.len() > before && !touched.contains(&index) {
+            touched.push(index);
+        }
     }
+    robot.found = found;
+    touched
 }
 
 /// A collider of the engine.
@@ -173,33 +255,12 @@ struct Other<'a> {
     second: Second,
 }
 
-fn touch_collider(other: &Other, number: usize, robot: &ArticulatedRobot, found: &mut Vec<Found>) {
-    let shape = other.collider.shape();
-    let bounds = shape.as_halfspace().is_none().then(|| other.collider.compute_aabb());
-    let mut met = Vec::new();
-    for (index, (surface, at)) in robot.made_of.surfaces.iter().zip(&robot.placed).enumerate() {
-        if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
-            continue;
-        }
-        meet(robot, surface, at, shape, other.collider.position(), at.prediction, &mut met);
-        let key = |touch| Key {
-            own: (robot.id.0, index),
-            other: (other.id, other.handle.into_raw_parts().0 as usize),
-            number: touch,
-        };
-        let pair = Pair::of(&surface.material, other.material);
-        let touches = met.drain(..).enumerate();
-        found.extend(
-            touches.map(|(touch_number, touch)| pair.found(key(touch_number), (number, index), other.second, touch)),
-        );
-    }
-}
-
-/// Adds where two robots, by their numbers, touch each other.
-pub(super) fn touch_each_other(robots: &[&mut ArticulatedRobot], one: usize, other: usize, found: &mut Vec<Found>) {
-    let mut met = Vec::new();
-    for (own_index, own_at) in robots[one].placed.iter().enumerate() {
-        for (its_index, its_at) in robots[other].placed.iter().enumerate() {
+/// Adds where two robots, by their numbers, touch each other; says whether they do.
+pub(super) fn touch_each_other(robots: &mut [&mut ArticulatedRobot], one: usize, other: usize) -> bool {
+    let (mut met, mut touch) = (Vec::new(), false);
+    for own_index in 0..robots[one].placed.len() {
+        for its_index in 0..robots[other].placed.len() {
+            let (own_at, its_at) = (&robots[one].placed[own_index], &robots[other].placed[its_index]);
             if !own_at.around.intersects(&its_at.around) {
                 continue;
             }
@@ -214,17 +275,14 @@ pub(super) fn touch_each_other(robots: &[&mut ArticulatedRobot], one: usize, oth
             let (robot, surface) = (&*robots[first], &robots[first].made_of.surfaces[index]);
             let its = &robots[second].made_of.surfaces[its_index];
             let prediction = at.prediction + its_at.prediction;
-            meet(robot, surface, at, its.shape.as_ref(), &its_at.pose, prediction, &mut met);
-            let own = (robot.id.0, index);
-            let its_key = (Some(robots[second].id.0), its_index);
+            robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, &mut met);
+            touch |= !met.is_empty();
+            let key = Key { surface: index, other: (Some(robots[second].id.0), its_index), number: 0 };
             let pair = Pair::of(&surface.material, &its.material);
-            let touches = met.drain(..).enumerate();
-            found.extend(touches.map(|(number, touch)| {
-                let key = Key { own, other: its_key, number };
-                pair.found(key, (first, index), Second::Robot(second, its_index), touch)
-            }));
+            add(&mut met, key, Second::Robot(second, its_index), &pair, &mut robots[first].found);
         }
     }
+    touch
 }
 
 impl Form {
@@ -239,57 +297,6 @@ impl Form {
     }
 }
 
-/// Adds the touches of a surface of a robot with a shape at a pose.
-fn meet(
-    robot: &ArticulatedRobot,
-    surface: &Surface,
-    at: &Placed,
-    shape: &dyn Shape,
-    pose: &EnginePose,
-    prediction: f64,
-    met: &mut Vec<Touch>,
-) {
-    let Form::Rollers(ring) = surface.form else {
-        return touches(surface, &at.pose, shape, pose, prediction, met);
-    };
-    let ring = &robot.made_of.rings[ring];
-    let hub = convert::from_pose(&at.pose);
-    let mut contacts: Vec<WheelContact> = Vec::new();
-    ring.shape.touch(&hub, robot.turned(ring), prediction, shape, pose, &mut contacts);
-    met.extend(contacts.into_iter().map(|WheelContact { point, normal, roller, axis, rolling_radius, gap }| Touch {
-        normal,
-        point,
-        gap,
-        roller: Some(RollerTouch { index: roller, axis, radius: rolling_radius }),
-    }));
-}
-
-/// Takes out rollers that hand their load over. Where one follows the next, both share the load only while both press; that the wheel
-/// turns does not bring the next one nearer: it comes down where the last leaves, on the same circle.
-pub(super) fn hand_over(robots: &[&mut ArticulatedRobot], found: &mut Vec<Found>, time_step: f64) {
-    if found.iter().all(|it| it.touch.roller.is_none()) {
-        return;
-    }
-    let stays = |it: &Found| {
-        if it.touch.roller.is_none() {
-            return true;
-        }
-        let nearer = |peer: &Found| {
-            peer.first == it.first
-                && peer.touch.gap < it.touch.gap
-                && peer.touch.normal.dot(&it.touch.normal) > SAME_SURFACE
-        };
-        let robot = &robots[it.first.0];
-        let ring = robot.made_of.surfaces[it.first.1].link;
-        let carrier = robot.body.tree().links()[ring].parent;
-        let approach = it.touch.normal.dot(&robot.body.velocity_at(carrier, it.touch.point));
-        it.touch.gap + approach * time_step <= MARGIN || !found.iter().any(nearer)
-    };
-    let stays: Vec<bool> = found.iter().map(stays).collect();
-    let mut stays = stays.into_iter();
-    found.retain(|_| stays.next().unwrap_or(true));
-}
-
 /// What two materials do to each other.
 struct Pair {
     friction: f64,
@@ -302,11 +309,19 @@ impl Pair {
         let (friction, restitution) = one.pair(other);
         Self { friction, restitution, resistance: one.rolling_resistance + other.rolling_resistance }
     }
+}
 
-    fn found(&self, key: Key, first: (usize, usize), second: Second, touch: Touch) -> Found {
-        let &Self { friction, restitution, resistance } = self;
-        Found { key, first, second, touch, friction, restitution, resistance }
-    }
+/// Adds what was met as touches of a pair, whose key is that of the first.
+fn add(met: &mut Vec<Touch>, key: Key, second: Second, pair: &Pair, found: &mut Vec<Found>) {
+    let &Pair { friction, restitution, resistance } = pair;
+    found.extend(met.drain(..).enumerate().map(|(number, touch)| Found {
+        key: Key { number, ..key },
+        second,
+        touch,
+        friction,
+        restitution,
+        resistance,
+    }));
 }
 
 impl OfEngine {
@@ -340,22 +355,6 @@ impl OfEngine {
         let fall = convert::from_vector(world.gravity) * world.integration_parameters.dt;
         let is_free = multibody.root().joint().ndofs() == 6;
         velocity.iter_mut().zip(&fall).filter(|_| is_free).for_each(|(speed, fall)| *speed += fall);
-        Some(Self { links, body: Body::given(centre, &velocity, &inertia, twists) })
-    }
-}
-
-/// Velocity of what is touched at a point, m/s.
-pub(super) fn velocity_of(
-    second: Second,
-    robots: &[&mut ArticulatedRobot],
-    bodies: &[OfEngine],
-    point: Vector3<f64>,
-) -> Vector3<f64> {
-    match second {
-        Second::Fixed => Vector3::zeros(),
-        Second::Robot(robot, surface) => {
-            robots[robot].body.velocity_at(robots[robot].made_of.surfaces[surface].link, point)
-        }
-        Second::OfEngine(body, link) => bodies[body].body.velocity_at(link, point),
+        Some(Self { links, body: Body::given(centre, &velocity, &inertia, twists), reactions: Vec::new() })
     }
 }

@@ -1,6 +1,7 @@
-//! A step of all robots in reduced coordinates: what they touch, and what they do then.
+//! A step of all robots in reduced coordinates, and of the objects that are near them.
 //!
-//! Robots that touch each other are one system, whatever their order; the others are solved each by itself.
+//! Robots that touch each other are one system, whatever their order; the others are solved each by itself, on as many threads as there
+//! are. Where they have come then, each finds for itself what it touches that does not move.
 
 use articulated::{Body, Contact, JointRow, Side};
 use nalgebra::Vector3;
@@ -9,96 +10,117 @@ use rapier3d::prelude::*;
 
 use super::super::compile::Materials;
 use super::super::convert;
-use super::super::rolling::Load;
 use super::ArticulatedRobot;
-use super::compile::Form;
-use super::finding::{
-    Found, Key, MARGIN, OfEngine, Second, hand_over, touch_each_other, touch_engine, touch_fixed, velocity_of,
-};
+use super::finding::{OfEngine, Second, touch_each_other, touch_engine};
 use super::object::{MapObject, take_near};
-use super::wheel::{RollerTouch, SIDE, Touch};
+use crate::flight::Flight;
+use crate::threads::{Threads, in_parts};
 
-/// Stiffness of what touches, N/m. It shares the load between contacts.
-const STIFFNESS: f64 = 1e8;
-/// Time in which an overlap is pushed out, s.
-const RECOVERY_TIME: f64 = 0.02;
-/// Fastest that it is, m/s.
-const MAX_RECOVERY: f64 = 1.0;
-/// Below this speed nothing bounces, m/s.
-const LEAST_BOUNCE: f64 = 0.2;
-/// A bearing that gives way by more than so many times the robot's own speed under a push brakes next to nothing.
-const WEAK: f64 = 1e4;
+/// Most robots that one thread has look around before another may take some.
+const TOGETHER: usize = 2;
+/// Parts in which systems are handed to threads at most.
+const PARTS: usize = 64;
 
-/// What is kept of one step for the next.
+/// Room for systems that one thread solves one after the other.
 #[derive(Default)]
-pub(in super::super) struct Contacts {
-    impulses: Vec<(Key, Vector3<f64>)>,
-    /// Those of the step that is made.
-    next: Vec<(Key, Vector3<f64>)>,
-    /// What robots of the engine get of it: which link of which, where and how much.
-    reactions: Vec<(usize, usize, Vector3<f64>, Vector3<f64>)>,
-    found: Vec<Found>,
+pub(in super::super) struct Room {
     contacts: Vec<Contact>,
     joints: Vec<JointRow>,
     workspace: articulated::Workspace,
     /// Systems solved in which not every contact came to do what it should.
-    pub(in super::super) unsettled: u64,
+    unsettled: u64,
 }
 
-/// Moves robots on by a step, and the objects that are near them.
+/// What all of them share in a step.
+#[derive(Clone, Copy)]
+pub(in super::super) struct Surroundings<'a> {
+    pub(in super::super) materials: &'a Materials,
+    pub(in super::super) robots_of_engine: usize,
+    /// Whether something came or left since the last step.
+    pub(in super::super) is_changed: bool,
+    pub(in super::super) threads: &'a dyn Threads,
+}
+
+/// Moves robots on by a step, and the objects that are near them. Says how many systems did not settle.
 pub(in super::super) fn solve<'a>(
     world: &mut PhysicsWorld,
-    materials: &Materials,
-    mut robots: Vec<&'a mut ArticulatedRobot>,
+    surroundings: Surroundings,
+    mut robots: Vec<(&'a mut ArticulatedRobot, Option<&'a Flight>)>,
     objects: &'a mut [MapObject],
-    robots_of_engine: usize,
-    known: &mut Contacts,
-) {
+    rooms: &mut Vec<Room>,
+) -> u64 {
     if robots.is_empty() && objects.iter().all(|object| object.taken().is_none()) {
-        return;
+        return 0;
     }
+    let Surroundings { materials, robots_of_engine, is_changed, threads } = surroundings;
     let time_step = world.integration_parameters.dt;
     let gravity = convert::from_vector(world.gravity);
-    robots.iter_mut().for_each(|robot| robot.place_surfaces(time_step));
+    for (robot, flight) in &mut robots {
+        if let Some(flight) = flight {
+            robot.fly(flight, time_step);
+        }
+        if is_changed {
+            robot.forget_near();
+        }
+    }
+    let mut robots: Vec<&mut ArticulatedRobot> = robots.into_iter().map(|(robot, _)| robot).collect();
+    look_around(&mut robots, world, materials, threads);
     if !objects.is_empty() {
         let around: Vec<Aabb> = robots.iter().filter_map(|robot| robot.around()).collect();
         take_near(world, objects, &around);
-        for taken in objects.iter_mut().filter_map(|object| object.taken.as_deref_mut()) {
-            taken.body.set_gravity(gravity);
-            taken.place_surfaces(time_step);
-            robots.push(taken);
+        let before = robots.len();
+        robots.extend(objects.iter_mut().filter_map(|object| object.taken.as_deref_mut()));
+        look_around(&mut robots[before..], world, materials, threads);
+    }
+    let (mut of_engine, mut touching) = (Vec::new(), Vec::new());
+    if robots_of_engine > 0 {
+        let count = robots.len();
+        for (number, robot) in robots.iter_mut().enumerate() {
+            let touched = touch_engine(world, materials, robot, &mut of_engine);
+            touching.extend(touched.into_iter().map(|body| (number, count + body)));
         }
     }
-    let robots = robots.as_mut_slice();
-    let (mut found, mut of_engine) = (std::mem::take(&mut known.found), Vec::new());
-    found.clear();
-    for (number, robot) in robots.iter_mut().enumerate() {
-        touch_fixed(world, materials, number, robot, &mut found);
-        if robots_of_engine > 0 {
-            touch_engine(world, materials, number, robot, &mut of_engine, &mut found);
-        }
-    }
-    for one in 0..robots.len() {
-        for other in 0..one {
-            let near = robots[one].around().zip(robots[other].around());
-            if near.is_some_and(|(one, other)| one.intersects(&other)) {
-                touch_each_other(robots, other, one, &mut found);
+    let near = near_each_other(&robots);
+    touching.extend(near.into_iter().filter(|&(one, other)| touch_each_other(&mut robots, one, other)));
+    let (step, seen) = (Step { robots: robots.len(), gravity, time_step }, &*world);
+    let mut members = members(robots, &mut of_engine, &touching);
+    let mut groups: Vec<&mut [Member]> = members.chunk_by_mut(|one, other| one.group == other.group).collect();
+    let size = groups.len().div_ceil(PARTS);
+    rooms.resize_with(rooms.len().max(PARTS), Room::default);
+    let mut parts: Vec<(&mut [&mut [Member]], &mut Room)> = groups.chunks_mut(size).zip(rooms.iter_mut()).collect();
+    in_parts(threads, 1, &mut parts, &|parts| {
+        for (groups, room) in parts {
+            for group in groups.iter_mut() {
+                step.solve(group, room);
+                // While it is at hand, for the next step.
+                group
+                    .iter_mut()
+                    .filter_map(Member::robot)
+                    .for_each(|robot| robot.look_around(seen, materials, time_step));
             }
         }
+    });
+    for OfEngine { links, reactions, .. } in of_engine {
+        for (link, point, impulse) in reactions {
+            react(world, links[link], point, impulse);
+        }
     }
-    hand_over(robots, &mut found, time_step);
-    let mut step = Step { robots, of_engine: &mut of_engine, found: &found, weight: gravity.norm(), time_step };
-    known.next.clear();
-    for group in step.groups() {
-        step.solve(&group, known);
-    }
-    std::mem::swap(&mut known.impulses, &mut known.next);
-    known.found = found;
-    for (number, link, point, impulse) in known.reactions.drain(..) {
-        react(world, of_engine[number].links[link], point, impulse);
-    }
-    for robot in robots {
-        robot.body.advance(time_step);
+    rooms.iter_mut().map(|room| std::mem::take(&mut room.unsettled)).sum()
+}
+
+/// Has those look around that have not since they moved.
+fn look_around(
+    robots: &mut [&mut ArticulatedRobot],
+    world: &PhysicsWorld,
+    materials: &Materials,
+    threads: &dyn Threads,
+) {
+    if robots.iter().any(|robot| !robot.standing.is_known) {
+        let time_step = world.integration_parameters.dt;
+        in_parts(threads, TOGETHER, robots, &|robots| {
+            let moved = robots.iter_mut().filter(|robot| !robot.standing.is_known);
+            moved.for_each(|robot| robot.look_around(world, materials, time_step));
+        });
     }
 }
 
@@ -111,203 +133,172 @@ fn react(world: &mut PhysicsWorld, handle: RigidBodyHandle, point: Vector3<f64>,
     }
 }
 
+/// Pairs of robots, by their numbers, whose boxes overlap.
+fn near_each_other(robots: &[&mut ArticulatedRobot]) -> Vec<(usize, usize)> {
+    if robots.len() < 2 {
+        return Vec::new();
+    }
+    let boxes = robots.iter().enumerate().filter_map(|(number, robot)| Some((number, robot.around()?)));
+    let mut boxes: Vec<(usize, Aabb)> = boxes.collect();
+    boxes.sort_by(|(_, one), (_, other)| one.mins.x.total_cmp(&other.mins.x));
+    let mut pairs = Vec::new();
+    for (place, (one, around)) in boxes.iter().enumerate() {
+        let behind = boxes[place + 1..].iter().take_while(|(_, other)| other.mins.x <= around.maxs.x);
+        let near = behind.filter(|(_, other)| around.intersects(other));
+        pairs.extend(near.map(|(other, _)| (*one.min(other), *one.max(other))));
+    }
+    pairs.sort_unstable();
+    pairs
+}
+
 /// What takes part in a step.
-struct Step<'s, 'r> {
-    robots: &'s mut [&'r mut ArticulatedRobot],
-    of_engine: &'s mut [OfEngine],
-    found: &'s [Found],
-    /// What a kilogram weighs, N.
-    weight: f64,
+struct Member<'a> {
+    /// The number of the first of those that it touches, or that they touch.
+    group: usize,
+    number: usize,
+    is: Is<'a>,
+}
+
+enum Is<'a> {
+    Robot(&'a mut ArticulatedRobot),
+    OfEngine(&'a mut OfEngine),
+}
+
+/// Everything that takes part, those that touch each other together; `touching` has their numbers, the engine's bodies behind the
+/// robots.
+fn members<'a>(
+    robots: Vec<&'a mut ArticulatedRobot>,
+    of_engine: &'a mut [OfEngine],
+    touching: &[(usize, usize)],
+) -> Vec<Member<'a>> {
+    let mut group: Vec<usize> = (0..robots.len() + of_engine.len()).collect();
+    for &(one, other) in touching {
+        let (one, other) = (group[one], group[other]);
+        let (kept, given_up) = (one.min(other), one.max(other));
+        group.iter_mut().filter(|it| **it == given_up).for_each(|it| *it = kept);
+    }
+    let robots = robots.into_iter().map(Is::Robot);
+    let all = robots.chain(of_engine.iter_mut().map(Is::OfEngine)).enumerate();
+    let mut members: Vec<Member> = all.map(|(number, is)| Member { group: group[number], number, is }).collect();
+    if !touching.is_empty() {
+        members.sort_by_key(|member| member.group);
+    }
+    members
+}
+
+impl Second {
+    /// Its number among all that take part, robots first; `None` of what does not move.
+    fn number(self, robots: usize) -> Option<usize> {
+        match self {
+            Self::Fixed => None,
+            Self::Robot(robot, _) => Some(robot),
+            Self::OfEngine(body, _) => Some(robots + body),
+        }
+    }
+}
+
+impl Member<'_> {
+    fn robot(&mut self) -> Option<&mut ArticulatedRobot> {
+        if let Is::Robot(robot) = &mut self.is { Some(robot) } else { None }
+    }
+
+    fn body(&self) -> &Body {
+        match &self.is {
+            Is::Robot(robot) => &robot.body,
+            Is::OfEngine(it) => &it.body,
+        }
+    }
+
+    fn body_mut(&mut self) -> &mut Body {
+        match &mut self.is {
+            Is::Robot(robot) => &mut robot.body,
+            Is::OfEngine(it) => &mut it.body,
+        }
+    }
+}
+
+/// What all systems of a step share.
+#[derive(Clone, Copy)]
+struct Step {
+    /// How many robots there are.
+    robots: usize,
+    gravity: Vector3<f64>,
     time_step: f64,
 }
 
-impl Step<'_, '_> {
-    /// Robots that touch each other, group by group, in the order of the first of each. The engine's bodies come behind the robots.
-    fn groups(&self) -> Vec<Vec<usize>> {
-        let count = self.robots.len() + self.of_engine.len();
-        let mut group: Vec<usize> = (0..count).collect();
-        for it in self.found {
-            let Some(other) = self.second_body(it.second) else { continue };
-            let (one, other) = (group[it.first.0], group[other]);
-            let (kept, given_up) = (one.min(other), one.max(other));
-            group.iter_mut().filter(|it| **it == given_up).for_each(|it| *it = kept);
-        }
-        let members = |first: usize| (first..count).filter(|&number| group[number] == first).collect();
-        (0..count).filter(|&number| group[number] == number).map(members).collect()
-    }
-
-    fn second_body(&self, second: Second) -> Option<usize> {
-        match second {
-            Second::Fixed => None,
-            Second::Robot(robot, _) => Some(robot),
-            Second::OfEngine(body, _) => Some(self.robots.len() + body),
-        }
-    }
-
-    /// Finds the velocities of a group at the end of the step, and notes what pushed it.
-    fn solve(&mut self, group: &[usize], known: &mut Contacts) {
-        let body_of = |number: usize| group.iter().position(|&member| member == number);
-        let found = self.found;
-        let own = || found.iter().filter(|it| body_of(it.first.0).is_some());
-        let (mut contacts, mut joints) = (std::mem::take(&mut known.contacts), std::mem::take(&mut known.joints));
+impl Step {
+    /// Moves a group on by the step, and notes what pushed it.
+    fn solve(self, group: &mut [Member], room: &mut Room) {
+        let Room { contacts, joints, workspace, unsettled } = room;
         contacts.clear();
         joints.clear();
-        for it in own() {
-            let first = Side { body: body_of(it.first.0).unwrap_or_default(), link: self.link_of(it) };
-            let second = self.second_body(it.second).and_then(body_of).map(|body| {
-                let link = match it.second {
-                    Second::Robot(robot, surface) => self.robots[robot].made_of.surfaces[surface].link,
-                    Second::OfEngine(_, link) => link,
-                    Second::Fixed => 0,
-                };
-                Side { body, link }
-            });
-            let contact = self.contact(it, first, second, known);
-            contacts.push(contact);
-        }
-        for (body, &number) in group.iter().enumerate().filter(|&(_, &number)| number < self.robots.len()) {
-            let robot = &self.robots[number];
-            let before = joints.len();
-            joints.extend(robot.joint_rows(body, self.time_step));
-            if contacts.iter().any(|contact| contact.first.body == body) {
-                joints.extend(robot.following_rows(body, self.weight, self.time_step).into_iter().flatten());
+        for body in 0..group.len() {
+            let Some(robot) = group[body].robot() else { continue };
+            robot.before_step(self.gravity, self.time_step);
+            robot.hand_over(self.time_step);
+            // The second of a touch is another member.
+            let found = std::mem::take(&mut robot.found);
+            for it in &found {
+                let second = self.side(it.second, group);
+                let moves = second.map_or_else(Vector3::zeros, |Side { body, link }| {
+                    group[body].body().velocity_at(link, it.touch.point)
+                });
+                let Some(robot) = group[body].robot() else { continue };
+                contacts.push(robot.contact(it, body, second, moves, self.time_step));
             }
-            let rows = &mut joints[before..];
-            if rows.len() == robot.joint_impulses.len() {
-                rows.iter_mut().zip(&robot.joint_impulses).for_each(|(row, &impulse)| row.impulse = impulse);
-            }
+            let Some(robot) = group[body].robot() else { continue };
+            robot.found = found;
+            robot.add_joint_rows(body, self.gravity.norm(), self.time_step, joints);
         }
-        let outcome = {
-            let robots = self.robots.iter_mut().map(|robot| &mut robot.body);
-            let all = robots.chain(self.of_engine.iter_mut().map(|it| &mut it.body)).enumerate();
-            let mut bodies: Vec<&mut Body> =
-                all.filter(|(number, _)| group.contains(number)).map(|(_, body)| body).collect();
-            articulated::step(&mut bodies, &mut contacts, &mut joints, self.time_step, &mut known.workspace)
-        };
-        known.unsettled += u64::from(!outcome.is_settled);
-        let robots = self.robots.len();
-        for (body, &number) in group.iter().enumerate().filter(|&(_, &number)| number < robots) {
-            let robot = &mut self.robots[number];
-            robot.contacts.clear();
-            robot.loads.fill(Load::default());
-            robot.joint_impulses.clear();
-            robot.joint_impulses.extend(joints.iter().filter(|row| row.body == body).map(|row| row.impulse));
-            robot.note_following(joints.iter().filter(|row| row.body == body), self.time_step);
-        }
-        for (it, contact) in own().zip(&contacts) {
-            self.note(it, contact);
-            known.next.push((it.key, contact.impulse));
-            if let Second::OfEngine(number, link) = it.second {
-                known.reactions.push((number, link, contact.point, -contact.impulse));
-            }
-        }
-        (known.contacts, known.joints) = (contacts, joints);
-    }
-
-    /// The link that a touch pushes.
-    fn link_of(&self, found: &Found) -> usize {
-        let made_of = &self.robots[found.first.0].made_of;
-        let surface = &made_of.surfaces[found.first.1];
-        let (Form::Rollers(ring), Some(roller)) = (surface.form, found.touch.roller) else { return surface.link };
-        made_of.rings[ring].first_link.map_or(surface.link, |first| first + roller.index)
-    }
-
-    /// A touch as the solver takes it.
-    fn contact(&mut self, found: &Found, first: Side, second: Option<Side>, known: &Contacts) -> Contact {
-        let time_step = self.time_step;
-        let Touch { point, normal, gap, .. } = found.touch;
-        let robot = &self.robots[found.first.0];
-        let velocity =
-            robot.body.velocity_at(first.link, point) - velocity_of(found.second, self.robots, self.of_engine, point);
-        let speed = normal.dot(&velocity);
-        let push = if gap > 0.0 { -gap / time_step } else { (-gap / (time_step + RECOVERY_TIME)).min(MAX_RECOVERY) };
-        let bounces = gap <= 0.0 && speed < -LEAST_BOUNCE;
-        let guess = known.impulses.iter().find(|(key, _)| *key == found.key);
-        let mut contact = Contact {
-            point,
-            normal,
-            tangents: self.tangents(found),
-            friction: found.friction,
-            target: if bounces { push.max(-speed * found.restitution) } else { push },
-            compliance: [1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)), 0.0, 0.0],
-            first,
-            second,
-            impulse: guess.map_or_else(Vector3::zeros, |(_, impulse)| *impulse),
-        };
-        self.free_roller(found, &mut contact, velocity);
-        contact
-    }
-
-    /// In which directions friction acts: along the way that a wheel rolls, or along a roller's axis, and across.
-    fn tangents(&self, found: &Found) -> [Option<Vector3<f64>>; 2] {
-        let (robot, normal) = (&self.robots[found.first.0], found.touch.normal);
-        let surface = &robot.made_of.surfaces[found.first.1];
-        let along = match (found.touch.roller, surface.form) {
-            (Some(RollerTouch { axis, .. }), _) => (axis - normal * axis.dot(&normal)).try_normalize(1e-6),
-            (None, Form::Wheel { .. }) => {
-                normal.cross(&(robot.body.frames()[surface.link].rotation * Vector3::y())).try_normalize(0.1)
-            }
-            (None, _) => None,
-        };
-        let along = along.unwrap_or_else(|| {
-            let aside = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
-            normal.cross(&aside).normalize()
-        });
-        [Some(along), Some(normal.cross(&along))]
-    }
-
-    /// Lets a roller without inertia turn, which carries force along its axis alone but for its bearing; a base that follows its
-    /// commands slides where it has to.
-    fn free_roller(&mut self, found: &Found, contact: &mut Contact, velocity: Vector3<f64>) {
-        let robot = &mut *self.robots[found.first.0];
-        let (Some(RollerTouch { index, radius, .. }), Form::Rollers(ring)) =
-            (found.touch.roller, robot.made_of.surfaces[found.first.1].form)
-        else {
-            return;
-        };
-        let made_of = robot.made_of.clone();
-        let ring_of = &made_of.rings[ring];
-        let Some(across) = contact.tangents[1].filter(|_| ring_of.first_link.is_none()) else { return };
-        let passing = across.dot(&velocity);
-        // It rolls as fast as what it touches passes by.
-        if found.touch.gap < MARGIN {
-            robot.roller_angles[ring][index] -= passing / radius * self.time_step;
-        }
-        if made_of.following.is_some() {
-            contact.tangents = [None; 2];
-            return;
-        }
-        let axle = robot.body.frames()[ring_of.wheel].rotation * Vector3::y();
-        if contact.normal.dot(&axle).abs() > SIDE {
-            return;
-        }
-        // Torque d w of the bearing at the roller's speed w = v / rho is a force d v / rho².
-        let free = radius.powi(2) / (ring_of.damping * self.time_step);
-        if free * made_of.mass < WEAK {
-            contact.compliance[2] = free;
+        let outcome = if let [single] = group {
+            articulated::step(&mut [single.body_mut()], contacts, joints, self.time_step, workspace)
         } else {
-            // So little does not need to be solved for.
-            contact.tangents[1] = None;
-            robot.body.push(ring_of.wheel, contact.point, across * (-passing / (free * self.time_step)));
+            let mut bodies: Vec<&mut Body> = group.iter_mut().map(Member::body_mut).collect();
+            articulated::step(&mut bodies, contacts, joints, self.time_step, workspace)
+        };
+        *unsettled += u64::from(!outcome.is_settled);
+        let (mut contacts, mut joints) = (contacts.as_slice(), joints.as_slice());
+        group.iter_mut().filter_map(Member::robot).for_each(ArticulatedRobot::forget);
+        for body in 0..group.len() {
+            let Some(robot) = group[body].robot() else { continue };
+            let found = std::mem::take(&mut robot.found);
+            let (own, rest) = contacts.split_at(found.len());
+            contacts = rest;
+            robot.known.extend(found.iter().zip(own).map(|(it, contact)| (it.key, contact.impulse)));
+            let (own_joints, rest) = joints.split_at(joints.partition_point(|row| row.body <= body));
+            joints = rest;
+            robot.note_joints(own_joints, self.time_step);
+            for (it, contact) in found.iter().zip(own) {
+                if let Some(robot) = group[body].robot() {
+                    robot.note(it.key.surface, it, contact, 1.0, self.time_step);
+                }
+                let Some(Side { body, .. }) = contact.second else { continue };
+                match (&mut group[body].is, it.second) {
+                    (Is::Robot(robot), Second::Robot(_, surface)) => {
+                        robot.note(surface, it, contact, -1.0, self.time_step);
+                    }
+                    (Is::OfEngine(of_engine), Second::OfEngine(_, link)) => {
+                        of_engine.reactions.push((link, contact.point, -contact.impulse));
+                    }
+                    _ => {}
+                }
+            }
+            if let Some(robot) = group[body].robot() {
+                robot.found = found;
+                robot.body.advance(self.time_step);
+            }
         }
     }
 
-    /// Notes what a contact did to its robots.
-    fn note(&mut self, found: &Found, contact: &Contact) {
-        let push = contact.impulse.dot(&contact.normal);
-        if push <= 0.0 {
-            return;
-        }
-        let second = if let Second::Robot(robot, surface) = found.second { Some((robot, surface)) } else { None };
-        for ((robot, surface), sign) in [Some((found.first, 1.0)), second.map(|it| (it, -1.0))].into_iter().flatten() {
-            let robot = &mut self.robots[robot];
-            let wheel = robot.made_of.surfaces[surface].wheel;
-            let force = contact.impulse * (sign / self.time_step);
-            robot.contacts.push((wheel, scene::Contact { point: contact.point, force }));
-            if let Some(load) = wheel.map(|wheel| &mut robot.loads[wheel]) {
-                load.normal += contact.normal * (sign * push);
-                load.resistance += found.resistance * push;
-            }
-        }
+    /// The side of a member of a group that is touched; `None` of what does not move.
+    fn side(self, second: Second, group: &[Member]) -> Option<Side> {
+        let number = second.number(self.robots)?;
+        let body = group.iter().position(|member| member.number == number)?;
+        let link = match (&group[body].is, second) {
+            (Is::Robot(robot), Second::Robot(_, surface)) => robot.made_of.surfaces[surface].link,
+            (_, Second::OfEngine(_, link)) => link,
+            _ => return None,
+        };
+        Some(Side { body, link })
     }
 }

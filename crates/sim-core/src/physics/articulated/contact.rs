@@ -1,0 +1,150 @@
+//! What a robot touches, as the solver takes it, and what that did to it.
+
+use articulated::{Contact, JointRow, Side};
+use nalgebra::Vector3;
+
+use super::super::rolling::Load;
+use super::ArticulatedRobot;
+use super::compile::Form;
+use super::finding::{Found, MARGIN};
+use super::wheel::{RollerTouch, SIDE, Touch};
+
+/// Stiffness of what touches, N/m. It shares the load between contacts.
+const STIFFNESS: f64 = 1e8;
+/// Time in which an overlap is pushed out, s.
+const RECOVERY_TIME: f64 = 0.02;
+/// Fastest that it is, m/s.
+const MAX_RECOVERY: f64 = 1.0;
+/// Below this speed nothing bounces, m/s.
+const LEAST_BOUNCE: f64 = 0.2;
+/// A bearing that gives way by more than so many times the robot's own speed under a push brakes next to nothing.
+const WEAK: f64 = 1e4;
+
+impl ArticulatedRobot {
+    /// One of its touches as the solver takes it. It is the body of a number among those that are solved together; what it touches moves
+    /// with a velocity there.
+    pub(super) fn contact(
+        &mut self,
+        found: &Found,
+        body: usize,
+        second: Option<Side>,
+        moves: Vector3<f64>,
+        time_step: f64,
+    ) -> Contact {
+        let first = Side { body, link: self.link_of(found) };
+        let Touch { point, normal, gap, .. } = found.touch;
+        let velocity = self.body.velocity_at(first.link, point) - moves;
+        let speed = normal.dot(&velocity);
+        let push = if gap > 0.0 { -gap / time_step } else { (-gap / (time_step + RECOVERY_TIME)).min(MAX_RECOVERY) };
+        let bounces = gap <= 0.0 && speed < -LEAST_BOUNCE;
+        let guess = self.known.iter().find(|(key, _)| *key == found.key);
+        let mut contact = Contact {
+            point,
+            normal,
+            tangents: self.tangents(found),
+            friction: found.friction,
+            target: if bounces { push.max(-speed * found.restitution) } else { push },
+            compliance: [1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)), 0.0, 0.0],
+            first,
+            second,
+            impulse: guess.map_or_else(Vector3::zeros, |(_, impulse)| *impulse),
+        };
+        self.free_roller(found, &mut contact, velocity, time_step);
+        contact
+    }
+
+    /// The link that a touch pushes.
+    fn link_of(&self, found: &Found) -> usize {
+        let surface = &self.made_of.surfaces[found.key.surface];
+        let (Form::Rollers(ring), Some(roller)) = (surface.form, found.touch.roller) else { return surface.link };
+        self.made_of.rings[ring].first_link.map_or(surface.link, |first| first + roller.index)
+    }
+
+    /// In which directions friction acts: along the way that a wheel rolls, or along a roller's axis, and across.
+    fn tangents(&self, found: &Found) -> [Option<Vector3<f64>>; 2] {
+        let normal = found.touch.normal;
+        let surface = &self.made_of.surfaces[found.key.surface];
+        let along = match (found.touch.roller, surface.form) {
+            (Some(RollerTouch { axis, .. }), _) => (axis - normal * axis.dot(&normal)).try_normalize(1e-6),
+            (None, Form::Wheel { .. }) => {
+                normal.cross(&(self.body.frames()[surface.link].rotation * Vector3::y())).try_normalize(0.1)
+            }
+            (None, _) => None,
+        };
+        let along = along.unwrap_or_else(|| {
+            let aside = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+            normal.cross(&aside).normalize()
+        });
+        [Some(along), Some(normal.cross(&along))]
+    }
+
+    /// Lets a roller without inertia turn, which carries force along its axis alone but for its bearing; a base that follows its
+    /// commands slides where it has to.
+    fn free_roller(&mut self, found: &Found, contact: &mut Contact, velocity: Vector3<f64>, time_step: f64) {
+        let made_of = &self.made_of;
+        let (Some(RollerTouch { index, radius, .. }), Form::Rollers(ring)) =
+            (found.touch.roller, made_of.surfaces[found.key.surface].form)
+        else {
+            return;
+        };
+        let ring_of = &made_of.rings[ring];
+        let Some(across) = contact.tangents[1].filter(|_| ring_of.first_link.is_none()) else { return };
+        let passing = across.dot(&velocity);
+        // It rolls as fast as what it touches passes by.
+        if found.touch.gap < MARGIN {
+            self.roller_angles[ring][index] -= passing / radius * time_step;
+        }
+        if made_of.following.is_some() {
+            contact.tangents = [None; 2];
+            return;
+        }
+        let axle = self.body.frames()[ring_of.wheel].rotation * Vector3::y();
+        if contact.normal.dot(&axle).abs() > SIDE {
+            return;
+        }
+        // Torque d w of the bearing at the roller's speed w = v / rho is a force d v / rho².
+        let free = radius.powi(2) / (ring_of.damping * time_step);
+        if free * made_of.mass < WEAK {
+            contact.compliance[2] = free;
+        } else {
+            // So little does not need to be solved for.
+            contact.tangents[1] = None;
+            self.body.push(ring_of.wheel, contact.point, across * (-passing / (free * time_step)));
+        }
+    }
+
+    /// Forgets what pushed it in the last step.
+    pub(super) fn forget(&mut self) {
+        self.contacts.clear();
+        self.known.clear();
+        self.loads.fill(Load::default());
+    }
+
+    /// Notes what the rows of its joints did in a step.
+    pub(super) fn note_joints(&mut self, rows: &[JointRow], time_step: f64) {
+        self.joint_impulses.clear();
+        self.joint_impulses.extend(rows.iter().map(|row| row.impulse));
+        if self.made_of.following.is_some() {
+            // A force of the ground on its wheels, which it stands for.
+            let linear = |row: &JointRow| Vector3::from_column_slice(&row.root[3..]) * row.impulse;
+            let force = rows.iter().map(linear).sum::<Vector3<f64>>();
+            let share = force / (time_step * self.resistances.len().max(1) as f64);
+            self.resistances.iter_mut().for_each(|resistance| *resistance += share);
+        }
+    }
+
+    /// Notes what a contact did to one of its surfaces: of the second of both it is turned about, with a sign of -1.
+    pub(super) fn note(&mut self, surface: usize, found: &Found, contact: &Contact, sign: f64, time_step: f64) {
+        let push = contact.impulse.dot(&contact.normal);
+        if push <= 0.0 {
+            return;
+        }
+        let wheel = self.made_of.surfaces[surface].wheel;
+        let force = contact.impulse * (sign / time_step);
+        self.contacts.push((wheel, scene::Contact { point: contact.point, force }));
+        if let Some(load) = wheel.map(|wheel| &mut self.loads[wheel]) {
+            load.normal += contact.normal * (sign * push);
+            load.resistance += found.resistance * push;
+        }
+    }
+}
