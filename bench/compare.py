@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""usarsim beside MuJoCo: the same youBot and the same P3AT, the same motions, on one core of this machine, in one run.
+"""usarsim beside MuJoCo: the same robots, the same motions, on one core of this machine, in one run.
 
     python3 -m venv venv && venv/bin/pip install mujoco numpy
     cargo build --release
@@ -13,6 +13,9 @@ The P3AT is driven forward and on the spot at 1 rad/s and compared with the twis
 loads at (+-a, +-b) it turns with w R b / (a^2 + b^2). In MuJoCo contacts do not feel the servos, so a rotor that the robot does not
 have and a softer servo are tried beside the robot's own.
 
+A youBot with its arm on a flat floor and a Kenaf with its flippers half on the arena's step are the same trees of links in both, with
+their own servos; what is compared is the time of a step of the same length.
+
 Every row is the fastest of the repeats, which take turns, as these machines are noisy.
 Units: m, s, rad, kg; x forward, y left, z up.
 """
@@ -21,7 +24,9 @@ import argparse
 import json
 import math
 import os
+import re
 import subprocess
+import tempfile
 import time
 
 import mujoco
@@ -184,8 +189,121 @@ def mujoco_p3at_row(definition, shape, gain, rotor, dt, seconds):
     return {"factor": 2 * (steps // 20) * 20 * dt / wall, "error": error, "ratios": ratios}
 
 
-def usarsim_row(drive_model, dt, seconds, robot="KUKA_YouBot", motions=("forward", "right", "clockwise")):
-    command = [USARSIM, "bench", "--robot", robot, "--drive-model", drive_model, "--dt", str(dt), "--seconds", str(seconds), "--json"]
+def flipped(vector):
+    """From x forward, y right, z down to x forward, y left, z up; a turn about x, so axes go the same way."""
+    return np.array([vector[0], -vector[1], -vector[2]])
+
+
+def numbers(values):
+    return " ".join(f"{value:.9g}" for value in values)
+
+
+def tree_xml(links, number, servos, height=0.0):
+    """A link of the definition with what hangs on it, and its servos; the root at a height."""
+    link, joint = links[number], links[number].get("joint")
+    if "rollers" in link.get("wheel", {}):
+        servos.append(f'<velocity joint="w{number}" kv="{joint["drive"]["gain"]}"/>')
+        parent = links[joint["parent"]].get("joint", {"anchor": [0, 0, 0]})["anchor"]
+        place = [own - its for own, its in zip(joint["anchor"], parent)]
+        xml = wheel_xml(number, link["wheel"] | {"position": place}, "ellipsoid")
+        return xml.replace(' 0"><joint name', f' {-place[2]}"><joint name', 1)
+    origin = flipped(joint["anchor"]) if joint else np.zeros(3)
+    parent = links[joint["parent"]].get("joint") if joint else None
+    place = origin - (flipped(parent["anchor"]) if parent else 0) if joint else [0, 0, height]
+    xml = f'<body pos="{numbers(place)}">'
+    if joint is None:
+        xml += "<freejoint/>"
+    else:
+        drive = joint.get("drive")
+        kind = "slide" if joint["kind"] == "Prismatic" else "hinge"
+        ends = f' limited="true" range="{numbers(joint["limits"])}"' if "limits" in joint else ""
+        xml += (
+            f'<joint name="w{number}" type="{kind}" axis="{numbers(flipped(joint["axis"]))}"{ends} damping="{joint["damping"]}" '
+            f'frictionloss="{joint["friction"]}" armature="{drive["armature"] if drive else 0}"/>'
+        )
+        if drive:
+            most = f'forcerange="{-drive["max_torque"]} {drive["max_torque"]}"'
+            position = f'<position joint="w{number}" kp="{drive.get("stiffness")}" kv="{drive["gain"]}" {most}/>'
+            servos.append(position if "stiffness" in drive else f'<velocity joint="w{number}" kv="{drive["gain"]}" {most}/>')
+    masses = [(part["mass"], flipped(part["centre"]) - origin, np.array(part["inertia"]).reshape(3, 3)) for part in link["parts"]]
+    turn = np.diag([1.0, -1.0, -1.0])
+    if masses:
+        mass = sum(part[0] for part in masses)
+        centre = sum(part[0] * part[1] for part in masses) / mass
+        about = sum(turn @ own @ turn + m * ((at - centre) @ (at - centre) * np.eye(3) - np.outer(at - centre, at - centre)) for m, at, own in masses)
+        full = [about[0, 0], about[1, 1], about[2, 2], about[0, 1], about[0, 2], about[1, 2]]
+        xml += f'<inertial pos="{numbers(centre)}" mass="{mass}" fullinertia="{numbers(full)}"/>'
+    for solid in link["solids"]:
+        half = np.array(solid["shape"]["Box"]["size"]) / 2
+        xml += f'<geom type="box" pos="{numbers(flipped(solid["position"]) - origin)}" size="{numbers(half)}" mass="0" friction="0.6 0 0"/>'
+    if "wheel" in link:
+        wheel = link["wheel"]
+        xml += f'<geom type="cylinder" size="{wheel["radius"]} {wheel["width"] / 2}" euler="90 0 0" mass="{wheel["mass"]}" friction="0.85 0 0"/>'
+    children = [child for child, it in enumerate(links) if it.get("joint", {}).get("parent") == number and "joint" in it]
+    return xml + "".join(tree_xml(links, child, servos) for child in children) + "</body>"
+
+
+def mujoco_tree_row(definition, step, cone, dt, seconds):
+    """Times real time of a robot in the motions of `usarsim bench`, on a floor or half on a step."""
+    servos, links = [], definition["links"]
+    lowest = max(link["joint"]["anchor"][2] + link["wheel"]["radius"] for link in links if "wheel" in link)
+    solid = '<geom type="box" pos="5 0 0.025" size="5 5 0.025" contype="1" friction="0.85 0 0"/>' if step else ""
+    body = tree_xml(links, 0, servos, lowest + (0.051 if step else 0.001))
+    scene = mujoco.MjModel.from_xml_string(
+        f'<mujoco><compiler angle="degree"/><option timestep="{dt}" integrator="implicitfast" cone="{cone}" impratio="{10 if cone == "elliptic" else 1}"/>'
+        '<default><geom contype="0" conaffinity="1" condim="3" solref="0.004 1"/></default>'
+        f'<worldbody><geom type="plane" size="50 50 1" contype="1" friction="0.85 0 0"/>{solid}{body}</worldbody>'
+        f'<actuator>{"".join(servos)}</actuator></mujoco>'
+    )
+    driven = [(index, links[int(servo.split('"')[1][1:])]["wheel"]) for index, servo in enumerate(servos) if servo.startswith("<velocity")]
+    wheels = [index for index, _ in driven]
+    if "rollers" in driven[0][1]:
+        motions = [(1, 1, 1, 1), (1, -1, -1, 1), (1, -1, 1, -1)]
+    else:
+        motions = [[left if wheel["side"] == "Left" else right for _, wheel in driven] for left, right in ((1, 1), (1, -1), (1, 0.5))]
+    wall, steps = 0.0, int(seconds / dt)
+    for speeds in motions:
+        data = mujoco.MjData(scene)
+        mujoco.mj_step(scene, data, int(0.5 / dt))
+        data.ctrl[wheels] = speeds
+        mujoco.mj_step(scene, data, int(2 / dt))
+        start = time.perf_counter()
+        mujoco.mj_step(scene, data, steps)
+        wall += time.perf_counter() - start
+    return len(motions) * steps * dt / wall if np.isfinite(data.qpos).all() else 0.0
+
+
+def trees(seconds, repeat):
+    """The table of robots whose trees both have, each the fastest of the repeats."""
+    lines = ["| robot | step, ms | MuJoCo, pyramidal | MuJoCo, elliptic | usarsim, `articulated` | times the faster |", "|---|---|---|---|---|---|"]
+    for name, place, floor in (("YouBotArm", "a floor", None), ("Kenaf", "the arena's step", "bench/floors/step.toml")):
+        definition = robot(name)
+        for dt in (0.002, 0.004, 0.008):
+            best = [0.0] * 3
+            for turn in range(repeat):
+                print(f"\r{turn + 1}/{repeat} {name} {1e3 * dt:g} ms {'':60}", end="", flush=True)
+                found = [mujoco_tree_row(definition, floor, cone, dt, seconds) for cone in ("pyramidal", "elliptic")]
+                found.append(usarsim_row("articulated", dt, seconds, name, (), floor or "rough")["factor"])
+                best = [max(pair) for pair in zip(best, found)]
+            factors = " | ".join(f"{factor:.0f}" for factor in best)
+            lines.append(f"| {name} on {place} | {1e3 * dt:g} | {factors} | {best[2] / max(best[:2]):.1f} |")
+    return lines
+
+
+def without_sensors(name, folder):
+    """A robot file without the sensors that MuJoCo's robots have not, in a folder."""
+    shipped = os.path.join(os.path.dirname(__file__), "..", "assets", "robots", name, "robot.toml")
+    with open(shipped) as file:
+        tables = re.split(r"(?m)^(?=\[)", file.read())
+    path = os.path.join(folder, name, "robot.toml")
+    os.makedirs(os.path.dirname(path))
+    with open(path, "w") as file:
+        file.write("".join(table for table in tables if not table.startswith("[[sensor]]")))
+    return path
+
+
+def usarsim_row(drive_model, dt, seconds, robot="KUKA_YouBot", motions=("forward", "right", "clockwise"), floor="rough"):
+    command = [USARSIM, "bench", "--robot", robot, "--drive-model", drive_model, "--dt", str(dt), "--seconds", str(seconds), "--map", floor, "--json"]
     report = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
     ratios = {name: report["motions"][name]["ratio"] for name in motions}
     return {"factor": report["real_time_factor"], "error": report["worst_error_percent"], "ratios": ratios}
@@ -221,6 +339,10 @@ def main():
     }
     ours = [("bodies", 0.002), ("articulated", 0.002), ("articulated", 0.008), ("articulated", 0.016), ("articulated", 0.02)]
     sliding |= {f"usarsim, {name}|{1e3 * dt:g}": (lambda n=name, t=dt: usarsim_row(n, t, seconds, "P3AT", ("forward", "clockwise"))) for name, dt in ours}
+    folder = tempfile.TemporaryDirectory()
+    bare = without_sensors("P3AT", folder.name)
+    ours = [("articulated", 0.002), ("articulated", 0.016), ("articulated", 0.02)]
+    sliding |= {f"usarsim, {name}, no sensors|{1e3 * dt:g}": (lambda n=name, t=dt: usarsim_row(n, t, seconds, bare, ("forward", "clockwise"))) for name, dt in ours}
     tables = [(runs, "forward | sideways | turning"), (sliding, "forward | on the spot")]
     if arguments.check:
         arguments.repeat = 1
@@ -235,6 +357,9 @@ def main():
     text += "\n".join(made[0][0]) + "\n\n" + verdict(made[0][1], 1, 0.3)
     text += f"\n\n## A robot that has to slide\n\nA P3AT forward and on the spot at 1 rad/s, 2 x {seconds:g} seconds, beside the twist at which Coulomb's friction balances (docs/kinematics.md). MuJoCo's contacts do not feel the servo: with the robot's own it turns a sixth as far as it should or less, with a softer one and an invented rotor nearly as far.\n\n"
     text += "\n".join(made[1][0]) + "\n\n" + verdict(made[1][1], 2, 0.3)
+    text += " MuJoCo's P3AT has no sensors; usarsim's has a laser of 181 beams and seven others, which are in its time, but where the row says not."
+    text += f"\n\n## Trees\n\nThe same trees of links with the same servos, times real time in the motions of `usarsim bench` (3 x {seconds:g} seconds): a youBot with its arm and 24 rollers, and a Kenaf that starts with its front half on a step of 5 cm. usarsim's have their sensors, too.\n\n"
+    text += "\n".join(trees(seconds, arguments.repeat))
     print("\r" + text)
     if arguments.out:
         with open(arguments.out, "w") as file:
@@ -262,10 +387,10 @@ def verdict(best, their_error, our_error):
     """How much faster usarsim's models are at an error of at most so many percent."""
     good = [row["factor"] for key, row in best.items() if key.startswith("MuJoCo") and row["error"] <= their_error]
     text = f"MuJoCo's best at an error of at most {their_error} %: {max(good):.0f} times real time." if good else f"MuJoCo is never within {their_error} %."
-    for model in ("articulated", "analytic"):
-        ours = [row["factor"] for key, row in best.items() if f"usarsim, {model}" in key and row["error"] <= our_error]
+    for model in ("articulated", "articulated, no sensors", "analytic"):
+        ours = [row["factor"] for key, row in best.items() if key.startswith(f"usarsim, {model}|") and row["error"] <= our_error]
         if ours:
-            text += f" `{model}` at an error of at most {our_error} %: {max(ours):.0f} times"
+            text += f" usarsim's {model} at an error of at most {our_error} %: {max(ours):.0f} times"
             text += f", {max(ours) / max(good):.1f} times as fast." if good else "."
     return text
 

@@ -2,10 +2,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::tree::Rotor;
 use crate::{Body, Joint};
 
 /// A link with everything that hangs on it, about the centre of the root.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Composite {
     mass: f64,
     /// Mass times the position of its centre.
@@ -17,7 +18,7 @@ pub(crate) struct Composite {
 }
 
 /// How a link accelerates where no joint does: the velocity turns, and the world falls up.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Acceleration {
     angular: Vector3<f64>,
     linear: Vector3<f64>,
@@ -28,9 +29,10 @@ pub(crate) struct Acceleration {
 pub(crate) fn assemble(body: &mut Body, time_step: f64) {
     let Body { tree, frames, axes, velocity, gravity, drives, force, factors, free, composites, accelerations, .. } =
         body;
-    composites.clear();
-    accelerations.clear();
-    for (number, (link, frame)) in tree.links.iter().zip(&*frames).enumerate() {
+    composites.resize(tree.links.len(), Composite::default());
+    accelerations.resize(tree.links.len(), Acceleration::default());
+    for &(number, ref mass) in &tree.carriers {
+        let (link, frame) = (&tree.links[number], &frames[number]);
         let acceleration = if number == 0 {
             let from_centre = frame.angular.cross(&frame.angular.cross(&frame.origin));
             Acceleration { angular: Vector3::zeros(), linear: from_centre - *gravity }
@@ -53,19 +55,35 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64) {
                 Joint::Ball | Joint::Free | Joint::Fixed => Acceleration { angular: above.angular, linear },
             }
         };
-        accelerations.push(acceleration);
-        let arm = frame.rotation * link.mass.centre;
+        accelerations[number] = acceleration;
+        let arm = frame.rotation * mass.centre;
         let at = frame.origin + arm;
-        let own = frame.rotation * link.mass.inertia * frame.rotation.transpose();
+        let own = frame.rotation * mass.inertia * frame.rotation.transpose();
         let Acceleration { angular, linear } = acceleration;
         let linear = linear + angular.cross(&arm) + frame.angular.cross(&frame.angular.cross(&arm));
-        let force = linear * link.mass.mass;
+        let force = linear * mass.mass;
         let turning = own * angular + frame.angular.cross(&(own * frame.angular)) + at.cross(&force);
-        let moment = at * link.mass.mass;
-        let inertia = own + (Matrix3::identity() * at.norm_squared() - at * at.transpose()) * link.mass.mass;
-        composites.push(Composite { mass: link.mass.mass, moment, inertia, force, turning });
+        let moment = at * mass.mass;
+        let inertia = own + (Matrix3::identity() * at.norm_squared() - at * at.transpose()) * mass.mass;
+        composites[number] = Composite { mass: mass.mass, moment, inertia, force, turning };
     }
-    for number in (0..tree.links.len()).rev() {
+    let mut finish = |dof: usize, row: &mut [f64], needed: f64| {
+        let of = &tree.dofs[dof];
+        let gain = drives[dof].gain + of.damping;
+        row[of.depth] += of.armature + gain * time_step;
+        free[dof] = (force[dof] + drives[dof].at_rest - gain * velocity[dof] - needed) * time_step;
+    };
+    for &Rotor { parent, dof, inertia } in &tree.rotors {
+        // Its momentum at a speed of 1; it turns with its carrier, which is all that a gyroscope needs a moment for.
+        let angular = axes[dof].angular * inertia;
+        let row = &mut factors[tree.dofs[dof].row..];
+        for (to, &above) in row.iter_mut().zip(tree.chain(dof)) {
+            *to = axes[above].angular.dot(&angular);
+        }
+        finish(dof, row, angular.dot(&accelerations[parent].angular));
+        composites[parent].turning += frames[parent].angular.cross(&angular) * velocity[dof];
+    }
+    for &(number, _) in tree.carriers.iter().rev() {
         let own = composites[number];
         let (first, count) = tree.dofs_of[number];
         for dof in first..first + count {
@@ -77,11 +95,7 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64) {
             for (to, &above) in row.iter_mut().zip(tree.chain(dof)) {
                 *to = axes[above].angular.dot(&angular) + axes[above].linear.dot(&linear);
             }
-            let of = &tree.dofs[dof];
-            let gain = drives[dof].gain + of.damping;
-            row[of.depth] += of.armature + gain * time_step;
-            let needed = axis.angular.dot(&own.turning) + axis.linear.dot(&own.force);
-            free[dof] = (force[dof] + drives[dof].at_rest - gain * velocity[dof] - needed) * time_step;
+            finish(dof, row, axis.angular.dot(&own.turning) + axis.linear.dot(&own.force));
         }
         if number > 0 {
             let parent = &mut composites[tree.links[number].parent];

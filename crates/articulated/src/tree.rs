@@ -13,6 +13,9 @@ pub struct Tree {
     chains: Vec<usize>,
     /// How many degrees of freedom two have above or at both, by their numbers.
     common: Vec<u16>,
+    /// Links with what their rotors weigh, and the rotors.
+    pub(crate) carriers: Vec<(usize, Mass)>,
+    pub(crate) rotors: Vec<Rotor>,
     /// Entries of a triangle that has those of the chains alone.
     pub(crate) entries: usize,
 }
@@ -65,6 +68,15 @@ pub struct Mass {
     pub inertia: Matrix3<f64>,
 }
 
+/// A link that turns about the axis in which it is round, with nothing that hangs on it: it weighs on its parent, however far it has turned.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rotor {
+    pub(crate) parent: usize,
+    pub(crate) dof: usize,
+    /// About its axis, kg m².
+    pub(crate) inertia: f64,
+}
+
 /// A degree of freedom.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Dof {
@@ -110,7 +122,19 @@ impl Tree {
         let shared = |a: usize, b: usize| of(a).iter().zip(of(b)).take_while(|(a, b)| a == b).count() as u16;
         let common =
             (0..dofs.len()).flat_map(|a| (0..dofs.len()).map(move |b| (a, b))).map(|(a, b)| shared(a, b)).collect();
-        Self { links, dofs, dofs_of, chains, common, entries }
+        let is_rotor =
+            |number: usize| links[number].is_rotor() && !links[number + 1..].iter().any(|it| it.parent == number);
+        let (mut carriers, mut rotors) = (Vec::new(), Vec::new());
+        for (number, link) in links.iter().enumerate() {
+            if is_rotor(number) {
+                rotors.push(Rotor { parent: link.parent, dof: dofs_of[number].0, inertia: link.axial_inertia() });
+                continue;
+            }
+            let own = (number + 1..links.len()).filter(|&it| links[it].parent == number && is_rotor(it));
+            let mass = own.fold(link.mass, |mass, rotor| mass.with(&links[rotor].mass, links[rotor].anchor));
+            carriers.push((number, mass));
+        }
+        Self { links, dofs, dofs_of, chains, common, carriers, rotors, entries }
     }
 
     /// Its links.
@@ -168,7 +192,37 @@ impl Joint {
     }
 }
 
+impl Mass {
+    /// With another, whose frame has its origin at an offset.
+    #[must_use]
+    pub fn with(&self, other: &Self, offset: Vector3<f64>) -> Self {
+        let mass = self.mass + other.mass;
+        if mass == 0.0 {
+            return *self;
+        }
+        let at = other.centre + offset;
+        let centre = (self.centre * self.mass + at * other.mass) / mass;
+        let about = |own: &Self, at: Vector3<f64>| {
+            let arm = at - centre;
+            own.inertia + (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * own.mass
+        };
+        Self { mass, centre, inertia: about(self, self.centre) + about(other, at) }
+    }
+}
+
 impl Link {
+    /// Whether it is round about the axis through its centre that it turns about.
+    fn is_rotor(&self) -> bool {
+        let Joint::Revolute(axis) = self.joint else { return false };
+        let off = self.mass.inertia * axis - axis * self.axial_inertia();
+        self.is_round && self.mass.centre == Vector3::zeros() && off.norm() <= 1e-9 * self.mass.inertia.trace()
+    }
+
+    /// About the axis that it turns about, kg m².
+    fn axial_inertia(&self) -> f64 {
+        if let Joint::Revolute(axis) = self.joint { axis.dot(&(self.mass.inertia * axis)) } else { 0.0 }
+    }
+
     /// A link that nothing brakes.
     pub fn new(parent: usize, joint: Joint, anchor: Vector3<f64>, mass: Mass) -> Self {
         Self { parent, joint, anchor, mass, is_round: false, damping: 0.0, linear_damping: 0.0, armature: 0.0 }

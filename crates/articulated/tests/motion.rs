@@ -57,6 +57,39 @@ fn a_tree_in_flight_keeps_momentum_and_energy() {
     assert!((body.position(1) - 0.75).abs() > 1e-3, "the joints are not alone in the world");
 }
 
+/// A wheel that is known to be round moves as one that is worked out like any other link.
+#[test]
+fn a_round_wheel_moves_as_any_other_link() {
+    let run = |is_round: bool| {
+        let mut chassis = mass(5.0, [0.1, 0.2, 0.25]);
+        chassis.centre = Vector3::new(0.02, -0.01, 0.03);
+        let axis = Vector3::new(0.0, 0.6, 0.8);
+        let round = Matrix3::identity() * 0.02 + axis * axis.transpose() * 0.03;
+        let wheel = Mass { mass: 1.0, centre: Vector3::zeros(), inertia: round };
+        let mut wheel = Link::new(1, Joint::Revolute(axis), Vector3::new(0.1, 0.2, 0.3), wheel);
+        wheel.is_round = is_round;
+        wheel.damping = 0.01;
+        let arm =
+            Link::new(0, Joint::Revolute(Vector3::x()), Vector3::new(0.2, 0.0, 0.1), mass(1.0, [0.01, 0.02, 0.02]));
+        let mut other = Link { parent: 0, anchor: Vector3::new(-0.3, 0.0, 0.1), ..wheel.clone() };
+        other.armature = 0.01;
+        let tree = Tree::new(vec![Link::new(0, Joint::Free, Vector3::zeros(), chassis), arm, wheel, other]);
+        let mut body = Body::new(Arc::new(tree), Pose::translation(1.0, 2.0, 3.0));
+        body.velocity_mut().copy_from_slice(&[0.3, -0.5, 0.7, 1.0, -2.0, 0.5, 1.5, -20.0, 30.0]);
+        body.place();
+        for _ in 0..500 {
+            body.set_gravity(GRAVITY);
+            body.set_drive(7, Drive { at_rest: 0.5, gain: 0.1, most: 1.0 });
+            step(&mut [&mut body], &mut [], &mut [], 0.002, &mut Workspace::default());
+            body.advance(0.002);
+        }
+        body.velocity().to_vec()
+    };
+    for (number, (round, other)) in run(true).into_iter().zip(run(false)).enumerate() {
+        assert!((round - other).abs() < 1e-9, "{number}: {round} or {other}");
+    }
+}
+
 /// A bar that swings about its end: T = 2 pi sqrt(I / m g l) for small angles.
 #[test]
 fn a_pendulum_swings_in_its_time() {

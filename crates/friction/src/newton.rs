@@ -21,7 +21,7 @@ pub(crate) fn solve(
     workspace: &mut Workspace,
 ) -> bool {
     let tries: &[(f64, usize)] = if is_first { &FIRST_TRY } else { &TRIES };
-    let Workspace { trial, velocity, slopes } = workspace;
+    let Workspace { trial, velocity, equations } = workspace;
     for &(share, most) in tries {
         trial.clear();
         trial.extend_from_slice(impulses);
@@ -32,7 +32,7 @@ pub(crate) fn solve(
                 return true;
             }
             *steps += 1;
-            if !step(problem, trial, velocity, slopes) {
+            if !step(problem, trial, velocity, equations) {
                 return false;
             }
             trial.iter_mut().zip(&*velocity).for_each(|(impulse, step)| *impulse -= share * step);
@@ -42,93 +42,109 @@ pub(crate) fn solve(
 }
 
 /// By how much Newton's method moves the impulses: what is to be taken from them, in the place of the velocity that they give. Whether
-/// there is an answer. `slopes` is room for a matrix.
-fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], slopes: &mut Vec<f64>) -> bool {
-    // The conditions, row by row, and their slopes. One that is about a velocity is that row of the response.
-    slopes.clear();
-    slopes.extend_from_slice(&problem.response);
-    let (count, missed) = (velocity.len(), velocity);
-    let set_to = |slopes: &mut [f64], missed: &mut [f64], row: usize, impulse: f64| {
-        slopes[row * count..][..count].fill(0.0);
-        slopes[row * (count + 1)] = 1.0;
-        missed[row] = impulses[row] - impulse;
+/// there is an answer. `equations` is room for them.
+fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &mut Vec<f64>) -> bool {
+    // The conditions, row by row: their equations, and behind them what they miss. One that is about a velocity is that row of the response.
+    let count = velocity.len();
+    let width = width(count);
+    equations.clear();
+    for (row, missed) in velocity.iter().enumerate() {
+        equations.extend_from_slice(problem.of_row(row));
+        equations.push(*missed);
+        equations.resize((row + 1) * width, 0.0);
+    }
+    let set_to = |equation: &mut [f64], row: usize, impulse: f64| {
+        equation.fill(0.0);
+        equation[row] = 1.0;
+        equation[count] = impulses[row] - impulse;
     };
     for (row, constraint) in problem.constraints() {
-        let own = problem.own(row);
+        let wanted = |row: usize, own: f64| impulses[row] - velocity[row] / own;
+        let mut equations = equations.chunks_exact_mut(width).enumerate().skip(row).take(constraint.rows());
         match constraint {
             Constraint::Within(most) => {
-                let wanted = impulses[row] - missed[row] / own;
+                let wanted = wanted(row, problem.own(row));
                 if wanted.abs() > most {
-                    set_to(slopes, missed, row, most.copysign(wanted));
+                    equations.for_each(|(row, equation)| set_to(equation, row, most.copysign(wanted)));
                 }
             }
-            Constraint::Contact { tangents, .. } if impulses[row] - missed[row] / own <= 0.0 => {
-                (row..=row + tangents).for_each(|row| set_to(slopes, missed, row, 0.0));
+            Constraint::Contact { .. } if wanted(row, problem.own(row)) <= 0.0 => {
+                equations.for_each(|(row, equation)| set_to(equation, row, 0.0));
             }
             Constraint::Contact { tangents: 0, .. } => {}
             Constraint::Contact { friction, tangents } => {
                 // Of the lighter tangent, so that one that holds is not taken for one that slides.
                 let own = (row + 1..=row + tangents).map(|row| problem.own(row)).fold(0.0, f64::max);
-                let wanted = [0, 1].map(|tangent| {
-                    let row = row + 1 + tangent;
-                    if tangent < tangents { impulses[row] - missed[row] / own } else { 0.0 }
-                });
+                let wanted = [0, 1].map(|it| if it < tangents { wanted(row + 1 + it, own) } else { 0.0 });
                 let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
                 let most = friction * impulses[row];
                 if length <= most {
                     continue;
                 }
                 let direction = wanted.map(|part| part / length);
-                for tangent in 0..tangents {
-                    let at = row + 1 + tangent;
-                    set_to(slopes, missed, at, most * direction[tangent]);
-                    let slope = &mut slopes[at * count..][..count];
+                equations.next();
+                for (tangent, (at, equation)) in equations.enumerate() {
+                    set_to(equation, at, most * direction[tangent]);
                     // Of how the direction turns: of each tangent what is across it.
                     for other in 0..tangents {
                         let across = f64::from(u8::from(tangent == other)) - direction[tangent] * direction[other];
                         let share = across * most / length;
                         let response = problem.of_row(row + 1 + other);
-                        slope.iter_mut().zip(response).for_each(|(to, from)| *to += share / own * from);
-                        slope[row + 1 + other] -= share;
+                        equation.iter_mut().zip(response).for_each(|(to, from)| *to += share / own * from);
+                        equation[row + 1 + other] -= share;
                     }
-                    slope[row] -= friction * direction[tangent];
+                    equation[row] -= friction * direction[tangent];
                 }
             }
         }
     }
-    eliminate(slopes, missed)
+    eliminate(equations, velocity)
 }
 
-/// Solves equations, row after row, for their right sides, in place. Whether there is an answer.
-fn eliminate(slopes: &mut [f64], right: &mut [f64]) -> bool {
-    let count = right.len();
+/// Numbers of an equation with its right side, filled up so that a processor can take four at once.
+fn width(count: usize) -> usize {
+    (count + 1).next_multiple_of(4)
+}
+
+/// Solves equations, row after row, each with its right side behind it. Whether there is an answer.
+fn eliminate(equations: &mut [f64], answer: &mut [f64]) -> bool {
+    let count = answer.len();
+    let width = width(count);
     // Of the equations that are left the one that says most of an unknown is used for it.
     for unknown in 0..count {
-        let size = |equation: &usize| slopes[equation * count + unknown].abs();
-        let Some(chosen) = (unknown..count).max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
-        if chosen != unknown {
-            let (before, after) = slopes.split_at_mut(chosen * count);
-            before[unknown * count..][..count].swap_with_slice(&mut after[..count]);
-            right.swap(unknown, chosen);
+        let (mut chosen, mut most) = (unknown, 0.0);
+        for (number, equation) in equations.chunks_exact(width).enumerate().skip(unknown) {
+            let size = equation[unknown].abs();
+            if size > most {
+                (chosen, most) = (number, size);
+            }
         }
-        let (used, rest) = slopes.split_at_mut((unknown + 1) * count);
-        let used = &used[unknown * count..];
-        if used[unknown] == 0.0 {
+        if most == 0.0 {
             return false;
         }
-        for (other, equation) in rest.chunks_exact_mut(count).enumerate() {
-            let factor = equation[unknown] / used[unknown];
+        let (before, after) = equations.split_at_mut((unknown + 1) * width);
+        let used = &mut before[unknown * width..];
+        if chosen != unknown {
+            used.swap_with_slice(&mut after[(chosen - unknown - 1) * width..][..width]);
+        }
+        let inverse = 1.0 / used[unknown];
+        used[unknown] = inverse;
+        // What is before the unknown is of no use any more, so four by four they may begin there.
+        let first = (unknown + 1) / 4 * 4;
+        let (used, _) = used[first..].as_chunks::<4>();
+        for equation in after.chunks_exact_mut(width) {
+            let factor = equation[unknown] * inverse;
             if factor != 0.0 {
-                right[unknown + 1 + other] -= factor * right[unknown];
-                let pairs = equation[unknown + 1..].iter_mut().zip(&used[unknown + 1..]);
-                pairs.for_each(|(to, from)| *to -= factor * from);
+                let (equation, _) = equation[first..].as_chunks_mut::<4>();
+                for (to, from) in equation.iter_mut().zip(used) {
+                    (0..4).for_each(|lane| to[lane] -= factor * from[lane]);
+                }
             }
         }
     }
-    for unknown in (0..count).rev() {
-        let equation = &slopes[unknown * count..][..count];
-        let known = dot(&equation[unknown + 1..], &right[unknown + 1..]);
-        right[unknown] = (right[unknown] - known) / equation[unknown];
+    for (unknown, equation) in equations.chunks_exact(width).enumerate().rev() {
+        let known = dot(&equation[unknown + 1..count], &answer[unknown + 1..]);
+        answer[unknown] = (equation[count] - known) * equation[unknown];
     }
-    right.iter().all(|it| it.is_finite())
+    answer.iter().all(|it| it.is_finite())
 }

@@ -28,7 +28,7 @@ pub struct Outcome {
 pub struct Workspace {
     pub(crate) trial: Vec<f64>,
     pub(crate) velocity: Vec<f64>,
-    pub(crate) slopes: Vec<f64>,
+    pub(crate) equations: Vec<f64>,
 }
 
 /// Solves a problem: `impulses` are those of the step before, or 0 where there was none, and then the impulse on every row, N s.

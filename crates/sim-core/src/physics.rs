@@ -21,7 +21,7 @@ use rapier3d::prelude::*;
 
 pub(crate) use compile::{CompiledMap, CompiledRobot, Materials};
 pub(crate) use identity::Identity;
-pub(crate) use query::RayHit;
+pub(crate) use query::Sight;
 pub(crate) use robot::RobotBodies;
 
 use articulated::MapObject;

@@ -15,13 +15,13 @@ mod tachometer;
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Reading};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use scene::sensor::Config;
 use scene::{Pose, RobotDef, SensorDef};
 
 use crate::RobotId;
-use crate::physics::{Physics, RayHit, RobotBodies};
+use crate::physics::{Physics, RobotBodies, Sight};
 use crate::{BodyState, WheelState};
 
 /// What a sensor may see. It cannot change the world.
@@ -51,9 +51,9 @@ impl View<'_> {
         Self { carrier: self.physics.carrier(bodies, link).unwrap_or(self.body), ..self }
     }
 
-    /// First hit of a ray from a place in world coordinates.
-    pub(crate) fn cast_ray(&self, origin: &Point3<f64>, direction: &Vector3<f64>, max: f64) -> Option<RayHit> {
-        self.physics.cast_ray(origin, direction, max, self.id)
+    /// What rays from a place in world coordinates can meet.
+    pub(crate) fn sight(&self, origin: &Point3<f64>, max_distance: f64) -> Sight<'_> {
+        self.physics.sight(origin, max_distance, self.id)
     }
 }
 

@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    within(text, 0.1, 20.0)
+    within(text, 0.1, 1000.0)
 }
 
 pub(crate) fn time_step(text: &str) -> Result<f64, String> {

@@ -59,8 +59,7 @@ pub(crate) struct ArticulatedRobot {
     resistances: Vec<Vector3<f64>>,
     /// What pushed it in the last step, with the wheel that it pushed.
     contacts: Vec<(Option<usize>, Contact)>,
-    /// Where its links and surfaces are, in the step that is made.
-    poses: Vec<Pose>,
+    /// Where its surfaces are, in the step that is made.
     placed: Vec<Placed>,
     standing: Standing,
     /// Whether it flies.
@@ -127,7 +126,6 @@ impl ArticulatedRobot {
             loads: vec![Load::default(); wheels],
             resistances: vec![Vector3::zeros(); wheels],
             contacts: Vec::new(),
-            poses: Vec::new(),
             placed: Vec::new(),
             standing: Standing { around: None, is_known: false, is_sound: true },
             flies: false,
@@ -365,22 +363,13 @@ impl JointValue {
 
 /// Pose of a link in the world.
 fn link_pose(body: &Body, link: usize) -> Pose {
-    let rotation =
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(body.frames()[link].rotation));
-    Pose::from_parts((body.centre() + body.frames()[link].origin).into(), rotation)
-}
-
-/// Puts the poses of all links in the world in the place of `poses`.
-fn link_poses(body: &Body, poses: &mut Vec<Pose>) {
-    let (links, centre) = (body.tree().links(), body.centre());
-    poses.clear();
-    for (number, (link, frame)) in links.iter().zip(body.frames()).enumerate() {
-        let rotation = match number {
-            0 => body.pose().rotation,
-            // It turns with its parent alone.
-            _ if link.is_round => poses[link.parent].rotation,
-            _ => UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame.rotation)),
-        };
-        poses.push(Pose::from_parts((centre + frame.origin).into(), rotation));
-    }
+    let frame = &body.frames()[link];
+    let of = &body.tree().links()[link];
+    let rotation = match link {
+        0 => body.pose().rotation,
+        // It turns with its parent alone.
+        _ if of.is_round && of.parent == 0 => body.pose().rotation,
+        _ => UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame.rotation)),
+    };
+    Pose::from_parts((body.centre() + frame.origin).into(), rotation)
 }

@@ -62,9 +62,9 @@ impl Sensor for Mounted {
 
     fn sense(&mut self, view: &View) -> Option<Reading> {
         let pose = view.carrier.pose * self.pose;
-        let origin = pose.translation.vector.into();
+        let sight = view.sight(&pose.translation.vector.into(), self.max_range);
         let range = |beam: &Vector3<f64>| {
-            let hit = view.cast_ray(&origin, &(pose.rotation * beam), self.max_range);
+            let hit = sight.cast_ray(&(pose.rotation * beam));
             hit.map_or(self.max_range, |hit| hit.distance) as f32
         };
         let reading = Scan {

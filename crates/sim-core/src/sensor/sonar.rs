@@ -51,10 +51,10 @@ impl Sensor for Mounted {
 
     fn sense(&mut self, view: &View) -> Option<Reading> {
         let pose = view.carrier.pose * self.pose;
-        let origin = pose.translation.vector.into();
+        let sight = view.sight(&pose.translation.vector.into(), self.config.max_range);
         let cast = |beam: &Vector3<f64>| {
             let direction = pose.rotation * beam;
-            view.cast_ray(&origin, &direction, self.config.max_range).map(|hit| (hit, direction))
+            sight.cast_ray(&direction).map(|hit| (hit, direction))
         };
         let ahead = cast(&Vector3::x()).map(|(hit, _)| hit.distance);
         let around = self.cone_beams.iter().filter_map(cast).filter_map(|(hit, direction)| {

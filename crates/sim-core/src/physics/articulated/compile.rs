@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use articulated::{Joint, Link, Mass, Tree};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use rapier3d::math::Pose as EnginePose;
+use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::SharedShape;
 use scene::{Coupling, CouplingKind, DriveModel, JointKind, Material, MountedWheel, RobotDef, Rollers, Steering};
 
@@ -70,7 +71,9 @@ pub(super) struct Surface {
     pub(super) shape: SharedShape,
     /// In the frame of the link.
     pub(super) pose: EnginePose,
-    /// Middle and half the size of a box around it along the axes of the link, m.
+    /// A box around it along its own axes.
+    pub(super) around: Aabb,
+    /// Middle and half the size of one along the axes of the link, m.
     pub(super) middle: Vector3<f64>,
     pub(super) half: Vector3<f64>,
     /// The wheel that it is, by its number among them.
@@ -166,7 +169,7 @@ impl Articulated {
         let axis = Vector3::from(joint.axis);
         let kind = match joint.kind {
             JointKind::Fixed => {
-                links[parent].mass = together(&links[parent].mass, &mass, anchor);
+                links[parent].mass = links[parent].mass.with(&mass, anchor);
                 return (parent, anchor);
             }
             JointKind::Revolute | JointKind::Continuous => Joint::Revolute(axis),
@@ -231,10 +234,7 @@ impl Articulated {
     }
 
     fn add_surface(&mut self, link: usize, form: Form, material: &Material, seen: Seen, wheel: Option<usize>) {
-        let (shape, pose) = seen.placed();
-        let around = shape.compute_aabb(&pose);
-        let (middle, half) = (convert::from_vector(around.center()), convert::from_vector(around.half_extents()));
-        self.surfaces.push(Surface { link, form, material: material.clone(), seen, shape, pose, middle, half, wheel });
+        self.surfaces.push(Surface::new(link, form, material, seen, wheel));
     }
 
     fn add_coupling(&mut self, def: &RobotDef, follower: usize, coupling: Coupling) {
@@ -256,6 +256,15 @@ impl Articulated {
     }
 }
 
+impl Surface {
+    pub(super) fn new(link: usize, form: Form, material: &Material, seen: Seen, wheel: Option<usize>) -> Self {
+        let (shape, pose) = seen.placed();
+        let (around, on_link) = (shape.compute_local_aabb(), shape.compute_aabb(&pose));
+        let (middle, half) = (convert::from_vector(on_link.center()), convert::from_vector(on_link.half_extents()));
+        Self { link, form, material: material.clone(), seen, shape, pose, around, middle, half, wheel }
+    }
+}
+
 /// Whether the rollers of a robot's wheels are links of their own.
 fn rollers_are_links(def: &RobotDef) -> bool {
     def.drive_model == DriveModel::Articulated
@@ -274,19 +283,4 @@ fn add_rollers(rollers: &Rollers, wheel_radius: f64, wheel: usize, links: &mut V
         links.push(Link { is_round: true, damping: rollers.damping, ..link });
     }
     first
-}
-
-/// Two masses as one, the second at an offset.
-fn together(one: &Mass, other: &Mass, offset: Vector3<f64>) -> Mass {
-    let mass = one.mass + other.mass;
-    if mass == 0.0 {
-        return *one;
-    }
-    let at = other.centre + offset;
-    let centre = (one.centre * one.mass + at * other.mass) / mass;
-    let about = |own: &Mass, at: Vector3<f64>| {
-        let arm = Point3::from(at) - Point3::from(centre);
-        own.inertia + (nalgebra::Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * own.mass
-    };
-    Mass { mass, centre, inertia: about(one, one.centre) + about(other, at) }
 }

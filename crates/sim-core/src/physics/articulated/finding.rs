@@ -12,7 +12,7 @@ use super::super::compile::Materials;
 use super::super::convert;
 use super::ArticulatedRobot;
 use super::compile::{Form, Surface};
-use super::link_poses;
+use super::link_pose;
 use super::ring::WheelContact;
 use super::shape_contact::touches;
 use super::wheel::{RollerTouch, Touch};
@@ -91,13 +91,12 @@ impl ArticulatedRobot {
     }
 
     fn place_surfaces(&mut self, time_step: f64) {
-        let Self { body, made_of, poses, placed, .. } = self;
-        link_poses(body, poses);
+        let Self { body, made_of, placed, .. } = self;
         let (frames, centre) = (body.frames(), body.centre());
         placed.clear();
         placed.extend(made_of.surfaces.iter().map(|surface| {
             let frame = &frames[surface.link];
-            let pose = convert::pose(&poses[surface.link]) * surface.pose;
+            let pose = convert::pose(&link_pose(body, surface.link)) * surface.pose;
             let arm = frame.rotation * surface.middle;
             // Its own turning brings a wheel nowhere.
             let speed = if surface.form == Form::Solid {
@@ -147,7 +146,7 @@ impl ArticulatedRobot {
     fn touch_collider(&self, other: &Other, found: &mut Vec<Found>) {
         let shape = other.collider.shape();
         let bounds = shape.as_halfspace().is_none().then(|| other.collider.compute_aabb());
-        let mut met = Vec::new();
+        let mut met = Vec::with_capacity(4);
         for (index, (surface, at)) in self.made_of.surfaces.iter().zip(&self.placed).enumerate() {
             if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
                 continue;

@@ -36,7 +36,7 @@ pub(in super::super) struct MapObject {
 impl Articulated {
     /// Something rigid that is free.
     pub(in super::super) fn of_object(seen: Seen, mass: f64, material: &scene::Material) -> Self {
-        let (shape, pose) = seen.placed();
+        let (shape, _) = seen.placed();
         let mut properties = shape.mass_properties(1.0);
         properties.set_mass(mass, true);
         let inertia = properties.reconstruct_inertia_matrix().to_cols_array_2d().into();
@@ -44,10 +44,7 @@ impl Articulated {
         let root = Link::new(0, Joint::Free, Vector3::zeros(), Mass { mass, centre, inertia });
         let damping = material.angular_damping * (inertia.trace() / 3.0);
         let tree = Tree::new(vec![Link { damping, linear_damping: material.linear_damping * mass, ..root }]);
-        let around = shape.compute_aabb(&pose);
-        let (middle, half) = (convert::from_vector(around.center()), convert::from_vector(around.half_extents()));
-        let (form, material) = (Form::Solid, material.clone());
-        let surface = Surface { link: 0, form, material, seen, shape, pose, middle, half, wheel: None };
+        let surface = Surface::new(0, Form::Solid, material, seen, None);
         Self {
             tree: Arc::new(tree),
             mass,

@@ -117,9 +117,8 @@ fn on_plane(
         }
         Form::Solid | Form::Rollers(_) => {
             // The box around it, in the surface's own axes.
-            let around = own.shape.compute_local_aabb();
-            let middle = convert::from_vector(*pose * around.center());
-            let half = around.half_extents().to_array();
+            let middle = convert::from_vector(*pose * own.around.center());
+            let half = own.around.half_extents().to_array();
             let axes = [Vector::X, Vector::Y, Vector::Z].map(|axis| convert::from_vector(pose.rotation * axis));
             let reach: f64 = axes.iter().zip(half).map(|(axis, half)| axis.dot(&normal).abs() * half).sum();
             return normal.dot(&(middle - place)) - reach > prediction;
