@@ -152,6 +152,22 @@ def tables():
     return "\n".join(lines) + "\n"
 
 
+def plain_tables():
+    """The findings of robots on plain wheels; the engine's bodies for one of them."""
+    columns = [(name, "articulated") for name in ("P3AT", "P2AT", "P2DX", "BasicSkidRobot", "CasterSkidRobot", "Kenaf", "FrontAckerman", "BasicAckermanRobot")]
+    columns.append(("P3AT", "bodies"))
+    reports = [{(row["check"], row["what"]): row for row in run("validate", "--robot", name, "--drive-model", model)["findings"]} for name, model in columns]
+    lines = ["| check | found | " + " | ".join(name + ("" if model == "articulated" else f", `{model}`") for name, model in columns) + " | right |"]
+    lines.append("|---|---|" + "---|" * (len(columns) + 1))
+    # A P3AT has all of them.
+    for (check, what), first in reports[0].items():
+        rows = [report.get((check, what)) for report in reports]
+        cells = ["-" if row is None else f"{row['measured']:.4f}" + ("" if row["passes"] else " **no**") for row in rows]
+        right = f"at most {first['most']:g}" if first["least"] is None else f"{first['least']:.4g} to {first['most']:.4g}"
+        lines.append(f"| {check} | {what} | {' | '.join(cells)} | {right} |")
+    return "\n".join(lines) + "\n"
+
+
 def main():
     os.makedirs(os.path.join(OUT, "plots"), exist_ok=True)
     page = f"""# Validation
@@ -173,6 +189,14 @@ page is made by `bench/validation.py`; `cargo test -p system-tests --test valida
   atan(cos phi) to the axle, so a youBot that stands on two rollers a wheel slides ahead from 29.1 degrees and aside from 32.7, not
   from 31 both ways.
 
+## Robots on plain wheels
+
+The nine checks of every other robot on wheels (`usarsim validate --robot P3AT`), in `articulated`, and of a P3AT in `bodies`: straight on, on the
+spot and on a curve beside the balance of friction ([kinematics.md](kinematics.md)), hold on a slope, roll down it, traction, climb, energy,
+determinism. A car does not turn on the spot; with casters the load of the driven wheels changes with the slope and with the
+acceleration, and those checks are left out.
+
+{plain_tables()}
 ## Ride height
 
 {ripple_against_phase()}

@@ -185,6 +185,39 @@ fn odometry_can_count_the_rollers() {
     }
 }
 
+/// Two wheels that roll without slip say nearly half as much again as a skid robot turns; the balance of friction knows better.
+#[test]
+fn odometry_can_know_that_wheels_slide() {
+    for (class, sliding, expected, tolerance) in [
+        ("P3AT", true, 1.0, 0.005),
+        ("P3AT", false, 1.445, 0.005),
+        ("Kenaf", true, 1.0, 0.005),
+        ("P2DX", true, 1.0, 0.005),
+    ] {
+        let WorldDef { mut map, mut robots } = scene_loader::load("rough", &[]).expect("a built-in map");
+        map.solids.iter_mut().for_each(|solid| solid.material.rolling_resistance = 0.0);
+        let mut sensor = robots["P3AT"].sensors[0].clone();
+        let robot = robots.get_mut(class).expect("the robot");
+        robot.wheels_mut().for_each(|wheel| wheel.material.rolling_resistance = 0.0);
+        let config = scene::sensor::Config::Odometry(scene::sensor::odometry::Config { sliding, ..Default::default() });
+        (sensor.name, sensor.scan_interval, sensor.config) = ("Odometry".to_owned(), 0.02, config);
+        robot.sensors = vec![sensor];
+        let mut world = World::new(WorldDef { map, robots }, Options::default());
+        let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}}"));
+        run(&mut world, 0.5);
+        apply(&mut world, robot, "DRIVE {Left 1} {Right -1}");
+        // Less than half a turn.
+        let pose = last(run(&mut world, 5.0), |reading| match reading {
+            Reading::Odometry(odometry) => Some(odometry.pose),
+            _ => None,
+        });
+        let (_, _, truth) = world.state(robot).expect("the robot").0.pose.rotation.euler_angles();
+        let ratio = f64::from(pose[2]) / truth;
+        println!("{class}, odometry over truth, sliding {sliding}: {ratio:.4}");
+        assert!((ratio - expected).abs() < tolerance, "{class}, sliding {sliding}: {ratio}");
+    }
+}
+
 #[test]
 fn encoders_and_tachometers_agree_with_the_wheels() {
     let mut world = scene(&[], 0);

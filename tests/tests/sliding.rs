@@ -1,7 +1,11 @@
 //! Robots on plain wheels beside the twist at which the friction of their wheels balances.
 
+use std::f64::consts::TAU;
+
 use experiments::{Course, Motion};
+use kinematics::coulomb::{Contact, quasi_static};
 use sim_core::{Options, World};
+use system_tests::Server;
 
 /// The share of the exact motion that a robot makes in some seconds, in steps of 2 ms.
 fn ratio(class: &str, motion: Motion) -> f64 {
@@ -47,5 +51,77 @@ fn robots_whose_wheels_slide_go_as_far_as_friction_lets_them() {
                 assert!((ratio - 1.0).abs() < 0.001, "{class} {} at {time_step} s: {ratio}", motion.name());
             }
         }
+    }
+}
+
+/// The numbers of a block of a line, `{Key 1,2,3}`.
+fn block(line: &str, key: &str) -> Option<Vec<f64>> {
+    let (_, rest) = line.split_once(&format!("{{{key} "))?;
+    rest.split_once('}')?.0.split(',').map(|number| number.parse().ok()).collect()
+}
+
+/// What a client of the P3AT reads: how fast it turns by its ground truth, and its wheels by its tachometer, rad/s. Both are taken
+/// from whole seconds of the same time.
+fn turning(server: &Server, drive: &str) -> (f64, Vec<f64>) {
+    const SPAN: [f64; 2] = [3.0, 9.0];
+    let mut client = server.client();
+    client.send("INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}");
+    client.send(&format!("DRIVE {drive}"));
+    let (mut start, mut yaws, mut wheels) = (None, Vec::new(), Vec::new());
+    loop {
+        let line = client.line();
+        let Some(time) = block(&line, "Time").map(|time| time[0]) else { continue };
+        let age = time - *start.get_or_insert(time);
+        if age > SPAN[1] {
+            break;
+        }
+        if age < SPAN[0] {
+            continue;
+        }
+        if line.contains("{Type GroundTruth}") {
+            yaws.push((time, block(&line, "Orientation").expect("an orientation")[2]));
+        } else if line.contains("{Type Tachometer}") {
+            wheels.push((time, block(&line, "Pos").expect("angles")));
+        }
+    }
+    let turned: f64 = yaws.windows(2).map(|pair| pair[1].1 - pair[0].1).map(|by| by - TAU * (by / TAU).round()).sum();
+    let rate = turned / (yaws[yaws.len() - 1].0 - yaws[0].0);
+    let ((from, first), (to, last)) = (&wheels[0], &wheels[wheels.len() - 1]);
+    (rate, first.iter().zip(last).map(|(first, last)| (last - first) / (to - from)).collect())
+}
+
+/// Who drives a P3AT over a socket and reads its sensors finds the turn at which friction balances for what its wheels did.
+#[test]
+fn over_the_socket_a_p3at_turns_as_friction_lets_it() {
+    // Half of its wheel base and of its track and the wheels' radius, m, and where its weight is ahead of its middle: 10 of 11.9 kg at
+    // 12 mm (assets/robots/P3AT/robot.toml).
+    let (base, track, radius, ahead) = (0.124, 0.18, 0.098, 0.12 / 11.9);
+    let server = Server::start("rough", &[], |config| {
+        config.real_time_factor = 10.0;
+        let floors = config.world.map.solids.iter_mut().map(|solid| &mut solid.material);
+        floors.for_each(|floor| floor.rolling_resistance = 0.0);
+        let wheels = config.world.robots.values_mut().flat_map(|robot| robot.wheels_mut());
+        wheels.for_each(|wheel| wheel.material.rolling_resistance = 0.0);
+    });
+    for (name, drive) in [
+        ("on the spot", "{Left 2} {Right -2}"),
+        ("slowly", "{Left 0.3} {Right -0.3}"),
+        ("on a curve", "{Left 3} {Right 1.5}"),
+        ("about one side", "{Left 2} {Right 0}"),
+    ] {
+        let (rate, wheels) = turning(&server, drive);
+        let front = (1.0 + ahead / base) / 4.0;
+        let contact = |(place, speed): ([f64; 2], &f64)| Contact {
+            position: place,
+            rolling: [radius * speed, 0.0],
+            friction: if place[0] > 0.0 { front } else { 0.5 - front },
+            along: None,
+        };
+        // Front right, front left, back right, back left.
+        let places = [[base, track], [base, -track], [-base, track], [-base, -track]];
+        let contacts: Vec<Contact> = places.into_iter().zip(&wheels).map(contact).collect();
+        let ratio = rate / quasi_static(&contacts).clockwise;
+        println!("{name}: {ratio:.4} of the balance of friction, wheels at {wheels:.3?} rad/s");
+        assert!((ratio - 1.0).abs() < 0.005, "{name}: {ratio}");
     }
 }

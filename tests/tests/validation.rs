@@ -1,6 +1,6 @@
-//! The twelve checks of `usarsim validate`, with shorter drives.
+//! The checks of `usarsim validate`, with shorter drives.
 
-use experiments::validation::{CHECKS, Subject, check};
+use experiments::validation::{Subject, check, checks};
 use scene::DriveModel;
 use sim_core::Options;
 
@@ -20,11 +20,11 @@ fn subject(class: &str, drive_model: DriveModel) -> Subject {
     Subject { robot, floor, options: Options::default(), seconds: 5.0 }
 }
 
-fn run(class: &str, model: DriveModel, checks: impl Iterator<Item = u32>, known: &[(&str, f64)]) {
+fn run(class: &str, model: DriveModel, numbers: impl Iterator<Item = u32>, known: &[(&str, f64)]) {
     let subject = subject(class, model);
     let mut wrong = Vec::new();
-    for finding in checks.flat_map(|number| check(&subject, number).expect("a Mecanum robot")) {
-        let name = CHECKS[finding.check as usize - 1];
+    for finding in numbers.flat_map(|number| check(&subject, number).expect("a robot on wheels")) {
+        let name = checks(&subject.robot)[finding.check as usize - 1];
         println!("{class} {} {name}: {} {:.4}", model.name(), finding.what, finding.measured);
         let excused = known.iter().any(|(what, least)| *what == finding.what && finding.measured > *least);
         if !finding.passes() && !excused {
@@ -58,4 +58,29 @@ fn bodies_pass_all_but_what_is_known() {
 #[test]
 fn the_kinematic_model_passes_the_kinematic_checks() {
     run("KUKA_YouBot", DriveModel::Kinematic, 1..=6, &[]);
+}
+
+#[test]
+fn robots_on_plain_wheels_pass_all_nine() {
+    for class in ["P3AT", "P2AT", "P2DX", "BasicSkidRobot", "CasterSkidRobot", "FrontAckerman", "BasicAckermanRobot"] {
+        run(class, DriveModel::Articulated, 1..=9, &[]);
+    }
+}
+
+/// Its flippers lean on the ground as well.
+#[test]
+fn a_kenaf_passes_all_nine() {
+    run("Kenaf", DriveModel::Articulated, 1..=9, &[]);
+}
+
+/// Another robot has other checks, and one without wheels has none.
+#[test]
+fn a_check_that_a_robot_has_not_is_named() {
+    let refused = |class: &str, number: u32| {
+        let error = check(&subject(class, DriveModel::Articulated), number).expect_err("no such check");
+        error.to_string()
+    };
+    assert_eq!(refused("P3AT", 12), "robot `P3AT` has no check 12: expected 1 to 9");
+    assert_eq!(refused("KUKA_YouBot", 13), "robot `KUKA_YouBot` has no check 13: expected 1 to 12");
+    assert_eq!(refused("AirRobot", 1), "robot `AirRobot`: expected one with driven wheels");
 }

@@ -57,7 +57,7 @@ impl Motion {
     }
 
     /// The command that brings the wheels to a speed, rad/s.
-    fn command(self, robot: &RobotDef, speed: f64) -> Command {
+    pub(crate) fn command(self, robot: &RobotDef, speed: f64) -> Command {
         match (robot.steering, self) {
             (Steering::Omni, Self::Right) => drive_command([speed, -speed, -speed, speed]),
             (Steering::Omni, Self::Clockwise) => drive_command([speed, -speed, speed, -speed]),
@@ -98,6 +98,16 @@ pub enum MotionError {
     /// It has nothing to drive with.
     #[error("robot `{0}`: expected one with driven wheels")]
     NotWheeled(String),
+    /// It has not so many checks.
+    #[error("robot `{class}` has no check {number}: expected 1 to {most}")]
+    NoCheck {
+        /// Its class.
+        class: String,
+        /// What was asked for.
+        number: u32,
+        /// How many it has.
+        most: usize,
+    },
     /// The world takes no more robots, or not this one.
     #[error("{}", in_words(.0))]
     Refused(Vec<Problem>),
@@ -351,6 +361,11 @@ pub(crate) fn drive_command(speeds: [f64; 4]) -> Command {
 
 fn drive(values: &[(&str, f64)]) -> Command {
     Command::Drive(values.iter().fold(Drive::default(), |drive, (key, value)| drive.with(key, *value)))
+}
+
+/// Angles of all driven wheels, rad.
+pub(crate) fn angles_of(wheels: &[WheelState]) -> Vec<f64> {
+    wheels.iter().map(|wheel| wheel.angle).collect()
 }
 
 pub(crate) fn angles(wheels: &[WheelState]) -> [f64; 4] {

@@ -1,4 +1,4 @@
-//! What is measured in the world: motions against exact kinematics, the twelve checks, and experiments from files.
+//! What is measured in the world: motions against exact kinematics, physical checks, and experiments from files.
 //!
 //! ```text
 //! file.toml -> Plan -> [Run] -> Outcome (steps) -> tables, plots, report

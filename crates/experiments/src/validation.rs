@@ -1,22 +1,25 @@
-//! The twelve physical checks of a Mecanum robot, on maps made for them.
+//! Physical checks of a robot on wheels, on maps made for them: twelve of one on Mecanum wheels, nine of another.
 //!
 //! Every number is measured in the world through commands and states, and compared with mechanics that the simulator
-//! does not use: the exact kinematics of finite rollers, Coulomb's limit on rollers at 45 degrees, the dynamics of a
-//! rolling body. Units: m, s, rad, kg, N.
+//! does not use: the exact kinematics of finite rollers, the balance of friction, Coulomb's limit, the dynamics of a rolling
+//! body. Units: m, s, rad, kg, N.
+
+mod mecanum_wheels;
+mod plain_wheels;
 
 use std::collections::BTreeMap;
 
-use gamebots_proto::command::Init;
-use nalgebra::{UnitQuaternion, Vector3};
-use scene::{DriveModel, MapDef, Material, RobotDef, Shape, Solid, WheelGeometry, WorldDef};
+use gamebots_proto::command::{Command, Init};
+use nalgebra::Vector3;
+use scene::{DriveModel, MapDef, Material, RobotDef, Shape, Solid, WorldDef};
 use sim_core::{BodyState, Options, RobotId, WheelState, World, mecanum};
 
-use crate::course::{MotionError, SETTLING, angles, drive_command, exact_step, wrapped};
+use crate::course::{MotionError, SETTLING};
 
 /// One measured number and what it should be.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// Which of the twelve checks, from 1.
+    /// Which of the checks, from 1.
     pub check: u32,
     /// What was measured, with its unit.
     pub what: String,
@@ -48,43 +51,27 @@ pub struct Subject {
     pub seconds: f64,
 }
 
-/// Names of the twelve checks.
-pub const CHECKS: [&str; 12] = [
-    "forward and backward",
-    "left and right",
-    "rotate in place",
-    "diagonal",
-    "signs of the wheels",
-    "ride height",
-    "hold on a slope, wheels locked",
-    "roll down a slope, wheels free",
-    "traction limit",
-    "climb at constant speed",
-    "stall and energy",
-    "determinism and convergence",
-];
+/// Names of the checks of a robot.
+pub fn checks(robot: &RobotDef) -> &'static [&'static str] {
+    if mecanum::finite_rollers(robot).is_some() { &mecanum_wheels::CHECKS } else { &plain_wheels::CHECKS }
+}
 
 /// Runs one check.
 ///
 /// # Errors
-/// When the robot is not one with four Mecanum wheels.
+/// When the robot has no driven wheels, or the check is none of its own.
 pub fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, MotionError> {
-    mecanum::finite_rollers(&subject.robot).ok_or_else(|| MotionError::NotOmni(subject.robot.class.clone()))?;
-    let run = match number {
-        1 => forward,
-        2 => sideways,
-        3 => rotation,
-        4 => diagonal,
-        5 => signs,
-        6 => ride_height,
-        7 => slope_hold,
-        8 => free_rolling,
-        9 => traction,
-        10 => climb,
-        11 => stall_and_energy,
-        _ => convergence,
-    };
-    let mut findings = run(subject)?;
+    let class = || subject.robot.class.clone();
+    if subject.robot.driven().next().is_none() {
+        return Err(MotionError::NotWheeled(class()));
+    }
+    let most = checks(&subject.robot).len();
+    if !(1..=most as u32).contains(&number) {
+        return Err(MotionError::NoCheck { class: class(), number, most });
+    }
+    let is_omni = mecanum::finite_rollers(&subject.robot).is_some();
+    let mut findings =
+        if is_omni { mecanum_wheels::check(subject, number) } else { plain_wheels::check(subject, number) }?;
     findings.iter_mut().for_each(|finding| finding.check = number);
     Ok(findings)
 }
@@ -101,6 +88,35 @@ fn between(what: impl Into<String>, measured: f64, least: f64, most: f64) -> Fin
     Finding { check: 0, what: what.into(), measured, least, most }
 }
 
+/// Orientation of a floor that rises to the front and to the right by an angle: pitched up (z is down) about y, rolled about x.
+fn tilt(rise: [f64; 2]) -> [f64; 3] {
+    [-rise[1], rise[0], 0.0]
+}
+
+/// A floor with solids, and nobody on it yet.
+fn world(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> World {
+    let floor = Solid {
+        name: "floor".to_owned(),
+        shape: Shape::HalfSpace,
+        position: [0.0; 3],
+        rotation: tilt(rise),
+        material: subject.floor.clone(),
+    };
+    let map = MapDef {
+        name: "validation".to_owned(),
+        description: String::new(),
+        gravity: 9.81,
+        time_limit: 0,
+        solids: std::iter::once(floor).chain(solids).collect(),
+        objects: Vec::new(),
+        starts: Vec::new(),
+        path_nodes: Vec::new(),
+    };
+    let class = subject.robot.class.clone();
+    let def = WorldDef { map, robots: BTreeMap::from([(class, subject.robot.clone())]) };
+    World::new(def, subject.options)
+}
+
 /// A robot on a floor, settled.
 struct Scene {
     world: World,
@@ -110,28 +126,9 @@ struct Scene {
 impl Scene {
     /// On a floor that rises to the front and to the right by an angle, heading level with it, between solids.
     fn new(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> Result<Self, MotionError> {
-        // Pitched up (z is down) about y, rolled about x.
-        let tilt = [-rise[1], rise[0], 0.0];
-        let floor = Solid {
-            name: "floor".to_owned(),
-            shape: Shape::HalfSpace,
-            position: [0.0; 3],
-            rotation: tilt,
-            material: subject.floor.clone(),
-        };
-        let map = MapDef {
-            name: "validation".to_owned(),
-            description: String::new(),
-            gravity: 9.81,
-            time_limit: 0,
-            solids: std::iter::once(floor).chain(solids).collect(),
-            objects: Vec::new(),
-            starts: Vec::new(),
-            path_nodes: Vec::new(),
-        };
+        let tilt = tilt(rise);
         let class = subject.robot.class.clone();
-        let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), subject.robot.clone())]) };
-        let mut world = World::new(def, subject.options);
+        let mut world = world(subject, rise, solids);
         let mut problems = Vec::new();
         let init = Init { class_name: class, rotation: tilt, ..Init::default() };
         let robot = world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?;
@@ -140,8 +137,8 @@ impl Scene {
         Ok(scene)
     }
 
-    fn drive(&mut self, speeds: [f64; 4]) {
-        self.world.execute(Some(self.robot), &drive_command(speeds), &mut Vec::new());
+    fn drive(&mut self, command: &Command) {
+        self.world.execute(Some(self.robot), command, &mut Vec::new());
     }
 
     fn run(&mut self, seconds: f64) {
@@ -167,194 +164,10 @@ impl Scene {
     }
 }
 
-/// A drive at constant speeds: what happened and what the exact kinematics say for the angles of the wheels.
-struct Travel {
-    /// Forward, right (m) and clockwise (rad, not wrapped) in the start frame.
-    moved: [f64; 3],
-    /// The same by the kinematics, summed in the robot frame.
-    exact: [f64; 3],
-    /// Angle turned by each wheel.
-    turned: [f64; 4],
-    /// Highest less lowest place of the body above the floor.
-    ripple: f64,
-}
-
-fn travel(subject: &Subject, rise: [f64; 2], speeds: [f64; 4]) -> Result<Travel, MotionError> {
-    let mut scene = Scene::new(subject, rise, Vec::new())?;
-    let kinematics =
-        mecanum::finite_rollers(&subject.robot).ok_or_else(|| MotionError::NotOmni(subject.robot.class.clone()))?;
-    scene.drive(speeds);
-    scene.run(1.0);
-    let (from, wheels) = scene.state();
-    let start = angles(&wheels);
-    let (mut before, mut yaw_before, mut yaw) = (start, 0.0, 0.0);
-    let (mut exact, mut lowest, mut highest) = ([0.0; 3], f64::INFINITY, f64::NEG_INFINITY);
-    let up: UnitQuaternion<f64> = from.pose.rotation;
-    for _ in 0..(subject.seconds / scene.world.time_step()).round() as u64 {
-        scene.world.step();
-        let (body, wheels) = scene.state();
-        let now = angles(&wheels);
-        let twist = exact_step(&kinematics, before, now);
-        exact = [exact[0] + twist.forward, exact[1] + twist.right, exact[2] + twist.clockwise];
-        let (_, _, heading) = (up.inverse() * body.pose.rotation).euler_angles();
-        yaw += wrapped(heading - yaw_before);
-        (before, yaw_before) = (now, heading);
-        let height = (up.inverse() * (body.pose.translation.vector - from.pose.translation.vector)).z;
-        (lowest, highest) = (lowest.min(height), highest.max(height));
-    }
-    let displacement = up.inverse() * (scene.body().pose.translation.vector - from.pose.translation.vector);
-    let turned = std::array::from_fn(|wheel| before[wheel] - start[wheel]);
-    Ok(Travel { moved: [displacement.x, displacement.y, yaw], exact, turned, ripple: highest - lowest })
-}
-
 /// Trees in reduced coordinates are held to 0.3 %, others to what the check allows.
 fn tolerance(subject: &Subject, other: f64) -> f64 {
     let is_exact = matches!(subject.robot.drive_model, DriveModel::Analytic | DriveModel::Articulated);
     if is_exact { 0.003 } else { other }
-}
-
-fn forward(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let mut findings = Vec::new();
-    for (name, sign) in [("forward", 1.0), ("backward", -1.0)] {
-        let Travel { moved, exact, .. } = travel(subject, [0.0; 2], [sign; 4])?;
-        let length = moved[0].abs();
-        findings.push(about(format!("{name}, of R theta"), moved[0] / exact[0], 1.0, tolerance(subject, 0.005)));
-        findings.push(below(format!("{name}, sideways, % of the travel"), 100.0 * moved[1].abs() / length, 0.3));
-        findings.push(below(format!("{name}, yaw, degrees a metre"), moved[2].to_degrees().abs() / length, 0.1));
-    }
-    Ok(findings)
-}
-
-fn sideways(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let mut findings = Vec::new();
-    let mut travels = Vec::new();
-    for (name, sign) in [("right", 1.0), ("left", -1.0)] {
-        let Travel { moved, exact, turned, .. } = travel(subject, [0.0; 2], [sign, -sign, -sign, sign])?;
-        let length = moved[1].abs();
-        findings.push(about(
-            format!("{name}, of the exact travel"),
-            moved[1] / exact[1],
-            1.0,
-            tolerance(subject, 0.007),
-        ));
-        findings.push(below(format!("{name}, ahead or back, % of the travel"), 100.0 * moved[0].abs() / length, 0.5));
-        findings.push(below(format!("{name}, yaw, degrees a metre"), moved[2].to_degrees().abs() / length, 0.5));
-        travels.push(length / turned.iter().map(|angle| angle.abs()).sum::<f64>());
-    }
-    findings.push(about("left over right", travels[1] / travels[0], 1.0, 0.001));
-    Ok(findings)
-}
-
-fn rotation(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let Travel { moved, exact, .. } = travel(subject, [0.0; 2], [2.0, -2.0, 2.0, -2.0])?;
-    let turns = moved[2].abs() / std::f64::consts::TAU;
-    Ok(vec![
-        about("of the exact angle", moved[2] / exact[2], 1.0, tolerance(subject, 0.01)),
-        below("centre drifts, mm a turn", 1e3 * moved[0].hypot(moved[1]) / turns, 5.0),
-    ])
-}
-
-/// The front right and back left wheel alone: forward left.
-fn diagonal(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let Travel { moved, exact, .. } = travel(subject, [0.0; 2], [0.0, 1.0, 1.0, 0.0])?;
-    let heading = (-moved[1]).atan2(moved[0]).to_degrees();
-    let exact_heading = (-exact[1]).atan2(exact[0]).to_degrees();
-    Ok(vec![
-        about("forward, of the exact travel", moved[0] / exact[0], 1.0, 0.01),
-        about("left, of the exact travel", moved[1] / exact[1], 1.0, 0.01),
-        about("direction, degrees", heading, exact_heading, 1.0),
-    ])
-}
-
-fn signs(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    // Signs of the wheels, then of forward, right, clockwise.
-    const TABLE: [([f64; 4], [f64; 3]); 8] = [
-        ([1.0, 1.0, 1.0, 1.0], [1.0, 0.0, 0.0]),
-        ([-1.0, -1.0, -1.0, -1.0], [-1.0, 0.0, 0.0]),
-        ([1.0, -1.0, -1.0, 1.0], [0.0, 1.0, 0.0]),
-        ([-1.0, 1.0, 1.0, -1.0], [0.0, -1.0, 0.0]),
-        ([1.0, -1.0, 1.0, -1.0], [0.0, 0.0, 1.0]),
-        ([-1.0, 1.0, -1.0, 1.0], [0.0, 0.0, -1.0]),
-        ([1.0, 0.0, 0.0, 1.0], [1.0, 1.0, 0.0]),
-        ([0.0, 1.0, 1.0, 0.0], [1.0, -1.0, 0.0]),
-    ];
-    let short = Subject { seconds: 2.0, ..subject.clone() };
-    let mut right = 0.0;
-    for (speeds, expected) in TABLE {
-        let Travel { moved, .. } = travel(&short, [0.0; 2], speeds)?;
-        let largest = moved[0].abs().max(moved[1].abs()).max(0.3 * moved[2].abs());
-        let sign = |value: f64| if value.abs() < 0.1 * largest { 0.0 } else { value.signum() };
-        right += f64::from([sign(moved[0]), sign(moved[1]), sign(0.3 * moved[2])] == expected);
-    }
-    Ok(vec![about("right directions of 8", right, 8.0, 0.0)])
-}
-
-fn ride_height(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let mut findings = Vec::new();
-    for (name, speeds) in
-        [("forward", [1.0; 4]), ("right", [1.0, -1.0, -1.0, 1.0]), ("turning", [1.0, -1.0, 1.0, -1.0])]
-    {
-        findings.push(below(format!("ripple {name}, mm"), 1e3 * travel(subject, [0.0; 2], speeds)?.ripple, 0.15));
-    }
-    Ok(findings)
-}
-
-/// Friction of a roller on the floor.
-fn friction(subject: &Subject) -> f64 {
-    let roller = subject.robot.wheels().next().and_then(|wheel| wheel.wheel.rollers.as_ref());
-    roller.map_or(0.0, |roller| roller.material.pair(&subject.floor).0)
-}
-
-/// Part of a wheel's grip that acts ahead and aside: a roller at the phase phi carries force along its axis, which the
-/// ground sees at the angle `atan(tan g cos phi)` to the axle; mean of the wheels. At phase 0 both are 1 / sqrt 2.
-fn grip(subject: &Subject, wheels: &[WheelState]) -> [f64; 2] {
-    let Some(kinematics) = mecanum::finite_rollers(&subject.robot) else { return [0.0; 2] };
-    let angles = (0..)
-        .zip(wheels)
-        .map(|(index, wheel)| (kinematics.angle.tan() * kinematics.phase(index, wheel.angle).cos()).atan());
-    let parts = angles.map(|angle| [angle.sin(), angle.cos()]);
-    let sum = parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]);
-    sum.map(|sum| sum * friction(subject) / wheels.len() as f64)
-}
-
-/// Wheels held by more torque than the floor can turn them with.
-fn slope_hold(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let mut locked = subject.clone();
-    locked.floor.rolling_resistance = 0.0;
-    motors(&mut locked, |motor| {
-        motor.gain = motor.gain.max(20.0);
-        motor.max_torque = motor.max_torque.max(20.0);
-    });
-    let grip = grip(subject, &Scene::new(subject, [0.0; 2], Vec::new())?.state().1);
-    let mut findings = Vec::new();
-    for (name, axis) in [("ahead", 0), ("aside", 1)] {
-        let limit = grip[axis].atan();
-        let on = |angle: f64| {
-            let mut rise = [0.0; 2];
-            rise[axis] = angle;
-            Scene::new(&locked, rise, Vec::new())
-        };
-        // It is put down from a millimetre above and may slide a little; beyond the limit it gets faster.
-        let slides = |angle: f64| -> Result<bool, MotionError> {
-            let mut scene = on(angle)?;
-            let before = scene.velocity().norm();
-            scene.run(2.0);
-            Ok(scene.velocity().norm() > before.max(0.005))
-        };
-        let (mut low, mut high) = (0.7 * limit, 1.3 * limit);
-        while high - low > 0.1f64.to_radians() {
-            let middle = (low + high) / 2.0;
-            if slides(middle)? { high = middle } else { low = middle }
-        }
-        let mut scene = on(0.9 * limit)?;
-        scene.run(1.0);
-        let before = scene.body().pose.translation.vector;
-        scene.run(10.0);
-        let creep = (scene.body().pose.translation.vector - before).norm();
-        findings.push(about(format!("slides {name} from, degrees"), low.to_degrees(), limit.to_degrees(), 1.0));
-        findings.push(below(format!("creep {name} at 0.9 of it, mm in 10 s"), 1e3 * creep, 1.0));
-    }
-    Ok(findings)
 }
 
 fn motors(subject: &mut Subject, change: impl FnMut(&mut scene::Motor)) {
@@ -376,205 +189,4 @@ fn rolling_mass(robot: &RobotDef) -> f64 {
         (wheel.spin_inertia() + armature) / wheel.radius.powi(2)
     });
     f64::from(robot.mass()) + wheels.sum::<f64>()
-}
-
-fn free_rolling(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let free = coasting(subject);
-    let slope = 4.5f64.to_radians();
-    let bound = 9.81 * slope.sin() * f64::from(subject.robot.mass()) / rolling_mass(&subject.robot);
-    let mut findings = Vec::new();
-    for (name, rise, axis, least) in [("ahead", [slope, 0.0], 0, 0.7), ("aside", [0.0, slope], 1, 0.55)] {
-        let mut scene = Scene::new(&free, rise, Vec::new())?;
-        let before = scene.velocity()[axis];
-        scene.run(1.0);
-        let acceleration = (scene.velocity()[axis] - before).abs();
-        findings.push(between(format!("rolls {name} at 4.5 degrees, of the bound"), acceleration / bound, least, 1.0));
-    }
-    Ok(findings)
-}
-
-fn traction(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let mut findings = Vec::new();
-    let mut strong = subject.clone();
-    strong.floor.rolling_resistance = 0.0;
-    motors(&mut strong, |motor| {
-        (motor.gain, motor.max_torque, motor.max_speed, motor.integral_time) = (10.0, 20.0, 1000.0, None);
-    });
-    // Wheels at 20 rad/s slide until the robot is at 1 m/s, after some 0.17 s.
-    for (name, signs, axis) in [("ahead", [1.0; 4], 0), ("aside", [1.0, -1.0, -1.0, 1.0], 1)] {
-        let mut scene = Scene::new(&strong, [0.0; 2], Vec::new())?;
-        scene.drive(signs.map(|sign| sign * 20.0));
-        scene.run(0.02);
-        let (before, mut expected) = (scene.velocity()[axis], 0.0);
-        for _ in 0..(0.1 / scene.world.time_step()).round() as u64 {
-            expected += 9.81 * grip(subject, &scene.state().1)[axis] * scene.world.time_step();
-            scene.world.step();
-        }
-        let ratio = (scene.velocity()[axis] - before) / expected;
-        findings.push(about(format!("most acceleration {name}, of mu g and the rollers' angle"), ratio, 1.0, 0.05));
-    }
-    let limit = friction(subject) * 9.81 / std::f64::consts::SQRT_2;
-    for part in [0.25, 0.5] {
-        let force = part * limit * f64::from(subject.robot.mass());
-        let mut weak = strong.clone();
-        motors(&mut weak, |motor| motor.max_torque = force * subject.robot.wheel_geometry().radius / 4.0);
-        let mut scene = Scene::new(&weak, [0.0; 2], Vec::new())?;
-        scene.drive([100.0; 4]);
-        scene.run(0.02);
-        let before = scene.velocity()[0];
-        scene.run(0.2);
-        let acceleration = (scene.velocity()[0] - before) / 0.2;
-        let expected = force / rolling_mass(&subject.robot);
-        findings.push(about(
-            format!("acceleration at {part} of it, of force over mass"),
-            acceleration / expected,
-            1.0,
-            0.05,
-        ));
-    }
-    Ok(findings)
-}
-
-fn climb(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let mut smooth = subject.clone();
-    smooth.floor.rolling_resistance = 0.0;
-    let mut findings = Vec::new();
-    for degrees in [1.5f64, 4.5] {
-        let slope = degrees.to_radians();
-        for (name, speeds, rise, axis) in
-            [("ahead", [1.0; 4], [slope, 0.0], 0), ("aside", [1.0, -1.0, -1.0, 1.0], [0.0, slope], 1)]
-        {
-            let flat = travel(&smooth, [0.0; 2], speeds)?;
-            let up = travel(&smooth, rise, speeds)?;
-            let ratio = (up.moved[axis] / up.exact[axis]) / (flat.moved[axis] / flat.exact[axis]);
-            findings.push(about(format!("{degrees} degrees {name}, travel a wheel angle, of flat"), ratio, 1.0, 0.005));
-            let motor = subject.robot.driven().next().and_then(|wheel| wheel.drive);
-            if axis == 0
-                && let Some(motor) = motor.filter(|motor| motor.integral_time.is_none())
-            {
-                let radius = subject.robot.wheel_geometry().radius;
-                let torque = f64::from(subject.robot.mass()) * 9.81 * slope.sin() * radius / 4.0;
-                let droop = (flat.turned[0] - up.turned[0]) / subject.seconds;
-                let what = format!("{degrees} degrees, droop of the wheels, of torque over gain");
-                findings.push(about(what, droop / (torque / motor.gain), 1.0, 0.1));
-            }
-        }
-    }
-    Ok(findings)
-}
-
-fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let mut findings = Vec::new();
-    // A smooth bar as high as the hubs carries no weight. It meets the chassis between the front wheels, which stand out in
-    // front and would be held by the friction of a wall. It pushes back above the ground, which takes load off the front
-    // wheels: they slide first, at F / 4 = grip (m g / 4 - F R / (2 wheel base)).
-    let WheelGeometry { radius, wheel_base, .. } = subject.robot.wheel_geometry();
-    let ice = Material { name: "ice".to_owned(), ..Material::default() };
-    let wall = Solid {
-        name: "wall".to_owned(),
-        shape: Shape::Box { size: [0.2, 0.2, 0.004] },
-        position: [0.6, 0.0, -radius],
-        rotation: [0.0; 3],
-        material: ice,
-    };
-    let load = f64::from(subject.robot.mass()) * 9.81 * radius / 4.0;
-    // Torque over the grip of the rollers that stand at the ground, and whether the wheels go on turning forward. Held by
-    // torque alone the base may wander to a side along the wall, for which two wheels turn on and two back.
-    let stalls = |torque: f64| -> Result<(f64, bool), MotionError> {
-        let mut limited = subject.clone();
-        limited.floor.rolling_resistance = 0.0;
-        limited.robot.links[0].solids.iter_mut().for_each(|solid| solid.material.friction = 0.0);
-        motors(&mut limited, |motor| (motor.gain, motor.max_torque, motor.integral_time) = (20.0, torque, None));
-        let mut scene = Scene::new(&limited, [0.0; 2], vec![wall.clone()])?;
-        scene.drive([2.0; 4]);
-        scene.run(4.0);
-        let turned = |scene: &Scene| scene.state().1.iter().map(|wheel| wheel.angle).sum::<f64>() / 4.0;
-        let (before, wheels) = (turned(&scene), scene.state().1);
-        scene.run(2.0);
-        let speed = (turned(&scene) - before) / 2.0;
-        let grip = grip(subject, &wheels)[0];
-        let limit = load * grip / (1.0 + 2.0 * grip * radius / wheel_base);
-        Ok((torque / limit, speed < 0.2))
-    };
-    let (mut low, mut high, mut ratio) = (0.5 * load * friction(subject), load * friction(subject), 0.0);
-    while high - low > 0.005 * load {
-        let middle = (low + high) / 2.0;
-        match stalls(middle)? {
-            (part, true) => (low, ratio) = (middle, part),
-            (_, false) => high = middle,
-        }
-    }
-    findings.push(about(
-        "most torque that stalls at a bar, of mu m g R / 4, the rollers' angle and the load on the front wheels",
-        ratio,
-        1.0,
-        0.03,
-    ));
-    // Without motors its weight rolls it down a slope; the energy of height counts.
-    let mut scene = Scene::new(&coasting(subject), [0.05, 0.0], Vec::new())?;
-    let energy = |scene: &Scene| {
-        let (body, wheels) = scene.state();
-        let mass = f64::from(subject.robot.mass());
-        let spin: f64 = subject
-            .robot
-            .driven()
-            .zip(&wheels)
-            .map(|(wheel, state)| {
-                let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
-                (wheel.spin_inertia() + armature) * state.speed.powi(2) / 2.0
-            })
-            .sum();
-        // z is down.
-        mass * body.linear.norm_squared() / 2.0 + spin - mass * 9.81 * body.pose.translation.z
-    };
-    scene.run(1.0);
-    let (mut before, mut grown) = (energy(&scene), f64::NEG_INFINITY);
-    // A robot that is held does not move at all.
-    let motion = (f64::from(subject.robot.mass()) * scene.body().linear.norm_squared() / 2.0).max(1e-3);
-    for _ in 0..20 {
-        scene.run(0.1);
-        let now = energy(&scene);
-        grown = grown.max((now - before) / 0.1);
-        before = now;
-    }
-    findings.push(below("energy gained without a drive, of its motion a second", grown / motion, 1e-4));
-    Ok(findings)
-}
-
-fn convergence(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let digest = || -> Result<u64, MotionError> {
-        let mut scene = Scene::new(subject, [0.0; 2], Vec::new())?;
-        scene.drive([1.0, 0.5, -0.5, 1.0]);
-        scene.run(2.0);
-        Ok(scene.world.digest())
-    };
-    let same = f64::from(digest()? == digest()?);
-    let mut findings = vec![about("the same bits twice", same, 1.0, 0.0)];
-    let mut halved = subject.clone();
-    halved.options.time_step /= 2.0;
-    for (name, speeds, axis) in [
-        ("forward", [1.0; 4], 0),
-        ("right", [1.0, -1.0, -1.0, 1.0], 1),
-        ("turning", [1.0, -1.0, 1.0, -1.0], 2),
-        ("diagonal", [0.0, 1.0, 1.0, 0.0], 0),
-    ] {
-        let ratio = |subject: &Subject| travel(subject, [0.0; 2], speeds).map(|it| it.moved[axis] / it.exact[axis]);
-        let (coarse, fine) = (ratio(subject)?, ratio(&halved)?);
-        findings.push(below(format!("half the time step, {name}, %"), 100.0 * (coarse / fine - 1.0).abs(), 0.3));
-        if axis < 2 && name != "diagonal" {
-            let mut ratios = Vec::new();
-            for mass in [12.0, 16.0] {
-                let mut light = subject.clone();
-                if let Some(part) = light.robot.parts_mut().next() {
-                    let less = f64::from(subject.robot.mass()) - mass;
-                    part.inertia *= (part.mass - less) / part.mass;
-                    part.mass -= less;
-                }
-                ratios.push(ratio(&light)? / coarse);
-            }
-            let worst = ratios.iter().map(|ratio| (ratio - 1.0).abs()).fold(0.0, f64::max);
-            findings.push(below(format!("12 and 16 kg against 20, {name}, %"), 100.0 * worst, 0.5));
-        }
-    }
-    Ok(findings)
 }

@@ -12,6 +12,7 @@ mod flight;
 pub mod mecanum;
 mod physics;
 mod sensor;
+mod sliding;
 mod threads;
 mod world;
 

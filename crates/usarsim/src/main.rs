@@ -63,7 +63,7 @@ enum Command {
     Show(show::Arguments),
     /// Check robot.toml, map.toml, materials.toml and URDF files: every mistake with its line.
     Check(check::Arguments),
-    /// Run the twelve physical checks of a Mecanum robot.
+    /// Run the physical checks of a robot on wheels.
     Validate(validate::Arguments),
     /// Measure how fast and how exact the world is.
     Bench(bench::Arguments),

@@ -1,6 +1,6 @@
-//! `usarsim validate`: the twelve physical checks.
+//! `usarsim validate`: physical checks of a robot on wheels.
 
-use experiments::validation::{self, CHECKS, Finding, Subject};
+use experiments::validation::{self, Finding, Subject};
 use indicatif::{ProgressBar, ProgressStyle};
 use scene::DriveModel;
 use scene_loader::Override;
@@ -12,16 +12,16 @@ use crate::{Failure, exit, print, within};
 /// Options of `validate`.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim validate\n  usarsim validate --drive-model analytic --json\n  \
-    usarsim validate --check 1 --check 7 --robot YouBot --set material.carpet.friction=0.5\n\n\
-    Exit code 0 if every check passes, 1 if one does not. What each check is, and what it found: docs/validation.md.")]
+    usarsim validate --robot P3AT\n  usarsim validate --check 1 --check 7 --robot YouBot --set material.carpet.friction=0.5\n\n\
+    A robot on Mecanum wheels has twelve checks, another nine. Exit code 0 if every check passes, 1 if one does not. What each check is, and what it found: docs/validation.md.")]
 pub(crate) struct Arguments {
-    /// A robot class with Mecanum wheels, or the path of its robot.toml.
+    /// A robot class with wheels, or the path of its robot.toml.
     #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
     robot: String,
     /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// Only this check, 1 to 12. May be given several times.
+    /// Only this check, 1 to 12, or to 9 for a robot without Mecanum wheels. May be given several times.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=12))]
     check: Vec<u32>,
     /// Seconds of each measured drive.
@@ -51,12 +51,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = robot.drive_model;
     let options = Options { time_step: arguments.dt, ..Options::default() };
     let subject = Subject { robot, floor, options, seconds: arguments.seconds };
-    let checks: Vec<u32> = if arguments.check.is_empty() { (1..=12).collect() } else { arguments.check.clone() };
+    let names = validation::checks(&subject.robot);
+    let all = || (1..=names.len() as u32).collect();
+    let checks: Vec<u32> = if arguments.check.is_empty() { all() } else { arguments.check.clone() };
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} ({elapsed})");
     let bar = ProgressBar::new(checks.len() as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let mut findings = Vec::new();
     for check in checks {
-        bar.set_message(CHECKS[check as usize - 1]);
+        bar.set_message(name_of(names, check));
         let found = validation::check(&subject, check);
         findings.extend(found.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?);
         bar.inc(1);
@@ -69,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let report = json!({"robot": class, "drive_model": model.name(), "dt": dt, "failed": failed, "findings": rows});
         print(report);
     } else {
-        print_table(&findings);
+        print_table(names, &findings);
     }
     if failed > 0 {
         return Err(Failure::new(
@@ -89,12 +91,17 @@ fn row(finding: &Finding) -> serde_json::Value {
     })
 }
 
-fn print_table(findings: &[Finding]) {
+/// Of one that is none the message says so.
+fn name_of(names: &[&'static str], check: u32) -> &'static str {
+    names.get(check as usize - 1).copied().unwrap_or_default()
+}
+
+fn print_table(names: &[&'static str], findings: &[Finding]) {
     let mut last = 0;
     for finding in findings {
         if finding.check != last {
             last = finding.check;
-            print(format_args!("{last}. {}", CHECKS[last as usize - 1]));
+            print(format_args!("{last}. {}", name_of(names, last)));
         }
         let verdict = if finding.passes() { "pass" } else { "FAIL" };
         let bounds = if finding.least.is_finite() {

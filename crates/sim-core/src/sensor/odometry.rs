@@ -1,6 +1,6 @@
 //! Pose from the wheels' angles, without noise: slip is its only error (Odometry.uc:40-135).
 //!
-//! Skid robots use the foremost left and right wheels as USARSim does; omni robots, which USARSim left silent, the
+//! Skid robots use the foremost left and right wheels as USARSim does, or the balance of friction on all of them; omni robots, which USARSim left silent, the
 //! textbook Mecanum kinematics as the real youBot's driver does, or those of finite rollers.
 
 use gamebots_proto::command::Set;
@@ -10,7 +10,7 @@ use scene::sensor::odometry::Config;
 use scene::{RobotDef, Side, Steering};
 
 use super::{Effect, Mount, Sensor, View};
-use crate::{WheelState, mecanum};
+use crate::{WheelState, mecanum, sliding};
 
 enum Base {
     Skid {
@@ -18,6 +18,8 @@ enum Base {
         left: usize,
         right: usize,
     },
+    /// Where the wheels touch the ground and what they carry.
+    Sliding(Vec<sliding::Place>),
     Omni(Mecanum),
     FiniteOmni(FiniteRollers),
     /// A robot without wheels to read.
@@ -36,17 +38,18 @@ pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
     Mounted {
         name: mount.name.to_owned(),
         scan_interval: mount.scan_interval,
-        base: base(mount.view.robot, config.finite_rollers),
+        base: base(mount.view.robot, config),
         pose: PlanarPose::default(),
         last_angles: angles(mount.view.wheels),
     }
 }
 
-fn base(robot: &RobotDef, finite_rollers: bool) -> Base {
+fn base(robot: &RobotDef, config: &Config) -> Base {
     match robot.steering {
-        Steering::Omni if finite_rollers => mecanum::finite_rollers(robot).map_or(Base::None, Base::FiniteOmni),
+        Steering::Omni if config.finite_rollers => mecanum::finite_rollers(robot).map_or(Base::None, Base::FiniteOmni),
         Steering::Omni => mecanum::textbook(robot).map_or(Base::None, Base::Omni),
         Steering::Ackermann | Steering::Aerial | Steering::Legged | Steering::None => Base::None,
+        Steering::Skid if config.sliding => Base::Sliding(sliding::places(robot)),
         Steering::Skid => {
             let foremost = |side| {
                 let on_side = robot.driven().enumerate().filter(|(_, wheel)| wheel.side == side);
@@ -76,6 +79,7 @@ impl Sensor for Mounted {
         // Turned angles in place of speeds give a displacement in place of a twist: time cancels out.
         let displacement = match &self.base {
             Base::Skid { kinematics, left, right } => kinematics.forward([turned[*left], turned[*right]]),
+            Base::Sliding(places) => sliding::twist(places, &turned),
             Base::Omni(kinematics) => kinematics.forward(std::array::from_fn(|wheel| turned[wheel])),
             Base::FiniteOmni(kinematics) => {
                 // Half-way through the interval.

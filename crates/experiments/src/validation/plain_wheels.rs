@@ -1,0 +1,324 @@
+//! The nine checks of a robot on plain wheels.
+
+use gamebots_proto::command::Command;
+use nalgebra::Vector3;
+use scene::{Motor, RobotDef, Steering};
+
+use super::{Finding, Scene, Subject, about, below, tolerance, world};
+use crate::course::{Course, Motion, MotionError, angles_of};
+
+/// Their names.
+pub(super) const CHECKS: [&str; 9] = [
+    "straight on and back",
+    "on the spot",
+    "on a curve",
+    "hold on a slope, wheels locked",
+    "roll down a slope, wheels free",
+    "traction limit",
+    "climb at constant speed",
+    "energy",
+    "determinism and convergence",
+];
+
+/// Runs one of them.
+pub(super) fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, MotionError> {
+    match number {
+        1 => straight(subject),
+        2 => beside_friction(subject, Motion::Clockwise),
+        3 => beside_friction(subject, Motion::Curve),
+        4 => slope_hold(subject),
+        5 => free_rolling(subject),
+        6 => traction(subject),
+        7 => climb(subject),
+        8 => energy(subject),
+        _ => convergence(subject),
+    }
+}
+
+/// Changes the motors of the wheels, where nothing else brakes; an arm or a flipper stays where it is.
+fn with_wheels(subject: &Subject, change: impl FnMut(&mut Motor)) -> Subject {
+    let mut changed = subject.clone();
+    changed.floor.rolling_resistance = 0.0;
+    let solids = changed.robot.links.iter_mut().flat_map(|link| &mut link.solids);
+    solids.for_each(|solid| (solid.material.linear_damping, solid.material.angular_damping) = (0.0, 0.0));
+    let wheels = changed.robot.links.iter_mut().filter(|link| link.wheel.is_some());
+    let motors = wheels.filter_map(|link| {
+        link.wheel.as_mut()?.material.rolling_resistance = 0.0;
+        link.joint.as_mut()?.drive.as_mut()
+    });
+    motors.for_each(change);
+    changed
+}
+
+fn coasting(subject: &Subject) -> Subject {
+    with_wheels(subject, |motor| (motor.gain, motor.integral_time) = (1e-9, None))
+}
+
+fn ahead(robot: &RobotDef, speed: f64) -> Command {
+    Motion::Forward.command(robot, speed)
+}
+
+/// A drive beside what the wheels' angles and their friction make of it: ratio of both.
+fn ratio(subject: &Subject, motion: Motion, speed: f64) -> Result<f64, MotionError> {
+    let class = &subject.robot.class;
+    let mut course = Course::start(world(subject, [0.0; 2], Vec::new()), class, 1, motion, speed)?;
+    course.run(subject.seconds);
+    Ok(course.travel().map_or(f64::NAN, |travel| travel.ratio))
+}
+
+fn straight(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
+    let mut findings = Vec::new();
+    for (name, speed) in [("ahead", 1.0), ("back", -1.0)] {
+        let class = &subject.robot.class;
+        let mut course = Course::start(world(subject, [0.0; 2], Vec::new()), class, 1, Motion::Forward, speed)?;
+        course.run(subject.seconds);
+        let Some(travel) = course.travel() else { continue };
+        let [forward, right, clockwise] = travel.moved;
+        findings.push(about(format!("{name}, of R theta"), travel.ratio, 1.0, tolerance(subject, 0.005)));
+        findings.push(below(format!("{name}, sideways, % of the travel"), 100.0 * (right / forward).abs(), 0.3));
+        findings.push(below(format!("{name}, yaw, degrees a metre"), (clockwise.to_degrees() / forward).abs(), 0.1));
+    }
+    Ok(findings)
+}
+
+/// Beside the twist at which the friction of its wheels balances; a car cannot turn on the spot.
+fn beside_friction(subject: &Subject, motion: Motion) -> Result<Vec<Finding>, MotionError> {
+    if motion == Motion::Clockwise && subject.robot.steering == Steering::Ackermann {
+        return Ok(Vec::new());
+    }
+    let mut findings = Vec::new();
+    for speed in [0.2, 1.0, 3.0] {
+        let ratio = ratio(subject, motion, speed)?;
+        let what = format!("at {speed} rad/s, of the balance of friction");
+        findings.push(about(what, ratio, 1.0, tolerance(subject, 0.02)));
+    }
+    Ok(findings)
+}
+
+/// Friction of its driven wheels on the floor.
+fn friction(subject: &Subject) -> f64 {
+    let first = subject.robot.driven().next();
+    first.map_or(0.0, |wheel| wheel.wheel.material.pair(&subject.floor).0)
+}
+
+/// What a robot stands on.
+struct Stand {
+    /// The part of its weight that each driven wheel carries; casters carry the rest and hold nothing.
+    shares: Vec<f64>,
+}
+
+impl Stand {
+    fn of(subject: &Subject) -> Result<Self, MotionError> {
+        let scene = Scene::new(subject, [0.0; 2], Vec::new())?;
+        let mut shares = vec![0.0; subject.robot.driven().count()];
+        let Some(robot) = scene.world.observe(scene.robot) else { return Ok(Self { shares }) };
+        let placed = subject.robot.placed_links(&robot.joints);
+        let wheels: Vec<_> = placed.iter().filter(|(link, _)| link.wheel.is_some()).collect();
+        let own = robot.body.pose.inverse();
+        let weight = f64::from(subject.robot.mass()) * 9.81;
+        for contact in &robot.contacts {
+            let at = own * nalgebra::Point3::from(contact.point);
+            let distance = |pose: &scene::Pose| (pose.translation.vector - at.coords).norm();
+            let nearest = (0..wheels.len()).min_by(|&a, &b| distance(&wheels[a].1).total_cmp(&distance(&wheels[b].1)));
+            let Some(nearest) = nearest.filter(|&wheel| wheels[wheel].0.is_driven_wheel()) else { continue };
+            let number = wheels[..nearest].iter().filter(|(link, _)| link.is_driven_wheel()).count();
+            // Up is negative.
+            shares[number] -= contact.force.z / weight;
+        }
+        Ok(Self { shares })
+    }
+
+    /// Whether casters carry nothing.
+    fn is_on_driven_wheels(&self) -> bool {
+        self.shares.iter().sum::<f64>() > 0.99
+    }
+
+    /// Whether every driven wheel carries enough of it to use its part of a force that is so much of its grip.
+    fn can_push(&self, part: f64) -> bool {
+        self.shares.iter().all(|share| share * self.shares.len() as f64 > 1.5 * part)
+    }
+
+    /// Mass that a push forward has to move: the robot's, and what the inertia of wheels adds that turn with the ground.
+    fn rolling_mass(&self, robot: &RobotDef) -> f64 {
+        let driven = robot.driven().zip(&self.shares).filter(|(_, share)| **share > 0.0).map(|(wheel, _)| {
+            let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
+            (wheel.spin_inertia() + armature) / wheel.radius.powi(2)
+        });
+        let casters = robot.wheels().filter(|wheel| wheel.drive.is_none());
+        let casters = casters.map(|wheel| wheel.mass_with_rollers(false).inertia.trace() / 3.0 / wheel.radius.powi(2));
+        f64::from(robot.mass()) + driven.chain(casters).sum::<f64>()
+    }
+}
+
+/// Whether it would tip over, ahead (0) or aside (1), before its wheels slide, or nearly so.
+fn tips(subject: &Subject, axis: usize) -> bool {
+    let robot = &subject.robot;
+    let parts = robot.links.iter().flat_map(|link| &link.parts).map(|part| (part.mass, part.centre));
+    let wheels = robot.wheels().map(|wheel| (wheel.wheel.mass, Vector3::from(wheel.position)));
+    let (mut mass, mut moment) = (0.0, Vector3::zeros());
+    parts.chain(wheels).for_each(|(own, at)| (mass, moment) = (mass + own, moment + at * own));
+    let centre = moment / mass;
+    // z is down.
+    let height = robot.wheels().map(|wheel| wheel.position[2] + wheel.radius - centre.z).fold(0.0, f64::max);
+    let [least, most] = [f64::min, f64::max].map(|pick| {
+        let places = robot.wheels().map(|wheel| wheel.position[axis]);
+        places.reduce(pick).unwrap_or(0.0)
+    });
+    friction(subject) * height > 0.95 * (most - centre[axis]).min(centre[axis] - least)
+}
+
+/// Wheels held by more torque than the floor can turn them with.
+fn slope_hold(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
+    let locked = with_wheels(subject, |motor| {
+        (motor.gain, motor.max_torque) = (motor.gain.max(50.0), motor.max_torque.max(200.0));
+    });
+    if !Stand::of(subject)?.is_on_driven_wheels() {
+        // What its casters carry changes with the slope.
+        return Ok(Vec::new());
+    }
+    let limit = friction(subject).atan();
+    let mut findings = Vec::new();
+    for (name, axis) in [("ahead", 0), ("aside", 1)].into_iter().filter(|(_, axis)| !tips(subject, *axis)) {
+        let on = |angle: f64| {
+            let mut rise = [0.0; 2];
+            rise[axis] = angle;
+            Scene::new(&locked, rise, Vec::new())
+        };
+        let slides = |angle: f64| -> Result<bool, MotionError> {
+            let mut scene = on(angle)?;
+            let before = scene.velocity().norm();
+            scene.run(2.0);
+            Ok(scene.velocity().norm() > before.max(0.005))
+        };
+        let (mut low, mut high) = (0.7 * limit, 1.3 * limit);
+        while high - low > 0.1f64.to_radians() {
+            let middle = (low + high) / 2.0;
+            if slides(middle)? { high = middle } else { low = middle }
+        }
+        let mut scene = on(0.9 * limit)?;
+        scene.run(1.0);
+        let before = scene.body().pose.translation.vector;
+        scene.run(10.0);
+        let creep = (scene.body().pose.translation.vector - before).norm();
+        findings.push(about(format!("slides {name} from, degrees"), low.to_degrees(), limit.to_degrees(), 1.0));
+        findings.push(below(format!("creep {name} at 0.9 of it, mm in 10 s"), 1e3 * creep, 1.0));
+    }
+    Ok(findings)
+}
+
+fn free_rolling(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
+    let slope = 4.5f64.to_radians();
+    let rolling_mass = Stand::of(subject)?.rolling_mass(&subject.robot);
+    let bound = 9.81 * slope.sin() * f64::from(subject.robot.mass()) / rolling_mass;
+    let mut scene = Scene::new(&coasting(subject), [slope, 0.0], Vec::new())?;
+    let before = scene.velocity()[0];
+    scene.run(1.0);
+    let acceleration = (scene.velocity()[0] - before).abs();
+    Ok(vec![about("rolls at 4.5 degrees, of what gravity gives", acceleration / bound, 1.0, 0.005)])
+}
+
+fn traction(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
+    let mut findings = Vec::new();
+    let strong = |torque: f64| {
+        with_wheels(subject, |motor| {
+            (motor.gain, motor.max_torque, motor.max_speed, motor.integral_time) = (50.0, torque, 1000.0, None);
+        })
+    };
+    let accelerates = |subject: &Subject, speed: f64, seconds: f64| -> Result<f64, MotionError> {
+        let mut scene = Scene::new(subject, [0.0; 2], Vec::new())?;
+        scene.drive(&ahead(&subject.robot, speed));
+        scene.run(0.08);
+        let before = scene.velocity()[0];
+        scene.run(seconds);
+        Ok((scene.velocity()[0] - before) / seconds)
+    };
+    let limit = friction(subject) * 9.81;
+    let stand = Stand::of(subject)?;
+    let radius = subject.robot.wheel_geometry().radius;
+    let grip = limit * f64::from(subject.robot.mass()) * radius;
+    if stand.is_on_driven_wheels() && !tips(subject, 0) {
+        // Each turns even under the whole weight, which goes to the rear wheels. To spin them up turns the body back, off the front ones,
+        // so they slide no faster than they have to.
+        let smallest = subject.robot.driven().map(|wheel| wheel.radius).fold(radius, f64::min);
+        let most = accelerates(&strong(grip), 1.5 / smallest, 0.08)?;
+        findings.push(about("most acceleration, of mu g", most / limit, 1.0, 0.05));
+    }
+    for part in [0.1, 0.2] {
+        if !stand.can_push(part) {
+            continue;
+        }
+        let acceleration = accelerates(&strong(part * grip / stand.shares.len() as f64), 100.0, 0.3)?;
+        let what = format!("acceleration at {part} of it, of force over mass");
+        let pushes = subject.robot.driven().map(|wheel| radius / wheel.radius).sum::<f64>() / stand.shares.len() as f64;
+        let force = part * limit * f64::from(subject.robot.mass()) * pushes;
+        let expected = force / stand.rolling_mass(&subject.robot);
+        findings.push(about(what, acceleration / expected, 1.0, 0.02));
+    }
+    Ok(findings)
+}
+
+/// Travel for the angle of its wheels on slopes, of that on the flat.
+fn climb(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
+    let smooth = with_wheels(subject, |_| {});
+    let travel = |degrees: f64| -> Result<f64, MotionError> {
+        let mut scene = Scene::new(&smooth, [degrees.to_radians(), 0.0], Vec::new())?;
+        scene.drive(&ahead(&subject.robot, 1.0));
+        scene.run(1.0);
+        let (from, before) = scene.state();
+        scene.run(subject.seconds);
+        let (to, after) = scene.state();
+        let angles = [before, after].map(|wheels| angles_of(&wheels));
+        let turned = angles[1].iter().zip(&angles[0]).map(|(after, before)| after - before).sum::<f64>();
+        Ok((to.pose.translation.vector - from.pose.translation.vector).norm() * angles[0].len() as f64 / turned)
+    };
+    let flat = travel(0.0)?;
+    let of_slope = |degrees: f64| -> Result<Finding, MotionError> {
+        Ok(about(format!("{degrees} degrees, travel a wheel angle, of flat"), travel(degrees)? / flat, 1.0, 0.005))
+    };
+    [1.5, 4.5].into_iter().map(of_slope).collect()
+}
+
+/// Without motors its weight rolls it down a slope; the energy of height counts.
+fn energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
+    let mut scene = Scene::new(&coasting(subject), [0.05, 0.0], Vec::new())?;
+    let energy = |scene: &Scene| {
+        let (body, wheels) = scene.state();
+        let mass = f64::from(subject.robot.mass());
+        let spin = |(wheel, state): (scene::MountedWheel, &sim_core::WheelState)| {
+            let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
+            (wheel.spin_inertia() + armature) * state.speed.powi(2) / 2.0
+        };
+        let spin: f64 = subject.robot.driven().zip(&wheels).map(spin).sum();
+        // z is down.
+        mass * body.linear.norm_squared() / 2.0 + spin - mass * 9.81 * body.pose.translation.z
+    };
+    scene.run(1.0);
+    let (mut before, mut grown) = (energy(&scene), f64::NEG_INFINITY);
+    let motion = (f64::from(subject.robot.mass()) * scene.body().linear.norm_squared() / 2.0).max(1e-3);
+    for _ in 0..20 {
+        scene.run(0.1);
+        let now = energy(&scene);
+        grown = grown.max((now - before) / 0.1);
+        before = now;
+    }
+    Ok(vec![below("energy gained without a drive, of its motion a second", grown / motion, 1e-4)])
+}
+
+fn convergence(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
+    let digest = || -> Result<u64, MotionError> {
+        let mut scene = Scene::new(subject, [0.0; 2], Vec::new())?;
+        scene.drive(&Motion::Curve.command(&subject.robot, 2.0));
+        scene.run(2.0);
+        Ok(scene.world.digest())
+    };
+    let same = f64::from(digest()? == digest()?);
+    let mut findings = vec![about("the same bits twice", same, 1.0, 0.0)];
+    let mut halved = subject.clone();
+    halved.options.time_step /= 2.0;
+    for motion in [Motion::Forward, Motion::Curve] {
+        let (coarse, fine) = (ratio(subject, motion, 1.0)?, ratio(&halved, motion, 1.0)?);
+        let what = format!("half the time step, {}, %", motion.name());
+        findings.push(below(what, 100.0 * (coarse / fine - 1.0).abs(), 0.3));
+    }
+    Ok(findings)
+}

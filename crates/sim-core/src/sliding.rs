@@ -1,0 +1,64 @@
+//! The kinematics of a robot on plain wheels that has to slide.
+
+use kinematics::Twist;
+use kinematics::coulomb::{Contact, quasi_static};
+use nalgebra::{Matrix3, Vector3};
+use scene::RobotDef;
+
+/// Where a wheel touches the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place {
+    /// Forward and to the right in the robot frame, m.
+    position: [f64; 2],
+    radius: f64,
+    /// Its share of the weight.
+    share: f64,
+}
+
+/// What is higher than the lowest wheels by more than this does not touch a level floor, m.
+const OFF_GROUND: f64 = 0.002;
+
+/// Those of the driven wheels, all of one material, on a level floor. A rigid robot on wheels that give way alike loads them by a linear
+/// function of their places, whose middle is that of its weight; casters carry their share and hold nothing.
+pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
+    let row = |position: [f64; 3]| Vector3::new(1.0, position[0], position[1]);
+    let bottom = |wheel: &scene::MountedWheel| wheel.position[2] + wheel.wheel.radius;
+    let lowest = robot.wheels().map(|wheel| bottom(&wheel)).fold(f64::NEG_INFINITY, f64::max);
+    let stands = |wheel: &scene::MountedWheel| bottom(wheel) > lowest - OFF_GROUND;
+    let squares: Matrix3<f64> =
+        robot.wheels().filter(stands).map(|wheel| row(wheel.position) * row(wheel.position).transpose()).sum();
+    let [x, y] = middle(robot);
+    let least_squares = squares.svd(true, true).solve(&Vector3::new(1.0, x, y), 1e-12);
+    let factors = least_squares.unwrap_or_else(|_| Vector3::zeros());
+    let place = |wheel: scene::MountedWheel| Place {
+        position: [wheel.position[0], wheel.position[1]],
+        radius: wheel.wheel.radius,
+        share: if stands(&wheel) { row(wheel.position).dot(&factors).max(0.0) } else { 0.0 },
+    };
+    robot.driven().map(place).collect()
+}
+
+/// The middle of its weight forward and to the right, with every joint at 0, m.
+fn middle(robot: &RobotDef) -> [f64; 2] {
+    let parts = robot.links.iter().flat_map(|link| link.parts.iter().map(|part| (part.mass, part.centre)));
+    let wheels = robot.wheels().map(|wheel| (wheel.wheel.mass, Vector3::from(wheel.position)));
+    let (mut mass, mut moment) = (0.0, Vector3::zeros());
+    for (own, at) in parts.chain(wheels) {
+        mass += own;
+        moment += at * own;
+    }
+    if mass > 0.0 { [moment.x / mass, moment.y / mass] } else { [0.0; 2] }
+}
+
+/// How far the robot moves while its driven wheels turn by angles, rad: m, and rad clockwise. Friction does not know speeds, so angles
+/// stand for them.
+pub(crate) fn twist(places: &[Place], turned: &[f64]) -> Twist {
+    let contact = |(place, turned): (&Place, &f64)| Contact {
+        position: place.position,
+        rolling: [place.radius * turned, 0.0],
+        friction: place.share,
+        along: None,
+    };
+    let contacts: Vec<Contact> = places.iter().zip(turned).map(contact).collect();
+    quasi_static(&contacts)
+}
