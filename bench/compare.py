@@ -117,27 +117,43 @@ def exact(definition):
     return {"forward": radius, "left": lateral * radius, "turn": turning * radius / (base + track)}
 
 
+def drive(scene, speeds, actuators, joints, dt, seconds):
+    """Settles, brings wheels to speeds and drives on: how far it went, turned and its wheels turned, and the seconds it took."""
+    data, steps = mujoco.MjData(scene), int(seconds / dt) // 20
+    mujoco.mj_step(scene, data, int(0.5 / dt))
+    data.ctrl[actuators] = speeds
+    mujoco.mj_step(scene, data, int(2 / dt))
+    place, angles = data.qpos[:2].copy(), data.qpos[joints].copy()
+    yaw, last = 0.0, 2 * math.atan2(data.qpos[6], data.qpos[3])
+    start = time.perf_counter()
+    for _ in range(20):
+        mujoco.mj_step(scene, data, steps)
+        now = 2 * math.atan2(data.qpos[6], data.qpos[3])
+        yaw, last = yaw + (now - last + math.pi) % (2 * math.pi) - math.pi, now
+    wall = time.perf_counter() - start
+    turned = float(np.mean(np.abs(data.qpos[joints] - angles)))
+    return float(np.linalg.norm(data.qpos[:2] - place)), abs(yaw), turned, wall
+
+
+def driven_time(dt, seconds):
+    """Simulated seconds of a drive, which are whole steps in twenty parts."""
+    return int(seconds / dt) // 20 * 20 * dt
+
+
+def places(scene, wheels):
+    """Where the angles of wheels are in the state."""
+    return [scene.joint(f"w{wheel}").qposadr[0] for wheel in wheels]
+
+
 def mujoco_row(definition, shape, cone, dt, seconds):
     scene, ways = model(definition, shape, cone, dt), exact(definition)
-    ratios, wall, steps = {}, 0.0, int(seconds / dt)
+    ratios, spent, joints = {}, 0.0, places(scene, range(4))
     for name, signs in MOTIONS.items():
-        data = mujoco.MjData(scene)
-        mujoco.mj_step(scene, data, int(0.5 / dt))
-        data.ctrl[:] = signs
-        mujoco.mj_step(scene, data, int(2 / dt))
-        wheels = [scene.joint(f"w{index}").qposadr[0] for index in range(4)]
-        place, angles = data.qpos[:2].copy(), data.qpos[wheels].copy()
-        yaw, last = 0.0, 2 * math.atan2(data.qpos[6], data.qpos[3])
-        start = time.perf_counter()
-        for _ in range(20):
-            mujoco.mj_step(scene, data, steps // 20)
-            now = 2 * math.atan2(data.qpos[6], data.qpos[3])
-            yaw, last = yaw + (now - last + math.pi) % (2 * math.pi) - math.pi, now
-        wall += time.perf_counter() - start
-        way = abs(yaw) if name == "turn" else float(np.linalg.norm(data.qpos[:2] - place))
-        ratios[name] = way / (ways[name] * float(np.mean(np.abs(data.qpos[wheels] - angles))))
+        way, yaw, turned, wall = drive(scene, signs, range(4), joints, dt, seconds)
+        spent += wall
+        ratios[name] = (yaw if name == "turn" else way) / (ways[name] * turned)
     error = 100 * max(abs(ratio - 1) for ratio in ratios.values())
-    return {"factor": len(MOTIONS) * (steps // 20) * 20 * dt / wall, "error": error, "ratios": ratios}
+    return {"factor": len(MOTIONS) * driven_time(dt, seconds) / spent, "error": error, "ratios": ratios}
 
 
 def p3at_model(definition, shape, gain, rotor, dt):
@@ -166,27 +182,14 @@ def p3at_model(definition, shape, gain, rotor, dt):
 def mujoco_p3at_row(definition, shape, gain, rotor, dt, seconds):
     scene, wheels = p3at_model(definition, shape, gain, rotor, dt), wheels_of(definition)
     radius, (base, track, _) = wheels[0]["radius"], map(abs, wheels[0]["position"])
-    ratios, wall, steps = {}, 0.0, int(seconds / dt)
+    ratios, spent, joints = {}, 0.0, places(scene, range(len(wheels)))
     for name, left in (("forward", 1), ("turn", -1)):
-        signs = np.array([1 if wheel["side"] == "Right" else left for wheel in wheels])
-        data = mujoco.MjData(scene)
-        mujoco.mj_step(scene, data, int(0.5 / dt))
-        data.ctrl[:] = signs
-        mujoco.mj_step(scene, data, int(2 / dt))
-        joints = [scene.joint(f"w{index}").qposadr[0] for index in range(len(wheels))]
-        place, angles = data.qpos[:2].copy(), data.qpos[joints].copy()
-        yaw, last = 0.0, 2 * math.atan2(data.qpos[6], data.qpos[3])
-        start = time.perf_counter()
-        for _ in range(20):
-            mujoco.mj_step(scene, data, steps // 20)
-            now = 2 * math.atan2(data.qpos[6], data.qpos[3])
-            yaw, last = yaw + (now - last + math.pi) % (2 * math.pi) - math.pi, now
-        wall += time.perf_counter() - start
-        turned = float(np.mean(np.abs(data.qpos[joints] - angles)))
-        way = abs(yaw) / (track / (base**2 + track**2)) if name == "turn" else float(np.linalg.norm(data.qpos[:2] - place))
-        ratios[name] = way / (radius * turned)
+        signs = [1 if wheel["side"] == "Right" else left for wheel in wheels]
+        way, yaw, turned, wall = drive(scene, signs, range(len(wheels)), joints, dt, seconds)
+        spent += wall
+        ratios[name] = (yaw / (track / (base**2 + track**2)) if name == "turn" else way) / (radius * turned)
     error = 100 * max(abs(ratio - 1) for ratio in ratios.values())
-    return {"factor": 2 * (steps // 20) * 20 * dt / wall, "error": error, "ratios": ratios}
+    return {"factor": 2 * driven_time(dt, seconds) / spent, "error": error, "ratios": ratios}
 
 
 def flipped(vector):
@@ -255,22 +258,16 @@ def mujoco_tree_row(definition, step, cone, dt, seconds):
         f'<worldbody><geom type="plane" size="50 50 1" contype="1" friction="0.85 0 0"/>{solid}{body}</worldbody>'
         f'<actuator>{"".join(servos)}</actuator></mujoco>'
     )
-    driven = [(index, links[int(servo.split('"')[1][1:])]["wheel"]) for index, servo in enumerate(servos) if servo.startswith("<velocity")]
-    wheels = [index for index, _ in driven]
-    if "rollers" in driven[0][1]:
+    driven = [(index, int(servo.split('"')[1][1:])) for index, servo in enumerate(servos) if servo.startswith("<velocity")]
+    actuators, wheels = [index for index, _ in driven], [links[number]["wheel"] for _, number in driven]
+    if "rollers" in wheels[0]:
         motions = [(1, 1, 1, 1), (1, -1, -1, 1), (1, -1, 1, -1)]
     else:
-        motions = [[left if wheel["side"] == "Left" else right for _, wheel in driven] for left, right in ((1, 1), (1, -1), (1, 0.5))]
-    wall, steps = 0.0, int(seconds / dt)
-    for speeds in motions:
-        data = mujoco.MjData(scene)
-        mujoco.mj_step(scene, data, int(0.5 / dt))
-        data.ctrl[wheels] = speeds
-        mujoco.mj_step(scene, data, int(2 / dt))
-        start = time.perf_counter()
-        mujoco.mj_step(scene, data, steps)
-        wall += time.perf_counter() - start
-    return len(motions) * steps * dt / wall if np.isfinite(data.qpos).all() else 0.0
+        motions = [[left if wheel["side"] == "Left" else right for wheel in wheels] for left, right in ((1, 1), (1, -1), (1, 0.5))]
+    joints = places(scene, [number for _, number in driven])
+    drives = [drive(scene, speeds, actuators, joints, dt, seconds) for speeds in motions]
+    is_sound = all(np.isfinite(drive).all() for drive in drives)
+    return len(motions) * driven_time(dt, seconds) / sum(wall for *_, wall in drives) if is_sound else 0.0
 
 
 def trees(seconds, repeat):

@@ -81,6 +81,11 @@ impl Sliding {
         }
     }
 
+    /// What each driven wheel carries in the mean, N.
+    pub(crate) fn driven_loads(&self) -> impl Iterator<Item = f64> {
+        self.wheels.iter().filter(|wheel| wheel.is_driven).map(|wheel| wheel.load / self.noted)
+    }
+
     /// The twist while the driven wheels turn at speeds, rad/s.
     pub(crate) fn twist(&self, speeds: &[f64]) -> Twist {
         let mut speeds = speeds.iter();

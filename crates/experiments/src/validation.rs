@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use gamebots_proto::command::{Command, Init};
 use nalgebra::Vector3;
-use scene::{DriveModel, MapDef, Material, RobotDef, Shape, Solid, WorldDef};
+use scene::{DriveModel, MapDef, Material, MountedWheel, RobotDef, Shape, Solid, WorldDef};
 use sim_core::{BodyState, Options, RobotId, WheelState, World, mecanum};
 
 use crate::course::{MotionError, SETTLING};
@@ -53,7 +53,11 @@ pub struct Subject {
 
 /// Names of the checks of a robot.
 pub fn checks(robot: &RobotDef) -> &'static [&'static str] {
-    if mecanum::finite_rollers(robot).is_some() { &mecanum_wheels::CHECKS } else { &plain_wheels::CHECKS }
+    if is_omni(robot) { &mecanum_wheels::CHECKS } else { &plain_wheels::CHECKS }
+}
+
+fn is_omni(robot: &RobotDef) -> bool {
+    mecanum::finite_rollers(robot).is_some()
 }
 
 /// Runs one check.
@@ -69,9 +73,8 @@ pub fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, MotionError
     if !(1..=most as u32).contains(&number) {
         return Err(MotionError::NoCheck { class: class(), number, most });
     }
-    let is_omni = mecanum::finite_rollers(&subject.robot).is_some();
-    let mut findings =
-        if is_omni { mecanum_wheels::check(subject, number) } else { plain_wheels::check(subject, number) }?;
+    let run = if is_omni(&subject.robot) { mecanum_wheels::check } else { plain_wheels::check };
+    let mut findings = run(subject, number)?;
     findings.iter_mut().for_each(|finding| finding.check = number);
     Ok(findings)
 }
@@ -82,10 +85,6 @@ fn about(what: impl Into<String>, measured: f64, expected: f64, tolerance: f64) 
 
 fn below(what: impl Into<String>, measured: f64, most: f64) -> Finding {
     Finding { check: 0, what: what.into(), measured, least: f64::NEG_INFINITY, most }
-}
-
-fn between(what: impl Into<String>, measured: f64, least: f64, most: f64) -> Finding {
-    Finding { check: 0, what: what.into(), measured, least, most }
 }
 
 /// Orientation of a floor that rises to the front and to the right by an angle: pitched up (z is down) about y, rolled about x.
@@ -170,23 +169,79 @@ fn tolerance(subject: &Subject, other: f64) -> f64 {
     if is_exact { 0.003 } else { other }
 }
 
-fn motors(subject: &mut Subject, change: impl FnMut(&mut scene::Motor)) {
-    subject.robot.motors_mut().for_each(change);
+/// From which slope a robot with locked wheels slides, ahead (0) or aside (1), beside a limit, rad; and how it creeps at 0.9 of that.
+fn slides(locked: &Subject, name: &str, axis: usize, limit: f64) -> Result<[Finding; 2], MotionError> {
+    let on = |angle: f64| {
+        let mut rise = [0.0; 2];
+        rise[axis] = angle;
+        Scene::new(locked, rise, Vec::new())
+    };
+    // It is put down from a millimetre above and may slide a little; beyond the limit it gets faster.
+    let slides = |angle: f64| -> Result<bool, MotionError> {
+        let mut scene = on(angle)?;
+        let before = scene.velocity().norm();
+        scene.run(2.0);
+        Ok(scene.velocity().norm() > before.max(0.005))
+    };
+    let (mut low, mut high) = (0.7 * limit, 1.3 * limit);
+    while high - low > 0.1f64.to_radians() {
+        let middle = (low + high) / 2.0;
+        if slides(middle)? { high = middle } else { low = middle }
+    }
+    let mut scene = on(0.9 * limit)?;
+    scene.run(1.0);
+    let before = scene.body().pose.translation.vector;
+    scene.run(10.0);
+    let creep = (scene.body().pose.translation.vector - before).norm();
+    Ok([
+        about(format!("slides {name} from, degrees"), low.to_degrees(), limit.to_degrees(), 1.0),
+        below(format!("creep {name} at 0.9 of it, mm in 10 s"), 1e3 * creep, 1.0),
+    ])
 }
 
-/// The same robot with motors that do nothing on a floor that takes nothing.
-fn coasting(subject: &Subject) -> Subject {
-    let mut free = subject.clone();
-    motors(&mut free, |motor| (motor.gain, motor.integral_time) = (1e-9, None));
-    free.floor.rolling_resistance = 0.0;
-    free
+/// Without motors its weight rolls a robot down a slope; the energy of height counts.
+fn energy(coasting: &Subject) -> Result<Finding, MotionError> {
+    let mut scene = Scene::new(coasting, [0.05, 0.0], Vec::new())?;
+    let mass = f64::from(coasting.robot.mass());
+    let energy = |scene: &Scene| {
+        let (body, wheels) = scene.state();
+        let driven = coasting.robot.driven().zip(&wheels);
+        let spin: f64 = driven.map(|(wheel, state)| turning_inertia(&wheel) * state.speed.powi(2) / 2.0).sum();
+        // z is down.
+        mass * body.linear.norm_squared() / 2.0 + spin - mass * 9.81 * body.pose.translation.z
+    };
+    scene.run(1.0);
+    let (mut before, mut grown) = (energy(&scene), f64::NEG_INFINITY);
+    // A robot that is held does not move at all.
+    let motion = (mass * scene.body().linear.norm_squared() / 2.0).max(1e-3);
+    for _ in 0..20 {
+        scene.run(0.1);
+        let now = energy(&scene);
+        grown = grown.max((now - before) / 0.1);
+        before = now;
+    }
+    Ok(below("energy gained without a drive, of its motion a second", grown / motion, 1e-4))
 }
 
-/// Mass that a push forward has to move: the robot's and what its wheels' inertia adds.
-fn rolling_mass(robot: &RobotDef) -> f64 {
-    let wheels = robot.driven().map(|wheel| {
-        let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
-        (wheel.spin_inertia() + armature) / wheel.radius.powi(2)
-    });
-    f64::from(robot.mass()) + wheels.sum::<f64>()
+/// Whether a drive gives the same bits twice.
+fn same_bits(subject: &Subject, command: &Command) -> Result<Finding, MotionError> {
+    let digest = || -> Result<u64, MotionError> {
+        let mut scene = Scene::new(subject, [0.0; 2], Vec::new())?;
+        scene.drive(command);
+        scene.run(2.0);
+        Ok(scene.world.digest())
+    };
+    Ok(about("the same bits twice", f64::from(digest()? == digest()?), 1.0, 0.0))
+}
+
+/// The same with half the time step.
+fn halved(subject: &Subject) -> Subject {
+    let mut halved = subject.clone();
+    halved.options.time_step /= 2.0;
+    halved
+}
+
+/// Inertia of a driven wheel about its axle, with its rotor, kg m².
+fn turning_inertia(wheel: &MountedWheel) -> f64 {
+    wheel.spin_inertia() + wheel.drive.map_or(0.0, |motor| motor.armature)
 }

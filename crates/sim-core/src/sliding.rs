@@ -27,8 +27,8 @@ pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
     let stands = |wheel: &scene::MountedWheel| bottom(wheel) > lowest - OFF_GROUND;
     let squares: Matrix3<f64> =
         robot.wheels().filter(stands).map(|wheel| row(wheel.position) * row(wheel.position).transpose()).sum();
-    let [x, y] = middle(robot);
-    let least_squares = squares.svd(true, true).solve(&Vector3::new(1.0, x, y), 1e-12);
+    let middle = robot.total_mass().centre;
+    let least_squares = squares.svd(true, true).solve(&Vector3::new(1.0, middle.x, middle.y), 1e-12);
     let factors = least_squares.unwrap_or_else(|_| Vector3::zeros());
     let place = |wheel: scene::MountedWheel| Place {
         position: [wheel.position[0], wheel.position[1]],
@@ -36,18 +36,6 @@ pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
         share: if stands(&wheel) { row(wheel.position).dot(&factors).max(0.0) } else { 0.0 },
     };
     robot.driven().map(place).collect()
-}
-
-/// The middle of its weight forward and to the right, with every joint at 0, m.
-fn middle(robot: &RobotDef) -> [f64; 2] {
-    let parts = robot.links.iter().flat_map(|link| link.parts.iter().map(|part| (part.mass, part.centre)));
-    let wheels = robot.wheels().map(|wheel| (wheel.wheel.mass, Vector3::from(wheel.position)));
-    let (mut mass, mut moment) = (0.0, Vector3::zeros());
-    for (own, at) in parts.chain(wheels) {
-        mass += own;
-        moment += at * own;
-    }
-    if mass > 0.0 { [moment.x / mass, moment.y / mass] } else { [0.0; 2] }
 }
 
 /// How far the robot moves while its driven wheels turn by angles, rad: m, and rad clockwise. Friction does not know speeds, so angles

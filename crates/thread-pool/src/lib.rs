@@ -4,7 +4,7 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use sim_core::Threads;
+use sim_core::{OneThread, Threads};
 
 /// Some threads; a copy is the same ones.
 #[derive(Debug, Clone)]
@@ -76,10 +76,7 @@ impl Threads for ThreadPool {
             Some(pool) => {
                 pool.join(one, other);
             }
-            None => {
-                one();
-                other();
-            }
+            None => OneThread.join(one, other),
         }
     }
 }

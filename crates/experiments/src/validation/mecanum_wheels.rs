@@ -1,10 +1,10 @@
 //! The twelve checks of a robot on four Mecanum wheels.
 
 use nalgebra::UnitQuaternion;
-use scene::{Material, Shape, Solid, WheelGeometry};
+use scene::{Material, RobotDef, Shape, Solid, WheelGeometry};
 use sim_core::{WheelState, mecanum};
 
-use super::{Finding, Scene, Subject, about, below, between, coasting, motors, rolling_mass, tolerance};
+use super::{Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance, turning_inertia};
 use crate::course::{MotionError, angles, drive_command, exact_step, wrapped};
 
 /// Their names.
@@ -197,31 +197,7 @@ fn slope_hold(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let grip = grip(subject, &Scene::new(subject, [0.0; 2], Vec::new())?.state().1);
     let mut findings = Vec::new();
     for (name, axis) in [("ahead", 0), ("aside", 1)] {
-        let limit = grip[axis].atan();
-        let on = |angle: f64| {
-            let mut rise = [0.0; 2];
-            rise[axis] = angle;
-            Scene::new(&locked, rise, Vec::new())
-        };
-        // It is put down from a millimetre above and may slide a little; beyond the limit it gets faster.
-        let slides = |angle: f64| -> Result<bool, MotionError> {
-            let mut scene = on(angle)?;
-            let before = scene.velocity().norm();
-            scene.run(2.0);
-            Ok(scene.velocity().norm() > before.max(0.005))
-        };
-        let (mut low, mut high) = (0.7 * limit, 1.3 * limit);
-        while high - low > 0.1f64.to_radians() {
-            let middle = (low + high) / 2.0;
-            if slides(middle)? { high = middle } else { low = middle }
-        }
-        let mut scene = on(0.9 * limit)?;
-        scene.run(1.0);
-        let before = scene.body().pose.translation.vector;
-        scene.run(10.0);
-        let creep = (scene.body().pose.translation.vector - before).norm();
-        findings.push(about(format!("slides {name} from, degrees"), low.to_degrees(), limit.to_degrees(), 1.0));
-        findings.push(below(format!("creep {name} at 0.9 of it, mm in 10 s"), 1e3 * creep, 1.0));
+        findings.extend(slides(&locked, name, axis, grip[axis].atan())?);
     }
     Ok(findings)
 }
@@ -358,48 +334,13 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         1.0,
         0.03,
     ));
-    // Without motors its weight rolls it down a slope; the energy of height counts.
-    let mut scene = Scene::new(&coasting(subject), [0.05, 0.0], Vec::new())?;
-    let energy = |scene: &Scene| {
-        let (body, wheels) = scene.state();
-        let mass = f64::from(subject.robot.mass());
-        let spin: f64 = subject
-            .robot
-            .driven()
-            .zip(&wheels)
-            .map(|(wheel, state)| {
-                let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
-                (wheel.spin_inertia() + armature) * state.speed.powi(2) / 2.0
-            })
-            .sum();
-        // z is down.
-        mass * body.linear.norm_squared() / 2.0 + spin - mass * 9.81 * body.pose.translation.z
-    };
-    scene.run(1.0);
-    let (mut before, mut grown) = (energy(&scene), f64::NEG_INFINITY);
-    // A robot that is held does not move at all.
-    let motion = (f64::from(subject.robot.mass()) * scene.body().linear.norm_squared() / 2.0).max(1e-3);
-    for _ in 0..20 {
-        scene.run(0.1);
-        let now = energy(&scene);
-        grown = grown.max((now - before) / 0.1);
-        before = now;
-    }
-    findings.push(below("energy gained without a drive, of its motion a second", grown / motion, 1e-4));
+    findings.push(energy(&coasting(subject))?);
     Ok(findings)
 }
 
 fn convergence(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let digest = || -> Result<u64, MotionError> {
-        let mut scene = Scene::new(subject, [0.0; 2], Vec::new())?;
-        scene.drive(&drive_command([1.0, 0.5, -0.5, 1.0]));
-        scene.run(2.0);
-        Ok(scene.world.digest())
-    };
-    let same = f64::from(digest()? == digest()?);
-    let mut findings = vec![about("the same bits twice", same, 1.0, 0.0)];
-    let mut halved = subject.clone();
-    halved.options.time_step /= 2.0;
+    let mut findings = vec![same_bits(subject, &drive_command([1.0, 0.5, -0.5, 1.0]))?];
+    let halved = halved(subject);
     for (name, speeds, axis) in [
         ("forward", [1.0; 4], 0),
         ("right", [1.0, -1.0, -1.0, 1.0], 1),
@@ -425,4 +366,26 @@ fn convergence(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         }
     }
     Ok(findings)
+}
+
+fn between(what: impl Into<String>, measured: f64, least: f64, most: f64) -> Finding {
+    Finding { check: 0, what: what.into(), measured, least, most }
+}
+
+fn motors(subject: &mut Subject, change: impl FnMut(&mut scene::Motor)) {
+    subject.robot.motors_mut().for_each(change);
+}
+
+/// The same robot with motors that do nothing on a floor that takes nothing.
+fn coasting(subject: &Subject) -> Subject {
+    let mut free = subject.clone();
+    motors(&mut free, |motor| (motor.gain, motor.integral_time) = (1e-9, None));
+    free.floor.rolling_resistance = 0.0;
+    free
+}
+
+/// Mass that a push forward has to move: the robot's and what its wheels' inertia adds.
+fn rolling_mass(robot: &RobotDef) -> f64 {
+    let wheels = robot.driven().map(|wheel| turning_inertia(&wheel) / wheel.radius.powi(2));
+    f64::from(robot.mass()) + wheels.sum::<f64>()
 }

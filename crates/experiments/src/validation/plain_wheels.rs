@@ -1,11 +1,13 @@
 //! The nine checks of a robot on plain wheels.
 
 use gamebots_proto::command::Command;
-use nalgebra::Vector3;
 use scene::{Motor, RobotDef, Steering};
 
-use super::{Finding, Scene, Subject, about, below, tolerance, world};
-use crate::course::{Course, Motion, MotionError, angles_of};
+use super::{
+    Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance, turning_inertia, world,
+};
+use crate::course::{Course, Motion, MotionError, Travel, angles_of};
+use crate::reference::Sliding;
 
 /// Their names.
 pub(super) const CHECKS: [&str; 9] = [
@@ -30,7 +32,7 @@ pub(super) fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, Moti
         5 => free_rolling(subject),
         6 => traction(subject),
         7 => climb(subject),
-        8 => energy(subject),
+        8 => Ok(vec![energy(&coasting(subject))?]),
         _ => convergence(subject),
     }
 }
@@ -58,21 +60,22 @@ fn ahead(robot: &RobotDef, speed: f64) -> Command {
     Motion::Forward.command(robot, speed)
 }
 
-/// A drive beside what the wheels' angles and their friction make of it: ratio of both.
-fn ratio(subject: &Subject, motion: Motion, speed: f64) -> Result<f64, MotionError> {
+/// A drive on a level floor beside what the wheels' angles and their friction make of it.
+fn travel(subject: &Subject, motion: Motion, speed: f64) -> Result<Option<Travel>, MotionError> {
     let class = &subject.robot.class;
     let mut course = Course::start(world(subject, [0.0; 2], Vec::new()), class, 1, motion, speed)?;
     course.run(subject.seconds);
-    Ok(course.travel().map_or(f64::NAN, |travel| travel.ratio))
+    Ok(course.travel())
+}
+
+fn ratio(subject: &Subject, motion: Motion, speed: f64) -> Result<f64, MotionError> {
+    Ok(travel(subject, motion, speed)?.map_or(f64::NAN, |travel| travel.ratio))
 }
 
 fn straight(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let mut findings = Vec::new();
     for (name, speed) in [("ahead", 1.0), ("back", -1.0)] {
-        let class = &subject.robot.class;
-        let mut course = Course::start(world(subject, [0.0; 2], Vec::new()), class, 1, Motion::Forward, speed)?;
-        course.run(subject.seconds);
-        let Some(travel) = course.travel() else { continue };
+        let Some(travel) = travel(subject, Motion::Forward, speed)? else { continue };
         let [forward, right, clockwise] = travel.moved;
         findings.push(about(format!("{name}, of R theta"), travel.ratio, 1.0, tolerance(subject, 0.005)));
         findings.push(below(format!("{name}, sideways, % of the travel"), 100.0 * (right / forward).abs(), 0.3));
@@ -110,22 +113,12 @@ struct Stand {
 impl Stand {
     fn of(subject: &Subject) -> Result<Self, MotionError> {
         let scene = Scene::new(subject, [0.0; 2], Vec::new())?;
-        let mut shares = vec![0.0; subject.robot.driven().count()];
-        let Some(robot) = scene.world.observe(scene.robot) else { return Ok(Self { shares }) };
-        let placed = subject.robot.placed_links(&robot.joints);
-        let wheels: Vec<_> = placed.iter().filter(|(link, _)| link.wheel.is_some()).collect();
-        let own = robot.body.pose.inverse();
-        let weight = f64::from(subject.robot.mass()) * 9.81;
-        for contact in &robot.contacts {
-            let at = own * nalgebra::Point3::from(contact.point);
-            let distance = |pose: &scene::Pose| (pose.translation.vector - at.coords).norm();
-            let nearest = (0..wheels.len()).min_by(|&a, &b| distance(&wheels[a].1).total_cmp(&distance(&wheels[b].1)));
-            let Some(nearest) = nearest.filter(|&wheel| wheels[wheel].0.is_driven_wheel()) else { continue };
-            let number = wheels[..nearest].iter().filter(|(link, _)| link.is_driven_wheel()).count();
-            // Up is negative.
-            shares[number] -= contact.force.z / weight;
+        let mut sliding = Sliding::default();
+        if let Some(snapshot) = scene.world.observe(scene.robot) {
+            sliding.note(&subject.floor, &subject.robot, &snapshot);
         }
-        Ok(Self { shares })
+        let weight = f64::from(subject.robot.mass()) * 9.81;
+        Ok(Self { shares: sliding.driven_loads().map(|load| load / weight).collect() })
     }
 
     /// Whether casters carry nothing.
@@ -140,10 +133,8 @@ impl Stand {
 
     /// Mass that a push forward has to move: the robot's, and what the inertia of wheels adds that turn with the ground.
     fn rolling_mass(&self, robot: &RobotDef) -> f64 {
-        let driven = robot.driven().zip(&self.shares).filter(|(_, share)| **share > 0.0).map(|(wheel, _)| {
-            let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
-            (wheel.spin_inertia() + armature) / wheel.radius.powi(2)
-        });
+        let driven = robot.driven().zip(&self.shares).filter(|(_, share)| **share > 0.0);
+        let driven = driven.map(|(wheel, _)| turning_inertia(&wheel) / wheel.radius.powi(2));
         let casters = robot.wheels().filter(|wheel| wheel.drive.is_none());
         let casters = casters.map(|wheel| wheel.mass_with_rollers(false).inertia.trace() / 3.0 / wheel.radius.powi(2));
         f64::from(robot.mass()) + driven.chain(casters).sum::<f64>()
@@ -153,11 +144,7 @@ impl Stand {
 /// Whether it would tip over, ahead (0) or aside (1), before its wheels slide, or nearly so.
 fn tips(subject: &Subject, axis: usize) -> bool {
     let robot = &subject.robot;
-    let parts = robot.links.iter().flat_map(|link| &link.parts).map(|part| (part.mass, part.centre));
-    let wheels = robot.wheels().map(|wheel| (wheel.wheel.mass, Vector3::from(wheel.position)));
-    let (mut mass, mut moment) = (0.0, Vector3::zeros());
-    parts.chain(wheels).for_each(|(own, at)| (mass, moment) = (mass + own, moment + at * own));
-    let centre = moment / mass;
+    let centre = robot.total_mass().centre;
     // z is down.
     let height = robot.wheels().map(|wheel| wheel.position[2] + wheel.radius - centre.z).fold(0.0, f64::max);
     let [least, most] = [f64::min, f64::max].map(|pick| {
@@ -179,29 +166,7 @@ fn slope_hold(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let limit = friction(subject).atan();
     let mut findings = Vec::new();
     for (name, axis) in [("ahead", 0), ("aside", 1)].into_iter().filter(|(_, axis)| !tips(subject, *axis)) {
-        let on = |angle: f64| {
-            let mut rise = [0.0; 2];
-            rise[axis] = angle;
-            Scene::new(&locked, rise, Vec::new())
-        };
-        let slides = |angle: f64| -> Result<bool, MotionError> {
-            let mut scene = on(angle)?;
-            let before = scene.velocity().norm();
-            scene.run(2.0);
-            Ok(scene.velocity().norm() > before.max(0.005))
-        };
-        let (mut low, mut high) = (0.7 * limit, 1.3 * limit);
-        while high - low > 0.1f64.to_radians() {
-            let middle = (low + high) / 2.0;
-            if slides(middle)? { high = middle } else { low = middle }
-        }
-        let mut scene = on(0.9 * limit)?;
-        scene.run(1.0);
-        let before = scene.body().pose.translation.vector;
-        scene.run(10.0);
-        let creep = (scene.body().pose.translation.vector - before).norm();
-        findings.push(about(format!("slides {name} from, degrees"), low.to_degrees(), limit.to_degrees(), 1.0));
-        findings.push(below(format!("creep {name} at 0.9 of it, mm in 10 s"), 1e3 * creep, 1.0));
+        findings.extend(slides(&locked, name, axis, limit)?);
     }
     Ok(findings)
 }
@@ -278,43 +243,9 @@ fn climb(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     [1.5, 4.5].into_iter().map(of_slope).collect()
 }
 
-/// Without motors its weight rolls it down a slope; the energy of height counts.
-fn energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let mut scene = Scene::new(&coasting(subject), [0.05, 0.0], Vec::new())?;
-    let energy = |scene: &Scene| {
-        let (body, wheels) = scene.state();
-        let mass = f64::from(subject.robot.mass());
-        let spin = |(wheel, state): (scene::MountedWheel, &sim_core::WheelState)| {
-            let armature = wheel.drive.map_or(0.0, |motor| motor.armature);
-            (wheel.spin_inertia() + armature) * state.speed.powi(2) / 2.0
-        };
-        let spin: f64 = subject.robot.driven().zip(&wheels).map(spin).sum();
-        // z is down.
-        mass * body.linear.norm_squared() / 2.0 + spin - mass * 9.81 * body.pose.translation.z
-    };
-    scene.run(1.0);
-    let (mut before, mut grown) = (energy(&scene), f64::NEG_INFINITY);
-    let motion = (f64::from(subject.robot.mass()) * scene.body().linear.norm_squared() / 2.0).max(1e-3);
-    for _ in 0..20 {
-        scene.run(0.1);
-        let now = energy(&scene);
-        grown = grown.max((now - before) / 0.1);
-        before = now;
-    }
-    Ok(vec![below("energy gained without a drive, of its motion a second", grown / motion, 1e-4)])
-}
-
 fn convergence(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
-    let digest = || -> Result<u64, MotionError> {
-        let mut scene = Scene::new(subject, [0.0; 2], Vec::new())?;
-        scene.drive(&Motion::Curve.command(&subject.robot, 2.0));
-        scene.run(2.0);
-        Ok(scene.world.digest())
-    };
-    let same = f64::from(digest()? == digest()?);
-    let mut findings = vec![about("the same bits twice", same, 1.0, 0.0)];
-    let mut halved = subject.clone();
-    halved.options.time_step /= 2.0;
+    let mut findings = vec![same_bits(subject, &Motion::Curve.command(&subject.robot, 2.0))?];
+    let halved = halved(subject);
     for motion in [Motion::Forward, Motion::Curve] {
         let (coarse, fine) = (ratio(subject, motion, 1.0)?, ratio(&halved, motion, 1.0)?);
         let what = format!("half the time step, {}, %", motion.name());

@@ -86,7 +86,7 @@ pub(in super::super) fn solve<'a>(
     let mut members = members(robots, &mut of_engine, &touching);
     let mut groups: Vec<&mut [Member]> = members.chunk_by_mut(|one, other| one.group == other.group).collect();
     let size = groups.len().div_ceil(PARTS);
-    rooms.resize_with(rooms.len().max(PARTS), Room::default);
+    rooms.resize_with(PARTS, Room::default);
     let mut parts: Vec<(&mut [&mut [Member]], &mut Room)> = groups.chunks_mut(size).zip(rooms.iter_mut()).collect();
     in_parts(threads, 1, &mut parts, &|parts| {
         for (groups, room) in parts {
