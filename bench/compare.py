@@ -288,14 +288,14 @@ def trees(seconds, repeat):
 
 
 def without_sensors(name, folder):
-    """A robot file without the sensors that MuJoCo's robots have not, in a folder."""
+    """A robot file without the sensors that MuJoCo's robots have not, and without looks, whose meshes lie beside the shipped one."""
     shipped = os.path.join(os.path.dirname(__file__), "..", "assets", "robots", name, "robot.toml")
     with open(shipped) as file:
         tables = re.split(r"(?m)^(?=\[)", file.read())
     path = os.path.join(folder, name, "robot.toml")
     os.makedirs(os.path.dirname(path))
     with open(path, "w") as file:
-        file.write("".join(table for table in tables if not table.startswith("[[sensor]]")))
+        file.write("".join(table for table in tables if not table.startswith(("[[sensor]]", "[[visual]]"))))
     return path
 
 

@@ -18,6 +18,12 @@ const STEPS: usize = 50;
 const ROBOT_OF_URDF: &str = include_str!("files/robot.toml");
 const ROBOT_OF_JOINTS: &str = include_str!("../../assets/robots/KUKA_YouBot/robot.toml");
 const URDF_WITH_JOINTS: &str = include_str!("../../assets/robots/KUKA_YouBot/robot.urdf");
+/// What is seen of that robot.
+const LOOKS_WITH_JOINTS: [(&str, &[u8]); 3] = [
+    ("base.glb", include_bytes!("../../assets/robots/KUKA_YouBot/base.glb")),
+    ("hub.glb", include_bytes!("../../assets/robots/KUKA_YouBot/hub.glb")),
+    ("hokuyo.glb", include_bytes!("../../assets/robots/KUKA_YouBot/hokuyo.glb")),
+];
 /// A body whose shape is a mesh.
 const URDF_OF_STL: &str = include_str!("files/stl.urdf");
 const URDF_OF_OBJ: &str = include_str!("files/obj.urdf");
@@ -51,6 +57,9 @@ pub fn urdf(bytes: &[u8]) {
         ("jointed.toml", ROBOT_OF_JOINTS.as_bytes()),
         ("part.obj", MESH.as_bytes()),
     ]);
+    for (name, bytes) in LOOKS_WITH_JOINTS {
+        folder.with(name, bytes);
+    }
     assert_lines(&scene_loader::check(&folder.with("robot.urdf", bytes)));
     drive_robot(&folder.path("robot.toml"));
     drive_robot(&folder.path("jointed.toml"));

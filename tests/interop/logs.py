@@ -142,7 +142,9 @@ def check_native(log):
     for frame in [entity.frame_id for entity in drawn] + [m.frame_id for _, _, m in messages["foxglove.LaserScan"]]:
         while frame != "map":
             frame = parents[frame]
-    assert sum(len(entity.cylinders) for entity in drawn if entity.frame_id.startswith("robot/0/")) == 4 * (1 + 6 * 8)
+    wheels = [entity for entity in drawn if entity.frame_id.startswith("robot/0/")]
+    assert sum(len(entity.cylinders) for entity in wheels) == 4 * 6 * 8, "rollers, as stacks of cylinders"
+    assert sum(len(entity.triangles) > 0 for entity in wheels) == 4, "a hub on each wheel, a mesh"
     pushed = [state.position.y for _, _, state in messages["usarsim.ObjectState"]]
     assert pushed[-1] > pushed[0] + 0.05, (pushed[0], pushed[-1])
     deleted = [topic for _, topic, update in messages["foxglove.SceneUpdate"] if update.deletions]

@@ -57,7 +57,13 @@ def check_connect(address):
     terminal.wait_for("NFO {Gametype BotDeathMatch}")
     # What is typed while there is no prompt is lost, as with every line editor.
     next_prompt = r"2004l\r\n[\s\S]*?> \r[\s\S]*?2026l"
-    terminal.type("INI\t{Cl\tUSARBot.P3AT}\r")
+    # The server's answers come without being shown.
+    time.sleep(0.5)
+    terminal.type("help\r")
+    terminal.wait_for("classes: USARBot.AirRobot, [^\n]*\n[^\n]*starts: PlayerStart_0, [\\s\\S]*> \r")
+    terminal.type("INI\t{Cl\tUSARBot.P3TA}\r")
+    terminal.wait_for("NFO {Error 'ClassName USARBot.P3TA' is unknown .did you mean `USARBot.P3AT`")
+    terminal.type("INI\t{Cl\tp3a\t{St\tRobotStart1}\r")
     terminal.wait_for(next_prompt)
     terminal.type("GETCONF {Type Robot}\r")
     terminal.wait_for("CONF {Name P3AT}")
@@ -68,12 +74,13 @@ def check_connect(address):
     terminal.type(":quit\r")
     assert terminal.end() == 0
     with open(os.path.join(terminal.home, ".local/state/usarsim/history")) as history:
-        assert "INIT {ClassName USARBot.P3AT}" in history.read()
+        assert "INIT {ClassName USARBot.P3AT} {Start RobotStart1}" in history.read()
 
 
 def check_teleop(address):
     terminal = Terminal("teleop", address, "--start", "RobotStart2")
-    x_and_y = r"x,y,z (-?[0-9.]+),(-?[0-9.]+),"
+    terminal.wait_for("keys: w s forward, backward   a d left, right   q e turn ")
+    x_and_y = r"x (-?[0-9.]+)  y (-?[0-9.]+)  z"
     start = terminal.wait_for(x_and_y)
     # RobotStart2 of `rough` looks to the right.
     for key, axis, sign in [("w", 2, 1), ("d", 1, -1), ("\x1b[A", 2, 1)]:
@@ -94,8 +101,12 @@ def check_pipe(address):
     assert done.returncode == 0 and "NFO {StartPoses 3}" in done.stdout, done
     refused = subprocess.run([PROGRAM, "connect", "127.0.0.1:1"], input="", capture_output=True, text=True)
     assert refused.returncode == 69 and "usarsim serve" in refused.stderr, refused
-    unknown = subprocess.run([PROGRAM, "teleop", address, "--robot", "Nobody"], input="", capture_output=True, text=True)
-    assert unknown.returncode == 1 and "usarsim robots" in unknown.stderr, unknown
+    for arguments, code, expected in [
+        (["--robot", "KUKAYouBot"], 1, "KUKAYouBot was not spawned: 'ClassName USARBot.KUKAYouBot' is unknown (did you mean `USARBot.KUKA_"),
+        (["--start", "RobotStart"], 0, "WARNING 'Start RobotStart' is unknown (did you mean `RobotStart1`?)"),
+    ]:
+        done = subprocess.run([PROGRAM, "teleop", address, *arguments], input="", capture_output=True, text=True)
+        assert done.returncode == code and expected in done.stdout + done.stderr, done
 
 
 def main():

@@ -17,6 +17,8 @@ pub use server::{PATIENCE, Peer, Server};
 pub use transcript::{Transcript, run_transcript};
 pub use watch::{Seen, Watch};
 
+use std::path::Path;
+
 use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Dialect, Line};
 use sim_core::{Options, RobotId, TIME_STEP, World};
@@ -28,6 +30,19 @@ use sim_core::{Options, RobotId, TIME_STEP, World};
 pub fn world(map: &str, seed: u64) -> World {
     let def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
     World::new(def, Options { seed, ..Options::default() })
+}
+
+/// Copies the folder of a shipped robot, with the meshes that its file names.
+///
+/// # Panics
+/// If it cannot be copied.
+pub fn copy_robot(class: &str, into: &Path) {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/robots").join(class);
+    let files = std::fs::read_dir(&shipped).unwrap_or_else(|error| panic!("{}: {error}", shipped.display()));
+    for file in files.map(|file| file.unwrap_or_else(|error| panic!("{error}"))) {
+        let copy = into.join(file.file_name());
+        std::fs::copy(file.path(), &copy).unwrap_or_else(|error| panic!("{}: {error}", copy.display()));
+    }
 }
 
 /// Reads a line that is a command.

@@ -4,7 +4,7 @@ use gamebots_proto::message::{Message, Reading};
 use nalgebra::Vector3;
 use scene::{Material, Object, Shape, Solid, WorldDef};
 use sim_core::{Options, RobotId, World};
-use system_tests::{apply, command, init, run};
+use system_tests::{apply, command, copy_robot, init, run};
 
 /// Edge of what is carried, m.
 const EDGE: f64 = 0.07;
@@ -133,7 +133,7 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
     let mut problems = Vec::new();
     world.execute(Some(robot), &command("ACT {Name Amr} {Link 0} {Value 1}"), &mut problems);
     let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
-    assert_eq!(said, ["{Name Amr} is unknown; expected one of Arm, Gripper; nothing is moved"]);
+    assert_eq!(said, ["{Name Amr} is unknown (did you mean `Arm`?); expected one of Arm, Gripper; nothing is moved"]);
     let confs = ["GETCONF {Type Actuator}", "GETCONF {Type MisPkg}", "GETCONF {Type Gripper}"];
     let confs = confs.map(|line| apply(&mut world, robot, line).join("\n"));
     let first = "{Link 1} {JointType Revolute} {MaxTorque 47.5000} {MinValue -2.9496} {MaxValue 2.9496} {Link 2}";
@@ -160,6 +160,7 @@ fn a_sensor_on_a_link_goes_where_that_goes() {
                    [[sensor]]\nclass = \"GroundTruth\"\nname = \"Hand\"\nlink = \"ArmJoint5\"\nfixed_to_platform = false\n\
                    position = [0.198, 0.0, -0.66]\n";
     let folder = tempfile::tempdir().expect("a folder");
+    copy_robot("YouBotArm", folder.path());
     let path = folder.path().join("Handy.toml");
     std::fs::write(&path, format!("{text}\n{sensors}")).expect("a file");
     let scene = scene_loader::load("rough", &[&path]).unwrap_or_else(|error| panic!("{error}"));

@@ -545,8 +545,8 @@ fn a_urdf_with_a_hostile_number_is_refused_with_its_line() {
     check("base", "base", &["good"]);
     check("0 0.13 0", "0 1e308 0", &["base.urdf:9:5: xyz=\"0 1e308 0\": expected -100 to 100 m"]);
     // One mistake, and nothing that follows from it.
-    check("rpy=\"0 0 0\"", "rpy=\"0 0\"", &["base.urdf:9:5: rpy=\"0 0\": expected 3 finite number(s)"]);
-    check("rpy=\"0 0 0\"", "rpy=\"0 0 nan\"", &["base.urdf:9:5: rpy=\"0 0 nan\": expected 3 finite number(s)"]);
+    check("rpy=\"0 0 0\"", "rpy=\"0 0\"", &["base.urdf:9:5: rpy=\"0 0\": expected 3 finite numbers"]);
+    check("rpy=\"0 0 0\"", "rpy=\"0 0 nan\"", &["base.urdf:9:5: rpy=\"0 0 nan\": expected 3 finite numbers"]);
     let moments = "expected three above 0, none more than the other two together";
     for (izz, got) in [("0.06", "0.02, 0.03 and 0.06"), ("0", "0, 0.02 and 0.03"), ("-0.04", "-0.04, 0.02 and 0.03")] {
         let expected = format!("base.urdf:2:3: link base: `inertia` has the principal moments {got} kg m²: {moments}");
@@ -564,7 +564,7 @@ fn a_urdf_with_a_hostile_number_is_refused_with_its_line() {
         "0.1 0 0.1",
         &["base.urdf:4:5: link base: `scale` is [0.1, 0, 0.1]: expected numbers of 1e-6 to 1000000, either sign"],
     );
-    check("0.1 0.1 0.1", "0.1 inf 0.1", &["base.urdf:4:26: scale=\"0.1 inf 0.1\": expected 3 finite number(s)"]);
+    check("0.1 0.1 0.1", "0.1 inf 0.1", &["base.urdf:4:26: scale=\"0.1 inf 0.1\": expected 3 finite numbers"]);
     check(
         "0.1 0.1 0.1",
         "0.1 0.1 1e-6",
@@ -595,7 +595,7 @@ fn a_mistake_has_no_follow_ups() {
     );
     let unknown = "unknown field `gian`, expected one of `name`, `side`, `joint`, `position`, `radius`, `width`, `mass`, \
                    `material`, `max_speed`, `gain`, `max_torque`, `integral_time`, `armature`, `gear`, `torque_constant`, \
-                   `max_current`, `rotor_inertia`, `roller_angle`, `first_roller`, `link` (perhaps `gain`)";
+                   `max_current`, `rotor_inertia`, `roller_angle`, `first_roller`, `link` (did you mean `gain`?)";
     check_files(&[("robot.toml", &CART.replace("gain", "gian"))], &[&format!("robot.toml:17:1: {unknown}")]);
     check_files(
         &[("robot.toml", &CART.replace("[wheels]", "[wheels"))],
@@ -646,23 +646,35 @@ fn what_cannot_be_loaded_is_said_in_one_line() {
     assert_eq!(error, format!("{}: expected a map.toml", path("base.urdf")));
 
     for (overrides, expected) in [
-        (&["robot.wheels.gian=2"][..], "override `robot.wheels.gian=2`: robots/"),
-        (&["robot.wheels.gain=2", "robot.wheels.gain=-1"], "override `robot.wheels.gain=-1`: robots/"),
         (
-            &["P3AT.wheels.mass=1e-9"],
-            "override `P3AT.wheels.mass=1e-9`: robots/P3AT/robot.toml: `mass` is 1e-9: expected",
+            &["robot.wheels.gian=2"][..],
+            "--set robot.wheels.gian=2: nothing that is read here has `wheels.gian` (did you mean `robot.wheels.gain`?); `usar",
         ),
-        (&["map.gravity=nan"], "override `map.gravity=nan`: rough/map.toml: `gravity` is NaN: expected 0 to 100 m/s²"),
-        (&["map.gravity=a"], "override `map.gravity=a`: rough/map.toml: invalid type: string \"a\", expected f64"),
+        (&["robot.wheels.gain=2", "robot.wheels.gain=-1"], "--set robot.wheels.gain=-1: robots/"),
+        (&["P3AT.wheels.mass=1e-9"], "--set P3AT.wheels.mass=1e-9: robots/P3AT/robot.toml: `mass` is 1e-9: expected"),
+        (&["map.gravity=nan"], "--set map.gravity=nan: rough/map.toml: `gravity` is NaN: expected 0 to 100 m/s²"),
+        (&["map.gravity=a"], "--set map.gravity=a: rough/map.toml: invalid type: string \"a\", expected f64"),
+        (&["material.carpet.friction=99"], "--set material.carpet.friction=99: assets/materials.toml: `friction` is"),
         (
-            &["material.carpet.friction=99"],
-            "override `material.carpet.friction=99`: assets/materials.toml: `friction` is",
+            &["robot.wheelz.gain=2"],
+            "--set robot.wheelz.gain=2: nothing that is read here has `wheelz.gain` (did you mean `robot.wheels.gain`?); `usa",
         ),
-        (&["robot.wheelz.gain=2"], "override `robot.wheelz.gain=2`: nothing has that name; `usarsim show"),
+        (
+            &["P3AT.wheels.gian=2"],
+            "--set P3AT.wheels.gian=2: nothing that is read here has `wheels.gian` (did you mean `P3AT.wheels.gain`?)",
+        ),
+        (
+            &["map.gravitas=2"],
+            "--set map.gravitas=2: rough/map.toml: unknown key `gravitas`: expected one of description, gravity",
+        ),
+        (
+            &["P3TA.wheels.gain=2"],
+            "--set P3TA.wheels.gain=2: no `P3TA` (did you mean `P3AT`?): expected robot, map, material or a",
+        ),
         // Each is good without the other.
         (
             &["P2DX.part.Chassis.mass=1000", "P2DX.wheel.0.mass=0.002"],
-            "override `P2DX.part.Chassis.mass=1000`, `P2DX.wheel.0.mass=0.002`: robots/P2DX/robot.toml: its body, wheels",
+            "--set P2DX.part.Chassis.mass=1000 --set P2DX.wheel.0.mass=0.002: robots/P2DX/robot.toml: its body, wheels",
         ),
     ] {
         let sets: Vec<_> = overrides.iter().map(|text| text.parse().expect("an override")).collect();

@@ -287,8 +287,8 @@ fn a_joint_that_makes_no_sense_is_refused_with_the_nearest_name() {
         assert!(is_one, "{error}\nexpected one line: {expected}");
     };
     check("kind = \"revolut\"\nlimits = [0, 1]", "`kind` is `revolut`: expected one of fixed, revolute");
-    check("kind = \"revolut\"\nlimits = [0, 1]", "(perhaps `revolute`)");
-    check("kind = \"fixed\"\nparent = \"bodi\"", "(perhaps `body`)");
+    check("kind = \"revolut\"\nlimits = [0, 1]", "(did you mean `revolute`?)");
+    check("kind = \"fixed\"\nparent = \"bodi\"", "(did you mean `body`?)");
     check("kind = \"revolute\"", "no `limits`");
     check("kind = \"revolute\"\nlimits = [1, 0]", "expected the least first");
     check("kind = \"continuous\"\nlimits = [0, 1]", "`limits` of a joint without ends");
@@ -296,10 +296,13 @@ fn a_joint_that_makes_no_sense_is_refused_with_the_nearest_name() {
     check("kind = \"continuous\"\nmax_speed = 1\ngain = 1", "missing `max_torque`");
     check("kind = \"continuous\"\ngain = 1\nmax_torque = 1\nmax_speed = -1", "`max_speed` is -1");
     check("kind = \"continuous\"\nfriction = -1", "`friction` is -1");
-    check("kind = \"continuous\"\ncoupling = { joint = \"Amr\", multiplier = 1 }", "(perhaps `Arm`)");
+    check("kind = \"continuous\"\ncoupling = { joint = \"Amr\", multiplier = 1 }", "(did you mean `Arm`?)");
     check("kind = \"continuous\"\ncoupling = { joint = \"Arm\", multiplier = 1 }", "link Arm: it follows link 1");
     check(&format!("{SERVO}\ncoupling = {{ joint = \"Arm\", multiplier = 1 }}"), "a motor of a joint that is moved by");
-    check(&format!("{SERVO}\ncoupling = {{ joint = \"Arm\", multiplier = 1, kind = \"mimc\" }}"), "(perhaps `mimic`)");
+    check(
+        &format!("{SERVO}\ncoupling = {{ joint = \"Arm\", multiplier = 1, kind = \"mimc\" }}"),
+        "(did you mean `mimic`?)",
+    );
     check(
         "kind = \"continuous\"\ncoupling = { joint = \"Arm\", multiplier = 1, kind = \"target\" }",
         "expected a motor with a `stiffness`",
@@ -315,11 +318,11 @@ fn what_is_wrong_with_every_wheel_is_said_once_and_a_wrong_name_with_the_nearest
         error.lines().map(str::to_owned).collect::<Vec<_>>()
     };
     for (wrong, right, suggested) in [
-        ("material = \"rubber\"", "material = \"rubber-tyre\"", "(perhaps `rubber-tyre`)"),
-        ("gian = 50", "gain = 50", "(perhaps `gain`)"),
-        ("side = \"lefft\"", "side = \"left\"", "(perhaps `left`)"),
-        ("sttering = \"skid\"", "steering = \"skid\"", "(perhaps `steering`)"),
-        ("link = \"Amr\"", "link = \"Arm\"", "(perhaps `Arm`)"),
+        ("material = \"rubber\"", "material = \"rubber-tyre\"", "(did you mean `rubber-tyre`?)"),
+        ("gian = 50", "gain = 50", "(did you mean `gain`?)"),
+        ("side = \"lefft\"", "side = \"left\"", "(did you mean `left`?)"),
+        ("sttering = \"skid\"", "steering = \"skid\"", "(did you mean `steering`?)"),
+        ("link = \"Amr\"", "link = \"Arm\"", "(did you mean `Arm`?)"),
     ] {
         let errors = errors(wrong, right);
         let said = errors.iter().filter(|line| line.ends_with(suggested)).count();

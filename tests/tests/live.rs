@@ -1,9 +1,10 @@
-//! The page's side of the server: what viewers are told, what they may wish, and who is turned away.
+//! The page's side of the server: what viewers are sent, what they may ask for, and who is turned away.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use gamebots_server::{Config, Listener, Service};
@@ -34,9 +35,11 @@ struct Viewer {
 struct Frame {
     time: f64,
     bytes: usize,
-    /// Number, position, wheel angle and wish of the first wheel.
+    /// Number, position, angle and target speed of the first wheel.
     robots: Vec<(u32, [f32; 3], f32, f32)>,
     contacts: usize,
+    /// Positions of the joints that go to positions, of all robots.
+    joints: Vec<f32>,
 }
 
 impl Viewer {
@@ -101,7 +104,7 @@ fn frame(message: &Message) -> Option<Frame> {
     let f32_at = |bytes: &[u8], index: usize| f32::from_le_bytes(bytes[4 * index..4 * index + 4].try_into().unwrap());
     let u16_of = |bytes: Vec<u8>| u16::from_le_bytes(bytes.try_into().unwrap());
     let time = f64::from_le_bytes(take(8).try_into().unwrap());
-    let (mut robots, mut contacts) = (Vec::new(), 0);
+    let (mut robots, mut contacts, mut joints) = (Vec::new(), 0, Vec::new());
     for _ in 0..u16_of(take(2)) {
         let id = u32::from_le_bytes(take(4).try_into().unwrap());
         let pose = take(28);
@@ -117,6 +120,9 @@ fn frame(message: &Message) -> Option<Frame> {
         }
         let links = usize::from(take(1)[0]);
         take(28 * links);
+        for _ in 0..take(1)[0] {
+            joints.push(f32_at(&take(8), 0));
+        }
         let count = usize::from(take(1)[0]);
         take(18 * count);
         contacts += count;
@@ -125,7 +131,7 @@ fn frame(message: &Message) -> Option<Frame> {
     let objects = usize::from(u16_of(take(2)));
     take(28 * objects);
     assert!(rest.is_empty(), "{} bytes too many", rest.len());
-    Some(Frame { time, bytes: bytes.len(), robots, contacts })
+    Some(Frame { time, bytes: bytes.len(), robots, contacts, joints })
 }
 
 fn robot(peer: &mut Peer) {
@@ -186,7 +192,7 @@ fn after_a_reset_robots_are_back_and_their_clients_drive_on() {
     peers[0].send("DRIVE {Left 2} {Right 2}");
     viewer.frame("it drives", |frame| frame.robots.len() == 2 && frame.robots[0].1[0] > 2.1);
     viewer.send("\"reset\"");
-    viewer.said("began anew");
+    assert_eq!(viewer.said("reset the world"), "page 1 (127.0.0.1) reset the world");
     let status = viewer.status("reset", |status| status["resets"] == 1);
     assert_eq!(status["robots"].as_array().map(Vec::len), Some(2));
     let frame = viewer.frame("back at the start", |frame| frame.robots.len() == 2);
@@ -196,6 +202,57 @@ fn after_a_reset_robots_are_back_and_their_clients_drive_on() {
     viewer.frame("it drives on", |frame| frame.robots[0].1[0] > 2.1);
     peers[1].send("GETCONF {Type Robot}");
     assert!(peers[1].reply().contains("P3AT"));
+}
+
+#[test]
+fn a_viewer_changes_the_map_and_everyone_is_told_who_did() {
+    let other_maps = ["rough", "arena"].map(|name| scene_loader::map(name, &[]).unwrap());
+    let server = serve("rough", |config| config.maps = other_maps.to_vec());
+    let mut viewers = [Viewer::open(&server, "/live"), Viewer::open(&server, "/live")];
+    let mut peer = server.client();
+    robot(&mut peer);
+    let before = viewers[1].status("a robot", |status| status["robots"].as_array().is_some_and(|it| it.len() == 1));
+    viewers[0].send("{\"map\":\"moon\"}");
+    viewers[1].said("no map `moon`: expected rough, arena");
+    viewers[0].send("{\"map\":\"arena\"}");
+    assert_eq!(viewers[1].said("changed the map"), "page 1 (127.0.0.1) changed the map to arena");
+    let after = viewers[1].status("another scene", |status| status["scene"] != before["scene"]);
+    assert_eq!((&after["viewers"], after["robots"].as_array().map(Vec::len)), (&2.into(), Some(1)));
+    let (_, scene) = get(&server, "/scene.json", "Host: localhost\r\n");
+    assert!(scene.contains("\"name\":\"arena\""), "{scene}");
+    // RobotStart1 is elsewhere here.
+    let frame = viewers[1].frame("the robot is back", |frame| frame.robots.len() == 1);
+    let start = other_maps[1].starts.iter().find(|start| start.name == "RobotStart1").unwrap();
+    assert!((f64::from(frame.robots[0].1[0]) - start.position[0]).abs() < 0.05, "{frame:?}");
+    peer.send("GETSTARTPOSES");
+    assert!(peer.reply().contains("RobotStart1"));
+}
+
+#[test]
+fn positions_of_an_arms_joints_are_in_the_frames() {
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    let mut peer = server.client();
+    peer.send("INIT {ClassName USARBot.YouBotArm} {Name arm} {Start RobotStart1}");
+    peer.next_of("GroundTruth");
+    peer.send("SET {Type Joint} {Name ArmJoint1} {Opcode Angle} {Params 0.5}");
+    viewer.frame("it arrives", |frame| frame.joints.first().is_some_and(|joint| (joint - 0.5).abs() < 0.01));
+}
+
+#[test]
+fn a_viewer_hears_the_sensors_of_the_robots_that_it_names_alone() {
+    let server = serve("rough", |_| {});
+    let mut viewer = Viewer::open(&server, "/live");
+    let mut peers = [server.client(), server.client()];
+    for (number, peer) in peers.iter_mut().enumerate() {
+        peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Name R{number}}} {{Start RobotStart{}}}", number + 1));
+        peer.next_of("GroundTruth");
+    }
+    viewer.send("{\"wire\":false,\"robots\":[1]}");
+    for _ in 0..20 {
+        let line = viewer.wait("a line", |message| json(message, "line"));
+        assert_eq!((&line["robot"], &line["direction"]), (&1.into(), &"out".into()), "{line}");
+    }
 }
 
 #[test]
@@ -267,10 +324,20 @@ fn the_wire_of_a_page_is_a_client_like_every_other() {
     viewer.frame("its robot leaves with it", |frame| frame.robots.is_empty());
 }
 
-/// The answer's first line and its body.
+/// The answer's head and its body.
 fn get(server: &Server, path: &str, headers: &str) -> (String, String) {
+    ask(server, &format!("GET {path} HTTP/1.1\r\nConnection: close\r\n{headers}\r\n"), &[])
+}
+
+/// The same for the scene of a log.
+fn post_scene(server: &Server, body: &[u8]) -> (String, String) {
+    let head = "POST /scene.json HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\n";
+    ask(server, &format!("{head}Content-Length: {}\r\n\r\n", body.len()), body)
+}
+
+fn ask(server: &Server, head: &str, body: &[u8]) -> (String, String) {
     let mut stream = TcpStream::connect(page_of(server)).unwrap();
-    write!(stream, "GET {path} HTTP/1.1\r\nConnection: close\r\n{headers}\r\n").unwrap();
+    stream.write_all(&[head.as_bytes(), body].concat()).unwrap();
     let mut text = Vec::new();
     stream.read_to_end(&mut text).unwrap();
     let text = String::from_utf8_lossy(&text).into_owned();
@@ -317,6 +384,97 @@ fn the_scene_has_what_a_viewer_draws() {
     let outline = rollers["outline"].as_array().unwrap();
     // 14 mm at the middle; the ring of rollers is round.
     assert!((outline[outline.len() / 2][1].as_f64().unwrap() - 0.014).abs() < 1e-12);
+}
+
+#[test]
+fn the_scene_of_a_log_is_answered_like_that_of_the_world() {
+    let mut stored = String::new();
+    let server = serve("arena", |config| stored = serde_json::to_string(&config.world).unwrap());
+    let scene = |body: &str| serde_json::from_str::<Value>(body).unwrap_or_else(|error| panic!("{error}: {body:.200}"));
+    let (_, own) = get(&server, "/scene.json", "Host: localhost\r\n");
+    let (head, answer) = post_scene(&server, stored.as_bytes());
+    assert!(head.starts_with("HTTP/1.1 200") && head.contains("application/json"), "{head}");
+    let (mut own, answer) = (scene(&own), scene(&answer));
+    // A log has its seed and its time step beside the scene, and no server.
+    for server in ["seed", "time_step", "port"] {
+        own[server] = Value::Null;
+    }
+    own["maps"] = serde_json::json!([]);
+    assert!(own == answer, "{answer:.300}");
+    let values = answer["classes"]["YouBotArm"]["values"].as_array().unwrap();
+    let joints = answer["classes"]["YouBotArm"]["joints"].as_array().unwrap();
+    assert!(joints.len() >= 5 && joints.iter().all(|joint| values.contains(&joint["name"])), "{values:?}");
+    // From before robots were trees of links.
+    let old = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/replay/tests/logs/before-trees.mcap");
+    let (head, answer) = post_scene(&server, recorder::read(&old).unwrap().run["scene"].as_bytes());
+    assert!(head.starts_with("HTTP/1.1 200"), "{head}\n{answer}");
+    assert_eq!(scene(&answer)["classes"]["KUKA_YouBot"]["wheels"].as_array().map(Vec::len), Some(4));
+}
+
+#[test]
+fn a_scene_that_no_world_can_be_made_of_is_refused_by_name() {
+    let mut world = scene::WorldDef::default();
+    let server = serve("arena", |config| world = config.world.clone());
+    let changed = |change: fn(&mut scene::WorldDef)| {
+        let mut world = world.clone();
+        change(&mut world);
+        serde_json::to_vec(&world).unwrap()
+    };
+    let stored = serde_json::to_vec(&world).unwrap();
+    for (body, status, what) in [
+        (Vec::new(), 422, "EOF"),
+        (b"hello".to_vec(), 422, "expected value"),
+        (b"{}".to_vec(), 422, "missing field"),
+        (vec![b'['; 1 << 20], 422, "column"),
+        (b"\xff\xfe{\"map\":\"\xed\xa0\x80\"}".to_vec(), 422, "its scene"),
+        (stored[..stored.len() / 2].to_vec(), 422, "EOF"),
+        (changed(|world| world.map.gravity = f64::NAN), 422, "expected f64"),
+        (changed(|world| world.map.gravity = 1e300), 422, "gravity"),
+        (changed(|world| world.map.name = "a".repeat(100_000)), 422, "name"),
+        (
+            changed(|world| {
+                let mesh = scene::Shape::Mesh { vertices: vec![[0.0; 3]; 3], triangles: vec![[0, 1, 4_000_000_000]] };
+                world.map.solids[0].shape = mesh;
+            }),
+            422,
+            "a triangle has the corner",
+        ),
+        (changed(|world| hull_of(world, vec![[0.0; 3]; 9_000])), 422, "in one plane"),
+        (changed(|world| hull_of(world, vec![[1e308, -1e308, 1e-308]; 4])), 422, "corner"),
+    ] {
+        let (head, answer) = post_scene(&server, &body);
+        assert!(head.starts_with(&format!("HTTP/1.1 {status}")) && answer.contains(what), "{what}: {head}\n{answer}");
+    }
+    let head = "POST /scene.json HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\n";
+    let (answer, body) = ask(&server, &format!("{head}Content-Length: 99999999999\r\n\r\n"), b"{}");
+    assert!(answer.starts_with("HTTP/1.1 413") && body.contains("expected at most 33554432 bytes"), "{answer}\n{body}");
+    let (answer, _) = ask(&server, &format!("{head}Origin: http://evil.example\r\nContent-Length: 2\r\n\r\n"), b"{}");
+    assert!(answer.starts_with("HTTP/1.1 403"), "{answer}");
+}
+
+fn hull_of(world: &mut scene::WorldDef, points: Vec<[f64; 3]>) {
+    world.map.solids[0].shape = scene::Shape::Hull { points };
+}
+
+/// Those who are never done keep the few places for 30 s at most; the world does not wait, and nor does its own scene.
+#[test]
+fn scenes_that_never_come_hold_up_nothing_else() {
+    let server = serve("rough", |_| {});
+    let stuck: Vec<TcpStream> = (0..20)
+        .map(|_| {
+            let mut stream = TcpStream::connect(page_of(&server)).unwrap();
+            stream.write_all(b"POST /scene.json HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n\r\n{").unwrap();
+            stream
+        })
+        .collect();
+    let (head, _) = get(&server, "/scene.json", "Host: localhost\r\n");
+    assert!(head.starts_with("HTTP/1.1 200"), "{head}");
+    let mut viewer = Viewer::open(&server, "/live");
+    viewer.frame("time passes", |frame| frame.time > 0.1);
+    // Their places are free when they are gone.
+    drop(stuck);
+    let (head, _) = post_scene(&server, b"{}");
+    assert!(head.starts_with("HTTP/1.1 422"), "{head}");
 }
 
 /// 200 kB/s for ten youBots at 30 Hz.

@@ -5,7 +5,7 @@ use std::path::Path;
 use gamebots_proto::Command;
 use scene::{Shape, Side, WorldDef};
 use sim_core::{Options, World};
-use system_tests::{command, run};
+use system_tests::{command, copy_robot, run};
 
 /// Masses and places of the thesis's Appendix A, through URDF (z up) into the robot frame (z down).
 #[test]
@@ -210,6 +210,7 @@ fn a_mesh_that_is_missing_or_broken_is_named() {
 fn the_length_of_rollers_is_checked() {
     let folder = tempfile::tempdir().expect("a folder");
     let toml = include_str!("../../assets/robots/YouBot/robot.toml");
+    copy_robot("YouBot", folder.path());
     let path = folder.path().join("robot.toml");
     let load = |half_length: f64| {
         let text = toml.replace("axis_circle =", &format!("half_length = {half_length}\naxis_circle ="));

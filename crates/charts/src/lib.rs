@@ -87,7 +87,11 @@ impl Chart {
         });
         let refused = |reason: String| ChartError { file: file.display().to_string(), reason };
         let size = if self.equal_axes { SQUARE } else { SIZE };
-        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
+        let has = |ending: &str| file.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending));
+        if !has("png") && !has("svg") {
+            return Err(refused("expected a name that ends in .svg or .png".to_owned()));
+        }
+        if has("png") {
             self.draw(&BitMapBackend::new(file, size).into_drawing_area()).map_err(|reason| refused(reason.to_string()))
         } else {
             self.draw(&SVGBackend::new(file, size).into_drawing_area()).map_err(|reason| refused(reason.to_string()))

@@ -73,7 +73,11 @@ impl<'a> Batch<'a> {
             }
             Err(error) => return Err(refused(&file, error)),
         };
-        let differs = |plan: &&Plan| known.get(&plan.name).is_some_and(|known| *known != plan.text);
+        // Of one that failed before its first run was done there is nothing to keep.
+        let has_runs = |plan: &Plan| {
+            std::fs::read_dir(folder.join("runs").join(&plan.name)).is_ok_and(|mut runs| runs.next().is_some())
+        };
+        let differs = |plan: &&Plan| known.get(&plan.name).is_some_and(|known| *known != plan.text) && has_runs(plan);
         if let Some(plan) = plans.iter().find(differs) {
             return Err(foreign(format!("it has runs of another version of `{}`", plan.name)));
         }

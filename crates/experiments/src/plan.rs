@@ -104,7 +104,7 @@ pub struct Setup {
     pub position: Option<[f64; 3]>,
     /// Roll, pitch and yaw at the start, rad.
     pub rotation: Option<[f64; 3]>,
-    /// A line that is sent at the beginning of every step.
+    /// A DRIVE line, with or without its verb, that is sent at the beginning of every step.
     pub drive: Option<String>,
     /// How many steps are measured.
     pub steps: Option<u32>,
@@ -114,10 +114,40 @@ pub struct Setup {
     pub stop_seconds: Option<f64>,
     /// Lines at times of their own instead of `drive`.
     pub script: Vec<Event>,
-    /// Direction that counts as the main movement: forward, left.
+    /// Direction that counts as the main movement, forward and left, or by its name.
+    #[serde(deserialize_with = "direction")]
     pub main: Option<[f64; 2]>,
-    /// Direction that counts as error: forward, left.
+    /// Direction that counts as error, in the same way.
+    #[serde(deserialize_with = "direction")]
     pub error: Option<[f64; 2]>,
+}
+
+/// Directions by name: forward, left.
+const DIRECTIONS: [(&str, [f64; 2]); 4] =
+    [("forward", [1.0, 0.0]), ("backward", [-1.0, 0.0]), ("left", [0.0, 1.0]), ("right", [0.0, -1.0])];
+
+fn direction<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<[f64; 2]>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "expected forward, backward, left, right, or [forward, left] as in [1.0, 0.0]")]
+    enum Direction {
+        Name(String),
+        Vector([f64; 2]),
+    }
+    match Direction::deserialize(deserializer)? {
+        Direction::Vector(direction) => Ok(Some(direction)),
+        Direction::Name(name) => match DIRECTIONS.iter().find(|(known, _)| *known == name) {
+            Some((_, direction)) => Ok(Some(*direction)),
+            None => Err(serde::de::Error::custom(format!(
+                "unknown direction `{name}`{}: expected forward, backward, left, right, or [forward, left] as in [1.0, 0.0]",
+                names::did_you_mean(&name, DIRECTIONS.map(|(known, _)| known))
+            ))),
+        },
+    }
+}
+
+/// A DRIVE line; its verb may be left out.
+pub fn drive_line(text: &str) -> String {
+    if text.trim_start().starts_with('{') { format!("DRIVE {text}") } else { text.to_owned() }
 }
 
 /// What is sent at a time.
@@ -376,7 +406,7 @@ impl Setup {
             let stop = self.stop_seconds.unwrap_or(0.0);
             for step in 0..self.steps() {
                 let start = f64::from(step) * self.interval();
-                lines.push((start, drive.clone()));
+                lines.push((start, drive_line(drive)));
                 if stop > 0.0 {
                     lines.push((start + self.interval() - stop, STOP.to_owned()));
                 }

@@ -134,6 +134,12 @@ impl Plot {
         Ok(())
     }
 
+    /// Whether its name is the number of a figure of a text, as 7.2, and not only that of its file.
+    pub(crate) fn is_numbered(&self) -> bool {
+        let parts = self.name.split_once('.');
+        parts.is_some_and(|(chapter, number)| chapter.len() == 1 && number.parse::<u32>().is_ok())
+    }
+
     /// Draws it as `<name>.svg` and `<name>.png`; false when none of the outcomes belongs to it.
     ///
     /// # Errors
@@ -153,7 +159,7 @@ impl Plot {
             (line.label.clone(), [at(left), at(right)])
         };
         let chart = Chart {
-            title: format!("{}  {}", self.name, self.title),
+            title: if self.is_numbered() { format!("{}  {}", self.name, self.title) } else { self.title.clone() },
             x_title: self.x.clone(),
             y_title: y_title.to_owned(),
             references: self.references.iter().map(reference).collect(),

@@ -91,7 +91,8 @@ fn page(
                 @if !claims.is_empty() { (claim_table(claims, outcomes)) }
                 h2 { "Figures" }
                 p {
-                    "Drawn from the runs of this folder, with the thesis's numbers dashed where its text has them; its own data are lost. "
+                    "Drawn from the runs of this folder. "
+                    @if !claims.is_empty() { "Dashed are the thesis's numbers where its text has them; its own data are lost. " }
                     "Lines join measured steps and are no measurements between them."
                 }
                 div.figures {

@@ -10,7 +10,7 @@ mod set;
 
 pub use act::{Act, MisPkg};
 pub use drive::Drive;
-pub use get::{GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
+pub use get::{GetClasses, GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
 pub use init::Init;
 pub use multi_drive::MultiDrive;
 pub use report::Report;
@@ -49,8 +49,7 @@ macro_rules! commands {
                 $(if line.verb.eq_ignore_ascii_case($verb) {
                     return Some(Self::$name($name::read(line, problems)));
                 })*
-                let got = line.verb.chars().take(60).collect();
-                problems.push(Problem::UnknownVerb { got, expected: Self::VERBS.join(", ") });
+                problems.push(Problem::unknown_verb(&line.verb, Self::VERBS));
                 None
             }
 
@@ -92,6 +91,8 @@ commands! {
     "GETCLOSESTPATHNODE" => GetClosestPathNode,
     /// Asks to be told what is wrong with the lines of this connection. Not part of USARSim.
     "REPORT" => Report,
+    /// Asks for the classes of robots that INIT takes. Not part of USARSim.
+    "GETCLASSES" => GetClasses,
 }
 
 /// Adds a block unless the text is empty: on the wire the two cannot be told apart.
@@ -155,6 +156,7 @@ mod tests {
             ("GETPATHNODES", "GETPATHNODES"),
             ("GETCLOSESTPATHNODE {Location 1 2 3}", "GETCLOSESTPATHNODE {Location 1,2,3}"),
             ("GETCLOSESTPATHNODE", "GETCLOSESTPATHNODE"),
+            ("GetClasses", "GETCLASSES"),
             ("REPORT {Errors True}", "REPORT {Errors true}"),
             ("report", "REPORT {Errors false}"),
         ] {
@@ -173,6 +175,23 @@ mod tests {
         let mut problems = Vec::new();
         assert_eq!(Command::read(&Line::parse("FOO {a b}"), &mut problems), None);
         assert!(problems[0].to_string().starts_with("unknown verb `FOO`; expected one of INIT, DRIVE"));
+        assert_eq!(Command::read(&Line::parse("DRVE {Left 1}"), &mut problems), None);
+        assert!(problems[1].to_string().starts_with("unknown verb `DRVE` (did you mean `DRIVE`?); expected"));
+    }
+
+    #[test]
+    fn a_wrong_key_of_init_is_named_with_the_right_one() {
+        let mut problems = Vec::new();
+        Command::read(&Line::parse("INIT {ClasName USARBot.P3AT} {Start A} {Teapot}"), &mut problems);
+        let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            said,
+            [
+                "INIT has no key `ClasName` (did you mean `ClassName`?); expected ClassName, Name, Location, Rotation, \
+                 Start; the block is ignored",
+                "INIT has no key `Teapot`; expected ClassName, Name, Location, Rotation, Start; the block is ignored"
+            ]
+        );
     }
 
     fn number() -> impl Strategy<Value = f64> {
@@ -220,6 +239,7 @@ mod tests {
             (word(), word()).prop_map(|(type_name, name)| Command::GetGeo(GetGeo { type_name, name })),
             Just(Command::GetStartPoses(GetStartPoses)),
             Just(Command::GetPathNodes(GetPathNodes)),
+            Just(Command::GetClasses(GetClasses)),
             proptest::option::of(vector())
                 .prop_map(|location| Command::GetClosestPathNode(GetClosestPathNode { location })),
             any::<bool>().prop_map(|errors| Command::Report(Report { errors })),

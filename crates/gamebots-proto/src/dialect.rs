@@ -37,6 +37,6 @@ impl FromStr for Dialect {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let known = Self::ALL.into_iter().find(|(name, _)| *name == text);
-        known.map(|(_, dialect)| dialect).ok_or_else(|| format!("`{text}` is no dialect: expected udk or ut2004"))
+        known.map(|(_, dialect)| dialect).ok_or_else(|| format!("`{text}` is not a dialect: expected udk or ut2004"))
     }
 }

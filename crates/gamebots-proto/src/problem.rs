@@ -19,10 +19,12 @@ pub enum Problem {
         limit: usize,
     },
     /// Not a verb of USARSim.
-    #[error("unknown verb `{got}`; expected one of {expected}")]
+    #[error("unknown verb `{got}`{meant}; expected one of {expected}")]
     UnknownVerb {
         /// What stood there.
         got: String,
+        /// The nearest of them, in words; nothing where none is near.
+        meant: String,
         /// The verbs that are known, separated by commas.
         expected: String,
     },
@@ -56,6 +58,18 @@ pub enum Problem {
         /// Its value.
         got: String,
     },
+    /// A key that the command does not have.
+    #[error("{verb} has no key `{got}`{meant}; expected {expected}; the block is ignored")]
+    UnknownKey {
+        /// The verb.
+        verb: &'static str,
+        /// The key.
+        got: String,
+        /// The nearest of them, in words; nothing where none is near.
+        meant: String,
+        /// The keys that it has, separated by commas.
+        expected: String,
+    },
     /// A block that the command cannot do without.
     #[error("{verb} needs {{{key} ..}}")]
     MissingKey {
@@ -71,12 +85,14 @@ pub enum Problem {
         class: String,
     },
     /// A name that is not known.
-    #[error("{{{key} {got}}} is unknown; expected one of {expected}; {instead}")]
+    #[error("{{{key} {got}}} is unknown{meant}; expected one of {expected}; {instead}")]
     UnknownName {
         /// The key of the block.
         key: &'static str,
         /// Its value.
         got: String,
+        /// The nearest of them, in words; nothing where none is near.
+        meant: String,
         /// The names that are known, separated by commas.
         expected: String,
         /// What happens instead.
@@ -113,4 +129,37 @@ pub enum Problem {
     /// Not a line of the protocol but a request of a browser, which any web page can make it send.
     #[error("an HTTP request: the connection is closed, and nothing of it is read")]
     Http,
+}
+
+/// Longest name of a client that a message repeats, characters.
+const MAX_SHOWN: usize = 60;
+
+impl Problem {
+    /// A name that is none of those known; what happens instead is said in words.
+    pub fn unknown_name<'a>(
+        key: &'static str,
+        got: &str,
+        known: impl Iterator<Item = &'a str> + Clone,
+        instead: &'static str,
+    ) -> Self {
+        let expected = known.clone().collect::<Vec<_>>().join(", ");
+        let got = shown(got);
+        Self::UnknownName { key, meant: names::did_you_mean(&got, known), got, expected, instead }
+    }
+
+    pub(crate) fn unknown_verb(got: &str, known: &[&str]) -> Self {
+        let got = shown(got);
+        Self::UnknownVerb { meant: names::did_you_mean(&got, known.iter().copied()), got, expected: known.join(", ") }
+    }
+
+    pub(crate) fn unknown_key(verb: &'static str, got: &str, known: &[&str]) -> Self {
+        let got = shown(got);
+        let meant = names::did_you_mean(&got, known.iter().copied());
+        Self::UnknownKey { verb, meant, got, expected: known.join(", ") }
+    }
+}
+
+/// A text of a client as a message repeats it.
+fn shown(text: &str) -> String {
+    text.chars().take(MAX_SHOWN).collect()
 }

@@ -11,7 +11,7 @@ use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tracing::{info, warn};
 
-use crate::control::Control;
+use crate::control::{Actor, Control};
 use crate::outbox::Outbox;
 
 /// Bytes read at once.
@@ -38,7 +38,7 @@ pub(crate) enum Event {
     /// It is gone.
     Closed(ConnectionId),
     /// Somebody who watches asks something of the world.
-    Control(Control, Turn),
+    Control(Control, Actor, Turn),
     /// The server stops.
     Stop,
 }
@@ -192,7 +192,7 @@ async fn write_lines(mut write: OwnedWriteHalf, outbox: &Outbox, stall_timeout: 
             match tokio::time::timeout(stall_timeout, write.write(rest)).await {
                 Ok(Ok(count)) if count > 0 => rest = rest.get(count..).unwrap_or_default(),
                 Ok(_) => return "reset by the client",
-                Err(_) => return "disconnected: it takes nothing",
+                Err(_) => return "disconnected: it does not read",
             }
         }
     }

@@ -1,9 +1,11 @@
 //! What a person who watches can do with the world itself; robots are driven over the protocol alone.
 
+use std::net::IpAddr;
+
 use serde::Deserialize;
 
 /// A request to the world's thread.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Control {
     /// Stops time, or lets it go on.
@@ -16,6 +18,8 @@ pub(crate) enum Control {
     Reset,
     /// Begins a log, or ends it.
     Record(bool),
+    /// A fresh world on another map, by its name, with the robots of everyone who is connected.
+    Map(String),
 }
 
 /// Steps that can be asked for at once.
@@ -35,12 +39,14 @@ pub fn check_real_time_factor(factor: f64) -> Result<f64, String> {
 }
 
 impl Control {
-    /// Reads a request, as in `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`.
+    /// Reads a request, as in `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`,
+    /// `{"map":"arena"}`.
     ///
     /// # Errors
     /// What is wrong with it, in words.
     pub(crate) fn read(text: &str) -> Result<Self, String> {
-        let expected = "expected {\"pause\":bool}, {\"step\":n}, {\"speed\":x}, \"reset\" or {\"record\":bool}";
+        let expected =
+            "expected {\"pause\":bool}, {\"step\":n}, {\"speed\":x}, \"reset\", {\"record\":bool} or {\"map\":name}";
         let control: Self = serde_json::from_str(text).map_err(|error| format!("{error}: {expected}"))?;
         match control {
             Self::Step(steps) if !(1..=MAX_STEPS).contains(&steps) => {
@@ -52,6 +58,22 @@ impl Control {
             }
             _ => Ok(control),
         }
+    }
+}
+
+/// Somebody who controls the world, as everyone is told.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Actor(pub(crate) String);
+
+impl Actor {
+    /// A page, by its number and where it is open.
+    pub(crate) fn page(number: u64, address: IpAddr) -> Self {
+        Self(format!("page {number} ({address})"))
+    }
+
+    /// Somebody at Foxglove, which does not say who.
+    pub(crate) fn foxglove() -> Self {
+        Self("Foxglove".to_owned())
     }
 }
 
@@ -67,6 +89,7 @@ mod tests {
             ("{\"speed\":0}", Some(Control::Speed(0.0))),
             ("\"reset\"", Some(Control::Reset)),
             ("{\"record\":false}", Some(Control::Record(false))),
+            ("{\"map\":\"arena\"}", Some(Control::Map("arena".to_owned()))),
             ("{\"step\":0}", None),
             ("{\"step\":100001}", None),
             ("{\"speed\":-1}", None),

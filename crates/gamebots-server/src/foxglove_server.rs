@@ -17,7 +17,7 @@ use tokio::sync::Semaphore;
 
 use crate::ServeError;
 use crate::connection::Event;
-use crate::control::Control;
+use crate::control::{Actor, Control};
 
 /// Messages that may wait for one client; a client of a fast world misses the oldest.
 const BACKLOG: usize = 4096;
@@ -79,8 +79,11 @@ impl FoxgloveServer {
         }
     }
 
-    /// Forgets what was: time begins anew.
-    pub(crate) fn start_over(&mut self) {
+    /// Forgets what was: time begins anew, perhaps on another map.
+    pub(crate) fn start_over(&mut self, another_map: Option<&MapDef>) {
+        if let Some(map) = another_map {
+            self.recorder.record(0.0, Record::Map(Box::new(map.clone())));
+        }
         self.recorder.hand_over();
         self.states = StateTimer::default();
         self.handle.clear_session(None);
@@ -128,7 +131,7 @@ fn read(service: &str, payload: &[u8]) -> Result<Control, String> {
         return Ok(Control::Reset);
     }
     let control = Control::read(&String::from_utf8_lossy(payload))?;
-    match (service, control) {
+    match (service, &control) {
         ("pause", Control::Pause(_)) | ("step", Control::Step(_)) | ("speed", Control::Speed(_)) => Ok(control),
         _ => Err(format!("expected `{service}` in the request")),
     }
@@ -141,6 +144,6 @@ async fn answer(
 ) -> Result<&'static [u8], String> {
     let control = control?;
     let turn = turns.acquire_owned().await.map_err(|_| "the server stops")?;
-    events.send(Event::Control(control, turn)).map_err(|_| "the server stops")?;
+    events.send(Event::Control(control, Actor::foxglove(), turn)).map_err(|_| "the server stops")?;
     Ok(b"{\"success\":true}")
 }

@@ -37,7 +37,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use gamebots_proto::Dialect;
-use scene::WorldDef;
+use scene::{MapDef, WorldDef};
 use sim_core::Options;
 use thread_pool::ThreadPool;
 
@@ -73,6 +73,8 @@ pub mod fuzzing {
 pub struct Config {
     /// The world.
     pub world: WorldDef,
+    /// The maps that a viewer may change to.
+    pub maps: Vec<MapDef>,
     /// Seed and units.
     pub options: Options,
     /// Address to listen on.
@@ -101,6 +103,7 @@ impl Config {
     /// A world with the defaults of USARSim: port 3000 on this machine, real time, 64 connections.
     pub fn new(world: WorldDef) -> Self {
         Self {
+            maps: Vec::new(),
             options: Options::default(),
             host: "127.0.0.1".to_owned(),
             listeners: vec![Listener::new(Service::Controllers { dialect: None }, 3000)],

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
@@ -12,7 +13,7 @@ use tokio::task::JoinSet;
 use tracing::{info, warn};
 
 use crate::connection::{ConnectionId, Event};
-use crate::live::Channels;
+use crate::live::{About, Channels};
 use crate::web::Site;
 use crate::{Config, Listener, Ready, ServeError, Service, connection, foxglove_server, live, web, world_thread};
 
@@ -47,7 +48,7 @@ pub(crate) async fn serve(
     }
     let addresses = Ready(addresses);
     let (gone, mut world_gone) = oneshot::channel();
-    let (live, channels) = live::broadcast(Instant::now());
+    let (live, channels) = live::broadcast(Instant::now(), &config.world, about(&config, &addresses));
     let site = Arc::new(site(&config, &addresses, channels, events.clone()));
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
     let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;
@@ -97,14 +98,23 @@ async fn forever(services: impl Iterator<Item = impl Future<Output = ()>>) {
 fn site(config: &Config, addresses: &Ready, channels: Channels, events: mpsc::Sender<Event>) -> Site {
     // Without controllers there is nothing behind the page's own way to drive, and its WebSocket says so.
     let protocol = addresses.controllers().unwrap_or_else(|| SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
-    let scene = addresses.page().map(|_| live::scene_json(&config.world, config.options.seed, protocol.port()));
     Site {
         host: config.host.clone(),
         protocol: reachable(protocol),
-        scene: scene.map_or_else(String::new, |scene| scene.to_string()).into(),
         channels,
         events,
         stall_timeout: config.stall_timeout,
+        pages: AtomicU64::new(0),
+    }
+}
+
+/// What the page is told of the server beside its world.
+fn about(config: &Config, addresses: &Ready) -> About {
+    About {
+        seed: config.options.seed,
+        time_step: config.options.time_step,
+        port: addresses.controllers().map_or(0, |address| address.port()),
+        maps: config.maps.iter().map(|map| (map.name.clone(), map.description.clone())).collect(),
     }
 }
 

@@ -18,7 +18,7 @@ use serde::Serialize;
 use sim_core::{RobotId, World};
 use tokio::sync::{broadcast, watch};
 
-pub(crate) use scene_json::scene_json;
+pub(crate) use scene_json::{About, scene_json};
 
 /// Real time between two frames.
 const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
@@ -58,6 +58,10 @@ pub(crate) struct Status {
     /// What is asked for; 0 is as fast as possible.
     pub(crate) speed: f64,
     pub(crate) paused: bool,
+    /// Another number than before means another scene: it is to be fetched anew.
+    pub(crate) scene: u64,
+    /// Pages that are open.
+    pub(crate) viewers: usize,
     /// How often the world began anew.
     pub(crate) resets: u64,
     /// Steps of robots that ended before every contact did what it should.
@@ -106,9 +110,15 @@ pub(crate) struct Channels {
     statuses: watch::Receiver<Arc<str>>,
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
+    /// The scene as JSON.
+    scene: watch::Receiver<Bytes>,
 }
 
 impl Channels {
+    pub(crate) fn scene(&self) -> Bytes {
+        self.scene.borrow().clone()
+    }
+
     pub(crate) fn frames(&self) -> watch::Receiver<Bytes> {
         self.frames.clone()
     }
@@ -132,6 +142,10 @@ pub(crate) struct Broadcast {
     statuses: watch::Sender<Arc<str>>,
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
+    scene: watch::Sender<Bytes>,
+    about: About,
+    /// How often the scene has changed.
+    scenes: u64,
     /// When each sensor's last scan was published.
     scanned: BTreeMap<(RobotId, usize), Instant>,
     /// Viewers at the last frame.
@@ -143,16 +157,30 @@ pub(crate) struct Broadcast {
 }
 
 /// Makes the two ends.
-pub(crate) fn broadcast(now: Instant) -> (Broadcast, Channels) {
+pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: About) -> (Broadcast, Channels) {
     let (frames, frames_end) = watch::channel(Bytes::new());
     let (statuses, statuses_end) = watch::channel(Arc::from("{}"));
     let ((notices, _), (lines, _)) = (broadcast::channel(MAX_NOTICES), broadcast::channel(MAX_NOTICES));
     let (speaking, listening) = (notices.clone(), lines.clone());
-    let channels = Channels { frames: frames_end, statuses: statuses_end, notices: speaking, lines: listening };
+    let (scene, scene_end) = watch::channel(scene_json(world, Some(&about)).into());
+    let channels =
+        Channels { frames: frames_end, statuses: statuses_end, notices: speaking, lines: listening, scene: scene_end };
     let (scanned, measured) = (BTreeMap::new(), (now, 0.0, 0.0));
     let (next_frame, next_status) = (now, now);
-    let broadcast =
-        Broadcast { frames, statuses, notices, lines, scanned, viewers: 0, next_frame, next_status, measured };
+    let broadcast = Broadcast {
+        frames,
+        statuses,
+        notices,
+        lines,
+        scene,
+        about,
+        scenes: 0,
+        scanned,
+        viewers: 0,
+        next_frame,
+        next_status,
+        measured,
+    };
     (broadcast, channels)
 }
 
@@ -165,6 +193,12 @@ impl Broadcast {
     /// A robot has left.
     pub(crate) fn forget(&mut self, robot: RobotId) {
         self.scanned.retain(|(scanned, _), _| *scanned != robot);
+    }
+
+    /// There is another map.
+    pub(crate) fn show(&mut self, world: &WorldDef) {
+        self.scenes += 1;
+        self.scene.send_replace(scene_json(world, Some(&self.about)).into());
     }
 
     /// The next status is due at once: something has happened.
@@ -197,7 +231,8 @@ impl Broadcast {
                 let factor = (snapshot.time - time).max(0.0) / elapsed.as_secs_f64();
                 self.measured = (now, snapshot.time, factor);
             }
-            let status = Status { real_time_factor: self.measured.2, ..status };
+            let (real_time_factor, scene, viewers) = (self.measured.2, self.scenes, self.viewers.saturating_sub(1));
+            let status = Status { real_time_factor, scene, viewers, ..status };
             self.statuses.send_replace(serde_json::json!({ "status": status }).to_string().into());
         }
     }
@@ -248,7 +283,8 @@ mod tests {
     #[test]
     fn when_a_sensor_was_last_shown_is_known_only_while_it_is_there_and_somebody_looks() {
         let world = World::new(WorldDef::default(), Options::default());
-        let (mut broadcast, channels) = broadcast(Instant::now());
+        let about = About { seed: 0, time_step: 0.002, port: 0, maps: Vec::new() };
+        let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), about);
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::Sonar(Sonar { name: "F1".to_owned(), range: 1.0 });
             broadcast.scan(&world, RobotId(robot), &Message::Sen(Sen { time: Some(0.0), reading, sensor: Some(0) }));

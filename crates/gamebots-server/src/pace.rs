@@ -4,11 +4,12 @@ use std::time::{Duration, Instant};
 
 /// Lagging by more than this, the lag is forgiven: the world runs slower, it does not catch up in a rush.
 const MAX_LAG: Duration = Duration::from_millis(100);
-/// How often falling behind is reported.
-const REPORT_INTERVAL: Duration = Duration::from_secs(5);
-
-/// Part of the pace that counts as kept: one pause of the machine in five seconds is no lag.
-const KEPT: f64 = 0.95;
+/// Over how long the real-time factor is measured.
+const WINDOW: Duration = Duration::from_secs(5);
+/// Part of the real-time factor that counts as reached: one pause of the machine in five seconds is no lag.
+const REACHED: f64 = 0.95;
+/// By so much, as a part of the factor, it has to get worse to be said again.
+const WORSE: f64 = 0.1;
 
 /// Decides when the next step is due.
 pub(crate) struct Pace {
@@ -19,11 +20,13 @@ pub(crate) struct Pace {
     start_time: f64,
     window: Instant,
     window_time: f64,
+    /// Part of the factor that was reached when that was last said; none while it is reached.
+    said: Option<f64>,
 }
 
 impl Pace {
     pub(crate) fn new(factor: f64, now: Instant, time: f64) -> Self {
-        Self { factor, start: now, start_time: time, window: now, window_time: time }
+        Self { factor, start: now, start_time: time, window: now, window_time: time, said: None }
     }
 
     /// How long to wait before the step that leads on from the simulated `time`; zero when it is due.
@@ -40,16 +43,33 @@ impl Pace {
         due.saturating_duration_since(now)
     }
 
-    /// Every five seconds in which less than [`KEPT`] of the pace was kept, the factor that was reached.
+    /// The real-time factor that was reached in the last five seconds, when it begins to be too small or has become worse.
     pub(crate) fn lag_report(&mut self, now: Instant, time: f64) -> Option<f64> {
         let elapsed = now.duration_since(self.window);
-        if elapsed < REPORT_INTERVAL {
+        if elapsed < WINDOW || self.factor <= 0.0 {
             return None;
         }
         let reached = (time - self.window_time) / elapsed.as_secs_f64();
         (self.window, self.window_time) = (now, time);
-        (reached < KEPT * self.factor).then_some(reached)
+        let part = reached / self.factor;
+        if part >= REACHED {
+            self.said = None;
+        } else if self.said.is_none_or(|said| part <= said - WORSE) {
+            self.said = Some(part);
+            return Some(reached);
+        }
+        None
     }
+}
+
+/// What a person is told of a world that is too slow, and what helps.
+pub(crate) fn lag_text(reached: f64, factor: f64) -> String {
+    // Half of it in any case, so that there is room for what comes.
+    let slower = (factor / 2.0).min((reached * 10.0).floor() / 10.0).max(0.01);
+    format!(
+        "behind real time: real-time factor {reached:.2} in place of {factor} in the last 5 s; `--drive-model analytic`, a larger \
+         `--dt`, fewer robots or viewers, or `--rtf {slower}` help"
+    )
 }
 
 #[cfg(test)]
@@ -81,11 +101,39 @@ mod tests {
     }
 
     #[test]
-    fn behind_its_pace_it_reports_the_factor_reached_every_five_seconds() {
+    fn behind_real_time_it_reports_once_the_factor_that_is_reached() {
         let (time, reports) = simulate(1.0, 0.004, 21.0);
         assert!((time - 10.5).abs() < 0.1, "{time}");
-        assert_eq!(reports.len(), 4);
-        assert!(reports.iter().all(|factor| (factor - 0.5).abs() < 0.01), "{reports:?}");
+        assert!(matches!(reports[..], [factor] if (factor - 0.5).abs() < 0.01), "{reports:?}");
+        assert!(simulate(0.0, 0.004, 21.0).1.is_empty());
+    }
+
+    #[test]
+    fn what_is_reported_again_has_become_worse_or_is_new() {
+        let start = Instant::now();
+        let mut pace = Pace::new(2.0, start, 0.0);
+        let mut time = 0.0;
+        // Factors of five seconds each.
+        let factors = [1.98, 1.6, 1.5, 1.42, 1.39, 1.96, 1.6];
+        let mut said = Vec::new();
+        for (window, factor) in factors.into_iter().enumerate() {
+            time += 5.0 * factor;
+            let now = start + Duration::from_secs(5 * (window as u64 + 1));
+            said.extend(pace.lag_report(now, time).map(|reached| (100.0 * reached).round() as u32));
+        }
+        assert_eq!(said, [160, 139, 160]);
+    }
+
+    #[test]
+    fn the_advice_is_a_factor_that_can_be_reached() {
+        for (reached, factor, advice) in [(0.62, 1.0, "--rtf 0.5`"), (0.33, 1.0, "--rtf 0.3`"), (3.0, 10.0, "--rtf 3`")]
+        {
+            let text = lag_text(reached, factor);
+            assert!(text.contains(advice), "{text}");
+        }
+        assert!(
+            lag_text(0.62, 1.0).starts_with("behind real time: real-time factor 0.62 in place of 1 in the last 5 s; ")
+        );
     }
 
     #[test]

@@ -140,6 +140,9 @@ impl Publisher {
     /// A fresh world has taken the place of the old.
     pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) {
         (self.snapshot, self.journal) = (None, Journal::default());
+        if old.def().map.name != new.def().map.name {
+            self.live.show(new.def());
+        }
         if let Err(error) = self.recording.start_over(now, old, new) {
             self.live.say(&error.to_string());
         }

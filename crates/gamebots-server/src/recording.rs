@@ -121,7 +121,8 @@ impl Recording {
     /// When the next file cannot be written.
     pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) -> Result<(), RecordError> {
         if let Some(foxglove) = &mut self.foxglove {
-            foxglove.start_over();
+            let (before, map) = (&old.def().map, &new.def().map);
+            foxglove.start_over(Some(map).filter(|map| map.name != before.name));
         }
         let Some(name) = self.end(old) else { return Ok(()) };
         self.begun = Some(now);

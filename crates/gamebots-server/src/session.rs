@@ -1,5 +1,6 @@
 //! One connection as the world's thread sees it: what it has sent, its outbox, its mistakes.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -12,6 +13,8 @@ use crate::outbox::Outbox;
 
 /// Problems of one connection that are logged in a second; the rest is counted.
 const MAX_WARNINGS: u64 = 20;
+/// Different problems of one connection whose repetitions are counted; of others each is logged.
+const MAX_COUNTED: usize = 50;
 /// Characters of a bad line that are logged.
 const SHOWN_CHARS: usize = 200;
 
@@ -26,6 +29,8 @@ pub(crate) struct Session {
     lines: u64,
     dropped: u64,
     warnings: Budget,
+    /// Problems that were logged since the last report or before it, with how often they came again since.
+    repeated: BTreeMap<String, u64>,
     /// Whether problems go back to the client: by the server's own option, or because the client asked for it.
     report_errors: bool,
     /// What it has sent and is not executed yet; the turn is given back with the last request.
@@ -48,6 +53,7 @@ impl Session {
             lines: 0,
             dropped: 0,
             warnings: Budget::default(),
+            repeated: BTreeMap::new(),
             report_errors,
             requests: Vec::new().into_iter(),
             turn: None,
@@ -143,17 +149,34 @@ impl Session {
         (answers, warnings)
     }
 
-    /// Logs the periodic lines that were dropped since the last call.
-    pub(crate) fn report_dropped(&mut self) {
+    /// Logs, and returns, what has happened again and again since the last call: problems that were logged before, and periodic
+    /// lines that were dropped.
+    pub(crate) fn report(&mut self) -> Vec<String> {
         let dropped = self.outbox.take_dropped();
         self.dropped += dropped;
         if dropped > 0 {
             warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
         }
+        // One that did not come again is logged in full when it does.
+        self.repeated.retain(|_, times| *times > 0);
+        let again = self.repeated.iter_mut().map(|(problem, times)| (problem, std::mem::take(times)));
+        let more = |times| names::count(usize::try_from(times).unwrap_or(usize::MAX), "time");
+        let text = |(problem, times)| format!("connection {}: {problem} ({} more)", self.id, more(times));
+        let said: Vec<String> = again.map(text).collect();
+        said.iter().for_each(|text| warn!("{text}"));
+        said
     }
 
-    /// What is said, if this second has room for it.
+    /// What is said, if it was not said before and this second has room for it.
     fn warn(&mut self, text: &str, problem: &Problem, now: Instant) -> Option<String> {
+        let shown = problem.to_string();
+        if let Some(times) = self.repeated.get_mut(&shown) {
+            *times += 1;
+            return None;
+        }
+        if self.repeated.len() < MAX_COUNTED {
+            self.repeated.insert(shown, 0);
+        }
         match self.warnings.spend(now) {
             Spent::Granted { suppressed: 0 } => {}
             Spent::Granted { suppressed } => {

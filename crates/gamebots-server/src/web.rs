@@ -1,14 +1,17 @@
-//! The page: static files, the scene as JSON, and two WebSockets: what happens, and the way to the protocol's own port.
+//! The page: static files, the scene of the world or of a log as JSON, and two WebSockets: what happens, and the way to the
+//! protocol's own port.
 //!
 //! A page of somebody else, open in the same browser, must not get in: a WebSocket's `Origin` has to be the page's own
 //! host, and `Host` an address or a name that no stranger can point here (DNS rebinding).
 
+mod log_scene;
 mod page;
 mod viewer;
 mod wire;
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
@@ -44,12 +47,12 @@ pub(crate) struct Site {
     pub(crate) host: String,
     /// Where the protocol is spoken.
     pub(crate) protocol: SocketAddr,
-    /// The scene as JSON.
-    pub(crate) scene: Bytes,
     pub(crate) channels: Channels,
     pub(crate) events: Sender<Event>,
     /// A viewer that takes nothing for this long is disconnected.
     pub(crate) stall_timeout: Duration,
+    /// How many pages have been opened: each has a number.
+    pub(crate) pages: AtomicU64,
 }
 
 /// One of the [`MAX_CONNECTIONS`], held as long as the connection lives, also when it has become a WebSocket.
@@ -58,11 +61,12 @@ pub(crate) type Place = Arc<OwnedSemaphorePermit>;
 /// Serves until it is dropped.
 pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
     let router = Router::new()
-        .route("/scene.json", get(scene))
+        .route("/scene.json", get(scene).post(log_scene::answer))
         .route("/live", get(viewer::upgrade))
         .route("/wire", get(wire::upgrade))
         .fallback(page::file)
         .layer(middleware::from_fn_with_state(site.clone(), guard))
+        .layer(Extension(log_scene::Worker::default()))
         .with_state(site);
     let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let mut connections = JoinSet::new();
@@ -71,9 +75,10 @@ pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
         let Ok(place) = places.clone().acquire_owned().await else { return };
         tokio::select! {
             accepted = listener.accept() => match accepted {
-                Ok((stream, _)) => {
+                Ok((stream, peer)) => {
                     let place: Place = Arc::new(place);
-                    connections.spawn(serve_connection(stream, router.clone().layer(Extension(place))));
+                    let router = router.clone().layer(Extension(place)).layer(Extension(peer.ip()));
+                    connections.spawn(serve_connection(stream, router));
                 }
                 Err(error) => {
                     warn!(%error, "cannot accept a viewer");
@@ -100,8 +105,11 @@ async fn serve_connection(stream: TcpStream, router: Router) {
 }
 
 async fn scene(State(site): State<Arc<Site>>) -> Response {
-    ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], site.scene.clone())
-        .into_response()
+    json(site.channels.scene())
+}
+
+fn json(body: Bytes) -> Response {
+    ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], body).into_response()
 }
 
 /// Turns strangers' pages away and tells the browser to let this page do no more than it needs.

@@ -10,16 +10,17 @@ use std::time::{Duration, Instant};
 
 use gamebots_proto::Dialect;
 use gamebots_proto::message::{self, Message, WrittenLine};
+use scene::{MapDef, WorldDef};
 use sim_core::{Executed, LostRobot, RobotId, World};
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
 use crate::connection::{ConnectionId, Event, Request};
-use crate::control::Control;
+use crate::control::{Actor, Control};
 use crate::foxglove_server::FoxgloveServer;
 use crate::live::{Broadcast, ClientStatus, RobotStatus, Status};
 use crate::owners::Owners;
-use crate::pace::Pace;
+use crate::pace::{self, Pace};
 use crate::publisher::Publisher;
 use crate::recording::Recording;
 use crate::session::{Budget, Session, Spent};
@@ -38,8 +39,8 @@ const SLICE: Duration = Duration::from_millis(1);
 const MAX_CREDIT: Duration = Duration::from_millis(4);
 /// What a client has cost counts half after this long.
 const FORGETTING_INTERVAL: Duration = Duration::from_millis(100);
-/// How often dropped lines are reported.
-const DROP_REPORT_INTERVAL: Duration = Duration::from_secs(5);
+/// How often dropped lines and repeated problems are reported.
+const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
 /// Starts the thread. It ends when it is told to or when every sender of events is gone; `gone` is dropped when it ends,
 /// however it does.
@@ -50,7 +51,8 @@ pub(crate) fn spawn(
     foxglove: Option<FoxgloveServer>,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<Result<(), ServeError>>, ServeError> {
-    let Config { world, options, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } = config;
+    let Config { world, maps, options, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } =
+        config;
     let world = World::new(world, options).on_threads(Arc::new(threads.clone()));
     let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
     if let Some(path) = log {
@@ -65,6 +67,7 @@ pub(crate) fn spawn(
             timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
             pace: Pace::new(real_time_factor, now, world.time()),
             world,
+            maps,
             resets: 0,
             report_errors,
             sessions: BTreeMap::new(),
@@ -82,6 +85,8 @@ pub(crate) fn spawn(
 
 struct Server {
     world: World,
+    /// Those that a viewer may change to.
+    maps: Vec<MapDef>,
     publisher: Publisher,
     timing: Timing,
     pace: Pace,
@@ -113,14 +118,15 @@ struct Stop;
 
 impl Server {
     fn run(&mut self, events: &Receiver<Event>) {
-        let mut drop_report = Instant::now();
+        let mut report = Instant::now();
         // Nobody can tell it anything any more, or somebody has told it to stop.
         while self.take_events(events).is_ok() {
             let now = Instant::now();
             self.publish(now);
-            if now.duration_since(drop_report) >= DROP_REPORT_INTERVAL {
-                self.sessions.values_mut().for_each(Session::report_dropped);
-                drop_report = now;
+            if now.duration_since(report) >= REPORT_INTERVAL {
+                let repeated: Vec<String> = self.sessions.values_mut().flat_map(Session::report).collect();
+                repeated.iter().for_each(|text| self.publisher.warn(&self.world, text));
+                report = now;
             }
             let wait = self.wait(now);
             if wait.is_zero() {
@@ -149,7 +155,7 @@ impl Server {
         let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
         let reason = text.unwrap_or("without a message").to_owned();
         let report = match self.publisher.end_broken(&self.world, &reason) {
-            Ok(path) => format!("`usarsim log replay {}` makes it again", path.display()),
+            Ok(path) => format!("`usarsim log replay {}` reproduces it", path.display()),
             Err(error) => format!("no report could be written: {error}"),
         };
         Err(ServeError::WorldPanicked { time: self.world.time(), reason, report })
@@ -180,8 +186,8 @@ impl Server {
             return if stepping { Duration::ZERO } else { MAX_WAIT };
         }
         if let Some(reached) = self.pace.lag_report(now, self.world.time()) {
-            warn!(reached = format!("{reached:.2}"), "behind its pace: the real-time factor of the last 5 s");
-            let text = format!("behind its pace: real-time factor {reached:.2} of the last 5 s");
+            let text = pace::lag_text(reached, self.timing.speed);
+            warn!("{text}");
             self.publisher.warn(&self.world, &text);
         }
         self.pace.wait(now, self.world.time())
@@ -223,7 +229,7 @@ impl Server {
                     self.end_if_done(id);
                 }
             }
-            Event::Control(control, _turn) => self.control(control),
+            Event::Control(control, actor, _turn) => self.control(control, &actor),
             Event::Stop => return Err(Stop),
         }
         Ok(())
@@ -285,7 +291,7 @@ impl Server {
             return;
         }
         if let Some(mut session) = self.sessions.remove(&id) {
-            session.report_dropped();
+            session.report().iter().for_each(|text| self.publisher.warn(&self.world, text));
             session.outbox().close();
             self.remove_robots(id);
         }
@@ -302,38 +308,73 @@ impl Server {
         }
     }
 
-    fn control(&mut self, control: Control) {
+    /// Does what somebody asks of the world, and says to everyone who did it.
+    fn control(&mut self, control: Control, Actor(actor): &Actor) {
         let now = Instant::now();
-        match control {
-            Control::Pause(paused) => (self.timing.paused, self.timing.steps) = (paused, 0),
+        if let Spent::Granted { .. } = self.controls.spend(now) {
+            info!(?control, by = actor, time = self.world.time(), "control");
+        }
+        let was_paused = self.timing.paused;
+        let done = match control {
+            Control::Pause(paused) => {
+                (self.timing.paused, self.timing.steps) = (paused, 0);
+                let done = if paused { "paused the world" } else { "resumed the world" };
+                (paused != was_paused).then(|| done.to_owned())
+            }
             Control::Step(steps) => {
                 self.timing.paused = true;
                 self.timing.steps = self.timing.steps.saturating_add(steps);
+                (!was_paused).then(|| "paused the world to step".to_owned())
             }
-            Control::Speed(speed) => self.timing.speed = speed,
-            Control::Reset => self.reset(now),
-            Control::Record(on) => self.publisher.record(now, &self.world, on),
-        }
-        if let Spent::Granted { .. } = self.controls.spend(now) {
-            info!(?control, time = self.world.time(), "asked by a viewer");
+            Control::Speed(speed) => {
+                self.timing.speed = speed;
+                let speed = if speed == 0.0 { "as fast as possible".to_owned() } else { format!("{speed}") };
+                Some(format!("set the real-time factor to {speed}"))
+            }
+            Control::Reset => {
+                let fresh = self.world.anew();
+                self.start_over(now, fresh).then(|| "reset the world".to_owned())
+            }
+            Control::Map(name) => self.change_map(now, &name).then(|| format!("changed the map to {name}")),
+            Control::Record(on) => {
+                self.publisher.record(now, &self.world, on);
+                None
+            }
+        };
+        if let Some(done) = done {
+            self.publisher.announce(now, &format!("{actor} {done}"));
         }
         self.pace = Pace::new(self.timing.speed, now, self.world.time());
         self.publisher.changed(now);
     }
 
-    /// A fresh world; everyone who is connected gets their robots back where they were first put, in the same order.
-    fn reset(&mut self, now: Instant) {
+    /// A fresh world on another map; false when there is none of that name.
+    fn change_map(&mut self, now: Instant, name: &str) -> bool {
+        let Some(map) = self.maps.iter().find(|map| map.name == name) else {
+            let names: Vec<&str> = self.maps.iter().map(|map| map.name.as_str()).collect();
+            let text = format!("no map `{name}`: expected {}", names.join(", "));
+            self.publisher.announce(now, &text);
+            return false;
+        };
+        let world = WorldDef { map: map.clone(), robots: self.world.def().robots.clone() };
+        let fresh = self.world.anew_with(world);
+        self.start_over(now, fresh)
+    }
+
+    /// A fresh world takes the place of the old; everyone who is connected gets their robots back where they were first put, in the
+    /// same order. False when a log does not let it.
+    fn start_over(&mut self, now: Instant, fresh: World) -> bool {
         if let Err(error) = self.publisher.may_start_over(now) {
-            return self.publisher.warn(&self.world, &format!("not begun anew: {error}"));
+            self.publisher.warn(&self.world, &format!("not reset: {error}"));
+            return false;
         }
-        let fresh = self.world.anew();
         let old = std::mem::replace(&mut self.world, fresh);
         self.publisher.start_over(now, &old, &self.world);
         self.resets += 1;
         for (id, init) in self.owners.start_over() {
             self.execute(id, &Request::read(Ok(init)));
         }
-        self.publisher.announce(now, "the world began anew");
+        true
     }
 
     fn execute(&mut self, id: ConnectionId, request: &Request) {
@@ -411,6 +452,8 @@ impl Server {
             real_time_factor: 0.0,
             speed: timing.speed,
             paused: timing.paused,
+            scene: 0,
+            viewers: 0,
             resets: *resets,
             unsettled_steps: world.unsettled_steps(),
             recording: recording.map(|path| path.display().to_string()),

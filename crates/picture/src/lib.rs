@@ -129,6 +129,49 @@ impl Image {
     }
 }
 
+/// Pictures of one size as a moving one, an animated PNG that begins again at its end. Of each after the first only the box that
+/// has changed is written, so a camera that stands still makes small files.
+///
+/// # Errors
+/// When there is no picture, or it has no pixels.
+pub fn film(pictures: &[Image], frames_per_second: u16) -> Result<Vec<u8>, png::EncodingError> {
+    let (width, height) = pictures.first().map_or((0, 0), |first| (first.width, first.height));
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Best);
+    encoder.set_animated(pictures.len() as u32, 0)?;
+    encoder.set_frame_delay(1, frames_per_second)?;
+    let mut writer = encoder.write_header()?;
+    let mut before: Option<&Image> = None;
+    for picture in pictures {
+        let [left, top, wide, high] = before.map_or([0, 0, width, height], |before| picture.changed_since(before));
+        writer.set_frame_dimension(wide as u32, high as u32)?;
+        writer.set_frame_position(left as u32, top as u32)?;
+        let rows = picture.pixels.chunks(width).skip(top).take(high);
+        let bytes: Vec<u8> = rows.flat_map(|row| &row[left..left + wide]).flatten().copied().collect();
+        writer.write_image_data(&bytes)?;
+        before = Some(picture);
+    }
+    writer.finish()?;
+    Ok(file)
+}
+
+impl Image {
+    /// Left, top, width and height of the box in which another picture of the same size differs; a pixel where none does.
+    fn changed_since(&self, before: &Self) -> [usize; 4] {
+        let changed = self.pixels.iter().zip(&before.pixels).enumerate().filter(|(_, (now, then))| now != then);
+        let places = changed.map(|(index, _)| [index % self.width, index / self.width]);
+        let hull = places.fold(None, |hull: Option<[usize; 4]>, [x, y]| {
+            let [left, top, right, bottom] = hull.unwrap_or([x, y, x, y]);
+            Some([left.min(x), top.min(y), right.max(x), bottom.max(y)])
+        });
+        let [left, top, right, bottom] = hull.unwrap_or_default();
+        [left, top, right - left + 1, bottom - top + 1]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use sim_core::{Options, World};
@@ -186,5 +229,26 @@ mod tests {
         assert_ne!(at(&image, 0.5, 0.95), at(&image, 0.5, 0.05));
         let png = image.to_png().unwrap();
         assert!(png.starts_with(b"\x89PNG"));
+    }
+
+    #[test]
+    fn a_film_has_every_picture_and_of_the_later_ones_what_changed() {
+        let plain = Image { width: 40, height: 30, pixels: vec![[200; 3]; 1200] };
+        let mut dotted = plain.clone();
+        dotted.pixels[5 * 40 + 7] = [10, 20, 30];
+        dotted.pixels[6 * 40 + 9] = [10, 20, 30];
+        let pictures = [plain.clone(), dotted, plain];
+        let file = film(&pictures, 15).unwrap();
+        let mut reader = png::Decoder::new(file.as_slice()).read_info().unwrap();
+        assert_eq!(reader.info().animation_control().map(|control| control.num_frames), Some(3));
+        let mut boxes = Vec::new();
+        for _ in &pictures {
+            let mut bytes = vec![0; reader.output_buffer_size()];
+            reader.next_frame(&mut bytes).unwrap();
+            let control = reader.info().frame_control().unwrap();
+            boxes.push([control.x_offset, control.y_offset, control.width, control.height]);
+        }
+        assert_eq!(boxes, [[0, 0, 40, 30], [7, 5, 3, 2], [7, 5, 3, 2]]);
+        assert!(film(&[], 15).is_err());
     }
 }

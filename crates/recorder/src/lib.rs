@@ -26,7 +26,7 @@ mod writer;
 pub use file::{Storage, storage};
 pub use live::{Latched, Live};
 pub use messages::{ObjectState, Quaternion, RobotLeft, RobotState, Vector, WireLine};
-pub use reader::{Entry, Log, ReadError, read};
+pub use reader::{Entry, Log, ReadError, read, scene};
 pub use recover::{RecoverError, Recovered, recover};
 pub use table::{Column, Table};
 pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink};
@@ -120,6 +120,8 @@ pub enum Record {
     Object(ObjectState),
     /// Something that is wrong, in words.
     Warning(String),
+    /// Another map than before, for those who watch; a log has one.
+    Map(Box<MapDef>),
 }
 
 /// What a sensor of a robot measured.
@@ -150,7 +152,7 @@ impl Record {
             }
             Self::Object(object) => object.name.len(),
             Self::Warning(text) => text.len(),
-            Self::Left(_) => 0,
+            Self::Left(_) | Self::Map(_) => 0,
             // Of a scan its ranges; the rest is small.
             Self::Sensed(Sensed { reading: Reading::RangeScanner(scan), .. }) => size_of_val(scan.ranges.as_slice()),
             Self::Sensed(_) => 0,

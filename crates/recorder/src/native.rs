@@ -45,6 +45,10 @@ impl Native {
             Record::Left(robot) => self.write_left(time, *robot, file),
             Record::State(state) => self.write_state(time, state, file),
             Record::Object(object) => write_object(time, object, file),
+            Record::Map(map) => {
+                let erased = SceneUpdate { deletions: vec![deletion(time)], entities: drawing::map(map) };
+                file.publish(time, "/map/scene", &erased)
+            }
             Record::Warning(text) => file.publish(time, "/log", &log(time, Level::Warning, text.clone())),
         }
     }
@@ -136,14 +140,19 @@ impl Native {
 
 /// Takes a robot out of the picture.
 fn erase(time: f64, slot: u64, file: &mut impl Publish) -> McapResult<()> {
-    let all = SceneEntityDeletion {
+    let erased = SceneUpdate { deletions: vec![deletion(time)], entities: Vec::new() };
+    file.publish(time, &topic(slot, "scene"), &erased)?;
+    file.forget(&topic(slot, ""));
+    Ok(())
+}
+
+/// Everything of a channel.
+fn deletion(time: f64) -> SceneEntityDeletion {
+    SceneEntityDeletion {
         timestamp: Some(timestamp(time)),
         r#type: DeletionType::All as i32,
         ..SceneEntityDeletion::default()
-    };
-    file.publish(time, &topic(slot, "scene"), &SceneUpdate { deletions: vec![all], entities: Vec::new() })?;
-    file.forget(&topic(slot, ""));
-    Ok(())
+    }
 }
 
 fn write_object(time: f64, object: &ObjectState, file: &mut impl Publish) -> McapResult<()> {

@@ -52,11 +52,18 @@ impl Log {
     /// # Errors
     /// What is wrong with it, in words.
     pub fn scene(&self) -> Result<WorldDef, String> {
-        let text = self.run.get("scene").ok_or("no `scene` in its metadata")?;
-        let scene: WorldDef = serde_json::from_str(text).map_err(|error| format!("its scene: {error}"))?;
-        scene.check().map_err(|problem| format!("its scene: {problem}"))?;
-        Ok(scene)
+        scene(self.run.get("scene").ok_or("no `scene` in its metadata")?.as_bytes())
     }
+}
+
+/// The scene that the metadata `run` of a log holds as JSON, also of an old one, if a world can be made of it.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub fn scene(json: &[u8]) -> Result<WorldDef, String> {
+    let scene: WorldDef = serde_json::from_slice(json).map_err(|error| format!("its scene: {error}"))?;
+    scene.check().map_err(|problem| format!("its scene: {problem}"))?;
+    Ok(scene)
 }
 
 /// A log that cannot be read at all.
@@ -105,7 +112,7 @@ pub fn read(path: &Path) -> Result<Log, ReadError> {
         let reason = log.damage.map_or(String::new(), |damage| format!("; {damage}"));
         return Err(unreadable(
             path,
-            format_args!("no log of usarsim: expected the metadata `run`, or a message{reason}"),
+            format_args!("not a log of usarsim: expected the metadata `run`, or a message{reason}"),
         ));
     }
     Ok(log)

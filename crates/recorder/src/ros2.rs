@@ -48,7 +48,7 @@ impl Ros2 {
                 self.slots.leave(*robot);
                 Ok(())
             }
-            Record::In(_) | Record::Out(_) | Record::Closed(_) | Record::Warning(_) => Ok(()),
+            Record::In(_) | Record::Out(_) | Record::Closed(_) | Record::Warning(_) | Record::Map(_) => Ok(()),
         }
     }
 

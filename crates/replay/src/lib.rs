@@ -61,7 +61,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
         range.contains(&number).then_some(number).ok_or_else(expected)
     };
     let def = log.scene().map_err(ReplayError)?;
-    let seed = entry("seed")?.parse().map_err(|_| ReplayError("`seed` is no whole number".to_owned()))?;
+    let seed = entry("seed")?.parse().map_err(|_| ReplayError("`seed` is not a whole number".to_owned()))?;
     let (time_step, speed_unit) = (within("time_step", TIME_STEPS)?, within("speed_unit", SPEED_UNITS)?);
     if let Some(began) = log.run.get("began") {
         return Err(ReplayError(format!("it began in a running world, at {began} s: expected a log from the start")));
@@ -111,7 +111,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
                     first_difference = Some(entry.time);
                 }
             }
-            Record::Out(_) | Record::Sensed(_) | Record::Warning(_) => {}
+            Record::Out(_) | Record::Sensed(_) | Record::Warning(_) | Record::Map(_) => {}
         }
     }
     if let Some(end) = end {

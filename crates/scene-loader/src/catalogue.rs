@@ -1,14 +1,15 @@
 //! The robots, maps and materials built into the program, and the way from a name to a definition.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
+use names::did_you_mean;
 use scene::{MapDef, RobotDef, WorldDef};
 
 use crate::materials::{self, Materials};
 use crate::overrides::{self, Override};
-use crate::problem::{Problems, suggestion};
+use crate::problem::Problems;
 use crate::source::Source;
 use crate::{LoadError, map as map_file, robot as robot_file};
 
@@ -56,7 +57,7 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
 /// # Errors
 /// As [`load`].
 pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
-    let path = Path::new(name);
+    let path = &in_folder(Path::new(name), "map.toml");
     let (source, file, name) = match MAPS.get_dir(name) {
         Some(dir) => (Source::BuiltIn(dir), "map.toml".to_owned(), name.to_owned()),
         None if path.is_file() => (Source::of_file(path), file_name(path, "a map.toml")?, name_of(path, "map")),
@@ -78,7 +79,7 @@ pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> 
     let names = robot_names();
     let built_in = names.iter().find(|known| known.eq_ignore_ascii_case(name));
     let folder = built_in.and_then(|class| Some((class, ASSETS.get_dir(format!("robots/{class}"))?)));
-    let path = Path::new(name);
+    let path = &in_folder(Path::new(name), "robot.toml");
     match folder {
         Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", class, overrides),
         None if path.is_file() => {
@@ -100,6 +101,12 @@ pub(crate) fn robot_of_urdf(path: &Path, class: &str) -> Result<RobotDef, LoadEr
     let (text, materials) = (source.text(&file)?, built_in_materials(&[])?);
     let robot = robot_file::of_urdf::read(&source, &file, class, &text, &materials, &mut problems);
     problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
+}
+
+/// The file of that name, where a folder with it is given.
+pub(crate) fn in_folder(path: &Path, file: &str) -> PathBuf {
+    let inside = path.join(file);
+    if path.is_dir() && inside.is_file() { inside } else { path.to_owned() }
 }
 
 pub(crate) fn is_urdf(path: &Path) -> bool {
@@ -148,6 +155,6 @@ fn folders(dir: &'static Dir) -> Vec<String> {
 }
 
 fn unknown(kind: &'static str, got: &str, names: &[String]) -> LoadError {
-    let suggestion = suggestion(got, names.iter().map(String::as_str));
+    let suggestion = did_you_mean(got, names.iter().map(String::as_str));
     LoadError::UnknownName { kind, got: got.to_owned(), suggestion, expected: names.join(", ") }
 }

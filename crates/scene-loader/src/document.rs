@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use names::{did_you_mean, listed};
 use scene::Material;
 use scene::check::Range as Bounds;
 use serde::de::DeserializeOwned;
@@ -9,7 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 use crate::materials::Materials;
-use crate::problem::{Problems, Unread, listed, suggestion};
+use crate::problem::{Problems, Unread};
 
 /// Said of tables and arrays inside each other: the parser takes 80 levels.
 const TOO_DEEP: &str = "nested too deep: expected at most 80 levels";
@@ -130,7 +131,7 @@ impl<'a> Document<'a> {
     /// Notes every key that nobody took.
     pub(crate) fn finish(&mut self, table: Table<'a>, expected: &str) {
         for key in table.entries.keys() {
-            let suggestion = suggestion(key.get_ref(), expected.split(", ").map(str::trim));
+            let suggestion = did_you_mean(key.get_ref(), expected.split(", ").map(str::trim));
             let key_name = key.get_ref();
             self.problem(&key.span(), format_args!("unknown key `{key_name}`: expected one of {expected}{suggestion}"));
         }
@@ -151,7 +152,7 @@ impl<'a> Document<'a> {
     pub(crate) fn material(&mut self, span: &Range<usize>, name: &str, materials: &Materials) -> Material {
         materials.get(name).cloned().unwrap_or_else(|| {
             let known = || materials.keys().map(String::as_str);
-            let (names, suggestion) = (listed(known()), suggestion(name, known()));
+            let (names, suggestion) = (listed(known()), did_you_mean(name, known()));
             self.problem(span, format_args!("unknown material `{name}`: expected one of {names}{suggestion}"));
             Material::default()
         })
@@ -167,7 +168,7 @@ impl<'a> Document<'a> {
     ) -> Option<usize> {
         let number = known.clone().position(|other| other == name);
         if number.is_none() {
-            let suggestion = suggestion(name, known.clone());
+            let suggestion = did_you_mean(name, known.clone());
             self.problem(span, format_args!("`{key}` is `{name}`: expected one of {}{suggestion}", listed(known)));
         }
         number
@@ -200,7 +201,7 @@ impl<'a> Document<'a> {
                 let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
                 let suggestion = match names.split_first() {
                     Some((wrong, known)) if error.message().starts_with("unknown ") => {
-                        suggestion(wrong, known.iter().copied())
+                        did_you_mean(wrong, known.iter().copied())
                     }
                     _ => String::new(),
                 };

@@ -30,6 +30,7 @@ use source::Source;
 /// # Errors
 /// Everything wrong with it; or when the file cannot be read or its kind is not known.
 pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
+    let path = &catalogue::in_folder(&catalogue::in_folder(path, "map.toml"), "robot.toml");
     if catalogue::is_urdf(path) {
         return catalogue::robot_of_urdf(path, "Checked").map(|robot| robot.assumptions);
     }

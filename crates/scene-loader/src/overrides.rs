@@ -1,12 +1,16 @@
 //! Numbers of a file replaced from outside: `robot.wheels.gain=2.5`, `map.gravity=1.62`, `material.carpet.friction=0.5`.
 
+use std::collections::BTreeSet;
 use std::str::FromStr;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use toml_edit::{DocumentMut, Item, Value};
+use names::did_you_mean;
+use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use crate::LoadError;
+
+/// The scopes that are no class of robots.
+const SCOPES: [&str; 3] = ["robot", "map", "material"];
 
 /// One `path=value`.
 ///
@@ -20,8 +24,28 @@ pub struct Override {
     scope: String,
     keys: Vec<String>,
     value: Value,
-    /// Whether any file had its path.
-    used: Arc<AtomicBool>,
+    found: Arc<Mutex<Found>>,
+}
+
+/// What the files that were read so far say about an override.
+#[derive(Debug, Default)]
+struct Found {
+    /// Whether any of them took it.
+    used: bool,
+    /// What the first of them said that did not.
+    refusal: Option<String>,
+    /// Every path that it could have had.
+    paths: BTreeSet<String>,
+}
+
+impl Override {
+    fn found(&self) -> MutexGuard<'_, Found> {
+        self.found.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn refused(&self, reason: String) -> LoadError {
+        LoadError::Override { text: self.text.clone(), reason }
+    }
 }
 
 impl FromStr for Override {
@@ -41,7 +65,7 @@ impl FromStr for Override {
         }
         let value = value.trim();
         let value = value.parse().unwrap_or_else(|_| Value::from(value));
-        Ok(Self { text: text.to_owned(), scope, keys, value, used: Arc::default() })
+        Ok(Self { text: text.to_owned(), scope, keys, value, found: Arc::default() })
     }
 }
 
@@ -51,10 +75,12 @@ pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str]) -> Str
     let mut wanted = overrides.iter().filter(|it| names.iter().any(|name| name.eq_ignore_ascii_case(&it.scope)));
     let Some(first) = wanted.next() else { return text };
     let Ok(mut document) = text.parse::<DocumentMut>() else { return text };
+    let mut known = BTreeSet::new();
+    paths(document.as_table(), "", &mut known);
     for it in std::iter::once(first).chain(wanted) {
-        if set(document.as_item_mut(), &it.keys, &it.value) {
-            it.used.store(true, Ordering::Relaxed);
-        }
+        let mut found = it.found();
+        found.paths.extend(known.iter().cloned());
+        found.used |= set(document.as_item_mut(), &it.keys, &it.value);
     }
     document.to_string()
 }
@@ -64,16 +90,54 @@ pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str]) -> Str
 /// # Errors
 /// The first such.
 pub fn check_used(overrides: &[Override]) -> Result<(), LoadError> {
-    match overrides.iter().find(|it| !it.used.load(Ordering::Relaxed)) {
-        None => Ok(()),
-        Some(it) => {
-            let reason = "nothing has that name; `usarsim show robot|map NAME` lists what there is".to_owned();
-            Err(LoadError::Override { text: it.text.clone(), reason })
+    let unused = overrides.iter().find(|it| !it.found().used);
+    unused.map_or(Ok(()), |it| Err(it.refused(it.why_unused())))
+}
+
+impl Override {
+    fn why_unused(&self) -> String {
+        let Found { refusal, paths, .. } = &*self.found();
+        let path = self.keys.join(".");
+        if paths.is_empty() {
+            let classes = crate::robot_names();
+            let scopes = || SCOPES.into_iter().chain(classes.iter().map(String::as_str));
+            if scopes().any(|known| known.eq_ignore_ascii_case(&self.scope)) {
+                return format!("nothing that is read here is a `{}`", self.scope);
+            }
+            let meant = did_you_mean(&self.scope, scopes());
+            return format!("no `{}`{meant}: expected robot, map, material or a class of robots", self.scope);
+        }
+        let nearest = names::nearest(&path, paths.iter().map(String::as_str));
+        // Where nothing is near, the keys that a file's reader names say more.
+        if let Some(refusal) = refusal.as_ref().filter(|_| nearest.is_none()) {
+            return refusal.clone();
+        }
+        let meant = nearest.map_or(String::new(), |meant| format!(" (did you mean `{}.{meant}`?)", self.scope));
+        format!("nothing that is read here has `{path}`{meant}; `usarsim show robot|map NAME` lists what there is")
+    }
+}
+
+/// The paths of every value in a table, with and without the names of an array's elements.
+fn paths(table: &dyn TableLike, before: &str, found: &mut BTreeSet<String>) {
+    for (key, item) in table.iter() {
+        let path = if before.is_empty() { key.to_owned() } else { format!("{before}.{key}") };
+        if let Some(table) = item.as_table_like() {
+            paths(table, &path, found);
+        } else if let Some(tables) = item.as_array_of_tables() {
+            for table in tables {
+                paths(table, &path, found);
+                if let Some(name) = table.get("name").and_then(Item::as_str) {
+                    paths(table, &format!("{path}.{name}"), found);
+                }
+            }
+        } else {
+            found.insert(path);
         }
     }
 }
 
-/// Reads with overrides. What is wrong only with them is said of the first that is wrong alone, else of all.
+/// Reads with overrides. One with a key that this file has not is left out, as another file may have it: [`check_used`] refuses
+/// those that none has. What else is wrong only with them is said of the first that is wrong alone, else of all.
 ///
 /// # Errors
 /// As `read`.
@@ -81,18 +145,33 @@ pub(crate) fn blame<T>(
     overrides: &[Override],
     read: impl Fn(&[Override]) -> Result<T, LoadError>,
 ) -> Result<T, LoadError> {
-    let error = match read(overrides) {
-        Err(LoadError::Bad(problems)) if !overrides.is_empty() && read(&[]).is_ok() => problems,
+    let used: Vec<bool> = overrides.iter().map(|it| it.found().used).collect();
+    match read(overrides) {
+        Err(LoadError::Bad(_)) if !overrides.is_empty() && read(&[]).is_ok() => {}
         result => return result,
-    };
-    let alone = overrides.iter().find_map(|it| match read(std::slice::from_ref(it)) {
-        Err(LoadError::Bad(problems)) => Some((it.text.clone(), problems)),
-        _ => None,
-    });
-    let together = || (overrides.iter().map(|it| it.text.as_str()).collect::<Vec<_>>().join("`, `"), error);
-    let (text, problems) = alone.unwrap_or_else(together);
-    let first = problems.first().map_or_else(String::new, |problem| format!("{}: {}", problem.file, problem.message));
-    Err(LoadError::Override { text, reason: first })
+    }
+    let mut fitting = Vec::new();
+    for (it, used) in overrides.iter().zip(used) {
+        let Err(LoadError::Bad(problems)) = read(std::slice::from_ref(it)) else {
+            fitting.push(it.clone());
+            continue;
+        };
+        let reason = problems.first().map_or_else(String::new, |first| format!("{}: {}", first.file, first.message));
+        if !problems.iter().any(|problem| problem.is_unknown_key()) {
+            return Err(it.refused(reason));
+        }
+        let mut found = it.found();
+        found.used = used;
+        found.refusal.get_or_insert(reason);
+    }
+    read(&fitting).map_err(|error| match error {
+        LoadError::Bad(problems) => {
+            let text = fitting.iter().map(|it| it.text.as_str()).collect::<Vec<_>>().join(" --set ");
+            let reason = problems.first().map_or_else(String::new, |it| format!("{}: {}", it.file, it.message));
+            LoadError::Override { text, reason }
+        }
+        error => error,
+    })
 }
 
 /// Sets the value at a path. New keys are made in tables that are there; the reader of the file refuses those that it
@@ -147,7 +226,7 @@ mod tests {
     fn check(text: &str, expected: &str) {
         let it: Override = text.parse().expect("an override");
         assert_eq!(apply(FILE.to_owned(), std::slice::from_ref(&it), &["robot"]).trim(), expected.trim());
-        assert_eq!(it.used.load(Ordering::Relaxed), FILE.trim() != expected.trim());
+        assert_eq!(it.found().used, FILE.trim() != expected.trim());
     }
 
     #[test]
@@ -164,6 +243,15 @@ mod tests {
         check("map.gravity=1", FILE);
         check("robot.rollers.mass=1", FILE);
         check("robot.roller_friction=1", FILE);
+    }
+
+    #[test]
+    fn the_paths_of_a_file_are_those_that_an_override_can_have() {
+        let document: DocumentMut = FILE.parse().expect("TOML");
+        let mut found = BTreeSet::new();
+        paths(document.as_table(), "", &mut found);
+        let expected = "gravity wheel.FL.name wheel.FL.place wheel.FR.name wheel.name wheel.place wheels.gain";
+        assert_eq!(found.into_iter().collect::<Vec<_>>().join(" "), expected);
     }
 
     #[test]

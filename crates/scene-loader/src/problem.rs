@@ -7,8 +7,6 @@ use scene::check::SceneProblem;
 
 /// Most problems that are said: a file of a million mistakes is no file of this kind.
 const MAX_PROBLEMS: usize = 100;
-/// Most names that a message lists.
-const MAX_LISTED: usize = 30;
 
 /// One mistake in a file, with its place. Written as compilers do: `file:line:column: message`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,6 +19,13 @@ pub struct FileProblem {
     pub column: usize,
     /// What is wrong and what was expected.
     pub message: String,
+}
+
+impl FileProblem {
+    /// Whether it is a key that nothing knows.
+    pub(crate) fn is_unknown_key(&self) -> bool {
+        ["unknown key", "unknown field"].iter().any(|begin| self.message.starts_with(begin))
+    }
 }
 
 impl fmt::Display for FileProblem {
@@ -61,7 +66,7 @@ pub enum LoadError {
         expected: &'static str,
     },
     /// An override whose path leads nowhere, or whose value is none.
-    #[error("override `{text}`: {reason}")]
+    #[error("--set {text}: {reason}")]
     Override {
         /// As it was written.
         text: String,
@@ -130,22 +135,3 @@ impl Problems {
 /// What could not be read; the problems say why. Nothing that follows from it is a problem of its own.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unread;
-
-/// What a wrong name was most likely meant to be, for the end of a message; nothing where none is near. Near is a name of which
-/// at most a third of the letters are others, or one that begins so.
-pub(crate) fn suggestion<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    let wrong = wrong.to_lowercase();
-    let distance = |name: &&str| strsim::damerau_levenshtein(&name.to_lowercase(), &wrong);
-    let is_near = |name: &&str| 3 * distance(name) <= name.chars().count().max(3);
-    let begins_so = |name: &&str| wrong.chars().count() > 2 && name.to_lowercase().starts_with(&wrong);
-    let near = known.into_iter().filter(|name| is_near(name) || begins_so(name)).min_by_key(distance);
-    near.map_or(String::new(), |name| format!(" (perhaps `{name}`)"))
-}
-
-/// Names for a message.
-pub(crate) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    let names: Vec<&str> = names.into_iter().collect();
-    let more = names.len().saturating_sub(MAX_LISTED);
-    let text = names[..names.len() - more].join(", ");
-    if more == 0 { text } else { format!("{text} and {more} more") }
-}

@@ -9,6 +9,7 @@ mod wheel;
 use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
+use names::{did_you_mean, listed};
 use scene::sensor;
 use scene::{Aerial, Battery, DriveModel, Link, Part, RobotDef, SensorDef, Shape, Solid, Steering, check};
 use serde::Deserialize;
@@ -19,7 +20,7 @@ use self::visual::read_visuals;
 use self::wheel::{read_casters, read_wheels};
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
-use crate::problem::{Problems, Unread, listed, suggestion};
+use crate::problem::{Problems, Unread};
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
@@ -181,7 +182,7 @@ fn read_drive_model<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Dr
 fn read_dialect<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> bool {
     let Ok(Some((span, name))) = document.section::<String>(root, "dialect") else { return false };
     if !["udk", "ut2004"].contains(&name.as_str()) {
-        document.problem(&span, format!("`{name}` is no dialect: expected udk or ut2004"));
+        document.problem(&span, format!("`{name}` is not a dialect: expected udk or ut2004"));
     }
     name == "ut2004"
 }
@@ -213,7 +214,8 @@ fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, links: Opti
     for (span, LinkEntry { name, mass, centre }) in entries {
         let parts = || links.iter().flat_map(|link| &link.parts).map(|part| part.name.as_str());
         if !parts().any(|part| part == name) {
-            document.problem(&span, format_args!("link `{name}`: expected a link of the URDF: {}", listed(parts())));
+            let (known, meant) = (listed(parts()), did_you_mean(&name, parts()));
+            document.problem(&span, format_args!("link `{name}`: expected a link of the URDF: {known}{meant}"));
             continue;
         }
         for part in links.iter_mut().flat_map(|link| &mut link.parts).filter(|part| part.name == name) {
@@ -272,7 +274,7 @@ fn read_sensors<'a>(
         let scan_interval: Option<f64> = document.optional(&mut table, "scan_interval");
         let (Some(class), Some(name)) = (class, name) else { continue };
         let Some(&(_, default_interval)) = sensor::CLASSES.iter().find(|(known, _)| *known == class) else {
-            let suggestion = suggestion(&class, sensor::CLASSES.iter().map(|(known, _)| *known));
+            let suggestion = did_you_mean(&class, sensor::CLASSES.iter().map(|(known, _)| *known));
             let message = format!("unknown sensor class `{class}`: expected one of {}{suggestion}", classes());
             document.problem(&span, message);
             continue;

@@ -114,7 +114,7 @@ fn ignored(robot: Node) -> Vec<String> {
             *counts.entry(tag).or_default() += 1;
         }
     }
-    counts.iter().map(|(tag, count)| format!("{count} <{tag}> not looked at")).collect()
+    counts.iter().map(|(tag, count)| format!("{count} <{tag}> ignored")).collect()
 }
 
 /// A tree as it is made.
@@ -201,7 +201,7 @@ impl<'a> Tree<'a> {
             JointType::Fixed => return parent,
             JointType::Continuous => JointKind::Continuous,
             JointType::Revolute | JointType::Prismatic if limits[0] == limits[1] => {
-                self.urdf.assumptions.push(format!("joint {} has no way to go: held", joint.name));
+                self.urdf.assumptions.push(format!("joint {} has equal limits and is held", joint.name));
                 return parent;
             }
             JointType::Revolute => JointKind::Revolute,

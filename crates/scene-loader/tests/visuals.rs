@@ -101,13 +101,13 @@ fn a_visual_is_of_its_link_and_of_one_shape() {
     for (visual, expected) in [
         ("size = [1.0, 1.0, 1.0]\nradius = 0.1", "a visual of no shape or of more than one"),
         ("link = \"R\"", "a visual of no shape or of more than one"),
-        ("link = \"Rr\"\nradius = 0.1", "(perhaps `R`)"),
+        ("link = \"Rr\"\nradius = 0.1", "(did you mean `R`?)"),
         ("radius = -1.0", "`radius` is -1"),
         ("radius = 0.1\ncolour = [2.0, 0.0, 0.0]", "`colour` is [2, 0, 0]"),
         ("mesh = \"box.fbx\"", "expected a file that ends in .stl, .obj, .dae, .glb or .gltf"),
         ("mesh = \"none.dae\"", "none.dae"),
         ("mesh = \"box.stl\"\nscale = 0.0", "`scale` is 0"),
-        ("mesh = \"box.stl\"\nscael = 1.0", "(perhaps `scale`)"),
+        ("mesh = \"box.stl\"\nscael = 1.0", "(did you mean `scale`?)"),
     ] {
         let error = load(visual, None).map(|_| ()).expect_err(visual);
         assert!(error.lines().count() == 1 && error.contains(expected), "{visual}: {error}");

@@ -172,6 +172,13 @@ impl Link {
         self.wheel.is_some() && self.joint.as_ref().is_some_and(|joint| joint.drive.is_some())
     }
 
+    /// The limits of a joint that goes to positions, as by `SET {Type Joint}`, rad or m.
+    pub fn position_limits(&self) -> Option<[f64; 2]> {
+        let joint = self.joint.as_ref()?;
+        let goes = joint.drive.as_ref().is_some_and(|motor| motor.stiffness.is_some());
+        joint.limits.filter(|_| goes)
+    }
+
     /// Which axle of a car its joint steers, 0 the front and 1 the rear: one that turns and has FRONTSTEER or REARSTEER in its name,
     /// in any case (AckermanSteeredVehicle.uc:22-67).
     pub fn steered_axle(&self) -> Option<usize> {

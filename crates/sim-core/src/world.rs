@@ -91,6 +91,12 @@ impl World {
         Self::new(self.scene.clone(), self.options).on_threads(self.threads.clone())
     }
 
+    /// The same of another definition.
+    #[must_use]
+    pub fn anew_with(&self, world: WorldDef) -> Self {
+        Self::new(world, self.options).on_threads(self.threads.clone())
+    }
+
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.options.time_step
@@ -176,6 +182,9 @@ impl World {
             }
             (Command::GetStartPoses(_), _) => {
                 vec![Message::Nfo(Nfo::StartPoses(self.def().map.starts.iter().map(wire_pose).collect()))]
+            }
+            (Command::GetClasses(_), _) => {
+                vec![Message::Nfo(Nfo::Classes(self.scene.robots().keys().cloned().collect()))]
             }
             (Command::GetPathNodes(_), _) => {
                 vec![Message::Nfo(Nfo::PathNodes(self.def().map.path_nodes.iter().map(wire_pose).collect()))]
@@ -365,9 +374,12 @@ impl World {
             return Some(robot.clone());
         }
         let classes: Vec<String> = self.scene.robots().keys().map(|class| format!("USARBot.{class}")).collect();
+        // The package is the same in all names, and would make any two of them alike.
+        let meant = names::nearest(init.class(), self.scene.robots().keys().map(String::as_str));
         problems.push(Problem::UnknownName {
             key: "ClassName",
             got: init.class_name.chars().take(60).collect(),
+            meant: meant.map_or(String::new(), |class| format!(" (did you mean `USARBot.{class}`?)")),
             expected: classes.join(", "),
             instead: "no robot is made",
         });
@@ -382,12 +394,8 @@ impl World {
         if let Some(start) = starts.iter().find(|start| start.name.eq_ignore_ascii_case(&init.start)) {
             return scene::pose(start.position, start.rotation);
         }
-        problems.push(Problem::UnknownName {
-            key: "Start",
-            got: init.start.chars().take(60).collect(),
-            expected: starts.iter().map(|start| start.name.as_str()).collect::<Vec<_>>().join(", "),
-            instead: "the origin is used",
-        });
+        let known = starts.iter().map(|start| start.name.as_str());
+        problems.push(Problem::unknown_name("Start", &init.start, known, "the origin is used"));
         Pose::identity()
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use names::count;
 use scene_loader::LoadError;
 use serde_json::json;
 
@@ -12,7 +13,7 @@ use crate::{Failure, exit, print};
 #[command(after_help = "Examples:\n  usarsim check assets/robots/*/robot.toml maps/*/map.toml\n  \
     usarsim check my-robot.urdf --json")]
 pub(crate) struct Arguments {
-    /// robot.toml, map.toml, materials.toml or .urdf files.
+    /// robot.toml, map.toml, materials.toml or .urdf files, or folders with a robot.toml or map.toml.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print the mistakes as JSON.
@@ -43,12 +44,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         problems.iter().for_each(print);
         unreadable.iter().for_each(print);
     }
-    let count = problems.len() + unreadable.len();
-    if count == 0 {
+    let mistakes = problems.len() + unreadable.len();
+    if mistakes == 0 {
         if !arguments.json {
-            print(format_args!("{} file(s) good", arguments.files.len()));
+            print(format_args!("{} good", count(arguments.files.len(), "file")));
         }
         return Ok(());
     }
-    Err(Failure::new(exit::BAD_DATA, format_args!("{count} mistake(s) in {} file(s)", arguments.files.len())))
+    let files = count(arguments.files.len(), "file");
+    Err(Failure::new(exit::BAD_DATA, format_args!("{} in {files}", count(mistakes, "mistake"))))
 }

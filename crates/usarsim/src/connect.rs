@@ -1,13 +1,15 @@
 //! `usarsim connect`.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::io::{BufRead, IsTerminal};
 use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use gamebots_client::Client;
-use gamebots_proto::message::PERIODIC_VERBS;
+use gamebots_proto::message::{Message, Nfo, PERIODIC_VERBS};
 use gamebots_proto::{Block, Command, Line};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
@@ -20,9 +22,10 @@ use crate::{Failure, exit, print};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim connect 127.0.0.1:3000\n  \
     echo GETSTARTPOSES | usarsim connect 127.0.0.1:3000\n\n\
-    In a terminal Tab completes verbs and keys, the arrows recall lines, and lines on a timer (STA, SEN) are hidden until\n\
-    they are asked for: :watch shows all of them, :watch GroundTruth those with that word, :unwatch none. :quit or Ctrl-D ends.\n\
-    Without a terminal every line is printed, until half a second after the last answer when the input ends.")]
+    In a terminal Tab completes verbs, keys, classes, starts and sensors, the arrows recall lines, and help lists all of them. \
+    Lines on a timer (STA, SEN) are hidden until they are asked for: :watch shows all of them, :watch GroundTruth those with \
+    that word, :unwatch none. :quit or Ctrl-D ends.\n\n\
+    Without a terminal every line is printed. It ends half a second after the last answer to the input's last line.")]
 pub(crate) struct Arguments {
     /// The server.
     #[arg(value_name = "HOST:PORT", default_value = "127.0.0.1:3000")]
@@ -69,6 +72,7 @@ const KEYS: &[(&str, &[&str])] = &[
     ("GETPATHNODES", &[]),
     ("GETCLOSESTPATHNODE", &["Location"]),
     ("REPORT", &["Errors"]),
+    ("GETCLASSES", &[]),
 ];
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -76,7 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if std::io::stdin().is_terminal() { talk(client) } else { pass_through(client) }
 }
 
-/// Connects, or says what to do. A person wants to hear of mistakes, which the protocol has no word for.
+/// Connects, or says what to do. A person wants to hear of mistakes, which the protocol has no word for; USARSim ignores the line.
 pub(crate) fn connect(address: &str) -> Result<Client, Failure> {
     let failed = |error: std::io::Error| {
         let hint = "is a server running there? `usarsim serve` starts one";
@@ -121,10 +125,14 @@ enum Typed {
 }
 
 /// With a person at a terminal.
-fn talk(client: Client) -> Result<(), Failure> {
+fn talk(mut client: Client) -> Result<(), Failure> {
     let failed = |error: ReadlineError| Failure::new(exit::FAILURE, error);
+    let known = Known::default();
+    for question in QUESTIONS {
+        client.send(question).map_err(|error| Failure::new(exit::UNAVAILABLE, error))?;
+    }
     let mut editor: Editor<Words, DefaultHistory> = Editor::new().map_err(failed)?;
-    editor.set_helper(Some(Words));
+    editor.set_helper(Some(Words(known.clone())));
     let history = history_file();
     if let Some(file) = &history {
         // There is none the first time.
@@ -133,14 +141,16 @@ fn talk(client: Client) -> Result<(), Failure> {
     let printer = editor.create_external_printer().map_err(failed)?;
     let (sender, typed) = mpsc::channel();
     let colour = std::env::var_os("NO_COLOR").is_none();
-    std::thread::spawn(move || show(client, &typed, printer, colour));
+    let learned = known.clone();
+    std::thread::spawn(move || show(client, &typed, printer, &learned, colour));
+    print("connected; help lists verbs, classes and starts, Tab completes them");
     loop {
         match editor.readline("> ") {
             Ok(line) if line.trim().is_empty() => {}
             Ok(line) => {
                 // A history that cannot be kept is no reason to stop.
                 let _ = editor.add_history_entry(&line);
-                if !obey(line.trim(), &sender) {
+                if !obey(line.trim(), &sender, &known) {
                     break;
                 }
             }
@@ -156,30 +166,49 @@ fn talk(client: Client) -> Result<(), Failure> {
 }
 
 /// Does what a line says; false at the end.
-fn obey(line: &str, sender: &Sender<Typed>) -> bool {
+fn obey(line: &str, sender: &Sender<Typed>, known: &Known) -> bool {
     let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
     let typed = match word {
         ":quit" | ":q" => return false,
         ":watch" => Typed::Watch(Some(rest.trim().to_owned())),
         ":unwatch" => Typed::Watch(None),
-        word if word.starts_with(':') => {
-            print(
-                ":watch [WORD]  show lines on a timer, those with a word\n:unwatch       hide them\n:quit          end",
-            );
+        word if word.starts_with(':') || ["help", "?"].iter().any(|it| word.eq_ignore_ascii_case(it)) => {
+            print(help(&known.names()));
             return true;
         }
         _ => Typed::Line(line.to_owned()),
     };
     if sender.send(typed).is_err() {
-        print("the connection is gone; start the server and connect again");
+        print("the connection is lost; start the server and connect again");
         return false;
     }
     true
 }
 
+/// What can be typed.
+fn help(names: &Names) -> String {
+    let verb = |(verb, keys): &(&str, &[&str])| match keys.len() {
+        0 => format!("  {verb}\n"),
+        _ => format!("  {verb:<19}{}\n", keys.iter().map(|key| format!("{{{key}}}")).collect::<Vec<_>>().join(" ")),
+    };
+    let listed = |names: &BTreeSet<String>| match names.len() {
+        0 => "the server has not said".to_owned(),
+        _ => names.iter().map(String::as_str).collect::<Vec<_>>().join(", "),
+    };
+    format!(
+        "verbs and their keys:\n{}classes: {}\nstarts: {}\n\n  INIT {{ClassName USARBot.P3AT}} {{Start PlayerStart_0}}\n  \
+         DRIVE {{Left 1}} {{Right 1}}\n\n:watch [WORD]  show lines on a timer, those with a word\n:unwatch       hide them\n\
+         :quit          end",
+        KEYS.iter().map(verb).collect::<String>(),
+        listed(&names.classes),
+        listed(&names.starts)
+    )
+}
+
 /// Sends what is typed and prints what comes, until the connection or the person is gone.
-fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalPrinter, colour: bool) {
+fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalPrinter, known: &Known, colour: bool) {
     let mut watched: Option<String> = None;
+    let mut unasked = 0;
     loop {
         loop {
             match typed.try_recv() {
@@ -198,6 +227,11 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
                 return;
             }
         };
+        // The person did not ask the first questions.
+        if known.names().learn(&line) && unasked < QUESTIONS.len() {
+            unasked += 1;
+            continue;
+        }
         let is_periodic = line.split(' ').next().is_some_and(|verb| PERIODIC_VERBS.contains(&verb));
         let is_wanted =
             watched.as_ref().is_some_and(|word| line.to_ascii_lowercase().contains(&word.to_ascii_lowercase()));
@@ -207,10 +241,76 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
     }
 }
 
+/// What a terminal asks for its completion. USARSim ignores the first.
+const QUESTIONS: [&str; 2] = ["GETCLASSES", "GETSTARTPOSES"];
+
+/// The names that the server has said so far.
+#[derive(Clone, Default)]
+struct Known(Arc<Mutex<Names>>);
+
+impl Known {
+    fn names(&self) -> MutexGuard<'_, Names> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[derive(Default)]
+struct Names {
+    /// As INIT takes them.
+    classes: BTreeSet<String>,
+    starts: BTreeSet<String>,
+    /// Types of what robots carry, and what it is called.
+    types: BTreeSet<String>,
+    items: BTreeSet<String>,
+}
+
+impl Names {
+    /// Notes the names in a line; true when it is an answer to one of the questions.
+    fn learn(&mut self, line: &str) -> bool {
+        let answer = line.starts_with("NFO ").then(|| Message::read(line)).flatten();
+        match answer {
+            Some(Message::Nfo(Nfo::Classes(classes))) => {
+                self.classes = classes.into_iter().map(|class| format!("USARBot.{class}")).collect();
+                return true;
+            }
+            Some(Message::Nfo(Nfo::StartPoses(poses))) => {
+                self.starts = poses.into_iter().map(|pose| pose.name).collect();
+                return true;
+            }
+            _ => {}
+        }
+        let line = Line::parse(line);
+        if ["SEN", "CONF", "GEO", "ASTA"].contains(&line.verb.as_str()) {
+            self.types.extend(line.get("Type").map(str::to_owned));
+            self.items.extend(line.blocks.iter().filter(|it| it.key == "Name").map(|it| it.value.clone()));
+        }
+        false
+    }
+
+    /// What a key can have.
+    fn values(&self, verb: &str, key: &str) -> Vec<&str> {
+        fn of(names: &BTreeSet<String>) -> Vec<&str> {
+            names.iter().map(String::as_str).collect()
+        }
+        match (verb, key) {
+            ("INIT", "ClassName") => of(&self.classes),
+            ("INIT", "Start") => of(&self.starts),
+            ("GETCONF" | "GETGEO", "Type") => self.types.iter().map(String::as_str).chain(["Robot"]).collect(),
+            ("SET", "Type") => of(&self.types),
+            ("SET" | "GETCONF" | "GETGEO" | "ACT" | "MISPKG", "Name") => of(&self.items),
+            ("REPORT", "Errors") | ("DRIVE", "Normalized" | "Light") => vec!["true", "false"],
+            _ => Vec::new(),
+        }
+    }
+}
+
 /// A line with its verb, keys and values told apart.
 fn pretty(line: &str, colour: bool) -> Cow<'_, str> {
     if !colour {
         return line.into();
+    }
+    if line.starts_with("NFO {Error ") {
+        return format!("\x1b[1;31m{line}\x1b[0m").into();
     }
     let parsed = Line::parse(line);
     let mut text = format!("\x1b[1;36m{}\x1b[0m", parsed.verb);
@@ -227,8 +327,8 @@ fn history_file() -> Option<PathBuf> {
     Some(state.join("usarsim/history"))
 }
 
-/// Completes verbs and keys.
-struct Words;
+/// Completes verbs, keys and names.
+struct Words(Known);
 
 impl Helper for Words {}
 impl rustyline::highlight::Highlighter for Words {}
@@ -242,32 +342,39 @@ impl Completer for Words {
     type Candidate = Pair;
 
     fn complete(&self, line: &str, position: usize, _: &Context) -> Result<(usize, Vec<Pair>), ReadlineError> {
-        let (start, words) = candidates(&line[..position]);
+        let (start, words) = candidates(&line[..position], &self.0.names());
         let pair = |word: String| Pair { display: word.trim_end().to_owned(), replacement: word };
         Ok((start, words.into_iter().map(pair).collect()))
     }
 }
 
 /// Where the word at the end of a text begins, and what it may become.
-fn candidates(text: &str) -> (usize, Vec<String>) {
+fn candidates(text: &str, names: &Names) -> (usize, Vec<String>) {
     let fitting = |word: &str, all: &[&str], end: &str| {
         let lower = word.to_ascii_lowercase();
-        let fits = |candidate: &&&str| candidate.to_ascii_lowercase().starts_with(&lower);
+        // A class fits without its package, too.
+        let fits = |candidate: &&&str| {
+            let candidate = candidate.to_ascii_lowercase();
+            candidate.starts_with(&lower) || candidate.strip_prefix("usarbot.").is_some_and(|it| it.starts_with(&lower))
+        };
         all.iter().filter(fits).map(|candidate| format!("{candidate}{end}")).collect()
     };
     let Some((verb, rest)) = text.split_once(' ') else {
         return (0, fitting(text, Command::VERBS, " "));
     };
-    let keys = KEYS.iter().find(|(known, _)| known.eq_ignore_ascii_case(verb)).map_or(&[][..], |(_, keys)| keys);
+    let Some((verb, keys)) = KEYS.iter().find(|(known, _)| known.eq_ignore_ascii_case(verb)) else {
+        return (text.len(), Vec::new());
+    };
     let block = rest.rfind('{').map_or(rest, |open| &rest[open + 1..]);
-    if block.contains('}') || block.trim_end() != block || !rest.contains('{') {
+    if block.contains('}') || !rest.contains('{') {
         // Between two blocks the next one begins.
         return (text.len(), keys.iter().map(|key| format!("{{{key} ")).collect());
     }
-    if block.contains(' ') {
-        return (text.len(), Vec::new());
-    }
-    (text.len() - block.len(), fitting(block, keys, " "))
+    let Some((key, value)) = block.split_once(' ') else {
+        return (text.len() - block.len(), fitting(block, keys, " "));
+    };
+    let key = keys.iter().find(|known| known.eq_ignore_ascii_case(key)).unwrap_or(&"");
+    (text.len() - value.len(), fitting(value, &names.values(verb, key), "} "))
 }
 
 #[cfg(test)]
@@ -275,16 +382,29 @@ mod tests {
     use super::*;
 
     fn check(text: &str, start: usize, expected: &[&str]) {
-        assert_eq!(candidates(text), (start, expected.iter().map(|&word| word.to_owned()).collect()), "{text}");
+        let mut names = Names::default();
+        for line in [
+            "NFO {Classes 3} {Names KUKA_YouBot,P2AT,P3AT}",
+            "NFO {StartPoses 2} {PlayerStart_0 0.0000,0.0000,0.0000 0.0000,0.0000,0.0000 Roof 1.0000,0.0000,0.0000 0.0000,0.0000,0.0000}",
+            "SEN {Time 1.0000} {Type GroundTruth} {Name GndTruth} {Location 0,0,0} {Orientation 0,0,0}",
+        ] {
+            names.learn(line);
+        }
+        assert_eq!(candidates(text, &names), (start, expected.iter().map(|&word| word.to_owned()).collect()), "{text}");
     }
 
     #[test]
-    fn verbs_and_keys_are_completed() {
+    fn verbs_keys_and_names_are_completed() {
         check("dr", 0, &["DRIVE "]);
-        check("GETC", 0, &["GETCONF ", "GETCLOSESTPATHNODE "]);
+        check("GETCO", 0, &["GETCONF "]);
         check("INIT {Cl", 6, &["ClassName "]);
         check("init {ClassName USARBot.P3AT} {st", 31, &["Start "]);
-        check("INIT {ClassName USAR", 20, &[]);
+        check("init {ClassName USARBot.P", 16, &["USARBot.P2AT} ", "USARBot.P3AT} "]);
+        check("INIT {ClassName ku", 16, &["USARBot.KUKA_YouBot} "]);
+        check("INIT {ClassName USARBot.P3AT} {Start r", 37, &["Roof} "]);
+        check("GETCONF {Type ", 14, &["GroundTruth} ", "Robot} "]);
+        check("GETGEO {Type GroundTruth} {name g", 32, &["GndTruth} "]);
+        check("DRIVE {Left ", 12, &[]);
         check("GETCONF ", 8, &["{Type ", "{Name "]);
         check("FLY {", 5, &[]);
     }
@@ -303,5 +423,19 @@ mod tests {
             shown = shown.replace(code, "");
         }
         assert_eq!((shown.as_str(), pretty(line, false).as_ref()), (line, line));
+        assert_eq!(pretty("NFO {Error x}", true), "\x1b[1;31mNFO {Error x}\x1b[0m");
+    }
+
+    #[test]
+    fn help_names_verbs_classes_and_starts() {
+        let mut names = Names::default();
+        assert!(help(&names).contains("classes: the server has not said"));
+        assert!(names.learn("NFO {Classes 1} {Names P3AT}"));
+        let help = help(&names);
+        for part in
+            ["  INIT               {ClassName} {Name}", "  GETSTARTPOSES\n", "classes: USARBot.P3AT\n", ":watch"]
+        {
+            assert!(help.contains(part), "{help}");
+        }
     }
 }

@@ -21,9 +21,9 @@ use crate::{Failure, exit, print, within};
 /// Subcommands of `experiment`.
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
-    /// Chapter 7 of the thesis: every experiment, every figure, every claim.
+    /// Run chapter 7 of the thesis "A KUKA youBot simulation in USARSim": every experiment, every figure, every claim.
     Thesis(ThesisArguments),
-    /// One's own experiment from a file.
+    /// Run one's own experiment from a file.
     Run(RunArguments),
     /// Find parameters of a robot by which the simulation comes nearest to measured steps.
     Fit(FitArguments),
@@ -33,8 +33,8 @@ pub(crate) enum Command {
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  usarsim experiment thesis\n  usarsim experiment thesis --only forward,friction --out quick\n  \
-    usarsim experiment thesis --drive-model analytic --jobs 2 --json\n\nOpen report.html in the folder when it is done. What was \
-    interrupted goes on where it stopped when it is called again. The experiments are the files under experiments/thesis."
+    usarsim experiment thesis --drive-model analytic --jobs 2 --json\n\nOpen report.html in the folder when it is done. Called again, \
+    an interrupted run is resumed. The experiments are the files under experiments/thesis."
 )]
 pub(crate) struct ThesisArguments {
     /// Only these experiments, by name.
@@ -196,7 +196,9 @@ fn conduct(
         }));
     } else {
         print(format_args!(
-            "{total} runs ({kept} of an earlier call), {plots} plots in {seconds:.0} s: open {}",
+            "{} ({kept} kept from before), {} in {seconds:.0} s: open {}",
+            names::count(total, "run"),
+            names::count(plots, "plot"),
             report.display()
         ));
     }
@@ -258,9 +260,7 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
             Some(caution) => {
                 print(format_args!("{name}: {value:.6}  95 % from {low:.6} to {high:.6}  CAUTION {caution}"))
             }
-            None => {
-                print(format_args!("{name}: {value:.6}  95 % from {low:.6} to {high:.6} ({resampled} drawn again)"))
-            }
+            None => print(format_args!("{name}: {value:.6}  95 % from {low:.6} to {high:.6} ({resampled} resampled)")),
         }
     }
     Ok(())

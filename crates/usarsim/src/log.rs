@@ -1,4 +1,4 @@
-//! `usarsim log`: what is in a log, its lines and tables, pictures of it, and the same run again.
+//! `usarsim log`: what is in a log, its lines and tables, pictures of it, and the same run once more.
 
 mod cat;
 mod export;
@@ -21,21 +21,21 @@ use crate::{Failure, exit};
     after_help = "Examples:\n  usarsim log info run.mcap\n  usarsim log cat run.mcap --type GroundTruth --from 10 --to 20\n  \
     usarsim log plot run.mcap --out path.png\n  usarsim log export run.mcap --csv > states.csv\n  \
     usarsim log replay run.mcap\n  usarsim log replay run.mcap --serve --rtf 2\n\n\
-    Exit codes: 0 done, 1 a replay that came out different or a file that cannot be written, 2 usage, 65 no log, 69 address in use."
+    Exit codes: 0 done, 1 a replay that differs or a file that cannot be written, 2 usage, 65 not a log, 69 address in use."
 )]
 pub(crate) enum Command {
-    /// Duration, robots, map, seed, counts.
+    /// Print duration, robots, map, seed and counts.
     Info(info::Arguments),
-    /// The lines of the wire with their times: `<` came from a client, `>` went to one.
+    /// Print the lines of the wire with their times: `<` came from a client, `>` went to one.
     Cat(cat::Arguments),
-    /// The states of the robots as a table, or the log as messages of ROS 2.
+    /// Write the states of the robots as a table, or the log as messages of ROS 2.
     Export(export::Arguments),
-    /// A picture: the path over the map, or fields against time.
+    /// Draw the path over the map, or fields against time.
     Plot(plot::Arguments),
     /// Feed the recorded lines to a fresh world and compare every state and the digest, bit by bit; or play the recorded
     /// messages to clients.
     Replay(replay::Arguments),
-    /// Make a log that was cut off whole, up to the cut.
+    /// Repair a log that was cut off: everything up to the cut.
     Recover(recover::Arguments),
 }
 

@@ -2,6 +2,7 @@
 
 mod bench;
 mod check;
+mod completions;
 mod connect;
 mod experiment;
 mod list;
@@ -31,7 +32,7 @@ mod exit {
 #[command(
     version,
     after_help = "Examples:\n  usarsim serve\n  usarsim serve --map arena --log run.mcap\n  \
-    usarsim check maps/rough/map.toml\n\nExit codes: 0 done, 1 failure, 2 usage, 65 bad file, 69 address in use, \
+    usarsim check maps/rough/map.toml\n\nExit codes: 0 done, 1 failure, 2 usage, 65 bad file, 69 no connection or address in use, \
     70 a defect of this program, 78 bad map or robot"
 )]
 struct Arguments {
@@ -67,12 +68,17 @@ enum Command {
     Validate(validate::Arguments),
     /// Measure how fast and how exact the world is.
     Bench(bench::Arguments),
-    /// Run the experiments of the thesis, or one's own.
+    /// Run the experiments of the thesis "A KUKA youBot simulation in USARSim", or one's own.
     #[command(subcommand)]
     Experiment(experiment::Command),
-    /// What is in a log, its lines, tables and pictures, and the same run again.
+    /// Inspect, export, plot, replay and repair logs.
     #[command(subcommand)]
     Log(log::Command),
+    /// Print the completions of a shell, made for its own folder of them.
+    Completions(completions::Arguments),
+    /// Write the man pages into a folder, for packages.
+    #[command(hide = true)]
+    Man(completions::ManArguments),
 }
 
 fn main() -> ExitCode {
@@ -105,6 +111,8 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiment(command) => experiment::run(&command, arguments.quiet),
         Command::Log(command) => log::run(command),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => completions::man(&arguments),
     }
 }
 

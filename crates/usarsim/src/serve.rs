@@ -1,11 +1,12 @@
 //! `usarsim serve`.
 
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::PathBuf;
 
 use clap::ValueEnum;
 use gamebots_proto::Dialect;
 use gamebots_server::{Config, Listener, Ready, ServeError, Service};
-use scene::DriveModel;
+use scene::{DriveModel, MapDef};
 use scene_loader::Override;
 use sim_core::Options;
 use thread_pool::ThreadPool;
@@ -23,7 +24,7 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
     usarsim serve --host 0.0.0.0             # seen and driven from other machines\n\n\
     Clients are served until Ctrl-C or SIGTERM, which end the server with exit code 0.")]
 pub(crate) struct Arguments {
-    /// A map by name (see `usarsim maps`) or the path of a map.toml.
+    /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
     #[arg(long, env = "USARSIM_MAP", default_value = "rough", value_name = "NAME|FILE")]
     map: String,
     /// A further robot class from a robot.toml, whose class is the name of its folder, or from a URDF, whose class is the name of
@@ -31,7 +32,7 @@ pub(crate) struct Arguments {
     #[arg(long, env = "USARSIM_ROBOT", value_name = "FILE")]
     robot: Vec<PathBuf>,
     /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE, as in robot.wheels.gain=2.5. May be given
-    /// several times; `usarsim show` prints what comes of it.
+    /// several times; `usarsim show` prints the result.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
     /// How robots are moved: articulated, bodies, analytic, kinematic or kinematic-textbook, where they can; by default as their
@@ -51,15 +52,18 @@ pub(crate) struct Arguments {
     /// Port of the page with the 3-D view; 0 takes a free one. By default 8080, or a free one if that is taken.
     #[arg(long, env = "USARSIM_HTTP", value_name = "PORT")]
     http: Option<u16>,
-    /// Serve no page, whatever else says.
+    /// Serve no page, even where --http or USARSIM_HTTP asks for one.
     #[arg(long)]
     no_http: bool,
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
     #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT")]
     foxglove: Option<u16>,
-    /// Real-time factor: simulated seconds a second; 0 is as fast as possible.
+    /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
+    /// Length of a time step, s: a longer one costs less, and with `bodies` is less exact.
+    #[arg(long, env = "USARSIM_DT", value_name = "SECONDS", default_value_t = sim_core::TIME_STEP, value_parser = crate::bench::time_step)]
+    dt: f64,
     /// Seed of all randomness: the same seed and commands give the same run.
     #[arg(long, env = "USARSIM_SEED", default_value_t = 0)]
     seed: u64,
@@ -72,10 +76,10 @@ pub(crate) struct Arguments {
     /// Listening pauses while there are more connections than this, as in USARSim.
     #[arg(long, env = "USARSIM_MAX_CONNECTIONS", default_value_t = 64)]
     max_connections: usize,
-    /// Tell clients what is wrong with their lines by `NFO {Error ..}`, which USARSim does not.
+    /// Report to clients what is wrong with their lines by `NFO {Error ..}`, which USARSim does not.
     #[arg(long, env = "USARSIM_REPORT_ERRORS")]
     report_errors: bool,
-    /// Let only the newest robot of a connection leave with it, as USARSim does: the others stand for ever.
+    /// Let only the newest robot of a connection leave with it, as USARSim does: the others stay.
     #[arg(long, env = "USARSIM_KEEP_ROBOTS")]
     keep_robots: bool,
     /// Panic after so many steps, to see what happens then.
@@ -143,12 +147,13 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(arguments.foxglove.map(|port| Listener::new(Service::Foxglove, port)));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {
+        maps: other_maps(&arguments.set, &world.map),
         options: Options {
             seed: arguments.seed,
             speed_unit,
+            time_step: arguments.dt,
             keep_robots: arguments.keep_robots,
             panic_at: arguments.panic_at,
-            ..Options::default()
         },
         host: arguments.host,
         listeners,
@@ -171,6 +176,14 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     })
 }
 
+/// The maps that the page offers: those built in, with the same numbers replaced where they fit, and the one that is shown first.
+fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<MapDef> {
+    let names = scene_loader::map_names().into_iter().filter(|name| *name != first.name);
+    // An override may be of the first map alone.
+    let maps = names.filter_map(|name| scene_loader::map(&name, overrides).ok());
+    std::iter::once(first.clone()).chain(maps).collect()
+}
+
 fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> String {
     let (page, foxglove) = (ready.page(), ready.foxglove().map(|foxglove| foxglove.port()));
     let Some(address) = ready.controllers() else { return String::new() };
@@ -183,11 +196,20 @@ fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> Strin
         })
         .to_string()
     } else {
-        let see = page.map(|page| format!("\nsee it at http://{page}")).unwrap_or_default();
-        let ip = address.ip();
+        let ip = if address.ip().is_unspecified() { own_address() } else { address.ip() };
+        let see = page.map(|page| SocketAddr::new(ip, page.port()));
+        let see = see.map(|page| format!("\nsee it at http://{page}")).unwrap_or_default();
         let foxglove = foxglove.map(|port| format!("\nFoxglove: open ws://{ip}:{port}")).unwrap_or_default();
         format!("usarsim ready on {address}, map {map}, robots {}{see}{foxglove}", classes.join(", "))
     }
+}
+
+/// An address by which other machines reach this one. Nothing is sent: to connect a UDP socket only chooses a route.
+fn own_address() -> IpAddr {
+    let local = Ipv4Addr::LOCALHOST.into();
+    let socket = UdpSocket::bind("0.0.0.0:0");
+    let routed = socket.and_then(|it| it.connect("192.0.2.1:9").and_then(|()| it.local_addr()));
+    routed.map_or(local, |address| address.ip())
 }
 
 /// Completes at Ctrl-C or SIGTERM; a signal that cannot be watched keeps its default effect.

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use gamebots_proto::command::Command;
 use gamebots_proto::{Line, Problem};
+use indicatif::ProgressBar;
 use nalgebra::{Point3, Vector3};
-use picture::Camera;
-use scene::{DriveModel, Shape};
+use picture::{Camera, Image};
+use scene::{DriveModel, Geometry, Pose, Shape};
 use scene_loader::Override;
 use sim_core::{Options, World};
 
@@ -17,40 +18,44 @@ use crate::{Failure, exit, print, within};
 #[command(after_help = "Examples:\n  usarsim snapshot --map arena --out arena.png\n  \
     usarsim snapshot --robot KUKA_YouBot --out youbot.png --view front\n  \
     usarsim snapshot --map slope-4.5 --robot P3AT --start RobotStart2 --seconds 2 \\\n    \
-    --drive \"{Left 2} {Right 2}\" --out slope.png --size 1600x900")]
+    --drive \"{Left 2} {Right 2}\" --out slope.png --size 1600x900\n  \
+    usarsim snapshot --robot YouBot --drive \"{LateralVelocity 0.2}\" --film 4 --out aside.png --size 640x360")]
 pub(crate) struct Arguments {
-    /// A map by name or the path of a map.toml.
+    /// A map by name, or the path of a map.toml or of its folder.
     #[arg(long, default_value = "rough", value_name = "NAME|FILE")]
     map: String,
-    /// A robot class to put on the map, or the path of its robot.toml or URDF.
+    /// A robot class to spawn, or the path of its robot.toml or URDF.
     #[arg(long, value_name = "CLASS|FILE")]
     robot: Option<String>,
-    /// Where the robot stands.
-    #[arg(long, default_value = "PlayerStart_0")]
-    start: String,
-    /// A DRIVE line without its verb, given at once.
+    /// Start pose of the robot by its name on the map; by default the map's first.
+    #[arg(long, value_name = "NAME")]
+    start: Option<String>,
+    /// A DRIVE line, with or without its verb, given at once.
     #[arg(long, value_name = "BLOCKS", requires = "robot")]
     drive: Option<String>,
     /// Simulated seconds before the picture is taken.
     #[arg(long, default_value = "1", value_parser = seconds)]
     seconds: f64,
+    /// A moving picture, an animated PNG, of so many simulated seconds from then on.
+    #[arg(long, value_name = "SECONDS", value_parser = film_seconds)]
+    film: Option<f64>,
     /// Replace a number, as for `serve`.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
     /// How the wheels of Mecanum robots move them, as for `serve`.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// From where one looks.
+    /// Where the camera is.
     #[arg(long, default_value = "corner")]
     view: View,
-    /// Distance from the eye to the middle, m; by default so that the robot, or the map, fills the picture.
+    /// Distance from the camera to the middle, m; by default so that the robot, or the map, fills the picture.
     #[arg(long, value_name = "M", value_parser = distance)]
     distance: Option<f64>,
     /// Pixels, width x height.
     #[arg(long, default_value = "1280x720", value_name = "WxH", value_parser = size)]
     size: [usize; 2],
-    /// The picture.
-    #[arg(long, value_name = "FILE.png")]
+    /// The picture: its name ends in .png.
+    #[arg(long, value_name = "FILE.png", value_parser = png)]
     out: PathBuf,
 }
 
@@ -83,8 +88,18 @@ fn seconds(text: &str) -> Result<f64, String> {
     within(text, 0.0, 3600.0)
 }
 
+fn film_seconds(text: &str) -> Result<f64, String> {
+    within(text, 0.1, 60.0)
+}
+
 fn distance(text: &str) -> Result<f64, String> {
     within(text, 0.05, 1000.0)
+}
+
+fn png(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    is_png.then_some(path).ok_or_else(|| "expected a name that ends in .png".to_owned())
 }
 
 fn size(text: &str) -> Result<[usize; 2], String> {
@@ -94,6 +109,8 @@ fn size(text: &str) -> Result<[usize; 2], String> {
         .ok_or("expected WxH of 16 to 4096".to_owned())
 }
 
+/// Pictures that a film has a second.
+const FRAMES_PER_SECOND: u16 = 15;
 /// Angle from the lower to the upper edge of the picture, rad.
 const FIELD_OF_VIEW: f64 = 0.6;
 /// Least half width of what is looked at, m.
@@ -125,20 +142,47 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let eye = target + turn * arguments.view.direction() * distance;
     let [width, height] = arguments.size;
     let camera = Camera { eye, target, field_of_view: FIELD_OF_VIEW };
-    let picture = picture::picture(world.def(), &world.snapshot(), &camera, width, height);
-    let written = picture.to_png().map_err(|error| error.to_string());
+    let draw = |world: &World| picture::picture(world.def(), &world.snapshot(), &camera, width, height);
+    let written = match arguments.film {
+        Some(seconds) => picture::film(&film(&mut world, seconds, draw), FRAMES_PER_SECOND),
+        None => draw(&world).to_png(),
+    };
+    let written = written.map_err(|error| error.to_string());
     let written = written.and_then(|png| std::fs::write(&arguments.out, png).map_err(|error| error.to_string()));
     written.map_err(|error| Failure::new(exit::FAILURE, format_args!("{}: {error}", arguments.out.display())))?;
     print(format_args!("{} ({width} x {height})", arguments.out.display()));
     Ok(())
 }
 
+/// Pictures of what happens from now on.
+fn film(world: &mut World, seconds: f64, draw: impl Fn(&World) -> Image) -> Vec<Image> {
+    let count = (seconds * f64::from(FRAMES_PER_SECOND)).round().max(1.0) as u64;
+    let progress = ProgressBar::new(count).with_message("frames");
+    let begin = world.time();
+    let mut pictures = Vec::new();
+    for number in 0..count {
+        while world.time() < begin + number as f64 / f64::from(FRAMES_PER_SECOND) {
+            world.step();
+        }
+        pictures.push(draw(world));
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    pictures
+}
+
 /// Puts the robot on the map, drives it, and lets time pass.
 fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), String> {
     let mut problems: Vec<Problem> = Vec::new();
     let mut command = |text: String| Command::read(&Line::parse(&text), &mut problems);
-    let init = command(format!("INIT {{ClassName USARBot.{class}}} {{Start {}}}", arguments.start));
-    let drive = arguments.drive.as_ref().and_then(|drive| command(format!("DRIVE {drive}")));
+    let starts: Vec<&str> = world.def().map.starts.iter().map(|start| start.name.as_str()).collect();
+    let start = arguments.start.as_deref().or(starts.first().copied()).unwrap_or_default();
+    if !starts.iter().any(|known| known.eq_ignore_ascii_case(start)) {
+        let meant = names::did_you_mean(start, starts.iter().copied());
+        return Err(format!("unknown start `{start}`{meant}: expected one of {}", names::listed(starts)));
+    }
+    let init = command(format!("INIT {{ClassName USARBot.{class}}} {{Start {start}}}"));
+    let drive = arguments.drive.as_ref().and_then(|drive| command(experiments::plan::drive_line(drive)));
     if let Some(Command::Init(init)) = init
         && let Some(robot) = world.init(&init, &mut problems)
         && let Some(drive) = drive
@@ -157,8 +201,10 @@ fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), St
 fn overview(world: &World) -> (Point3<f64>, f64) {
     let map = &world.def().map;
     let solids = map.solids.iter().filter(|solid| solid.shape != Shape::HalfSpace);
-    let places: Vec<Point3<f64>> =
-        solids.chain(map.objects.iter().map(|object| &object.solid)).flat_map(corners).collect();
+    let places: Vec<Point3<f64>> = solids
+        .chain(map.objects.iter().map(|object| &object.solid))
+        .flat_map(|solid| corners(&solid.shape, &solid.pose()))
+        .collect();
     let (mut low, mut high) = (Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 0.0));
     if let Some(first) = places.first() {
         (low, high) = (*first, *first);
@@ -168,17 +214,22 @@ fn overview(world: &World) -> (Point3<f64>, f64) {
     (nalgebra::center(&low, &high), 0.6 * (high - low).norm() / 2.0)
 }
 
+/// How far what is drawn of a class reaches from its origin, with every joint at 0, m.
 fn reach_of(world: &World, class: &str) -> f64 {
     let def = world.def().robots.iter().find(|(name, _)| name.eq_ignore_ascii_case(class)).map(|(_, def)| def);
-    let solids = def.into_iter().flat_map(|def| def.links.iter().flat_map(|link| &link.solids).flat_map(corners));
-    let wheels = def.into_iter().flat_map(|def| def.wheels().map(|wheel| Point3::from(wheel.position)));
-    solids.chain(wheels).map(|place| place.coords.norm()).fold(0.0, f64::max)
+    let pieces = def.into_iter().flat_map(scene::RobotDef::drawn).flat_map(|(link, pieces)| {
+        let origin = nalgebra::Translation3::from(Vector3::from(link.origin()));
+        pieces.into_iter().flat_map(move |piece| match &piece.geometry {
+            Geometry::Shape(shape) => corners(shape, &(origin * piece.pose)),
+            Geometry::Revolved(_) => vec![origin * piece.pose * Point3::origin()],
+        })
+    });
+    pieces.map(|place| place.coords.norm()).fold(0.0, f64::max)
 }
 
-/// Places that a solid reaches to.
-fn corners(solid: &scene::Solid) -> Vec<Point3<f64>> {
-    let pose = solid.pose();
-    let reach = match &solid.shape {
+/// Places that a shape reaches to.
+fn corners(shape: &Shape, pose: &Pose) -> Vec<Point3<f64>> {
+    let reach = match shape {
         Shape::HalfSpace => return Vec::new(),
         Shape::Hull { points } | Shape::Mesh { vertices: points, .. } => {
             return points.iter().map(|&point| pose * Point3::from(point)).collect();

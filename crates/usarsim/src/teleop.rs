@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crossterm::terminal;
 use gamebots_client::Client;
 use gamebots_proto::Line;
+use gamebots_proto::message::{Message, Nfo};
 
 use crate::{Failure, connect, exit, print};
 
@@ -14,19 +15,20 @@ use crate::{Failure, connect, exit, print};
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  usarsim teleop\n  usarsim teleop 192.168.1.7:3000 --robot P3AT --start RobotStart1\n\n\
-    Keys: w s ahead and back, a d aside (Mecanum and aerial robots), q e or the arrows turn or steer, r f up and down (aerial\n\
-    robots), space stops, + - change the speed, x or Ctrl-C ends. A terminal does not tell when a key is let go of: the robot stops 0.7 s after the last one."
+    Keys: w s forward and backward, a d left and right (Mecanum and aerial robots), q e or the arrows turn or steer, r f up and \
+    down (aerial robots), space stops, + - change the speed, x or Ctrl-C ends. A terminal does not report that a key is \
+    released: the robot stops 0.7 s after the last key."
 )]
 pub(crate) struct Arguments {
     /// The server.
     #[arg(value_name = "HOST:PORT", default_value = "127.0.0.1:3000")]
     address: String,
-    /// Class of the robot that is put on the map.
+    /// Class of the robot that is spawned.
     #[arg(long, value_name = "CLASS", default_value = "KUKA_YouBot")]
     robot: String,
-    /// Start pose by its name on the map.
-    #[arg(long, default_value = "PlayerStart_0")]
-    start: String,
+    /// Start pose by its name on the map; by default the map's first.
+    #[arg(long, value_name = "NAME")]
+    start: Option<String>,
     /// Name of the robot.
     #[arg(long, default_value = "Teleop")]
     name: String,
@@ -58,9 +60,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let lost = |error: std::io::Error| Failure::new(exit::UNAVAILABLE, format_args!("the connection is lost: {error}"));
     let mut client = connect::connect(&arguments.address)?;
     let Arguments { robot, start, name, .. } = arguments;
+    let start = match start {
+        Some(start) => start.clone(),
+        None => first_start(&mut client).map_err(lost)?,
+    };
     client.send(&format!("INIT {{ClassName USARBot.{robot}}} {{Name {name}}} {{Start {start}}}")).map_err(lost)?;
     client.send("GETCONF {Type Robot}").map_err(lost)?;
-    let steering = steering(&mut client)?;
+    let (steering, warnings) = steering(&mut client, robot)?;
+    warnings.iter().for_each(|warning| print(format_args!("WARNING {warning}")));
+    print(format_args!("driving {robot} {name}\n{}", keys_of(steering)));
     let raw = RawTerminal::enter();
     let (sender, keys) = mpsc::channel();
     std::thread::spawn(move || {
@@ -98,24 +106,53 @@ impl Steering {
     }
 }
 
-/// How the robot is steered, by its configuration; or why there is no robot.
-fn steering(client: &mut Client) -> Result<Steering, Failure> {
+/// The first start of the map.
+fn first_start(client: &mut Client) -> std::io::Result<String> {
+    client.send("GETSTARTPOSES")?;
     let end = Instant::now() + PATIENCE;
-    let mut first_error = None;
+    while let Some(line) = client.next_line(end.saturating_duration_since(Instant::now()))? {
+        if let Some(Message::Nfo(Nfo::StartPoses(poses))) = Message::read(&line) {
+            let first = poses.into_iter().next();
+            return Ok(first.map_or_else(String::new, |pose| pose.name));
+        }
+    }
+    Ok(String::new())
+}
+
+/// How the robot is steered, by its configuration, and what else was wrong with INIT; or why there is no robot.
+fn steering(client: &mut Client, robot: &str) -> Result<(Steering, Vec<String>), Failure> {
+    let end = Instant::now() + PATIENCE;
+    let mut errors = Vec::new();
     while let Ok(Some(line)) = client.next_line(end.saturating_duration_since(Instant::now())) {
         if line.starts_with("CONF ") {
-            return Ok(Steering::of(&Line::parse(&line)));
+            return Ok((Steering::of(&Line::parse(&line)), errors));
         }
-        if let Some(error) = line.strip_prefix("NFO {Error ").and_then(|error| error.strip_suffix('}')) {
+        if let Some(error) = error_in(&line) {
             if error.starts_with("GETCONF ignored") {
                 break;
             }
-            first_error.get_or_insert_with(|| error.to_owned());
+            errors.push(error.to_owned());
         }
     }
-    let reason = first_error.unwrap_or_else(|| "the server does not answer".to_owned());
-    let hint = "`usarsim robots` lists the classes";
-    Err(Failure::new(exit::FAILURE, format_args!("no robot was made: {reason}; {hint}")))
+    // USARSim says nothing of a class that it does not know.
+    let reason = errors
+        .into_iter()
+        .next()
+        .unwrap_or_else(|| "the server does not answer, as USARSim does for a class that it does not know".to_owned());
+    Err(Failure::new(exit::FAILURE, format_args!("{robot} was not spawned: {reason}")))
+}
+
+/// What a server of ours says is wrong.
+fn error_in(line: &str) -> Option<&str> {
+    line.strip_prefix("NFO {Error ")?.strip_suffix('}')
+}
+
+/// The keys that this robot takes.
+fn keys_of(steering: Steering) -> String {
+    let aside = if matches!(steering, Steering::Omni | Steering::Aerial) { "a d left, right   " } else { "" };
+    let turn = if matches!(steering, Steering::Ackermann(_)) { "steer" } else { "turn" };
+    let up = if steering == Steering::Aerial { "r f up, down   " } else { "" };
+    format!("keys: w s forward, backward   {aside}q e {turn}   {up}space stop   + - speed   x end")
 }
 
 /// Keys to DRIVE lines, until the end.
@@ -148,16 +185,37 @@ fn drive(client: &mut Client, keys: &Receiver<u8>, steering: Steering) -> std::i
             sent = line;
         }
         while let Some(line) = client.next_line(GLANCE)? {
-            if line.contains("{Type GroundTruth}") {
-                let parsed = Line::parse(&line);
-                let [place, turn] =
-                    ["Location", "Orientation"].map(|key| parsed.get(key).unwrap_or_default().to_owned());
-                pose = format!("x,y,z {place} m   roll,pitch,yaw {turn} rad");
+            if let Some(error) = error_in(&line) {
+                print!("\r\x1b[2KWARNING {error}\r\n");
+            } else if line.contains("{Type GroundTruth}") {
+                pose = shown_pose(&Line::parse(&line));
             }
         }
-        print!("\r\x1b[2K{percent:3.0} %  {pose}");
+        print!("\r\x1b[2Kspeed {percent:3.0} %   {:<10}   {pose}", name_of(motion));
         std::io::stdout().flush()?;
     }
+}
+
+/// Position and heading of a line of GroundTruth.
+fn shown_pose(line: &Line) -> String {
+    let numbers = |key| -> Vec<f64> {
+        line.get(key).unwrap_or_default().split(',').filter_map(|number| number.trim().parse().ok()).collect()
+    };
+    match (&numbers("Location")[..], &numbers("Orientation")[..]) {
+        ([x, y, z], [_, _, yaw]) => format!("x {x:.2}  y {y:.2}  z {z:.2} m   heading {:.0}°", yaw.to_degrees()),
+        _ => String::new(),
+    }
+}
+
+fn name_of([forward, right, clockwise, up]: [f64; 4]) -> &'static str {
+    let named = [
+        (forward, ["backward", "forward"]),
+        (right, ["left", "right"]),
+        (clockwise, ["turn left", "turn right"]),
+        (up, ["down", "up"]),
+    ];
+    let moved = named.into_iter().find(|(part, _)| *part != 0.0);
+    moved.map_or("stopped", |(part, names)| names[usize::from(part > 0.0)])
 }
 
 /// In percent of the limits, so that the unit of wheel speeds does not matter.
@@ -237,6 +295,16 @@ mod tests {
         ] {
             assert_eq!(key(bytes), expected, "{bytes:?}");
         }
+    }
+
+    #[test]
+    fn what_is_shown_says_what_the_robot_does() {
+        let line = Line::parse("SEN {Type GroundTruth} {Location 0.000,0.233,-0.019} {Orientation 0.000,0.000,1.571}");
+        assert_eq!(shown_pose(&line), "x 0.00  y 0.23  z -0.02 m   heading 90°");
+        assert_eq!(name_of([0.0, 0.0, -1.0, 0.0]), "turn left");
+        assert_eq!(name_of([0.0; 4]), "stopped");
+        assert!(keys_of(Steering::Omni).contains("a d left, right"));
+        assert!(!keys_of(Steering::Skid).contains("a d"));
     }
 
     #[test]

@@ -183,6 +183,120 @@ fn an_unknown_map_is_exit_code_78_and_names_those_there_are() {
     assert!(text(&output.stderr).contains("unknown map `mars`: expected a file or one of arena, rough, slope-1.5,"));
 }
 
+/// A map without the usual start, and an experiment, in a folder of their own.
+fn workplace() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("hall")).expect("a folder");
+    let map = "description = \"a hall\"\n[[half_space]]\nname = \"floor\"\nmaterial = \"concrete\"\n\
+               [[start]]\nname = \"Door\"\nposition = [1, 0, 0]\n";
+    std::fs::write(folder.path().join("hall/map.toml"), map).expect("a map");
+    folder
+}
+
+/// Runs a line of arguments in the workplace: its exit code, and what it has said on stdout and stderr.
+fn say(folder: &Path, line: &str) -> (Option<i32>, String) {
+    let output = usarsim().args(line.split_whitespace()).current_dir(folder).output().expect("usarsim runs");
+    (output.status.code(), text(&output.stdout) + &text(&output.stderr))
+}
+
+#[test]
+fn what_is_wrong_is_named_with_what_is_right() {
+    let folder = workplace();
+    for (line, code, expected) in [
+        (
+            "serve --set robot.wheels.gian=2",
+            78,
+            "usarsim: --set robot.wheels.gian=2: nothing that is read here has `wheels.gian` (did you mean `robot.wheels.gain`?)",
+        ),
+        (
+            "serve --set P3TA.wheels.gain=2",
+            78,
+            "no `P3TA` (did you mean `P3AT`?): expected robot, map, material or a class",
+        ),
+        ("snapshot --map hall --robot P3AT --seconds 0 --size 64x48 --out a.png", 0, "a.png (64 x 48)"),
+        (
+            "snapshot --robot P3AT --start PlayerStart --out a.png",
+            78,
+            "(did you mean `PlayerStart_0`?): expected one of",
+        ),
+        ("snapshot --out a.jpg", 2, "expected a name that ends in .png"),
+        ("check hall", 0, "1 file good\n"),
+        ("check hall hall/map.toml", 0, "2 files good\n"),
+        ("check nowhere.toml", 65, "1 mistake in 1 file\n"),
+        ("log plot nowhere.mcap", 65, "nowhere.mcap"),
+        ("teleop 127.0.0.1:1", 69, "is a server running there?"),
+    ] {
+        let (got, said) = say(folder.path(), line);
+        assert_eq!(got, Some(code), "{line}: {said}");
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+}
+
+#[test]
+fn an_experiment_that_failed_is_corrected_and_run_in_the_same_folder() {
+    let folder = workplace();
+    let write = |robot: &str, main: &str| {
+        let text = format!(
+            "description = \"mine\"\n[setup]\nrobot = \"{robot}\"\ndrive = \"{{Left 1}} {{Right 1}}\"\nsteps = 1\n\
+             main = \"{main}\"\n[[plot]]\nname = \"path\"\ntitle = \"Steps forward\"\ny = \"main\"\n"
+        );
+        std::fs::write(folder.path().join("mine.toml"), text).expect("an experiment");
+    };
+    for (robot, main, code, expected) in [
+        ("P3TA", "forward", 78, "unknown robot `P3TA`"),
+        ("P3AT", "foward", 78, "unknown direction `foward` (did you mean `forward`?)"),
+        ("P3AT", "forward", 0, "1 run (0 kept from before), 1 plot in "),
+        ("P3AT", "left", 78, "it has runs of another version of `mine`"),
+    ] {
+        write(robot, main);
+        let (got, said) = say(folder.path(), "--quiet experiment run mine.toml");
+        assert_eq!(got, Some(code), "{said}");
+        assert!(said.contains(expected), "{said}");
+    }
+    let report = std::fs::read_to_string(folder.path().join("mine/report.html")).expect("a report");
+    assert!(!report.contains("the thesis") && report.contains("Steps forward") && !report.contains("path  Steps"));
+}
+
+#[test]
+fn a_wrong_init_is_logged_with_the_right_name_and_repetitions_are_counted() {
+    let mut server = Serving::start_with(&["--no-http"], Stdio::piped());
+    let mut client = BufReader::new(server.connect());
+    let lines = "INIT {ClassName USARBot.KUKAYouBot}\r\nINIT {ClassName USARBot.P3AT} {Start PlayerStart}\r\n"
+        .to_owned()
+        + &"DRIVE {Left fast} {Right 1}\r\n".repeat(13);
+    client.get_mut().write_all(lines.as_bytes()).expect("lines are taken");
+    let mut line = String::new();
+    while !line.starts_with("SEN") {
+        line.clear();
+        client.read_line(&mut line).expect("a line");
+    }
+    drop(client);
+    std::thread::sleep(Duration::from_millis(300));
+    server.signal("TERM");
+    let mut said = String::new();
+    server.child.stderr.take().expect("stderr").read_to_string(&mut said).expect("text");
+    for expected in [
+        "{ClassName USARBot.KUKAYouBot} is unknown (did you mean `USARBot.KUKA_YouBot`?); expected one of",
+        "{Start PlayerStart} is unknown (did you mean `PlayerStart_0`?); expected one of",
+        "{Left fast}: expected a number; read as 0 (12 times more)",
+    ] {
+        assert!(said.contains(expected), "{expected} is not in {said}");
+    }
+    assert_eq!(said.matches("{Left fast}: expected").count(), 2, "{said}");
+}
+
+#[test]
+fn a_server_for_everyone_names_an_address_that_can_be_opened() {
+    let mut child = usarsim();
+    child.args(["serve", "--port", "0", "--http", "0", "--host", "0.0.0.0"]);
+    let mut child = child.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("usarsim starts");
+    let mut lines = BufReader::new(child.stdout.take().expect("stdout")).lines();
+    let see = lines.nth(1).expect("two lines").expect("text");
+    child.kill().and_then(|()| child.wait()).expect("it ends");
+    let address = see.strip_prefix("see it at http://").unwrap_or_else(|| panic!("{see}"));
+    assert!(!address.starts_with("0.0.0.0"), "{see}");
+}
+
 #[test]
 fn a_bad_argument_is_exit_code_2() {
     for arguments in [&["serve", "--rtf", "-1"][..], &["serve", "--port", "99999"], &["fly"], &["check"]] {
@@ -284,7 +398,7 @@ fn check_names_every_mistake_with_its_line() {
             &[
                 "robot.urdf:3:3: <link> without `name`",
                 "robot.urdf:5:3: joint type `rolling`: expected one of fixed, continuous",
-                "robot.urdf:6:5: xyz=\"0 zero 0\": expected 3 finite number(s)",
+                "robot.urdf:6:5: xyz=\"0 zero 0\": expected 3 finite numbers",
                 "robot.urdf:7:26: unknown link `nowhere`: expected one of base",
             ],
         ),
@@ -319,10 +433,12 @@ fn a_broken_map_or_robot_is_refused_at_start() {
 #[test]
 fn a_picture_is_taken_of_a_robot_whatever_its_file_is_called() {
     let folder = tempfile::tempdir().expect("a folder");
-    let robot = include_str!("../../../assets/robots/Kenaf/robot.toml");
-    for name in ["Tracked.toml", "robot.toml"] {
+    system_tests::copy_robot("Kenaf", folder.path());
+    for name in ["robot.toml", "Tracked.toml"] {
         let (file, out) = (folder.path().join(name), folder.path().join("picture.png"));
-        std::fs::write(&file, robot).expect("a file");
+        if !file.exists() {
+            std::fs::rename(folder.path().join("robot.toml"), &file).expect("another name");
+        }
         let [file, out] = [&file, &out].map(|path| path.to_str().expect("a path"));
         let output = run(&["snapshot", "--robot", file, "--size", "64x48", "--seconds", "0.1", "--out", out]);
         assert_eq!(output.status.code(), Some(0), "{name}: {}", text(&output.stderr));
@@ -368,7 +484,7 @@ fn show_prints_the_numbers_in_effect() {
     assert_eq!(output.status.code(), Some(78));
     let output = run(&["show", "map", "rough", "--set", "robot.wheels.gain=1"]);
     assert_eq!(output.status.code(), Some(78));
-    assert!(text(&output.stderr).contains("nothing has that name"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("nothing that is read here is a `robot`"), "{}", text(&output.stderr));
 }
 
 #[test]
@@ -440,6 +556,6 @@ fn a_killed_server_leaves_a_log_that_reads() {
             .contains("cut off\nmap rough, seed 0, steps of 0.002 s\nrobot 0: P3AT Ann\n2 lines in")
     );
     assert!(text(&["log", "cat", file, "--type", "drive"]).ends_with(" 1 < DRIVE {Left 1} {Right 1}\n"));
-    assert!(text(&["log", "replay", file]).contains("again with the same bits"));
+    assert!(text(&["log", "replay", file]).contains("replayed with the same bits"));
     assert_eq!(run(&["log", "info", "Cargo.toml"]).status.code(), Some(65));
 }

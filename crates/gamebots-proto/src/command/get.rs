@@ -1,4 +1,5 @@
-//! The questions: `GETCONF`, `GETGEO`, `GETSTARTPOSES`, `GETPATHNODES`, `GETCLOSESTPATHNODE`.
+//! The questions: `GETCONF`, `GETGEO`, `GETSTARTPOSES`, `GETPATHNODES`, `GETCLOSESTPATHNODE`, and ours,
+//! `GETCLASSES`.
 
 use super::{ReadWrite, text, with_text, with_vector};
 use crate::{Line, Problem, value};
@@ -46,6 +47,20 @@ impl ReadWrite for GetStartPoses {
 
     fn write(&self) -> Line {
         Line::new("GETSTARTPOSES")
+    }
+}
+
+/// `GETCLASSES`: one `NFO {Classes n}` line. Not part of USARSim.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct GetClasses;
+
+impl ReadWrite for GetClasses {
+    fn read(_line: &Line, _problems: &mut Vec<Problem>) -> Self {
+        Self
+    }
+
+    fn write(&self) -> Line {
+        Line::new("GETCLASSES")
     }
 }
 

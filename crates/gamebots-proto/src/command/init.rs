@@ -3,6 +3,9 @@
 use super::{ReadWrite, text, with_text, with_vector};
 use crate::{Line, Problem, value};
 
+/// Wrong keys of a line that are named.
+const MAX_UNKNOWN: usize = 5;
+
 /// Puts a robot into the world. No reply.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Init {
@@ -19,6 +22,9 @@ pub struct Init {
 }
 
 impl Init {
+    /// Its keys.
+    pub const KEYS: &'static [&'static str] = &["ClassName", "Name", "Location", "Rotation", "Start"];
+
     /// The class without its package: `P3AT` of `USARBot.P3AT`.
     pub fn class(&self) -> &str {
         self.class_name.rsplit('.').next().unwrap_or_default()
@@ -27,6 +33,9 @@ impl Init {
 
 impl ReadWrite for Init {
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        let unknown = |key: &&str| !key.is_empty() && !Self::KEYS.iter().any(|known| known.eq_ignore_ascii_case(key));
+        let keys = line.blocks.iter().map(|block| block.key.as_str()).filter(unknown).take(MAX_UNKNOWN);
+        problems.extend(keys.map(|key| Problem::unknown_key("INIT", key, Self::KEYS)));
         let start = text(line, "Start");
         let [location, rotation] = if start.is_empty() {
             ["Location", "Rotation"].map(|key| value::vector(line, key, problems))

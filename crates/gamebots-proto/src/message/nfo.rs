@@ -46,6 +46,8 @@ pub enum Nfo {
     PathNodes(Vec<NamedPose>),
     /// Answer to GETCLOSESTPATHNODE.
     PathNode(PathNode),
+    /// Answer to GETCLASSES: names of classes for INIT, without their package. Not part of USARSim.
+    Classes(Vec<String>),
     /// What was wrong with a line of the client; sent only with `--report-errors`, not part of USARSim.
     Error(String),
 }
@@ -59,6 +61,7 @@ impl Nfo {
             Self::StartPoses(poses) => write_poses("StartPoses", poses, dialect),
             Self::PathNodes(poses) => write_poses("PathNodes", poses, dialect),
             Self::PathNode(node) => format!("NFO{}", field::blocks(node.write(dialect))),
+            Self::Classes(classes) => format!("NFO {{Classes {}}} {{Names {}}}", classes.len(), classes.join(",")),
             Self::Error(text) => {
                 format!("NFO {{Error {}}}", text.replace(['{', '}', '\r', '\n'], "'"))
             }
@@ -72,6 +75,10 @@ impl Nfo {
             "StartPoses" => read_poses(line).map(Self::StartPoses),
             "PathNodes" => read_poses(line).map(Self::PathNodes),
             "Pathnode" => PathNode::read(line).map(Self::PathNode),
+            "Classes" => {
+                let names = line.get("Names").unwrap_or_default().split(',').filter(|name| !name.is_empty());
+                Some(Self::Classes(names.map(str::to_owned).collect()))
+            }
             "Error" => Some(Self::Error(first.value.clone())),
             _ => None,
         }

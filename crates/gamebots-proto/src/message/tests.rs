@@ -314,6 +314,7 @@ fn any_message() -> impl Strategy<Value = Message> {
         poses().prop_map(|poses| Message::Nfo(Nfo::PathNodes(poses))),
         (word(), vector(4)).prop_map(|(name, location)| Message::Nfo(Nfo::PathNode(PathNode { name, location }))),
         word().prop_map(|text| Message::Nfo(Nfo::Error(text))),
+        proptest::collection::vec("[A-Z][A-Za-z_]{0,9}", 0..5).prop_map(|names| Message::Nfo(Nfo::Classes(names))),
         (grid(4), any::<i32>(), vehicle()).prop_map(|(time, battery, vehicle)| Message::Sta(Sta {
             time,
             battery,

@@ -108,7 +108,7 @@ async fn read_head(client: &mut TcpStream) -> Result<Vec<u8>, String> {
 fn headers(head: &[u8]) -> Result<HeaderMap, String> {
     let mut parsed = [httparse::EMPTY_HEADER; MAX_HEADERS];
     let mut request = httparse::Request::new(&mut parsed);
-    request.parse(head).map_err(|error| format!("no request of HTTP: {error}\n"))?;
+    request.parse(head).map_err(|error| format!("not an HTTP request: {error}\n"))?;
     let mut headers = HeaderMap::new();
     for header in request.headers {
         let name = HeaderName::from_bytes(header.name.as_bytes()).map_err(|error| format!("{error}\n"))?;

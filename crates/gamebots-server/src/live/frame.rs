@@ -16,6 +16,8 @@
 //! | 2 | angle about its own axis, i16, pi being 32768 |
 //! | 1 | links beside the body and driven wheels, then each of them: |
 //! | 7 x 4 | position and quaternion x y z w in the robot frame, f32 |
+//! | 1 | joints that go to positions, in the order of `/scene.json`, then each of them: |
+//! | 2 x 4 | position and speed, f32 |
 //! | 1 | contacts, then each of them: |
 //! | 3 x 4 | point, f32 |
 //! | 3 x 2 | force, i16, unit 0.25 N |
@@ -105,6 +107,10 @@ impl Bytes {
         links.retain(|(link, _)| !link.is_driven_wheel());
         self.0.push(links.len() as u8);
         links.iter().for_each(|(_, pose)| self.pose(pose));
+        let placed = def.with_values().zip(joints).filter(|(link, _)| link.position_limits().is_some());
+        let placed: Vec<_> = placed.map(|(_, joint)| [joint.position, joint.speed]).collect();
+        self.0.push(placed.len() as u8);
+        self.f32s(placed.iter().flatten());
         let mut contacts: Vec<&Contact> = contacts.iter().collect();
         contacts.sort_by(|a, b| b.force.norm_squared().total_cmp(&a.force.norm_squared()));
         contacts.truncate(MAX_CONTACTS);

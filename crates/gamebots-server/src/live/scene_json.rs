@@ -1,37 +1,105 @@
 //! The scene as a viewer gets it: the definitions, with what a viewer would have to work out itself worked out.
+//!
+//! What has shapes is written from where it is: as a tree of values the meshes of a map would take a gigabyte.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
-use scene::{Drawn, Geometry, Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, Solid, WorldDef};
+use scene::{Drawn, Geometry, Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, WorldDef};
+use serde::Serialize;
 use serde_json::{Value, json};
 
-/// The map and every class of robot as JSON. Poses are `[x, y, z, qx, qy, qz, qw]` in the frame of what they are in.
-pub(crate) fn scene_json(world: &WorldDef, seed: u64, port: u16) -> Value {
-    let WorldDef { map, robots } = world;
-    let classes: serde_json::Map<String, Value> =
-        robots.iter().map(|(class, def)| (class.clone(), class_json(def))).collect();
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "seed": seed,
-        "port": port,
-        "map": map_json(map),
-        "classes": classes,
-    })
+/// What a page has to know of the server beside the world.
+#[derive(Debug, Clone)]
+pub(crate) struct About {
+    pub(crate) seed: u64,
+    /// s
+    pub(crate) time_step: f64,
+    /// Where controllers connect.
+    pub(crate) port: u16,
+    /// The maps that it can change to, each with what it is.
+    pub(crate) maps: Vec<(String, String)>,
 }
 
-fn map_json(map: &MapDef) -> Value {
-    let objects = map.objects.iter().map(|object| solid(&object.solid));
-    json!({
+#[derive(Serialize)]
+struct Scene<'a> {
+    #[serde(flatten)]
+    rest: Value,
+    map: Map<'a>,
+    classes: BTreeMap<&'a str, Class<'a>>,
+}
+
+#[derive(Serialize)]
+struct Map<'a> {
+    #[serde(flatten)]
+    rest: Value,
+    solids: Vec<Solid<'a>>,
+    objects: Vec<Solid<'a>>,
+}
+
+#[derive(Serialize)]
+struct Solid<'a> {
+    #[serde(flatten)]
+    rest: Value,
+    shape: Cow<'a, Shape>,
+}
+
+#[derive(Serialize)]
+struct Class<'a> {
+    #[serde(flatten)]
+    rest: Value,
+    /// Of the body.
+    drawn: Vec<Piece<'a>>,
+    /// Beside the body and driven wheels.
+    links: Vec<Part<'a>>,
+    /// Those that are driven.
+    wheels: Vec<Part<'a>>,
+}
+
+#[derive(Serialize)]
+struct Part<'a> {
+    #[serde(flatten)]
+    rest: Value,
+    /// Beside rollers.
+    drawn: Vec<Piece<'a>>,
+}
+
+#[derive(Serialize)]
+struct Piece<'a> {
+    shape: Cow<'a, Shape>,
+    pose: Vec<f64>,
+    colour: [f64; 3],
+}
+
+/// The map and every class of robot as JSON. Poses are `[x, y, z, qx, qy, qz, qw]` in the frame of what they are in. Of the world of
+/// a log it says nothing of a server.
+pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
+    let maps = about.iter().flat_map(|about| &about.maps);
+    let maps = maps.map(|(name, description)| json!({ "name": name, "description": description }));
+    let rest = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "seed": about.map(|about| about.seed),
+        "time_step": about.map(|about| about.time_step),
+        "port": about.map(|about| about.port),
+        "maps": maps.collect::<Vec<_>>(),
+    });
+    let classes = world.robots.iter().map(|(name, def)| (name.as_str(), class(def))).collect();
+    // Every key is a text, so nothing can go wrong.
+    serde_json::to_string(&Scene { rest, map: map(&world.map), classes }).unwrap_or_default()
+}
+
+fn map(map: &MapDef) -> Map<'_> {
+    let rest = json!({
         "name": map.name,
         "description": map.description,
-        "solids": map.solids.iter().map(solid).collect::<Vec<_>>(),
-        "objects": objects.collect::<Vec<_>>(),
         "starts": map.starts.iter().map(named).collect::<Vec<_>>(),
         "path_nodes": map.path_nodes.iter().map(named).collect::<Vec<_>>(),
-    })
+    });
+    let objects = map.objects.iter().map(|object| solid(&object.solid));
+    Map { rest, solids: map.solids.iter().map(solid).collect(), objects: objects.collect() }
 }
 
-fn class_json(def: &RobotDef) -> Value {
+fn class(def: &RobotDef) -> Class<'_> {
     let sensor = |sensor: &scene::SensorDef| {
         json!({
             "name": sensor.name,
@@ -48,11 +116,16 @@ fn class_json(def: &RobotDef) -> Value {
         let wheel = MountedWheel::of((number, link)).filter(|wheel| wheel.drive.is_some())?;
         Some(self::wheel(def, wheel, pieces))
     });
-    let links = drawn.iter().skip(1).filter(|(link, _)| !link.is_driven_wheel());
-    let links = links.map(|(link, pieces)| json!({ "name": link.name, "drawn": still(pieces) }));
+    // Where they are when every joint is at 0: logs from before robots were trees do not say it.
+    let at_rest = def.placed_links(&[]);
+    let links = drawn.iter().zip(&at_rest).skip(1).filter(|((link, _), _)| !link.is_driven_wheel());
+    let links = links.map(|((link, pieces), (_, at))| {
+        let rest = json!({ "name": link.name, "pose": pose(at) });
+        Part { rest, drawn: still(pieces) }
+    });
     let geometry = def.wheel_geometry();
     let max_steer = [0, 1].map(|axle| most_steered(def, axle));
-    json!({
+    let rest = json!({
         "description": def.description,
         "steering": def.steering.wire_name(),
         "max_steer": max_steer,
@@ -60,19 +133,18 @@ fn class_json(def: &RobotDef) -> Value {
         "wheel_radius": geometry.radius,
         "track": geometry.track,
         "wheel_base": geometry.wheel_base,
-        "drawn": drawn.first().map(|(_, pieces)| still(pieces)),
-        "links": links.collect::<Vec<_>>(),
-        "wheels": wheels.collect::<Vec<_>>(),
+        // The links that a log's joint_positions are of, in their order.
+        "values": def.with_values().map(|link| &link.name).collect::<Vec<_>>(),
         "joints": def.with_values().filter_map(joint).collect::<Vec<_>>(),
         "sensors": def.sensors.iter().map(sensor).collect::<Vec<_>>(),
-    })
+    });
+    let body = drawn.first().map_or_else(Vec::new, |(_, pieces)| still(pieces));
+    Class { rest, drawn: body, links: links.collect(), wheels: wheels.collect() }
 }
 
 /// A joint that goes to positions by `SET {Type Joint}`, rad or m.
 fn joint(link: &Link) -> Option<Value> {
-    let joint = link.joint.as_ref()?;
-    let goes = joint.drive.as_ref().is_some_and(|motor| motor.stiffness.is_some());
-    let [min, max] = joint.limits.filter(|_| goes)?;
+    let [min, max] = link.position_limits()?;
     Some(json!({ "name": link.name, "min": min, "max": max }))
 }
 
@@ -82,7 +154,7 @@ fn most_steered(def: &RobotDef, axle: usize) -> f64 {
 }
 
 /// A wheel in the frame of the link that carries it: a number among `links`, or of the body none.
-fn wheel(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn]) -> Value {
+fn wheel<'a>(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn<'a>]) -> Part<'a> {
     let carrier = def.links.get(wheel.parent).map_or([0.0; 3], Link::origin);
     let [x, y, z] = wheel.position;
     let [from_x, from_y, from_z] = carrier;
@@ -91,18 +163,18 @@ fn wheel(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn]) -> Value {
         Geometry::Revolved(outline) => Some((outline, it.colour)),
         Geometry::Shape(_) => None,
     });
-    json!({
+    let rest = json!({
         "name": wheel.name,
         "link": link_number(def, wheel.parent),
         "position": [x - from_x, y - from_y, z - from_z],
-        "drawn": still(drawn),
         "max_speed": wheel.drive.as_ref().map(|motor| motor.max_speed),
         "rollers": outline.map(|(outline, colour)| json!({
             "poses": rollers.iter().map(|roller| pose(&roller.pose)).collect::<Vec<_>>(),
             "outline": outline,
             "colour": colour,
         })),
-    })
+    });
+    Part { rest, drawn: still(drawn) }
 }
 
 /// The number of a link among those that the page has; of the body none.
@@ -112,31 +184,31 @@ fn link_number(def: &RobotDef, link: usize) -> Option<usize> {
 }
 
 /// What is drawn of a link beside rollers, in its frame.
-fn still(drawn: &[Drawn]) -> Vec<Value> {
-    let piece = |it: &Drawn| match &it.geometry {
-        Geometry::Shape(drawn) => Some(json!({ "shape": shape(drawn), "pose": pose(&it.pose), "colour": it.colour })),
+fn still<'a>(drawn: &[Drawn<'a>]) -> Vec<Piece<'a>> {
+    let piece = |it: &Drawn<'a>| match &it.geometry {
+        Geometry::Shape(drawn) => Some(Piece { shape: shape(drawn.clone()), pose: pose(&it.pose), colour: it.colour }),
         Geometry::Revolved(_) => None,
     };
     drawn.iter().filter_map(piece).collect()
 }
 
 /// A shape that a viewer can draw: a hull as its surface.
-fn shape(shape: &Shape) -> Cow<'_, Shape> {
-    match shape {
-        Shape::Hull { points } => scene::hull_surface(points).map_or(Cow::Borrowed(shape), Cow::Owned),
-        _ => Cow::Borrowed(shape),
+fn shape(shape: Cow<'_, Shape>) -> Cow<'_, Shape> {
+    match &*shape {
+        Shape::Hull { points } => scene::hull_surface(points).map_or(shape, Cow::Owned),
+        _ => shape,
     }
 }
 
-fn solid(solid: &Solid) -> Value {
-    json!({
+fn solid(solid: &scene::Solid) -> Solid<'_> {
+    let rest = json!({
         "name": solid.name,
-        "shape": shape(&solid.shape),
         "pose": pose(&solid.pose()),
         "material": solid.material.name,
         "colour": solid.material.colour,
         "friction": solid.material.friction,
-    })
+    });
+    Solid { rest, shape: shape(Cow::Borrowed(&solid.shape)) }
 }
 
 fn named(place: &NamedPose) -> Value {

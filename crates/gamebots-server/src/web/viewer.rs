@@ -1,6 +1,8 @@
 //! One viewer: frames, status and notices to it, requests from it.
 
+use std::net::IpAddr;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use axum::Extension;
@@ -16,7 +18,7 @@ use tokio::sync::broadcast::error::RecvError;
 
 use super::{Place, Site};
 use crate::connection::Event;
-use crate::control::Control;
+use crate::control::{Actor, Control};
 use crate::live::{Line, Notice};
 
 /// Longest text that a viewer may send.
@@ -27,33 +29,48 @@ const MAX_LINES: u64 = 1000;
 const LINE_WINDOW: Duration = Duration::from_secs(1);
 
 /// What a viewer wants to hear beside frames and status.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Listen {
-    /// Whether it wants the lines of the wire.
+    /// Whether it wants every line of the wire,
     wire: bool,
+    /// or else what these robots say, by their numbers.
+    #[serde(default)]
+    robots: Vec<u64>,
 }
 
 pub(super) async fn upgrade(
     State(site): State<Arc<Site>>,
     Extension(place): Extension<Place>,
+    Extension(address): Extension<IpAddr>,
     socket: WebSocketUpgrade,
 ) -> Response {
-    socket.max_message_size(MAX_TEXT).on_upgrade(|socket| async move {
+    socket.max_message_size(MAX_TEXT).on_upgrade(move |socket| async move {
         let turns = Arc::new(Semaphore::new(1));
-        let mut viewer = Viewer { socket, site, turns, lines: None, shown: (Instant::now(), 0), _place: place };
+        let actor = Actor::page(site.pages.fetch_add(1, Ordering::Relaxed) + 1, address);
+        let (listen, shown) = (Listen::default(), (Instant::now(), 0));
+        let mut viewer = Viewer { socket, site, actor, turns, lines: None, listen, shown, _place: place };
         // A viewer that has left, or takes nothing, needs no farewell.
         let _ = viewer.run().await;
     })
 }
 
+impl Listen {
+    fn wants(&self, line: &Line) -> bool {
+        self.wire || (line.direction == "out" && line.robot.is_some_and(|robot| self.robots.contains(&robot)))
+    }
+}
+
 struct Viewer {
     socket: WebSocket,
     site: Arc<Site>,
+    /// Who it is.
+    actor: Actor,
     /// One request of it waits for the world.
     turns: Arc<Semaphore>,
     /// The lines of the wire, while it wants them.
     lines: Option<Receiver<Arc<Line>>>,
+    listen: Listen,
     /// When the present window began, and how many lines it has got since.
     shown: (Instant, u64),
     _place: Place,
@@ -67,6 +84,7 @@ impl Viewer {
         let mut frames = self.site.channels.frames();
         let mut statuses = self.site.channels.statuses();
         let mut notices = self.site.channels.notices();
+        self.send(text(&json!({ "you": &self.actor.0 }))).await?;
         loop {
             tokio::select! {
                 changed = statuses.changed() => {
@@ -98,6 +116,7 @@ impl Viewer {
 
     async fn send_line(&mut self, line: Result<Arc<Line>, RecvError>) -> Result<(), Gone> {
         let missed = match &line {
+            Ok(line) if !self.listen.wants(line) => return Ok(()),
             Ok(_) => 0,
             Err(RecvError::Lagged(missed)) => *missed,
             Err(RecvError::Closed) => return Err(Gone),
@@ -122,14 +141,16 @@ impl Viewer {
             Some(Ok(Message::Binary(_) | Message::Ping(_) | Message::Pong(_))) => return Ok(()),
             Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
         };
-        if let Ok(Listen { wire }) = serde_json::from_str(&request) {
-            self.lines = wire.then(|| self.site.channels.lines());
+        if let Ok(listen) = serde_json::from_str::<Listen>(&request) {
+            let wanted = listen.wire || !listen.robots.is_empty();
+            self.lines = wanted.then(|| self.lines.take().unwrap_or_else(|| self.site.channels.lines()));
+            self.listen = listen;
             return Ok(());
         }
         match Control::read(&request) {
             Ok(control) => {
                 let turn = self.turns.clone().acquire_owned().await.map_err(|_| Gone)?;
-                self.site.events.send(Event::Control(control, turn)).map_err(|_| Gone)
+                self.site.events.send(Event::Control(control, self.actor.clone(), turn)).map_err(|_| Gone)
             }
             Err(reason) => self.send(text(&json!({ "said": format!("not understood: {reason}") }))).await,
         }

@@ -197,7 +197,7 @@ impl Guess {
     fn finish(self, steering: Steering) -> (Vec<Link>, Vec<String>) {
         let Self { urdf: Urdf { links, mut assumptions, .. }, wheels, casters, .. } = self;
         if steering != Steering::None && links.iter().any(|link| link.name.to_ascii_lowercase().contains("mecanum")) {
-            assumptions.push("wheels are plain ones: a URDF has no rollers, a robot.toml says them".to_owned());
+            assumptions.push("wheels are plain ones: a URDF has no rollers, a robot.toml can name them".to_owned());
         }
         let (numbers, made): (Vec<usize>, Vec<Link>) = wheels.into_iter().chain(casters).unzip();
         (rebuilt(links, &numbers, made.into_iter()), assumptions)

@@ -49,6 +49,14 @@ pub(super) fn read_visuals<'a>(
     }
 }
 
+/// To a hundredth of a millimetre, finer than anybody sees: the digits that 32-bit numbers of a file have beyond that would
+/// make every log twice as large.
+fn rounded(shape: Shape) -> Shape {
+    let Shape::Mesh { mut vertices, triangles } = shape else { return shape };
+    vertices.iter_mut().flatten().for_each(|part| *part = (*part * 1e5).round() / 1e5);
+    Shape::Mesh { vertices, triangles }
+}
+
 fn shapes(
     source: &Source,
     document: &mut Document,
@@ -71,7 +79,7 @@ fn shapes(
             });
             let piece = |it: mesh::Piece| {
                 let colour = entry.colour.or(it.colour).unwrap_or(mesh::COLOUR);
-                (it.scaled([scale; 3]), colour)
+                (rounded(it.scaled([scale; 3])), colour)
             };
             pieces.into_iter().map(piece).collect()
         }

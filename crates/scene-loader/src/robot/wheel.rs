@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
+use names::{did_you_mean, listed};
 use scene::{Link, Motor, MountedWheel, Rollers, Side, Steering, Wheel, check};
 use serde::Deserialize;
 
 use super::joint::Links;
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
-use crate::problem::{Unread, listed};
+use crate::problem::Unread;
 
 /// Numbers of a wheel; those missing are taken from `[wheels]`.
 #[derive(Default, Deserialize)]
@@ -128,7 +129,8 @@ fn read_wheel(
             if joint.is_none() {
                 let names = listed(wheels.iter().map(|wheel| wheel.joint.as_str()));
                 let expected = if names.is_empty() { "it has none".to_owned() } else { format!("one of {names}") };
-                let message = format!("joint `{name}`: expected a continuous joint of the URDF: {expected}");
+                let meant = did_you_mean(name, wheels.iter().map(|wheel| wheel.joint.as_str()));
+                let message = format!("joint `{name}`: expected a continuous joint of the URDF: {expected}{meant}");
                 document.problem(span, message);
             }
             Some(joint?)

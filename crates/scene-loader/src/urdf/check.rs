@@ -1,9 +1,10 @@
 //! Mistakes in a URDF with their lines, which the URDF library does not tell.
 
+use names::{did_you_mean, listed};
 use roxmltree::{Node, NodeType};
 use scene::check::{ANGLE, INERTIA, ROBOT_REACH, Range};
 
-use crate::problem::{Problems, listed};
+use crate::problem::Problems;
 
 /// Most elements inside each other: the URDF library recurses into them. A URDF has six, extensions of simulators twelve.
 const MAX_DEPTH: usize = 64;
@@ -87,10 +88,8 @@ impl Check<'_> {
             if let Some(link) = self.attribute(node, "link")
                 && !links.contains(&link)
             {
-                self.problem(
-                    node,
-                    format_args!("unknown link `{link}`: expected one of {}", listed(links.iter().copied())),
-                );
+                let (known, meant) = (listed(links.iter().copied()), did_you_mean(link, links.iter().copied()));
+                self.problem(node, format_args!("unknown link `{link}`: expected one of {known}{meant}"));
             }
         }
     }
@@ -120,7 +119,8 @@ impl Check<'_> {
             let numbers: Vec<f64> = value.split_whitespace().filter_map(|word| word.parse().ok()).collect();
             let all = numbers.len() == count && value.split_whitespace().count() == count;
             if !all || !numbers.iter().all(|number| number.is_finite()) {
-                self.problem(node, format_args!("{key}=\"{value}\": expected {count} finite number(s)"));
+                let expected = names::count(count, "finite number");
+                self.problem(node, format_args!("{key}=\"{value}\": expected {expected}"));
             } else if !numbers.iter().all(|&number| range.holds(number)) {
                 self.problem(node, format_args!("{key}=\"{value}\": expected {range}"));
             }

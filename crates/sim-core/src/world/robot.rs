@@ -265,11 +265,10 @@ fn view<'a>(
 }
 
 /// A name that none of the robot's joints or actuators has.
-pub(super) fn unknown<'a>(key: &'static str, got: &str, known: impl Iterator<Item = &'a str>) -> Problem {
-    let known: Vec<&str> = known.collect();
-    let expected =
-        if known.is_empty() { "none: this robot has nothing of the kind".to_owned() } else { known.join(", ") };
-    Problem::UnknownName { key, got: got.chars().take(60).collect(), expected, instead: "nothing is moved" }
+pub(super) fn unknown<'a>(key: &'static str, got: &str, known: impl Iterator<Item = &'a str> + Clone) -> Problem {
+    const NONE: &str = "none: this robot has nothing of the kind";
+    let none = known.clone().next().is_none().then_some(NONE);
+    Problem::unknown_name(key, got, known.chain(none), "nothing is moved")
 }
 
 /// True at the step in which another whole interval since the spawn has passed.

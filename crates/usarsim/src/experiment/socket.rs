@@ -76,7 +76,7 @@ fn drive(plan: &Plan, run: &Run, client: &mut Client, init: &str, lines: &[(f64,
     let (mut poses, mut readings, mut from) = (Vec::new(), 0, None);
     let deadline = plan.settling + run.setup.interval() * f64::from(run.setup.steps()) + 60.0;
     loop {
-        let line = client.next_line(PATIENCE).map_err(said)?.ok_or("the server says nothing any more")?;
+        let line = client.next_line(PATIENCE).map_err(said)?.ok_or("the server sends nothing any more")?;
         let Some(Message::Sen(Sen { time: Some(time), reading, .. })) = Message::read(&line) else { continue };
         let time = f64::from(time);
         if time > deadline {

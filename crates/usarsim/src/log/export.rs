@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     /// Only this robot, by number or name.
     #[arg(long, value_name = "ROBOT", conflicts_with = "ros2")]
     robot: Option<String>,
-    /// Where to; stdout unless given. An existing file is replaced.
+    /// The output file, by default stdout. An existing file is replaced.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let robots = super::robots(&log);
     if robot.is_none() && robots.len() > 1 {
         let robots: Vec<String> = robots.keys().map(u64::to_string).collect();
-        let text = format!("a trajectory is of one robot: say --robot, one of {}", robots.join(", "));
+        let text = format!("a trajectory is of one robot: choose it by --robot, one of {}", robots.join(", "));
         return Err(Failure::new(exit::USAGE, text));
     }
     write(table.to_tum(), out)

@@ -28,15 +28,15 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
         .collect();
     for entry in &log.entries {
         let kind = match &entry.record {
-            Record::In(_) => "lines in",
-            Record::Out(_) => "lines out",
-            // A log has the line alone.
-            Record::Sensed(_) => continue,
-            Record::Closed(_) => "connections closed",
-            Record::Left(_) => "robots that left",
-            Record::State(_) => "states",
-            Record::Object(_) => "states of objects",
-            Record::Warning(_) => "warnings",
+            Record::In(_) => ["line in", "lines in"],
+            Record::Out(_) => ["line out", "lines out"],
+            // A log has the line alone, and one map.
+            Record::Sensed(_) | Record::Map(_) => continue,
+            Record::Closed(_) => ["connection closed", "connections closed"],
+            Record::Left(_) => ["robot that left", "robots that left"],
+            Record::State(_) => ["state", "states"],
+            Record::Object(_) => ["state of an object", "states of objects"],
+            Record::Warning(_) => ["warning", "warnings"],
         };
         *counts.entry(kind).or_insert(0u64) += 1;
     }
@@ -44,6 +44,7 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
     let (complete, text) = (!log.end.is_empty(), |key: &str| log.run.get(key).cloned().unwrap_or_default());
     let dropped = log.end.get("dropped").cloned().unwrap_or_default();
     if *json {
+        let counts: BTreeMap<_, _> = counts.iter().map(|([_, many], count)| (many, count)).collect();
         let run: BTreeMap<_, _> = log.run.iter().filter(|(key, _)| *key != "scene").collect();
         print(json!({
             "file": file.display().to_string(), "seconds": seconds, "complete": complete, "robots": robots,
@@ -54,7 +55,9 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
     print(format_args!("{}: {seconds:.3} s, {}", file.display(), if complete { "complete" } else { "cut off" }));
     print(format_args!("map {}, seed {}, steps of {} s", text("map"), text("seed"), text("time_step")));
     robots.iter().for_each(|(id, name)| print(format_args!("robot {id}: {name}")));
-    counts.iter().for_each(|(kind, count)| print(format_args!("{count} {kind}")));
+    for ([one, many], &count) in &counts {
+        print(format_args!("{count} {}", if count == 1 { one } else { many }));
+    }
     if complete && dropped != "0" {
         print(format_args!("{dropped} records dropped: the disk was too slow"));
     }

@@ -38,7 +38,8 @@ pub(super) fn run(Arguments { file, field, robot, out }: &Arguments) -> Result<(
     if table.rows() == 0 {
         return Err(Failure::new(exit::BAD_DATA, format_args!("{}: no robot was in the world", file.display())));
     }
-    let chart = if field.is_empty() { path(&log, &table) } else { fields(&table, field)? };
+    let names = labels(&log);
+    let chart = if field.is_empty() { path(&log, &table, &names) } else { fields(&table, field, &names)? };
     let out = out.clone().unwrap_or_else(|| file.with_extension("svg"));
     chart.write(&out).map_err(|error| Failure::new(exit::FAILURE, error))?;
     print(out.display());
@@ -47,6 +48,24 @@ pub(super) fn run(Arguments { file, field, robot, out }: &Arguments) -> Result<(
 
 /// Largest coordinate that is drawn, either way, in the unit of its axis: with larger ones an axis has no numbers.
 const MAX_DRAWN: f64 = 1e12;
+
+/// What robots are called: by name, where that is one robot's alone, else with their numbers.
+fn labels(log: &Log) -> BTreeMap<u64, String> {
+    let robots = super::robots(log);
+    let name = |&(class, name): &(&str, &str)| if name.is_empty() { class.to_owned() } else { name.to_owned() };
+    let names: Vec<String> = robots.values().map(name).collect();
+    let is_alone = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
+    let label = |(&robot, name): (&u64, &String)| {
+        (robot, if is_alone(name) { name.clone() } else { format!("{name} (robot {robot})") })
+    };
+    robots.keys().zip(&names).map(label).collect()
+}
+
+/// A line of angles in pieces: one that goes from +π to -π has turned on, and not all the way back.
+fn unwrapped(line: Vec<(f64, f64)>) -> Vec<Vec<(f64, f64)>> {
+    let is_near = |a: &(f64, f64), b: &(f64, f64)| (b.1 - a.1).abs() < std::f64::consts::PI;
+    line.chunk_by(is_near).map(<[_]>::to_vec).collect()
+}
 
 /// Lines of a robot each, by its number.
 fn by_robot(table: &Table, x: &str, y: &str) -> BTreeMap<u64, Vec<(f64, f64)>> {
@@ -62,14 +81,14 @@ fn by_robot(table: &Table, x: &str, y: &str) -> BTreeMap<u64, Vec<(f64, f64)>> {
 }
 
 /// Seen from above, x ahead to the right of the picture, the wire's y down.
-fn path(log: &Log, table: &Table) -> Chart {
+fn path(log: &Log, table: &Table, names: &BTreeMap<u64, String>) -> Chart {
     let paths = by_robot(table, "x", "y").into_iter();
     let paths: Vec<(u64, Vec<(f64, f64)>)> =
         paths.map(|(robot, line)| (robot, line.into_iter().map(|(x, y)| (x, -y)).collect())).collect();
     let first = paths.iter().filter_map(|(_, line)| line.first().copied()).collect();
     let starts = Series { label: "start".to_owned(), lines: vec![first], joined: false, dots: true };
     let series = paths.into_iter().map(|(robot, line)| Series {
-        label: format!("robot {robot}"),
+        label: names.get(&robot).cloned().unwrap_or_default(),
         lines: vec![line],
         joined: true,
         dots: false,
@@ -134,26 +153,31 @@ fn hull(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     outline
 }
 
-fn fields(table: &Table, names: &[String]) -> Result<Chart, Failure> {
+fn fields(table: &Table, fields: &[String], names: &BTreeMap<u64, String>) -> Result<Chart, Failure> {
     let mut series = Vec::new();
-    for name in names {
+    for name in fields {
         if table.column(name).is_none() {
             let known: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
-            return Err(Failure::new(exit::USAGE, format_args!("no field `{name}`: expected {}", known.join(", "))));
+            let meant = names::did_you_mean(name, known.iter().copied());
+            let text = format!("no field `{name}`{meant}: expected one of {}", known.join(", "));
+            return Err(Failure::new(exit::USAGE, text));
         }
         let lines = by_robot(table, "time", name);
         let many = lines.len() > 1;
         series.extend(lines.into_iter().map(|(robot, line)| Series {
-            label: if many { format!("{name}, robot {robot}") } else { name.clone() },
-            lines: vec![line],
+            label: match names.get(&robot) {
+                Some(robot) if many => format!("{name}, {robot}"),
+                _ => name.clone(),
+            },
+            lines: if unit(name) == "rad" && !name.starts_with("wheel") { unwrapped(line) } else { vec![line] },
             joined: true,
             dots: false,
         }));
     }
-    let mut units: Vec<&str> = names.iter().map(|name| unit(name)).collect();
+    let mut units: Vec<&str> = fields.iter().map(|name| unit(name)).collect();
     units.dedup();
     Ok(Chart {
-        title: names.join(", "),
+        title: fields.join(", "),
         x_title: "simulated time, s".to_owned(),
         y_title: units.join(", "),
         series,
@@ -179,6 +203,12 @@ fn unit(name: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_angle_that_turns_on_makes_no_line_back() {
+        let line = vec![(0.0, 3.0), (1.0, 3.1), (2.0, -3.1), (3.0, -3.0)];
+        assert_eq!(unwrapped(line), [vec![(0.0, 3.0), (1.0, 3.1)], vec![(2.0, -3.1), (3.0, -3.0)]]);
+    }
 
     #[test]
     fn a_hull_has_the_outermost_points_alone() {

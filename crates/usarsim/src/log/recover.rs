@@ -13,7 +13,7 @@ pub(crate) struct Arguments {
     /// The log; it is not changed.
     #[arg(value_name = "FILE.mcap")]
     file: PathBuf,
-    /// Where to; the log's name with .recovered.mcap unless given. Must not exist.
+    /// The output file, by default the log's name with .recovered.mcap. Must not exist.
     #[arg(long, value_name = "FILE.mcap")]
     out: Option<PathBuf>,
     /// Print JSON.

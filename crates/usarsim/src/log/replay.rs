@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
     /// Port to listen on; 0 takes a free one.
     #[arg(long, default_value_t = 3000, requires = "serve")]
     port: u16,
-    /// Recorded seconds a second; 0 is as fast as possible.
+    /// Recorded seconds per second; 0 is as fast as possible.
     #[arg(long, default_value_t = 1.0, value_parser = real_time_factor, requires = "serve")]
     rtf: f64,
 }
@@ -62,7 +62,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
     match (different, unreadable) {
         (0, 0) => Ok(()),
         (0, _) => Err(Failure::new(exit::BAD_DATA, format_args!("{unreadable} of {} logs not replayed", files.len()))),
-        _ => Err(Failure::new(exit::FAILURE, format_args!("{different} of {} came out different", files.len()))),
+        _ => Err(Failure::new(exit::FAILURE, format_args!("{different} of {} logs differ", files.len()))),
     }
 }
 
@@ -103,10 +103,10 @@ fn report(file: &Path, replay: &Replay, as_json: bool) {
         }));
     } else if replay.is_same() {
         let digest = recorded.map_or("no digest, the log was cut off".to_owned(), |digest| format!("digest {digest}"));
-        print(format_args!("{file}: {seconds:.3} s again with the same bits: {states} states, {digest}"));
+        print(format_args!("{file}: {seconds:.3} s replayed with the same bits: {states} states, {digest}"));
     } else {
         let first = first_difference.map_or("at the end".to_owned(), |time| format!("first at {time:.3} s"));
-        print(format_args!("{file}: the replay came out different, {first}"));
+        print(format_args!("{file}: the replay differs, {first}"));
     }
 }
 
