@@ -7,8 +7,8 @@ export default defineConfig({
   build: { outDir: 'dist/page', emptyOutDir: true, chunkSizeWarningLimit: 900 },
   server: {
     proxy: {
-      '/scene.json': { target: server, changeOrigin: true },
       // The server lets only its own page in.
+      '/scene.json': { target: server, changeOrigin: true, headers: { origin: server } },
       '/live': { target: server, ws: true, changeOrigin: true, headers: { origin: server } },
       '/wire': { target: server, ws: true, changeOrigin: true, headers: { origin: server } },
     },

@@ -1,61 +1,88 @@
 /** The page: what comes from the server goes to the state, the picture and the panels; commands go back. */
 
 import './style.css';
-import { Bar } from './panel/bar';
-import { find, setText } from './panel/dom';
+import { type Action, listenToKeys } from './actions';
+import { showCommands, showKeys } from './panel/commands';
+import { find, remember, remembered, save, setText } from './panel/dom';
 import { DrivePanel } from './panel/drive';
-import { returnFocusAfterChoice } from './panel/keys';
+import { focusView, returnFocusAfterChoice } from './panel/keys';
+import { offerMaps } from './panel/maps';
+import { buildSheets, buildSplitters, buildTabs } from './panel/panes';
+import { PlayBar } from './panel/play';
 import { PlotsPanel } from './panel/plots';
-import { RobotsPanel } from './panel/robots';
-import type { Placing } from './panel/spawn';
+import { Pointer } from './panel/pointer';
 import { Toasts } from './panel/toasts';
+import { Tools } from './panel/tools';
+import { Welcome } from './panel/welcome';
 import { WirePanel } from './panel/wire';
-import { Live } from './protocol/live';
+import { WorldPanel } from './panel/world';
+import { Playback } from './playback';
+import type { Frame } from './protocol/frame';
+import { Live, type Status } from './protocol/live';
+import type { Scene } from './protocol/scene';
 import { State } from './state';
 import { View } from './view/view';
 
 /** Between two updates of numbers, and of plots, ms. */
 const PANEL_INTERVAL = 100;
 const PLOT_INTERVAL = 250;
-/** A press that moves farther is no click, px. */
-const CLICK_REACH = 5;
+/** Moments of the past that a new plot begins with. */
+const PLOT_PAST = 600;
 
 const state = new State();
-let placing: Placing = null;
 let connected = false;
 
 const view = new View(find<HTMLCanvasElement>('canvas'), find('labels'), (id) => state.robot(id));
-const robots = new RobotsPanel(state, select);
-const plots = new PlotsPanel(state);
+const playback = new Playback({
+  scene: showScene,
+  frame: showFrame,
+  scan: (scan) => view.setScan(scan),
+  status: showStatus,
+  line(line) {
+    state.takeLine(line);
+    wire.line(line);
+  },
+  jumped() {
+    state.forgetSensors();
+    view.clearPaths();
+  },
+  changed: () => play.update(),
+  said: say,
+});
+const plots = new PlotsPanel(state, () => playback.past(PLOT_PAST));
 const wire = new WirePanel();
-const toasts = new Toasts(state);
-const drive = new DrivePanel(state, place, say, select);
+const toasts = new Toasts();
+const tools = new Tools(state, view);
+const pointer = new Pointer(state, view, select, (robot, place) => drive.moveTo(robot, place, 0));
+const drive = new DrivePanel(
+  state,
+  (placing) => {
+    pointer.place(placing);
+    if (placing) showSheet(null);
+  },
+  say,
+  (robot, isNew) => {
+    select(robot);
+    if (isNew) view.fit(robot);
+  },
+  // What drives is in the view, and in the present.
+  () => {
+    showSheet(null);
+    if (playback.mode !== 'live') playback.goLive();
+  },
+);
+const welcome = new Welcome(state, (robotClass) => drive.spawnAnywhere(robotClass));
 
 const live = new Live({
-  scene(scene) {
-    const before = state.scene;
-    state.scene = scene;
-    view.setScene(scene);
-    drive.updateScene();
-    if (before && before.map.name !== scene.map.name) say(`The server shows another map now: ${scene.map.name}`);
-  },
-  frame(frame) {
-    state.frame = frame;
-    view.setFrame(frame);
-    plots.update();
-    document.documentElement.dataset.state = 'live';
-  },
-  scan: (scan) => view.setScan(scan),
+  scene: (scene) => playback.takeScene(scene),
+  frame: (frame, bytes) => playback.takeFrame(frame, bytes),
+  scan: (scan) => playback.takeScan(scan),
   status(status) {
-    state.status = status;
     if (!connected) showBanner(null);
     connected = true;
-    if (state.selected !== null && !state.robot(state.selected)) state.selected = null;
-    if (state.selected === null && status.robots[0]) select(status.robots[0].id);
-    robots.updateStatus();
-    bar.updateStatus();
+    playback.takeStatus(status);
   },
-  line: (line) => wire.line(line),
+  line: (line) => playback.takeLine(line),
   said: say,
   lost() {
     connected = false;
@@ -63,18 +90,56 @@ const live = new Live({
     showBanner('The connection to the server is lost. Trying again …');
   },
 });
-const bar = new Bar(state, live, view);
+const play = new PlayBar(state, live, playback);
+const world = new WorldPanel(
+  state,
+  {
+    select,
+    lookAtObject: (index) => view.lookAtObject(index),
+    isPlotted: (robot, key) => plots.has(robot, key),
+    plot(robot, value) {
+      plots.toggle(robot, value);
+      if (!plots.isEmpty()) showPlots(true);
+    },
+    expanded: (robots) => live.listenToRobots(robots),
+  },
+  openSpawn,
+);
+
+function showScene(scene: Scene): void {
+  const before = state.scene;
+  state.scene = scene;
+  state.selected = null;
+  state.forgetSensors();
+  view.setScene(scene);
+  drive.updateScene();
+  setText(find('map'), scene.map.name);
+  if (before && before.map.name !== scene.map.name) say(`Another map is shown now: ${scene.map.name}`);
+}
+
+function showStatus(status: Status): void {
+  if (state.status && state.status.resets !== status.resets) state.forgetSensors();
+  state.status = status;
+  if (state.selected !== null && !state.robot(state.selected)) state.selected = null;
+  if (state.selected === null && status.robots[0]) select(status.robots[0].id);
+  world.update();
+  play.update();
+  welcome.update(playback.mode === 'log');
+}
+
+function showFrame(frame: Frame): void {
+  state.frame = frame;
+  view.setFrame(frame);
+  plots.update();
+  document.documentElement.dataset.state = 'live';
+}
 
 function select(robot: number): void {
   state.selected = robot;
-  robots.updateStatus();
-  bar.look();
-  view.turnTo(robot);
-}
-
-function place(next: Placing): void {
-  placing = next;
-  find('view').classList.toggle('placing', next !== null);
+  drive.driveIfOwn(robot);
+  world.update();
+  view.select(robot);
+  tools.look();
 }
 
 function say(text: string): void {
@@ -91,41 +156,86 @@ function showBanner(text: string | null): void {
   else if (wasLost) say('Connected again');
 }
 
-function showTab(name: string): void {
-  for (const tab of document.querySelectorAll<HTMLElement>('[role=tab]')) {
-    const chosen = tab.dataset.tab === name;
-    tab.setAttribute('aria-selected', String(chosen));
-    find(tab.dataset.tab ?? '').hidden = !chosen;
-  }
-  live.listenToWire(name === 'wire');
+function showPlots(shown: boolean): void {
+  find('plots').hidden = !shown;
+  document.querySelector<HTMLElement>('[data-resizes=plots]')?.toggleAttribute('hidden', !shown);
+  find('toggle-plots').setAttribute('aria-pressed', String(shown));
+  if (shown && plots.isEmpty()) plots.plotFirst();
 }
 
-document.querySelectorAll<HTMLElement>('[role=tab]').forEach((tab) => {
-  tab.onclick = () => showTab(tab.dataset.tab ?? '');
-});
+function plotFirst(): void {
+  showPlots(true);
+  plots.plotFirst();
+}
 
+function openSpawn(): void {
+  showTab('drive');
+  if (document.body.dataset.sheet) showSheet('drive');
+  drive.focusForm();
+}
+
+function setTheme(dark: boolean): void {
+  document.documentElement.dataset.theme = dark ? 'dark' : 'light';
+  remember('theme', dark ? 'dark' : 'light');
+  view.setDark(dark);
+}
+
+async function saveSnapshot(): Promise<void> {
+  const picture = await view.screenshot();
+  const { frame, scene } = state;
+  if (picture) save(picture, `usarsim-${scene?.map.name ?? 'world'}-${(frame?.time ?? 0).toFixed(1)}s.png`);
+}
+
+const showTab = buildTabs((tab) => live.listenToWire(tab === 'wire'));
+const showSheet = buildSheets(showTab, showPlots);
+buildSplitters();
+const preferred = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
+setTheme((remembered('theme') ?? preferred) === 'dark');
 returnFocusAfterChoice();
 
-let pressed: PointerEvent | null = null;
-find('canvas').addEventListener('pointerdown', (event) => (pressed = event));
-find('canvas').addEventListener('pointerup', (event) => {
-  const moved = pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY);
-  if (moved === null || moved > CLICK_REACH) return;
-  const hit = view.pick(event.clientX, event.clientY);
-  if (hit && 'place' in hit && placing) {
-    placing(hit.place);
-    place(null);
-  } else if (hit && 'robot' in hit) select(hit.robot);
-});
+const press = (id: string) => () => find(id).click();
+const actions: Action[] = [
+  { name: 'Commands', shown: 'Ctrl K', run: () => showCommands(actions) },
+  { name: 'Keys', key: '?', run: () => showKeys(actions) },
+  { name: 'Pause or resume', key: ' ', shown: 'space', run: press('pause') },
+  { name: 'Step 10 ms', key: '.', run: press('step') },
+  { name: 'Spawn a robot', key: 'n', shown: 'N', run: openSpawn },
+  { name: 'Next camera: orbit, follow, chase, top, robot', key: 'c', shown: 'C', run: () => tools.nextCamera() },
+  { name: 'Fit the robot, or the map', key: 'g', shown: 'G', run: press('fit') },
+  { name: 'The whole map', key: 'Home', run: press('home') },
+  { name: 'Plots', key: 'p', shown: 'P', run: () => showPlots(find('plots').hidden === true) },
+  { name: 'Plot position, speeds and slip', run: plotFirst },
+  { name: 'Wire: the lines of the protocol', key: 'l', shown: 'L', run: () => showTab('wire') },
+  { name: 'Change the map', key: 'm', shown: 'M', run: press('map') },
+  { name: 'Record a log, or stop', run: press('record') },
+  { name: 'Open a log to play it', key: 'o', shown: 'O', run: press('open-log') },
+  { name: 'Reset world', run: press('reset') },
+  { name: 'Snapshot: save the picture', run: press('screenshot') },
+  { name: 'Clear the paths', run: () => view.clearPaths() },
+  { name: 'Light or dark', run: press('theme') },
+  { name: 'Full screen', run: press('fullscreen') },
+];
+listenToKeys(actions, () => state.driving);
+
+find('commands').onclick = () => showCommands(actions);
+find('help').onclick = () => showKeys(actions);
+find('theme').onclick = () => setTheme(document.documentElement.dataset.theme !== 'dark');
+find('map').onclick = () => offerMaps(state, live);
+find('screenshot').onclick = () => void saveSnapshot();
+find('toggle-plots').onclick = () => showPlots(find('plots').hidden === true);
+find('fullscreen').onclick = () =>
+  void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
+find('view').addEventListener('dblclick', focusView);
 
 setInterval(() => plots.draw(), PLOT_INTERVAL);
 setInterval(() => {
-  bar.updateFrame();
-  robots.updateFrame();
+  play.updateTime();
+  world.updateValues();
   drive.updateFrame();
   wire.draw();
   const rate = view.framesPerSecond();
-  setText(find('rate'), `${rate} ${rate === 1 ? 'frame' : 'frames'}/s`);
+  // Nothing is drawn while nothing moves.
+  setText(find('rate'), `${rate > 0 ? `${rate} fps` : 'still'} · quality ${view.quality}`);
   const metres = view.metresPer100Pixels();
   const round = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((length) => length >= metres) ?? 100;
   const bar100 = find('scale').firstElementChild as HTMLElement;

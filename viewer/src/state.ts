@@ -1,8 +1,9 @@
-/** What the page knows of the world. */
+/** What the page knows of the world that it shows: the server's, or that of a log. */
 
 import type { Frame, RobotState } from './protocol/frame';
-import type { Status } from './protocol/live';
+import type { Status, WireLine } from './protocol/live';
 import type { RobotClass, Scene } from './protocol/scene';
+import { type SensorValues, readSensorLine } from './protocol/sensors';
 
 export class State {
   scene: Scene | null = null;
@@ -10,8 +11,11 @@ export class State {
   frame: Frame | null = null;
   /** Number of the robot that is looked at. */
   selected: number | null = null;
+  /** The server's numbers of this page's own connections, which have spawned a robot each. */
+  readonly own = new Set<number>();
   /** Whether a robot is driven from this page: it gets the keys. */
   driving = false;
+  private readonly sensors = new Map<number, SensorValues>();
 
   /** Class and name of a robot. */
   robot(id: number | null): Status['robots'][number] | null {
@@ -25,5 +29,36 @@ export class State {
 
   robotState(id: number | null): RobotState | null {
     return this.frame?.robots.find((robot) => robot.id === id) ?? null;
+  }
+
+  /** What a robot's sensors said last, as far as their lines were listened to. */
+  sensorsOf(id: number): SensorValues {
+    let values = this.sensors.get(id);
+    if (!values) this.sensors.set(id, (values = new Map()));
+    return values;
+  }
+
+  takeLine({ direction, robot, text }: WireLine): void {
+    if (direction === 'out' && robot !== null) readSensorLine(text, this.sensorsOf(robot));
+  }
+
+  /** A fresh world: what was said of the old one is not true any more. */
+  forgetSensors(): void {
+    this.sensors.clear();
+  }
+
+  isOwn({ connection }: Status['robots'][number]): boolean {
+    return connection !== null && this.own.has(connection);
+  }
+
+  /** Robots that others have spawned. */
+  othersRobots(): Status['robots'] {
+    return (this.status?.robots ?? []).filter((robot) => !this.isOwn(robot));
+  }
+
+  /** A robot's name for people. */
+  nameOf(id: number): string {
+    const robot = this.robot(id);
+    return robot?.name || `${robot?.class ?? 'robot'} #${id}`;
   }
 }

@@ -20,25 +20,27 @@ async function take(file, serve, options, prepare) {
   await server.stop();
 }
 
-async function drive(page, key) {
-  await page.click('[data-tab=drive]');
-  await page.click('#spawn');
+async function drive(page, key, robotClass = 'YouBotArm') {
+  await page.click(`[data-spawn=${robotClass}]`);
   await page.waitForSelector('[data-robot]', { state: 'attached' });
   await page.keyboard.down(key);
 }
 
-const wide = { viewport: { width: 1000, height: 620 }, colorScheme: 'light' };
+const wide = { viewport: { width: 1280, height: 800 }, colorScheme: 'light' };
 const phone = { viewport: { width: 390, height: 780 }, colorScheme: 'light', hasTouch: true, isMobile: true };
 
 await take('page.png', ['--map', 'arena'], wide, async (page, server) => {
-  await connectRobots(server.port, 6, 'P3AT');
-  await drive(page, 'd');
-  await page.click('[data-tab=robots]');
-  await waitForNumber(page, '[data-value=y]', (value) => value > 0.5);
+  await drive(page, 'w', 'P3AT');
+  await connectRobots(server.port, 5, 'YouBot');
+  await connectRobots(server.port, 1, 'Kenaf');
+  await page.click('[data-robot="0"]');
+  await waitForNumber(page, '[data-value=x]', (value) => value > 1.2);
+  await page.click('#fit');
+  await page.waitForTimeout(1500);
 });
 await take('plots.png', ['--map', 'rough'], wide, async (page) => {
   await drive(page, 'd');
-  await page.click('[data-tab=plots]');
+  await page.click('#toggle-plots');
   await waitForNumber(page, '#time', (value) => value > 8);
 });
 await take('phone.png', ['--map', 'rough'], phone, async (page) => {

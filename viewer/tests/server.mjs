@@ -84,13 +84,13 @@ export async function number(page, selector) {
   return Number.parseFloat(await page.textContent(selector));
 }
 
-/** Waits until a number fits. */
+/** Waits until there is a number and it fits. */
 export async function waitForNumber(page, selector, fits) {
   const end = performance.now() + 30_000;
   let value = Number.NaN;
   while (performance.now() < end) {
     value = await number(page, selector);
-    if (fits(value)) return value;
+    if (!Number.isNaN(value) && fits(value)) return value;
     await page.waitForTimeout(30);
   }
   throw new Error(`${selector} is ${value} for half a minute: expected ${fits}`);

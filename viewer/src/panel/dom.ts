@@ -39,3 +39,15 @@ export function remember(key: string, value: string): void {
     // Then it is forgotten.
   }
 }
+
+/** A number with so many digits after the point, without the sign of a zero. */
+export function fixed(number: number, digits: number): string {
+  return number.toFixed(digits).replace(/^-(0(\.0*)?)$/, '$1');
+}
+
+/** Gives a person something as a file. */
+export function save(content: Blob, name: string): void {
+  const url = URL.createObjectURL(content);
+  make('a', { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

@@ -1,9 +1,10 @@
 /** The tab to spawn a robot and drive it by keyboard or by sticks. */
 
 import { Client, type Spawn, type Twist } from '../protocol/client';
-import type { RobotClass } from '../protocol/scene';
+import type { RobotClass, Vector } from '../protocol/scene';
 import type { State } from '../state';
 import { find, make, setText } from './dom';
+import { readGamepad } from './gamepad';
 import { isForControl } from './keys';
 import { type Placing, SpawnForm } from './spawn';
 import { Stick } from './stick';
@@ -23,6 +24,23 @@ const KEYS: Record<string, Partial<Twist>> = {
   KeyF: { up: -1 },
 };
 
+/** The same for people. */
+export const DRIVING_KEYS = [
+  { keys: ['W', 'S', '↑', '↓'], what: 'forward and back' },
+  { keys: ['A', 'D'], what: 'sideways' },
+  { keys: ['Q', 'E', '←', '→'], what: 'turn' },
+  { keys: ['R', 'F'], what: 'up and down' },
+];
+
+/** A robot that was spawned by this page. */
+interface Own {
+  client: Client;
+  /** the server's number of its connection, once it is in the world */
+  connection: number | null;
+  /** numbers of the robots that were there before it */
+  before: Set<number>;
+}
+
 export class DrivePanel {
   private readonly form: SpawnForm;
   private readonly speed = make('input', { type: 'range', min: '5', max: '100', value: '40', id: 'drive-speed' });
@@ -31,25 +49,29 @@ export class DrivePanel {
   private readonly hint = make('p', { class: 'quiet', 'data-hint': '' });
   private readonly driving = make('div', { hidden: '' });
   private readonly joints = make('div', { 'data-joints': '' });
-  private readonly clients: Client[] = [];
-  /** Own robots that are not in the world yet, each with the numbers of those that were there before. */
-  private readonly expected = new Map<Client, Set<number>>();
+  private readonly robots: Own[] = [];
   private readonly pressed = new Set<string>();
   private readonly sticks: { move: Stick; turn: Stick };
-  private driven: Client | null = null;
+  private driven: Own | null = null;
+  private padWasUsed = false;
 
   constructor(
     private readonly state: State,
     place: (placing: Placing) => void,
     private readonly say: (text: string) => void,
-    private readonly select: (robot: number) => void,
+    private readonly select: (robot: number, isNew: boolean) => void,
+    private readonly spawned: () => void,
   ) {
     this.form = new SpawnForm(state, place, say, (spawn) => this.connect(spawn));
     const stop = make('button', { type: 'button', id: 'stop' }, 'Stop');
     stop.onclick = () => this.release();
     const remove = make('button', { type: 'button', id: 'remove' }, 'Remove');
     remove.onclick = () => this.driven && this.remove(this.driven, 'was removed');
-    this.own.onchange = () => this.drive(this.clients[this.own.selectedIndex] ?? null);
+    this.own.onchange = () => {
+      this.drive(this.robots[this.own.selectedIndex] ?? null);
+      const driven = this.state.status?.robots.find(({ connection }) => connection === this.driven?.connection);
+      if (driven) this.select(driven.id, false);
+    };
     this.driving.append(
       make('h2', {}, 'Driving'),
       make('label', { class: 'row' }, 'Robot', this.own),
@@ -58,7 +80,7 @@ export class DrivePanel {
       this.hint,
       this.joints,
     );
-    find('drive').append(this.driving);
+    find('drive').prepend(this.driving);
     this.sticks = { move: new Stick(false, () => this.send()), turn: new Stick(true, () => this.send()) };
     find('sticks').append(this.sticks.move.element, this.sticks.turn.element);
     const showSpeed = () => setText(this.speedOutput, `${this.speed.value} %`);
@@ -82,42 +104,80 @@ export class DrivePanel {
   /** A frame has come: own robots may have arrived, starts may be free or taken. */
   updateFrame(): void {
     const robots = this.state.status?.robots ?? [];
-    this.expected.forEach((before, client) => {
-      const own = robots.find(({ id, name }) => name === client.spawn.name && !before.has(id));
-      if (!own || !this.state.robotState(own.id)) return;
-      this.expected.delete(client);
-      this.select(own.id);
-    });
-    this.form.update([...this.expected.keys()].map(({ spawn }) => spawn));
+    const expected = this.robots.filter(({ connection }) => connection === null);
+    for (const own of expected) {
+      const arrived = robots.find(({ id, name }) => name === own.client.spawn.name && !own.before.has(id));
+      if (!arrived || arrived.connection === null || !this.state.robotState(arrived.id)) continue;
+      own.connection = arrived.connection;
+      this.state.own.add(arrived.connection);
+      this.select(arrived.id, true);
+    }
+    const waiting = this.robots.filter(({ connection }) => connection === null);
+    this.form.update(waiting.map(({ client }) => client.spawn));
+    this.readPad();
   }
 
-  private connect(spawn: Spawn): void {
+  /** Opens the form. */
+  focusForm(): void {
+    this.form.focus();
+  }
+
+  /** Spawns a robot of a class at the first start that is free. */
+  spawnAnywhere(robotClass: string): void {
+    this.form.choose(robotClass);
+  }
+
+  /** Drives a robot if it was spawned here. */
+  driveIfOwn(robot: number): void {
+    const connection = this.state.robot(robot)?.connection;
+    const own = this.robots.find((own) => own.connection !== null && own.connection === connection);
+    if (own && own !== this.driven) this.drive(own);
+  }
+
+  /** Puts an own robot to another place: it leaves and comes again, as any client could. */
+  moveTo(robot: number, location: Vector, yaw: number): void {
+    const connection = this.state.robot(robot)?.connection;
+    const own = this.robots.find((own) => own.connection !== null && own.connection === connection);
+    if (!own) return this.say('Only robots that were spawned here can be moved');
+    const { robotClass, name } = own.client.spawn;
+    this.forget(own);
+    this.connect({ robotClass, name, place: { location, yaw } });
+  }
+
+  connect(spawn: Spawn): void {
     const robotClass = this.state.scene?.classes[spawn.robotClass];
     if (!robotClass) return;
-    const client: Client = new Client(spawn, robotClass, (what) => this.remove(client, what));
-    this.clients.push(client);
-    this.expected.set(client, new Set(this.state.status?.robots.map(({ id }) => id)));
-    this.drive(client);
+    const before = new Set(this.state.status?.robots.map(({ id }) => id));
+    const client: Client = new Client(spawn, robotClass, (what) => this.remove(own, what));
+    const own: Own = { client, connection: null, before };
+    this.robots.push(own);
+    this.drive(own);
+    this.spawned();
     this.updateFrame();
   }
 
-  private remove(client: Client, what: string): void {
-    const index = this.clients.indexOf(client);
-    if (index < 0) return;
-    this.clients.splice(index, 1);
-    this.expected.delete(client);
-    client.end();
-    this.say(`${client.spawn.name} ${what}`);
-    if (this.driven === client) this.drive(this.clients[0] ?? null);
-    else this.list();
+  private remove(own: Own, what: string): void {
+    if (this.forget(own)) this.say(`${own.client.spawn.name} ${what}`);
   }
 
-  private drive(client: Client | null): void {
+  /** Ends an own robot's connection; false if that was done before. */
+  private forget(own: Own): boolean {
+    const index = this.robots.indexOf(own);
+    if (index < 0) return false;
+    this.robots.splice(index, 1);
+    if (own.connection !== null) this.state.own.delete(own.connection);
+    own.client.end();
+    if (this.driven === own) this.drive(this.robots[0] ?? null);
+    else this.list();
+    return true;
+  }
+
+  private drive(own: Own | null): void {
     this.release();
-    this.driven = client;
-    this.state.driving = client !== null;
-    this.driving.hidden = find('sticks').hidden = client === null;
-    const robotClass = client && this.state.scene?.classes[client.spawn.robotClass];
+    this.driven = own;
+    this.state.driving = own !== null;
+    this.driving.hidden = find('sticks').hidden = own === null;
+    const robotClass = own && this.state.scene?.classes[own.client.spawn.robotClass];
     const flies = robotClass?.steering === 'Aerial';
     const sideways = flies || robotClass?.steering === 'OmniDrive';
     this.sticks.move.sideways = sideways;
@@ -129,7 +189,7 @@ export class DrivePanel {
       ...keys('Q', 'E'),
       ' or ',
       ...keys('←', '→'),
-      ' turn; or use the sticks in the view.',
+      ' turn; or use a gamepad, or the sticks in the view on a touch screen.',
     );
     this.joints.replaceChildren(...(robotClass?.joints ?? []).map((joint) => this.slider(joint)));
     this.list();
@@ -143,14 +203,14 @@ export class DrivePanel {
     const output = make('output', { for: id }, Number(input.value).toFixed(3));
     input.oninput = () => {
       setText(output, Number(input.value).toFixed(3));
-      this.driven?.setJoint(name, Number(input.value));
+      this.driven?.client.setJoint(name, Number(input.value));
     };
     return make('div', { class: 'row' }, make('label', { for: id }, name), input, output);
   }
 
   private list(): void {
-    this.own.replaceChildren(...this.clients.map(({ spawn }) => make('option', {}, spawn.name)));
-    this.own.selectedIndex = this.driven ? this.clients.indexOf(this.driven) : -1;
+    this.own.replaceChildren(...this.robots.map(({ client }) => make('option', {}, client.spawn.name)));
+    this.own.selectedIndex = this.driven ? this.robots.indexOf(this.driven) : -1;
   }
 
   private key(event: KeyboardEvent, down: boolean): void {
@@ -170,9 +230,21 @@ export class DrivePanel {
     this.send();
   }
 
-  private send(): void {
+  /** A gamepad is only listened to while it is touched, so that it does not hold up keys and sticks. */
+  private readPad(): void {
+    if (!this.driven) return;
+    const pad = readGamepad();
+    const isUsed = pad !== null && Object.values(pad).some((part) => part !== 0);
+    if (isUsed || this.padWasUsed) this.send(pad);
+    this.padWasUsed = isUsed;
+  }
+
+  private send(pad: Twist | null = readGamepad()): void {
     const { move, turn } = this.sticks;
-    const twist: Twist = { forward: -move.y, right: move.x, clockwise: turn.x, up: 0 };
+    const twist: Twist = pad ?? { forward: 0, right: 0, clockwise: 0, up: 0 };
+    twist.forward -= move.y;
+    twist.right += move.x;
+    twist.clockwise += turn.x;
     this.pressed.forEach((code) => {
       const key = KEYS[code] ?? {};
       twist.forward += key.forward ?? 0;
@@ -182,7 +254,7 @@ export class DrivePanel {
     });
     const part = Number(this.speed.value) / 100;
     const limited = (value: number) => part * Math.max(-1, Math.min(1, value));
-    this.driven?.drive({
+    this.driven?.client.drive({
       forward: limited(twist.forward),
       right: limited(twist.right),
       clockwise: limited(twist.clockwise),

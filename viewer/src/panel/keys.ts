@@ -2,11 +2,15 @@
 
 import { find } from './dom';
 
-const ARROWS = ['ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight'];
+export const ARROWS = ['ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight'];
 
 /** Whether the control that has the focus needs a key for itself. While a robot is driven, space is not for buttons. */
-export function isForControl({ key, target }: KeyboardEvent, driving: boolean): boolean {
+export function isForControl({ key, target, defaultPrevented }: KeyboardEvent, driving: boolean): boolean {
+  if (defaultPrevented) return true;
   if (!(target instanceof HTMLElement)) return false;
+  // One that has just been closed may have the focus for a moment.
+  const dialog = target.closest('dialog');
+  if (dialog) return dialog.open;
   if (target.matches('input[type=range]')) return ARROWS.includes(key);
   if (target.matches('select')) return key === ' ' || ARROWS.includes(key);
   if (target.matches('input[type=checkbox]')) return key === ' ';

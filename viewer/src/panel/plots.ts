@@ -1,155 +1,128 @@
-/** The tab of live plots of the selected robot. */
+/** Plots of any values over time, one chart a unit; what was plotted can be zoomed, read off and saved. */
 
-import uPlot from 'uplot';
-import 'uplot/dist/uPlot.min.css';
-import { type RobotState, rollPitchYaw } from '../protocol/frame';
-import type { RobotClass } from '../protocol/scene';
+import type { Frame } from '../protocol/frame';
 import type { State } from '../state';
-import { COLOURS } from '../view/overlay';
-import { find, make } from './dom';
+import { type Value, valuesOf } from '../values';
+import { Chart } from './chart';
+import { find, make, save } from './dom';
 
-/** Simulated seconds that are shown. */
-const WINDOW = 20;
-/** Height of a plot, px. */
-const HEIGHT = 150;
-
-interface Chart {
-  title: string;
-  series: (robot: RobotClass) => string[];
-  dashed?: (index: number) => boolean;
-  read: (state: RobotState, robot: RobotClass) => number[];
-}
-
-const CHARTS: Chart[] = [
-  {
-    title: 'Pose: x and y in m, yaw in rad',
-    series: () => ['x', 'y', 'yaw'],
-    read: ({ pose }) => [pose[0], pose[1], rollPitchYaw(pose)[2]],
-  },
-  {
-    title: 'Wheel speeds, rad/s: measured, and target (dashed)',
-    series: ({ wheels }) => wheels.flatMap(({ name }) => [name, `${name} target`]),
-    dashed: (index) => index % 2 === 1,
-    read: ({ wheels }) => wheels.flatMap(({ speed, target }) => [speed, target]),
-  },
-  {
-    title: 'Slip, mm/s: velocity by the wheels minus velocity of the robot',
-    series: () => ['forward', 'right'],
-    read: slip,
-  },
-];
-
-/** By the textbook's kinematics, in which a Mecanum wheel has endlessly many rollers. */
-function slip({ wheels, linear }: RobotState, robot: RobotClass): number[] {
-  const speeds = wheels.map(({ speed }) => speed);
-  const [frontLeft = 0, frontRight = 0, backLeft = 0, backRight = 0] = speeds;
-  const forward = (robot.wheel_radius * speeds.reduce((sum, speed) => sum + speed, 0)) / Math.max(1, speeds.length);
-  const isOmni = robot.steering === 'OmniDrive';
-  const right = isOmni ? (robot.wheel_radius * (frontLeft - frontRight - backLeft + backRight)) / 4 : 0;
-  return [1000 * (forward - linear[0]), 1000 * (right - linear[1])];
+/** One value of one robot. */
+export interface Series {
+  robot: number;
+  label: string;
+  value: Value;
 }
 
 export class PlotsPanel {
-  private plots: { chart: Chart; plot: uPlot; data: number[][] }[] = [];
   private readonly element = find('plots');
-  private robot: number | null = null;
+  private readonly charts = make('div', { id: 'charts' });
+  private readonly hint = make('p', { class: 'quiet' }, 'Click a value in World to plot it here.');
+  private readonly byUnit = new Map<string, Chart>();
   private last = -1;
 
-  constructor(private readonly state: State) {
-    new ResizeObserver(() => this.resize()).observe(this.element);
+  constructor(
+    private readonly state: State,
+    private readonly past: () => Frame[],
+  ) {
+    const first = make('button', { type: 'button', id: 'plot-first' }, 'Position, speeds and slip');
+    first.onclick = () => this.plotFirst();
+    const all = make('button', { type: 'button' }, 'Show all');
+    all.onclick = () => this.byUnit.forEach((chart) => chart.follow());
+    const csv = make('button', { type: 'button', id: 'save-csv' }, 'Save CSV');
+    csv.onclick = () => save(new Blob([this.csv()], { type: 'text/csv' }), 'usarsim-plots.csv');
+    const clear = make('button', { type: 'button' }, 'Clear');
+    clear.onclick = () => this.clear();
+    this.element.append(
+      make('div', { class: 'row' }, make('h2', {}, 'Plots'), first, all, csv, clear, this.hint),
+      this.charts,
+    );
+    new ResizeObserver(() => this.byUnit.forEach((chart) => chart.resize())).observe(this.charts);
   }
 
-  /** A frame has come. Values are kept while the tab is hidden, too. */
-  update(): void {
-    const { selected, frame } = this.state;
-    const robot = this.state.robotState(selected);
+  has(robot: number, key: string): boolean {
+    return [...this.byUnit.values()].some((chart) => chart.has(robot, key));
+  }
+
+  /** Plots a value, or no longer. */
+  toggle(robot: number, value: Value): void {
+    const chart = this.byUnit.get(value.unit);
+    if (chart?.has(robot, value.key)) {
+      chart.remove(robot, value.key);
+      if (chart.isEmpty()) this.close(value.unit);
+    } else this.add({ robot, label: `${this.state.nameOf(robot)} ${value.name}`, value });
+    this.hint.hidden = this.byUnit.size > 0;
+  }
+
+  /** What most people look at first, of the selected robot, unless something is plotted already. */
+  plotFirst(): void {
+    const { selected } = this.state;
     const robotClass = this.state.classOf(selected);
-    if (!frame || !robot || !robotClass) {
-      if (this.robot !== null || this.element.childElementCount === 0) this.empty();
-      return;
-    }
-    if (selected !== this.robot || frame.time < this.last) this.build(robotClass);
-    this.robot = selected;
-    if (frame.time === this.last) return;
+    if (selected === null || !robotClass) return;
+    const groups = valuesOf(robotClass, this.state.sensorsOf(selected));
+    const values = groups.flatMap(({ values }) => values);
+    const wanted = (key: string) =>
+      ['x', 'y', 'slip forward', 'slip right'].includes(key) || /^(speed|target)\d+$/.test(key);
+    values
+      .filter(({ key }) => wanted(key) && !this.has(selected, key))
+      .forEach((value) => this.toggle(selected, value));
+  }
+
+  isEmpty(): boolean {
+    return this.byUnit.size === 0;
+  }
+
+  /** A frame has come; values are kept while the plots are hidden, too. */
+  update(): void {
+    const { frame } = this.state;
+    if (!frame || frame.time === this.last) return;
+    // A world that began anew, or another place of a log.
+    if (frame.time < this.last) this.byUnit.forEach((chart) => chart.restart());
     this.last = frame.time;
-    for (const { chart, data } of this.plots) {
-      [frame.time, ...chart.read(robot, robotClass)].forEach((value, column) => data[column]?.push(value));
-      const old = (data[0] ?? []).findIndex((time) => time >= frame.time - WINDOW);
-      if (old > 100) data.forEach((column) => column.splice(0, old));
-    }
+    this.byUnit.forEach((chart) => chart.push(frame.time, (series) => this.read(series, frame)));
   }
 
   /** Draws what has come; to be called a few times a second. */
   draw(): void {
-    if (this.element.hidden) return;
-    const end = this.last;
-    for (const { plot, data } of this.plots) {
-      plot.setData(data as uPlot.AlignedData, false);
-      plot.setScale('x', { min: Math.max(0, end - WINDOW), max: Math.max(1, end) });
-    }
+    if (!this.element.hidden) this.byUnit.forEach((chart) => chart.draw());
   }
 
-  private empty(): void {
-    this.robot = null;
-    this.plots.forEach(({ plot }) => plot.destroy());
-    this.plots = [];
-    this.element.replaceChildren(
-      make('p', { class: 'quiet' }, 'Choose a robot: its pose, wheels and slip are drawn here.'),
+  private add(series: Series): void {
+    const { unit } = series.value;
+    let chart = this.byUnit.get(unit);
+    if (!chart) {
+      chart = new Chart(unit, () => this.close(unit));
+      this.byUnit.set(unit, chart);
+      this.charts.append(chart.element);
+      chart.resize();
+    }
+    chart.add(
+      series,
+      this.past().map((frame) => [frame.time, this.read(series, frame)] as const),
     );
   }
 
-  private build(robot: RobotClass): void {
-    this.plots.forEach(({ plot }) => plot.destroy());
-    this.element.replaceChildren();
-    this.plots = CHARTS.map((chart) => {
-      const names = chart.series(robot);
-      const place = make('div', { class: 'plot' });
-      const legend = make('div', { class: 'row legend' });
-      this.element.append(make('h2', {}, chart.title), legend, place);
-      const colour = () => getComputedStyle(document.documentElement).getPropertyValue('--quiet');
-      const axis = { stroke: colour, grid: { stroke: '#88888833', width: 1 }, ticks: { show: false } };
-      const data: number[][] = [[], ...names.map(() => [])];
-      const colourOf = (index: number) => COLOURS[chart.dashed ? Math.floor(index / 2) : index] ?? '#777';
-      names.forEach((name, index) => {
-        if (chart.dashed?.(index)) return;
-        const entry = make('small', {}, name);
-        entry.style.borderBottomColor = colourOf(index);
-        legend.append(entry);
-      });
-      const plot = new uPlot(
-        {
-          width: this.width(),
-          height: HEIGHT,
-          cursor: { show: false },
-          legend: { show: false },
-          scales: { x: { time: false } },
-          axes: [
-            { ...axis, size: 28 },
-            { ...axis, size: 50 },
-          ],
-          series: [
-            { label: 's' },
-            ...names.map((label, index) => ({
-              label,
-              stroke: colourOf(index),
-              width: 1.5,
-              ...(chart.dashed?.(index) ? { dash: [4, 4] } : {}),
-            })),
-          ],
-        },
-        data as uPlot.AlignedData,
-        place,
-      );
-      return { chart, plot, data };
-    });
+  private read({ robot, value }: Series, frame: Frame): number | null {
+    const robotState = frame.robots.find(({ id }) => id === robot);
+    return robotState ? value.read(robotState, this.state.sensorsOf(robot)) : null;
   }
 
-  private width(): number {
-    return Math.max(200, this.element.clientWidth - 22);
+  private close(unit: string): void {
+    this.byUnit.get(unit)?.dispose();
+    this.byUnit.delete(unit);
+    this.hint.hidden = this.byUnit.size > 0;
   }
 
-  private resize(): void {
-    if (this.element.clientWidth > 0)
-      this.plots.forEach(({ plot }) => plot.setSize({ width: this.width(), height: HEIGHT }));
+  private clear(): void {
+    [...this.byUnit.keys()].forEach((unit) => this.close(unit));
+  }
+
+  /** All charts as one table, long form: a line a number. */
+  private csv(): string {
+    const rows = [...this.byUnit.values()].flatMap((chart) => chart.rows());
+    const quoted = (text: string) => `"${text.replaceAll('"', '""')}"`;
+    return [
+      'time_s,value,number,unit',
+      ...rows.map(([time, name, number, unit]) => `${time},${quoted(name)},${number},${quoted(unit)}`),
+    ].join('\n');
   }
 }

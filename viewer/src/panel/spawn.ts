@@ -11,8 +11,8 @@ const TAKEN_DISTANCE = 1;
 const FIRST_CLASS = 'KUKA_YouBot';
 const FIRST_NAME = 'Robot1';
 
-/** What a click on the map is for. */
-export type Placing = ((place: Vector) => void) | null;
+/** What a click on the map is for: a robot of a class that is to stand there. */
+export type Placing = { robotClass: string; finish: (place: Vector) => void } | null;
 
 export class SpawnForm {
   private readonly classes = make('select', { name: 'class' });
@@ -63,7 +63,7 @@ export class SpawnForm {
     if (scene.classes[keep]) this.classes.value = keep;
     this.starts.replaceChildren(
       ...scene.map.starts.map(({ name }) => make('option', { value: name }, name)),
-      make('option', { value: '' }, 'where I click on the map'),
+      make('option', { value: '' }, 'where you click on the map'),
     );
     this.startIsChosen = false;
   }
@@ -88,6 +88,16 @@ export class SpawnForm {
     setText(this.hint, isTaken ? `There is a robot named ${this.wireName()} already.` : '');
   }
 
+  focus(): void {
+    this.classes.focus();
+  }
+
+  /** As if a person had chosen a class and pressed the button. */
+  choose(robotClass: string): void {
+    this.classes.value = robotClass;
+    this.submit();
+  }
+
   private submit(): void {
     // The keys drive from now on.
     focusView();
@@ -96,7 +106,8 @@ export class SpawnForm {
     if (start) this.finish({ start });
     else {
       this.say('Click on the map where the robot is to stand');
-      this.place(([x, y, z]) => this.finish({ location: [x, y, z - 0.01], yaw: 0 }));
+      const finish = ([x, y, z]: Vector) => this.finish({ location: [x, y, z - 0.01], yaw: 0 });
+      this.place({ robotClass: this.classes.value, finish });
     }
   }
 

@@ -16,7 +16,11 @@ export class Stick {
   ) {
     const style = onlySideways ? 'stick wide' : 'stick';
     const what = onlySideways ? 'turn' : 'move';
-    this.element = make('div', { class: style, 'data-stick': what, 'aria-label': `stick: ${what}` }, this.knob);
+    this.element = make(
+      'div',
+      { class: style, 'data-stick': what, role: 'group', 'aria-label': `stick: ${what}` },
+      this.knob,
+    );
     this.element.onpointerdown = (event) => {
       this.element.setPointerCapture(event.pointerId);
       this.follow(event);

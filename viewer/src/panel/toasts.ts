@@ -1,38 +1,45 @@
-/** Messages that stand in the view for a few seconds. */
+/** Messages that stand in the view for a few seconds. One that comes again is counted. */
 
-import type { State } from '../state';
-import { find, make } from './dom';
+import { find, make, setText } from './dom';
 
 /** How long a message stays, ms, and how many do at a time. */
 const SHOWN_TIME = 6000;
 const MAX_SHOWN = 4;
-/** The server reports every few seconds that it is behind its pace. That is shown again after so long, ms, */
-const LAG_INTERVAL = 60_000;
-/** or when the pace has fallen to less than this part of the one shown last. */
-const WORSE = 0.9;
-const LAG = /^behind its pace: real-time factor ([\d.]+)/;
+
+interface Toast {
+  text: string;
+  count: number;
+  element: HTMLElement;
+  timer: number;
+}
 
 export class Toasts {
   private readonly element = find('toasts');
-  /** When a lag was shown last, ms, and which part of the desired pace was reached. */
-  private lag = { time: -Infinity, part: 1 };
-
-  constructor(private readonly state: State) {}
+  private shown: Toast[] = [];
 
   show(text: string): void {
-    if (this.isKnownLag(text)) return;
-    const toast = make('p', {}, text);
-    this.element.append(toast);
-    while (this.element.childElementCount > MAX_SHOWN) this.element.firstElementChild?.remove();
-    setTimeout(() => toast.remove(), SHOWN_TIME);
+    const again = this.shown.find((toast) => toast.text === text);
+    if (again) {
+      again.count++;
+      setText(again.element, `${text} (${again.count} times)`);
+      clearTimeout(again.timer);
+      again.timer = this.endLater(again);
+      return;
+    }
+    const toast: Toast = { text, count: 1, element: make('p', {}, text), timer: 0 };
+    toast.timer = this.endLater(toast);
+    this.shown.push(toast);
+    this.element.append(toast.element);
+    if (this.shown.length > MAX_SHOWN && this.shown[0]) this.end(this.shown[0]);
   }
 
-  private isKnownLag(text: string): boolean {
-    const [, reached] = LAG.exec(text) ?? [];
-    if (reached === undefined) return false;
-    const [time, part] = [performance.now(), Number(reached) / (this.state.status?.speed || 1)];
-    if (time - this.lag.time < LAG_INTERVAL && part >= WORSE * this.lag.part) return true;
-    this.lag = { time, part };
-    return false;
+  private endLater(toast: Toast): number {
+    return window.setTimeout(() => this.end(toast), SHOWN_TIME);
+  }
+
+  private end(toast: Toast): void {
+    clearTimeout(toast.timer);
+    toast.element.remove();
+    this.shown = this.shown.filter((other) => other !== toast);
   }
 }

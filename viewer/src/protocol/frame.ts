@@ -23,6 +23,8 @@ export interface RobotState {
   wheels: WheelState[];
   /** the links that are no wheels, in the robot frame */
   links: Pose[];
+  /** those that go to positions: rad and rad/s, or m and m/s */
+  joints: { position: number; speed: number }[];
   contacts: { point: Vector; /** N */ force: Vector }[];
 }
 
@@ -105,12 +107,13 @@ function readRobot(reader: Reader): RobotState {
     return { angle, speed, target, rollers: reader.list(reader.u8(), () => (reader.i16() / 32768) * Math.PI) };
   });
   const links = reader.list(reader.u8(), () => reader.pose());
+  const joints = reader.list(reader.u8(), () => ({ position: reader.f32(), speed: reader.f32() }));
   const force = () => reader.i16() * FORCE_UNIT;
   const contacts = reader.list(reader.u8(), () => {
     const point = reader.vector();
     return { point, force: [force(), force(), force()] as Vector };
   });
-  return { id, pose, linear, angular, wheels, links, contacts };
+  return { id, pose, linear, angular, wheels, links, joints, contacts };
 }
 
 /** Roll, pitch, yaw of a pose, rad, as the wire writes them. */

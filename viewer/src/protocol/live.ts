@@ -8,6 +8,10 @@ export interface Status {
   speed: number;
   paused: boolean;
   resets: number;
+  /** Another number than before means another map. */
+  scene: number;
+  /** Pages that are open. */
+  viewers: number;
   /** Steps of robots that ended before every contact did what it should. */
   unsettled_steps: number;
   recording: string | null;
@@ -23,12 +27,13 @@ export interface WireLine {
   text: string;
 }
 
-export type Control = { pause: boolean } | { step: number } | { speed: number } | 'reset' | { record: boolean };
+export type Control =
+  { pause: boolean } | { step: number } | { speed: number } | 'reset' | { record: boolean } | { map: string };
 
 /** What the page does with what comes. */
 export interface Listener {
   scene(scene: Scene): void;
-  frame(frame: Frame): void;
+  frame(frame: Frame, bytes: ArrayBuffer): void;
   scan(scan: Scan): void;
   status(status: Status): void;
   line(line: WireLine): void;
@@ -45,7 +50,12 @@ const SILENCE = 5000;
 export class Live {
   private socket: WebSocket | null = null;
   private wire = false;
+  private robots: number[] = [];
+  private shownScene: number | null = null;
+  private isSceneStale = false;
   private heard = 0;
+  /** How the server names this page to everyone. */
+  private you = '';
 
   constructor(private readonly listener: Listener) {
     void this.connect();
@@ -61,10 +71,21 @@ export class Live {
     this.send(JSON.stringify(control));
   }
 
-  /** Whether the lines of the wire are wanted. */
+  /** Whether every line of the wire is to be sent. */
   listenToWire(wanted: boolean): void {
     this.wire = wanted;
-    this.send(JSON.stringify({ wire: wanted }));
+    this.listen();
+  }
+
+  /** The robots whose sensors are to be heard. */
+  listenToRobots(robots: number[]): void {
+    if (String(robots) === String(this.robots)) return;
+    this.robots = robots;
+    this.listen();
+  }
+
+  private listen(): void {
+    this.send(JSON.stringify({ wire: this.wire, robots: this.robots }));
   }
 
   private send(text: string): void {
@@ -81,11 +102,12 @@ export class Live {
       this.retry();
       return;
     }
+    [this.shownScene, this.isSceneStale] = [null, false];
     const socket = new WebSocket(socketUrl('live'));
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
     this.heard = performance.now();
-    socket.onopen = () => this.listenToWire(this.wire);
+    socket.onopen = () => this.listen();
     socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.take(event.data);
     socket.onclose = () => this.lose(socket);
   }
@@ -102,18 +124,49 @@ export class Live {
     setTimeout(() => void this.connect(), RETRY);
   }
 
+  /** What this page did itself is said so. */
+  private addressed(text: string): string {
+    return this.you && text.startsWith(`${this.you} `) ? `You ${text.slice(this.you.length + 1)}` : text;
+  }
+
+  private takeStatus(status: Status): void {
+    const isAnother = this.shownScene !== null && status.scene !== this.shownScene;
+    this.shownScene = status.scene;
+    if (isAnother) void this.fetchAnotherScene();
+    if (!this.isSceneStale) this.listener.status(status);
+  }
+
+  /** The server shows another map: nothing of the new one is shown before its scene is there. */
+  private async fetchAnotherScene(): Promise<void> {
+    this.isSceneStale = true;
+    try {
+      this.listener.scene(await fetchScene());
+      this.isSceneStale = false;
+    } catch {
+      this.socket?.close();
+    }
+  }
+
   private take(data: ArrayBuffer | string): void {
     this.heard = performance.now();
     if (typeof data !== 'string') {
       const message = data.byteLength > 0 ? readMessage(data) : null;
-      if (message && 'frame' in message) this.listener.frame(message.frame);
+      if (this.isSceneStale) return;
+      if (message && 'frame' in message) this.listener.frame(message.frame, data);
       else if (message) this.listener.scan(message.scan);
       return;
     }
-    const message = JSON.parse(data) as { status?: Status; line?: WireLine; said?: string; missed?: number };
-    if (message.status) this.listener.status(message.status);
+    const message = JSON.parse(data) as {
+      status?: Status;
+      line?: WireLine;
+      said?: string;
+      missed?: number;
+      you?: string;
+    };
+    if (message.you !== undefined) this.you = message.you;
+    if (message.status) this.takeStatus(message.status);
     if (message.line) this.listener.line(message.line);
-    if (message.said !== undefined) this.listener.said(message.said);
+    if (message.said !== undefined) this.listener.said(this.addressed(message.said));
     if (message.missed !== undefined) this.listener.said(`${message.missed} lines and scans came too fast to be shown`);
   }
 }

@@ -78,6 +78,10 @@ export interface Scene {
   version: string;
   seed: number;
   port: number;
+  /** s */
+  time_step: number;
+  /** those that the server can change to */
+  maps: { name: string; description: string }[];
   map: {
     name: string;
     description: string;

@@ -1,130 +1,149 @@
-/** What stands on the map, what can be pushed, its start poses and path nodes. */
+/** What stands on the map, what can be pushed, and where robots start. */
 
 import * as THREE from 'three';
-import { CSS2DObject } from 'three/addons/renderers/CSS2DRenderer.js';
-import type { Pose, Scene } from '../protocol/scene';
-import { moveTo } from './pose';
-import { merged, solidGeometry } from './solid';
+import type { Pose, Scene, Solid } from '../protocol/scene';
+import type { Theme } from './colours';
+import { type Decal, Decals } from './decals';
+import { drawnSolid, edgesOf } from './look';
+import { moveTo, setPose } from './pose';
+import { shapeGeometry, merged } from './solid';
+import { type SurfaceName, type Surfaces, surfaceOf } from './surfaces';
 
 const IDENTITY: Pose = [0, 0, 0, 0, 0, 0, 1];
-/** Half the edge of the grid, m. */
-const GRID_REACH = 50;
-/** Length of the pieces of its lines, m. */
-const GRID_PIECE = 5;
+/** The colour of starts. */
+const START = 0x4a86c8;
+/** A solid that begins higher above the floor casts no contact shadow, m. */
+const TOUCHING = 0.03;
 
 export class MapView {
   readonly group = new THREE.Group();
   /** What a robot can be put on. */
-  readonly ground: THREE.Mesh;
-  readonly grid = new THREE.Group();
-  readonly names = new THREE.Group();
+  readonly ground = new THREE.Group();
+  readonly starts = new THREE.Group();
+  /** Of all that has an end, on the stage; empty if nothing has. */
+  readonly bounds = new THREE.Box3();
   private readonly objects: THREE.Mesh[];
-  private readonly material = new THREE.MeshLambertMaterial({
-    vertexColors: true,
-    // So that the grid lies on the floor and not in it.
-    polygonOffset: true,
-    polygonOffsetFactor: 1,
-    polygonOffsetUnits: 4,
-  });
+  private readonly standing: Decals;
+  private readonly moving: Decals;
+  private readonly edges = new THREE.LineBasicMaterial({ transparent: true, depthWrite: false });
 
-  constructor({ map }: Scene) {
-    const solids = map.solids.map((solid) => solidGeometry(solid.shape, solid.pose, solid.colour));
-    this.ground = new THREE.Mesh(merged(solids), this.material);
-    this.ground.receiveShadow = this.ground.castShadow = true;
-    this.objects = map.objects.map((object) => {
-      const mesh = new THREE.Mesh(solidGeometry(object.shape, IDENTITY, object.colour), this.material);
-      mesh.castShadow = mesh.receiveShadow = true;
+  constructor(
+    private readonly scene: Scene,
+    surfaces: Surfaces,
+  ) {
+    const { solids, objects } = scene.map;
+    const kinds = new Map<SurfaceName, THREE.BufferGeometry[]>();
+    solids.forEach((solid, index) => {
+      const kind = surfaceOf(solid.material);
+      kinds.set(kind, [...(kinds.get(kind) ?? []), drawnSolid(solid, solid.pose, index)]);
+    });
+    kinds.forEach((geometries, kind) => this.ground.add(this.mesh(merged(geometries), kind, surfaces)));
+    const edges = this.lines(solids.flatMap((solid) => edgesOf(solid, solid.pose)));
+    this.objects = objects.map((object, index) => {
+      const mesh = this.mesh(drawnSolid(object, IDENTITY, index), surfaceOf(object.material), surfaces);
+      mesh.add(this.lines(edgesOf(object, IDENTITY)));
       moveTo(mesh, object.pose);
-      const name = label(object.name, 'name object');
-      mesh.add(name);
       return mesh;
     });
-    for (const { name, position, rotation } of map.starts)
-      this.names.add(mark(name, 'name start', position, rotation[2]));
-    for (const { name, position } of map.path_nodes) this.names.add(mark(name, 'name node', position, null));
-    this.addGrid();
-    this.group.add(this.ground, this.grid, this.names, ...this.objects);
+    for (const { position, rotation } of scene.map.starts) this.starts.add(startMark(position, rotation[2]));
+    this.group.add(this.ground, edges, this.starts, ...this.objects);
+    this.standing = new Decals(this.group);
+    this.standing.set(solids.flatMap((solid) => contactShadow(solid, solid.pose) ?? []));
+    this.moving = new Decals(this.group);
+    this.place(objects.map(({ pose }) => pose));
+    this.measure();
+  }
+
+  /** What lies on the floor. */
+  get decals(): THREE.Object3D[] {
+    return [this.standing.mesh, this.moving.mesh];
   }
 
   place(poses: Pose[]): void {
     poses.forEach((pose, index) => this.objects[index] && moveTo(this.objects[index], pose));
+    this.moving.set(
+      this.scene.map.objects.flatMap((object, index) => contactShadow(object, poses[index] ?? object.pose) ?? []),
+    );
   }
 
-  showNames(shown: boolean): void {
-    this.names.visible = shown;
-    this.objects.forEach((object) => object.children.forEach((child) => (child.visible = shown)));
+  setTheme({ edge, edgeStrength }: Theme): void {
+    this.edges.color.set(edge);
+    this.edges.opacity = edgeStrength;
   }
 
   dispose(): void {
+    this.standing.dispose();
+    this.moving.dispose();
+    this.edges.dispose();
     this.group.traverse((object) => {
-      if (object instanceof CSS2DObject) object.element.remove();
       if (object instanceof THREE.Mesh || object instanceof THREE.LineSegments) object.geometry.dispose();
     });
-    this.material.dispose();
+    this.starts.traverse((object) => object instanceof THREE.Mesh && (object.material as THREE.Material).dispose());
   }
 
-  /** One metre between lines, every fifth one stronger. */
-  private addGrid(): void {
-    for (const [step, opacity] of [
-      [1, 0.18],
-      [5, 0.35],
-    ] as const) {
-      const corners: number[] = [];
-      for (let at = -GRID_REACH; at <= GRID_REACH; at += step) {
-        // In pieces: lines that pass behind the camera are drawn badly without a graphics card.
-        for (let from = -GRID_REACH; from < GRID_REACH; from += GRID_PIECE) {
-          corners.push(at, from, 0, at, from + GRID_PIECE, 0, from, at, 0, from + GRID_PIECE, at, 0);
-        }
-      }
-      const geometry = new THREE.BufferGeometry();
-      geometry.setAttribute('position', new THREE.Float32BufferAttribute(corners, 3));
-      const material = new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity, depthWrite: false });
-      const lines = new THREE.LineSegments(geometry, material);
-      // A little above the floor.
-      lines.position.z = -0.002;
-      this.grid.add(lines);
+  private mesh(geometry: THREE.BufferGeometry, kind: SurfaceName, surfaces: Surfaces): THREE.Mesh {
+    const mesh = new THREE.Mesh(geometry);
+    surfaces.cover(mesh, kind);
+    mesh.castShadow = mesh.receiveShadow = true;
+    return mesh;
+  }
+
+  private lines(ends: number[]): THREE.LineSegments {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.Float32BufferAttribute(ends, 3));
+    const lines = new THREE.LineSegments(geometry, this.edges);
+    lines.renderOrder = 3;
+    return lines;
+  }
+
+  private measure(): void {
+    for (const { shape, pose } of [...this.scene.map.solids, ...this.scene.map.objects]) {
+      if (shape !== 'HalfSpace') this.bounds.union(boundsOf(shape, pose));
     }
-    for (let at = -GRID_REACH + 10; at < GRID_REACH; at += 10) {
-      for (const [x, y, axis] of [
-        [at, 0, 'x'],
-        [0, at, 'y'],
-      ] as const) {
-        if (at === 0) continue;
-        const name = label(`${axis} ${at} m`, 'name metres');
-        name.position.set(x, y, 0);
-        this.grid.add(name);
-      }
-    }
+    for (const { position } of this.scene.map.starts) this.bounds.expandByPoint(new THREE.Vector3(...position));
+    // The stage has z up.
+    if (!this.bounds.isEmpty()) this.bounds.applyMatrix4(new THREE.Matrix4().makeRotationX(Math.PI));
   }
 }
 
-/** A place with its name and, where it has one, its direction. */
-function mark(name: string, style: string, [x, y, z]: [number, number, number], yaw: number | null): THREE.Object3D {
-  const group = new THREE.Group();
-  group.position.set(x, y, z);
-  const text = label(name, style);
-  text.position.z = -0.05;
-  group.add(text);
-  if (yaw !== null) {
-    const arrow = new THREE.BufferGeometry();
-    const corners = [0.25, 0, -0.004, -0.1, 0.1, -0.004, -0.1, -0.1, -0.004];
-    arrow.setAttribute('position', new THREE.Float32BufferAttribute(corners, 3));
-    const material = new THREE.MeshBasicMaterial({
-      color: 0x2f7dd1,
-      transparent: true,
-      opacity: 0.45,
-      side: THREE.DoubleSide,
-    });
-    const mesh = new THREE.Mesh(arrow, material);
-    mesh.rotation.z = yaw;
-    group.add(mesh);
-  }
-  return group;
+function boundsOf(shape: Solid['shape'], pose: Pose): THREE.Box3 {
+  const geometry = shapeGeometry(shape).applyMatrix4(setPose(new THREE.Matrix4(), pose));
+  geometry.computeBoundingBox();
+  return geometry.boundingBox ?? new THREE.Box3();
 }
 
-export function label(text: string, style: string): CSS2DObject {
-  const element = document.createElement('span');
-  element.className = style;
-  element.textContent = text;
-  return new CSS2DObject(element);
+/** Under what stands upright on the floor. */
+function contactShadow({ shape }: Solid, pose: Pose): Decal | null {
+  if (shape === 'HalfSpace' || 'Mesh' in shape) return null;
+  const size =
+    'Box' in shape
+      ? shape.Box.size.map((edge) => edge / 2)
+      : 'Cylinder' in shape
+        ? [shape.Cylinder.radius, shape.Cylinder.radius, shape.Cylinder.length / 2]
+        : [0.4 * shape.Ball.radius, 0.4 * shape.Ball.radius, shape.Ball.radius];
+  const [x = 0, y = 0, z = 0] = size;
+  const matrix = setPose(new THREE.Matrix4(), pose);
+  const down = new THREE.Vector3(0, 0, 1).transformDirection(matrix);
+  if (Math.abs(pose[2] + z * down.z) > TOUCHING || down.z < 0.98) return null;
+  // What is low keeps less light away.
+  const shadow = 0.42 * Math.min(1, (2 * z) / 0.4);
+  return { matrix: matrix.setPosition(pose[0], pose[1], -0.002), size: [x, y], shadow };
+}
+
+/** A quiet arrow where robots start, along their direction. */
+function startMark([x, y, z]: [number, number, number], yaw: number): THREE.Object3D {
+  const arrow = new THREE.Shape();
+  arrow.moveTo(0.24, 0).lineTo(-0.12, 0.12).lineTo(-0.05, 0).lineTo(-0.12, -0.12);
+  const material = new THREE.MeshBasicMaterial({
+    color: START,
+    transparent: true,
+    opacity: 0.5,
+    side: THREE.DoubleSide,
+    depthWrite: false,
+  });
+  const mesh = new THREE.Mesh(new THREE.ShapeGeometry(arrow), material);
+  mesh.position.set(x, y, z - 0.006);
+  mesh.rotation.z = yaw;
+  mesh.renderOrder = 3;
+  return mesh;
 }

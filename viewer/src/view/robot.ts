@@ -1,147 +1,129 @@
-/** All robots of one class, drawn together: one instanced mesh for bodies, one for hubs, one for rollers. */
+/** All robots of one class, drawn together: one instanced mesh for each part that looks different. */
 
 import * as THREE from 'three';
 import type { RobotState } from '../protocol/frame';
-import type { Colour, Drawn, RobotClass } from '../protocol/scene';
-import { coloured, merged, solidGeometry } from './solid';
+import type { Drawn, RobotClass } from '../protocol/scene';
+import { Instances } from './instances';
 import { setPose } from './pose';
+import { solidGeometry } from './solid';
+import type { Surfaces } from './surfaces';
+import { roller, spoked } from './wheel';
 
-/** Around a roller and a wheel. */
-const SEGMENTS = 10;
-/** A roller's stripe, by which one sees it turn. */
-const STRIPE: Colour = [0.62, 0.62, 0.64];
+/** A robot so far from the camera has simple rollers, in radii of its wheels. */
+const FAR = 45;
+
+/** A part of a robot and where it is. */
+export interface Placed {
+  part: Instances;
+  /** in the world */
+  matrix: THREE.Matrix4;
+}
 
 export class RobotFleet {
   readonly group = new THREE.Group();
-  private readonly parts: { body: Instances; links: Instances[]; wheels: Instances[]; rollers: (Instances | null)[] };
-  private readonly poses: THREE.Matrix4[][];
-
-  constructor(readonly robotClass: RobotClass) {
-    const { drawn, links, wheels } = robotClass;
-    const geometry = ({ shape, pose, colour }: Drawn) => solidGeometry(shape, pose, colour);
-    this.parts = {
-      body: new Instances(this.group, drawn.map(geometry)),
-      links: links.map((link) => new Instances(this.group, link.drawn.map(geometry))),
-      wheels: wheels.map((wheel) => new Instances(this.group, wheel.drawn.map(spoked))),
-      rollers: wheels.map(({ rollers }) =>
-        rollers ? new Instances(this.group, [roller(rollers.outline, rollers.colour)]) : null,
-      ),
-    };
-    this.poses = wheels.map(({ rollers }) => (rollers?.poses ?? []).map((pose) => setPose(new THREE.Matrix4(), pose)));
-  }
-
-  /** Puts every robot of the class where it is. */
-  place(robots: RobotState[]): void {
-    const { body, links, wheels, rollers } = this.parts;
-    body.begin(robots.length);
-    links.forEach((link) => link.begin(robots.length));
-    wheels.forEach((wheel) => wheel.begin(robots.length));
-    rollers.forEach((roller, index) => roller?.begin(robots.length * (this.poses[index]?.length ?? 0)));
-    const [robot, wheel, local] = [new THREE.Matrix4(), new THREE.Matrix4(), new THREE.Matrix4()];
-    for (const state of robots) {
-      body.add(setPose(robot, state.pose));
-      links.forEach((link, index) => {
-        const pose = state.links[index];
-        if (pose) link.add(setPose(local, pose).premultiply(robot));
-      });
-      this.robotClass.wheels.forEach(({ link, position }, index) => {
-        const { angle = 0, rollers: angles = [] } = state.wheels[index] ?? {};
-        const carrier = link === null ? undefined : state.links[link];
-        wheel.copy(robot);
-        if (carrier) wheel.multiply(setPose(local, carrier));
-        wheel.multiply(local.makeTranslation(...position)).multiply(local.makeRotationY(-angle));
-        wheels[index]?.add(wheel);
-        this.poses[index]?.forEach((pose, number) => {
-          local.makeRotationX(angles[number] ?? 0);
-          rollers[index]?.add(local.premultiply(pose).premultiply(wheel));
-        });
-      });
-    }
-    body.end();
-    links.forEach((link) => link.end());
-    wheels.forEach((wheel) => wheel.end());
-    rollers.forEach((roller) => roller?.end());
-  }
-
-  /** The number in the list last placed of what a ray hits. */
-  robotAt(hit: THREE.Intersection): number | null {
-    const { body, links, wheels, rollers } = this.parts;
-    const instance = hit.instanceId ?? 0;
-    if ([body, ...links, ...wheels].some((part) => part.mesh === hit.object)) return instance;
-    const index = rollers.findIndex((roller) => roller?.mesh === hit.object);
-    return index < 0 ? null : Math.floor(instance / (this.poses[index]?.length ?? 1));
-  }
-
-  dispose(): void {
-    const { body, links, wheels, rollers } = this.parts;
-    [body, ...links, ...wheels, ...rollers].forEach((part) => part?.dispose());
-  }
-}
-
-/** An instanced mesh that grows. */
-class Instances {
-  mesh: THREE.InstancedMesh;
-  private count = 0;
+  /** Of the body and the wheels that it carries, in the robot's frame. */
+  readonly bounds = new THREE.Box3();
+  private readonly body: Instances;
+  private readonly links: Instances[];
+  /** For each wheel; wheels that look alike share theirs. */
+  private readonly wheels: Instances[];
+  private readonly rollers: ({ near: Instances; far: Instances; poses: THREE.Matrix4[] } | null)[];
+  private readonly all: Set<Instances>;
 
   constructor(
-    private readonly parent: THREE.Group,
-    geometries: THREE.BufferGeometry[],
+    readonly robotClass: RobotClass,
+    surfaces: Surfaces,
   ) {
-    const material = new THREE.MeshLambertMaterial({ vertexColors: true });
-    this.mesh = this.make(merged(geometries), material, 1);
+    const geometry = ({ shape, pose, colour }: Drawn) => solidGeometry(shape, pose, colour);
+    const parts = (geometries: THREE.BufferGeometry[]) => new Instances(this.group, geometries, surfaces);
+    const shared = new Map<string, Instances>();
+    const share = (look: unknown, make: () => Instances) => {
+      const key = JSON.stringify(look);
+      const known = shared.get(key) ?? make();
+      shared.set(key, known);
+      return known;
+    };
+    const { drawn, links, wheels } = robotClass;
+    this.body = parts(drawn.map(geometry));
+    this.links = links.map((link) => parts(link.drawn.map(geometry)));
+    this.wheels = wheels.map((wheel) => share(wheel.drawn, () => parts(wheel.drawn.map(spoked))));
+    this.rollers = wheels.map(({ rollers: known }) => {
+      if (!known) return null;
+      const { outline, colour, poses } = known;
+      const make = (near: boolean) => share([outline, colour, near], () => parts([roller(outline, colour, near)]));
+      return { near: make(true), far: make(false), poses: poses.map((pose) => setPose(new THREE.Matrix4(), pose)) };
+    });
+    this.all = new Set([this.body, ...this.links, ...shared.values()]);
+    this.measure();
   }
 
-  begin(count: number): void {
-    if (count > this.mesh.instanceMatrix.count) {
-      const { geometry, material } = this.mesh;
-      this.parent.remove(this.mesh);
-      this.mesh.dispose();
-      this.mesh = this.make(geometry, material as THREE.Material, 2 * count);
+  /** Puts every robot of the class where it is, as seen from a place in the world. */
+  place(robots: RobotState[], eye: THREE.Vector3): void {
+    this.all.forEach((part) => part.begin());
+    for (const robot of robots) {
+      this.parts(robot, eye).forEach(({ part, matrix }) => part.add(matrix));
     }
-    this.count = 0;
+    this.all.forEach((part) => part.end());
   }
 
-  add(matrix: THREE.Matrix4): void {
-    this.mesh.setMatrixAt(this.count++, matrix);
+  /** The parts of a robot; without an eye without its rollers. */
+  parts(state: RobotState, eye: THREE.Vector3 | null): Placed[] {
+    const robot = setPose(new THREE.Matrix4(), state.pose);
+    const placed: Placed[] = [{ part: this.body, matrix: robot }];
+    const carriers = this.links.map((part, index) => {
+      const pose = state.links[index];
+      const matrix = pose ? setPose(new THREE.Matrix4(), pose).premultiply(robot) : null;
+      if (matrix) placed.push({ part, matrix });
+      return matrix;
+    });
+    const local = new THREE.Matrix4();
+    const near = eye && Math.hypot(eye.x - state.pose[0], eye.y - state.pose[1], eye.z - state.pose[2]);
+    this.robotClass.wheels.forEach(({ link, position }, index) => {
+      const { angle = 0, rollers: angles = [] } = state.wheels[index] ?? {};
+      const wheel = ((link !== null && carriers[link]) || robot).clone();
+      wheel.multiply(local.makeTranslation(...position)).multiply(local.makeRotationY(-angle));
+      const part = this.wheels[index];
+      if (part) placed.push({ part, matrix: wheel });
+      const rollers = this.rollers[index];
+      if (!rollers || near === null) return;
+      const roller = near < FAR * this.robotClass.wheel_radius ? rollers.near : rollers.far;
+      rollers.poses.forEach((pose, number) => {
+        const matrix = new THREE.Matrix4().makeRotationX(angles[number] ?? 0);
+        placed.push({ part: roller, matrix: matrix.premultiply(pose).premultiply(wheel) });
+      });
+    });
+    return placed;
   }
 
-  end(): void {
-    this.mesh.count = this.count;
-    this.mesh.instanceMatrix.needsUpdate = true;
-    this.mesh.boundingSphere = null;
+  /** How high above its own place a robot reaches, m. */
+  height(state: RobotState): number {
+    let top = 0;
+    const box = new THREE.Box3();
+    for (const { part, matrix } of this.parts(state, null)) {
+      const own = part.mesh.geometry.boundingBox;
+      if (own) top = Math.max(top, state.pose[2] - box.copy(own).applyMatrix4(matrix).min.z);
+    }
+    return top;
   }
 
   dispose(): void {
-    this.mesh.geometry.dispose();
-    (this.mesh.material as THREE.Material).dispose();
-    this.mesh.dispose();
+    this.all.forEach((part) => part.dispose());
   }
 
-  private make(geometry: THREE.BufferGeometry, material: THREE.Material, capacity: number): THREE.InstancedMesh {
-    const mesh = new THREE.InstancedMesh(geometry, material, capacity);
-    mesh.count = 0;
-    // The robots are nearly always in sight, and a bounding sphere of all of them would have to be made each frame.
-    mesh.frustumCulled = false;
-    mesh.castShadow = mesh.receiveShadow = true;
-    this.parent.add(mesh);
-    return mesh;
+  private measure(): void {
+    this.all.forEach(({ mesh }) => mesh.geometry.attributes.position && mesh.geometry.computeBoundingBox());
+    const add = (part: Instances | undefined, x: number, y: number, z: number) => {
+      const box = part?.mesh.geometry.boundingBox;
+      if (box) this.bounds.union(box.clone().translate(new THREE.Vector3(x, y, z)));
+    };
+    add(this.body, 0, 0, 0);
+    this.robotClass.wheels.forEach(({ link, position }, index) => {
+      if (link !== null) return;
+      add(this.wheels[index], ...position);
+      // Its rollers stand out of it.
+      const { wheel_radius: radius } = this.robotClass;
+      this.bounds.expandByPoint(new THREE.Vector3(position[0], position[1], position[2] + radius));
+    });
+    if (this.bounds.isEmpty()) this.bounds.set(new THREE.Vector3(-0.2, -0.2, -0.1), new THREE.Vector3(0.2, 0.2, 0.1));
   }
-}
-
-/** A piece of a wheel, which turns about y, with a lighter sector by which one sees it turn. */
-function spoked({ shape, pose, colour }: Drawn): THREE.BufferGeometry {
-  const lighter: Colour = [0, 1, 2].map((part) => Math.min(1, (colour[part] ?? 0) + 0.3)) as Colour;
-  const isSector = (x: number, z: number) => Math.abs(Math.atan2(z, x)) < 0.3;
-  return solidGeometry(shape, pose, (x, _, z) => (isSector(x, z) ? lighter : colour));
-}
-
-/** A roller's exact outline turned about its x axis. */
-function roller(outline: [number, number][], colour: Colour): THREE.BufferGeometry {
-  const points = outline.map(([along, radius]) => new THREE.Vector2(radius, along));
-  const [first, last] = [outline[0] ?? [0, 0], outline[outline.length - 1] ?? [0, 0]];
-  points.unshift(new THREE.Vector2(0, first[0]));
-  points.push(new THREE.Vector2(0, last[0]));
-  // The lathe turns about y.
-  const geometry = new THREE.LatheGeometry(points, SEGMENTS).rotateZ(-Math.PI / 2);
-  return coloured(geometry, (_, y, z) => (Math.abs(Math.atan2(z, y)) < 0.35 ? STRIPE : colour));
 }

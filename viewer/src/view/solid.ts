@@ -5,8 +5,8 @@ import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
 import type { Colour, Pose, Shape } from '../protocol/scene';
 import { setPose } from './pose';
 
-/** Edge of the square that stands for a plane without end, m. */
-const PLANE_EDGE = 240;
+/** Edge of the square that stands for a plane without end, m: its end is beyond what the air lets through. */
+const PLANE_EDGE = 1400;
 
 /** The colour of a corner, by where it is if it depends on that. */
 type Colouring = Colour | ((x: number, y: number, z: number) => Colour);
@@ -15,7 +15,7 @@ export function solidGeometry(shape: Shape, pose: Pose, colour: Colouring): THRE
   return coloured(shapeGeometry(shape).applyMatrix4(setPose(new THREE.Matrix4(), pose)), colour);
 }
 
-function shapeGeometry(shape: Shape): THREE.BufferGeometry {
+export function shapeGeometry(shape: Shape): THREE.BufferGeometry {
   if (shape === 'HalfSpace') {
     // It is seen from above, which is -z.
     return new THREE.PlaneGeometry(PLANE_EDGE, PLANE_EDGE).rotateX(Math.PI);

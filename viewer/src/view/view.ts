@@ -1,164 +1,229 @@
-/** The 3-D view: renderer, camera, lights, and what is in the world. */
+/** The 3-D view: what the page tells it and asks it. */
 
 import * as THREE from 'three';
-import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
-import { CSS2DRenderer } from 'three/addons/renderers/CSS2DRenderer.js';
 import type { Frame, Scan } from '../protocol/frame';
 import type { Scene, Vector } from '../protocol/scene';
+import { type CameraMode, Cameras } from './cameras';
+import { colourOf } from './colours';
+import { Ghost } from './ghost';
+import { Gizmo } from './gizmo';
+import { Labels } from './labels';
 import { MapView } from './map';
-import { type Layer, Overlay } from './overlay';
-import { RobotFleet } from './robot';
+import { moved } from './moved';
+import { Outline } from './outline';
+import { type Layer, Overlay, mountOf } from './overlay';
+import type { Quality } from './quality';
+import { Robots, type Roster } from './robots';
+import { labelMap, labelMetres, labelObjects, labelRobots } from './signs';
+import { Stage } from './stage';
 
-export type CameraMode = 'orbit' | 'follow' | 'top';
+export { CAMERAS, type CameraMode } from './cameras';
+export type { Quality } from './quality';
+export type { Roster } from './robots';
 
-/** Class and name of a robot by its number. */
-export type Roster = (robot: number) => { name: string; class: string } | null;
+/** Half the edge of what is shown of a map without anything, m, and the room about a robot, in its lengths. */
+const EMPTY_REACH = 2.5;
+const ROOM = 0.6;
+/** A picture is not started while so many are not done. */
+const MOST_BEHIND = 2;
+/** From a camera's axes (x right, y up, z back) to a sensor's (x ahead, y right, z down). */
+const CAMERA_IN_SENSOR = new THREE.Matrix4().makeBasis(
+  new THREE.Vector3(0, 1, 0),
+  new THREE.Vector3(0, 0, -1),
+  new THREE.Vector3(-1, 0, 0),
+);
 
-const SKY = { light: 0xe9edf0, dark: 0x1c2126 };
+interface World {
+  scene: Scene;
+  map: MapView;
+  robots: Robots;
+  overlay: Overlay;
+}
 
 export class View {
-  private readonly renderer: THREE.WebGLRenderer;
-  private readonly labels = new CSS2DRenderer();
-  private readonly camera = new THREE.PerspectiveCamera(45, 1, 0.03, 300);
-  private readonly controls: OrbitControls;
-  private readonly stage = new THREE.Scene();
-  /** z down, as the wire has it. */
-  private readonly world = new THREE.Group();
-  private readonly sun = new THREE.DirectionalLight(0xffffff, 2.2);
-  private map: MapView | null = null;
-  private overlay: Overlay | null = null;
-  private fleets = new Map<string, RobotFleet>();
-  private placed = new Map<string, number[]>();
+  private readonly stage: Stage;
+  private readonly cameras: Cameras;
+  private readonly labels: Labels;
+  private readonly gizmo: Gizmo;
+  private readonly outline = new Outline();
+  private readonly ghost = new Ghost();
+  private world: World | null = null;
   private readonly shown = new Map<Layer, boolean>();
   private frame: Frame | null = null;
-  private mode: CameraMode = 'orbit';
-  private followed: number | null = null;
+  private drawnFrame: Frame | null = null;
+  private looked: number | null = null;
   private stale = true;
   private drawn: number[] = [];
+  private last = performance.now();
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
     labels: HTMLElement,
     private readonly roster: Roster,
   ) {
-    // Without a graphics card smooth edges and shadows would take most of the time.
-    const software = isSoftware();
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software });
-    this.renderer.setPixelRatio(software ? 1 : Math.min(2, window.devicePixelRatio));
-    this.renderer.shadowMap.enabled = !software;
-    this.labels.domElement.className = 'labels';
-    labels.append(this.labels.domElement);
-    THREE.Object3D.DEFAULT_UP.set(0, 0, 1);
-    this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-2.2, -2.4, 1.7);
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.maxPolarAngle = Math.PI / 2 - 0.01;
-    this.controls.minDistance = 0.1;
-    this.controls.maxDistance = 150;
-    this.controls.addEventListener('change', () => (this.stale = true));
-    this.world.rotation.x = Math.PI;
-    this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(2048, 2048);
-    Object.assign(this.sun.shadow.camera, { left: -4, right: 4, top: 4, bottom: -4, near: 1, far: 30 });
-    this.stage.add(this.world, new THREE.HemisphereLight(0xffffff, 0x8c8f94, 1.6), this.sun, this.sun.target);
+    const refresh = () => (this.stale = true);
+    this.cameras = new Cameras(
+      canvas,
+      {
+        surfaceAt: (x, y) => this.surfaceAt(x, y),
+        robot: () => this.lookedRobot(),
+        robotsEye: () => this.robotsEye(),
+        hover: (x, y) => this.hover(this.robotAt(this.rayAt(x, y))),
+        leave: () => this.hover(null),
+      },
+      refresh,
+    );
+    this.stage = new Stage(canvas, this.cameras.camera, () => this.bodiless(), refresh);
+    this.labels = new Labels(labels, (place) => this.isBehind(place));
+    this.gizmo = new Gizmo(labels, (yaw, pitch) => this.cameras.lookFrom(yaw, pitch));
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
-    const draw = () => {
+    const draw = (now: number) => {
       requestAnimationFrame(draw);
-      this.draw();
+      this.draw(now);
     };
     requestAnimationFrame(draw);
   }
 
   /** Takes another world. */
   setScene(scene: Scene): void {
-    this.map?.dispose();
-    this.overlay?.clear();
-    this.fleets.forEach((fleet) => fleet.dispose());
-    this.world.clear();
-    this.map = new MapView(scene);
-    this.overlay = new Overlay(scene);
-    this.fleets = new Map(Object.entries(scene.classes).map(([name, robot]) => [name, new RobotFleet(robot)]));
-    this.world.add(this.map.group, this.overlay.group, ...[...this.fleets.values()].map((fleet) => fleet.group));
+    this.world?.map.dispose();
+    this.world?.overlay.dispose();
+    this.world?.robots.dispose();
+    this.outline.clear();
+    this.ghost.clear();
+    this.labels.clear();
+    this.stage.world.clear();
+    this.frame = this.drawnFrame = null;
+    const map = new MapView(scene, this.stage.surfaces);
+    const world = { scene, map, robots: new Robots(scene, this.stage.surfaces, this.roster), overlay: new Overlay() };
+    if (this.world) world.robots.selected = this.world.robots.selected;
+    this.world = world;
+    world.map.setTheme(this.stage.theme);
+    world.overlay.select(world.robots.selected);
+    this.stage.world.add(map.group, world.robots.group, world.overlay.group, this.outline.group, this.ghost.group);
+    labelMap(this.labels, scene);
+    labelObjects(this.labels, scene, []);
     this.shown.forEach((shown, layer) => this.show(layer, shown));
-    this.stale = true;
+    this.cameras.home(this.extent(), true);
+    if (!this.stage.isSoftware) this.cameras.startTurntable();
+    this.stage.renewShadows();
+    this.resize();
   }
 
   setFrame(frame: Frame): void {
-    if (this.frame && frame.time < this.frame.time) this.overlay?.clear();
+    if (this.frame && frame.time < this.frame.time) this.world?.overlay.clear();
     this.frame = frame;
+    const forces = this.shown.get('forces') === true;
+    if (this.drawnFrame && !moved(this.drawnFrame, frame, forces)) return;
     this.stale = true;
+    this.stage.renewShadows();
   }
 
   setScan(scan: Scan): void {
     const robot = this.frame?.robots.find(({ id }) => id === scan.robot);
-    const robotClass = this.fleets.get(this.roster(scan.robot)?.class ?? '')?.robotClass;
-    if (robot && robotClass) this.overlay?.scan(scan, robot, robotClass);
+    const robotClass = this.world?.robots.classOf(scan.robot);
+    if (!robot || !robotClass) return;
+    this.world?.overlay.scan(scan, robot, robotClass);
+    this.stale = true;
   }
 
   setDark(dark: boolean): void {
-    this.stage.background = new THREE.Color(dark ? SKY.dark : SKY.light);
-    this.stage.fog = new THREE.Fog(this.stage.background, 30, 120);
-    this.stale = true;
+    this.stage.setDark(dark);
+    this.world?.map.setTheme(this.stage.theme);
   }
 
   show(layer: Layer, shown: boolean): void {
     this.shown.set(layer, shown);
     if (layer === 'grid') {
-      if (this.map) this.map.grid.visible = shown;
-    } else {
-      this.overlay?.show(layer, shown);
-      if (layer === 'names') this.map?.showNames(shown);
-    }
+      this.stage.grid.mesh.visible = shown;
+      this.labels.layers.metres = shown;
+    } else if (layer === 'names') {
+      Object.assign(this.labels.layers, { robot: shown, start: shown, node: shown, object: shown });
+    } else this.world?.overlay.show(layer, shown);
     this.stale = true;
   }
 
   /** Looks in another way, at a robot if there is one. */
   look(mode: CameraMode, robot: number | null): void {
-    const changed = mode !== this.mode;
-    this.mode = mode;
-    this.followed = robot;
-    this.controls.enableRotate = mode !== 'top';
-    if (changed) {
-      const place = this.placeOf(robot) ?? this.controls.target.clone();
-      const distance = mode === 'follow' ? 2 : Math.max(3, this.camera.position.distanceTo(this.controls.target));
-      this.controls.target.copy(place);
-      if (mode === 'top') this.camera.position.set(place.x, place.y - 0.001, place.z + distance);
-      else this.camera.position.set(place.x - 0.7 * distance, place.y - 0.7 * distance, place.z + 0.6 * distance);
-    }
-    this.stale = true;
+    this.looked = robot;
+    this.cameras.look(mode);
   }
 
   /** Turns to a robot that may be out of sight. */
   turnTo(robot: number): void {
     const place = this.placeOf(robot);
-    if (!place) return;
-    this.camera.position.add(place.clone().sub(this.controls.target));
-    this.controls.target.copy(place);
+    if (place) this.cameras.lookAt(place);
+  }
+
+  /** Turns to an object of the map, by its number. */
+  lookAtObject(index: number): void {
+    const pose = this.frame?.objects[index];
+    if (pose) this.cameras.lookAt(new THREE.Vector3(pose[0], -pose[1], -pose[2]));
+  }
+
+  /** Shows a robot, or all of the map, as large as there is room, from the side from which it is seen now. */
+  fit(robot: number | null): void {
+    this.cameras.fit(robot === null ? this.extent() : (this.extentOf(robot) ?? this.extent()));
+  }
+
+  /** All of the map as it was seen first. */
+  home(): void {
+    this.cameras.home(this.extent());
+  }
+
+  /** Draws a line about a robot, and its sensors' fans where that layer is shown. */
+  select(robot: number | null): void {
+    if (!this.world) return;
+    this.world.robots.selected = robot;
+    this.world.overlay.select(robot);
+    this.stale = true;
+  }
+
+  setQuality(quality: Quality | 'auto'): void {
+    this.stage.ladder.set(quality);
+  }
+
+  /** The rung of the ladder of quality, 1 to 5. */
+  get quality(): Quality {
+    return this.stage.quality;
+  }
+
+  /** While something is dragged by the page, a pointer does not move the camera. */
+  holdCamera(held: boolean): void {
+    this.cameras.pointer.held = held;
+  }
+
+  clearPaths(): void {
+    this.world?.overlay.clearPaths();
     this.stale = true;
   }
 
   /** What is at a point of the screen: a robot by its number, or a place of the map in the wire's frame. */
   pick(x: number, y: number): { robot: number } | { place: Vector } | null {
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const at = new THREE.Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
-    const ray = new THREE.Raycaster();
-    ray.setFromCamera(at, this.camera);
-    const fleets = [...this.fleets].filter(([name]) => this.placed.get(name)?.length);
-    const targets = [...fleets.map(([, fleet]) => fleet.group), ...(this.map ? [this.map.ground] : [])];
-    const hit = ray.intersectObjects(targets, true)[0];
-    if (!hit) return null;
-    for (const [name, fleet] of fleets) {
-      const index = fleet.robotAt(hit);
-      const robot = index === null ? undefined : this.placed.get(name)?.[index];
-      if (robot !== undefined) return { robot };
-    }
-    return { place: [hit.point.x, -hit.point.y, -hit.point.z] };
+    const robot = this.robotAt(this.rayAt(x, y));
+    if (robot !== null) return { robot };
+    const place = this.groundAt(x, y);
+    return place && { place };
+  }
+
+  /** The ground at a point of the screen, whatever robot stands on it, in the wire's frame. */
+  groundAt(x: number, y: number): Vector | null {
+    const hit = this.groundHit(this.rayAt(x, y));
+    return hit && [hit.point.x, -hit.point.y, -hit.point.z];
+  }
+
+  /** Shows a robot of a class as if it were put on the ground there, or none. */
+  showGhost(robotClass: string | null, place: Vector = [0, 0, 0], yaw = 0): void {
+    const fleet = robotClass === null ? null : (this.world?.robots.fleet(robotClass) ?? null);
+    const alike = this.world?.robots.all.find((known) => known.fleet === fleet)?.state ?? null;
+    this.ghost.show(fleet, place, yaw, alike);
+    this.stale = true;
   }
 
   /** The picture as it is, as a PNG. */
   async screenshot(): Promise<Blob | null> {
-    this.renderer.render(this.stage, this.camera);
+    this.stage.render(this.cameras.target, this.cameras.distance);
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
   }
 
@@ -171,8 +236,101 @@ export class View {
 
   /** Length in metres of 100 pixels where the camera looks. */
   metresPer100Pixels(): number {
-    const distance = this.camera.position.distanceTo(this.controls.target);
-    return (100 * 2 * distance * Math.tan(((this.camera.fov / 2) * Math.PI) / 180)) / this.canvas.clientHeight;
+    return 100 / this.pixelsPerMetre(this.cameras.distance);
+  }
+
+  private draw(now: number): void {
+    const seconds = Math.min(0.1, (now - this.last) / 1000);
+    if (!this.world || this.stage.stopwatch.behind >= MOST_BEHIND) return;
+    this.last = now;
+    if (!this.stale && !this.cameras.isMoving) {
+      if (this.labels.isBusy) this.labels.update(this.cameras.camera, this.cameras.distance);
+      return;
+    }
+    this.stale = false;
+    // Before, since the robots are drawn as they are seen from there; after, since it may follow them.
+    if (this.frame) this.place(this.world, this.frame);
+    this.cameras.update(seconds);
+    this.stage.render(this.cameras.target, this.cameras.distance);
+    if (this.labels.layers.metres) labelMetres(this.labels, this.cameras.target, this.metresPer100Pixels());
+    this.labels.update(this.cameras.camera, this.cameras.distance);
+    this.gizmo.update(this.cameras.camera);
+    this.drawn.push(now);
+    if (this.drawn.length > 200) this.framesPerSecond();
+  }
+
+  private place({ scene, map, robots, overlay }: World, frame: Frame): void {
+    const { x, y, z } = this.cameras.eye;
+    const eye = new THREE.Vector3(x, -y, -z);
+    robots.place(frame, eye);
+    if (scene.map.objects.length > 0) {
+      map.place(frame.objects);
+      labelObjects(this.labels, scene, frame.objects);
+    }
+    overlay.place(frame, (id) => robots.classOf(id));
+    labelRobots(this.labels, robots);
+    const selected = robots.find(robots.selected);
+    this.outline.place(selected ? selected.fleet.parts(selected.state, eye) : [], colourOf(robots.selected ?? 0));
+    this.drawnFrame = frame;
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return;
+    this.cameras.resize(width, height);
+    this.stage.resize(width, height);
+    this.labels.resize(width, height);
+    this.outline.resize(width, height);
+    this.world?.overlay.resize(this.pixelsPerMetre(1), this.stage.renderer.getPixelRatio());
+    this.stale = true;
+  }
+
+  private pixelsPerMetre(distance: number): number {
+    return this.canvas.clientHeight / (2 * distance * Math.tan(((this.cameras.camera.fov / 2) * Math.PI) / 180));
+  }
+
+  private rayAt(x: number, y: number): THREE.Raycaster {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const at = new THREE.Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(at, this.cameras.camera);
+    return ray;
+  }
+
+  private groundHit(ray: THREE.Raycaster): THREE.Intersection | null {
+    return this.world ? (ray.intersectObject(this.world.map.ground, true)[0] ?? null) : null;
+  }
+
+  /** The robot that a ray meets before the ground. */
+  private robotAt(ray: THREE.Raycaster): number | null {
+    const hit = this.meet(ray);
+    if (!hit) return null;
+    ray.far = hit.distance;
+    return this.groundHit(ray) ? null : hit.robot;
+  }
+
+  private meet(ray: THREE.Raycaster): { robot: number; distance: number } | null {
+    return this.world?.robots.meet(ray.ray.clone().applyMatrix4(this.stage.world.matrixWorld.clone().invert())) ?? null;
+  }
+
+  private surfaceAt(x: number, y: number): THREE.Vector3 | null {
+    const ray = this.rayAt(x, y);
+    const distances = [this.meet(ray)?.distance, this.groundHit(ray)?.distance].filter((far) => far !== undefined);
+    return distances.length > 0 ? ray.ray.at(Math.min(...distances), new THREE.Vector3()) : null;
+  }
+
+  private isBehind(place: THREE.Vector3): boolean {
+    const eye = this.cameras.camera.position;
+    const way = place.clone().sub(eye);
+    const ray = new THREE.Raycaster(eye, way.clone().normalize(), 0, way.length() - 0.05);
+    return this.groundHit(ray) !== null;
+  }
+
+  private hover(robot: number | null): void {
+    if (!this.world || this.world.robots.hovered === robot) return;
+    this.world.robots.hovered = robot;
+    this.canvas.classList.toggle('over-robot', robot !== null);
+    this.stale = true;
   }
 
   /** Where a robot is on the stage. */
@@ -181,53 +339,48 @@ export class View {
     return pose ? new THREE.Vector3(pose[0], -pose[1], -pose[2]) : null;
   }
 
-  private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    if (width === 0 || height === 0) return;
-    this.renderer.setSize(width, height, false);
-    this.labels.setSize(width, height);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
-    this.stale = true;
+  private lookedRobot(): ReturnType<ConstructorParameters<typeof Cameras>[1]['robot']> {
+    const [place, known] = [this.placeOf(this.looked), this.world?.robots.find(this.looked)];
+    if (!place || !known) return null;
+    const [, , , x, y, z, w] = known.state.pose;
+    const ahead = new THREE.Vector3(1, 0, 0).applyQuaternion(new THREE.Quaternion(x, y, z, w));
+    const size = known.fleet.bounds.getSize(new THREE.Vector3()).length();
+    return { place, yaw: Math.atan2(-ahead.y, ahead.x), size };
   }
 
-  private draw(): void {
-    if (!this.stale || !this.map) return;
-    this.stale = false;
-    if (this.frame) this.place(this.frame);
-    this.controls.update();
-    this.renderer.render(this.stage, this.camera);
-    this.labels.render(this.stage, this.camera);
-    this.drawn.push(performance.now());
-    if (this.drawn.length > 200) this.framesPerSecond();
+  /** From the robot's own camera, or from its front if it has none. */
+  private robotsEye(): THREE.Matrix4 | null {
+    const known = this.world?.robots.find(this.looked);
+    if (!known) return null;
+    const { min, max } = known.fleet.bounds;
+    const camera = known.fleet.robotClass.sensors.find(({ name }) => /cam/i.test(name));
+    const front = { link: null, pose: [max.x + 0.02, 0, min.z + 0.02, 0, 0, 0, 1] as const };
+    const mount = mountOf(camera ?? { ...front, pose: [...front.pose] }, known.state);
+    return mount.multiply(CAMERA_IN_SENSOR).premultiply(this.stage.world.matrixWorld);
   }
 
-  private place(frame: Frame): void {
-    for (const [name, fleet] of this.fleets) {
-      const robots = frame.robots.filter(({ id }) => this.roster(id)?.class === name);
-      fleet.place(robots);
-      this.placed.set(
-        name,
-        robots.map(({ id }) => id),
-      );
-    }
-    this.map?.place(frame.objects);
-    this.overlay?.place(frame, this.roster);
-    const place = this.mode === 'orbit' ? null : this.placeOf(this.followed);
-    if (place) {
-      this.camera.position.add(place.clone().sub(this.controls.target));
-      this.controls.target.copy(place);
-    }
-    this.sun.target.position.copy(this.controls.target);
-    this.sun.position.copy(this.controls.target).add(new THREE.Vector3(-4, 3, 9));
+  /** All that has an end, with room about it. */
+  private extent(): THREE.Box3 {
+    const box = this.world?.map.bounds.clone() ?? new THREE.Box3();
+    for (const { id } of this.frame?.robots ?? []) box.union(this.extentOf(id) ?? new THREE.Box3());
+    if (box.isEmpty()) box.expandByPoint(new THREE.Vector3());
+    const { x, y } = box.getSize(new THREE.Vector3());
+    const room = Math.max(0.3, EMPTY_REACH - Math.max(x, y) / 2);
+    box.expandByVector(new THREE.Vector3(room, room, 0));
+    box.max.z = Math.max(box.max.z, 0.3);
+    return box;
   }
-}
 
-/** Whether the browser draws without a graphics card. */
-function isSoftware(): boolean {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  const info = gl?.getExtension('WEBGL_debug_renderer_info');
-  const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
-  gl?.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
+  private extentOf(robot: number): THREE.Box3 | null {
+    const [place, known] = [this.placeOf(robot), this.world?.robots.find(robot)];
+    if (!place || !known) return null;
+    const size = known.fleet.bounds.getSize(new THREE.Vector3()).length();
+    return new THREE.Box3().setFromCenterAndSize(place, new THREE.Vector3(1, 1, 0.6).multiplyScalar(size * (1 + ROOM)));
+  }
+
+  private bodiless(): THREE.Object3D[] {
+    const { map, robots, overlay } = this.world ?? {};
+    const decals = [...(map?.decals ?? []), ...(robots ? [robots.decal] : []), ...(map ? [map.starts] : [])];
+    return [...decals, ...(overlay ? [overlay.group] : []), this.outline.group, this.ghost.group];
+  }
 }

@@ -1,0 +1,33 @@
+/** Everything that can be done by name or by key: the palette, the list of keys and the keyboard read this. */
+
+import { ARROWS, isForControl } from './panel/keys';
+
+export interface Action {
+  name: string;
+  /** `event.key`, and how the key is shown where that differs */
+  key?: string;
+  shown?: string;
+  run: () => void;
+}
+
+/** Runs actions by their keys; `driving` says whether a robot has the keys that drive. */
+export function listenToKeys(actions: Action[], driving: () => boolean): void {
+  window.addEventListener('keydown', (event) => {
+    if (document.querySelector('dialog[open]')) return;
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'k') {
+      event.preventDefault();
+      actions.find(({ shown }) => shown === 'Ctrl K')?.run();
+      return;
+    }
+    if (event.ctrlKey || event.metaKey || event.altKey || isForControl(event, driving())) return;
+    const action = actions.find(({ key }) => key === event.key);
+    if (!action || (ARROWS.includes(event.key) && driving())) return;
+    // Else the button that has the focus is pressed, too.
+    event.preventDefault();
+    if (!event.repeat) action.run();
+  });
+  // Some browsers press the button that has the focus when the space bar comes up.
+  window.addEventListener('keyup', (event) => {
+    if (event.key === ' ' && !isForControl(event, driving())) event.preventDefault();
+  });
+}

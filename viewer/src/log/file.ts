@@ -1,0 +1,256 @@
+/**
+ * A log of the server (docs/logs.md), opened in the browser: what was there at any time, and what was said. Only its index is
+ * kept, and the parts that were read last.
+ */
+
+import type { Frame, Scan } from '../protocol/frame';
+import type { Status, WireLine } from '../protocol/live';
+import type { Pose, Scene } from '../protocol/scene';
+import { Chunks, lastMessage, messagesBetween } from './chunks';
+import { type Chunk, type Contents, type Message, readContents } from './mcap';
+import { readLeft, readLine, readLineOwner, readObject, readRanges, readState, readTransforms } from './messages';
+import { rangesOfLine } from './ranges';
+import { type LogClass, type LogRobotState, robotState } from './robot';
+import { Source } from './source';
+
+export interface LogScene extends Scene {
+  classes: Record<string, LogClass>;
+}
+export interface LogFrame extends Frame {
+  robots: LogRobotState[];
+}
+export type LogRobots = Status['robots'];
+
+/** Where everything was, and who was there. */
+export interface Moment {
+  frame: LogFrame;
+  robots: LogRobots;
+}
+
+/** The newest format of logs that is read, as in crates/recorder/src/lib.rs. */
+const FORMAT = 2;
+/** Robots are recorded every 20 ms or at the first step after, which takes 20 ms at most; ns. */
+const STATE_WINDOW = 50e6;
+/** Lines that are given at once, the newest; more are more than a page shows. */
+const MAX_LINES = 1000;
+
+interface Slot {
+  frame: string;
+  state: number;
+  transforms: number | undefined;
+  sensors: { name: string; channel: number }[];
+}
+
+export class LogFile {
+  /** s */
+  readonly start: number;
+  /** s */
+  readonly end: number;
+  /** Why the rest of the file cannot be read; `null` for a log that is whole. */
+  readonly damage: string | null;
+  private readonly chunks: Chunks;
+  private readonly slots: Slot[];
+  /** Channels by the objects' numbers. */
+  private readonly objects: Map<number, number>;
+  private readonly connections = new Map<number, number>();
+
+  private constructor(
+    source: Source,
+    contents: Contents,
+    /** What describes the run: seed, time step, and what else it was begun with. */
+    readonly run: Record<string, string>,
+    readonly scene: LogScene,
+  ) {
+    const last = contents.chunks.reduce((end, chunk) => Math.max(end, chunk.end), 0) / 1e9;
+    this.start = numberOf(run.began) ?? 0;
+    this.end = Math.max(numberOf(contents.metadata.get('end')?.seconds) ?? last, this.start);
+    this.damage = contents.damage;
+    this.chunks = new Chunks(source, contents, (chunk) => this.learn(chunk));
+    this.slots = slotsOf(contents.topics);
+    this.objects = new Map(
+      [...contents.topics].flatMap(([channel, topic]) => {
+        const [, object] = /^\/map\/object\/(\d+)$/.exec(topic) ?? [];
+        return object === undefined ? [] : [[Number(object), channel] as const];
+      }),
+    );
+  }
+
+  /** Opens a log. `askScene` makes the scene that the page draws of the one that the log has. */
+  static async open(file: Blob, askScene: (stored: string) => Promise<Scene> = postScene): Promise<LogFile> {
+    const source = new Source(file);
+    const contents = await readContents(source);
+    const run = contents.metadata.get('run');
+    if (!run) throw new Error('no log of usarsim: expected the metadata `run`');
+    const format = numberOf(run.format) ?? 1;
+    if (!(format >= 1 && format <= FORMAT)) {
+      throw new Error(`it is of format ${run.format}, expected 1 to ${FORMAT}; a newer usarsim may read it`);
+    }
+    if (run.scene === undefined) throw new Error('no `scene` in its metadata');
+    const scene = (await askScene(run.scene)) as LogScene;
+    // The text has several MB where a map has meshes.
+    const { scene: _, ...rest } = run;
+    const numbers = { seed: numberOf(run.seed) ?? 0, time_step: numberOf(run.time_step) ?? 0 };
+    return new LogFile(source, contents, rest, { ...scene, ...numbers });
+  }
+
+  /** Where everything was at a time, s. */
+  async frameAt(time: number): Promise<LogFrame> {
+    return (await this.momentAt(time)).frame;
+  }
+
+  /** The same, and who was there. Nothing is between two states of a robot, which are 20 ms apart: the earlier one counts. */
+  async momentAt(time: number): Promise<Moment> {
+    const [until, chunks] = await this.chunksBetween(time - STATE_WINDOW / 1e9, time);
+    const gone = this.leftBy(chunks, until);
+    const found = this.slots.flatMap((slot) => {
+      const message = lastOf(chunks, slot.state, until);
+      const state = message && readState(message.data);
+      const robotClass = state && this.scene.classes[state.class];
+      if (!state || !robotClass || gone.has(state.robot)) return [];
+      const moved = lastOf(chunks, slot.transforms, until);
+      const transforms = moved ? readTransforms(moved.data) : new Map<string, Pose>();
+      return [{ state, robot: robotState(state, robotClass, slot.frame, transforms) }];
+    });
+    found.sort((a, b) => a.robot.id - b.robot.id);
+    const robots = found.map(({ state: { robot: id, class: robotClass, name } }) => {
+      return { id, class: robotClass, name, connection: this.connections.get(id) ?? null, battery: null };
+    });
+    const objects = await Promise.all(
+      this.scene.map.objects.map(({ pose }, number) => this.objectAt(number, until, pose)),
+    );
+    return { frame: { time, robots: found.map(({ robot }) => robot), objects }, robots };
+  }
+
+  /** What was said from after one time up to another, s; of very much the newest. */
+  async linesBetween(after: number, until: number): Promise<WireLine[]> {
+    const [to, chunks] = await this.chunksBetween(after, until);
+    const of = (chunk: Chunk, direction: 'in' | 'out') => {
+      const messages = messagesBetween([chunk], this.chunks.channel(`/wire/${direction}`), nanoseconds(after), to);
+      return messages.map((message) => ({ message, direction }));
+    };
+    const lines = chunks.flatMap((chunk) => {
+      return [...of(chunk, 'in'), ...of(chunk, 'out')].sort((a, b) => a.message.order - b.message.order);
+    });
+    return lines.slice(-MAX_LINES).map(({ message, direction }) => {
+      const { connection, robot, line } = readLine(message.data);
+      return { time: message.time / 1e9, direction, connection, robot, text: line };
+    });
+  }
+
+  /** The newest scan of each laser and sonar from after one time up to another, s. */
+  async scansBetween(after: number, until: number): Promise<Scan[]> {
+    const [to, chunks] = await this.chunksBetween(after, until);
+    const from = nanoseconds(after);
+    const robots = this.slots.flatMap((slot) => {
+      const state = lastOf(chunks, slot.state, to);
+      if (!state) return [];
+      const { robot, class: robotClass } = readState(state.data);
+      return [{ robot, slot, sensors: this.scene.classes[robotClass]?.sensors ?? [] }];
+    });
+    // Only the wire says what sonars measured, and lasers that are not level.
+    const others = robots.filter(({ sensors }) =>
+      sensors.some(({ max_range, fan }) => max_range !== null && !fan?.level),
+    );
+    const onWire = this.rangesOnWire(chunks, new Set(others.map(({ robot }) => robot)), from, to);
+    const scans = robots.flatMap(({ robot, slot, sensors }) => {
+      const ranges = new Map(onWire.get(robot));
+      for (const { name, channel } of slot.sensors) {
+        const message = lastOf(chunks, channel, to);
+        if (message && message.time > from) ranges.set(name, readRanges(message.data));
+      }
+      return sensors.map(({ name, max_range }, sensor) => {
+        const parts = ranges.get(name)?.map((range) => Math.min(1, Math.max(0, range / (max_range ?? 1))));
+        return max_range && parts ? { robot, sensor, ranges: parts } : null;
+      });
+    });
+    return scans.filter((scan) => scan !== null);
+  }
+
+  /** The newest ranges that lines say, m, by robots and names of sensors. */
+  private rangesOnWire(
+    chunks: Chunk[],
+    robots: Set<number>,
+    from: number,
+    to: number,
+  ): Map<number, Map<string, number[]>> {
+    const found = new Map([...robots].map((robot) => [robot, new Map<string, number[]>()]));
+    const lines = robots.size > 0 ? messagesBetween(chunks, this.chunks.channel('/wire/out'), from, to) : [];
+    for (const { data } of lines) {
+      const ranges = found.get(readLineOwner(data).robot ?? -1);
+      if (ranges) rangesOfLine(readLine(data).line).forEach((it) => ranges.set(it.name, it.ranges));
+    }
+    return found;
+  }
+
+  private async chunksBetween(after: number, until: number): Promise<[number, Chunk[]]> {
+    const to = nanoseconds(until);
+    return [to, await this.chunks.between(nanoseconds(after), to)];
+  }
+
+  /** Robots that have left; before `/robots/left` the end of their connection said so. */
+  private leftBy(chunks: Chunk[], until: number): Set<number> {
+    const of = (topic: string) => messagesBetween(chunks, this.chunks.channel(topic), -1, until);
+    const left = of('/robots/left').map(({ data }) => readLeft(data));
+    const closed = of('/wire/closed').flatMap(({ data }) => readLineOwner(data).robot ?? []);
+    return new Set([...left, ...closed]);
+  }
+
+  /** An object is where it was recorded last, or where the map has it. */
+  private async objectAt(number: number, until: number, pose: Pose): Promise<Pose> {
+    const channel = this.objects.get(number);
+    const message = channel === undefined ? null : await this.chunks.lastOf(channel, until);
+    return message ? readObject(message.data) : pose;
+  }
+
+  /** Which connection each robot has. */
+  private learn(chunk: Chunk): void {
+    for (const topic of ['/wire/in', '/wire/out']) {
+      for (const { data } of chunk.messages.get(this.chunks.channel(topic) ?? -1) ?? []) {
+        const { connection, robot } = readLineOwner(data);
+        if (robot !== null) this.connections.set(robot, connection);
+      }
+    }
+  }
+}
+
+/** The scene that the page's own server makes of the one of a log. */
+export async function postScene(stored: string): Promise<Scene> {
+  const response = await fetch('scene.json', { method: 'POST', body: stored });
+  if (!response.ok) throw new Error((await response.text()).trim());
+  return (await response.json()) as Scene;
+}
+
+/** The topics of robots by their slots: the numbers in topics, which are given back. */
+function slotsOf(topics: Map<number, string>): Slot[] {
+  const slots = new Map<string, Map<string, number>>();
+  for (const [channel, topic] of topics) {
+    const [, slot, name] = /^\/robot\/(\d+)\/(.+)$/.exec(topic) ?? [];
+    if (slot === undefined || name === undefined) continue;
+    slots.set(slot, (slots.get(slot) ?? new Map<string, number>()).set(name, channel));
+  }
+  return [...slots].flatMap(([slot, channels]) => {
+    const state = channels.get('state');
+    const sensors = [...channels].flatMap(([name, channel]) => {
+      return name.startsWith('sensor/') ? [{ name: name.slice('sensor/'.length), channel }] : [];
+    });
+    return state === undefined ? [] : [{ frame: `robot/${slot}`, state, transforms: channels.get('tf'), sensors }];
+  });
+}
+
+/** The last message of a channel in chunks up to a time. */
+function lastOf(chunks: Chunk[], channel: number | undefined, until: number): Message | null {
+  for (let at = chunks.length - 1; at >= 0; at--) {
+    const found = lastMessage(chunks[at]!, channel, until);
+    if (found) return found;
+  }
+  return null;
+}
+
+function nanoseconds(seconds: number): number {
+  return Math.round(seconds * 1e9);
+}
+
+function numberOf(text: string | undefined): number | null {
+  const number = Number.parseFloat(text ?? '');
+  return Number.isFinite(number) ? number : null;
+}

@@ -1,0 +1,34 @@
+/** The dialog to choose a map. */
+
+import type { Live } from '../protocol/live';
+import type { State } from '../state';
+import { closeDialog, showDialog } from './dialog';
+import { find, make } from './dom';
+import { othersAgree } from './play';
+
+export function offerMaps(state: State, live: Live): void {
+  const { scene } = state;
+  if (!scene) return;
+  const choices = scene.maps.map(({ name, description }) => {
+    const isHere = name === scene.map.name;
+    const button = make(
+      'button',
+      { type: 'button', class: 'choice', 'data-map': name, 'aria-pressed': String(isHere) },
+      make('strong', {}, name),
+      make('small', {}, description),
+    );
+    button.onclick = () => {
+      closeDialog();
+      void change(state, live, name);
+    };
+    return button;
+  });
+  if (choices.length === 0)
+    choices.push(make('button', { type: 'button', disabled: '' }, 'This server offers no other map.'));
+  void showDialog('Maps', make('div', { class: 'choices' }, ...choices));
+  find('dialog').querySelector<HTMLElement>('[aria-pressed=true]')?.focus();
+}
+
+async function change(state: State, live: Live, map: string): Promise<void> {
+  if (await othersAgree(state, `Change to ${map}?`, `start again on ${map}`, 'Change the map')) live.control({ map });
+}

@@ -1,0 +1,115 @@
+/** The bar below: how time passes, which moment is shown, and logs. */
+
+import type { Live } from '../protocol/live';
+import type { Playback } from '../playback';
+import type { State } from '../state';
+import { ask } from './dialog';
+import { find, make, setText } from './dom';
+
+/** Time that one press of Step is, s. */
+const STEP = 0.01;
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 10];
+
+export class PlayBar {
+  private readonly pause = find<HTMLButtonElement>('pause');
+  private readonly record = find<HTMLButtonElement>('record');
+  private readonly speed = find<HTMLSelectElement>('speed');
+  private readonly timeline = find<HTMLInputElement>('timeline');
+  private readonly live = find('live');
+  private readonly reset = find<HTMLButtonElement>('reset');
+
+  constructor(
+    private readonly state: State,
+    private readonly server: Live,
+    private readonly playback: Playback,
+  ) {
+    this.speed.append(
+      ...SPEEDS.map((speed) => make('option', { value: String(speed) }, `${speed} ×`)),
+      make('option', { value: '0' }, 'fastest'),
+    );
+    this.pause.onclick = () => {
+      if (playback.mode === 'log') playback.playOrPause();
+      else server.control({ pause: !state.status?.paused });
+    };
+    find('step').onclick = () => {
+      if (playback.mode === 'log') playback.step(STEP);
+      else server.control({ step: Math.max(1, Math.round(STEP / (state.scene?.time_step ?? STEP))) });
+    };
+    this.reset.onclick = () => void this.resetWorld();
+    this.record.onclick = () => server.control({ record: state.status?.recording === null });
+    this.speed.onchange = () => {
+      if (playback.mode === 'log') playback.setRate(Number(this.speed.value) || 1);
+      else server.control({ speed: Number(this.speed.value) });
+    };
+    this.timeline.oninput = () => playback.goTo(Number(this.timeline.value));
+    this.live.onclick = () => playback.goLive();
+    this.buildOpening();
+  }
+
+  /** Where the shown moment is in what can be shown; to be called a few times a second. */
+  updateTime(): void {
+    const { frame } = this.state;
+    if (!frame) return;
+    setText(find('time'), frame.time.toFixed(3));
+    const [first, last] = this.playback.range;
+    this.timeline.min = String(first);
+    this.timeline.max = String(last);
+    if (document.activeElement !== this.timeline || this.playback.mode === 'live')
+      this.timeline.value = String(frame.time);
+    this.timeline.setAttribute('aria-valuetext', `${frame.time.toFixed(1)} s`);
+  }
+
+  update(): void {
+    const { status } = this.state;
+    const { mode } = this.playback;
+    this.live.hidden = mode === 'live';
+    if (!status) return;
+    const { isPaused, logName } = this.playback;
+    setText(find('mode'), logName ?? (mode === 'past' ? 'past' : isPaused ? 'paused' : 'live'));
+    find('mode').dataset.mode = mode === 'live' && isPaused ? 'paused' : mode;
+    setText(find('factor'), isPaused ? '0' : (logName ? this.playback.rate : status.real_time_factor).toFixed(2));
+    setText(this.pause, isPaused ? 'Resume' : 'Pause');
+    this.pause.setAttribute('aria-pressed', String(isPaused));
+    // What is asked of the server is not asked by who looks at a log.
+    this.record.disabled = this.reset.disabled = logName !== null;
+    setText(this.record, status.recording ? 'Stop recording' : 'Record');
+    this.record.setAttribute('aria-pressed', String(status.recording !== null));
+    this.record.title = status.recording ?? 'Write an MCAP log on the server';
+    const speed = String(logName ? this.playback.rate : status.speed);
+    if (![...this.speed.options].some(({ value }) => value === speed)) {
+      this.speed.append(make('option', { value: speed }, `${speed} ×`));
+    }
+    if (document.activeElement !== this.speed) this.speed.value = speed;
+  }
+
+  /** By the button, or by dropping a file anywhere. */
+  private buildOpening(): void {
+    const input = find<HTMLInputElement>('log-file');
+    const open = (files: FileList | null | undefined) => files?.[0] && void this.playback.open(files[0]);
+    find('open-log').onclick = () => input.click();
+    input.onchange = () => {
+      open(input.files);
+      // So that the same file can be chosen again.
+      input.value = '';
+    };
+    window.addEventListener('dragover', (event) => event.preventDefault());
+    window.addEventListener('drop', (event) => {
+      event.preventDefault();
+      open(event.dataTransfer?.files);
+    });
+  }
+
+  private async resetWorld(): Promise<void> {
+    if (await othersAgree(this.state, 'Reset the world?', 'go back to their starts', 'Reset'))
+      this.server.control('reset');
+  }
+}
+
+/** Asks when robots of others would notice; `what` says what becomes of them. */
+export async function othersAgree(state: State, title: string, what: string, answer: string): Promise<boolean> {
+  const others = state.othersRobots().map(({ id }) => state.nameOf(id));
+  if (others.length === 0) return true;
+  const shown =
+    others.length > 5 ? `${others.slice(0, 5).join(', ')} and ${others.length - 5} more` : others.join(', ');
+  return ask(title, `Others drive here, too: ${shown}. Their robots ${what}, and everyone is told who did it.`, answer);
+}

@@ -1,0 +1,186 @@
+/** The tree of what is in the world, with the values of robots; a click on a value plots it. */
+
+import type { State } from '../state';
+import { type Group, type Value, valuesOf } from '../values';
+import { colourOf } from '../view/overlay';
+import { find, fixed, make, setText } from './dom';
+
+/** What a click in the tree does. */
+export interface WorldActions {
+  select: (robot: number) => void;
+  lookAtObject: (index: number) => void;
+  isPlotted: (robot: number, key: string) => boolean;
+  plot: (robot: number, value: Value) => void;
+  /** Other robots show their values than before. */
+  expanded: (robots: number[]) => void;
+}
+
+interface Cell {
+  robot: number;
+  value: Value;
+  output: HTMLElement;
+  button: HTMLElement;
+}
+
+export class WorldPanel {
+  private readonly robots = make('ul', { class: 'tree', id: 'robots', 'aria-label': 'Robots' });
+  private readonly rest = make('div', {});
+  /** Robots whose values a person has opened or closed. */
+  private readonly opened = new Map<number, boolean>();
+  /** Groups that a person has opened or closed, by their names. */
+  private readonly openGroups = new Map<string, boolean>([
+    ['Pose', true],
+    ['Velocity', true],
+  ]);
+  private cells: Cell[] = [];
+  private shown = '';
+
+  constructor(
+    private readonly state: State,
+    private readonly actions: WorldActions,
+    spawn: () => void,
+  ) {
+    const button = make(
+      'button',
+      { id: 'open-spawn', class: 'main wide', title: 'Spawn a robot (N)' },
+      '+ Spawn a robot',
+    );
+    button.onclick = spawn;
+    const scroll = make('div', { class: 'scroll' }, heading('Robots'), this.robots, this.rest);
+    find('world').append(scroll, make('div', { class: 'foot' }, button));
+  }
+
+  /** Robots, clients or the selection are others. */
+  update(): void {
+    const shown = this.signature();
+    if (shown === this.shown) return;
+    this.shown = shown;
+    this.build();
+    this.updateValues();
+  }
+
+  /** Writes the values as they are now; to be called a few times a second. */
+  updateValues(): void {
+    // A sensor that speaks for the first time has new rows.
+    if (this.signature() !== this.shown) return this.update();
+    for (const { robot, value, output, button } of this.cells) {
+      const robotState = this.state.robotState(robot);
+      const number = robotState && value.read(robotState, this.state.sensorsOf(robot));
+      setText(output, number === null ? '–' : fixed(number, value.digits));
+      button.setAttribute('aria-pressed', String(this.actions.isPlotted(robot, value.key)));
+    }
+  }
+
+  private isOpen(robot: number): boolean {
+    return this.opened.get(robot) ?? robot === this.state.selected;
+  }
+
+  private groups(robot: number): Group[] {
+    const robotClass = this.state.classOf(robot);
+    return robotClass ? valuesOf(robotClass, this.state.sensorsOf(robot)) : [];
+  }
+
+  /** What decides the tree's shape, as a text. */
+  private signature(): string {
+    const { status, scene, selected } = this.state;
+    const robots = (status?.robots ?? []).map((robot) => {
+      const count = this.isOpen(robot.id)
+        ? this.groups(robot.id).reduce((sum, { values }) => sum + values.length, 0)
+        : -1;
+      return [robot.id, robot.class, robot.name, robot.connection, this.state.isOwn(robot), count];
+    });
+    const clients = (status?.clients ?? []).map(({ connection, dropped }) => [connection, dropped]);
+    return JSON.stringify([scene?.map.name, selected, robots, clients, status?.viewers]);
+  }
+
+  private build(): void {
+    const { status, scene } = this.state;
+    const robots = status?.robots ?? [];
+    const focused = document.activeElement?.getAttribute('data-robot');
+    this.cells = [];
+    this.robots.replaceChildren(...robots.map((robot) => this.robot(robot.id)));
+    if (robots.length === 0) {
+      const port = scene?.port ?? 3000;
+      this.robots.append(
+        make('li', { class: 'quiet' }, `No robot yet. Spawn one, or connect a controller to port ${port}.`),
+      );
+    }
+    if (focused) this.robots.querySelector<HTMLElement>(`[data-robot="${focused}"]`)?.focus();
+    this.actions.expanded(robots.map(({ id }) => id).filter((id) => this.isOpen(id)));
+    const objects = (scene?.map.objects ?? []).map(({ name }, index) => {
+      const button = make('button', { class: 'leaf' }, name);
+      button.onclick = () => this.actions.lookAtObject(index);
+      return make('li', {}, button);
+    });
+    const clients = (status?.clients ?? []).map(({ connection, peer, dropped }) => {
+      const names = robots.filter((robot) => robot.connection === connection).map(({ id }) => this.state.nameOf(id));
+      const lost = dropped > 0 ? `, too slow for ${dropped} ${dropped === 1 ? 'line' : 'lines'}` : '';
+      return make('li', {}, `${connection}: ${names.join(', ') || 'no robot'} `, make('small', {}, peer + lost));
+    });
+    const viewers = status?.viewers ?? 0;
+    const pages = viewers === 1 ? 'One page is open: this one.' : `${viewers} pages are open, this one among them.`;
+    this.rest.replaceChildren(
+      ...(objects.length > 0 ? [heading('Objects'), make('ul', { class: 'tree' }, ...objects)] : []),
+      heading('Clients'),
+      make('ul', { class: 'tree' }, ...(clients.length > 0 ? clients : [make('li', { class: 'quiet' }, 'None')])),
+      ...(viewers > 0 ? [make('p', { class: 'quiet' }, pages)] : []),
+    );
+  }
+
+  private robot(id: number): HTMLElement {
+    const robot = this.state.robot(id);
+    const name = this.state.nameOf(id);
+    const open = this.isOpen(id);
+    const expander = make(
+      'button',
+      { class: 'expander', 'aria-expanded': String(open), 'aria-label': `Values of ${name}` },
+      open ? '▾' : '▸',
+    );
+    expander.onclick = () => {
+      this.opened.set(id, !open);
+      this.update();
+    };
+    const swatch = make('i', { class: 'swatch' });
+    swatch.style.background = colourOf(id);
+    const own = robot && this.state.isOwn(robot) ? ' · yours' : '';
+    const pressed = String(id === this.state.selected);
+    const button = make(
+      'button',
+      { class: 'leaf', 'data-robot': String(id), 'aria-pressed': pressed },
+      swatch,
+      make('span', {}, name),
+      make('small', {}, `${robot?.class ?? ''}${own}`),
+    );
+    button.onclick = () => this.actions.select(id);
+    const item = make('li', {}, make('div', { class: 'branch' }, expander, button));
+    if (open) item.append(...this.groups(id).map((group) => this.group(id, group)));
+    return item;
+  }
+
+  private group(robot: number, { name, values }: Group): HTMLElement {
+    const details = make('details', { class: 'group' }, make('summary', {}, name));
+    details.open = this.openGroups.get(name) ?? false;
+    details.ontoggle = () => this.openGroups.set(name, details.open);
+    for (const value of values) {
+      const output = make('output', { 'data-value': value.key });
+      const button = make(
+        'button',
+        { class: 'value', 'aria-pressed': 'false', title: `Plot ${value.name}` },
+        make('span', {}, value.name),
+        output,
+        make('small', {}, value.unit),
+      );
+      button.onclick = () => {
+        this.actions.plot(robot, value);
+        this.updateValues();
+      };
+      details.append(button);
+      this.cells.push({ robot, value, output, button });
+    }
+    return details;
+  }
+}
+
+function heading(text: string): HTMLElement {
+  return make('h2', {}, text);
+}

@@ -1,0 +1,99 @@
+/** Every number that the page can show of a robot, and plot. */
+
+import { type RobotState, rollPitchYaw } from './protocol/frame';
+import type { RobotClass } from './protocol/scene';
+import type { SensorValues } from './protocol/sensors';
+
+export interface Value {
+  /** one of its own within a robot */
+  key: string;
+  name: string;
+  unit: string;
+  digits: number;
+  read: (robot: RobotState, sensors: SensorValues) => number | null;
+}
+
+export interface Group {
+  name: string;
+  values: Value[];
+}
+
+const DEGREES = 180 / Math.PI;
+
+/** What every robot has, then its wheels, joints and sensors: the names and numbers of what these have said so far. */
+export function valuesOf(robotClass: RobotClass, sensors: SensorValues): Group[] {
+  const groups: Group[] = [
+    { name: 'Pose', values: POSE },
+    { name: 'Velocity', values: VELOCITY },
+    { name: 'Wheels', values: robotClass.wheels.flatMap(({ name }, index) => wheelValues(name, index)) },
+    { name: 'Joints', values: robotClass.joints.flatMap(({ name }, index) => jointValues(name, index)) },
+    { name: 'Contacts', values: CONTACTS },
+    { name: 'Slip', values: robotClass.wheels.length > 0 ? slipValues(robotClass) : [] },
+    ...sensorGroups(sensors),
+  ];
+  return groups.filter(({ values }) => values.length > 0);
+}
+
+const POSE: Value[] = [
+  value('x', 'm', 3, ({ pose }) => pose[0]),
+  value('y', 'm', 3, ({ pose }) => pose[1]),
+  value('z', 'm', 3, ({ pose }) => pose[2]),
+  value('roll', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[0]),
+  value('pitch', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[1]),
+  value('yaw', '°', 1, ({ pose }) => DEGREES * rollPitchYaw(pose)[2]),
+];
+
+const VELOCITY: Value[] = [
+  value('forward', 'm/s', 3, ({ linear }) => linear[0]),
+  value('right', 'm/s', 3, ({ linear }) => linear[1]),
+  value('down', 'm/s', 3, ({ linear }) => linear[2]),
+  value('clockwise', 'rad/s', 3, ({ angular }) => angular[2]),
+];
+
+const CONTACTS: Value[] = [
+  value('contacts', '', 0, ({ contacts }) => contacts.length),
+  value('force up', 'N', 1, ({ contacts }) => contacts.reduce((sum, { force }) => sum - force[2], 0)),
+];
+
+function wheelValues(name: string, index: number): Value[] {
+  const of = (key: 'speed' | 'target' | 'angle', unit: string) =>
+    value(`${name} ${key}`, unit, 2, ({ wheels }) => wheels[index]?.[key] ?? null, `${key}${index}`);
+  return [of('speed', 'rad/s'), of('target', 'rad/s'), of('angle', 'rad')];
+}
+
+function jointValues(name: string, index: number): Value[] {
+  // Whether it turns or slides is in its name alone; both are SI.
+  return [value(name, 'rad or m', 3, ({ joints }) => joints[index]?.position ?? null, `joint${index}`)];
+}
+
+/** Velocity by the wheels minus that of the robot, by the textbook's kinematics, in which a Mecanum wheel has endlessly many rollers. */
+function slipValues({ wheel_radius: radius, steering }: RobotClass): Value[] {
+  const byWheels = ({ wheels }: RobotState) => {
+    const speeds = wheels.map(({ speed }) => speed);
+    const [frontLeft = 0, frontRight = 0, backLeft = 0, backRight = 0] = speeds;
+    const forward = (radius * speeds.reduce((sum, speed) => sum + speed, 0)) / Math.max(1, speeds.length);
+    const right = steering === 'OmniDrive' ? (radius * (frontLeft - frontRight - backLeft + backRight)) / 4 : 0;
+    return [forward, right] as const;
+  };
+  return [
+    value('slip forward', 'mm/s', 1, (robot) => 1000 * (byWheels(robot)[0] - robot.linear[0])),
+    value('slip right', 'mm/s', 1, (robot) => 1000 * (byWheels(robot)[1] - robot.linear[1])),
+  ];
+}
+
+function sensorGroups(sensors: SensorValues): Group[] {
+  return [...sensors].map(([sensor, numbers]) => ({
+    name: sensor,
+    values: [...numbers.keys()].map((key) => ({
+      key: `${sensor}/${key}`,
+      name: key,
+      unit: '',
+      digits: 3,
+      read: (_: RobotState, now: SensorValues) => now.get(sensor)?.get(key) ?? null,
+    })),
+  }));
+}
+
+function value(name: string, unit: string, digits: number, read: Value['read'], key = name): Value {
+  return { key, name, unit, digits, read };
+}

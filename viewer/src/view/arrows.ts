@@ -1,0 +1,61 @@
+/** Arrows whose number changes from frame to frame: all shafts are one mesh, all heads another. */
+
+import * as THREE from 'three';
+
+const RADIUS = 0.005;
+const HEAD = { radius: 0.014, length: 0.035 };
+const UP = new THREE.Vector3(0, 1, 0);
+/** Arrows that fit. */
+const CAPACITY = 2000;
+
+export class Arrows {
+  readonly group = new THREE.Group();
+  private readonly material: THREE.MeshBasicMaterial;
+  private readonly shafts: THREE.InstancedMesh;
+  private readonly heads: THREE.InstancedMesh;
+  private count = 0;
+
+  constructor(colour: string) {
+    this.material = new THREE.MeshBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.92 });
+    const shaft = new THREE.CylinderGeometry(RADIUS, RADIUS, 1, 6).translate(0, 0.5, 0);
+    const head = new THREE.ConeGeometry(HEAD.radius, HEAD.length, 10).translate(0, HEAD.length / 2, 0);
+    this.shafts = new THREE.InstancedMesh(shaft, this.material, CAPACITY);
+    this.heads = new THREE.InstancedMesh(head, this.material, CAPACITY);
+    for (const mesh of [this.shafts, this.heads]) {
+      mesh.frustumCulled = false;
+      // Over all, since contacts are hidden by their wheels.
+      mesh.renderOrder = 9;
+      this.group.add(mesh);
+    }
+  }
+
+  begin(): void {
+    this.count = 0;
+  }
+
+  add(from: THREE.Vector3, direction: THREE.Vector3, length: number): void {
+    if (this.count === CAPACITY) return;
+    const turn = new THREE.Quaternion().setFromUnitVectors(UP, direction);
+    const matrix = new THREE.Matrix4();
+    this.shafts.setMatrixAt(this.count, matrix.compose(from, turn, new THREE.Vector3(1, length, 1)));
+    const end = from.clone().addScaledVector(direction, length);
+    this.heads.setMatrixAt(this.count, matrix.compose(end, turn, new THREE.Vector3(1, 1, 1)));
+    this.count++;
+  }
+
+  end(): void {
+    for (const mesh of [this.shafts, this.heads]) {
+      mesh.count = this.count;
+      mesh.visible = this.count > 0;
+      mesh.instanceMatrix.needsUpdate = true;
+    }
+  }
+
+  dispose(): void {
+    this.material.dispose();
+    for (const mesh of [this.shafts, this.heads]) {
+      mesh.geometry.dispose();
+      mesh.dispose();
+    }
+  }
+}

@@ -1,0 +1,73 @@
+/** The robots' own colours and those of the two themes. */
+
+/**
+ * After Okabe and Ito, so that the colour-blind can tell them apart; made to be seen on light and on dark. Red is kept
+ * for errors.
+ */
+export const COLOURS = [
+  '#1f83d6',
+  '#e69f00',
+  '#00a37a',
+  '#cc79a7',
+  '#4cc3ee',
+  '#8b6ad8',
+  '#d9c622',
+  '#a0693a',
+  '#7f9a2e',
+  '#8a8f98',
+];
+
+export function colourOf(robot: number): string {
+  return COLOURS[robot % COLOURS.length] ?? '#8a8f98';
+}
+
+/** Of the axes x, y and z. */
+export const AXIS_COLOURS = ['#e0525e', '#3fa66a', '#4a7fe0'] as const;
+
+export interface Theme {
+  /** where the sky meets the ground, and straight above */
+  horizon: string;
+  zenith: string;
+  /** light that comes from everywhere: from above, and back from the ground */
+  fromSky: string;
+  fromGround: string;
+  ambient: number;
+  key: string;
+  keyStrength: number;
+  /** of the environment that shiny things reflect */
+  reflection: number;
+  line: string;
+  lineStrength: number;
+  edge: string;
+  edgeStrength: number;
+}
+
+export const LIGHT: Theme = {
+  horizon: '#e6ebf0',
+  zenith: '#b3c6da',
+  fromSky: '#eef4ff',
+  fromGround: '#b9b3a8',
+  ambient: 1.75,
+  key: '#fff4e2',
+  keyStrength: 1.9,
+  reflection: 0.55,
+  line: '#2b3440',
+  lineStrength: 0.2,
+  edge: '#20242b',
+  edgeStrength: 0.38,
+};
+
+export const DARK: Theme = {
+  horizon: '#1d1f26',
+  zenith: '#101116',
+  fromSky: '#b9c6e0',
+  fromGround: '#5b5650',
+  ambient: 0.62,
+  key: '#ffeed8',
+  keyStrength: 0.85,
+  reflection: 0.25,
+  line: '#dfe5f0',
+  lineStrength: 0.11,
+  edge: '#000000',
+  edgeStrength: 0.5,
+};

@@ -1,0 +1,164 @@
+/** Words over the picture that never cover each other, nor show through walls: the nearest comes first. */
+
+import * as THREE from 'three';
+import './view.css';
+
+export type LabelKind = 'robot' | 'start' | 'node' | 'object' | 'metres';
+
+interface Label {
+  element: HTMLElement;
+  kind: LabelKind;
+  /** on the stage */
+  place: THREE.Vector3;
+  width: number;
+  hidden: boolean;
+  /** When it was last looked for behind walls. */
+  looked: number;
+  behind: boolean;
+  shown: number;
+}
+
+/** Farther than so many metres it is not shown; the first is where it begins to fade. */
+const RANGE: Record<LabelKind, [number, number]> = {
+  robot: [35, 60],
+  start: [7, 11],
+  node: [6, 9],
+  object: [7, 11],
+  metres: [60, 90],
+};
+/** Which comes first where there is room for one. */
+const ORDER: Record<LabelKind, number> = { robot: 0, object: 60, start: 80, node: 120, metres: 200 };
+const HEIGHT: Record<LabelKind, number> = { robot: 18, start: 14, node: 14, object: 14, metres: 12 };
+/** How far above its place a robot's name is, px. */
+const LEADER = 14;
+/** Between two looks behind walls, ms, and how many labels are looked for in a frame. */
+const LOOK_INTERVAL = 250;
+const LOOKS = 4;
+
+export class Labels {
+  private readonly labels = new Map<string, Label>();
+  private size = { width: 1, height: 1 };
+  readonly layers: Record<LabelKind, boolean> = { robot: true, start: true, node: true, object: true, metres: true };
+  /** The label of a robot that is always shown first. */
+  first: string | null = null;
+  /** Whether some have not yet been looked for behind walls. */
+  isBusy = false;
+
+  constructor(
+    private readonly parent: HTMLElement,
+    private readonly isBehind: (place: THREE.Vector3) => boolean,
+  ) {
+    parent.classList.add('view-labels');
+  }
+
+  /** Puts words at a place of the stage. */
+  set(key: string, kind: LabelKind, text: string, place: THREE.Vector3, colour?: string): void {
+    let label = this.labels.get(key);
+    if (!label) {
+      const element = document.createElement('span');
+      element.className = `view-label ${kind}`;
+      this.parent.append(element);
+      label = {
+        element,
+        kind,
+        place: new THREE.Vector3(),
+        width: 0,
+        hidden: false,
+        looked: 0,
+        behind: false,
+        shown: -1,
+      };
+      this.labels.set(key, label);
+    }
+    label.place.copy(place);
+    if (label.element.textContent !== text) {
+      label.element.textContent = text;
+      label.width = 0;
+    }
+    if (colour) label.element.style.setProperty('--own', colour);
+  }
+
+  remove(key: string): void {
+    this.labels.get(key)?.element.remove();
+    this.labels.delete(key);
+  }
+
+  /** Removes all of a kind that are not in a list. */
+  keep(kind: LabelKind, keys: Set<string>): void {
+    for (const [key, label] of this.labels) if (label.kind === kind && !keys.has(key)) this.remove(key);
+  }
+
+  clear(): void {
+    [...this.labels.keys()].forEach((key) => this.remove(key));
+  }
+
+  resize(width: number, height: number): void {
+    this.size = { width, height };
+  }
+
+  /** Draws all that have room. */
+  update(camera: THREE.PerspectiveCamera, distance: number): void {
+    const { width, height } = this.size;
+    const seen: { label: Label; key: string; x: number; y: number; depth: number; strength: number }[] = [];
+    const place = new THREE.Vector3();
+    // From afar names are wanted, too, if all is far.
+    const scale = Math.max(1, distance / 20);
+    for (const [key, label] of this.labels) {
+      place.copy(label.place).applyMatrix4(camera.matrixWorldInverse);
+      const depth = -place.z;
+      const [fades, ends] = RANGE[label.kind];
+      const reach = label.kind === 'robot' || label.kind === 'metres' ? scale : 1;
+      const strength = 1 - Math.max(0, Math.min(1, (depth / reach - fades) / (ends - fades)));
+      place.applyMatrix4(camera.projectionMatrix);
+      const inside = Math.abs(place.x) < 1.05 && Math.abs(place.y) < 1.05;
+      if (!this.layers[label.kind] || depth < camera.near || strength <= 0 || !inside) show(label, 0);
+      else seen.push({ label, key, x: ((place.x + 1) / 2) * width, y: ((1 - place.y) / 2) * height, depth, strength });
+    }
+    const rank = ({ key, label, depth }: (typeof seen)[number]) =>
+      key === this.first ? -1 : ORDER[label.kind] + depth;
+    seen.sort((one, other) => rank(one) - rank(other));
+    this.lookBehind(seen.map(({ label }) => label));
+    const taken: [number, number, number, number][] = [];
+    for (const { label, x, y, strength } of seen) {
+      if (label.behind) {
+        show(label, 0);
+        continue;
+      }
+      label.width ||= label.element.offsetWidth;
+      const [left, bottom] = [Math.round(x - label.width / 2), Math.round(y) - (label.kind === 'robot' ? LEADER : 0)];
+      const box: [number, number, number, number] = [
+        left - 3,
+        bottom - HEIGHT[label.kind] - 2,
+        left + label.width + 3,
+        bottom + 2,
+      ];
+      const covered = taken.some(
+        (other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1],
+      );
+      show(label, covered ? 0 : strength);
+      if (covered) continue;
+      taken.push(box);
+      label.element.style.transform = `translate(${left}px, ${bottom - HEIGHT[label.kind]}px)`;
+    }
+  }
+
+  /** Some of them in each frame: rays through the map cost. */
+  private lookBehind(labels: Label[]): void {
+    const now = performance.now();
+    const due = labels.filter(({ kind, looked }) => kind !== 'metres' && now - looked > LOOK_INTERVAL);
+    due.sort((one, other) => one.looked - other.looked);
+    this.isBusy = due.length > LOOKS;
+    for (const label of due.slice(0, LOOKS)) {
+      label.looked = now;
+      label.behind = this.isBehind(label.place);
+    }
+  }
+}
+
+/** Only what changes costs. */
+function show(label: Label, strength: number): void {
+  const rounded = Math.round(strength * 20) / 20;
+  if (rounded === label.shown) return;
+  label.shown = rounded;
+  label.element.style.opacity = String(rounded);
+}

@@ -1,0 +1,32 @@
+/** Whether anything that is seen differs between two frames. */
+
+import type { Frame, RobotState } from '../protocol/frame';
+
+/** Less is not seen: m and parts of a quaternion; rad of a wheel. */
+const LEAST_WAY = 5e-5;
+const LEAST_TURN = 2e-3;
+
+export function moved(before: Frame, after: Frame, withForces: boolean): boolean {
+  if (before.robots.length !== after.robots.length) return true;
+  if (differ(before.objects, after.objects)) return true;
+  return after.robots.some((robot, index) => {
+    const last = before.robots[index];
+    return !last || last.id !== robot.id || robotMoved(last, robot) || (withForces && robot.contacts.length > 0);
+  });
+}
+
+function robotMoved(before: RobotState, after: RobotState): boolean {
+  if (differ([before.pose], [after.pose]) || differ(before.links, after.links)) return true;
+  return after.wheels.some(({ angle, rollers }, index) => {
+    const last = before.wheels[index];
+    if (!last || Math.abs(last.angle - angle) > LEAST_TURN) return true;
+    return rollers.some((turn, number) => Math.abs(turn - (last.rollers[number] ?? 0)) > 4 * LEAST_TURN);
+  });
+}
+
+function differ(before: number[][], after: number[][]): boolean {
+  if (before.length !== after.length) return true;
+  return after.some((pose, index) =>
+    pose.some((value, part) => Math.abs(value - (before[index]?.[part] ?? 0)) > LEAST_WAY),
+  );
+}

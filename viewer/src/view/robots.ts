@@ -1,0 +1,136 @@
+/** All robots of the world: their classes' fleets, the rings under them, and which of them a ray meets. */
+
+import * as THREE from 'three';
+import type { Frame, RobotState } from '../protocol/frame';
+import type { RobotClass, Scene } from '../protocol/scene';
+import { colourOf } from './colours';
+import { type Decal, Decals } from './decals';
+import { setPose } from './pose';
+import { type Placed, RobotFleet } from './robot';
+import type { Surfaces } from './surfaces';
+
+/** Class and name of a robot by its number. */
+export type Roster = (robot: number) => { name: string; class: string } | null;
+
+/** Of the shadow under a robot, 0 to 1; and how strong its ring is: as a rule, when hovered and when selected. */
+const SHADOW = 0.5;
+const RING = { plain: 0.85, hovered: 1.35, selected: 1.8 };
+/** The shadow of what flies fades with its height, m. */
+const FADING = 2;
+/** What is so near to a robot counts as the robot when it is pointed at, m. */
+const GENEROUS = 0.02;
+
+export interface Known {
+  state: RobotState;
+  name: string;
+  fleet: RobotFleet;
+}
+
+export class Robots {
+  readonly group = new THREE.Group();
+  selected: number | null = null;
+  hovered: number | null = null;
+  private readonly fleets: Map<string, RobotFleet>;
+  private readonly decals: Decals;
+  private known: Known[] = [];
+
+  constructor(
+    scene: Scene,
+    surfaces: Surfaces,
+    private readonly roster: Roster,
+  ) {
+    this.fleets = new Map(
+      Object.entries(scene.classes).map(([name, robotClass]) => [name, new RobotFleet(robotClass, surfaces)]),
+    );
+    this.fleets.forEach((fleet) => this.group.add(fleet.group));
+    this.decals = new Decals(this.group);
+  }
+
+  get decal(): THREE.Object3D {
+    return this.decals.mesh;
+  }
+
+  /** All of which the class is known. */
+  get all(): readonly Known[] {
+    return this.known;
+  }
+
+  fleet(name: string): RobotFleet | null {
+    return this.fleets.get(name) ?? null;
+  }
+
+  find(id: number | null): Known | null {
+    return this.known.find(({ state }) => state.id === id) ?? null;
+  }
+
+  classOf(id: number): RobotClass | null {
+    return this.fleets.get(this.roster(id)?.class ?? '')?.robotClass ?? null;
+  }
+
+  /** As they are in a frame, seen from a place of the world. */
+  place(frame: Frame, eye: THREE.Vector3): void {
+    this.known = frame.robots.flatMap((state) => {
+      const entry = this.roster(state.id);
+      const fleet = entry && this.fleets.get(entry.class);
+      return fleet ? [{ state, name: entry.name || entry.class, fleet }] : [];
+    });
+    for (const fleet of this.fleets.values()) {
+      const own = this.known.filter((known) => known.fleet === fleet);
+      fleet.place(
+        own.map(({ state }) => state),
+        eye,
+      );
+    }
+    this.decals.set(this.known.map((known) => this.decalOf(known)));
+  }
+
+  /** The first robot that a ray of the world meets, and how far away. */
+  meet(ray: THREE.Ray): { robot: number; distance: number } | null {
+    let first: { robot: number; distance: number } | null = null;
+    for (const { state, fleet } of this.known) {
+      for (const placed of fleet.parts(state, null)) {
+        const distance = distanceTo(placed, ray);
+        if (distance !== null && distance < (first?.distance ?? Infinity)) first = { robot: state.id, distance };
+      }
+    }
+    return first;
+  }
+
+  dispose(): void {
+    this.fleets.forEach((fleet) => fleet.dispose());
+    this.decals.dispose();
+  }
+
+  private decalOf({ state, fleet }: Known): Decal {
+    const { min, max } = fleet.bounds;
+    const isSelected = state.id === this.selected;
+    const ring = isSelected ? RING.selected : state.id === this.hovered ? RING.hovered : RING.plain;
+    const matrix = setPose(new THREE.Matrix4(), state.pose);
+    const middle = new THREE.Vector3((min.x + max.x) / 2, (min.y + max.y) / 2, max.z - 0.004);
+    const size: [number, number] = [(max.x - min.x) / 2, (max.y - min.y) / 2];
+    let shadow = SHADOW;
+    if (fleet.robotClass.steering === 'Aerial') {
+      // On the floor below, where z is 0.
+      const height = Math.max(0, -state.pose[2] - max.z);
+      shadow *= Math.max(0, 1 - height / FADING);
+      const yaw = new THREE.Euler().setFromRotationMatrix(matrix, 'ZYX').z;
+      matrix.makeRotationZ(yaw).setPosition(state.pose[0], state.pose[1], -max.z);
+    }
+    return {
+      matrix: matrix.multiply(new THREE.Matrix4().makeTranslation(middle)),
+      size,
+      shadow,
+      colour: new THREE.Color(colourOf(state.id)),
+      ring,
+    };
+  }
+}
+
+/** Along a ray of the world to the box about a part. */
+function distanceTo({ part, matrix }: Placed, ray: THREE.Ray): number | null {
+  const box = part.mesh.geometry.boundingBox;
+  if (!box) return null;
+  const own = ray.clone().applyMatrix4(matrix.clone().invert());
+  const hit = own.intersectBox(box.clone().expandByScalar(GENEROUS), new THREE.Vector3());
+  return hit ? hit.distanceTo(own.origin) : null;
+}

@@ -1,0 +1,61 @@
+/** What the labels say: names of robots, starts, nodes and objects, and metres along the axes. */
+
+import * as THREE from 'three';
+import type { Pose, Scene } from '../protocol/scene';
+import { colourOf } from './colours';
+import type { Labels } from './labels';
+import type { Robots } from './robots';
+
+/** Metres between two labels on an axis that can be chosen, and the least that is between them on the screen, px. */
+const STEPS = [0.5, 1, 2, 5, 10, 20, 50, 100];
+const LEAST_GAP = 110;
+/** Labels to each side of what is looked at. */
+const REACH = 7;
+
+export function labelMap(labels: Labels, { map }: Scene): void {
+  for (const { name, position } of map.starts) labels.set(`start ${name}`, 'start', name, onStage(position));
+  for (const { name, position } of map.path_nodes) labels.set(`node ${name}`, 'node', name, onStage(position));
+}
+
+export function labelObjects(labels: Labels, { map }: Scene, poses: Pose[]): void {
+  map.objects.forEach(({ name, pose }, index) => {
+    const [x, y, z] = poses[index] ?? pose;
+    labels.set(`object ${name}`, 'object', name, onStage([x, y, z]));
+  });
+}
+
+export function labelRobots(labels: Labels, robots: Robots): void {
+  const keys = new Set<string>();
+  for (const { state, name, fleet } of robots.all) {
+    const [x, y, z] = state.pose;
+    const key = `robot ${state.id}`;
+    keys.add(key);
+    labels.set(key, 'robot', name, onStage([x, y, z - fleet.height(state)]), colourOf(state.id));
+  }
+  labels.keep('robot', keys);
+  labels.first = robots.selected === null ? null : `robot ${robots.selected}`;
+}
+
+/** Along the axes through the origin, around what is looked at. */
+export function labelMetres(labels: Labels, target: THREE.Vector3, metresPer100Pixels: number): void {
+  const gap = (LEAST_GAP / 100) * metresPer100Pixels;
+  const step = STEPS.find((length) => length >= gap) ?? 200;
+  const keys = new Set<string>();
+  const [x0, y0] = [Math.round(target.x / step), Math.round(-target.y / step)];
+  for (let number = -REACH; number <= REACH; number++) {
+    for (const [axis, at] of [
+      ['x', (x0 + number) * step],
+      ['y', (y0 + number) * step],
+    ] as const) {
+      if (at === 0) continue;
+      const key = `metres ${axis} ${at}`;
+      keys.add(key);
+      labels.set(key, 'metres', `${axis} ${at}`, onStage(axis === 'x' ? [at, 0, 0] : [0, at, 0]));
+    }
+  }
+  labels.keep('metres', keys);
+}
+
+function onStage([x, y, z]: [number, number, number]): THREE.Vector3 {
+  return new THREE.Vector3(x, -y, -z);
+}

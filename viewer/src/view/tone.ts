@@ -1,0 +1,17 @@
+/** Bright colours are bent towards white instead of being cut off; the others stay as they are. */
+
+import * as THREE from 'three';
+
+const PLAIN = 'vec3 CustomToneMapping( vec3 color ) { return color; }';
+/** From 0.75 on, never quite to 1. */
+const BENT = `vec3 CustomToneMapping( vec3 color ) {
+  color *= toneMappingExposure;
+  vec3 over = max( color - 0.75, 0.0 );
+  return min( color, 0.75 ) + over / ( 1.0 + 4.0 * over );
+}`;
+
+export function setToneMapping(renderer: THREE.WebGLRenderer): void {
+  const chunks = THREE.ShaderChunk as Record<string, string>;
+  chunks.tonemapping_pars_fragment = (chunks.tonemapping_pars_fragment ?? '').replace(PLAIN, BENT);
+  renderer.toneMapping = THREE.CustomToneMapping;
+}

@@ -1,0 +1,185 @@
+// The world as everyone sees it: its tree, its time, its map, and who did what.
+
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { X, Y, pageTest, spawnRobot } from './pagetest.mjs';
+import { connectClient, number, openPage, startServer, waitForNumber } from './server.mjs';
+
+const rough = { serve: ['--map', 'rough'] };
+const others = 'INIT {ClassName USARBot.P3AT} {Name Other} {Location 3,0,-0.1}';
+
+const said = (page, text) => page.waitForSelector(`#toasts :text(${JSON.stringify(text)})`);
+const map = (page, name) => page.waitForFunction((name) => document.getElementById('map').textContent === name, name);
+
+pageTest('a robot is spawned from the first view', rough, async ({ page }) => {
+  await page.click('[data-spawn=P3AT]');
+  await page.waitForSelector('[data-robot="0"][aria-pressed=true]');
+  await page.waitForSelector('#welcome', { state: 'hidden' });
+  await page.keyboard.down('w');
+  await waitForNumber(page, X, (value) => value > 0.1);
+});
+
+pageTest('a value of a sensor is shown and plotted by a click', rough, async ({ page }) => {
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  await page.click('summary:text("GroundTruth GndTruth")');
+  const value = '[data-value="GroundTruth GndTruth/Location x"]';
+  await page.keyboard.down('w');
+  await waitForNumber(page, value, (number) => number > 0.2);
+  await page.keyboard.up('w');
+  await page.click(value);
+  await page.waitForSelector('#plots:not([hidden]) .u-legend :text("Robot1 Location x")');
+  await page.click('[data-value=x]');
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save-csv')]);
+  const lines = readFileSync(await download.path(), 'utf8').split('\n');
+  assert.equal(lines[0], 'time_s,value,number,unit');
+  // The past of what the frames have is there at once, that of sensors begins with the click.
+  const x = lines.filter((line) => line.includes('"Robot1 x"')).map((line) => Number(line.split(',')[2]));
+  assert.ok(x.length > 10 && Math.abs(x[0]) < 0.05 && x.at(-1) > 0.2, `${x}`);
+  // Another click plots it no longer.
+  await page.click('[data-value=x]');
+  await page.click(value);
+  await page.waitForSelector('.chart', { state: 'detached' });
+});
+
+pageTest('the last minute can be looked at while the world goes on', rough, async ({ page }) => {
+  await spawnRobot(page);
+  await page.keyboard.down('w');
+  await waitForNumber(page, X, (value) => value > 0.4);
+  const now = await number(page, '#time');
+  await page.locator('#timeline').evaluate((timeline) => {
+    timeline.value = timeline.min;
+    timeline.dispatchEvent(new Event('input'));
+  });
+  await page.waitForSelector('#mode[data-mode=past]');
+  const then = await waitForNumber(page, '#time', (value) => value < now - 0.5);
+  await page.waitForTimeout(500);
+  assert.equal(await number(page, '#time'), then);
+  await page.click('#live');
+  await waitForNumber(page, '#time', (value) => value > then + 0.5);
+  await waitForNumber(page, X, (value) => value > 0.4);
+});
+
+pageTest('a log plays in the page, and the present comes back', rough, async ({ page }) => {
+  const recording = await startServer('--map', 'arena', '--log', 'run.mcap');
+  const client = await connectClient(
+    recording.port,
+    'INIT {ClassName USARBot.P3AT} {Name Recorded} {Start PlayerStart_0}',
+    'DRIVE {Left 3} {Right 3}',
+  );
+  const { page: watching } = await openPage(page.context().browser(), recording.url);
+  await waitForNumber(watching, '#time', (time) => time > 4);
+  await watching.context().close();
+  await recording.stop();
+  client.end();
+  await page.setInputFiles('#log-file', join(recording.folder, 'run.mcap'));
+  await page.waitForSelector('#mode[data-mode=log]:text-is("run.mcap")');
+  // So slowly that it does not end meanwhile, whatever the machine does beside.
+  await page.selectOption('#speed', '0.1');
+  await page.locator('#timeline').evaluate((timeline) => {
+    timeline.value = '1.5';
+    timeline.dispatchEvent(new Event('input'));
+  });
+  assert.equal(await page.textContent('#map'), 'arena');
+  await page.waitForSelector('[data-robot]:has-text("Recorded")');
+  const start = await waitForNumber(page, X, Number.isFinite);
+  await waitForNumber(page, X, (value) => value > start + 0.02);
+  await page.click('#pause');
+  await page.waitForSelector('#pause:text-is("Resume")');
+  // Neither the server's world nor its log is asked for anything from here.
+  assert.ok((await page.isDisabled('#record')) && (await page.isDisabled('#reset')));
+  await page.locator('#timeline').evaluate((timeline) => {
+    timeline.value = '2';
+    timeline.dispatchEvent(new Event('input'));
+  });
+  await waitForNumber(page, '#time', (time) => time === 2);
+  await page.click('#step');
+  await waitForNumber(page, '#time', (time) => time === 2.01);
+  await page.click('#live');
+  await map(page, 'rough');
+  await page.waitForSelector('[data-robot]', { state: 'detached' });
+  await page.setInputFiles('#log-file', {
+    name: 'no.mcap',
+    mimeType: 'application/octet-stream',
+    buffer: Buffer.from('no log'),
+  });
+  await said(page, 'no.mcap: ');
+});
+
+pageTest('the map is changed, and robots of this page stay', rough, async ({ page }) => {
+  await spawnRobot(page);
+  await page.click('#map');
+  await page.click('[data-map=arena]');
+  await map(page, 'arena');
+  await said(page, 'You changed the map to arena');
+  await page.waitForSelector('[data-robot]');
+  await page.keyboard.down('w');
+  await waitForNumber(page, X, (value) => value > 0.1);
+});
+
+pageTest('who resets the world of others is asked, and everyone is told', rough, async ({ page, server }) => {
+  const { page: second } = await openPage(page.context().browser(), server.url);
+  await connectClient(server.port, others);
+  await page.waitForSelector('[data-robot]');
+  await page.click('#reset');
+  await page.waitForSelector('dialog:has-text("Others drive here, too: Other.")');
+  await page.click('dialog button:text("Cancel")');
+  await page.click('#map');
+  await page.click('[data-map=arena]');
+  await page.click('dialog button:text("Cancel")');
+  assert.equal(await page.textContent('#map'), 'rough');
+  await page.click('#reset');
+  await page.click('dialog button:text("Reset")');
+  await said(page, 'You reset the world');
+  await said(second, 'page 1 (127.0.0.1) reset the world');
+  await second.click('#pause');
+  await said(page, 'page 2 (127.0.0.1) paused the world');
+  await second.selectOption('#speed', '2');
+  await said(page, 'page 2 (127.0.0.1) set the real-time factor to 2');
+  await page.waitForSelector('#world :text("2 pages are open")');
+  await second.context().close();
+});
+
+pageTest('a robot of this page is dragged to another place while time stands still', rough, async ({ page }) => {
+  await spawnRobot(page);
+  await page.selectOption('#camera', 'top');
+  await page.keyboard.press('g');
+  await page.keyboard.press(' ');
+  await page.waitForSelector('#pause[aria-pressed=true]');
+  await page.waitForTimeout(600);
+  const { x, y, width, height } = await page.locator('#canvas').boundingBox();
+  const [middle, level] = [x + width / 2, y + height / 2];
+  await page.mouse.move(middle, level);
+  await page.mouse.down();
+  await page.mouse.move(middle + 60, level + 40, { steps: 4 });
+  await page.mouse.up();
+  await page.keyboard.press(' ');
+  await page.waitForFunction(
+    ([x, y]) => Math.hypot(...[x, y].map((place) => Number(document.querySelector(place)?.textContent ?? 0))) > 0.1,
+    [X, Y],
+  );
+  assert.equal(await page.locator('[data-robot]').count(), 1);
+});
+
+pageTest('commands are found by their names, and keys are listed', rough, async ({ page }) => {
+  await page.keyboard.press('Control+k');
+  await page.fill('dialog input', 'light dark');
+  const before = await page.getAttribute('html', 'data-theme');
+  await page.keyboard.press('Enter');
+  assert.notEqual(await page.getAttribute('html', 'data-theme'), before);
+  await page.keyboard.press('?');
+  await page.waitForSelector('dialog :text("Pause or resume")');
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('dialog', { state: 'hidden' });
+});
+
+pageTest('columns are resized by keys and keep their size', rough, async ({ page }) => {
+  const width = () => page.locator('#world').evaluate((world) => world.offsetWidth);
+  const before = await width();
+  await page.focus('[data-resizes=world]');
+  for (let press = 0; press < 3; press++) await page.keyboard.press('ArrowRight');
+  assert.equal(await width(), before + 60);
+  await page.reload();
+  await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
+  assert.equal(await width(), before + 60);
+});
