@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test book figures fuzz soak attack check
+.PHONY: run view test book figures fuzz soak attack dist check
 
 # Expanded only where something has to be built with it.
 npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
@@ -58,6 +58,12 @@ soak:
 attack:
 	@[ -n "$$USARSIM_CAPTURES" ] || { echo "USARSIM_CAPTURES has to name the folder of the recordings" >&2; exit 64; }
 	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test attack -- --nocapture
+
+# What is given away, with SHA256SUMS in target/dist: docs/install.md. `packaging/try` tries it.
+# Only for one processor: `make dist TARGETS=x86_64-unknown-linux-musl`.
+TARGETS =
+dist: view
+	packaging/dist $(TARGETS)
 
 # What CI runs.
 check:
