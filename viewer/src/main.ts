@@ -234,8 +234,7 @@ setInterval(() => {
   drive.updateFrame();
   wire.draw();
   const rate = view.framesPerSecond();
-  // Nothing is drawn while nothing moves.
-  setText(find('rate'), `${rate > 0 ? `${rate} fps` : 'still'} · quality ${view.quality}`);
+  setText(find('rate'), `${rate === null ? 'still' : `${rate} fps`} · quality ${view.quality}`);
   const metres = view.metresPer100Pixels();
   const round = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((length) => length >= metres) ?? 100;
   const bar100 = find('scale').firstElementChild as HTMLElement;

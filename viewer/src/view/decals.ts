@@ -16,7 +16,7 @@ export interface Decal {
 }
 
 /** So far beyond the thing it goes, m. */
-const MARGIN = 0.36;
+const MARGIN = 0.2;
 /** Numbers of a decal beside its matrix: size, shadow, ring; colour. */
 const NUMBERS = 4;
 
@@ -43,7 +43,7 @@ const FRAGMENT = `
     vec2 outside = abs(at) - size + corner;
     // From the rim of the thing, m.
     float far = length(max(outside, 0.0)) + min(max(outside.x, outside.y), 0.0) - corner;
-    float near = 1.0 - clamp((far + 0.06) / ${MARGIN - 0.02}, 0.0, 1.0);
+    float near = 1.0 - clamp((far + 0.06) / ${MARGIN - 0.01}, 0.0, 1.0);
     float dark = about.z * near * near;
     float ring = 0.0;
     if (about.w > 0.0) {
@@ -57,7 +57,7 @@ const FRAGMENT = `
       ring = max(ring, 1.0 - smoothstep(-pixel, pixel, lobe));
       // Thinner than a pixel it grows fainter.
       ring *= min(1.0, about.w) * clamp(2.5 * breadth / pixel, 0.35, 1.0);
-      float glow = max(0.0, about.w - 1.0) * (1.0 - smoothstep(0.0, 0.2, abs(far - gap)));
+      float glow = max(0.0, about.w - 1.0) * (1.0 - smoothstep(0.0, 0.1, abs(far - gap)));
       ring = max(ring, 0.45 * glow * glow);
     }
     float alpha = max(ring, dark);

@@ -1,7 +1,6 @@
 /** An instanced mesh that grows. */
 
 import * as THREE from 'three';
-import { merged } from './solid';
 import type { Surfaces } from './surfaces';
 
 export class Instances {
@@ -10,10 +9,10 @@ export class Instances {
 
   constructor(
     private readonly parent: THREE.Group,
-    geometries: THREE.BufferGeometry[],
+    geometry: THREE.BufferGeometry,
     private readonly surfaces: Surfaces,
   ) {
-    this.mesh = this.make(merged(geometries), 1);
+    this.mesh = this.make(geometry, 1);
   }
 
   begin(): void {

@@ -1,10 +1,12 @@
-/** The way that a robot has gone, as a band of some pixels. */
+/** The path of a robot as a band of some pixels. */
 
 import * as THREE from 'three';
 
-/** Places of a path that are kept, and the least distance between two, m. */
+/** Places of a path that are kept. */
 const PLACES = 3000;
+/** The least distance between two places, and how far a piece between two may be from where the robot was, m. */
 const STEP = 0.02;
+const DEVIATION = 0.004;
 /** A robot that has moved farther between two frames was put there, m. */
 const JUMP = 0.6;
 /** Numbers of a corner: x, y, z and its side, -1 or 1; every place has two corners. */
@@ -22,8 +24,8 @@ const VERTEX = `
     vec4 from = seen * vec4(before, 1.0);
     vec4 to = seen * vec4(after, 1.0);
     gl_Position = seen * vec4(here.xyz, 1.0);
-    vec2 way = (to.xy / max(to.w, 0.01) - from.xy / max(from.w, 0.01)) * screen;
-    vec2 aside = length(way) > 1e-4 ? normalize(vec2(-way.y, way.x)) : vec2(0.0);
+    vec2 along = (to.xy / max(to.w, 0.01) - from.xy / max(from.w, 0.01)) * screen;
+    vec2 aside = length(along) > 1e-4 ? normalize(vec2(-along.y, along.x)) : vec2(0.0);
     gl_Position.xy += here.w * breadth * aside / screen * gl_Position.w;
     // In front of the floor on which it lies.
     gl_Position.z -= 0.0004 * gl_Position.w;
@@ -43,6 +45,9 @@ export class Path {
   private readonly buffer = new THREE.InterleavedBuffer(new Float32Array(PLACE * (PLACES + 2)), CORNER);
   private count = 0;
   private readonly last = new THREE.Vector3();
+  /** Where the last piece begins, and in which direction it went on from there. */
+  private readonly corner = new THREE.Vector3();
+  private readonly ahead = new THREE.Vector3();
 
   constructor(colour: string) {
     const geometry = new THREE.BufferGeometry();
@@ -67,9 +72,15 @@ export class Path {
   }
 
   add(x: number, y: number, z: number): void {
-    const moved = this.count === 0 ? Infinity : this.last.distanceTo({ x, y, z } as THREE.Vector3);
+    const here = new THREE.Vector3(x, y, z);
+    const moved = this.count === 0 ? Infinity : this.last.distanceTo(here);
     if (moved < STEP) return;
     if (moved > JUMP) this.clear();
+    if (this.count > 1 && this.continues(here)) this.count -= 1;
+    else if (this.count > 0) {
+      this.corner.copy(this.last);
+      this.ahead.copy(here).sub(this.last).normalize();
+    }
     if (this.count === PLACES) {
       // The older half goes.
       this.buffer.array.copyWithin(0, PLACE * (PLACES / 2));
@@ -79,7 +90,7 @@ export class Path {
     if (this.count === 0) this.put(0, x, y, z);
     this.put(++this.count, x, y, z);
     this.put(this.count + 1, x, y, z);
-    this.last.set(x, y, z);
+    this.last.copy(here);
     this.buffer.needsUpdate = true;
     this.mesh.geometry.setDrawRange(0, 6 * Math.max(0, this.count - 1));
   }
@@ -93,6 +104,13 @@ export class Path {
     // The index belongs to all paths.
     this.mesh.geometry.setIndex(null).dispose();
     (this.mesh.material as THREE.Material).dispose();
+  }
+
+  /** Whether the last piece can end here instead: of an arc's chord the middle is off by a quarter of its tangent's end. */
+  private continues(here: THREE.Vector3): boolean {
+    const chord = here.clone().sub(this.corner);
+    const aside = chord.clone().cross(this.ahead).length();
+    return chord.dot(this.ahead) > 0 && aside < 4 * DEVIATION;
   }
 
   private put(place: number, ...[x, y, z]: [number, number, number]): void {

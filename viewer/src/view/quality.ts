@@ -17,15 +17,15 @@ const one = () => 1;
 const fine = (screen: number) => Math.min(2, screen);
 
 export const RUNGS: Record<Quality, Rung> = {
-  1: { ...plain, pixelRatio: () => 0.75 },
-  2: { ...plain, pixelRatio: one },
+  1: { ...plain, pixelRatio: () => 0.55 },
+  2: { ...plain, pixelRatio: () => 0.8 },
   3: { ...plain, pixelRatio: one, shadows: true },
   4: { pixelRatio: fine, shadows: true, standard: true, occlusion: false },
   5: { pixelRatio: fine, shadows: true, standard: true, occlusion: true },
 };
 
 /** What a frame may take before the ladder is descended, and what it must not exceed to be climbed, ms. */
-const LIMITS = { software: { most: 40, least: 17 }, hardware: { most: 21, least: 8 } };
+const LIMITS = { software: { most: 30, least: 13 }, hardware: { most: 21, least: 8 } };
 /** Frames that are judged together. */
 const JUDGED = 12;
 /** Frames after a change that are not judged: shaders are being made. */

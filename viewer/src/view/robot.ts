@@ -2,15 +2,34 @@
 
 import * as THREE from 'three';
 import type { RobotState } from '../protocol/frame';
-import type { Drawn, RobotClass } from '../protocol/scene';
+import type { Drawn, RobotClass, Wheel } from '../protocol/scene';
 import { Instances } from './instances';
 import { setPose } from './pose';
-import { solidGeometry } from './solid';
+import { simplified } from './simplify';
+import { merged, solidGeometry } from './solid';
 import type { Surfaces } from './surfaces';
 import { roller, spoked } from './wheel';
 
-/** A robot so far from the camera has simple rollers, in radii of its wheels. */
-const FAR = 45;
+/** How far from the camera a robot's rollers are one piece with their wheels, and how far all is made simple, in robots. */
+const FAR = 6;
+const AFAR = 11;
+/** What is smaller than this is left out afar, in robots. */
+const SIMPLE = 1 / 24;
+
+/** How much of a robot is drawn: all but its rollers, all, rollers that do not turn by themselves, or few triangles. */
+type Level = 'plain' | 'near' | 'far' | 'afar';
+
+/** A piece that looks the same on every robot, for each level; one that is near has its rollers beside it. */
+interface Piece {
+  near: Instances;
+  far: Instances;
+  afar: Instances;
+}
+
+interface Rollers {
+  one: Instances;
+  poses: THREE.Matrix4[];
+}
 
 /** A part of a robot and where it is. */
 export interface Placed {
@@ -23,38 +42,59 @@ export class RobotFleet {
   readonly group = new THREE.Group();
   /** Of the body and the wheels that it carries, in the robot's frame. */
   readonly bounds = new THREE.Box3();
-  private readonly body: Instances;
-  private readonly links: Instances[];
-  /** For each wheel; wheels that look alike share theirs. */
-  private readonly wheels: Instances[];
-  private readonly rollers: ({ near: Instances; far: Instances; poses: THREE.Matrix4[] } | null)[];
-  private readonly all: Set<Instances>;
+  /** Of the bounds, from corner to corner, m. */
+  private readonly size: number;
+  private readonly body: Piece;
+  private readonly links: Piece[];
+  /** For each wheel; wheels that look alike share theirs. A browser without a graphics card takes its time for each instance. */
+  private readonly wheels: Piece[];
+  private readonly rollers: (Rollers | null)[];
+  private readonly all: Instances[];
 
   constructor(
     readonly robotClass: RobotClass,
     surfaces: Surfaces,
   ) {
-    const geometry = ({ shape, pose, colour }: Drawn) => solidGeometry(shape, pose, colour);
-    const parts = (geometries: THREE.BufferGeometry[]) => new Instances(this.group, geometries, surfaces);
-    const shared = new Map<string, Instances>();
-    const share = (look: unknown, make: () => Instances) => {
-      const key = JSON.stringify(look);
-      const known = shared.get(key) ?? make();
-      shared.set(key, known);
-      return known;
-    };
     const { drawn, links, wheels } = robotClass;
-    this.body = parts(drawn.map(geometry));
-    this.links = links.map((link) => parts(link.drawn.map(geometry)));
-    this.wheels = wheels.map((wheel) => share(wheel.drawn, () => parts(wheel.drawn.map(spoked))));
-    this.rollers = wheels.map(({ rollers: known }) => {
-      if (!known) return null;
-      const { outline, colour, poses } = known;
-      const make = (near: boolean) => share([outline, colour, near], () => parts([roller(outline, colour, near)]));
-      return { near: make(true), far: make(false), poses: poses.map((pose) => setPose(new THREE.Matrix4(), pose)) };
-    });
-    this.all = new Set([this.body, ...this.links, ...shared.values()]);
-    this.measure();
+    const geometry = ({ shape, pose, colour }: Drawn) => solidGeometry(shape, pose, colour);
+    const bodyGeometry = merged(drawn.map(geometry));
+    const linkGeometries = links.map((link) => merged(link.drawn.map(geometry)));
+    const hubs = remembering((wheel: Wheel) => merged(wheel.drawn.map(spoked)), lookOfHub);
+    this.measure(bodyGeometry, wheels.map(hubs));
+    this.size = this.bounds.getSize(new THREE.Vector3()).length();
+
+    const instances = (geometry: THREE.BufferGeometry) => new Instances(this.group, geometry, surfaces);
+    const afar = (geometry: THREE.BufferGeometry) => instances(simplified(geometry, SIMPLE * this.size));
+    const rigid = (geometry: THREE.BufferGeometry): Piece => {
+      const near = instances(geometry);
+      return { near, far: near, afar: afar(geometry) };
+    };
+    const wheelPiece = (wheel: Wheel): Piece => {
+      if (!wheel.rollers) return rigid(hubs(wheel));
+      const { outline, colour, poses } = wheel.rollers;
+      const simple = roller(outline, colour, false);
+      const turned = poses.map((pose) => simple.clone().applyMatrix4(setPose(new THREE.Matrix4(), pose)));
+      const whole = merged([hubs(wheel), ...turned]);
+      return { near: instances(hubs(wheel)), far: instances(whole), afar: afar(whole) };
+    };
+
+    this.body = rigid(bodyGeometry);
+    this.links = linkGeometries.map(rigid);
+    this.wheels = wheels.map(remembering(wheelPiece, lookOfWheel));
+    const oneRoller = remembering(
+      ({ outline, colour }: NonNullable<Wheel['rollers']>) => instances(roller(outline, colour, true)),
+      ({ outline, colour }) => [outline, colour],
+    );
+    this.rollers = wheels.map(
+      ({ rollers }) =>
+        rollers && {
+          one: oneRoller(rollers),
+          poses: rollers.poses.map((pose) => setPose(new THREE.Matrix4(), pose)),
+        },
+    );
+    const pieces = [this.body, ...this.links, ...this.wheels].flatMap(({ near, far, afar }) => [near, far, afar]);
+    this.all = [...new Set([...pieces, ...this.rollers.flatMap((rollers) => rollers?.one ?? [])])];
+    this.all.forEach(({ mesh: { geometry } }) => geometry.hasAttribute('position') && geometry.computeBoundingBox());
   }
 
   /** Puts every robot of the class where it is, as seen from a place in the world. */
@@ -68,28 +108,27 @@ export class RobotFleet {
 
   /** The parts of a robot; without an eye without its rollers. */
   parts(state: RobotState, eye: THREE.Vector3 | null): Placed[] {
+    const level = this.level(state, eye);
+    const detail = level === 'plain' ? 'near' : level;
     const robot = setPose(new THREE.Matrix4(), state.pose);
-    const placed: Placed[] = [{ part: this.body, matrix: robot }];
-    const carriers = this.links.map((part, index) => {
+    const placed: Placed[] = [{ part: this.body[detail], matrix: robot }];
+    const carriers = this.links.map((link, index) => {
       const pose = state.links[index];
       const matrix = pose ? setPose(new THREE.Matrix4(), pose).premultiply(robot) : null;
-      if (matrix) placed.push({ part, matrix });
+      if (matrix) placed.push({ part: link[detail], matrix });
       return matrix;
     });
     const local = new THREE.Matrix4();
-    const near = eye && Math.hypot(eye.x - state.pose[0], eye.y - state.pose[1], eye.z - state.pose[2]);
     this.robotClass.wheels.forEach(({ link, position }, index) => {
       const { angle = 0, rollers: angles = [] } = state.wheels[index] ?? {};
       const wheel = ((link !== null && carriers[link]) || robot).clone();
       wheel.multiply(local.makeTranslation(...position)).multiply(local.makeRotationY(-angle));
-      const part = this.wheels[index];
-      if (part) placed.push({ part, matrix: wheel });
-      const rollers = this.rollers[index];
-      if (!rollers || near === null) return;
-      const roller = near < FAR * this.robotClass.wheel_radius ? rollers.near : rollers.far;
-      rollers.poses.forEach((pose, number) => {
+      const piece = this.wheels[index];
+      if (piece) placed.push({ part: piece[detail], matrix: wheel });
+      const rollers = level === 'near' ? this.rollers[index] : null;
+      rollers?.poses.forEach((pose, number) => {
         const matrix = new THREE.Matrix4().makeRotationX(angles[number] ?? 0);
-        placed.push({ part: roller, matrix: matrix.premultiply(pose).premultiply(wheel) });
+        placed.push({ part: rollers.one, matrix: matrix.premultiply(pose).premultiply(wheel) });
       });
     });
     return placed;
@@ -110,20 +149,40 @@ export class RobotFleet {
     this.all.forEach((part) => part.dispose());
   }
 
-  private measure(): void {
-    this.all.forEach(({ mesh }) => mesh.geometry.attributes.position && mesh.geometry.computeBoundingBox());
-    const add = (part: Instances | undefined, x: number, y: number, z: number) => {
-      const box = part?.mesh.geometry.boundingBox;
-      if (box) this.bounds.union(box.clone().translate(new THREE.Vector3(x, y, z)));
+  private level({ pose: [x, y, z] }: RobotState, eye: THREE.Vector3 | null): Level {
+    if (!eye) return 'plain';
+    const robots = Math.hypot(eye.x - x, eye.y - y, eye.z - z) / this.size;
+    return robots < FAR ? 'near' : robots < AFAR ? 'far' : 'afar';
+  }
+
+  private measure(body: THREE.BufferGeometry, hubs: THREE.BufferGeometry[]): void {
+    const add = (geometry: THREE.BufferGeometry | undefined, x: number, y: number, z: number) => {
+      if (!geometry?.hasAttribute('position')) return;
+      geometry.computeBoundingBox();
+      if (geometry.boundingBox) this.bounds.union(geometry.boundingBox.clone().translate(new THREE.Vector3(x, y, z)));
     };
-    add(this.body, 0, 0, 0);
+    add(body, 0, 0, 0);
     this.robotClass.wheels.forEach(({ link, position }, index) => {
       if (link !== null) return;
-      add(this.wheels[index], ...position);
+      add(hubs[index], ...position);
       // Its rollers stand out of it.
       const { wheel_radius: radius } = this.robotClass;
       this.bounds.expandByPoint(new THREE.Vector3(position[0], position[1], position[2] + radius));
     });
     if (this.bounds.isEmpty()) this.bounds.set(new THREE.Vector3(-0.2, -0.2, -0.1), new THREE.Vector3(0.2, 0.2, 0.1));
   }
+}
+
+const lookOfHub = ({ drawn }: Wheel): unknown => drawn;
+const lookOfWheel = ({ drawn, rollers }: Wheel): unknown => [drawn, rollers];
+
+/** Makes the same for what looks the same only once. */
+function remembering<From, To>(make: (from: From) => To, lookOf: (from: From) => unknown): (from: From) => To {
+  const made = new Map<string, To>();
+  return (from) => {
+    const look = JSON.stringify(lookOf(from));
+    const known = made.get(look) ?? make(from);
+    made.set(look, known);
+    return known;
+  };
 }

@@ -89,7 +89,7 @@ export function patternTexture(name: PatternName): { texture: THREE.DataTexture;
   const texture = new THREE.DataTexture(texels, EDGE, EDGE);
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
   texture.magFilter = THREE.LinearFilter;
-  texture.minFilter = THREE.LinearMipmapLinearFilter;
+  texture.minFilter = THREE.LinearMipmapNearestFilter;
   texture.generateMipmaps = true;
   texture.needsUpdate = true;
   return { texture, mean: sum / (EDGE * EDGE) };

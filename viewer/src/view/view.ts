@@ -53,7 +53,9 @@ export class View {
   private drawnFrame: Frame | null = null;
   private looked: number | null = null;
   private stale = true;
+  /** When frames were drawn, and when there was nothing new to draw, ms. */
   private drawn: number[] = [];
+  private idle: number[] = [];
   private last = performance.now();
 
   constructor(
@@ -227,11 +229,12 @@ export class View {
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
   }
 
-  /** Frames drawn in the last second. */
-  framesPerSecond(): number {
-    const now = performance.now();
-    this.drawn = this.drawn.filter((time) => time > now - 1000);
-    return this.drawn.length;
+  /** Frames drawn in the last second; null if mostly there was nothing new to draw. */
+  framesPerSecond(): number | null {
+    const since = performance.now() - 1000;
+    this.drawn = this.drawn.filter((time) => time > since);
+    this.idle = this.idle.filter((time) => time > since);
+    return this.idle.length > 1.5 * this.drawn.length ? null : this.drawn.length;
   }
 
   /** Length in metres of 100 pixels where the camera looks. */
@@ -245,6 +248,8 @@ export class View {
     this.last = now;
     if (!this.stale && !this.cameras.isMoving) {
       if (this.labels.isBusy) this.labels.update(this.cameras.camera, this.cameras.distance);
+      this.idle.push(now);
+      if (this.idle.length > 200) this.framesPerSecond();
       return;
     }
     this.stale = false;
