@@ -21,6 +21,7 @@ import type { Frame } from './protocol/frame';
 import { Live, type Status } from './protocol/live';
 import type { Scene } from './protocol/scene';
 import { State } from './state';
+import { QUALITIES, RUNGS } from './view/quality';
 import { View } from './view/view';
 
 /** Between two updates of numbers, and of plots, ms. */
@@ -214,6 +215,11 @@ const actions: Action[] = [
   { name: 'Clear the paths', run: () => view.clearPaths() },
   { name: 'Light or dark', run: press('theme') },
   { name: 'Full screen', run: press('fullscreen') },
+  { name: 'Picture quality: as this machine can', run: () => view.setQuality('auto') },
+  ...QUALITIES.map((quality) => ({
+    name: `Picture quality ${quality}: ${RUNGS[quality].what}`,
+    run: () => view.setQuality(quality),
+  })),
 ];
 listenToKeys(actions, () => state.driving);
 

@@ -1,7 +1,9 @@
-// Makes the pictures of the page in docs/pictures: `npm run pictures`, with the release build there.
+// Makes the pictures of the page in docs/pictures, and those of robots in the page: `npm run pictures`, with the release build
+// there.
 
+import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
-import { connectRobots, launchBrowser, openPage, root, startServer, waitForNumber } from './server.mjs';
+import { connectClient, connectRobots, launchBrowser, openPage, program, root, startServer, waitForNumber } from './server.mjs';
 
 const folder = join(root, 'docs/pictures');
 const browser = await launchBrowser();
@@ -9,10 +11,15 @@ const browser = await launchBrowser();
 async function take(file, serve, options, prepare) {
   const server = await startServer(...serve);
   const { page } = await openPage(browser, server.url, options);
+  // As with a graphics card, however long it takes here.
+  await page.keyboard.press('Control+k');
+  await page.fill('dialog input', 'quality 5');
+  await page.keyboard.press('Enter');
   await prepare(page, server);
   // Messages would hide the view, and who uses no keyboard sees no focus.
   await page.evaluate(() => {
     document.getElementById('toasts').replaceChildren();
+    document.getElementById('rate').hidden = true;
     document.activeElement.blur();
   });
   await page.screenshot({ path: join(folder, file) });
@@ -26,17 +33,23 @@ async function drive(page, key, robotClass = 'YouBotArm') {
   await page.keyboard.down(key);
 }
 
+/** The camera flies to a robot that stands still. */
+async function stop(page, key) {
+  await page.keyboard.up(key);
+  await page.keyboard.press('g');
+  await page.waitForTimeout(6000);
+}
+
 const wide = { viewport: { width: 1280, height: 800 }, colorScheme: 'light' };
 const phone = { viewport: { width: 390, height: 780 }, colorScheme: 'light', hasTouch: true, isMobile: true };
 
 await take('page.png', ['--map', 'arena'], wide, async (page, server) => {
   await drive(page, 'w', 'P3AT');
-  await connectRobots(server.port, 5, 'YouBot');
-  await connectRobots(server.port, 1, 'Kenaf');
+  await connectRobots(server.port, 4, 'YouBot');
+  await connectClient(server.port, 'INIT {ClassName USARBot.Kenaf} {Name Kenaf} {Location 2.6,1.2,-0.1}');
   await page.click('[data-robot="0"]');
   await waitForNumber(page, '[data-value=x]', (value) => value > 1.2);
-  await page.click('#fit');
-  await page.waitForTimeout(1500);
+  await stop(page, 'w');
 });
 await take('plots.png', ['--map', 'rough'], wide, async (page) => {
   await drive(page, 'd');
@@ -45,6 +58,18 @@ await take('plots.png', ['--map', 'rough'], wide, async (page) => {
 });
 await take('phone.png', ['--map', 'rough'], phone, async (page) => {
   await drive(page, 'd');
-  await waitForNumber(page, '#time', (value) => value > 3);
+  await page.waitForTimeout(3000);
+  await stop(page, 'd');
 });
 await browser.close();
+
+/** What the page offers first, and from how far it is seen, m. */
+for (const [robot, distance] of [
+  ['YouBotArm', 2.9],
+  ['P3AT', 1.9],
+  ['AirRobot', 1.9],
+]) {
+  const out = join(root, `viewer/public/robots/${robot}.png`);
+  const options = ['--robot', robot, '--distance', distance, '--size', '240x168', '--out', out];
+  execFileSync(program, ['snapshot', '--map', 'arena', ...options]);
+}

@@ -36,7 +36,7 @@ export class PlotsPanel {
       make('div', { class: 'row' }, make('h2', {}, 'Plots'), first, all, csv, clear, this.hint),
       this.charts,
     );
-    new ResizeObserver(() => this.byUnit.forEach((chart) => chart.resize())).observe(this.charts);
+    new ResizeObserver(() => this.resize()).observe(this.charts);
   }
 
   has(robot: number, key: string): boolean {
@@ -93,12 +93,17 @@ export class PlotsPanel {
       chart = new Chart(unit, () => this.close(unit));
       this.byUnit.set(unit, chart);
       this.charts.append(chart.element);
-      chart.resize();
+      this.resize();
     }
     chart.add(
       series,
       this.past().map((frame) => [frame.time, this.read(series, frame)] as const),
     );
+  }
+
+  /** One fills the width, several share it. */
+  private resize(): void {
+    this.byUnit.forEach((chart) => chart.resize());
   }
 
   private read({ robot, value }: Series, frame: Frame): number | null {
@@ -109,6 +114,7 @@ export class PlotsPanel {
   private close(unit: string): void {
     this.byUnit.get(unit)?.dispose();
     this.byUnit.delete(unit);
+    this.resize();
     this.hint.hidden = this.byUnit.size > 0;
   }
 

@@ -3,7 +3,7 @@
 import type { State } from '../state';
 import { find, make } from './dom';
 
-/** The robots that are offered, where the server has them, and why. */
+/** The robots that are offered, where the server has them, and why. `npm run pictures` makes their pictures. */
 const OFFERED = [
   { robotClass: 'YouBotArm', what: 'Mecanum wheels and an arm' },
   { robotClass: 'P3AT', what: 'skid steering and a laser' },
@@ -38,6 +38,7 @@ export class Welcome {
           const button = make(
             'button',
             { class: 'card', 'data-spawn': robotClass },
+            ...(what ? [make('img', { src: `robots/${robotClass}.png`, alt: '', width: '120', height: '84' })] : []),
             make('strong', {}, robotClass),
             make('small', {}, what),
           );

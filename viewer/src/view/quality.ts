@@ -1,6 +1,8 @@
 /** The rungs of quality, and which of them the machine can afford by the time that frames take. */
 
 export interface Rung {
+  /** for people */
+  what: string;
   /** times the size of the canvas, at a screen's own ratio */
   pixelRatio: (screen: number) => number;
   shadows: boolean;
@@ -10,26 +12,31 @@ export interface Rung {
   occlusion: boolean;
 }
 
-export type Quality = 1 | 2 | 3 | 4 | 5;
+export const QUALITIES = [1, 2, 3, 4, 5] as const;
+export type Quality = (typeof QUALITIES)[number];
 
 const plain = { shadows: false, standard: false, occlusion: false };
 const one = () => 1;
 const fine = (screen: number) => Math.min(2, screen);
 
 export const RUNGS: Record<Quality, Rung> = {
-  1: { ...plain, pixelRatio: () => 0.55 },
-  2: { ...plain, pixelRatio: () => 0.8 },
-  3: { ...plain, pixelRatio: one, shadows: true },
-  4: { pixelRatio: fine, shadows: true, standard: true, occlusion: false },
-  5: { pixelRatio: fine, shadows: true, standard: true, occlusion: true },
+  1: { ...plain, what: 'few pixels', pixelRatio: () => 0.55 },
+  2: { ...plain, what: 'most pixels', pixelRatio: () => 0.75 },
+  3: { ...plain, what: 'all pixels, shadows', pixelRatio: one, shadows: true },
+  4: { what: 'fine pixels, reflections', pixelRatio: fine, shadows: true, standard: true, occlusion: false },
+  5: { what: 'dark corners, too', pixelRatio: fine, shadows: true, standard: true, occlusion: true },
 };
 
-/** What a frame may take before the ladder is descended, and what it must not exceed to be climbed, ms. */
-const LIMITS = { software: { most: 30, least: 13 }, hardware: { most: 21, least: 8 } };
+/** What a frame may take before the ladder is descended, and below what it is climbed from a rung, ms. */
+const LIMITS = {
+  // The second rung costs little more than the first, the third is another world.
+  software: { most: 48, least: (rung: Quality) => (rung === 1 ? 32 : 17) },
+  hardware: { most: 21, least: () => 8 },
+};
 /** Frames that are judged together. */
 const JUDGED = 12;
 /** Frames after a change that are not judged: shaders are being made. */
-const SETTLING = 4;
+const SETTLING = 10;
 /** A rung that was too dear is not tried again for so long, ms; each time it fails, twice as long. */
 const PATIENCE = 20_000;
 
@@ -64,7 +71,7 @@ export class Ladder {
       const wait = 2 * (this.tooDear.get(this.rung)?.wait ?? PATIENCE / 2);
       this.tooDear.set(this.rung, { until: performance.now() + wait, wait });
       this.go((this.rung - 1) as Quality);
-    } else if (middle < least && this.rung < 5) {
+    } else if (middle < least(this.rung) && this.rung < 5) {
       const next = (this.rung + 1) as Quality;
       if (performance.now() > (this.tooDear.get(next)?.until ?? 0)) this.go(next);
     }

@@ -182,6 +182,7 @@ export class View {
     this.stale = true;
   }
 
+  /** Holds a rung of quality, or lets it follow the time that a frame takes. */
   setQuality(quality: Quality | 'auto'): void {
     this.stage.ladder.set(quality);
   }
