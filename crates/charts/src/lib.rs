@@ -154,13 +154,37 @@ impl Chart {
         if !self.references.is_empty() || self.series.iter().any(|series| !series.label.is_empty()) {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperLeft)
+                .position(self.free_corner([left, right, low, high]))
                 .background_style(WHITE.mix(0.8))
                 .border_style(RGBColor(200, 200, 200))
                 .label_font(("sans-serif", 14))
                 .draw()?;
         }
         root.present()
+    }
+
+    /// The corner for the legend: that in which the least of the lines runs, the upper left of equal ones.
+    fn free_corner(&self, [left, right, low, high]: [f64; 4]) -> SeriesLabelPosition {
+        let rows = self.references.len() + self.series.iter().filter(|series| !series.label.is_empty()).count();
+        let reach = [0.4, (0.05 + 0.06 * rows as f64).min(0.5)];
+        let lines = self.series.iter().flat_map(|series| series.lines.iter().map(Vec::as_slice));
+        let lines: Vec<&[(f64, f64)]> = lines.chain(self.references.iter().map(|(_, ends)| ends.as_slice())).collect();
+        let covered = |(at_right, at_top): (bool, bool)| {
+            let is_in = |&(x, y): &(f64, f64)| {
+                let [x, y] = [(x - left) / (right - left), (y - low) / (high - low)];
+                let [x, y] = [if at_right { 1.0 - x } else { x }, if at_top { 1.0 - y } else { y }];
+                x < reach[0] && y < reach[1]
+            };
+            lines.iter().map(|line| along(line).iter().filter(|&point| is_in(point)).count()).sum::<usize>()
+        };
+        let corners = [
+            (SeriesLabelPosition::UpperLeft, (false, true)),
+            (SeriesLabelPosition::UpperRight, (true, true)),
+            (SeriesLabelPosition::LowerRight, (true, false)),
+            (SeriesLabelPosition::LowerLeft, (false, false)),
+        ];
+        let free = corners.into_iter().min_by_key(|(_, corner)| covered(*corner));
+        free.map_or(SeriesLabelPosition::UpperLeft, |(position, _)| position)
     }
 
     fn draw_axes<B: DrawingBackend>(
@@ -187,6 +211,19 @@ impl Chart {
             .bold_line_style(RGBColor(225, 225, 225))
             .draw()
     }
+}
+
+/// Points on a line, the same number for every line, so that one with two ends counts as much as one with a thousand.
+fn along(line: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    const POINTS: usize = 40;
+    let last = line.len().saturating_sub(1);
+    let at = |part: f64| {
+        let index = part * last as f64;
+        let (before, after) = (line[index.floor() as usize], line[index.ceil() as usize]);
+        let on = index.fract();
+        (before.0 + on * (after.0 - before.0), before.1 + on * (after.1 - before.1))
+    };
+    if line.is_empty() { Vec::new() } else { (0..=POINTS).map(|step| at(step as f64 / POINTS as f64)).collect() }
 }
 
 type Plane = Cartesian2d<RangedCoordf64, RangedCoordf64>;
@@ -274,6 +311,20 @@ mod tests {
         check(&[(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)], &whole);
         check(&[(0.5, -1.0), (2.0, -1.0), (2.0, 0.5), (0.5, 0.5)], &[(0.5, 0.0), (0.5, 0.5), (1.0, 0.0), (1.0, 0.5)]);
         check(&[(2.0, 2.0), (3.0, 2.0), (3.0, 3.0)], &[]);
+    }
+
+    #[test]
+    fn a_legend_stands_where_the_fewest_lines_run() {
+        let check = |line: &[(f64, f64)], expected: SeriesLabelPosition| {
+            let series = Series { label: "line".into(), lines: vec![line.to_vec()], joined: true, ..Series::default() };
+            let chart = Chart { series: vec![series], ..Chart::default() };
+            let got = chart.free_corner([0.0, 1.0, 0.0, 1.0]);
+            assert_eq!(format!("{got:?}"), format!("{expected:?}"), "{line:?}");
+        };
+        check(&[(0.0, 0.0), (1.0, 1.0)], SeriesLabelPosition::UpperLeft);
+        check(&[(0.0, 1.0), (1.0, 0.0)], SeriesLabelPosition::UpperRight);
+        check(&[(0.0, 1.0), (1.0, 1.0)], SeriesLabelPosition::LowerRight);
+        check(&[], SeriesLabelPosition::UpperLeft);
     }
 
     #[test]
