@@ -184,6 +184,41 @@ position = [0, 0, 0]
     }
 }
 
+/// A material of a map's own is one beside those that all maps have, or in their place; a colour is a solid's own.
+#[test]
+fn a_map_has_materials_and_colours_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("map.toml");
+    let start = "[[start]]\nname = \"S\"\nposition = [0, 0, 0]\n";
+    let write = |map: &str| std::fs::write(&path, format!("description = \"m\"\n{map}{start}")).expect("a file");
+    let floor =
+        |material: &str, more: &str| format!("[[half_space]]\nname = \"floor\"\nmaterial = \"{material}\"\n{more}");
+    write(&format!(
+        "[material.mud]\nfriction = 0.3\nrolling_resistance = 0.1\n{}",
+        floor("mud", "colour = [0.3, 0.2, 0.1]\n")
+    ));
+    let got = |overrides: &[&str]| {
+        let overrides: Vec<_> = overrides.iter().map(|text| text.parse().expect("an override")).collect();
+        let map = scene_loader::map(path.to_str().expect("a path"), &overrides);
+        let material = map.unwrap_or_else(|error| panic!("{error}")).solids[0].material.clone();
+        (material.friction, material.rolling_resistance, material.colour)
+    };
+    assert_eq!(got(&[]), (0.3, 0.1, [0.3, 0.2, 0.1]));
+    assert_eq!(got(&["map.material.mud.friction=0.5"]).0, 0.5);
+    write(&format!("[material.carpet]\nfriction = 0.2\n{}", floor("carpet", "")));
+    assert_eq!(got(&[]), (0.2, 0.0, [0.6; 3]));
+
+    let refused = |map: &str, expected: &str| {
+        write(map);
+        let error = scene_loader::check(&path).expect_err("a mistake").to_string();
+        assert!(error.contains(expected), "{error}");
+    };
+    refused(&format!("[material.mud]\nfriction = -1.0\n{}", floor("mud", "")), ":2:11: `friction` is -1");
+    refused(&format!("[material.mud]\n{}", floor("mud", "")), "missing field `friction`");
+    refused(&format!("material = 3\n{}", floor("carpet", "")), "expected a table");
+    refused(&floor("carpet", "colour = [2, 0, 0]\n"), "`colour` is [2, 0, 0]: expected numbers of 0 to 1");
+}
+
 #[test]
 fn a_mesh_that_is_missing_or_broken_is_named() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -97,15 +97,25 @@ impl<'a> Document<'a> {
 
     /// Takes an array of tables to be read key by key.
     pub(crate) fn tables(&mut self, table: &mut Table<'a>, key: &str) -> Vec<Table<'a>> {
-        let mut tables = Vec::new();
-        for element in self.elements(table, key) {
-            let span = element.span();
-            match element.into_inner() {
-                DeValue::Table(entries) => tables.push(Table { span, entries }),
-                other => self.problem(&span, format_args!("expected a table, got {}", other.type_str())),
+        let elements = self.elements(table, key);
+        elements.into_iter().filter_map(|element| self.as_table(element)).collect()
+    }
+
+    /// Takes a table to be read key by key.
+    pub(crate) fn table(&mut self, table: &mut Table<'a>, key: &str) -> Option<Table<'a>> {
+        let value = table.entries.remove(key)?;
+        self.as_table(value)
+    }
+
+    fn as_table(&mut self, value: Spanned<DeValue<'a>>) -> Option<Table<'a>> {
+        let span = value.span();
+        match value.into_inner() {
+            DeValue::Table(entries) => Some(Table { span, entries }),
+            other => {
+                self.problem(&span, format_args!("expected a table, got {}", other.type_str()));
+                None
             }
         }
-        tables
     }
 
     /// Takes one table or value with its place.

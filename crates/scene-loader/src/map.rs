@@ -3,12 +3,13 @@
 use scene::{MapDef, NamedPose, Object, Shape, Solid, check};
 
 use crate::document::{Document, Table, Vector};
-use crate::materials::Materials;
+use crate::materials::{self, Materials};
 use crate::mesh;
 use crate::problem::Problems;
 use crate::source::Source;
 
-const KEYS: &str = "description, gravity, time_limit, half_space, box, ramp, cylinder, mesh, start, path_node";
+const KEYS: &str =
+    "description, gravity, time_limit, material, half_space, box, ramp, cylinder, mesh, start, path_node";
 
 pub(crate) fn read(
     source: &Source,
@@ -26,10 +27,11 @@ pub(crate) fn read(
         gravity
     });
     let time_limit = document.optional(&mut root, "time_limit").unwrap_or(20);
+    let materials = materials::read_own(&mut document, &mut root, materials);
     let (mut solids, mut objects) = (Vec::new(), Vec::new());
     for kind in ["half_space", "box", "ramp", "cylinder", "mesh"] {
         for table in document.tables(&mut root, kind) {
-            match read_solid(source, &mut document, kind, table, materials) {
+            match read_solid(source, &mut document, kind, table, &materials) {
                 // A mass makes a solid that can be pushed.
                 Some((solid, Some(mass))) => objects.push(Object { solid, mass }),
                 Some((solid, None)) => solids.push(solid),
@@ -61,6 +63,7 @@ fn read_solid<'a>(
     let material: Option<String> = document.required(&mut table, "material", "the name of a material");
     let position: Vector = document.optional(&mut table, "position").unwrap_or_default();
     let rotation: Vector = document.optional(&mut table, "rotation").unwrap_or_default();
+    let colour: Option<Vector> = document.optional(&mut table, "colour");
     let mut mass: Option<f64> = None;
     if matches!(kind, "box" | "cylinder") {
         mass = document.optional(&mut table, "mass");
@@ -97,8 +100,12 @@ fn read_solid<'a>(
             (mesh, ", file, scale")
         }
     };
-    document.finish(table, &format!("name, material, position, rotation{keys}"));
-    let (name, material) = (name?, document.material(&span, &material?, materials));
+    document.finish(table, &format!("name, material, colour, position, rotation{keys}"));
+    let (name, mut material) = (name?, document.material(&span, &material?, materials));
+    if let Some(colour) = colour {
+        material.colour = colour;
+        document.wrong(&span, check::material(&material));
+    }
     let solid = Solid { name, shape: shape?, position, rotation, material };
     match mass {
         None => document.wrong(&span, check::map_solid(&solid)),

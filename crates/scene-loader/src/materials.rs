@@ -1,11 +1,12 @@
-//! `materials.toml`: one table a material, each number with its source.
+//! Materials, one table each: those of `materials.toml`, each number with its source, and a map's own.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use scene::{Material, check};
 use serde::Deserialize;
 
-use crate::document::Document;
+use crate::document::{Document, Table};
 use crate::problem::Problems;
 
 /// Materials by name.
@@ -15,12 +16,17 @@ pub(crate) type Materials = BTreeMap<String, Material>;
 #[serde(deny_unknown_fields)]
 struct Entry {
     friction: f64,
+    #[serde(default)]
     restitution: f64,
+    #[serde(default)]
     rolling_resistance: f64,
+    #[serde(default)]
     linear_damping: f64,
+    #[serde(default)]
     angular_damping: f64,
     #[serde(default = "grey")]
     colour: [f64; 3],
+    #[serde(default)]
     source: String,
 }
 
@@ -29,17 +35,34 @@ fn grey() -> [f64; 3] {
     [0.6; 3]
 }
 
+/// Those of `materials.toml`, each of which has a source.
 pub(crate) fn read(file: &str, text: &str, problems: &mut Problems) -> Materials {
-    let mut materials = Materials::new();
-    let Some((mut document, mut root)) = Document::parse(file, text, problems) else { return materials };
-    for (span, name, entry) in document.named::<Entry>(&mut root) {
-        if entry.source.is_empty() {
-            document.problem(&span, format_args!("`source` of {name} is empty: expected where its numbers come from"));
+    let Some((mut document, root)) = Document::parse(file, text, problems) else { return Materials::new() };
+    let materials = read_table(&mut document, root);
+    for (span, material) in &materials {
+        if material.source.is_empty() {
+            let name = &material.name;
+            document.problem(span, format_args!("`source` of {name} is empty: expected where its numbers come from"));
         }
+    }
+    by_name(materials)
+}
+
+/// Those of a map itself, beside which it has all others.
+pub(crate) fn read_own<'a>(document: &mut Document<'a>, root: &mut Table<'a>, all: &Materials) -> Materials {
+    let own = document.table(root, "material").map_or_else(Vec::new, |table| read_table(document, table));
+    let mut materials = all.clone();
+    materials.extend(by_name(own));
+    materials
+}
+
+/// Every entry of a table with its place.
+fn read_table<'a>(document: &mut Document<'a>, mut table: Table<'a>) -> Vec<(Range<usize>, Material)> {
+    let entries = document.named::<Entry>(&mut table).into_iter().map(|(span, name, entry)| {
         let Entry { friction, restitution, rolling_resistance, linear_damping, angular_damping, colour, source } =
             entry;
         let material = Material {
-            name: name.clone(),
+            name,
             friction,
             restitution,
             rolling_resistance,
@@ -48,8 +71,15 @@ pub(crate) fn read(file: &str, text: &str, problems: &mut Problems) -> Materials
             colour,
             source,
         };
-        document.wrong(&span, check::material(&material));
-        materials.insert(name, material);
+        (span, material)
+    });
+    let materials: Vec<_> = entries.collect();
+    for (span, material) in &materials {
+        document.wrong(span, check::material(material));
     }
     materials
+}
+
+fn by_name(materials: Vec<(Range<usize>, Material)>) -> Materials {
+    materials.into_iter().map(|(_, material)| (material.name.clone(), material)).collect()
 }
