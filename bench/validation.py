@@ -73,7 +73,7 @@ def lateral_against_rollers():
         # Four turns of the wheels are whole rollers for every count.
         ratios = [run("bench", "--drive-model", model, "--seconds", 4 * math.pi, "--set", f"KUKA_YouBot.rollers.count={n}")["motions"]["right"]["ratio"] for n in counts]
         lines.append((model, model, counts, [ratio * exact for ratio, exact in zip(ratios, theory)]))
-    return plot("lateral-ratio", "rollers of a wheel", "way to the right over R theta", lines)
+    return plot("lateral-ratio", "rollers of a wheel", "travel to the right over R theta", lines)
 
 
 def traction_against_friction():
