@@ -3,7 +3,16 @@
 
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
-import { connectClient, connectRobots, launchBrowser, openPage, program, root, startServer, waitForNumber } from './server.mjs';
+import {
+  connectClient,
+  connectRobots,
+  launchBrowser,
+  openPage,
+  program,
+  root,
+  startServer,
+  waitForNumber,
+} from './server.mjs';
 
 const folder = join(root, 'docs/pictures');
 const browser = await launchBrowser();

@@ -31,7 +31,7 @@ export class WirePanel {
 
   constructor() {
     for (const [value, name] of [
-      ['', 'both directions'],
+      ['', 'in and out'],
       ['in', 'to the server'],
       ['out', 'from the server'],
     ] as const) {
