@@ -48,7 +48,8 @@ pub(crate) async fn serve(
     }
     let addresses = Ready(addresses);
     let (gone, mut world_gone) = oneshot::channel();
-    let (live, channels) = live::broadcast(Instant::now(), &config.world, about(&config, &addresses));
+    let (live, channels) =
+        live::broadcast(Instant::now(), &config.world, addresses.page().map(|_| about(&config, &addresses)));
     let site = Arc::new(site(&config, &addresses, channels, events.clone()));
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
     let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;

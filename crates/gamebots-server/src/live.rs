@@ -143,7 +143,8 @@ pub(crate) struct Broadcast {
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
     scene: watch::Sender<Bytes>,
-    about: About,
+    /// What the scene says of the server; none where no page is served.
+    about: Option<About>,
     /// How often the scene has changed.
     scenes: u64,
     /// When each sensor's last scan was published.
@@ -156,13 +157,18 @@ pub(crate) struct Broadcast {
     measured: (Instant, f64, f64),
 }
 
-/// Makes the two ends.
-pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: About) -> (Broadcast, Channels) {
+/// The scene that a page asks for; nothing where none is served.
+fn scene(world: &WorldDef, about: Option<&About>) -> Bytes {
+    about.map_or_else(Bytes::new, |about| scene_json(world, Some(about)).into())
+}
+
+/// Makes the two ends. Without `about` no page asks for the scene.
+pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) -> (Broadcast, Channels) {
     let (frames, frames_end) = watch::channel(Bytes::new());
     let (statuses, statuses_end) = watch::channel(Arc::from("{}"));
     let ((notices, _), (lines, _)) = (broadcast::channel(MAX_NOTICES), broadcast::channel(MAX_NOTICES));
     let (speaking, listening) = (notices.clone(), lines.clone());
-    let (scene, scene_end) = watch::channel(scene_json(world, Some(&about)).into());
+    let (scene, scene_end) = watch::channel(scene(world, about.as_ref()));
     let channels =
         Channels { frames: frames_end, statuses: statuses_end, notices: speaking, lines: listening, scene: scene_end };
     let (scanned, measured) = (BTreeMap::new(), (now, 0.0, 0.0));
@@ -198,7 +204,7 @@ impl Broadcast {
     /// There is another map.
     pub(crate) fn show(&mut self, world: &WorldDef) {
         self.scenes += 1;
-        self.scene.send_replace(scene_json(world, Some(&self.about)).into());
+        self.scene.send_replace(scene(world, self.about.as_ref()));
     }
 
     /// The next status is due at once: something has happened.
@@ -284,7 +290,7 @@ mod tests {
     fn when_a_sensor_was_last_shown_is_known_only_while_it_is_there_and_somebody_looks() {
         let world = World::new(WorldDef::default(), Options::default());
         let about = About { seed: 0, time_step: 0.002, port: 0, maps: Vec::new() };
-        let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), about);
+        let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about));
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::Sonar(Sonar { name: "F1".to_owned(), range: 1.0 });
             broadcast.scan(&world, RobotId(robot), &Message::Sen(Sen { time: Some(0.0), reading, sensor: Some(0) }));

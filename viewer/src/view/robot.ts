@@ -59,8 +59,13 @@ export class RobotFleet {
     const geometry = ({ shape, pose, colour }: Drawn) => solidGeometry(shape, pose, colour);
     const bodyGeometry = merged(drawn.map(geometry));
     const linkGeometries = links.map((link) => merged(link.drawn.map(geometry)));
-    const hubs = remembering((wheel: Wheel) => merged(wheel.drawn.map(spoked)), lookOfHub);
-    this.measure(bodyGeometry, wheels.map(hubs));
+    const hubs = wheels.map(
+      remembering(
+        (wheel) => merged(wheel.drawn.map(spoked)),
+        ({ drawn }) => drawn,
+      ),
+    );
+    this.measure(bodyGeometry, hubs);
     this.size = this.bounds.getSize(new THREE.Vector3()).length();
 
     const instances = (geometry: THREE.BufferGeometry) => new Instances(this.group, geometry, surfaces);
@@ -69,18 +74,19 @@ export class RobotFleet {
       const near = instances(geometry);
       return { near, far: near, afar: afar(geometry) };
     };
-    const wheelPiece = (wheel: Wheel): Piece => {
-      if (!wheel.rollers) return rigid(hubs(wheel));
-      const { outline, colour, poses } = wheel.rollers;
+    const wheelPiece = ({ hub, rollers }: { hub: THREE.BufferGeometry; rollers: Wheel['rollers'] }): Piece => {
+      if (!rollers) return rigid(hub);
+      const { outline, colour, poses } = rollers;
       const simple = roller(outline, colour, false);
       const turned = poses.map((pose) => simple.clone().applyMatrix4(setPose(new THREE.Matrix4(), pose)));
-      const whole = merged([hubs(wheel), ...turned]);
-      return { near: instances(hubs(wheel)), far: instances(whole), afar: afar(whole) };
+      const whole = merged([hub, ...turned]);
+      return { near: instances(hub), far: instances(whole), afar: afar(whole) };
     };
 
     this.body = rigid(bodyGeometry);
     this.links = linkGeometries.map(rigid);
-    this.wheels = wheels.map(remembering(wheelPiece, lookOfWheel));
+    const assembled = hubs.map((hub, index) => ({ hub, rollers: wheels[index]?.rollers ?? null }));
+    this.wheels = assembled.map(remembering(wheelPiece, ({ hub, rollers }) => [hub.uuid, rollers]));
     const oneRoller = remembering(
       ({ outline, colour }: NonNullable<Wheel['rollers']>) => instances(roller(outline, colour, true)),
       ({ outline, colour }) => [outline, colour],
@@ -172,9 +178,6 @@ export class RobotFleet {
     if (this.bounds.isEmpty()) this.bounds.set(new THREE.Vector3(-0.2, -0.2, -0.1), new THREE.Vector3(0.2, 0.2, 0.1));
   }
 }
-
-const lookOfHub = ({ drawn }: Wheel): unknown => drawn;
-const lookOfWheel = ({ drawn, rollers }: Wheel): unknown => [drawn, rollers];
 
 /** Makes the same for what looks the same only once. */
 function remembering<From, To>(make: (from: From) => To, lookOf: (from: From) => unknown): (from: From) => To {

@@ -30,19 +30,16 @@ export class Robots {
   readonly group = new THREE.Group();
   selected: number | null = null;
   hovered: number | null = null;
-  private readonly fleets: Map<string, RobotFleet>;
+  /** Of the classes that have been seen: to build the shapes of all would hold up the first picture. */
+  private readonly fleets = new Map<string, RobotFleet>();
   private readonly decals: Decals;
   private known: Known[] = [];
 
   constructor(
-    scene: Scene,
-    surfaces: Surfaces,
+    private readonly scene: Scene,
+    private readonly surfaces: Surfaces,
     private readonly roster: Roster,
   ) {
-    this.fleets = new Map(
-      Object.entries(scene.classes).map(([name, robotClass]) => [name, new RobotFleet(robotClass, surfaces)]),
-    );
-    this.fleets.forEach((fleet) => this.group.add(fleet.group));
     this.decals = new Decals(this.group);
   }
 
@@ -56,7 +53,13 @@ export class Robots {
   }
 
   fleet(name: string): RobotFleet | null {
-    return this.fleets.get(name) ?? null;
+    const known = this.fleets.get(name);
+    const robotClass = this.scene.classes[name];
+    if (known || !robotClass) return known ?? null;
+    const fleet = new RobotFleet(robotClass, this.surfaces);
+    this.fleets.set(name, fleet);
+    this.group.add(fleet.group);
+    return fleet;
   }
 
   find(id: number | null): Known | null {
@@ -64,14 +67,14 @@ export class Robots {
   }
 
   classOf(id: number): RobotClass | null {
-    return this.fleets.get(this.roster(id)?.class ?? '')?.robotClass ?? null;
+    return this.scene.classes[this.roster(id)?.class ?? ''] ?? null;
   }
 
   /** As they are in a frame, seen from a place of the world. */
   place(frame: Frame, eye: THREE.Vector3): void {
     this.known = frame.robots.flatMap((state) => {
       const entry = this.roster(state.id);
-      const fleet = entry && this.fleets.get(entry.class);
+      const fleet = entry && this.fleet(entry.class);
       return fleet ? [{ state, name: entry.name || entry.class, fleet }] : [];
     });
     for (const fleet of this.fleets.values()) {
