@@ -131,8 +131,25 @@ async def check(port, foxglove):
         print(f"foxglove: {len(client.counts)} topics, {sum(client.counts.values())} messages, services answer")
 
 
+async def check_watching(_port, foxglove):
+    """Where Foxglove may not control the world it still sees it, and is offered no service."""
+    async with connect(f"ws://127.0.0.1:{foxglove}", subprotocols=["foxglove.sdk.v1"], max_size=None) as ws:
+        info = json.loads(await asyncio.wait_for(ws.recv(), PATIENCE))
+        assert info["op"] == "serverInfo" and "services" not in info["capabilities"], info
+        ops = []
+        while "advertise" not in ops:
+            message = await asyncio.wait_for(ws.recv(), PATIENCE)
+            ops += [json.loads(message)["op"]] if isinstance(message, str) else []
+        assert "advertiseServices" not in ops, ops
+
+
 def main():
-    command = [sys.argv[1], "--quiet", "serve", "--json", "--port", "0", "--no-http", "--foxglove", "0"]
+    serve_and(check)
+    serve_and(check_watching, "--control", "local")
+
+
+def serve_and(check, *options):
+    command = [sys.argv[1], "--quiet", "serve", "--json", "--port", "0", "--no-http", "--foxglove", "0", *options]
     server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         ready = json.loads(server.stdout.readline())

@@ -7,7 +7,7 @@ use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gamebots_server::{Config, Listener, Service};
+use gamebots_server::{Config, Listener, Service, WorldControl};
 use serde_json::Value;
 use system_tests::{PATIENCE, Peer, Server};
 use tungstenite::client::IntoClientRequest;
@@ -179,6 +179,36 @@ fn a_world_can_be_paused_stepped_and_hurried() {
     assert_eq!((&status["paused"], &status["speed"]), (&false.into(), &0.0.into()));
     viewer.send("{\"fly\":1}");
     viewer.said("expected {\"pause\":bool}");
+}
+
+#[test]
+fn a_page_that_may_not_control_the_world_is_told_why_and_drives_its_robot() {
+    let server = serve("rough", |config| config.world_control = WorldControl::Nobody);
+    let mut viewer = Viewer::open(&server, "/live");
+    let refused = viewer.wait("whether it may", |message| json(message, "refused"));
+    assert_eq!(refused, "no page controls this world");
+    for request in
+        ["{\"pause\":true}", "{\"step\":1}", "{\"speed\":0}", "\"reset\"", "{\"record\":true}", "{\"map\":\"arena\"}"]
+    {
+        viewer.send(request);
+        assert_eq!(viewer.said("not done"), "not done: no page controls this world", "{request}");
+    }
+    let mut peer = server.client();
+    robot(&mut peer);
+    peer.send("DRIVE {Left 2} {Right 2}");
+    viewer.frame("it drives", |frame| frame.robots.first().is_some_and(|robot| robot.1[0] > 2.1));
+    let status = viewer.status("any", |_| true);
+    assert_eq!((&status["paused"], &status["resets"], &status["recording"]), (&false.into(), &0.into(), &Value::Null));
+}
+
+#[test]
+fn a_page_on_the_servers_own_machine_is_local() {
+    let server = serve("rough", |config| config.world_control = WorldControl::Local);
+    let mut viewer = Viewer::open(&server, "/live");
+    let refused = viewer.wait("whether it may", |message| json(message, "refused"));
+    assert_eq!(refused, Value::Null);
+    viewer.send("{\"pause\":true}");
+    viewer.status("paused", |status| status["paused"] == true);
 }
 
 #[test]

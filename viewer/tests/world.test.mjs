@@ -42,6 +42,21 @@ pageTest('a value of a sensor is shown and plotted by a click', rough, async ({ 
   await page.waitForSelector('.chart', { state: 'detached' });
 });
 
+pageTest(
+  'a page that may not control the world is told so, and drives',
+  { serve: ['--control', 'nobody'] },
+  async ({ page }) => {
+    await page.waitForSelector('#pause[aria-disabled=true]');
+    assert.equal(await page.getAttribute('#reset', 'title'), 'no page controls this world');
+    await page.keyboard.press('Space');
+    await said(page, 'not done: no page controls this world');
+    await spawnRobot(page);
+    await page.keyboard.down('w');
+    await waitForNumber(page, X, (value) => value > 0.1);
+    await page.keyboard.up('w');
+  },
+);
+
 pageTest('the last minute can be looked at while the world goes on', rough, async ({ page }) => {
   await spawnRobot(page);
   await page.keyboard.down('w');

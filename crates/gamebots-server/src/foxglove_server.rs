@@ -34,18 +34,18 @@ pub(crate) struct FoxgloveServer {
     next_time: Instant,
 }
 
-/// Starts serving on a listener.
+/// Starts serving on a listener. Requests of clients go to `events`; without it the services are not offered.
 pub(crate) async fn start(
     listener: TcpListener,
     host: &str,
     world: &WorldDef,
-    events: Sender<Event>,
+    events: Option<Sender<Event>>,
 ) -> Result<FoxgloveServer, ServeError> {
     let (context, latched) = (Context::new(), Latched::default());
     let live = Live::new(world, context.clone(), latched.clone())?;
     let hidden = gate::hidden_address();
     let server = context.websocket_server().name(format!("usarsim {}", world.map.name)).bind(hidden.to_string(), 0);
-    let server = server.capabilities([Capability::Time, Capability::Services]).services(services(&events));
+    let server = server.capabilities([Capability::Time]).services(events.iter().flat_map(services));
     let server = server.message_backlog_size(BACKLOG).listener(Arc::new(Late(latched)));
     let started = server.start().await;
     let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;

@@ -29,7 +29,7 @@ mod session;
 mod web;
 mod world_thread;
 
-pub use control::check_real_time_factor;
+pub use control::{WorldControl, check_real_time_factor};
 pub use playback::{Playback, play};
 
 use std::net::SocketAddr;
@@ -95,6 +95,8 @@ pub struct Config {
     pub unnamed_log: PathBuf,
     /// A client that takes nothing for this long is disconnected.
     pub stall_timeout: Duration,
+    /// Who may control the world over the page and Foxglove.
+    pub world_control: WorldControl,
     /// Threads on which robots that do not touch are moved, and sensors measure.
     pub threads: ThreadPool,
 }
@@ -114,6 +116,7 @@ impl Config {
             ros2_log: false,
             unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
             stall_timeout: Duration::from_secs(30),
+            world_control: WorldControl::Everyone,
             threads: ThreadPool::one(),
             world,
         }

@@ -15,7 +15,9 @@ use tracing::{info, warn};
 use crate::connection::{ConnectionId, Event};
 use crate::live::{About, Channels};
 use crate::web::Site;
-use crate::{Config, Listener, Ready, ServeError, Service, connection, foxglove_server, live, web, world_thread};
+use crate::{
+    Config, Listener, Ready, ServeError, Service, WorldControl, connection, foxglove_server, live, web, world_thread,
+};
 
 /// Longest that the last lines to all clients may take.
 const FAREWELL_TIMEOUT: Duration = Duration::from_millis(500);
@@ -42,7 +44,8 @@ pub(crate) async fn serve(
             Service::Controllers { dialect } => controllers.push((dialect, address, bound)),
             Service::Page => pages.push(bound),
             Service::Foxglove => {
-                foxglove = Some(foxglove_server::start(bound, &config.host, &config.world, events.clone()).await?);
+                let events = (config.world_control == WorldControl::Everyone).then(|| events.clone());
+                foxglove = Some(foxglove_server::start(bound, &config.host, &config.world, events).await?);
             }
         }
     }
@@ -105,6 +108,7 @@ fn site(config: &Config, addresses: &Ready, channels: Channels, events: mpsc::Se
         channels,
         events,
         stall_timeout: config.stall_timeout,
+        world_control: config.world_control,
         pages: AtomicU64::new(0),
     }
 }

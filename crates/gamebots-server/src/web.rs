@@ -31,6 +31,7 @@ use tokio::task::JoinSet;
 use tokio_io_timeout::TimeoutStream;
 use tracing::{debug, warn};
 
+use crate::WorldControl;
 use crate::connection::Event;
 use crate::live::Channels;
 
@@ -51,12 +52,21 @@ pub(crate) struct Site {
     pub(crate) events: Sender<Event>,
     /// A viewer that takes nothing for this long is disconnected.
     pub(crate) stall_timeout: Duration,
+    pub(crate) world_control: WorldControl,
     /// How many pages have been opened: each has a number.
     pub(crate) pages: AtomicU64,
 }
 
 /// One of the [`MAX_CONNECTIONS`], held as long as the connection lives, also when it has become a WebSocket.
 pub(crate) type Place = Arc<OwnedSemaphorePermit>;
+
+/// Where a page is open.
+#[derive(Debug, Clone, Copy)]
+struct Peer {
+    address: IpAddr,
+    /// Why it may not control the world.
+    refusal: Option<&'static str>,
+}
 
 /// Serves until it is dropped.
 pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
@@ -67,7 +77,7 @@ pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
         .fallback(page::file)
         .layer(middleware::from_fn_with_state(site.clone(), guard))
         .layer(Extension(log_scene::Worker::default()))
-        .with_state(site);
+        .with_state(site.clone());
     let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let mut connections = JoinSet::new();
     loop {
@@ -77,7 +87,10 @@ pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
             accepted = listener.accept() => match accepted {
                 Ok((stream, peer)) => {
                     let place: Place = Arc::new(place);
-                    let router = router.clone().layer(Extension(place)).layer(Extension(peer.ip()));
+                    let own = stream.local_addr().unwrap_or(peer);
+                    let refusal = site.world_control.refusal(peer.ip(), own.ip());
+                    let peer = Peer { address: peer.ip(), refusal };
+                    let router = router.clone().layer(Extension(place)).layer(Extension(peer));
                     connections.spawn(serve_connection(stream, router));
                 }
                 Err(error) => {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use gamebots_proto::Dialect;
-use gamebots_server::{Config, Listener, Ready, ServeError, Service};
+use gamebots_server::{Config, Listener, Ready, ServeError, Service, WorldControl};
 use scene::{DriveModel, MapDef};
 use scene_loader::Override;
 use sim_core::Options;
@@ -21,7 +21,8 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
 #[command(after_help = "Examples:\n  usarsim serve                          # carpet, 127.0.0.1:3000, real time\n  \
     usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n  \
     usarsim serve --robot turtlebot3_burger.urdf\n  \
-    usarsim serve --host 0.0.0.0             # seen and driven from other machines\n\n\
+    usarsim serve --host 0.0.0.0             # seen and driven from other machines\n  \
+    usarsim serve --host 0.0.0.0 --control local  # but paused and reset from this one alone\n\n\
     Clients are served until Ctrl-C or SIGTERM, which end the server with exit code 0.")]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
@@ -55,6 +56,10 @@ pub(crate) struct Arguments {
     /// Serve no page, even where --http or USARSIM_HTTP asks for one.
     #[arg(long)]
     no_http: bool,
+    /// Who may pause, step, reset, record, and change the speed or the map: everyone who has the page open, only pages on this machine
+    /// (also through `ssh -L`), or nobody. All others watch, and drive robots of their own.
+    #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO", default_value = "everyone")]
+    control: ControlChoice,
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
     #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT")]
     foxglove: Option<u16>,
@@ -101,6 +106,13 @@ pub(crate) struct Arguments {
 enum WheelSpeeds {
     Rad,
     Rev,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ControlChoice {
+    Everyone,
+    Local,
+    Nobody,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -162,6 +174,11 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         report_errors: arguments.report_errors,
         log: arguments.log,
         ros2_log: arguments.log_format == LogFormat::Ros2,
+        world_control: match arguments.control {
+            ControlChoice::Everyone => WorldControl::Everyone,
+            ControlChoice::Local => WorldControl::Local,
+            ControlChoice::Nobody => WorldControl::Nobody,
+        },
         threads: threads.map_err(|error| Failure::new(exit::FAILURE, error))?,
         ..Config::new(world)
     };

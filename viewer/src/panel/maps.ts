@@ -30,5 +30,6 @@ export function offerMaps(state: State, live: Live): void {
 }
 
 async function change(state: State, live: Live, map: string): Promise<void> {
-  if (await othersAgree(state, `Change to ${map}?`, `start again on ${map}`, 'Change the map')) live.control({ map });
+  const agreed = () => othersAgree(state, `Change to ${map}?`, `start again on ${map}`, 'Change the map');
+  if (live.refused || (await agreed())) live.control({ map });
 }

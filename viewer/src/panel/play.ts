@@ -17,6 +17,11 @@ export class PlayBar {
   private readonly timeline = find<HTMLInputElement>('timeline');
   private readonly live = find('live');
   private readonly reset = find<HTMLButtonElement>('reset');
+  private readonly step = find<HTMLButtonElement>('step');
+  /** What is asked of the server, and what the button says of itself. */
+  private readonly controls = [this.pause, this.step, this.record, this.reset].map(
+    (button) => [button, button.title] as const,
+  );
 
   constructor(
     private readonly state: State,
@@ -31,7 +36,7 @@ export class PlayBar {
       if (playback.mode === 'log') playback.playOrPause();
       else server.control({ pause: !state.status?.paused });
     };
-    find('step').onclick = () => {
+    this.step.onclick = () => {
       if (playback.mode === 'log') playback.step(STEP);
       else server.control({ step: Math.max(1, Math.round(STEP / (state.scene?.time_step ?? STEP))) });
     };
@@ -74,7 +79,14 @@ export class PlayBar {
     this.record.disabled = this.reset.disabled = logName !== null;
     setText(this.record, status.recording ? 'Stop recording' : 'Record');
     this.record.setAttribute('aria-pressed', String(status.recording !== null));
-    this.record.title = status.recording ?? 'Write an MCAP log on the server';
+    const refused = logName === null ? this.server.refused : null;
+    for (const [button, title] of this.controls) {
+      // Not disabled: whoever presses it is told why.
+      button.setAttribute('aria-disabled', String(refused !== null));
+      button.title = refused ?? title;
+    }
+    this.speed.disabled = refused !== null;
+    if (status.recording) this.record.title = status.recording;
     const speed = String(logName ? this.playback.rate : status.speed);
     if (![...this.speed.options].some(({ value }) => value === speed)) {
       this.speed.append(make('option', { value: speed }, `${speed} ×`));
@@ -100,8 +112,9 @@ export class PlayBar {
   }
 
   private async resetWorld(): Promise<void> {
-    if (await othersAgree(this.state, 'Reset the world?', 'go back to their starts', 'Reset'))
-      this.server.control('reset');
+    const agreed = () => othersAgree(this.state, 'Reset the world?', 'go back to their starts', 'Reset');
+    // Where this page may not, the server says so; nobody needs to be asked.
+    if (this.server.refused || (await agreed())) this.server.control('reset');
   }
 }
 

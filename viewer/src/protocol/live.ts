@@ -56,6 +56,8 @@ export class Live {
   private heard = 0;
   /** How the server names this page to everyone. */
   private you = '';
+  /** Why the server lets this page not control the world. */
+  refused: string | null = null;
 
   constructor(private readonly listener: Listener) {
     void this.connect();
@@ -162,8 +164,9 @@ export class Live {
       said?: string;
       missed?: number;
       you?: string;
+      refused?: string | null;
     };
-    if (message.you !== undefined) this.you = message.you;
+    if (message.you !== undefined) [this.you, this.refused] = [message.you, message.refused ?? null];
     if (message.status) this.takeStatus(message.status);
     if (message.line) this.listener.line(message.line);
     if (message.said !== undefined) this.listener.said(this.addressed(message.said));

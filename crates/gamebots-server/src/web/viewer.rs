@@ -1,6 +1,5 @@
 //! One viewer: frames, status and notices to it, requests from it.
 
-use std::net::IpAddr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -16,7 +15,7 @@ use tokio::sync::Semaphore;
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
 
-use super::{Place, Site};
+use super::{Peer, Place, Site};
 use crate::connection::Event;
 use crate::control::{Actor, Control};
 use crate::live::{Line, Notice};
@@ -42,14 +41,15 @@ struct Listen {
 pub(super) async fn upgrade(
     State(site): State<Arc<Site>>,
     Extension(place): Extension<Place>,
-    Extension(address): Extension<IpAddr>,
+    Extension(peer): Extension<Peer>,
     socket: WebSocketUpgrade,
 ) -> Response {
     socket.max_message_size(MAX_TEXT).on_upgrade(move |socket| async move {
         let turns = Arc::new(Semaphore::new(1));
-        let actor = Actor::page(site.pages.fetch_add(1, Ordering::Relaxed) + 1, address);
+        let actor = Actor::page(site.pages.fetch_add(1, Ordering::Relaxed) + 1, peer.address);
         let (listen, shown) = (Listen::default(), (Instant::now(), 0));
-        let mut viewer = Viewer { socket, site, actor, turns, lines: None, listen, shown, _place: place };
+        let mut viewer =
+            Viewer { socket, site, actor, refusal: peer.refusal, turns, lines: None, listen, shown, _place: place };
         // A viewer that has left, or takes nothing, needs no farewell.
         let _ = viewer.run().await;
     })
@@ -66,6 +66,8 @@ struct Viewer {
     site: Arc<Site>,
     /// Who it is.
     actor: Actor,
+    /// Why it may not control the world.
+    refusal: Option<&'static str>,
     /// One request of it waits for the world.
     turns: Arc<Semaphore>,
     /// The lines of the wire, while it wants them.
@@ -84,7 +86,7 @@ impl Viewer {
         let mut frames = self.site.channels.frames();
         let mut statuses = self.site.channels.statuses();
         let mut notices = self.site.channels.notices();
-        self.send(text(&json!({ "you": &self.actor.0 }))).await?;
+        self.send(text(&json!({ "you": &self.actor.0, "refused": self.refusal }))).await?;
         loop {
             tokio::select! {
                 changed = statuses.changed() => {
@@ -107,7 +109,7 @@ impl Viewer {
     async fn send_notice(&mut self, notice: Result<Notice, RecvError>) -> Result<(), Gone> {
         let message = match notice {
             Ok(Notice::Scan(scan)) => Message::Binary(scan),
-            Ok(Notice::Said(said)) => text(&json!({ "said": &*said })),
+            Ok(Notice::Said(said)) => return self.say(&said).await,
             Err(RecvError::Lagged(missed)) => text(&json!({ "missed": missed })),
             Err(RecvError::Closed) => return Err(Gone),
         };
@@ -148,12 +150,19 @@ impl Viewer {
             return Ok(());
         }
         match Control::read(&request) {
-            Ok(control) => {
-                let turn = self.turns.clone().acquire_owned().await.map_err(|_| Gone)?;
-                self.site.events.send(Event::Control(control, self.actor.clone(), turn)).map_err(|_| Gone)
-            }
-            Err(reason) => self.send(text(&json!({ "said": format!("not understood: {reason}") }))).await,
+            Err(reason) => self.say(&format!("not understood: {reason}")).await,
+            Ok(control) => match self.refusal {
+                Some(reason) => self.say(&format!("not done: {reason}")).await,
+                None => {
+                    let turn = self.turns.clone().acquire_owned().await.map_err(|_| Gone)?;
+                    self.site.events.send(Event::Control(control, self.actor.clone(), turn)).map_err(|_| Gone)
+                }
+            },
         }
+    }
+
+    async fn say(&mut self, said: &str) -> Result<(), Gone> {
+        self.send(text(&json!({ "said": said }))).await
     }
 
     async fn send(&mut self, message: Message) -> Result<(), Gone> {
