@@ -26,6 +26,25 @@ pub fn robot_names() -> Vec<String> {
     ASSETS.get_dir("robots").map_or_else(Vec::new, folders)
 }
 
+/// Name and content of a file that is built in.
+pub type File = (String, &'static [u8]);
+
+/// The files of a map that is built in, `map.toml` and its meshes.
+///
+/// # Errors
+/// An unknown name.
+pub fn map_files(name: &str) -> Result<Vec<File>, LoadError> {
+    MAPS.get_dir(name).map(files).ok_or_else(|| unknown("map", name, &map_names()))
+}
+
+/// The files of a robot class that is built in, in any case: `robot.toml`, its URDF and meshes.
+///
+/// # Errors
+/// An unknown name.
+pub fn robot_files(name: &str) -> Result<Vec<File>, LoadError> {
+    built_in_robot(name).map(|(_, dir)| files(dir)).ok_or_else(|| unknown("robot", name, &robot_names()))
+}
+
 /// A world on a map, built in or a file, with every robot built in and those of further robot.toml files.
 ///
 /// # Errors
@@ -76,12 +95,9 @@ pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
 /// # Errors
 /// As [`load`].
 pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
-    let names = robot_names();
-    let built_in = names.iter().find(|known| known.eq_ignore_ascii_case(name));
-    let folder = built_in.and_then(|class| Some((class, ASSETS.get_dir(format!("robots/{class}"))?)));
     let path = &in_folder(Path::new(name), "robot.toml");
-    match folder {
-        Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", class, overrides),
+    match built_in_robot(name) {
+        Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", &class, overrides),
         None if path.is_file() => {
             let class = name_of(path, "robot");
             if is_urdf(path) {
@@ -90,7 +106,7 @@ pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> 
             let file = file_name(path, "a robot.toml or a URDF")?;
             read_robot(&Source::of_file(path), &file, &class, overrides)
         }
-        None => Err(unknown("robot", name, &names)),
+        None => Err(unknown("robot", name, &robot_names())),
     }
 }
 
@@ -145,6 +161,20 @@ fn file_name(path: &Path, expected: &'static str) -> Result<String, LoadError> {
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
     }
     Ok(path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default())
+}
+
+/// A class that is built in, by its name in any case, and its folder.
+fn built_in_robot(name: &str) -> Option<(String, &'static Dir<'static>)> {
+    let class = robot_names().into_iter().find(|known| known.eq_ignore_ascii_case(name))?;
+    let folder = ASSETS.get_dir(format!("robots/{class}"))?;
+    Some((class, folder))
+}
+
+fn files(dir: &'static Dir) -> Vec<File> {
+    let file = |file: &'static include_dir::File| {
+        Some((file.path().file_name()?.to_string_lossy().into_owned(), file.contents()))
+    };
+    dir.files().filter_map(file).collect()
 }
 
 fn folders(dir: &'static Dir) -> Vec<String> {

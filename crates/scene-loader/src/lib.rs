@@ -15,7 +15,7 @@ mod robot;
 mod source;
 mod urdf;
 
-pub use catalogue::{load, load_with, map, map_names, robot, robot_names};
+pub use catalogue::{File, load, load_with, map, map_files, map_names, robot, robot_files, robot_names};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
 

@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod completions;
 mod connect;
+mod copy;
 mod experiment;
 mod list;
 mod log;
@@ -62,6 +63,8 @@ enum Command {
     Snapshot(snapshot::Arguments),
     /// Print every number of a robot or a map, overrides included.
     Show(show::Arguments),
+    /// Copy the files of a robot or a map that is built in, to begin one's own with.
+    Copy(copy::Arguments),
     /// Check robot.toml, map.toml, materials.toml and URDF files: every mistake with its line.
     Check(check::Arguments),
     /// Run the physical checks of a robot on wheels.
@@ -106,6 +109,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Robots(arguments) => list::robots(&arguments),
         Command::Snapshot(arguments) => snapshot::run(&arguments),
         Command::Show(arguments) => show::run(&arguments),
+        Command::Copy(arguments) => copy::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),

@@ -16,7 +16,8 @@ const MAX_SHOWN: usize = 64;
 #[command(
     after_help = "Examples:\n  usarsim show robot KUKA_YouBot\n  usarsim show map rough --set material.carpet.friction=0.5\n  \
     usarsim show robot my/robot.toml --set robot.wheels.gain=2.5 --json\n\nPrints TOML, every number in SI units in effect: \
-    defaults, URDF and overrides included. The paths of --set are those of the files, not of this list."
+    defaults, URDF and overrides included. The paths of --set are those of the files, which \
+    `usarsim copy` writes, not of this list."
 )]
 pub(crate) struct Arguments {
     /// What to show.
@@ -36,7 +37,7 @@ pub(crate) struct Arguments {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum What {
+pub(crate) enum What {
     Robot,
     Map,
 }

@@ -473,6 +473,32 @@ fn the_lists_name_maps_and_robots() {
 }
 
 #[test]
+fn copies_of_all_robots_and_maps_are_good_and_overwrite_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = |what: &str, name: &str, to: &str| {
+        usarsim().current_dir(&folder).args(["copy", what, name, to]).output().expect("it runs")
+    };
+    for (what, names) in [("robot", scene_loader::robot_names()), ("map", scene_loader::map_names())] {
+        for name in names {
+            let to = format!("my-{name}");
+            let output = copy(what, &name, &to);
+            assert!(output.status.success(), "{name}: {output:?}");
+            let check = usarsim().current_dir(&folder).args(["check", &to]).output().expect("it runs");
+            assert!(check.status.success(), "{name}: {check:?}");
+        }
+    }
+    for (name, to, code, expected) in [
+        ("arena", "my-arena", 1, "my-arena: File exists"),
+        ("arean", "new", 78, "did you mean `arena`"),
+        ("arena", "no/such/place", 1, "no/such/place: No such file or directory"),
+    ] {
+        let output = copy("map", name, to);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(code) && said.contains(expected), "{name} {to}: {output:?}");
+    }
+}
+
+#[test]
 fn show_prints_the_numbers_in_effect() {
     let output = run(&["show", "robot", "KUKA_YouBot", "--set", "robot.wheels.gain=2.5", "--drive-model", "analytic"]);
     let shown = text(&output.stdout);

@@ -1,0 +1,82 @@
+//! Every key that is read of a file stands in the book.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::fs;
+use std::path::Path;
+
+/// Headings of `docs/files.md`, the kind of file, and how a table of it begins.
+const TABLES: &[(&str, &str, &str)] = &[
+    ("## map.toml", "map.toml", ""),
+    ("### `[material.NAME]`", "map.toml", "[material.NAME]"),
+    ("### `[[half_space]]`", "map.toml", "[[half_space]]"),
+    ("### `[[box]]`", "map.toml", "[[box]]"),
+    ("### `[[ramp]]`", "map.toml", "[[ramp]]"),
+    ("### `[[cylinder]]`", "map.toml", "[[cylinder]]"),
+    ("### `[[mesh]]`", "map.toml", "[[mesh]]"),
+    ("### `[[start]]` and `[[path_node]]`", "map.toml", "[[start]]"),
+    ("### `[[start]]` and `[[path_node]]`", "map.toml", "[[path_node]]"),
+    ("## robot.toml", "robot.toml", ""),
+    ("### `[[link]]`", "robot.toml", "[[link]]"),
+    ("### `[[part]]`", "robot.toml", "[[part]]"),
+    ("### `[[joint]]`", "robot.toml", "[[joint]]"),
+    ("### `coupling` of a joint", "robot.toml", "[[joint]]\n[joint.coupling]"),
+    ("### `[[wheel]]`", "robot.toml", "[[wheel]]"),
+    ("### `[[wheel]]`", "robot.toml", "[wheels]"),
+    ("### `[rollers]`", "robot.toml", "[rollers]"),
+    ("### `[[caster]]`", "robot.toml", "[[caster]]"),
+    ("### `[[visual]]`", "robot.toml", "[[visual]]"),
+    ("### `[[actuator]]`", "robot.toml", "[[actuator]]"),
+    ("### `[[gripper]]`", "robot.toml", "[[gripper]]"),
+    ("### `[battery]`", "robot.toml", "[battery]"),
+    ("### `[aerial]`", "robot.toml", "[aerial]"),
+];
+
+/// The text under a heading, up to the next one.
+fn section<'a>(book: &'a str, heading: &str) -> &'a str {
+    let (_, rest) = book.split_once(&format!("\n{heading}\n")).unwrap_or_else(|| panic!("no heading {heading}"));
+    rest.split("\n#").next().unwrap_or(rest)
+}
+
+/// The keys that are expected where one is that nobody has heard of.
+fn keys(file: &str, table: &str) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(file);
+    fs::write(&path, format!("{table}\nunheard-of = 1\n")).unwrap();
+    let problems = scene_loader::check(&path).unwrap_err().to_string();
+    let line = problems.lines().find(|line| line.contains("unknown") && line.contains("unheard-of"));
+    let line = line.unwrap_or_else(|| panic!("{table}: {problems}"));
+    let (_, keys) = line.rsplit_once("expected one of ").or(line.rsplit_once("expected ")).unwrap();
+    keys.split(", ").flat_map(|key| key.split(" or ")).map(|key| key.trim_matches('`').to_owned()).collect()
+}
+
+fn check(book: &str, heading: &str, file: &str, table: &str) {
+    // The keys that every solid has stand once.
+    let every = if ["[[half_space]]", "[[box]]", "[[ramp]]", "[[cylinder]]", "[[mesh]]"].contains(&table) {
+        section(book, "### Every solid")
+    } else {
+        ""
+    };
+    let text = [section(book, heading), every].concat();
+    for key in keys(file, table) {
+        let named = [format!("`{key}`"), format!("`[[{key}]]`"), format!("`[{key}]`"), format!("`[{key}.NAME]`")];
+        assert!(named.iter().any(|name| text.contains(name)), "docs/files.md, {heading}: no `{key}`");
+    }
+}
+
+#[test]
+fn every_key_of_a_file_is_in_the_book() {
+    let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/files.md");
+    let book = fs::read_to_string(book).unwrap();
+    for (heading, file, table) in TABLES {
+        check(&book, heading, file, table);
+    }
+    for (class, _) in scene::sensor::CLASSES {
+        let heading = "### `[[sensor]]`";
+        assert!(section(&book, heading).contains(&format!("`{class}`")), "{class}");
+        let sensor = format!("[[sensor]]\nclass = \"{class}\"\nname = \"S\"");
+        if !["IMU", "Tachometer", "Battery"].contains(class) {
+            check(&book, heading, "robot.toml", &sensor);
+        }
+    }
+}
