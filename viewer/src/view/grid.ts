@@ -36,10 +36,13 @@ const FRAGMENT = `
     float near = 1.0 - smoothstep(0.25 * reach, reach, depth);
     if (near <= 0.0) discard;
     vec2 perPixel = max(fwidth(at), vec2(1e-6));
-    vec2 fine = covered(10.0 * at, 10.0 * perPixel, 1.0) * (1.0 - smoothstep(0.015, 0.04, 10.0 * perPixel));
     vec2 metres = covered(at, perPixel, 1.0);
     vec2 fives = covered(0.2 * at, 0.2 * perPixel, 1.4);
-    float all = max(0.3 * max(fine.x, fine.y), max(0.6 * max(metres.x, metres.y), max(fives.x, fives.y)));
+    float all = max(0.6 * max(metres.x, metres.y), max(fives.x, fives.y));
+    if (min(perPixel.x, perPixel.y) < 0.004) {
+      vec2 fine = covered(10.0 * at, 10.0 * perPixel, 1.0) * (1.0 - smoothstep(0.015, 0.04, 10.0 * perPixel));
+      all = max(all, 0.3 * max(fine.x, fine.y));
+    }
     vec2 axes = clamp(1.5 - abs(at) / perPixel, 0.0, 1.0);
     // Beside each other's axis: where y is zero runs the x axis.
     vec3 colour = mix(mix(line, xAxis, axes.y), yAxis, axes.x);

@@ -1,13 +1,15 @@
 /** The rungs of quality, and which of them the machine can afford by the time that frames take. */
 
+import type { Shading } from './surfaces';
+
 export interface Rung {
   /** for people */
   what: string;
   /** times the size of the canvas, at a screen's own ratio */
   pixelRatio: (screen: number) => number;
   shadows: boolean;
-  /** standard materials with an environment instead of Lambert's */
-  standard: boolean;
+  /** of materials; what is standard has an environment to reflect */
+  shading: Shading;
   /** ambient occlusion by a pass of its own */
   occlusion: boolean;
 }
@@ -15,16 +17,16 @@ export interface Rung {
 export const QUALITIES = [1, 2, 3, 4, 5] as const;
 export type Quality = (typeof QUALITIES)[number];
 
-const plain = { shadows: false, standard: false, occlusion: false };
+const plain = { shadows: false, shading: 'plain', occlusion: false } as const;
 const one = () => 1;
 const fine = (screen: number) => Math.min(2, screen);
 
 export const RUNGS: Record<Quality, Rung> = {
   1: { ...plain, what: 'few pixels', pixelRatio: () => 0.55 },
   2: { ...plain, what: 'most pixels', pixelRatio: () => 0.75 },
-  3: { ...plain, what: 'all pixels, shadows', pixelRatio: one, shadows: true },
-  4: { what: 'fine pixels, reflections', pixelRatio: fine, shadows: true, standard: true, occlusion: false },
-  5: { what: 'dark corners, too', pixelRatio: fine, shadows: true, standard: true, occlusion: true },
+  3: { what: 'all pixels, shadows', pixelRatio: one, shadows: true, shading: 'matte', occlusion: false },
+  4: { what: 'fine pixels, reflections', pixelRatio: fine, shadows: true, shading: 'standard', occlusion: false },
+  5: { what: 'dark corners, too', pixelRatio: fine, shadows: true, shading: 'standard', occlusion: true },
 };
 
 /** What a frame may take before the ladder is descended, and below what it is climbed from a rung, ms. */

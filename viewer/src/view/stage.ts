@@ -41,7 +41,10 @@ export class Stage {
     private readonly changed: () => void,
   ) {
     // Without a graphics card smooth edges would take most of the time.
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.isSoftware, stencil: true });
+    const wanted = { antialias: !this.isSoftware, stencil: true };
+    // By itself three.js takes a picture that what is behind it shines through, which the browser has to blend each time.
+    const context = canvas.getContext('webgl2', { ...wanted, alpha: false, powerPreference: 'high-performance' });
+    this.renderer = new THREE.WebGLRenderer({ canvas, ...(context && { context }), ...wanted });
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     setToneMapping(this.renderer);
@@ -66,6 +69,9 @@ export class Stage {
     this.sky.setTheme(this.theme);
     this.grid.setTheme(this.theme);
     this.fog.color.set(this.theme.horizon);
+    // Until there is a world to draw.
+    this.renderer.setClearColor(this.theme.horizon);
+    this.renderer.clear();
     this.applyQuality();
   }
 
@@ -105,10 +111,11 @@ export class Stage {
   }
 
   private applyQuality(): void {
-    const { shadows, standard } = RUNGS[this.quality];
+    const { shadows, shading } = RUNGS[this.quality];
+    const standard = shading === 'standard';
     this.renderer.shadowMap.enabled = shadows;
     this.lights.castShadows(shadows);
-    this.surfaces.setStandard(standard);
+    this.surfaces.setShading(shading);
     this.surfaces.refresh(this.world);
     if (standard) this.environment ??= makeEnvironment(this.renderer);
     this.scene.environment = standard ? this.environment : null;

@@ -1,6 +1,7 @@
-/** How materials look: one drawing material for all solids of a kind, simple or standard by the rung of quality. */
+/** How materials look: one drawing material for all solids of a kind, plain, matte or standard by the rung of quality. */
 
 import * as THREE from 'three';
+import { plainMaterial } from './plain';
 import { PATTERNS, type PatternName, patternTexture } from './textures';
 
 interface Surface {
@@ -26,6 +27,9 @@ const SURFACES = {
 
 export type SurfaceName = keyof typeof SURFACES;
 
+/** Lit in the corners, in each pixel by Lambert's law, or with reflections. */
+export type Shading = 'plain' | 'matte' | 'standard';
+
 export function surfaceOf(material: string): SurfaceName {
   const names = Object.keys(SURFACES) as SurfaceName[];
   return names.find((name) => SURFACES[name].names.test(material.toLowerCase())) ?? 'unknown';
@@ -38,20 +42,20 @@ export function tileOf(name: SurfaceName): number {
 }
 
 export class Surfaces {
-  private isStandard = false;
+  private shading: Shading = 'plain';
   private readonly textures = new Map<PatternName, ReturnType<typeof patternTexture>>();
   private readonly materials = new Map<string, THREE.Material>();
 
   constructor(private readonly anisotropy: number) {}
 
-  /** Standard materials from now on, or Lambert's. */
-  setStandard(standard: boolean): void {
-    this.isStandard = standard;
+  /** Of all materials from now on. */
+  setShading(shading: Shading): void {
+    this.shading = shading;
   }
 
   /** The material that a kind of surface has now. */
   material(name: SurfaceName): THREE.Material {
-    const key = `${name} ${this.isStandard}`;
+    const key = `${name} ${this.shading}`;
     const material = this.materials.get(key) ?? this.make(SURFACES[name]);
     this.materials.set(key, material);
     return material;
@@ -74,18 +78,22 @@ export class Surfaces {
 
   private make({ pattern, roughness, metalness }: Surface): THREE.Material {
     const picture = pattern ? this.picture(pattern) : null;
-    const shared = {
-      vertexColors: true,
-      map: picture?.texture ?? null,
-      color: new THREE.Color().setScalar(1 / (picture?.mean ?? 1)),
-      // So that edges and the grid lie on it and not in it.
-      polygonOffset: true,
-      polygonOffsetFactor: 1,
-      polygonOffsetUnits: 2,
-    };
-    if (!this.isStandard) return new THREE.MeshLambertMaterial(shared);
+    const material = this.shaded(picture, roughness, metalness);
+    // So that edges and the grid lie on it and not in it.
+    return Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 });
+  }
+
+  private shaded(
+    picture: ReturnType<typeof patternTexture> | null,
+    roughness: number,
+    metalness: number,
+  ): THREE.Material {
+    if (this.shading === 'plain') return plainMaterial(picture);
+    const color = new THREE.Color().setScalar(1 / (picture?.mean ?? 1));
+    const matte = { vertexColors: true, map: picture?.texture ?? null, color };
+    if (this.shading === 'matte') return new THREE.MeshLambertMaterial(matte);
     const relief = picture && { bumpMap: picture.texture, bumpScale: 0.012 };
-    return new THREE.MeshStandardMaterial({ ...shared, ...relief, roughness, metalness });
+    return new THREE.MeshStandardMaterial({ ...matte, ...relief, roughness, metalness });
   }
 
   private picture(pattern: PatternName): ReturnType<typeof patternTexture> {

@@ -24,6 +24,8 @@ export type { Roster } from './robots';
 /** Half the edge of what is shown of a map without anything, m, and the room about a robot, in its lengths. */
 const EMPTY_REACH = 2.5;
 const ROOM = 0.6;
+/** Between two moves of words, ms, without a graphics card and while the camera stands: the browser paints them anew each time. */
+const LABEL_INTERVAL = 120;
 /** A picture is not started while so many are not done. */
 const MOST_BEHIND = 2;
 /** From a camera's axes (x right, y up, z back) to a sensor's (x ahead, y right, z down). */
@@ -57,6 +59,8 @@ export class View {
   private drawn: number[] = [];
   private idle: number[] = [];
   private last = performance.now();
+  /** When the words were last moved, ms. */
+  private labelled = 0;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -259,7 +263,10 @@ export class View {
     this.cameras.update(seconds);
     this.stage.render(this.cameras.target, this.cameras.distance);
     if (this.labels.layers.metres) labelMetres(this.labels, this.cameras.target, this.metresPer100Pixels());
-    this.labels.update(this.cameras.camera, this.cameras.distance);
+    if (!this.stage.isSoftware || this.cameras.isMoving || now - this.labelled > LABEL_INTERVAL) {
+      this.labelled = now;
+      this.labels.update(this.cameras.camera, this.cameras.distance);
+    }
     this.gizmo.update(this.cameras.camera);
     this.drawn.push(now);
     if (this.drawn.length > 200) this.framesPerSecond();
