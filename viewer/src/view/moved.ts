@@ -3,7 +3,7 @@
 import type { Frame, RobotState } from '../protocol/frame';
 
 /** Less is not seen: m and parts of a quaternion; rad of a wheel. */
-const LEAST_WAY = 5e-5;
+const LEAST_MOVE = 5e-5;
 const LEAST_TURN = 2e-3;
 
 export function moved(before: Frame, after: Frame, withForces: boolean): boolean {
@@ -27,6 +27,6 @@ function robotMoved(before: RobotState, after: RobotState): boolean {
 function differ(before: number[][], after: number[][]): boolean {
   if (before.length !== after.length) return true;
   return after.some((pose, index) =>
-    pose.some((value, part) => Math.abs(value - (before[index]?.[part] ?? 0)) > LEAST_WAY),
+    pose.some((value, part) => Math.abs(value - (before[index]?.[part] ?? 0)) > LEAST_MOVE),
   );
 }

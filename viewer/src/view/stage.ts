@@ -13,8 +13,9 @@ import { Stopwatch } from './stopwatch';
 import { Surfaces } from './surfaces';
 import { setToneMapping } from './tone';
 
-/** Of a path, px, at low rungs and at high ones. */
+/** Of a path, px, at low rungs and at high ones; and of the pixels that are drawn, so that it has no gaps. */
 const PATH_BREADTHS = [1.4, 2.6] as const;
+const LEAST_BREADTH = 1.2;
 
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
@@ -82,6 +83,8 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.occlusion?.resize(width, height, ratio);
     pathUniforms.screen.value.set(width, height);
+    const breadth = PATH_BREADTHS[RUNGS[this.quality].shading === 'standard' ? 1 : 0];
+    pathUniforms.breadth.value = Math.max(breadth, LEAST_BREADTH / ratio);
   }
 
   /** The shadows are drawn anew with the next picture. */
@@ -121,7 +124,6 @@ export class Stage {
     this.scene.environment = standard ? this.environment : null;
     this.scene.environmentIntensity = this.theme.reflection;
     this.lights.setEnvironment(standard);
-    pathUniforms.breadth.value = PATH_BREADTHS[standard ? 1 : 0];
     this.resize(this.size.width, this.size.height);
     this.renewShadows();
     this.changed();

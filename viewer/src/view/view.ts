@@ -334,8 +334,8 @@ export class View {
 
   private isBehind(place: THREE.Vector3): boolean {
     const eye = this.cameras.camera.position;
-    const way = place.clone().sub(eye);
-    const ray = new THREE.Raycaster(eye, way.clone().normalize(), 0, way.length() - 0.05);
+    const towards = place.clone().sub(eye);
+    const ray = new THREE.Raycaster(eye, towards.clone().normalize(), 0, towards.length() - 0.05);
     return this.groundHit(ray) !== null;
   }
 
