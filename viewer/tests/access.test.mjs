@@ -61,3 +61,31 @@ for (const colorScheme of ['light', 'dark']) {
     },
   );
 }
+
+for (const [size, page] of [
+  ['a screen', {}],
+  ['a phone', PHONE],
+  ['a small phone', { ...PHONE, viewport: { width: 320, height: 640 } }],
+]) {
+  pageTest(`the first view's robots stay on their cards on ${size}`, { page }, async ({ page }) => {
+    await page.waitForFunction(() => [...document.querySelectorAll('.card img')].every(({ complete }) => complete));
+    const outside = await page.evaluate(() => {
+      const isInside = (one, other) => {
+        const [a, b] = [one, other].map((element) => element.getBoundingClientRect());
+        return a.left >= b.left && a.right <= b.right && a.top >= b.top && a.bottom <= b.bottom;
+      };
+      const pairs = [...document.querySelectorAll('.card')].flatMap((card) => [
+        [card, card.closest('#welcome')],
+        ...[...card.children].map((child) => [child, card]),
+      ]);
+      const scale = document.querySelector('#scale').getBoundingClientRect();
+      const covers = document.querySelector('#welcome').getBoundingClientRect().bottom > scale.top;
+      return [
+        ...pairs.filter(([one, other]) => !isInside(one, other)).map(([one]) => one.outerHTML),
+        ...(covers ? ['the scale'] : []),
+      ];
+    });
+    assert.deepEqual(outside, []);
+    assert.equal(await page.locator('.card img').count(), 3);
+  });
+}
