@@ -252,7 +252,8 @@ export class View {
     if (!this.world || this.stage.stopwatch.behind >= MOST_BEHIND) return;
     this.last = now;
     if (!this.stale && !this.cameras.isMoving) {
-      if (this.labels.isBusy) this.labels.update(this.cameras.camera, this.cameras.distance);
+      // With the last frame it may have been too soon to move them.
+      if (this.labels.isBusy || this.labelled < (this.drawn.at(-1) ?? 0)) this.placeLabels(now);
       this.idle.push(now);
       if (this.idle.length > 200) this.framesPerSecond();
       return;
@@ -263,13 +264,15 @@ export class View {
     this.cameras.update(seconds);
     this.stage.render(this.cameras.target, this.cameras.distance);
     if (this.labels.layers.metres) labelMetres(this.labels, this.cameras.target, this.metresPer100Pixels());
-    if (!this.stage.isSoftware || this.cameras.isMoving || now - this.labelled > LABEL_INTERVAL) {
-      this.labelled = now;
-      this.labels.update(this.cameras.camera, this.cameras.distance);
-    }
+    if (!this.stage.isSoftware || this.cameras.isMoving || now - this.labelled > LABEL_INTERVAL) this.placeLabels(now);
     this.gizmo.update(this.cameras.camera);
     this.drawn.push(now);
     if (this.drawn.length > 200) this.framesPerSecond();
+  }
+
+  private placeLabels(now: number): void {
+    this.labelled = now;
+    this.labels.update(this.cameras.camera, this.cameras.distance);
   }
 
   private place({ scene, map, robots, overlay }: World, frame: Frame): void {
