@@ -9,7 +9,7 @@ use crate::problem::Problems;
 use crate::source::Source;
 
 const KEYS: &str =
-    "description, gravity, time_limit, material, half_space, box, ramp, cylinder, mesh, start, path_node";
+    "description, gravity, time_limit, material, half_space, box, ramp, cylinder, ball, mesh, start, path_node";
 
 pub(crate) fn read(
     source: &Source,
@@ -29,7 +29,7 @@ pub(crate) fn read(
     let time_limit = document.optional(&mut root, "time_limit").unwrap_or(20);
     let materials = materials::read_own(&mut document, &mut root, materials);
     let (mut solids, mut objects) = (Vec::new(), Vec::new());
-    for kind in ["half_space", "box", "ramp", "cylinder", "mesh"] {
+    for kind in ["half_space", "box", "ramp", "cylinder", "ball", "mesh"] {
         for table in document.tables(&mut root, kind) {
             match read_solid(source, &mut document, kind, table, &materials) {
                 // A mass makes a solid that can be pushed.
@@ -65,7 +65,7 @@ fn read_solid<'a>(
     let rotation: Vector = document.optional(&mut table, "rotation").unwrap_or_default();
     let colour: Option<Vector> = document.optional(&mut table, "colour");
     let mut mass: Option<f64> = None;
-    if matches!(kind, "box" | "cylinder") {
+    if matches!(kind, "box" | "cylinder" | "ball") {
         mass = document.optional(&mut table, "mass");
     }
     let mut length = |document: &mut Document<'a>, key: &str| -> Option<f64> {
@@ -89,6 +89,10 @@ fn read_solid<'a>(
         "cylinder" => {
             let (radius, length) = (length(document, "radius"), length(document, "length"));
             (radius.zip(length).map(|(radius, length)| Shape::Cylinder { radius, length }), ", radius, length, mass")
+        }
+        "ball" => {
+            let radius = length(document, "radius");
+            (radius.map(|radius| Shape::Ball { radius }), ", radius, mass")
         }
         _ => {
             let file: Option<String> =

@@ -13,6 +13,7 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("### `[[box]]`", "map.toml", "[[box]]"),
     ("### `[[ramp]]`", "map.toml", "[[ramp]]"),
     ("### `[[cylinder]]`", "map.toml", "[[cylinder]]"),
+    ("### `[[ball]]`", "map.toml", "[[ball]]"),
     ("### `[[mesh]]`", "map.toml", "[[mesh]]"),
     ("### `[[start]]` and `[[path_node]]`", "map.toml", "[[start]]"),
     ("### `[[start]]` and `[[path_node]]`", "map.toml", "[[path_node]]"),
@@ -52,7 +53,7 @@ fn keys(file: &str, table: &str) -> Vec<String> {
 
 fn check(book: &str, heading: &str, file: &str, table: &str) {
     // The keys that every solid has stand once.
-    let every = if ["[[half_space]]", "[[box]]", "[[ramp]]", "[[cylinder]]", "[[mesh]]"].contains(&table) {
+    let every = if ["[[half_space]]", "[[box]]", "[[ramp]]", "[[cylinder]]", "[[ball]]", "[[mesh]]"].contains(&table) {
         section(book, "### Every solid")
     } else {
         ""
