@@ -186,3 +186,25 @@ fn a_robot_whose_state_is_not_finite_is_taken_out_and_the_rest_goes_on() {
         assert!(world.state(broken).is_none());
     }
 }
+
+/// The engine had no group of robots left to solve once the last one had gone.
+#[test]
+fn the_last_robot_may_leave_after_it_pushed_an_object() {
+    for class in ["P3AT", "KUKA_YouBot", "YouBotArm", "Kenaf"] {
+        let mut world = World::new(scene_loader::load("hall", &[]).expect("a map"), Options::default());
+        let before = world.objects().collect::<Vec<_>>();
+        let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 1,0,0}}"));
+        apply(&mut world, robot, "DRIVE {Left 4} {Right 4}");
+        run(&mut world, 3.0);
+        let moved = world
+            .objects()
+            .zip(&before)
+            .any(|(now, was)| (now.translation.vector - was.translation.vector).norm() > 0.1);
+        assert!(moved, "{class} pushed nothing");
+        world.remove(robot);
+        run(&mut world, 1.0);
+        let next = init(&mut world, "INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}");
+        run(&mut world, 0.5);
+        assert!(speed(&world, next) < 0.1);
+    }
+}

@@ -85,7 +85,8 @@ pub(in super::super) fn solve<'a>(
     let (step, seen) = (Step { robots: robots.len(), gravity, time_step }, &*world);
     let mut members = members(robots, &mut of_engine, &touching);
     let mut groups: Vec<&mut [Member]> = members.chunk_by_mut(|one, other| one.group == other.group).collect();
-    let size = groups.len().div_ceil(PARTS);
+    // No group is left in the step in which the last robot leaves an object that it pushed.
+    let size = groups.len().div_ceil(PARTS).max(1);
     rooms.resize_with(PARTS, Room::default);
     let mut parts: Vec<(&mut [&mut [Member]], &mut Room)> = groups.chunks_mut(size).zip(rooms.iter_mut()).collect();
     in_parts(threads, 1, &mut parts, &|parts| {
