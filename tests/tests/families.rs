@@ -178,6 +178,52 @@ fn a_robot_in_the_air_hovers_flies_a_square_and_leans() {
 }
 
 #[test]
+fn a_robot_in_the_air_keeps_its_limits_whatever_the_line_says() {
+    for (line, axis, limit) in [
+        ("DRIVE {LinearVelocity 1e6}", 0, 2.0),
+        ("DRIVE {LateralVelocity -1e308}", 1, -2.0),
+        ("DRIVE {AltitudeVelocity 1e9}", 2, -2.0),
+        ("DRIVE {Normalized true} {LinearVelocity 5000}", 0, 2.0),
+        ("DRIVE {Normalized true} {AltitudeVelocity 1e300}", 2, -2.0),
+        ("DRIVE {RotationalVelocity 1e6}", 5, 100f64.to_radians()),
+        ("DRIVE {Normalized true} {RotationalVelocity -900}", 5, -100f64.to_radians()),
+    ] {
+        let mut world = World::new(scene_loader::load("rough", &[]).expect("a map"), Options::default());
+        let robot = init(&mut world, "INIT {ClassName USARBot.AirRobot} {Location 0,0,-2}");
+        apply(&mut world, robot, line);
+        run(&mut world, 0.5);
+        let BodyState { linear, angular, .. } = body(&world);
+        let got = [linear.as_slice(), angular.as_slice()].concat();
+        assert!((got[axis] - limit).abs() < 1e-3, "{line}: {got:?}, expected {limit}");
+    }
+    for (line, roll, pitch) in [("DRIVE {RollAngle 1e6}", 1.0, 0.0), ("DRIVE {PitchAngle -4000}", 0.0, -1.0)] {
+        let (mut world, robot) = world_with("rough", "AirRobot");
+        apply(&mut world, robot, "DRIVE {AltitudeVelocity 1}");
+        apply(&mut world, robot, line);
+        run(&mut world, 3.0);
+        let got = body(&world).pose.rotation.euler_angles();
+        let most = 25f64.to_radians();
+        assert!((got.0 - roll * most).abs() < 0.01 && (got.1 - pitch * most).abs() < 0.01, "{line}: {got:?}");
+    }
+}
+
+/// It pushes with what its rotors could give, 30 N, and not with whatever it takes.
+#[test]
+fn a_robot_in_the_air_moves_no_robot_that_is_far_heavier() {
+    let mut world = World::new(scene_loader::load("rough", &[]).expect("a map"), Options::default());
+    let heavy = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 1.5,0,0}");
+    run(&mut world, 1.0);
+    let at = |world: &World| world.state(heavy).expect("the robot is there").0.pose.translation.vector;
+    let before = at(&world);
+    let flier = init(&mut world, "INIT {ClassName USARBot.AirRobot} {Location 0,0,-0.2}");
+    apply(&mut world, flier, "DRIVE {LinearVelocity 1e6}");
+    run(&mut world, 5.0);
+    let (moved, flown) = ((at(&world) - before).norm(), world.state(flier).expect("it is there").0.pose.translation.x);
+    assert!(flown > 0.5, "it got to {flown} m only");
+    assert!(moved < 0.01, "the P3AT was pushed by {moved} m");
+}
+
+#[test]
 fn what_flies_into_a_wall_stops_there() {
     let (mut world, robot) = world_with("arena", "AirRobot");
     apply(&mut world, robot, "DRIVE {AltitudeVelocity 0.3}");

@@ -22,6 +22,7 @@ use rapier3d::prelude::*;
 use scene::{BodyState, Contact, Coupling, JointState, Pose};
 
 use super::convert;
+use super::fault::Fault;
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
 use super::rolling::{self, Load};
@@ -40,6 +41,9 @@ const END_TIME: f64 = 0.02;
 /// Gain of what does what it is asked for, whatever it takes: the wheels of a base that follows its commands, the attitude of one that
 /// flies, N m s/rad.
 const STIFF: f64 = 1e6;
+
+/// Largest acceleration of a flying robot that touches something, m/s²: a quadrotor's rotors lift three times its weight at most.
+const MAX_FLIGHT_ACCELERATION: f64 = 30.0;
 
 /// A robot and its state; or an object, which has no joints.
 pub(crate) struct ArticulatedRobot {
@@ -80,8 +84,8 @@ struct Standing {
     around: Option<Aabb>,
     /// Whether that is where they are now, and what they touch that does not move is known.
     is_known: bool,
-    /// Whether every number of the robot is one.
-    is_sound: bool,
+    /// The fault of its state.
+    fault: Option<Fault>,
 }
 
 impl ArticulatedRobot {
@@ -127,7 +131,7 @@ impl ArticulatedRobot {
             resistances: vec![Vector3::zeros(); wheels],
             contacts: Vec::new(),
             placed: Vec::new(),
-            standing: Standing { around: None, is_known: false, is_sound: true },
+            standing: Standing { around: None, is_known: false, fault: None },
             flies: false,
             found: Vec::new(),
             known: Vec::new(),
@@ -156,15 +160,24 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Gives it the velocities of a flight for the coming step.
+    /// Gives a flying robot its velocities for the coming step. In free air it simply has them (AerialVehicle.uc:276-288). While it
+    /// touches something it reaches them by a bounded force and torque, so that it pushes no harder than its rotors could.
     fn fly(&mut self, flight: &Flight, time_step: f64) {
         let (linear, angular) = flight.velocity(self.body.pose(), self.body.tree().links()[0].mass.centre, time_step);
+        let is_touching = !self.contacts.is_empty();
         let velocity = self.body.velocity_mut();
-        velocity[..3].copy_from_slice(angular.as_slice());
-        velocity[3..6].copy_from_slice(linear.as_slice());
-        // What stands in its way stops it, and does not turn it.
+        if is_touching {
+            let present = Vector3::from_column_slice(&velocity[3..6]);
+            let change = (linear - present).cap_magnitude(MAX_FLIGHT_ACCELERATION * time_step);
+            velocity[3..6].copy_from_slice((present + change).as_slice());
+        } else {
+            velocity[..3].copy_from_slice(angular.as_slice());
+            velocity[3..6].copy_from_slice(linear.as_slice());
+        }
+        let reach = self.made_of.surfaces.iter().map(|surface| surface.middle.norm() + surface.half.norm());
+        let most = self.made_of.mass * MAX_FLIGHT_ACCELERATION * reach.fold(0.0, f64::max);
         for axis in 0..3 {
-            self.body.set_drive(axis, Drive { at_rest: STIFF * angular[axis], gain: STIFF, most: f64::INFINITY });
+            self.body.set_drive(axis, Drive { at_rest: STIFF * angular[axis], gain: STIFF, most });
         }
         self.body.place();
         self.flies = true;
@@ -342,9 +355,9 @@ impl ArticulatedRobot {
         &self.resistances
     }
 
-    /// Whether every number of it is one.
-    pub(super) fn is_sound(&self) -> bool {
-        self.standing.is_sound
+    /// The fault of its state, if it has one.
+    pub(super) fn fault(&self) -> Option<Fault> {
+        self.standing.fault
     }
 
     /// Pose and generalised velocity.

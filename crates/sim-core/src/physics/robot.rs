@@ -13,7 +13,7 @@ use super::compile::{CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree, Valu
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
 use super::rolling::{self, Load};
-use super::{BodyState, LANDING_TIME, Physics, WheelState, convert};
+use super::{BodyState, Fault, LANDING_TIME, Physics, WheelState, convert};
 use crate::RobotId;
 use crate::flight::Flight;
 use crate::threads::Threads;
@@ -337,23 +337,23 @@ impl Physics {
         }
     }
 
-    /// Whether every number of a robot is one. The engine holds a body whose state is none where it was last, which is no
+    /// The fault of a robot's state, if it has one. The engine holds a body whose state is not finite where it was last, which is no
     /// better.
-    pub(crate) fn is_sound(&self, bodies: &RobotBodies) -> bool {
+    pub(crate) fn fault(&self, bodies: &RobotBodies) -> Option<Fault> {
         if let Some(robot) = bodies.articulated() {
-            return robot.is_sound();
+            return robot.fault();
         }
-        let BodyState { pose, linear, angular } = self.body(bodies);
-        let body = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(&linear).chain(&angular);
         let joints = self.joints(bodies);
-        let joints = joints.iter().flat_map(|joint| [joint.position, joint.speed]);
+        let mut joints = joints.iter().flat_map(|joint| [joint.position, joint.speed]);
         let held = self.world.quarantine();
-        body.copied().chain(joints).all(f64::is_finite)
+        let is_held = |&collider: &ColliderHandle| {
+            let parent = self.world.colliders.get(collider).and_then(Collider::parent);
+            parent.is_some_and(|body| bodies.contains(body))
+        };
+        let is_finite = joints.all(f64::is_finite)
             && !held.bodies().iter().any(|&body| bodies.contains(body))
-            && !held.colliders().iter().any(|&collider| {
-                let parent = self.world.colliders.get(collider).and_then(Collider::parent);
-                parent.is_some_and(|body| bodies.contains(body))
-            })
+            && !held.colliders().iter().any(is_held);
+        if is_finite { Fault::of(&self.body(bodies)) } else { Some(Fault::NotFinite) }
     }
 
     /// Pose and velocity of the robot frame.

@@ -10,6 +10,7 @@ use scene::Material;
 
 use super::super::compile::Materials;
 use super::super::convert;
+use super::super::fault::Fault;
 use super::ArticulatedRobot;
 use super::compile::{Form, Surface};
 use super::link_pose;
@@ -76,9 +77,10 @@ impl ArticulatedRobot {
     /// Works out where its surfaces are, and which of them touch what does not move.
     pub(super) fn look_around(&mut self, world: &PhysicsWorld, materials: &Materials, time_step: f64) {
         self.standing.is_known = true;
-        self.standing.is_sound = self.body.is_finite();
+        let is_finite = self.body.is_finite();
+        self.standing.fault = if is_finite { Fault::of(&self.state()) } else { Some(Fault::NotFinite) };
         self.found.clear();
-        if self.standing.is_sound {
+        if self.standing.fault.is_none() {
             self.place_surfaces(time_step);
             self.touch_fixed(world, materials);
         }

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use articulated::{Joint, Link, Mass, Tree};
 use nalgebra::Vector3;
+use rapier3d::math::Pose as EnginePose;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
-use scene::Pose;
+use scene::{BodyState, Pose};
 
 use super::super::compile::{CompiledObject, Surface as Seen};
 use super::super::convert;
+use super::super::fault::Fault;
 use super::super::identity::Identity;
 use super::ArticulatedRobot;
 use super::compile::{Articulated, Form, Surface};
@@ -25,6 +27,8 @@ const RESTING: (f64, u32) = (1e-4, 200);
 /// An object of the map in a world.
 pub(in super::super) struct MapObject {
     in_engine: RigidBodyHandle,
+    /// Where the map has it.
+    start: EnginePose,
     collider: ColliderHandle,
     made_of: Arc<Articulated>,
     /// Where robots are near.
@@ -64,7 +68,8 @@ impl MapObject {
     pub(in super::super) fn spawn(world: &mut PhysicsWorld, object: &CompiledObject, number: u32) -> Self {
         let in_engine = world.insert_body(object.body.clone());
         let collider = world.insert_collider(object.surface.collider(Identity::Object(number)), Some(in_engine));
-        Self { in_engine, collider, made_of: object.made_of.clone(), taken: None, still: 0 }
+        let start = *world.bodies[in_engine].position();
+        Self { in_engine, start, collider, made_of: object.made_of.clone(), taken: None, still: 0 }
     }
 
     /// Where it is.
@@ -93,6 +98,32 @@ impl MapObject {
         let body = &world.bodies[self.in_engine];
         let moves = body.linvel().length().max(body.angvel().length()) > RESTING.0;
         self.still = if moves || self.taken.is_some() { 0 } else { self.still.saturating_add(1) };
+    }
+
+    /// Puts an object whose state is a fault back where the map has it, at rest. Returns the fault.
+    pub(in super::super) fn restore(&mut self, world: &mut PhysicsWorld) -> Option<Fault> {
+        let fault = match &self.taken {
+            Some(taken) => taken.fault(),
+            None => self.fault_in_engine(world),
+        }?;
+        self.give_back(world);
+        let (body, collider) = (world.bodies.get_mut(self.in_engine)?, world.colliders.get_mut(self.collider)?);
+        body.set_enabled(true);
+        collider.set_enabled(true);
+        body.set_position(self.start, true);
+        body.set_linvel(Vector::ZERO, true);
+        body.set_angvel(Vector::ZERO, true);
+        Some(fault)
+    }
+
+    fn fault_in_engine(&self, world: &PhysicsWorld) -> Option<Fault> {
+        let (body, collider) = (world.bodies.get(self.in_engine)?, world.colliders.get(self.collider)?);
+        // The engine disables what is not finite.
+        if !body.is_enabled() || !collider.is_enabled() {
+            return Some(Fault::NotFinite);
+        }
+        let (linear, angular) = (convert::from_vector(body.linvel()), convert::from_vector(body.angvel()));
+        Fault::of(&BodyState { pose: convert::from_pose(body.position()), linear, angular })
     }
 
     fn around(&self, world: &PhysicsWorld) -> Aabb {
