@@ -21,7 +21,7 @@ use std::path::Path;
 
 use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Dialect, Line};
-use sim_core::{Options, RobotId, TIME_STEP, World};
+use sim_core::{Options, RobotId, Room, TIME_STEP, World};
 
 /// A world on a built-in map.
 ///
@@ -61,6 +61,18 @@ pub fn init(world: &mut World, text: &str) -> RobotId {
     let Command::Init(init) = command(text) else { panic!("not INIT: {text}") };
     let mut problems = Vec::new();
     world.init(&init, &mut problems).unwrap_or_else(|| panic!("{problems:?}"))
+}
+
+/// Puts a robot on whatever stands at a place, or on the floor.
+///
+/// # Panics
+/// If there is no room up to 20 m above.
+pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -> RobotId {
+    let mut heights = (0..2_000).map(|number| 0.01 * f64::from(number));
+    let is_free =
+        |up: &f64| matches!(world.fit(class, [x, y, -up], [0.0, 0.0, yaw]), Some(Ok(Room { beside: None, .. })));
+    let up = heights.find(is_free).unwrap_or_else(|| panic!("no room for a {class} at {x}, {y}"));
+    init(world, &format!("INIT {{ClassName USARBot.{class}}} {{Location {x},{y},{}}} {{Rotation 0,0,{yaw}}}", -up))
 }
 
 /// Gives a robot a line and returns the lines that it answers.

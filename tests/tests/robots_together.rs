@@ -4,7 +4,7 @@ use gamebots_proto::Dialect;
 use nalgebra::Vector3;
 use scene::DriveModel;
 use sim_core::{Options, RobotId, World};
-use system_tests::{apply, init, run};
+use system_tests::{apply, init, init_on_top, run};
 
 const MODELS: [DriveModel; 3] = [DriveModel::Bodies, DriveModel::Analytic, DriveModel::Kinematic];
 
@@ -30,9 +30,7 @@ fn a_robot_can_leave_while_others_touch_it() {
             for leaver in [0, 1] {
                 let mut world = world("rough", model);
                 // The second stands on the first.
-                let robots = classes.map(|class| {
-                    init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}"))
-                });
+                let robots = classes.map(|class| init_on_top(&mut world, class, [0.0, 0.0], 0.0));
                 run(&mut world, 0.5);
                 world.remove(robots[leaver]);
                 world.observe(robots[1 - leaver]).expect("the other is still there");
@@ -59,11 +57,16 @@ fn a_robot_can_leave_in_the_step_that_it_came_in() {
     }
 }
 
-/// Robots that come at one place between two steps stand on each other instead of inside each other.
+/// Robots that come at one place between two steps stand beside each other instead of inside each other.
 #[track_caller]
 fn check_come_together(model: DriveModel, lines: &[String]) {
     let mut world = world("rough", model);
     let robots: Vec<RobotId> = lines.iter().map(|line| init(&mut world, line)).collect();
+    check_stands(world, &robots, &format!("{lines:?} {model:?}"));
+}
+
+#[track_caller]
+fn check_stands(mut world: World, robots: &[RobotId], what: &str) {
     let highest = |world: &World| robots.iter().map(|&robot| -position(world, robot).z).fold(0.0, f64::max);
     let (start, mut top, mut fastest) = (highest(&world), 0.0f64, 0.0f64);
     for _ in 0..500 {
@@ -73,7 +76,7 @@ fn check_come_together(model: DriveModel, lines: &[String]) {
     }
     // One that slides off the top of another falls as everything does; nothing is flung.
     let fall = (2.0 * 9.81 * start.max(0.5)).sqrt();
-    assert!(fastest < fall && top < start + 0.01, "{lines:?} {model:?}: {fastest:.2} m/s, {start} to {top} m");
+    assert!(fastest < fall && top < start + 0.01, "{what}: {fastest:.2} m/s, {start} to {top} m");
 }
 
 #[test]
@@ -97,11 +100,13 @@ fn robots_that_come_in_one_step_do_not_explode() {
 fn a_stack_of_analytic_robots_stands() {
     for count in [3, 4, 5, 6, 8, 12] {
         for (away, turned) in [(0.0, 0.0), (0.001, 0.0), (0.01, 0.003), (0.03, 0.009)] {
-            let line = |index: u32| {
+            let mut world = world("rough", DriveModel::Analytic);
+            let mut put = |index: u32| {
                 let (x, yaw) = (away * f64::from(index % 3), turned * f64::from(index));
-                format!("INIT {{ClassName USARBot.KUKA_YouBot}} {{Location {x},0,0}} {{Rotation 0,0,{yaw}}}")
+                init_on_top(&mut world, "KUKA_YouBot", [x, 0.0], yaw)
             };
-            check_come_together(DriveModel::Analytic, &(0..count).map(line).collect::<Vec<_>>());
+            let robots: Vec<RobotId> = (0..count).map(&mut put).collect();
+            check_stands(world, &robots, &format!("{count} robots, {away} m, {turned} rad"));
         }
     }
 }
@@ -143,8 +148,7 @@ fn a_robot_is_pushed_alike_whichever_came_first() {
 #[test]
 fn what_stands_on_an_analytic_robot_weighs_on_its_wheels() {
     let mut world = world("rough", DriveModel::Analytic);
-    let line = "INIT {ClassName USARBot.KUKA_YouBot} {Start PlayerStart_0}";
-    let (below, above) = (init(&mut world, line), init(&mut world, line));
+    let [below, above] = [(); 2].map(|()| init_on_top(&mut world, "KUKA_YouBot", [0.0, 0.0], 0.0));
     run(&mut world, 1.0);
     // What the ground pushes, averaged: the two are solved for one after the other, and take turns from step to step.
     let ground = |world: &World| -> f64 {

@@ -3,11 +3,12 @@
 
 use std::time::Instant;
 
+use gamebots_proto::Problem;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use scene::DriveModel;
 use sim_core::{Options, RobotId, TIME_STEP, World};
-use system_tests::{Usage, alone, command, init, sessions, setting};
+use system_tests::{Usage, alone, command, init, init_on_top, sessions, setting};
 
 /// Robots that come and leave, unless `USARSIM_SOAK_LEAVINGS` says otherwise.
 const LEAVINGS: u64 = 2_000;
@@ -32,6 +33,7 @@ fn world(map: &str, seed: u64) -> World {
 fn send(robot: Option<RobotId>, world: &mut World, line: &str) -> Option<RobotId> {
     let mut problems = Vec::new();
     let spawned = world.execute(robot, &command(line), &mut problems).spawned;
+    problems.retain(|problem| !matches!(problem, Problem::Beside { .. }));
     assert!(problems.is_empty(), "{line}: {problems:?}");
     spawned.or(robot)
 }
@@ -58,8 +60,7 @@ fn robots_that_leave_leave_nothing_behind() {
             7 => ["CasterSkidRobot", "BasicSkidRobot"],
             _ => ["P3AT", "P3AT"],
         };
-        let mut robots = classes
-            .map(|class| init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}")));
+        let mut robots = classes.map(|class| init_on_top(&mut world, class, [0.0, 0.0], 0.0));
         for robot in robots {
             send(Some(robot), &mut world, "DRIVE {Left 1} {Right 1}");
         }
@@ -127,8 +128,8 @@ struct Outcome {
 }
 
 /// Lets visitors come, drive, collide and leave, and reports every second.
-fn soak(seed: u64, seconds: u64, mut report: impl FnMut(u64, &Outcome)) -> Outcome {
-    let mut world = world("arena", seed);
+fn soak(map: &str, seed: u64, seconds: u64, mut report: impl FnMut(u64, &Outcome)) -> Outcome {
+    let mut world = world(map, seed);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut outcome = Outcome { digest: 0, messages: 0, visits: 0, commands: 0, robots: 0 };
     let mut visitors: Vec<Visitor> = (0..4).map(|index| Visitor { robot: None, next: index * SECOND }).collect();
@@ -191,6 +192,16 @@ fn visit(
 
 #[test]
 fn robots_that_come_collide_and_leave_for_hours_take_no_memory_and_repeat_themselves() {
+    check_hours("arena");
+}
+
+#[test]
+fn robots_that_push_objects_and_leave_for_hours_take_no_memory_and_repeat_themselves() {
+    check_hours("hall");
+}
+
+#[track_caller]
+fn check_hours(map: &str) {
     let _alone = alone();
     let seconds = (3600.0 * setting("USARSIM_SOAK_HOURS", HOURS)).round() as u64;
     let start = Instant::now();
@@ -205,8 +216,8 @@ fn robots_that_come_collide_and_leave_for_hours_take_no_memory_and_repeat_themse
         }
     };
     let (one, other) = std::thread::scope(|scope| {
-        let other = scope.spawn(|| soak(1, seconds, |_, _| {}));
-        (soak(1, seconds, report), other.join().expect("the other run"))
+        let other = scope.spawn(|| soak(map, 1, seconds, |_, _| {}));
+        (soak(map, 1, seconds, report), other.join().expect("the other run"))
     });
     println!(
         "{one:?} in {:.1} s, {:.2} robots at a time",

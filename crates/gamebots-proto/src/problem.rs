@@ -114,6 +114,24 @@ pub enum Problem {
         /// The limit.
         limit: usize,
     },
+    /// A place that something else takes.
+    #[error("{wanted}: {by} takes it; the robot is put beside it, at {got}")]
+    Beside {
+        /// The place that was asked for, as a block.
+        wanted: String,
+        /// What takes it.
+        by: String,
+        /// Where the robot is instead: x, y, z, m.
+        got: String,
+    },
+    /// A place without room.
+    #[error("{wanted}: {why}; no robot is spawned; GETSTARTPOSES names places to start at")]
+    NoRoom {
+        /// The place that was asked for, as a block.
+        wanted: String,
+        /// The reason.
+        why: String,
+    },
     /// A command for a robot on a connection that has none.
     #[error("{verb} ignored: there is no robot on this connection; send INIT first")]
     NoRobot {

@@ -129,6 +129,11 @@ impl Session {
         self.dropped
     }
 
+    /// True if the client is told what goes wrong.
+    pub(crate) fn reports_errors(&self) -> bool {
+        self.report_errors
+    }
+
     pub(crate) fn outbox(&self) -> &Outbox {
         &self.outbox
     }

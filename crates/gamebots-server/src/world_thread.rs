@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gamebots_proto::Dialect;
-use gamebots_proto::message::{self, Message, WrittenLine};
+use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
 use scene::{MapDef, WorldDef};
 use sim_core::{Executed, LostRobot, RobotId, World};
 use tokio::sync::oneshot;
@@ -167,15 +167,30 @@ impl Server {
         for of_robot in reports.chunk_by(|(robot, _), (next, _)| robot == next) {
             self.report(of_robot);
         }
-        for LostRobot { id, class, name } in self.world.take_lost() {
-            self.publisher.left(&self.world, id);
-            let text = format!("robot {} ({class} {name}) is removed: its state is not finite any more", id.0);
+        for lost in self.world.take_lost() {
+            self.take_leave(&lost);
+        }
+        for (name, fault) in self.world.take_restored() {
+            let text = format!("object {name} is put back where the map has it: {fault}");
             warn!("{text}");
             self.publisher.warn(&self.world, &text);
         }
         self.publisher.stepped(&self.world);
         let took = start.elapsed();
         self.credit = (self.credit + took).min(MAX_CREDIT.max(took));
+    }
+
+    /// Tells everyone of a robot that the world has removed, and its client where it asked for errors.
+    fn take_leave(&mut self, LostRobot { id, class, name, fault }: &LostRobot) {
+        self.publisher.left(&self.world, *id);
+        let text = format!("robot {} ({class} {name}) is removed: {fault}", id.0);
+        warn!("{text}");
+        self.publisher.warn(&self.world, &text);
+        self.publisher.changed(Instant::now());
+        let Some(owner) = self.owners.of(*id) else { return };
+        if self.sessions.get(&owner).is_some_and(Session::reports_errors) {
+            self.send(owner, None, &[Message::Nfo(Nfo::Error(text))]);
+        }
     }
 
     /// How long the next step has to wait; a paused world takes only the steps that were asked for.

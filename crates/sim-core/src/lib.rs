@@ -17,6 +17,7 @@ mod threads;
 mod world;
 
 pub use compiled::CompiledScene;
+pub use physics::Fault;
 pub use scene::{BodyState, Options, RobotId, TIME_STEP, WheelState};
 pub use threads::{OneThread, Threads};
-pub use world::{Executed, LostRobot, World};
+pub use world::{Executed, LostRobot, Room, World};

@@ -5,9 +5,11 @@ mod articulated;
 mod compile;
 mod contact;
 mod convert;
+mod fault;
 mod identity;
 mod motor;
 mod observe;
+mod placing;
 mod query;
 mod robot;
 mod roller;
@@ -20,7 +22,9 @@ use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
 pub(crate) use compile::{CompiledMap, CompiledRobot, Materials};
+pub use fault::Fault;
 pub(crate) use identity::Identity;
+pub(crate) use placing::Placement;
 pub(crate) use query::Sight;
 pub(crate) use robot::RobotBodies;
 
@@ -124,6 +128,13 @@ impl Physics {
     /// Where the map's objects are, in its order.
     pub(crate) fn objects(&self) -> impl Iterator<Item = Pose> {
         self.objects.iter().map(|object| object.pose(&self.world))
+    }
+
+    /// Puts every object whose state is a fault back where the map has it, at rest. Returns their numbers with the faults.
+    pub(crate) fn restore_objects(&mut self) -> Vec<(usize, Fault)> {
+        let Self { objects, world, .. } = self;
+        let faulty = objects.iter_mut().enumerate();
+        faulty.filter_map(|(number, object)| Some((number, object.restore(world)?))).collect()
     }
 
     /// Mixes the state of every body into a digest, in the order that they were made.

@@ -13,11 +13,13 @@ use gamebots_proto::command::{Command, Init};
 use gamebots_proto::message::{Greeting, Message, NamedPose as WirePose, Nfo, PathNode};
 
 use crate::CompiledScene;
-use crate::physics::{CompiledRobot, Physics};
+use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
 use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
 use robot::Robot;
-use scene::{BodyState, NamedPose, Options, Pose, RobotDef, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef};
+use scene::{
+    BodyState, NamedPose, Options, Pose, RobotDef, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef, check,
+};
 
 /// Most characters of a robot's name that are kept.
 const MAX_NAME_CHARS: usize = 256;
@@ -36,6 +38,8 @@ pub struct World {
     robots: BTreeMap<RobotId, Robot>,
     next_id: u64,
     lost: Vec<LostRobot>,
+    /// Objects that were put back.
+    restored: Vec<(String, Fault)>,
     threads: Arc<dyn Threads>,
 }
 
@@ -50,8 +54,17 @@ pub struct Executed {
     pub spawned: Option<RobotId>,
 }
 
-/// A robot that had to be taken out of the world: its state was not finite any more.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Where a robot is put.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Room {
+    /// Pose of its frame.
+    pub pose: Pose,
+    /// What takes the wanted place, in words, if the robot is put beside it.
+    pub beside: Option<String>,
+}
+
+/// A robot that was removed because of its state.
+#[derive(Debug, Clone, PartialEq)]
 pub struct LostRobot {
     /// Its number.
     pub id: RobotId,
@@ -59,6 +72,8 @@ pub struct LostRobot {
     pub class: String,
     /// Its name from INIT.
     pub name: String,
+    /// The fault of its state.
+    pub fault: Fault,
 }
 
 impl World {
@@ -75,6 +90,7 @@ impl World {
             robots: BTreeMap::new(),
             next_id: 0,
             lost: Vec::new(),
+            restored: Vec::new(),
             threads: Arc::new(OneThread),
         }
     }
@@ -133,19 +149,29 @@ impl World {
         Message::Nfo(Nfo::Greeting(Greeting { level: map.name.clone(), time_limit: map.time_limit }))
     }
 
-    /// Puts a robot into the world. `None`, with the reason in `problems`, for an unknown class.
+    /// Puts a robot into the world. `None`, with the reason in `problems`, for an unknown class, and where there is no room.
     ///
-    /// A pose inside or below the ground is lifted onto it; one above it falls. An unknown start is the origin,
-    /// as in USARSim (BotConnection.uc:452-473).
+    /// A pose inside or below the ground is lifted onto it; one above it falls. Where something else stands, the robot is put
+    /// beside it, which `problems` says. An unknown start is the origin, as in USARSim (BotConnection.uc:452-473).
     pub fn init(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<RobotId> {
         let class = self.class(init, problems)?;
         if self.robots.len() >= MAX_ROBOTS {
             problems.push(Problem::TooManyRobots { limit: MAX_ROBOTS });
             return None;
         }
-        let pose = self.start_pose(init, problems);
+        let wanted = self.start_pose(init, problems);
         self.enter_shapes();
-        let pose = self.physics.standing_pose(&class, &pose);
+        let pose = match self.find_room(&class, &wanted) {
+            Ok(Room { pose, beside: None }) => pose,
+            Ok(Room { pose, beside: Some(by) }) => {
+                problems.push(Problem::Beside { wanted: wire_place(init), by, got: numbers(&pose) });
+                pose
+            }
+            Err(why) => {
+                problems.push(Problem::NoRoom { wanted: wire_place(init), why });
+                return None;
+            }
+        };
         let id = RobotId(self.next_id);
         self.next_id += 1;
         let name: String = init.name.chars().take(MAX_NAME_CHARS).collect();
@@ -159,6 +185,48 @@ impl World {
         let robot = Robot::spawn(&mut self.physics, class, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
         Some(id)
+    }
+
+    /// Finds where a robot of a class would be put; `location` and `rotation` are those of INIT. `None` for an unknown class.
+    ///
+    /// # Errors
+    /// If there is no room, with the reason in words.
+    pub fn fit(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Result<Room, String>> {
+        let class = self.scene.robots().get(class)?.clone();
+        // The engine keeps its shapes in place while it runs, and a question must not change what it does next.
+        if !self.is_engine_running {
+            self.enter_shapes();
+        }
+        Some(self.find_room(&class, &scene::pose(location, rotation)))
+    }
+
+    /// Finds where a robot wanted at a pose is put. Fails with the reason in words.
+    fn find_room(&self, class: &CompiledRobot, wanted: &Pose) -> Result<Room, String> {
+        let found = self.physics.place(class, wanted);
+        let Placement { pose, obstacle } = found.map_err(|it| format!("{} takes it", self.describe(it)))?;
+        match pose.translation.vector.iter().find(|&&number| check::MAP_REACH.problem("", number).is_some()) {
+            None => Ok(Room { pose, beside: obstacle.map(|it| self.describe(it)) }),
+            Some(number) => Err(format!("it is outside the map: got {number}, expected {}", check::MAP_REACH)),
+        }
+    }
+
+    /// What something is, for people.
+    fn describe(&self, identity: Identity) -> String {
+        let map = &self.def().map;
+        match identity {
+            Identity::Solid(number) => {
+                let name = map.solids.get(number as usize).map_or("", |solid| solid.name.as_str());
+                format!("the solid `{name}`")
+            }
+            Identity::Object(number) => {
+                let name = map.objects.get(number as usize).map_or("", |object| object.solid.name.as_str());
+                format!("the object `{name}`")
+            }
+            Identity::Link { robot, .. } => {
+                let name = self.robots.get(&robot).map_or("", Robot::name);
+                format!("robot {} `{name}`", robot.0)
+            }
+        }
     }
 
     /// Takes a robot out of the world.
@@ -257,7 +325,7 @@ impl World {
         self.is_engine_running = is_engine_needed;
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
-        self.remove_unsound();
+        self.remove_faulty();
         if !self.robots.values().any(|robot| robot.is_about_to_report(steps)) {
             return Vec::new();
         }
@@ -283,22 +351,31 @@ impl World {
         self.physics.enter_shapes(self.robots.values().map(Robot::bodies));
     }
 
-    /// Nothing that is not a number is ever sent, and one broken robot does not break the others.
-    fn remove_unsound(&mut self) {
-        let unsound = self.robots.iter().filter(|(_, robot)| !self.physics.is_sound(robot.bodies()));
-        let unsound: Vec<RobotId> = unsound.map(|(&id, _)| id).collect();
-        for id in unsound {
+    /// Removes robots and restores objects whose state is a fault, before anything of it is sent. One broken robot does not break
+    /// the others.
+    fn remove_faulty(&mut self) {
+        let faulty = self.robots.iter().filter_map(|(&id, robot)| Some((id, self.physics.fault(robot.bodies())?)));
+        for (id, fault) in faulty.collect::<Vec<_>>() {
             if let Some(robot) = self.robots.get(&id) {
                 let (class, name) = (robot.def().class.clone(), robot.name().to_owned());
-                self.lost.push(LostRobot { id, class, name });
+                self.lost.push(LostRobot { id, class, name, fault });
             }
             self.remove(id);
         }
+        let objects = &self.scene.def().map.objects;
+        let name = |number: usize| objects.get(number).map_or(String::new(), |object| object.solid.name.clone());
+        let restored = self.physics.restore_objects().into_iter();
+        self.restored.extend(restored.map(|(number, fault)| (name(number), fault)));
     }
 
-    /// Robots that had to be taken out since the last call because their state was not finite any more.
+    /// Takes the robots that were removed because of their state since the last call.
     pub fn take_lost(&mut self) -> Vec<LostRobot> {
         std::mem::take(&mut self.lost)
+    }
+
+    /// Takes the names of the objects that were put back because of their state since the last call.
+    pub fn take_restored(&mut self) -> Vec<(String, Fault)> {
+        std::mem::take(&mut self.restored)
     }
 
     /// The robots with their class and their name, in the order that they came.
@@ -381,7 +458,7 @@ impl World {
             got: init.class_name.chars().take(60).collect(),
             meant: meant.map_or(String::new(), |class| format!(" (did you mean `USARBot.{class}`?)")),
             expected: classes.join(", "),
-            instead: "no robot is made",
+            instead: "no robot is spawned",
         });
         None
     }
@@ -398,6 +475,21 @@ impl World {
         problems.push(Problem::unknown_name("Start", &init.start, known, "the origin is used"));
         Pose::identity()
     }
+}
+
+/// The place that an INIT asks for, as the line has it.
+fn wire_place(init: &Init) -> String {
+    if !init.start.is_empty() {
+        return format!("{{Start {}}}", init.start.chars().take(60).collect::<String>());
+    }
+    let [x, y, z] = init.location;
+    format!("{{Location {x},{y},{z}}}")
+}
+
+/// A position with the digits that people read.
+fn numbers(pose: &Pose) -> String {
+    let [x, y, z] = pose.translation.vector.into();
+    format!("{x:.2},{y:.2},{z:.2}")
 }
 
 fn wire_pose(pose: &NamedPose) -> WirePose {

@@ -1,0 +1,253 @@
+//! Where a robot can stand: on the surface at the wanted place, clear of everything solid, or else beside it.
+
+use nalgebra::{Point3, Vector3};
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::parry::query::{self, Ray};
+use rapier3d::prelude::*;
+use scene::{MountedWheel, Pose, Steering};
+
+use super::compile::CompiledRobot;
+use super::identity::{Identity, Mark};
+use super::{Physics, convert};
+
+/// A clear gap left under a robot that is put on a surface, m: it settles by this in a few steps.
+const CLEARANCE: f64 = 0.001;
+/// Surfaces are looked for from this far above the wanted place, m.
+const SKY: f64 = 1000.0;
+/// Most surfaces above each other that are looked at.
+const MAX_LAYERS: usize = 64;
+
+/// Overlap with a solid that a robot is put down with, m: contacts push it out gently.
+const OVERLAP: f64 = 0.005;
+/// Most that a robot is raised out of a slope or a kerb between its wheels, m.
+const MAX_RAISE: f64 = 0.15;
+/// Heights that are tried.
+const RAISES: u32 = 30;
+
+/// Places on either side that are tried in each direction, so that a full world of robots finds room at one place.
+const RINGS: i32 = 40;
+/// Distance of two neighbouring places that are tried, as a part of the robot's larger half size.
+const SPACING: f64 = 0.6;
+/// Most places that are looked at closely. Those that another robot takes are ruled out by their boxes before.
+const MAX_TRIES: usize = 400;
+/// Room left between a robot that is put beside another and everything that moves, m.
+const GAP: f64 = 0.02;
+/// Most difference in height of the floors under a robot's wheels, and at a wanted place and beside it, m.
+const MAX_DROP: f64 = 0.3;
+/// Height over the floor at which nothing may stand between the two, m.
+const KERB: f64 = 0.1;
+
+/// A place for a robot.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Placement {
+    /// Where its frame is put.
+    pub(crate) pose: Pose,
+    /// The obstacle that takes the wanted place, if the robot is put beside it.
+    pub(crate) obstacle: Option<Identity>,
+}
+
+impl Physics {
+    /// Finds the pose of a robot that is wanted at `pose`: there if it stands free above a surface, lifted onto the surface if it is
+    /// inside the floor or below it, and otherwise at the nearest free place beside it.
+    ///
+    /// A robot stands on another one only where it is wanted above it. Fails with the obstacle where there is no free place.
+    pub(crate) fn place(&self, robot: &CompiledRobot, wanted: &Pose) -> Result<Placement, Identity> {
+        let pose = self.standing_pose(robot, wanted);
+        let Err(obstacle) = self.check_room(robot, &pose) else { return Ok(Placement { pose, obstacle: None }) };
+        let beside = self.place_beside(robot, wanted, &pose, obstacle).ok_or(obstacle)?;
+        Ok(Placement { pose: beside, obstacle: Some(obstacle) })
+    }
+
+    /// The nearest free place beside a wanted one, where the robot would stand at `standing`. Robots are not put behind walls, on top
+    /// of them or below.
+    fn place_beside(&self, robot: &CompiledRobot, wanted: &Pose, standing: &Pose, obstacle: Identity) -> Option<Pose> {
+        let bounds = self.bounds(robot, standing);
+        let half = bounds.half_extents();
+        let step = SPACING * half.x.max(half.y).max(0.05);
+        let around = Aabb::from_half_extents(bounds.center(), half + Vector::new(GAP, GAP, MAX_DROP));
+        let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());
+        let candidates = rings().into_iter().filter_map(|(x, y)| {
+            let offset = Vector3::new(f64::from(x) * step, f64::from(y) * step, 0.0);
+            let moved = around.translated(convert::vector(offset));
+            let is_taken = movers.intersect_aabb_conservative(moved).next().is_some();
+            (!is_taken).then(|| Pose::from_parts((wanted.translation.vector + offset).into(), wanted.rotation))
+        });
+        let here = wanted.translation.vector;
+        let is_near = |pose: &Pose| self.is_near(here, pose.translation.vector, obstacle);
+        let mut standing = candidates.take(MAX_TRIES).filter(is_near).map(|pose| self.standing_pose(robot, &pose));
+        standing.find(|pose| self.check_room(robot, pose).is_ok())
+    }
+
+    /// True if two places have floors of nearly one height and no solid stands between them. Out of a solid every side is open that
+    /// is not inside one.
+    fn is_near(&self, here: Vector3<f64>, there: Vector3<f64>, obstacle: Identity) -> bool {
+        let floor = self.floor_below(there);
+        if matches!(obstacle, Identity::Solid(_)) {
+            return floor.is_some_and(|floor| floor >= there.z - MAX_DROP);
+        }
+        let (from, to) = match (self.floor_below(here), floor) {
+            (Some(from), Some(to)) if (from - to).abs() <= MAX_DROP => (from, to),
+            (None, None) => (here.z, there.z),
+            _ => return false,
+        };
+        // A pose may lie in the floor.
+        let above = |place: Vector3<f64>, floor: f64| Vector3::new(place.x, place.y, place.z.min(floor - KERB));
+        let (from, to) = (above(here, from), above(there, to));
+        let ray = Ray::new(convert::vector(from), convert::vector(to - from));
+        self.fixed().cast_ray(&ray, 1.0, true).is_none()
+    }
+
+    /// Height of the first floor at a place or below it, or above it where it lies in a solid.
+    fn floor_below(&self, place: Vector3<f64>) -> Option<f64> {
+        self.surface_to_stand_on(&Point3::from(place), place.z)
+    }
+
+    fn fixed(&self) -> QueryPipeline<'_> {
+        self.world.query_pipeline_with_filter(QueryFilter::only_fixed())
+    }
+
+    /// A box around a robot at a pose.
+    fn bounds(&self, robot: &CompiledRobot, pose: &Pose) -> Aabb {
+        let boxes = robot.outlines.iter().map(|(local, part)| part.compute_aabb(&convert::pose(&(pose * local))));
+        boxes.reduce(|one, other| one.merged(&other)).unwrap_or_else(Aabb::new_invalid)
+    }
+
+    /// Fails with what a robot at a pose would overlap.
+    fn check_room(&self, robot: &CompiledRobot, pose: &Pose) -> Result<(), Identity> {
+        let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());
+        for (local, part) in &robot.outlines {
+            let met = movers.intersect_shape(convert::pose(&(pose * local)), part.as_ref());
+            if let Some((_, met)) = met.min_by_key(|(handle, _)| handle.into_raw_parts()) {
+                return Err(Mark::of(met).identity);
+            }
+        }
+        match self.deepest_overlap(robot, pose) {
+            Some((depth, identity)) if depth > OVERLAP => Err(identity),
+            _ => Ok(()),
+        }
+    }
+
+    /// The deepest overlap of a robot at a pose with a solid, m, and which; a robot that is fixed to the ground may have any.
+    fn deepest_overlap(&self, robot: &CompiledRobot, pose: &Pose) -> Option<(f64, Identity)> {
+        if robot.def.steering == Steering::None {
+            return None;
+        }
+        let fixed = self.fixed();
+        let overlaps = robot.outlines.iter().flat_map(|(local, part)| {
+            let place = convert::pose(&(pose * local));
+            let depth = move |solid: &Collider| {
+                let contact = query::contact(solid.position(), solid.shape(), &place, part.as_ref(), 0.0);
+                contact.ok().flatten().map(|contact| (-contact.dist, Mark::of(solid).identity))
+            };
+            fixed.intersect_shape(place, part.as_ref()).filter_map(move |(_, solid)| depth(solid))
+        });
+        overlaps.max_by(|(one, _), (other, _)| one.total_cmp(other))
+    }
+
+    /// The pose of a robot on the surface at a place: as it is above a surface, otherwise lifted onto the surface next above.
+    fn standing_pose(&self, robot: &CompiledRobot, pose: &Pose) -> Pose {
+        if robot.def.steering == Steering::None {
+            return *pose;
+        }
+        let lift = |lowest: Point3<f64>| Some(lowest.z - self.surface_to_stand_on(&lowest, pose.translation.z)?);
+        let of_wheel = |wheel: MountedWheel| pose * Point3::from(wheel.position) + Vector3::z() * wheel.radius;
+        let mut lifts: Vec<f64> = robot.def.wheels().filter_map(|wheel| lift(of_wheel(wheel))).collect();
+        if robot.def.wheels().next().is_none() {
+            let bottom = |(local, part): &(Pose, SharedShape)| {
+                let bounds = part.compute_aabb(&convert::pose(&(pose * local)));
+                Point3::from(convert::from_vector(bounds.center())).xy().coords.push(bounds.maxs.z).into()
+            };
+            lifts.extend(robot.outlines.iter().map(bottom).filter_map(lift));
+        }
+        let (least, most) =
+            lifts.iter().fold((f64::INFINITY, 0.0), |(least, most), &lift| (lift.min(least), lift.max(most)));
+        // A robot that has one wheel in a wall does not belong on top of the wall: it stays in it, and is put beside it.
+        let lift = if most - least > MAX_DROP { least } else { most };
+        let mut standing = *pose;
+        if lift > 0.0 && lift.is_finite() {
+            standing.translation.z -= lift + CLEARANCE;
+        }
+        self.raised(robot, standing)
+    }
+
+    /// A pose raised out of a slope under the wheels, or of a kerb between them; as it was where that is not enough.
+    fn raised(&self, robot: &CompiledRobot, pose: Pose) -> Pose {
+        let is_clear = |lift: f64| {
+            let raised = Pose::from_parts((pose.translation.vector - Vector3::z() * lift).into(), pose.rotation);
+            self.deepest_overlap(robot, &raised).is_none_or(|(depth, _)| depth <= OVERLAP).then_some(raised)
+        };
+        let lifts = (0..=RAISES).map(|number| f64::from(number) * MAX_RAISE / f64::from(RAISES));
+        lifts.into_iter().find_map(is_clear).unwrap_or(pose)
+    }
+
+    /// Height (z) of the surface that something at a place belongs on: the first one below the reference height
+    /// if there is any and the place is not inside its solid, otherwise the nearest one above.
+    fn surface_to_stand_on(&self, place: &Point3<f64>, reference: f64) -> Option<f64> {
+        let layers = self.layers(place, reference);
+        let inside = layers.iter().any(|layer| layer.top < reference && reference <= layer.bottom);
+        let below = layers.iter().find(|layer| layer.top >= reference);
+        let above = layers.iter().rev().find(|layer| layer.top < reference);
+        match (inside, below, above) {
+            (false, Some(below), _) => Some(below.top),
+            (_, _, above) => above.map(|layer| layer.top),
+        }
+    }
+
+    /// The solids crossed by the vertical line through a place, from above to below.
+    fn layers(&self, place: &Point3<f64>, reference: f64) -> Vec<Layer> {
+        let ray = Ray::new(convert::vector([place.x, place.y, reference - SKY]), Vector::Z);
+        let fixed = self.fixed();
+        let met = fixed.intersect_ray(ray, 2.0 * SKY, true);
+        let mut layers: Vec<Layer> = met.flat_map(|(_, collider, _)| layers_of(collider, ray)).collect();
+        layers.sort_by(|a, b| a.top.total_cmp(&b.top));
+        // What touches or overlaps is one: a box on the floor goes on in the floor.
+        layers.dedup_by(|lower, upper| {
+            let joined = lower.top <= upper.bottom + CLEARANCE;
+            if joined {
+                upper.bottom = upper.bottom.max(lower.bottom);
+            }
+            joined
+        });
+        layers
+    }
+}
+
+/// Steps to the places around one, the nearest first.
+fn rings() -> Vec<(i32, i32)> {
+    let all = (-RINGS..=RINGS).flat_map(|x| (-RINGS..=RINGS).map(move |y| (x, y)));
+    let mut around: Vec<(i32, i32)> = all.filter(|&place| place != (0, 0)).collect();
+    // Ties go forward and to the right first.
+    around.sort_by_key(|&(x, y)| (x * x + y * y, -x, -y));
+    around
+}
+
+/// The layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh.
+fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
+    let cast = |ray: &Ray| collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY, false);
+    let mut layers = Vec::new();
+    let mesh = collider.shape().as_trimesh().map(|mesh| mesh.num_triangles() as u32);
+    while layers.len() < MAX_LAYERS
+        && let Some(hit) = cast(&ray)
+    {
+        let top = ray.point_at(hit.time_of_impact).z;
+        ray.origin = ray.point_at(hit.time_of_impact + 1e-3);
+        match (mesh, hit.feature) {
+            // A face hit from behind has a number beyond those of the faces.
+            (Some(faces), FeatureId::Face(face)) if face >= faces => {}
+            (Some(_), _) => layers.push(Layer { top, bottom: top }),
+            (None, _) => {
+                let bottom = cast(&ray).map_or(f64::INFINITY, |exit| ray.point_at(exit.time_of_impact).z);
+                return vec![Layer { top, bottom }];
+            }
+        }
+    }
+    layers
+}
+
+/// One solid on a vertical line.
+struct Layer {
+    /// z where the line enters it from above.
+    top: f64,
+    /// z where it leaves it; `top` for a surface without volume.
+    bottom: f64,
+}
