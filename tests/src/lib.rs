@@ -13,7 +13,7 @@ pub use honest::Honest;
 pub use measuring::{alone, setting};
 pub use program::{Program, Usage};
 pub use recordings::{recordings, server_lines};
-pub use server::{PATIENCE, Peer, Server};
+pub use server::{PATIENCE, Peer, Server, time_of};
 pub use transcript::{Transcript, run_transcript};
 pub use watch::{Seen, Watch};
 

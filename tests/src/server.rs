@@ -229,6 +229,6 @@ impl Peer {
 }
 
 /// The simulated time that a line carries.
-pub(crate) fn time_of(line: &str) -> Option<f64> {
+pub fn time_of(line: &str) -> Option<f64> {
     line.split_once("{Time ")?.1.split('}').next()?.parse().ok()
 }

@@ -62,11 +62,25 @@ fn bad_lines_get_no_answer_and_leave_the_connection_working() {
 fn places_that_make_no_sense_do_not_break_the_world() {
     let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
     let mut bystander = bystander(&server);
-    for place in ["{Location NaN,inf,1e30}", "{Location 1e30,-1e30,0} {Rotation 1e9,1e9,1e9}", "{Location 0,0,1e9}"] {
+    for place in ["{Location NaN,inf,300}", "{Location 9e4,-9e4,0} {Rotation 1e9,1e9,1e9}"] {
         let mut peer = server.client();
         peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {place}"));
         peer.send("DRIVE {Left 1} {Right 1}");
         peer.next_of("STA");
+    }
+    for (place, refused) in [
+        ("{Location NaN,inf,1e30}", "it is outside the map: got "),
+        ("{Location 1e30,-1e30,0}", "it is outside the map: got "),
+        ("{Location 0,0,1e9}", "it is outside the map: got "),
+        ("{Location 0,0,-2e5}", "it is outside the map: got "),
+        ("{Location 0,0,3e4}", "the solid `floor` takes it"),
+    ] {
+        let mut peer = server.client();
+        peer.send("REPORT {Errors true}");
+        peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {place}"));
+        peer.wait_for(refused, |line| line.contains(refused) && line.contains("no robot is spawned"));
+        peer.send("DRIVE {Left 1} {Right 1}");
+        assert!(peer.reply().contains("there is no robot on this connection"));
     }
     check_undisturbed(&mut bystander);
 }
@@ -213,8 +227,8 @@ fn a_connection_is_told_its_mistakes_when_it_asks_for_them() {
     peer.send("INIT {ClassName USARBot.P3AT} {Start PlayerStart_1} {Naem Ann}");
     assert!(peer.reply().starts_with("NFO {Error INIT has no key `Naem` (did you mean `Name`?); expected "));
     assert!(peer.reply().starts_with("NFO {Error 'Start PlayerStart_1' is unknown (did you mean `PlayerStart_0`?); "));
-    for _ in 0..2 {
-        peer.send("INIT {ClassName USARBot.P3AT} {Name Twin} {Location 5,5,0}");
+    for x in [5, 8] {
+        peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Name Twin}} {{Location {x},5,0}}"));
     }
     assert!(peer.reply().starts_with("NFO {Error 'Name Twin' is the name of another robot too"));
     // Nobody else hears of it.
@@ -333,8 +347,9 @@ fn a_client_that_leaves_takes_all_of_its_robots_with_it_unless_robots_are_kept()
         let stands = [0, 3, 6].map(|x| {
             let mut probe = server.client();
             probe.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Location {x},0,0}}"));
-            // One that is still there is stood on.
-            probe.ground_truth().0[2] < -0.2
+            // Beside one that is still there.
+            let [at, aside, _] = probe.ground_truth().0;
+            (at - f64::from(x)).hypot(aside) > 0.3
         });
         assert_eq!(stands, [keep_robots, keep_robots, false]);
     }

@@ -662,3 +662,28 @@ fn pages_of_strangers_are_turned_away_from_foxgloves_port() {
         assert_eq!(&status[9..], expected.as_bytes(), "{origin}");
     }
 }
+
+#[test]
+fn a_page_is_told_where_a_robot_can_stand() {
+    let server = serve("arena", |_| {});
+    let mut peer = server.client();
+    robot(&mut peer);
+    let mut viewer = Viewer::open(&server, "/live");
+    for (class, place, stands, why) in [
+        ("P3AT", "0,0,0", true, ""),
+        ("P3AT", "-3,2,0", false, "the solid `pillar-2` takes it"),
+        ("P3AT", "-5,4.2,0", false, "robot 0 `R1` takes it"),
+        ("P3AT", "1e300,0,0", false, "it is outside the map"),
+        ("NoSuch", "0,0,0", false, "no class `NoSuch`"),
+    ] {
+        viewer.send(&format!("{{\"fit\":{{\"class\":\"{class}\",\"location\":[{place}],\"yaw\":0.5}}}}"));
+        let fit = viewer.wait("an answer", |message| json(message, "fit"));
+        let said = fit["why"].as_str().unwrap_or_default();
+        assert_eq!((fit["class"].as_str(), fit["stands"].as_bool()), (Some(class), Some(stands)), "{fit}");
+        assert!(said.starts_with(why) && said.is_empty() == why.is_empty(), "{fit}");
+    }
+    viewer.send("{\"fit\":{\"class\":\"P3AT\",\"location\":[0,0],\"yaw\":0}}");
+    viewer.said("not understood");
+    // Nothing was spawned by it.
+    assert_eq!(viewer.frame("a frame", |_| true).robots.len(), 1);
+}

@@ -1,10 +1,14 @@
 //! What a session promises beyond the conformance cases.
 
 use std::f64::consts::TAU;
+use std::io::Read;
+use std::io::Write;
+use std::net::TcpStream;
+use std::time::Instant;
 
 use gamebots_proto::command::{Drive, Init, Set};
 use gamebots_proto::{Command, Message};
-use system_tests::Server;
+use system_tests::{PATIENCE, Server};
 
 /// SliderController takes the line after the greeting as the answer to the GETCONF that it sends with its INIT.
 #[test]
@@ -52,5 +56,63 @@ fn a_program_can_drive_by_the_types_of_the_protocol() {
     for line in lines.iter().filter(|line| line.starts_with("S")) {
         let message = Message::read(line).unwrap_or_else(|| panic!("not read: {line}"));
         assert!(message.is_periodic(), "{line}");
+    }
+}
+
+/// Many scripts of students read a socket as if each `recv` gave a line. A machine that is busy may read late, so a second without a
+/// piece of two lines is waited for.
+#[test]
+fn a_client_that_takes_each_piece_for_a_line_gets_one_line_a_piece() {
+    let server = Server::start("rough", &[], |_| {});
+    let mut socket = TcpStream::connect(server.address).expect("a connection");
+    socket.write_all(b"INIT {ClassName USARBot.YouBotArm} {Location 0,0,0}\r\n").expect("it is sent");
+    let (end, mut buffer, mut whole) = (Instant::now() + PATIENCE, [0; 512], 0);
+    // YouBotArm sends some fourteen lines in one step, ten times a second.
+    while whole < 140 {
+        assert!(Instant::now() < end, "{whole} lines came one by one at last");
+        let count = socket.read(&mut buffer).expect("a piece");
+        let piece = String::from_utf8_lossy(&buffer[..count]).into_owned();
+        // A laser's scan is longer than the buffer of such a script.
+        let is_line = piece.ends_with("\r\n") && piece.matches("\r\n").count() == 1 || count == buffer.len();
+        whole = if is_line { whole + 1 } else { 0 };
+    }
+}
+
+#[test]
+fn a_client_hears_that_its_robot_is_removed_and_nothing_more_of_it() {
+    for asks in [true, false] {
+        let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
+        let mut peer = server.client();
+        if asks {
+            peer.send("REPORT {Errors true}");
+        }
+        peer.send("INIT {ClassName USARBot.AirRobot} {Name Ann} {Location 99999,0,-2}");
+        peer.send("DRIVE {LinearVelocity 2}");
+        let (mut last, mut removed) = (0.0, false);
+        // The map ends at 100 km.
+        let end = Instant::now() + PATIENCE;
+        while !removed && last < 2.0 {
+            assert!(Instant::now() < end, "nothing happened");
+            let line = peer.line();
+            removed = line.starts_with("NFO {Error robot 0 (AirRobot Ann) is removed: it left the map: got position 1");
+            last = if line.starts_with("STA") { system_tests::time_of(&line).expect("a time") } else { last };
+            if line.contains("GroundTruth") {
+                let x: f64 =
+                    line.split("{Location ").nth(1).expect("it").split(',').next().expect("x").parse().expect("x");
+                assert!(x <= 1e5, "{line}");
+            }
+            if !asks && last > 0.4 {
+                break;
+            }
+        }
+        assert_eq!(removed, asks);
+        peer.send("DRIVE {LinearVelocity 0}");
+        if asks {
+            assert!(peer.reply().starts_with("NFO {Error DRIVE"), "a command for a robot that is gone");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        peer.send("GETSTARTPOSES");
+        peer.wait_for("the answer", |line| line.starts_with("NFO {StartPoses"));
+        peer.nothing();
     }
 }

@@ -115,12 +115,12 @@ pub enum Problem {
         limit: usize,
     },
     /// A place that something else takes.
-    #[error("{wanted}: {by} takes it; the robot is put beside it, at {got}")]
+    #[error("{wanted}: {why}; the robot is put beside it, at {got}")]
     Beside {
         /// The place that was asked for, as a block.
         wanted: String,
-        /// What takes it.
-        by: String,
+        /// What takes it, in words.
+        why: String,
         /// Where the robot is instead: x, y, z, m.
         got: String,
     },

@@ -5,17 +5,22 @@ use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 use gamebots_proto::{Command, Dialect, Framing, Line, Problem};
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
-use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::net::tcp::OwnedReadHalf;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
+use tokio::time::{Instant, sleep_until, timeout};
 use tracing::{info, warn};
 
 use crate::control::{Actor, Control};
-use crate::outbox::Outbox;
+use crate::fit::{Ask, Fit};
+use crate::outbox::{Outbox, Taken};
 
 /// Bytes read at once.
 const READ_BYTES: usize = 16 * 1024;
+/// Least time between two lines that leave in segments of their own: a script that takes one `recv` for one line has read the first
+/// by then.
+const LINE_INTERVAL: Duration = Duration::from_millis(2);
 /// Lines that are handed to the world at once: bounds what waits there for one client, some 100 kB.
 const MAX_REQUESTS: usize = 256;
 
@@ -39,6 +44,8 @@ pub(crate) enum Event {
     Closed(ConnectionId),
     /// Somebody who watches asks something of the world.
     Control(Control, Actor, Turn),
+    /// Somebody who watches asks where a robot could stand.
+    Fit(Ask, oneshot::Sender<Fit>, Turn),
     /// The server stops.
     Stop,
 }
@@ -129,11 +136,7 @@ async fn read_lines(
     loop {
         outbox.ready_for_answers().await;
         let read = read.read(&mut buffer);
-        let result = if framing.ends_with_block() {
-            tokio::time::timeout(UNENDED_LINE, read).await.ok()
-        } else {
-            Some(read.await)
-        };
+        let result = if framing.ends_with_block() { timeout(UNENDED_LINE, read).await.ok() } else { Some(read.await) };
         let (lines, end) = match result {
             Some(Ok(count)) if count > 0 => {
                 let bytes = buffer.get(..count).unwrap_or_default();
@@ -185,16 +188,75 @@ fn is_http(first_bytes: &[u8]) -> bool {
     METHODS.iter().any(|method| first_bytes.starts_with(method))
 }
 
-async fn write_lines(mut write: OwnedWriteHalf, outbox: &Outbox, stall_timeout: Duration) -> &'static str {
-    while let Some(text) = outbox.take().await {
+/// Writes lines as they come. Those that want segments of their own leave [`LINE_INTERVAL`] apart.
+async fn write_lines(mut write: impl AsyncWrite + Unpin, outbox: &Outbox, stall_timeout: Duration) -> &'static str {
+    let mut next = Instant::now();
+    while let Some(Taken { text, is_paced }) = outbox.take().await {
+        if is_paced {
+            sleep_until(next).await;
+        }
         let mut rest = text.as_bytes();
         while !rest.is_empty() {
-            match tokio::time::timeout(stall_timeout, write.write(rest)).await {
+            match timeout(stall_timeout, write.write(rest)).await {
                 Ok(Ok(count)) if count > 0 => rest = rest.get(count..).unwrap_or_default(),
                 Ok(_) => return "reset by the client",
                 Err(_) => return "disconnected: it does not read",
             }
         }
+        next = Instant::now() + LINE_INTERVAL;
     }
     "all sent"
+}
+
+#[cfg(test)]
+mod tests {
+    use std::pin::Pin;
+    use std::sync::Mutex;
+    use std::task::{Context, Poll};
+
+    use super::*;
+
+    /// Every piece that was written, and when.
+    #[derive(Clone, Default)]
+    struct Pieces(Arc<Mutex<Vec<(Instant, String)>>>);
+
+    impl AsyncWrite for Pieces {
+        fn poll_write(self: Pin<&mut Self>, _: &mut Context<'_>, bytes: &[u8]) -> Poll<std::io::Result<usize>> {
+            let piece = String::from_utf8_lossy(bytes).into_owned();
+            self.0.lock().unwrap_or_else(|error| panic!("{error}")).push((Instant::now(), piece));
+            Poll::Ready(Ok(bytes.len()))
+        }
+
+        fn poll_flush(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<std::io::Result<()>> {
+            Poll::Ready(Ok(()))
+        }
+
+        fn poll_shutdown(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<std::io::Result<()>> {
+            Poll::Ready(Ok(()))
+        }
+    }
+
+    /// Pieces that are written of some lines of one step, and the shortest time between two of them.
+    async fn pieces(lines: usize, is_paced: bool) -> (usize, Duration) {
+        let (written, outbox) = (Pieces::default(), Outbox::default());
+        outbox.set_paced(is_paced);
+        (0..lines).for_each(|number| outbox.push(format!("SEN {number}"), true));
+        let writer = write_lines(written.clone(), &outbox, Duration::from_secs(30));
+        let ended = timeout(Duration::from_secs(10), writer).await;
+        assert!(ended.is_err(), "it ended: {ended:?}");
+        let written = written.0.lock().unwrap_or_else(|error| panic!("{error}"));
+        let text: String = written.iter().map(|(_, piece)| piece.as_str()).collect();
+        assert_eq!(text.lines().count(), lines);
+        let gaps = written.windows(2).map(|pair| pair[1].0 - pair[0].0);
+        (written.len(), gaps.min().unwrap_or_default())
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn lines_of_one_step_leave_one_by_one_in_real_time_unless_the_client_is_behind() {
+        for (lines, is_paced, expected) in [(12, true, 12), (12, false, 1), (1000, true, 1), (1, true, 1)] {
+            let (count, gap) = pieces(lines, is_paced).await;
+            assert_eq!(count, expected, "{lines} lines, paced: {is_paced}");
+            assert!(count == 1 || gap >= LINE_INTERVAL, "{lines} lines: {gap:?} apart");
+        }
+    }
 }

@@ -15,6 +15,7 @@
 
 mod connection;
 mod control;
+mod fit;
 mod foxglove_server;
 mod journal;
 mod listener;

@@ -3,6 +3,9 @@
 //! The policy for a client that does not keep up: its oldest periodic lines (STA, SEN) are dropped first and
 //! counted, its answers never. As answers are never dropped, neither the connection nor the world takes a further
 //! command while too many of them wait.
+//!
+//! In real time a client that keeps up gets each line in a segment of its own: many scripts take one `recv` for one line, and
+//! a longer piece for a line that is cut off.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;
@@ -20,6 +23,9 @@ const MAX_PERIODIC_BYTES: usize = 512 * 1024;
 /// Bytes of answers that may wait before no further command is taken.
 const MAX_ANSWER_BYTES: usize = 256 * 1024;
 
+/// Lines that may wait for a client that gets them one by one; with more it is behind, and gets all at once.
+const MAX_PACED_LINES: usize = 64;
+
 /// The queue of one client: filled by the world's thread, emptied by the connection's task.
 #[derive(Default)]
 pub(crate) struct Outbox {
@@ -33,6 +39,8 @@ struct Queue {
     answer_bytes: usize,
     dropped: u64,
     closed: bool,
+    /// True if time is real, so that lines may leave one by one.
+    is_paced: bool,
     /// Who waits for lines: the one that writes them.
     writer: Option<Waker>,
     /// Who waits for room: the one that reads commands.
@@ -42,6 +50,15 @@ struct Queue {
 struct Outgoing {
     text: String,
     periodic: bool,
+}
+
+/// What is to be written at once.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Taken {
+    /// Whole lines with their ends.
+    pub(crate) text: String,
+    /// True for a single line that wants a segment of its own.
+    pub(crate) is_paced: bool,
 }
 
 impl Outbox {
@@ -70,12 +87,17 @@ impl Outbox {
         wake(reader);
     }
 
-    /// Waits for lines and takes all of them; `None` when the queue is closed and empty.
-    pub(crate) async fn take(&self) -> Option<String> {
+    /// Lets lines leave one by one, or together.
+    pub(crate) fn set_paced(&self, is_paced: bool) {
+        self.lock().is_paced = is_paced;
+    }
+
+    /// Waits for lines and takes all of them, or one where they leave one by one; `None` when the queue is closed and empty.
+    pub(crate) async fn take(&self) -> Option<Taken> {
         poll_fn(|context| self.poll_take(context)).await
     }
 
-    fn poll_take(&self, context: &mut Context) -> Poll<Option<String>> {
+    fn poll_take(&self, context: &mut Context) -> Poll<Option<Taken>> {
         let mut queue = self.lock();
         if queue.lines.is_empty() {
             if queue.closed {
@@ -84,12 +106,13 @@ impl Outbox {
             queue.writer = Some(context.waker().clone());
             return Poll::Pending;
         }
-        let text = queue.lines.drain(..).map(|line| line.text).collect();
-        (queue.periodic_bytes, queue.answer_bytes) = (0, 0);
-        let reader = queue.reader.take();
+        let is_paced = queue.is_paced && !queue.closed && queue.lines.len() <= MAX_PACED_LINES;
+        let count = if is_paced { 1 } else { queue.lines.len() };
+        let text = (0..count).filter_map(|_| queue.pop()).collect();
+        let reader = queue.has_room().then(|| queue.reader.take()).flatten();
         drop(queue);
         wake(reader);
-        Poll::Ready(Some(text))
+        Poll::Ready(Some(Taken { text, is_paced }))
     }
 
     /// Whether the client has taken enough of its answers to be given more.
@@ -143,6 +166,12 @@ impl Queue {
         if periodic { &mut self.periodic_bytes } else { &mut self.answer_bytes }
     }
 
+    fn pop(&mut self) -> Option<String> {
+        let Outgoing { text, periodic } = self.lines.pop_front()?;
+        *self.bytes(periodic) -= text.len();
+        Some(text)
+    }
+
     fn drop_oldest_periodic(&mut self) -> bool {
         let Some(index) = self.lines.iter().position(|line| line.periodic) else { return false };
         if let Some(line) = self.lines.remove(index) {
@@ -180,7 +209,7 @@ mod model {
             };
             let mut text = String::new();
             while let Some(part) = block_on(outbox.take()) {
-                text.push_str(&part);
+                text.push_str(&part.text);
             }
             assert_eq!(text, "CONF\r\nSEN\r\n");
             world.join().unwrap();
@@ -219,6 +248,30 @@ mod tests {
     }
 
     #[test]
+    fn lines_are_taken_one_by_one_while_time_is_real_and_the_client_keeps_up() {
+        let fill = |count: usize, is_paced: bool| {
+            let outbox = Outbox::default();
+            outbox.set_paced(is_paced);
+            (0..count).for_each(|number| outbox.push(format!("SEN {number}"), number % 2 == 0));
+            outbox
+        };
+        for (count, is_paced, expected) in
+            [(3, false, 3), (3, true, 1), (MAX_PACED_LINES, true, 1), (MAX_PACED_LINES + 1, true, MAX_PACED_LINES + 1)]
+        {
+            let outbox = fill(count, is_paced);
+            let taken = block_on(outbox.take()).unwrap();
+            assert_eq!((taken.text.lines().count(), taken.is_paced), (expected, expected == 1), "{count} {is_paced}");
+            let rest: usize = (expected..count).map(|number| format!("SEN {number}\r\n").len()).sum();
+            assert_eq!(outbox.waiting_bytes(), rest, "{count} {is_paced}");
+        }
+        // Who leaves waits for nothing.
+        let outbox = fill(3, true);
+        outbox.close();
+        let all = Taken { text: "SEN 0\r\nSEN 1\r\nSEN 2\r\n".to_owned(), is_paced: false };
+        assert_eq!(block_on(outbox.take()), Some(all));
+    }
+
+    #[test]
     fn the_oldest_periodic_lines_go_first_and_answers_never() {
         let outbox = Outbox::default();
         let long = "x".repeat(1000);
@@ -226,7 +279,7 @@ mod tests {
         (0..1000).for_each(|number| outbox.push(format!("SEN {number} {long}"), true));
         outbox.push("CONF last".to_owned(), false);
         outbox.close();
-        let text = block_on(outbox.take()).unwrap();
+        let Taken { text, is_paced: false } = block_on(outbox.take()).unwrap() else { panic!("it is behind") };
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!((lines[0], lines[lines.len() - 1]), ("CONF first", "CONF last"));
         let dropped = outbox.take_dropped();

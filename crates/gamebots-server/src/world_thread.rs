@@ -113,6 +113,13 @@ struct Timing {
     steps: u32,
 }
 
+impl Timing {
+    /// True if simulated time is no faster than the clock.
+    fn is_real(&self) -> bool {
+        self.speed > 0.0 && self.speed <= 1.0
+    }
+}
+
 /// The server is to stop.
 struct Stop;
 
@@ -227,6 +234,7 @@ impl Server {
                 let clients = self.sessions.len().max(1) as u32;
                 let mean = self.sessions.values().map(Session::cost).sum::<Duration>() / clients;
                 let mut session = Session::new(opened, self.report_errors);
+                session.outbox().set_paced(self.timing.is_real());
                 session.add_cost(mean);
                 self.sessions.insert(id, session);
                 let greeting = self.world.greeting();
@@ -245,6 +253,10 @@ impl Server {
                 }
             }
             Event::Control(control, actor, _turn) => self.control(control, &actor),
+            Event::Fit(ask, answer, _turn) => {
+                // A page that has gone does not want it.
+                let _ = answer.send(ask.answer(&mut self.world));
+            }
             Event::Stop => return Err(Stop),
         }
         Ok(())
@@ -343,6 +355,7 @@ impl Server {
             }
             Control::Speed(speed) => {
                 self.timing.speed = speed;
+                self.sessions.values().for_each(|session| session.outbox().set_paced(self.timing.is_real()));
                 let speed = if speed == 0.0 { "as fast as possible".to_owned() } else { format!("{speed}") };
                 Some(format!("set the real-time factor to {speed}"))
             }

@@ -163,8 +163,8 @@ impl World {
         self.enter_shapes();
         let pose = match self.find_room(&class, &wanted) {
             Ok(Room { pose, beside: None }) => pose,
-            Ok(Room { pose, beside: Some(by) }) => {
-                problems.push(Problem::Beside { wanted: wire_place(init), by, got: numbers(&pose) });
+            Ok(Room { pose, beside: Some(why) }) => {
+                problems.push(Problem::Beside { wanted: wire_place(init), why, got: numbers(&pose) });
                 pose
             }
             Err(why) => {
@@ -202,12 +202,12 @@ impl World {
 
     /// Finds where a robot wanted at a pose is put. Fails with the reason in words.
     fn find_room(&self, class: &CompiledRobot, wanted: &Pose) -> Result<Room, String> {
-        let found = self.physics.place(class, wanted);
-        let Placement { pose, obstacle } = found.map_err(|it| format!("{} takes it", self.describe(it)))?;
-        match pose.translation.vector.iter().find(|&&number| check::MAP_REACH.problem("", number).is_some()) {
-            None => Ok(Room { pose, beside: obstacle.map(|it| self.describe(it)) }),
-            Some(number) => Err(format!("it is outside the map: got {number}, expected {}", check::MAP_REACH)),
+        if let Some(number) = wanted.translation.vector.iter().find(|&&number| !check::MAP_REACH.holds(number)) {
+            return Err(format!("it is outside the map: got {number}, expected {}", check::MAP_REACH));
         }
+        let takes_it = |obstacle: Identity| format!("{} takes it", self.describe(obstacle));
+        let Placement { pose, obstacle } = self.physics.place(class, wanted).map_err(takes_it)?;
+        Ok(Room { pose, beside: obstacle.map(takes_it) })
     }
 
     /// What something is, for people.

@@ -11,13 +11,14 @@ use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
 use serde::Deserialize;
 use serde_json::json;
-use tokio::sync::Semaphore;
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::{Semaphore, oneshot};
 
 use super::{Peer, Place, Site};
 use crate::connection::Event;
 use crate::control::{Actor, Control};
+use crate::fit::Ask;
 use crate::live::{Line, Notice};
 
 /// Longest text that a viewer may send.
@@ -26,6 +27,9 @@ const MAX_TEXT: usize = 1024;
 /// Most lines of the wire that one viewer gets in a window of real time; nobody reads more.
 const MAX_LINES: u64 = 1000;
 const LINE_WINDOW: Duration = Duration::from_secs(1);
+
+/// Least time between two answers to where a robot could stand: one may take the world's thread some milliseconds.
+const FIT_INTERVAL: Duration = Duration::from_millis(50);
 
 /// What a viewer wants to hear beside frames and status.
 #[derive(Debug, Default, Deserialize)]
@@ -48,8 +52,18 @@ pub(super) async fn upgrade(
         let turns = Arc::new(Semaphore::new(1));
         let actor = Actor::page(site.pages.fetch_add(1, Ordering::Relaxed) + 1, peer.address);
         let (listen, shown) = (Listen::default(), (Instant::now(), 0));
-        let mut viewer =
-            Viewer { socket, site, actor, refusal: peer.refusal, turns, lines: None, listen, shown, _place: place };
+        let mut viewer = Viewer {
+            socket,
+            site,
+            actor,
+            refusal: peer.refusal,
+            turns,
+            lines: None,
+            listen,
+            shown,
+            next_fit: tokio::time::Instant::now(),
+            _place: place,
+        };
         // A viewer that has left, or takes nothing, needs no farewell.
         let _ = viewer.run().await;
     })
@@ -75,6 +89,8 @@ struct Viewer {
     listen: Listen,
     /// When the present window began, and how many lines it has got since.
     shown: (Instant, u64),
+    /// When the next question where a robot could stand is answered.
+    next_fit: tokio::time::Instant,
     _place: Place,
 }
 
@@ -149,6 +165,9 @@ impl Viewer {
             self.listen = listen;
             return Ok(());
         }
+        if let Some(ask) = Ask::read(&request) {
+            return self.fit(ask).await;
+        }
         match Control::read(&request) {
             Err(reason) => self.say(&format!("not understood: {reason}")).await,
             Ok(control) => match self.refusal {
@@ -159,6 +178,17 @@ impl Viewer {
                 }
             },
         }
+    }
+
+    /// Asks the world where a robot could stand, not too often.
+    async fn fit(&mut self, ask: Ask) -> Result<(), Gone> {
+        tokio::time::sleep_until(self.next_fit).await;
+        self.next_fit = tokio::time::Instant::now() + FIT_INTERVAL;
+        let turn = self.turns.clone().acquire_owned().await.map_err(|_| Gone)?;
+        let (answer, answered) = oneshot::channel();
+        self.site.events.send(Event::Fit(ask, answer, turn)).map_err(|_| Gone)?;
+        let fit = answered.await.map_err(|_| Gone)?;
+        self.send(text(&json!({ "fit": fit }))).await
     }
 
     async fn say(&mut self, said: &str) -> Result<(), Gone> {

@@ -1,0 +1,51 @@
+//! A page's question where a robot could stand, before it spawns one.
+
+use serde::{Deserialize, Serialize};
+use sim_core::{Room, World};
+
+/// A question, as in `{"fit":{"class":"P3AT","location":[1,0,0],"yaw":0.5}}`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Ask {
+    fit: Wanted,
+}
+
+/// A robot where it is wanted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Wanted {
+    class: String,
+    /// As in INIT, m.
+    location: [f64; 3],
+    /// rad.
+    yaw: f64,
+}
+
+/// An answer: the question with what came of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Fit {
+    #[serde(flatten)]
+    wanted: Wanted,
+    /// True if the robot can stand right there.
+    stands: bool,
+    /// What stands in its way, in words.
+    why: Option<String>,
+}
+
+impl Ask {
+    /// Reads a question; `None` for another request.
+    pub(crate) fn read(text: &str) -> Option<Self> {
+        serde_json::from_str(text).ok()
+    }
+
+    /// Looks at the world.
+    pub(crate) fn answer(self, world: &mut World) -> Fit {
+        let Wanted { class, location, yaw } = &self.fit;
+        let why = match world.fit(class, *location, [0.0, 0.0, *yaw]) {
+            None => Some(format!("no class `{class}`")),
+            Some(Ok(Room { beside, .. })) => beside,
+            Some(Err(why)) => Some(why),
+        };
+        Fit { wanted: self.fit, stands: why.is_none(), why }
+    }
+}
