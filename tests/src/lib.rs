@@ -68,10 +68,12 @@ pub fn init(world: &mut World, text: &str) -> RobotId {
 /// # Panics
 /// If there is no room up to 20 m above.
 pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -> RobotId {
-    let mut heights = (0..2_000).map(|number| 0.01 * f64::from(number));
-    let is_free =
-        |up: &f64| matches!(world.fit(class, [x, y, -up], [0.0, 0.0, yaw]), Some(Ok(Room { beside: None, .. })));
-    let up = heights.find(is_free).unwrap_or_else(|| panic!("no room for a {class} at {x}, {y}"));
+    let mut is_free =
+        |up: f64| matches!(world.fit(class, [x, y, -up], [0.0, 0.0, yaw]), Some(Ok(Room { beside: None, .. })));
+    let coarse = (0..2_000).map(|number| 0.01 * f64::from(number)).find(|&up| is_free(up));
+    let coarse = coarse.unwrap_or_else(|| panic!("no room for a {class} at {x}, {y}"));
+    let fine = (0..20).map(|number| coarse - 5e-4 * f64::from(number));
+    let up = fine.take_while(|&up| up >= 0.0 && is_free(up)).last().unwrap_or(coarse);
     init(world, &format!("INIT {{ClassName USARBot.{class}}} {{Location {x},{y},{}}} {{Rotation 0,0,{yaw}}}", -up))
 }
 

@@ -193,6 +193,53 @@ fn crowd(random: &mut ChaCha8Rng) -> Vec<Piece> {
     vec![Piece::now(init.repeat(count)), Piece::after(random.random_range(0..200), "DRIVE {Left 2} {Right 3}\r\n")]
 }
 
+/// Classes that a rude client asks for.
+const CLASSES: [&str; 9] =
+    ["AirRobot", "P3AT", "Kenaf", "KUKA_YouBot", "YouBotArm", "P2DX", "FrontAckerman", "BasicSkidRobot", "YouBot"];
+/// Numbers that no controller means.
+const NUMBERS: [&str; 12] = ["0", "1", "-1", "5", "-20", "100", "1e4", "-1e6", "1e9", "1e308", "NaN", "-inf"];
+
+/// A client that is understood and means ill: robots at one place, in solids and from the sky, driven by any number, through crates
+/// and each other, and gone at any moment.
+pub fn rude(random: &mut ChaCha8Rng) -> Session {
+    let mut pieces = Vec::new();
+    for _ in 0..random.random_range(1..4) {
+        let class = CLASSES[random.random_range(0..CLASSES.len())];
+        let mut within = |most: f64| random.random_range(-most..most);
+        let (x, y, turn) = (within(5.5), within(5.5), [within(3.1), within(3.1), within(3.1)]);
+        let place = match random.random_range(0..6) {
+            0 => "{Start PlayerStart_0}".to_owned(),
+            1 => format!(
+                "{{Location {x},{y},-{}}} {{Rotation {},{},{}}}",
+                random.random_range(0..60),
+                turn[0],
+                turn[1],
+                turn[2]
+            ),
+            2 => format!("{{Location {x},{y},{}}}", NUMBERS[random.random_range(0..NUMBERS.len())]),
+            _ => format!("{{Location {x},{y},0}} {{Rotation 0,0,{}}}", turn[2]),
+        };
+        let count = if random.random_bool(0.2) { random.random_range(2..8) } else { 1 };
+        pieces.push(Piece::now(format!("INIT {{ClassName USARBot.{class}}} {place}\r\n").repeat(count)));
+        for _ in 0..random.random_range(1..8) {
+            let mut number = || NUMBERS[random.random_range(0..NUMBERS.len())];
+            let (one, other) = (number(), number());
+            let line = match random.random_range(0..8) {
+                0 | 1 => format!("DRIVE {{Left {one}}} {{Right {other}}}"),
+                2 => "DRIVE {Left 20} {Right 20}".to_owned(),
+                3 => format!("DRIVE {{LinearVelocity {one}}} {{LateralVelocity {other}}} {{AltitudeVelocity {one}}}"),
+                4 => format!("DRIVE {{RotationalVelocity {one}}} {{PitchAngle {other}}} {{Normalized true}}"),
+                5 => format!("ACT {{Name Arm}} {{Link 1}} {{Value {one}}} {{Link 2}} {{Value {other}}}"),
+                6 => format!("MULTIDRIVE {{FLFlipper {one}}} {{FRFlipper {other}}} {{RLFlipper {one}}}"),
+                _ => format!("DRIVE {{Speed {one}}} {{FrontSteer {other}}} {{RearSteer 0}}"),
+            };
+            pieces.push(Piece::after(random.random_range(0..400), format!("{line}\r\n")));
+        }
+    }
+    let end = [End::Close, End::HalfClose, End::Reset][random.random_range(0..3)];
+    Session { pieces, reads: random.random_bool(0.9), end }
+}
+
 /// Somewhere within 3 m.
 pub fn place(random: &mut ChaCha8Rng) -> String {
     let mut within = |most: f64| random.random_range(-most..most);

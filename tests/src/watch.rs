@@ -33,6 +33,23 @@ pub struct Seen {
     pub most_robots: usize,
     /// The newest status.
     pub status: Value,
+    /// Lines of the wire that were looked at.
+    pub lines: u64,
+    /// Lines with a number that is not finite or a place outside the map, the first of them.
+    pub absurd: Vec<String>,
+}
+
+/// Absurd lines that are kept.
+const MAX_ABSURD: usize = 10;
+/// A robot is outside the map from here on, m.
+const MAP_END: f64 = 1e5 + 10.0;
+
+/// True for a line of the server with a number that is not finite, or a place outside the map.
+fn is_absurd(line: &str) -> bool {
+    let place = line.split_once("{Location ").and_then(|(_, rest)| rest.split('}').next()).unwrap_or_default();
+    let is_far = |number: &str| number.parse::<f64>().is_ok_and(|number| number.abs() > MAP_END);
+    let words = line.split(|letter: char| !letter.is_alphanumeric());
+    place.split(',').any(is_far) || words.into_iter().any(|word| word == "NaN" || word == "inf")
 }
 
 impl Seen {
@@ -41,9 +58,14 @@ impl Seen {
             self.frames += 1;
             return;
         };
-        let Some(status) = serde_json::from_str::<Value>(text).ok().and_then(|text| text.get("status").cloned()) else {
-            return;
-        };
+        let Ok(message) = serde_json::from_str::<Value>(text) else { return };
+        if let Some(line) = message["line"]["text"].as_str().filter(|_| message["line"]["direction"] == "out") {
+            self.lines += 1;
+            if is_absurd(line) && self.absurd.len() < MAX_ABSURD {
+                self.absurd.push(line.to_owned());
+            }
+        }
+        let Some(status) = message.get("status").cloned() else { return };
         let clients = status["clients"].as_array().map_or(&[][..], Vec::as_slice);
         let sum = |key: &str| clients.iter().filter_map(|client| client[key].as_u64()).sum();
         (self.dropped, self.waiting_bytes) = (sum("dropped"), sum("waiting_bytes"));
@@ -69,8 +91,23 @@ impl Watch {
     /// # Panics
     /// If it is not let in.
     pub fn start(page: SocketAddr) -> Self {
+        Self::start_with(page, None)
+    }
+
+    /// Begins to watch a page and every line of the wire.
+    ///
+    /// # Panics
+    /// If it is not let in.
+    pub fn start_with_lines(page: SocketAddr) -> Self {
+        Self::start_with(page, Some(r#"{"wire":true}"#))
+    }
+
+    fn start_with(page: SocketAddr, request: Option<&'static str>) -> Self {
         let (mut viewer, _) =
             tungstenite::connect(format!("ws://{page}/live")).unwrap_or_else(|error| panic!("{error}"));
+        if let Some(request) = request {
+            viewer.send(Message::text(request)).unwrap_or_else(|error| panic!("{error}"));
+        }
         let MaybeTlsStream::Plain(socket) = viewer.get_ref() else { panic!("not a plain socket") };
         let socket = socket.try_clone().unwrap_or_else(|error| panic!("{error}"));
         let newest = Arc::new(Mutex::new(Seen::default()));

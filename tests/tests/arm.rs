@@ -1,5 +1,6 @@
 //! A youBot with its arm: it picks something up, carries it aside and sets it on a table.
 
+use gamebots_proto::Command;
 use gamebots_proto::message::{Message, Reading};
 use nalgebra::Vector3;
 use scene::{Material, Object, Shape, Solid, WorldDef};
@@ -138,6 +139,28 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
     world.execute(Some(robot), &command("ACT {Name Amr} {Link 0} {Value 1}"), &mut problems);
     let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
     assert_eq!(said, ["{Name Amr} is unknown (did you mean `Arm`?); expected one of Arm, Gripper; nothing is moved"]);
+    for (line, expected) in [
+        ("ACT {Name Arm} {Link 99} {Value 1}", "{Link 99}: the actuator `Arm` has links 0 to 4; nothing is moved"),
+        (
+            "MISPKG {Name Arm} {Link 0} {Value 1} {Order 0}",
+            "{Link 0}: the actuator `Arm` has links 1 to 5; nothing is moved",
+        ),
+        ("MISPKG {Name Arm} {Link -1} {Value NaN}", "MISPKG needs {Link ..} {Value ..} {Order ..}"),
+        ("ACT {Name Arm}", "ACT needs {Link ..} {Value ..}"),
+        (
+            "SET {Type Lamp} {Opcode RESET}",
+            "SET {Type Lamp} {Name }: the robot has no such item or opcode; expected one of GroundTruth GndTruth, ",
+        ),
+        (
+            "SET {Type Joint} {Name Elbow} {Opcode Angle} {Params 1}",
+            "SET {Type Joint} {Name Elbow}: the robot has no such item or opcode; ",
+        ),
+    ] {
+        let mut problems = Vec::new();
+        let command = Command::parse(line, &mut problems).expect("a command");
+        world.execute(Some(robot), &command, &mut problems);
+        assert!(problems.iter().any(|problem| problem.to_string().starts_with(expected)), "{line}: {problems:?}");
+    }
     let confs = ["GETCONF {Type Actuator}", "GETCONF {Type MisPkg}", "GETCONF {Type Gripper}"];
     let confs = confs.map(|line| apply(&mut world, robot, line).join("\n"));
     let first = "{Link 1} {JointType Revolute} {MaxTorque 47.5000} {MinValue -2.9496} {MaxValue 2.9496} {Link 2}";
@@ -189,4 +212,13 @@ fn a_sensor_on_a_link_goes_where_that_goes() {
     assert!((f64::from(range) - 0.19).abs() < 0.01, "{range} m to the floor");
     let geo = apply(&mut world, robot, "GETGEO {Type Sonar}").join("\n");
     assert!(geo.contains("{Location 0.00,0.00,-0.09}") && geo.ends_with("{Mount Arm}{MountLink 5}"), "{geo}");
+}
+
+#[test]
+fn a_joint_at_rest_reports_no_negative_zero() {
+    let (mut world, _) = world(EDGE);
+    for message in run(&mut world, 2.0).iter().filter(|message| matches!(message, Message::Asta(_))) {
+        let line = message.write(gamebots_proto::Dialect::Udk);
+        assert!(!line.contains("-0.0000"), "{line}");
+    }
 }

@@ -5,7 +5,7 @@
 use nalgebra::Vector3;
 use scene::{DriveModel, RobotSnapshot};
 use sim_core::{Options, World};
-use system_tests::{apply, init, run};
+use system_tests::{apply, init, init_on_top, run};
 
 const GRAVITY: f64 = 9.81;
 
@@ -87,7 +87,7 @@ fn check_carries(carrier: &str, on_wheels: bool, model: DriveModel) -> f64 {
     let weight = weight(carrier) + weight("KUKA_YouBot");
     let mut world = World::new(def, Options::default());
     let [carrier_id, youbot] = [carrier, "KUKA_YouBot"].map(|class| {
-        let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start PlayerStart_0}}"));
+        let robot = init_on_top(&mut world, class, [0.0, 0.0], 0.0);
         run(&mut world, 1.0);
         robot
     });

@@ -25,4 +25,4 @@ pub use dialect::Dialect;
 pub use framing::Framing;
 pub use line::{Block, Line, MAX_BLOCKS};
 pub use message::Message;
-pub use problem::Problem;
+pub use problem::{Problem, shown};

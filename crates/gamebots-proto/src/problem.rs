@@ -78,6 +78,30 @@ pub enum Problem {
         /// The missing key or keys.
         key: &'static str,
     },
+    /// A link that an actuator does not have.
+    #[error("{{Link {got}}}: the actuator `{name}` has links {first} to {last}; nothing is moved")]
+    NoLink {
+        /// The number that was sent.
+        got: usize,
+        /// Name of the actuator.
+        name: String,
+        /// Its first number.
+        first: usize,
+        /// Its last number.
+        last: usize,
+    },
+    /// An item that a robot does not have.
+    #[error(
+        "SET {{Type {type_name}}} {{Name {name}}}: the robot has no such item or opcode; expected one of {expected}"
+    )]
+    NoItem {
+        /// The type that was sent.
+        type_name: String,
+        /// The name that was sent.
+        name: String,
+        /// Types and names of its items, separated by commas.
+        expected: String,
+    },
     /// A robot that cannot be driven.
     #[error("a {class} takes no DRIVE: expected SET {{Type Joint}} for its joints")]
     NotDriven {
@@ -177,7 +201,7 @@ impl Problem {
     }
 }
 
-/// A text of a client as a message repeats it.
-fn shown(text: &str) -> String {
+/// A text of a client as a message repeats it: its first 60 characters.
+pub fn shown(text: &str) -> String {
     text.chars().take(MAX_SHOWN).collect()
 }

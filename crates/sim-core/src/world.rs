@@ -277,18 +277,19 @@ impl World {
                 Vec::new()
             }
             (Command::Act(act), Some(robot)) => {
-                robot.act(&act.name, &act.targets, act.gripper, problems);
+                robot.act(&act.name, 0, &act.targets, act.gripper, problems);
                 Vec::new()
             }
             (Command::MisPkg(act), Some(robot)) => {
-                let from_zero = |&(link, target): &(usize, f64)| Some((link.checked_sub(1)?, target));
-                let targets: Vec<_> = act.targets.iter().filter_map(from_zero).collect();
-                robot.act(&act.name, &targets, act.gripper, problems);
+                robot.act(&act.name, 1, &act.targets, act.gripper, problems);
                 Vec::new()
             }
             (Command::Set(set), Some(robot)) => {
                 let (answers, has_item) = robot.set(set, &self.physics, time);
                 found = has_item;
+                if !found {
+                    problems.push(robot.no_item(set));
+                }
                 answers
             }
             (Command::GetConf(ask), Some(robot)) => {

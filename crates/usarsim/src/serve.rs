@@ -18,7 +18,7 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
 
 /// Options of `serve`.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:\n  usarsim serve                          # carpet, 127.0.0.1:3000, real time\n  \
+#[command(after_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
     usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n  \
     usarsim serve --robot turtlebot3_burger.urdf\n  \
     usarsim serve --host 0.0.0.0             # seen and driven from other machines\n  \
@@ -26,7 +26,7 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
     Clients are served until Ctrl-C or SIGTERM, which end the server with exit code 0.")]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
-    #[arg(long, env = "USARSIM_MAP", default_value = "rough", value_name = "NAME|FILE")]
+    #[arg(long, env = "USARSIM_MAP", default_value = "hall", value_name = "NAME|FILE")]
     map: String,
     /// A further robot class from a robot.toml, whose class is the name of its folder, or from a URDF, whose class is the name of
     /// the file. May be given several times.

@@ -22,7 +22,7 @@ use crate::{Failure, exit, print, within};
     usarsim snapshot --robot YouBot --drive \"{LateralVelocity 0.2}\" --film 4 --out aside.png --size 640x360")]
 pub(crate) struct Arguments {
     /// A map by name, or the path of a map.toml or of its folder.
-    #[arg(long, default_value = "rough", value_name = "NAME|FILE")]
+    #[arg(long, default_value = "hall", value_name = "NAME|FILE")]
     map: String,
     /// A robot class to spawn, or the path of its robot.toml or URDF.
     #[arg(long, value_name = "CLASS|FILE")]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use system_tests::sessions::{Tally, hostile, play_until, streams};
+use system_tests::sessions::{Tally, hostile, play_until, rude, streams};
 use system_tests::{Honest, Program, Watch, recordings};
 
 /// Hostile clients at once.
@@ -70,4 +70,38 @@ fn captured_clients_that_are_damaged_do_not_disturb_an_honest_one() {
     assert!(sessions > 10 * HOSTILE, "{sessions} sessions only");
     assert!(memory < MAX_MEMORY, "{memory} bytes");
     assert!(seconds.is_none() || beside[1] < MAX_LATENCY, "{beside:?}");
+}
+
+/// Rude clients at once.
+const RUDE: u64 = 6;
+
+/// What they drive through: a map with objects and one with walls, ramps and rough ground.
+#[test]
+fn clients_that_mean_ill_to_robots_and_objects_do_not_end_the_server_or_make_absurd_numbers() {
+    let seconds = std::env::var("USARSIM_ATTACK_SECONDS").ok().map(|text| text.parse::<u64>().expect("seconds"));
+    for map in ["hall", "arena"] {
+        let mut server = Program::serve(env!("CARGO_BIN_EXE_usarsim"), &["--map", map]);
+        let watch = Watch::start_with_lines(server.page);
+        let end = Instant::now() + Duration::from_secs(seconds.unwrap_or(SECONDS));
+        let tally = Arc::new(Tally::default());
+        play_until(|| Instant::now() >= end, server.address, RUDE, 2, &tally, |random, _| rude(random));
+        // All have gone, and the world goes on.
+        watch.wait_for("nobody", |seen| seen.robots() == 0 && seen.clients() == 0);
+        let mut honest = Honest::join(server.address);
+        let answers = honest.answers();
+        honest.ask_until(Instant::now() + Duration::from_secs(1), PAUSE, &answers);
+        let (seen, memory) = (watch.seen(), server.usage().peak);
+        let sessions = tally.sessions.load(Ordering::Relaxed);
+        println!(
+            "{map}: {sessions} rude sessions, {} lines looked at, at most {} robots, peak memory {:.1} MB",
+            seen.lines,
+            seen.most_robots,
+            memory as f64 / 1e6
+        );
+        assert_eq!(seen.absurd, [""; 0], "{map}");
+        assert!(sessions > RUDE && seen.lines > 100, "{map}: {sessions} sessions, {} lines", seen.lines);
+        assert!(memory < MAX_MEMORY, "{map}: {memory} bytes");
+        drop((honest, watch));
+        assert_eq!(server.stop().code(), Some(0), "{map}");
+    }
 }

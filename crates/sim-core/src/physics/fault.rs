@@ -6,6 +6,8 @@ use scene::{BodyState, check};
 
 /// Largest speed of a robot, m/s. A fall from 50 km ends with it.
 const MAX_SPEED: f64 = 1e3;
+/// Distance by which a robot may leave what a map can hold before it counts as outside, m: one that starts at the end has a length.
+const MARGIN: f64 = 10.0;
 /// Largest turn rate of a robot's body, rad/s.
 const MAX_TURN: f64 = 1e4;
 
@@ -38,7 +40,7 @@ impl Fault {
         if !numbers.copied().all(f64::is_finite) || !speed.is_finite() || !turn.is_finite() {
             return Some(Self::NotFinite);
         }
-        if !position.iter().all(|&it| check::MAP_REACH.holds(it)) {
+        if position.iter().any(|it| it.abs() > check::MAP_REACH.most + MARGIN) {
             return Some(Self::OutsideMap { position });
         }
         (speed > MAX_SPEED || turn > MAX_TURN).then_some(Self::TooFast { speed, turn })

@@ -149,21 +149,26 @@ impl Physics {
         if robot.def.steering == Steering::None {
             return *pose;
         }
-        let lift = |lowest: Point3<f64>| Some(lowest.z - self.surface_to_stand_on(&lowest, pose.translation.z)?);
         let of_wheel = |wheel: MountedWheel| pose * Point3::from(wheel.position) + Vector3::z() * wheel.radius;
-        let mut lifts: Vec<f64> = robot.def.wheels().filter_map(|wheel| lift(of_wheel(wheel))).collect();
-        if robot.def.wheels().next().is_none() {
-            let bottom = |(local, part): &(Pose, SharedShape)| {
+        let mut lowest: Vec<Point3<f64>> = robot.def.wheels().map(of_wheel).collect();
+        let lowest_wheel = lowest.iter().map(|point| point.z).reduce(f64::max);
+        if lowest.is_empty() {
+            lowest.extend(robot.outlines.iter().map(|(local, part)| {
                 let bounds = part.compute_aabb(&convert::pose(&(pose * local)));
-                Point3::from(convert::from_vector(bounds.center())).xy().coords.push(bounds.maxs.z).into()
-            };
-            lifts.extend(robot.outlines.iter().map(bottom).filter_map(lift));
+                Point3::new(bounds.center().x, bounds.center().y, bounds.maxs.z)
+            }));
         }
-        let (least, most) =
-            lifts.iter().fold((f64::INFINITY, 0.0), |(least, most), &lift| (lift.min(least), lift.max(most)));
+        let on_surface = |point: &Point3<f64>| Some((point.z, self.surface_to_stand_on(point, pose.translation.z)?));
+        let stands: Vec<(f64, f64)> = lowest.iter().filter_map(on_surface).collect();
         // A robot that has one wheel in a wall does not belong on top of the wall: it stays in it, and is put beside it.
-        let lift = if most - least > MAX_DROP { least } else { most };
+        let floor = stands.iter().map(|&(_, surface)| surface).fold(f64::NEG_INFINITY, f64::max);
+        let lifts =
+            stands.iter().filter(|&(_, surface)| floor - surface <= MAX_DROP).map(|(point, surface)| point - surface);
+        let lift = lifts.fold(f64::NEG_INFINITY, f64::max);
         let mut standing = *pose;
+        // What hangs below the wheels is not put into the floor.
+        let hanging = lowest_wheel.map_or(0.0, |lowest| (self.bounds(robot, pose).maxs.z - lowest).max(0.0));
+        let lift = lift + hanging;
         if lift > 0.0 && lift.is_finite() {
             standing.translation.z -= lift + CLEARANCE;
         }

@@ -18,19 +18,35 @@ use crate::sensor::floats;
 const TORQUE_UNIT: f64 = 5.0;
 
 impl Robot {
-    /// Moves joints of the actuator of a name, in any case, by their numbers from 0; and opens or closes the gripper of that name, or
-    /// those that the actuator carries.
+    /// Moves joints of the actuator of a name, in any case, by their numbers from `first`; and opens or closes the gripper of that
+    /// name, or those that the actuator carries.
     pub(super) fn act(
         &mut self,
         name: &str,
+        first: usize,
         targets: &[(usize, f64)],
         gripper: Option<f64>,
         problems: &mut Vec<Problem>,
     ) {
         let def = &self.bodies().robot().def;
         let actuator = def.actuators.iter().find(|it| it.name.eq_ignore_ascii_case(name));
-        let joint = |&(number, target): &(usize, f64)| Some((def.value_of(*actuator?.links.get(number)?)?, target));
-        let joints: Vec<(usize, f64)> = targets.iter().filter_map(joint).collect();
+        if targets.is_empty() && gripper.is_none() {
+            let (verb, key) =
+                if first == 0 { ("ACT", "Link ..} {Value") } else { ("MISPKG", "Link ..} {Value ..} {Order") };
+            problems.push(Problem::MissingKey { verb, key });
+        }
+        let mut joints = Vec::new();
+        for (actuator, &(got, target)) in actuator.iter().flat_map(|it| targets.iter().map(move |target| (it, target)))
+        {
+            let link = got.checked_sub(first).and_then(|number| actuator.links.get(number));
+            match link.and_then(|&link| def.value_of(link)) {
+                Some(joint) => joints.push((joint, target)),
+                None => {
+                    let (name, last) = (actuator.name.clone(), (actuator.links.len() + first).saturating_sub(1));
+                    problems.push(Problem::NoLink { got, name, first, last });
+                }
+            }
+        }
         let carries = |link: usize| actuator.is_some_and(|it| it.links.iter().any(|&own| hangs_on(def, link, own)));
         let grippers = def.grippers.iter().enumerate().filter(|(_, it)| {
             it.name.eq_ignore_ascii_case(name) || it.links.first().is_some_and(|&link| carries(link))
@@ -85,7 +101,9 @@ impl Robot {
             let joint = |(link, &number): (usize, &usize)| {
                 let state = joints.get(def.value_of(number)?)?;
                 let torque = -max_torque(def.links.get(number)?.joint.as_ref()?);
-                Some(JointSta { link, value: state.position as f32, torque })
+                // Four decimals: a joint at rest at 0 would else show the sign of a rounding error.
+                let value = if state.position.abs() < 5e-5 { 0.0 } else { state.position as f32 };
+                Some(JointSta { link, value, torque })
             };
             let joints = (1..).zip(&actuator.links).filter_map(joint).collect();
             send(Message::Asta(Asta { time: time as f32, name: actuator.name.clone(), joints }));

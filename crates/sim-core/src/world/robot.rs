@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use gamebots_proto::Problem;
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use gamebots_proto::message::{Message, Sta};
+use gamebots_proto::{Problem, shown};
 use scene::{Pose, RobotDef, RobotSnapshot, SensorDef};
 
 use super::actuator::is_asked;
@@ -179,6 +179,16 @@ impl Robot {
             }
         }
         (messages, found)
+    }
+
+    /// Says that no item fits a SET, and which there are.
+    pub(super) fn no_item(&self, set: &Set) -> Problem {
+        let sensors = self.items.iter().map(|item| format!("{} {}", item.sensor.type_name(), item.def.name));
+        let grippers = self.def().grippers.iter().map(|gripper| format!("Gripper {}", gripper.name));
+        let joints = self.def().with_values().filter(|link| link.wheel.is_none());
+        let joints = joints.map(|link| format!("Joint {} (opcode Angle)", link.name));
+        let known: Vec<String> = sensors.chain(grippers).chain(joints).collect();
+        Problem::NoItem { type_name: shown(&set.type_name), name: shown(&set.name), expected: known.join(", ") }
     }
 
     /// The sensors, to be changed, beside what they see, which is not.
