@@ -12,6 +12,7 @@ use serde_json::json;
 use sim_core::{Options, World};
 use thread_pool::ThreadPool;
 
+use crate::output::{definition_files, keep_inputs};
 use crate::{Failure, exit, print, within};
 
 /// Options of `bench`.
@@ -63,6 +64,9 @@ pub(crate) fn time_step(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { robot, robots, seconds, map, set, .. } = arguments;
+    if let Some(trace) = &arguments.trace {
+        keep_inputs(trace, &[definition_files(robot), definition_files(map)].concat())?;
+    }
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
     let mut robot = scene_loader::robot(robot, set).map_err(broken)?;
     robot.set_drive_model(arguments.drive_model);

@@ -16,6 +16,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use scene::DriveModel;
 use serde_json::json;
 
+use crate::output::keep_inputs;
 use crate::{Failure, exit, print, within};
 
 /// Subcommands of `experiment`.
@@ -143,7 +144,7 @@ fn conduct(
     common: &Common,
     quiet: bool,
 ) -> Result<(), Failure> {
-    let mut plans = Vec::new();
+    let (mut plans, mut inputs) = (Vec::new(), Vec::new());
     for (file, text) in files {
         let mut plan = Plan::read(&file, &text).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
         if !common.drive_model.is_empty() {
@@ -154,8 +155,10 @@ fn conduct(
             plan.text.push_str(&format!("\n# through the socket at {real_time_factor} times real time\n"));
         }
         plans.push(plan);
+        inputs.push(file);
     }
     let out = common.out.as_deref().unwrap_or(Path::new(folder));
+    report::files(out, &plans).iter().try_for_each(|written| keep_inputs(written, &inputs))?;
     let batch = Batch::open(out, &plans).map_err(failure)?;
     let total: usize = plans.iter().map(|plan| plan.runs().len()).sum();
     let jobs = jobs(common.jobs);
@@ -222,6 +225,9 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
         Failure::new(code, error)
     };
     let fit = Fit::read(file, *drive_model).map_err(refused)?;
+    if let Some(out) = out {
+        fit.outputs(out).iter().try_for_each(|written| keep_inputs(written, fit.inputs()))?;
+    }
     let style = ProgressStyle::with_template("{spinner} {pos} trials in {elapsed}, {msg}");
     let bar = bar(None, quiet).with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     let trial = |distance: f64| {

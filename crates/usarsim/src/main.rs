@@ -8,6 +8,7 @@ mod copy;
 mod experiment;
 mod list;
 mod log;
+mod output;
 mod serve;
 mod show;
 mod snapshot;

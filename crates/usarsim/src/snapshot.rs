@@ -11,6 +11,7 @@ use scene::{DriveModel, Geometry, Pose, Shape};
 use scene_loader::Override;
 use sim_core::{Options, World};
 
+use crate::output::{definition_files, keep_inputs};
 use crate::{Failure, exit, print, within};
 
 /// Options of `snapshot`.
@@ -121,6 +122,9 @@ const FILLING: f64 = 1.1;
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let configuration = |error: String| Failure::new(exit::BAD_CONFIGURATION, error);
     let file = arguments.robot.as_deref().map(Path::new).filter(|file| file.is_file());
+    let given = [Some(&arguments.map), arguments.robot.as_ref()];
+    let inputs: Vec<PathBuf> = given.into_iter().flatten().flat_map(|given| definition_files(given)).collect();
+    keep_inputs(&arguments.out, &inputs)?;
     let files: Vec<&Path> = file.into_iter().collect();
     let mut def = scene_loader::load_with(&arguments.map, &files, &arguments.set)
         .map_err(|error| configuration(error.to_string()))?;

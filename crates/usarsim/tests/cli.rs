@@ -367,6 +367,37 @@ const BROKEN_URDF: &str = r#"<robot name="broken">
 "#;
 
 #[test]
+fn no_command_writes_over_a_file_that_it_reads() {
+    let folder = workplace();
+    let path = |name: &str| folder.path().join(name);
+    let copied = run(&["copy", "map", "smooth", &path("mine").display().to_string()]);
+    assert_eq!(copied.status.code(), Some(0));
+    std::fs::hard_link(path("mine/map.toml"), path("map.png")).expect("a link");
+    let plan = "description = \"ahead\"\ndrive_models = [\"analytic\"]\n[setup]\nsteps = 1\n\
+        drive = \"{Front-Left 1}{Front-Right 1}{Back-Left 1}{Back-Right 1}\"\n";
+    let fit = "description = \"a fit\"\nexperiment = \"plan.toml\"\nmeasured = \"results/steps.csv\"\n\
+        [[parameter]]\nname = \"gain\"\nset = [\"robot.wheels.gain={}\"]\nrange = [2, 3]\n";
+    std::fs::write(path("plan.toml"), plan).expect("a file");
+    std::fs::write(path("fit.json"), fit).expect("a file");
+    let (code, said) = say(folder.path(), "experiment run plan.toml --out results");
+    assert_eq!(code, Some(0), "{said}");
+    std::fs::write(path("results/report.html"), plan).expect("a file");
+    for (line, out, input) in [
+        ("snapshot --map mine --out map.png", "map.png", "mine/map.toml"),
+        ("snapshot --map mine/map.toml --out map.png", "map.png", "mine/map.toml"),
+        ("bench --map mine --trace mine/map.toml", "mine/map.toml", "mine/map.toml"),
+        ("experiment run results/report.html --out results", "results/report.html", "results/report.html"),
+        ("experiment fit fit.json --out .", "./fit.json", "fit.json"),
+    ] {
+        let kept = std::fs::read(path(input)).expect("a file");
+        let (code, said) = say(folder.path(), line);
+        let expected = format!("the output {out} is the input file {input}, which would be lost: choose another");
+        assert!(code == Some(2) && said.contains(&expected), "{line}: {said}");
+        assert!(std::fs::read(path(input)).expect("a file") == kept, "{line}: {input} has changed");
+    }
+}
+
+#[test]
 fn check_names_every_mistake_with_its_line() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, content, expected) in [

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use recorder::{Table, export};
 
+use crate::output::keep_inputs;
 use crate::{Failure, exit};
 
 /// Options of `log export`.
@@ -43,6 +44,8 @@ pub(crate) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { file, csv, parquet, robot, out, ros2, .. } = arguments;
+    let log = super::read(file)?;
+    out.map_or(Ok(()), |out| keep_inputs(out, &[file]))?;
     let log = super::read(file)?;
     let out = out.as_deref();
     let failed = |error| Failure::new(exit::FAILURE, error);
