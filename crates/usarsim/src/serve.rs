@@ -72,7 +72,7 @@ pub(crate) struct Arguments {
     /// Seed of all randomness: the same seed and commands give the same run.
     #[arg(long, env = "USARSIM_SEED", default_value_t = 0)]
     seed: u64,
-    /// Write every line and every pose to an MCAP file.
+    /// Write every line and every pose to an MCAP file. An existing file is kept: the log is then run-2.mcap, run-3.mcap ..
     #[arg(long, env = "USARSIM_LOG", value_name = "FILE.mcap")]
     log: Option<PathBuf>,
     /// `ros2` writes messages of ROS 2 as well, to a file of their own: run.ros2.mcap beside run.mcap.
