@@ -8,7 +8,6 @@ mod recover;
 mod replay;
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 use recorder::{Log, Record};
@@ -59,8 +58,7 @@ fn read(file: &Path) -> Result<Log, Failure> {
 /// Says that a file gives less than was in it.
 fn report_damage(file: &Path, damage: Option<&str>) {
     if let Some(damage) = damage {
-        // Nobody has to listen.
-        let _ = writeln!(std::io::stderr(), "usarsim: {}: {damage}; what comes before is used", file.display());
+        crate::complain(format_args!("{}: {damage}; everything before it is used", file.display()));
     }
 }
 

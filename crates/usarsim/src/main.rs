@@ -13,11 +13,14 @@ mod serve;
 mod show;
 mod snapshot;
 mod teleop;
+mod terminal;
 mod validate;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use terminal::printable;
 
 /// Exit codes, after sysexits.h.
 mod exit {
@@ -52,7 +55,7 @@ struct Arguments {
 enum Command {
     /// Serve a world to controllers until Ctrl-C or SIGTERM.
     Serve(serve::Arguments),
-    /// Drive a robot by the keys of a terminal.
+    /// Drive a robot with the keyboard.
     Teleop(teleop::Arguments),
     /// Talk to a server line by line, with history and completion.
     Connect(connect::Arguments),
@@ -173,7 +176,7 @@ fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
 /// Says on stderr what went wrong. Nobody has to listen: a reader that is gone or has stopped is not waited for.
 fn complain(message: impl std::fmt::Display) {
     use std::io::Write;
-    let text = format!("usarsim: {message}\n");
+    let text = format!("usarsim: {}\n", printable(&message.to_string()));
     let (written, done) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
         let _ = std::io::stderr().write_all(text.as_bytes());
@@ -186,5 +189,5 @@ fn complain(message: impl std::fmt::Display) {
 fn print(text: impl std::fmt::Display) {
     use std::io::Write;
     let mut stdout = std::io::stdout().lock();
-    let _ = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
+    let _ = writeln!(stdout, "{}", printable(&text.to_string())).and_then(|()| stdout.flush());
 }

@@ -1,5 +1,6 @@
 //! `usarsim serve`.
 
+use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::PathBuf;
 
@@ -11,6 +12,7 @@ use scene_loader::Override;
 use sim_core::Options;
 use thread_pool::ThreadPool;
 
+use crate::terminal::printable;
 use crate::{Failure, exit, print};
 
 /// Port of the page unless another is asked for.
@@ -145,7 +147,11 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{error}")))?;
     world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     for robot in world.robots.values() {
-        robot.assumptions.iter().for_each(|it| eprintln!("{}: assumed: {it}", robot.class));
+        for assumption in &robot.assumptions {
+            let text = format!("{}: note: {assumption}", robot.class);
+            // Nobody has to listen.
+            let _ = writeln!(std::io::stderr(), "{}", printable(&text));
+        }
     }
     let speed_unit = match arguments.wheel_speeds {
         WheelSpeeds::Rad => 1.0,

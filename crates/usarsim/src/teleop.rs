@@ -9,6 +9,7 @@ use gamebots_client::Client;
 use gamebots_proto::Line;
 use gamebots_proto::message::{Message, Nfo};
 
+use crate::terminal::printable;
 use crate::{Failure, connect, exit, print};
 
 /// Options of `teleop`.
@@ -186,7 +187,7 @@ fn drive(client: &mut Client, keys: &Receiver<u8>, steering: Steering) -> std::i
         }
         while let Some(line) = client.next_line(GLANCE)? {
             if let Some(error) = error_in(&line) {
-                print!("\r\x1b[2KWARNING {error}\r\n");
+                print!("\r\x1b[2KWARNING {}\r\n", printable(error));
             } else if line.contains("{Type GroundTruth}") {
                 pose = shown_pose(&Line::parse(&line));
             }
