@@ -44,7 +44,7 @@ impl Source {
             Self::Folder(folder) => {
                 let content = read_file(&folder.join(name), most).map_err(|error| unreadable(error.to_string()))?;
                 if content.len() as u64 > most {
-                    return Err(unreadable(format!("more than {most} bytes: expected at most so many")));
+                    return Err(unreadable(format!("larger than {most} bytes, the most that is read")));
                 }
                 Ok(content)
             }
