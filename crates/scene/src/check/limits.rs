@@ -110,7 +110,7 @@ pub(super) const MAX_OBJECTS: usize = 1000;
 /// Most start poses of a map and most path nodes: they go out in one line.
 pub(super) const MAX_POSES: usize = 1000;
 /// Most parts of a robot, and most solids of its body.
-pub(super) const MAX_PARTS: usize = 1000;
+pub const MAX_PARTS: usize = 1000;
 /// Most links of a robot, beside its rollers: a Nao has 25, and the cost of a step grows with the square of their number.
 pub const MAX_LINKS: usize = 100;
 /// Most wheels of a robot.
