@@ -23,7 +23,7 @@ use crate::{Failure, exit, print, within};
     spot and on a curve, and is compared with the twist at which the friction of its wheels balances.")]
 pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml.
-    #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
+    #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
     robot: String,
     /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
     #[arg(long, value_name = "MODEL")]

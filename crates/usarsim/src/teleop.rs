@@ -24,8 +24,8 @@ pub(crate) struct Arguments {
     /// The server.
     #[arg(value_name = "HOST:PORT", default_value = "127.0.0.1:3000")]
     address: String,
-    /// Class of the robot that is spawned.
-    #[arg(long, value_name = "CLASS", default_value = "KUKA_YouBot")]
+    /// Class of the robot to spawn.
+    #[arg(long, value_name = "CLASS", default_value = "YouBotArm")]
     robot: String,
     /// Start pose by its name on the map; by default the map's first.
     #[arg(long, value_name = "NAME")]

@@ -16,7 +16,7 @@ use crate::{Failure, exit, print, within};
     A robot on Mecanum wheels has twelve checks, any other nine. Each failed check says why. Exit code 0 if every check passes, 1 if one fails. docs/validation.md describes the checks.")]
 pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml.
-    #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
+    #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
     robot: String,
     /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
     #[arg(long, value_name = "MODEL")]
