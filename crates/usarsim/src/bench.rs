@@ -25,10 +25,10 @@ pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml.
     #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
     robot: String,
-    /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
+    /// Drive model: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the one in its robot.toml.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// How many of them drive side by side.
+    /// Number of robots that drive side by side.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     robots: u32,
     /// Simulated seconds of each motion.
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     /// Length of a time step, s; by default 0.004 with `bodies`, 0.016 with the other models. `serve` takes 0.002.
     #[arg(long, value_parser = time_step)]
     dt: Option<f64>,
-    /// Threads on which robots that do not touch are moved.
+    /// Threads for the simulation.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     threads: u32,
     /// A map by name or file, as for `serve`.

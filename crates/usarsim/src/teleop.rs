@@ -17,8 +17,8 @@ use crate::{Failure, connect, exit, print};
 #[command(
     after_help = "Examples:\n  usarsim teleop\n  usarsim teleop 192.168.1.7:3000 --robot P3AT --start RobotStart1\n\n\
     Keys: w s forward and backward, a d left and right (Mecanum and aerial robots), q e or the arrows turn or steer, r f up and \
-    down (aerial robots), space stops, + - change the speed, x or Ctrl-C ends. A terminal does not report that a key is \
-    released: the robot stops 0.7 s after the last key."
+    down (aerial robots), space stops, + - change the speed, x or Ctrl-C ends. A terminal does not report \
+    released keys, so the robot stops 0.7 s after the last key."
 )]
 pub(crate) struct Arguments {
     /// The server.

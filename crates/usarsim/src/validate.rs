@@ -18,10 +18,10 @@ pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml.
     #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
     robot: String,
-    /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
+    /// Drive model: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the one in its robot.toml.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// Only this check, 1 to 12, or to 9 for a robot without Mecanum wheels. May be given several times.
+    /// Run only this check: 1 to 12, or 1 to 9 for a robot without Mecanum wheels. May be given several times.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=12))]
     check: Vec<u32>,
     /// Seconds of each measured drive.
