@@ -30,6 +30,9 @@ matplotlib.rcParams["svg.hashsalt"] = "usarsim"
 
 
 def run(*arguments):
+    """The report of `usarsim bench` or `validate`, of the thesis's youBot unless another robot is named."""
+    if "--robot" not in arguments:
+        arguments += ("--robot", "KUKA_YouBot")
     done = subprocess.run([USARSIM, *map(str, arguments), "--json"], capture_output=True, text=True)
     if not done.stdout:
         raise SystemExit(done.stderr)
@@ -172,7 +175,7 @@ def main():
     os.makedirs(os.path.join(OUT, "plots"), exist_ok=True)
     page = f"""# Validation
 
-The twelve checks of a Mecanum robot that `usarsim validate` makes, for the thesis's youBot at the default step of 2 ms. This
+The twelve checks of a Mecanum robot that `usarsim validate --robot KUKA_YouBot` makes, for the thesis's youBot at the default step of 2 ms. This
 page is made by `bench/validation.py`; `cargo test -p system-tests --test validation` runs the same checks with shorter drives.
 
 {tables()}
@@ -181,7 +184,7 @@ page is made by `bench/validation.py`; `cargo test -p system-tests --test valida
 * `bodies`, check 9: of a contact that slides, the engine solves both tangents by their own masses and then cuts their length, so
   friction leans toward the direction across a roller, where it is light, and up to an eighth of Coulomb's limit is lost.
 * `articulated`, check 9: every roller has to be spun up as it comes down on a wheel that spins. With rollers of 0.01 kg instead of the
-  thesis's 0.1 kg it reaches 0.992, with 0.001 kg 0.998 (`usarsim validate --drive-model articulated --set robot.rollers.mass=0.01`).
+  thesis's 0.1 kg it reaches 0.992, with 0.001 kg 0.998 (`usarsim validate --robot KUKA_YouBot --drive-model articulated --set robot.rollers.mass=0.01`).
 * `kinematic` knows no forces but its own: checks 7 to 11 are not meant for it.
 * Check 11 pushes against a smooth bar as high as the hubs. What it pushes back with takes load off the front wheels, which slide
   first: 11 % before four equal wheels would.

@@ -111,10 +111,13 @@ fn the_table_of_cases_agrees_with_the_transcripts() {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         written.extend(Transcript::read(&path).case_numbers().into_iter().map(|case| (case, name.clone())));
     }
-    let mut listed = BTreeSet::new();
+    let (mut listed, mut titles) = (BTreeSet::new(), BTreeSet::new());
     for row in table.lines().filter(|row| row.starts_with("| ")) {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
-        if let (Ok(case), Some(file)) = (cells[1].parse::<u32>(), cells[2].strip_prefix("`tests/conformance/")) {
+        let Ok(case) = cells[1].parse::<u32>() else { continue };
+        let title = cells[2];
+        assert!(title.len() > 3 && titles.insert(title), "case {case} needs a title of its own: `{title}`");
+        if let Some(file) = cells[3].strip_prefix("`tests/conformance/") {
             listed.insert((case, file.trim_end_matches('`').to_owned()));
         }
     }

@@ -416,11 +416,11 @@ fn a_file_is_read_only_as_far_as_it_may_be_long() {
     };
     let file = std::fs::File::create(path("map.toml")).expect("a file");
     file.set_len(5 << 20).expect("a long file");
-    assert_eq!(problem("map.toml"), "map.toml: cannot be read: more than 4194304 bytes: expected at most so many");
+    assert_eq!(problem("map.toml"), "map.toml: cannot be read: larger than 4194304 bytes, the most that is read");
     std::fs::write(path("map.toml"), HALL).expect("a file");
     let mesh = std::fs::File::create(path("ground.obj")).expect("a file");
     mesh.set_len(65 << 20).expect("a long file");
-    let expected = "map.toml:24:1: ground.obj: cannot be read: more than 67108864 bytes: expected at most so many";
+    let expected = "map.toml:24:1: ground.obj: cannot be read: larger than 67108864 bytes, the most that is read";
     assert_eq!(problem("map.toml"), expected);
     std::fs::remove_file(path("ground.obj")).expect("a file");
     std::os::unix::fs::symlink("/dev/zero", path("ground.obj")).expect("a link");
@@ -673,6 +673,19 @@ fn what_cannot_be_loaded_is_said_in_one_line() {
         ),
         // Each is good without the other.
         (
+            &["YouBot.wheels.radius=0.1", "YouBot.wheels.max_speed=200"],
+            "--set YouBot.wheels.radius=0.1 --set YouBot.wheels.max_speed=200: robots/YouBot/robot.toml: `max_speed` 200 rad/s at \
+             `radius` 0.1 m is 20.0 m/s at the rim: expected at most 15 m/s",
+        ),
+        (
+            &["YouBot.wheels.max_speed=200", "YouBot.wheels.max_current=1000"],
+            "--set YouBot.wheels.max_current=1000: robots/YouBot/robot.toml: its wheels push with 23696 N, 121 times its weight",
+        ),
+        (
+            &["P3AT.wheels.max_torque=1000"],
+            "--set P3AT.wheels.max_torque=1000: robots/P3AT/robot.toml: its wheels push with",
+        ),
+        (
             &["P2DX.part.Chassis.mass=1000", "P2DX.wheel.0.mass=0.002"],
             "--set P2DX.part.Chassis.mass=1000 --set P2DX.wheel.0.mass=0.002: robots/P2DX/robot.toml: its body, wheels",
         ),
@@ -754,8 +767,21 @@ fn check_driving(seconds: f64, changes: &[(&str, Change)]) {
             let mut robot = scene_loader::robot(class, &[]).unwrap_or_else(|error| panic!("{error}"));
             robot.drive_model = model;
             change(&mut map, &mut robot);
+            hold_motors(&mut robot);
             drive(&map, &robot, seconds).unwrap_or_else(|problem| panic!("{name}, {class}, {model:?}: {problem}"));
         }
+    }
+}
+
+/// Lowers the limits of motors to the greatest that the robot's wheels and weight allow.
+fn hold_motors(robot: &mut RobotDef) {
+    let weight = 0.999 * check::EARTH_GRAVITY * f64::from(robot.mass());
+    let push = check::MAX_PUSH * weight / robot.driven().count().max(1) as f64;
+    for link in &mut robot.links {
+        let Some(radius) = link.wheel.as_ref().map(|wheel| wheel.radius) else { continue };
+        let Some(motor) = link.joint.as_mut().and_then(|joint| joint.drive.as_mut()) else { continue };
+        motor.max_speed = motor.max_speed.min(0.999 * check::MAX_RIM_SPEED / radius);
+        motor.max_torque = motor.max_torque.min(push * radius);
     }
 }
 
@@ -939,6 +965,19 @@ fn joints_drawn_at_random_that_pass_stay_finite() {
             passed += 1;
             drive(&map, &robot, 1.0).unwrap_or_else(|problem| panic!("{passed}: {problem}\n{robot:#?}"));
         }
+    }
+}
+
+/// A shipped robot is far from what its wheels may do together, so that `--set` has room.
+#[test]
+fn shipped_robots_have_a_wide_margin_to_the_combined_limits() {
+    for robot in scene().robots.values() {
+        let weight = check::EARTH_GRAVITY * f64::from(robot.mass());
+        let motors = || robot.driven().filter_map(|wheel| Some((wheel.drive?, wheel.radius)));
+        let rim = motors().map(|(motor, radius)| motor.max_speed * radius).fold(0.0, f64::max);
+        let push = motors().map(|(motor, radius)| motor.stall_torque() / radius).sum::<f64>() / weight;
+        println!("{}: rim {rim:.2} m/s, push {push:.1} times the weight", robot.class);
+        assert!(rim < check::MAX_RIM_SPEED / 5.0 && push < check::MAX_PUSH / 4.0, "{}: {rim}, {push}", robot.class);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Robots from URDF: the tree that the file has, with what it weighs, how it moves and what is seen of it.
 
 use nalgebra::{Point3, Vector3};
-use scene::{JointKind, JointState, RobotDef, Steering};
+use scene::{JointKind, JointState, Link, RobotDef, Shape, Steering};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
@@ -136,7 +136,7 @@ fn joints_have_the_axes_limits_servos_and_friction_of_the_file() {
     assert_eq!(column.visuals.len(), 2, "{:?}", column.visuals);
     assert_eq!(column.visuals[0].colour, [0.1, 0.7, 0.2]);
     let said = def.assumptions.join("\n");
-    for part in ["2 <transmission> ignored", "1 <gazebo> ignored", "none.dae", "not drawn"] {
+    for part in ["2 <transmission> not used", "1 <gazebo> not used", "none.dae", "not drawn"] {
         assert!(said.contains(part), "{said}");
     }
 }
@@ -213,10 +213,38 @@ fn what_is_wrong_with_a_tree_is_said_with_its_line() {
     check("friction=\"0.25\"", "friction=\"-1\"", "joint turn: `friction` is -1");
     check("name=\"flag\"", "name=\"turn\"", "second joint `turn`");
     check(
+        "<axis xyz=\"0 0 1\"/>",
+        "<axis xyz=\"0 0 0\"/>",
+        "arm.urdf:11:5: <axis xyz=\"0 0 0\"> is zero: expected a direction, as in xyz=\"0 0 1\"",
+    );
+    check(
+        "<parent link=\"base\"/><child link=\"cloth\"/>",
+        "<parent link=\"base\"/><child link=\"left\"/>",
+        "arm.urdf:45:3: link `left` has two parents, `upper` by joint `left_finger` and `base` by joint `flag`: expected one; \
+         remove one of the joints",
+    );
+    check(
+        "</robot>",
+        "<link name=\"more\"/></robot>",
+        "arm.urdf:2:1: 2 links without a parent: base, more: expected one",
+    );
+    check(
+        "<parent link=\"base\"/><child link=\"column\"/>",
+        "<parent link=\"mast\"/><child link=\"column\"/>",
+        "arm.urdf:2:1: link `column`: it is carried in a circle of joints: expected a tree with one root",
+    );
+    check(
         "<inertial><origin xyz=\"0 0 -0.1\"/><mass value=\"0.2\"/>",
         "<inertial><mass value=\"0\"/>",
         "joint flag: expected at least one part with a mass",
     );
+}
+
+#[test]
+fn a_zero_axis_of_a_fixed_joint_is_no_mistake() {
+    let fixed = "<joint name=\"mast_joint\" type=\"fixed\">";
+    let with_axis = format!("{fixed}<axis xyz=\"0 0 0\"/>");
+    load(&ARM.replacen(fixed, &with_axis, 1)).unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// A robot of two wheels and a ball that slides, as small robots of ROS are.
@@ -311,7 +339,7 @@ fn a_urdf_with_two_wheels_is_driven_by_its_sides() {
     assert!((geometry.radius - 0.033).abs() < 1e-6 && (geometry.track - 0.16).abs() < 1e-6, "{geometry:?}");
     let said = assumed.join("\n");
     for part in
-        ["sides of its wheels", "wheel_left_joint, wheel_right_joint", "caster_back_link slides", "1 <gazebo> ignored"]
+        ["sides of its wheels", "wheel_left_joint, wheel_right_joint", "caster_back_link slides", "1 <gazebo> not used"]
     {
         assert!(said.contains(part), "{said}");
     }
@@ -327,6 +355,20 @@ fn a_urdf_with_two_wheels_is_driven_by_its_sides() {
     let turn = world.snapshot().robots[0].body.angular.z / (2.0 * 4.0 * 0.033 / 0.16);
     println!("turns at {turn:.4} of its wheels' rate");
     assert!((turn - 1.0).abs() < 0.05, "{turn}");
+}
+
+#[test]
+fn limits_that_stand_for_none_are_lowered_and_said() {
+    let axis = "<axis xyz=\"0 0 1\"/>";
+    let limited = format!("{axis}<limit effort=\"1000\" velocity=\"10000\"/>");
+    let (world, assumptions) = alone(&TWO_WHEELS.replace(axis, &limited)).unwrap_or_else(|error| panic!("{error}"));
+    for expected in [
+        "joint wheel_left_joint: velocity in rad/s 10000 is taken as 454.09, as no robot has more",
+        "joint wheel_right_joint: effort in N m 1000 is taken as 13.99, as no robot has more",
+    ] {
+        assert!(assumptions.iter().any(|it| it == expected), "{expected}: {assumptions:#?}");
+    }
+    assert_eq!(world.def().check(), Ok(()));
 }
 
 #[test]
@@ -359,4 +401,106 @@ fn a_urdf_without_wheels_is_a_platform_and_xacro_is_named() {
     let error =
         alone(&ARM.replace("<link name=\"base\">", "<link name=\"${prefix}base\">")).map(|_| ()).expect_err("xacro");
     assert!(error.contains("is of xacro: expected a URDF; expand it first"), "{error}");
+}
+
+/// A binary STL of a ball with so many rings.
+fn ball(rings: u32) -> Vec<u8> {
+    let corner = |ring: u32, part: u32| {
+        let [theta, phi] = [ring, 2 * part].map(|it| (f64::from(it) / f64::from(rings) * std::f64::consts::PI) as f32);
+        [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()].map(|it| it * 0.05)
+    };
+    let mut bytes = vec![0; 80];
+    bytes.extend((2 * rings * rings).to_le_bytes());
+    for (ring, part) in (0..rings).flat_map(|ring| (0..rings).map(move |part| (ring, part))) {
+        for corners in [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]] {
+            let vertices = corners.map(|(r, p)| corner(ring + r, part + p));
+            bytes.extend([[0.0; 3]].iter().chain(&vertices).flatten().flat_map(|it: &f32| it.to_le_bytes()));
+            bytes.extend([0, 0]);
+        }
+    }
+    bytes
+}
+
+/// The robot of a URDF whose base shows some meshes, and what was assumed of it.
+fn with_meshes(files: &[(&str, Vec<u8>)], shown: &[&str]) -> (RobotDef, Vec<String>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).expect("a file");
+    }
+    let visual = |file: &&str| format!("<visual><geometry><mesh filename=\"{file}\"/></geometry></visual>");
+    let visuals: String = shown.iter().map(visual).collect();
+    let path = folder.path().join("Robot.urdf");
+    let body = "<link name=\"base_link\">";
+    std::fs::write(&path, TWO_WHEELS.replace(body, &format!("{body}{visuals}"))).expect("a file");
+    let robot = scene_loader::robot(&path.display().to_string(), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let assumptions = robot.assumptions.iter().map(|it| it.replace(&format!("{}/", folder.path().display()), ""));
+    let assumptions = assumptions.collect();
+    (robot, assumptions)
+}
+
+fn triangles(robot: &RobotDef) -> usize {
+    let of_shape = |shape: &Shape| if let Shape::Mesh { triangles, .. } = shape { triangles.len() } else { 0 };
+    robot.links.iter().flat_map(|link| &link.visuals).map(|visual| of_shape(&visual.shape)).sum()
+}
+
+#[test]
+fn a_heavy_urdf_is_drawn_with_fewer_triangles_and_says_so() {
+    // Three times 180 000 triangles, and a small one that keeps its form.
+    let files = [("heavy.stl", ball(300)), ("small.stl", ball(8))];
+    let (robot, said) = with_meshes(&files, &["heavy.stl", "small.stl", "heavy.stl", "heavy.stl"]);
+    let count = triangles(&robot);
+    assert!((100_000..=200_000).contains(&count), "{count}");
+    let expected = format!("visuals have 540128 triangles: drawn with {count}, as 200000 are enough");
+    assert!(said.contains(&expected), "{expected}: {said:#?}");
+    assert_eq!(robot.links[0].visuals.len(), 4);
+    let def = scene::WorldDef {
+        map: scene_loader::map("smooth", &[]).unwrap_or_else(|error| panic!("{error}")),
+        robots: [(robot.class.clone(), robot)].into(),
+    };
+    assert_eq!(def.check(), Ok(()));
+}
+
+#[test]
+fn a_link_without_its_meshes_is_drawn_as_its_collision_shape() {
+    let huge = {
+        let mut bytes = vec![0; 80];
+        bytes.extend(1_100_000_u32.to_le_bytes());
+        bytes.resize(84 + 50 * 1_100_000, 0);
+        bytes
+    };
+    for (file, bytes, expected) in [
+        (
+            "none.stl",
+            None,
+            "link base_link: none.stl: cannot be read: No such file or directory (os error 2): drawn as",
+        ),
+        ("broken.stl", Some(b"broken".to_vec()), "link base_link: mesh `broken.stl`: "),
+        (
+            "huge.stl",
+            Some(huge),
+            "link base_link: mesh `huge.stl` has 1100000 triangles: expected 1 to 1000000: drawn as",
+        ),
+    ] {
+        let files: Vec<_> = bytes.into_iter().map(|bytes| (file, bytes)).collect();
+        let (robot, said) = with_meshes(&files, &[file, file]);
+        assert!(said.iter().any(|it| it.starts_with(expected)), "{expected}: {said:#?}");
+        assert!(said.iter().any(|it| it.ends_with(": drawn as its collision shape")), "{said:#?}");
+        let Link { visuals, solids, .. } = &robot.links[0];
+        assert_eq!((visuals.len(), &visuals[0].shape), (1, &solids[0].shape), "{file}");
+    }
+    // What can be drawn is drawn.
+    let (robot, said) = with_meshes(&[("small.stl", ball(8))], &["none.stl", "small.stl"]);
+    assert!(said.iter().any(|it| it.contains("none.stl") && it.ends_with(": not drawn")), "{said:#?}");
+    assert_eq!((robot.links[0].visuals.len(), triangles(&robot)), (1, 128));
+}
+
+#[test]
+fn the_looks_of_a_hostile_urdf_take_bounded_time_and_memory() {
+    // A triangle behind 60 MB of remarks.
+    let mut long = format!("#{}\n", "x".repeat(1 << 20)).repeat(60).into_bytes();
+    long.extend(b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+    let (robot, said) = with_meshes(&[("long.obj", long)], &["long.obj"; 100]);
+    assert_eq!((robot.links[0].visuals.len(), triangles(&robot)), (4, 4));
+    let expected = "link base_link: mesh `long.obj`: expected at most 256 MB of meshes in all: not drawn";
+    assert_eq!(said.iter().filter(|it| *it == expected).count(), 96, "{said:#?}");
 }

@@ -1,6 +1,6 @@
 //! The checks of `usarsim validate`, with shorter drives.
 
-use experiments::validation::{Subject, check, checks};
+use experiments::validation::{Stance, Subject, check, checks, reason};
 use scene::DriveModel;
 use sim_core::Options;
 
@@ -83,4 +83,35 @@ fn a_check_that_a_robot_has_not_is_named() {
     assert_eq!(refused("P3AT", 12), "robot `P3AT` has no check 12: expected 1 to 9");
     assert_eq!(refused("KUKA_YouBot", 13), "robot `KUKA_YouBot` has no check 13: expected 1 to 12");
     assert_eq!(refused("AirRobot", 1), "robot `AirRobot`: expected one with driven wheels");
+}
+
+/// A small robot as ROS has them: two wheels, and a box that its file calls a caster and that rubs on the floor.
+#[test]
+fn a_failed_check_says_what_it_means_and_what_rubs_on_the_floor() {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/burger.urdf");
+    let robot = scene_loader::robot(&file.display().to_string(), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let burger = Subject { robot, ..subject("P3AT", DriveModel::Articulated) };
+    let findings: Vec<_> = [5, 6].into_iter().flat_map(|number| check(&burger, number).expect("wheels")).collect();
+    let failed: Vec<_> = findings.iter().filter(|finding| !finding.passes()).collect();
+    assert_eq!(failed.len(), 3, "{findings:#?}");
+    for finding in &findings {
+        let said = reason(&burger.robot, finding);
+        assert_eq!(said.is_some(), !finding.passes(), "{finding:?}");
+        let expected =
+            ["something brakes wheels without a motor", "its wheels do not bring their friction to the floor"];
+        assert!(said.is_none_or(|said| said.starts_with(expected[finding.check as usize - 5])), "{said:?}");
+    }
+    let remark = Stance::of(&burger).expect("it stands").remark(&burger.robot).expect("a remark");
+    assert!(
+        remark.starts_with("`caster_back_link` rubs on the floor with 5 % of the weight and friction 0.40"),
+        "{remark}"
+    );
+}
+
+#[test]
+fn a_robot_that_stands_as_usual_has_no_remark() {
+    for class in ["P3AT", "YouBot", "YouBotArm", "KUKA_YouBot", "Kenaf", "FrontAckerman"] {
+        let subject = subject(class, DriveModel::Articulated);
+        assert_eq!(Stance::of(&subject).expect("it stands").remark(&subject.robot), None, "{class}");
+    }
 }

@@ -146,6 +146,8 @@ impl<'a> Batch<'a> {
         let log = self.folder.join("logs").join(format!("{}.mcap", run.id));
         let part = unfinished(&log);
         make_folder_of(&log)?;
+        // An interrupted run leaves one, and a server would write beside it.
+        let _ = std::fs::remove_file(&part);
         let outcome = make(plan, run, &part)?;
         std::fs::rename(&part, &log).map_err(|error| refused(&log, error))?;
         write(&file, serde_json::to_string(&outcome).unwrap_or_default().as_bytes())?;

@@ -68,6 +68,8 @@ pub struct Fit {
     pub description: String,
     /// What is looked for.
     pub parameters: Vec<Parameter>,
+    /// The files that it was read from.
+    inputs: Vec<PathBuf>,
     plan: Plan,
     /// The samples of each setting that was measured; their mean is what the simulation says.
     settings: Vec<Vec<Run>>,
@@ -165,7 +167,19 @@ impl Fit {
         let (settings, measured) =
             measurements(&text(&table)?, &names, plan.runs()).map_err(|reason| wrong(&table, &reason))?;
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self { name, description, parameters, plan, settings, measured, seed })
+        let inputs = vec![file.to_owned(), experiment, table];
+        Ok(Self { name, description, parameters, inputs, plan, settings, measured, seed })
+    }
+
+    /// The files that the fit was read from.
+    pub fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
+    }
+
+    /// The files that its results are written to: `fit.json`, and the pictures of [`Estimate::draw`].
+    pub fn outputs(&self, folder: &Path) -> Vec<PathBuf> {
+        let pictures = self.parameters.iter().flat_map(|parameter| pictures(&parameter.name, folder));
+        std::iter::once(folder.join("fit.json")).chain(pictures).collect()
     }
 
     /// Looks for the values, `jobs` runs at a time; `progress` is told the distance, m, after every set of runs.
@@ -322,9 +336,14 @@ impl Estimate {
             least_height: 0.1,
             ..Chart::default()
         };
-        let name: String = self.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-        ["svg", "png"].iter().try_for_each(|ending| chart.write(&folder.join(format!("{name}.{ending}"))))
+        pictures(&self.name, folder).iter().try_for_each(|file| chart.write(file))
     }
+}
+
+/// The files of a parameter's picture in a folder.
+fn pictures(parameter: &str, folder: &Path) -> [PathBuf; 2] {
+    let name: String = parameter.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+    ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")))
 }
 
 fn check(parameters: &[Parameter]) -> Result<(), String> {

@@ -1,7 +1,7 @@
 //! Pictures of results: lines over the steps, or one number a run over what was varied.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use charts::{Chart, ChartError, Series};
 use serde::Deserialize;
@@ -168,8 +168,13 @@ impl Plot {
             categories,
             ..Chart::default()
         };
-        ["svg", "png"].iter().try_for_each(|ending| chart.write(&folder.join(format!("{}.{ending}", self.name))))?;
+        self.files(folder).iter().try_for_each(|file| chart.write(file))?;
         Ok(true)
+    }
+
+    /// The files that [`Plot::draw`] writes into a folder.
+    pub(crate) fn files(&self, folder: &Path) -> [PathBuf; 2] {
+        ["svg", "png"].map(|ending| folder.join(format!("{}.{ending}", self.name)))
     }
 
     /// The lines, and the names on the x axis where its values are no numbers.

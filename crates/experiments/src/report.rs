@@ -1,6 +1,6 @@
 //! The results of experiments as one page that needs nothing else.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -57,6 +57,13 @@ pub fn write_all(
     let page = page(title, plans, claims, outcomes, &figures).into_string();
     write(&folder.join("report.html"), page.as_bytes())?;
     Ok(figures.len())
+}
+
+/// The files that [`write_all`] writes.
+pub fn files(folder: &Path, plans: &[Plan]) -> Vec<PathBuf> {
+    let tables = ["steps.csv", "runs.csv", "summary.csv", "report.html"].map(|name| folder.join(name));
+    let plots = plans.iter().flat_map(|plan| &plan.plots);
+    tables.into_iter().chain(plots.flat_map(|plot| plot.files(&folder.join("plots")))).collect()
 }
 
 /// What a figure is sorted by: chapter, then number.

@@ -6,6 +6,7 @@
 
 mod mecanum_wheels;
 mod plain_wheels;
+mod reason;
 
 use std::collections::BTreeMap;
 
@@ -13,6 +14,8 @@ use gamebots_proto::command::{Command, Init};
 use nalgebra::Vector3;
 use scene::{DriveModel, MapDef, Material, MountedWheel, RobotDef, Shape, Solid, WorldDef};
 use sim_core::{BodyState, Options, RobotId, WheelState, World, mecanum};
+
+pub use reason::{Stance, reason};
 
 use crate::course::{MotionError, SETTLING};
 

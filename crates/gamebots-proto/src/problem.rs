@@ -1,7 +1,6 @@
-//! What can be wrong with a line that a client sent.
+//! Mistakes in the lines that clients send.
 
-/// One thing wrong with a line. The line is still read as far as it makes sense; nothing of this goes on
-/// the wire unless the server is told to report errors.
+/// A mistake in a line. The rest of the line still counts. The server sends it to the client only if it reports errors.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// The line is over the length limit.
@@ -21,14 +20,14 @@ pub enum Problem {
     /// Not a verb of USARSim.
     #[error("unknown verb `{got}`{meant}; expected one of {expected}")]
     UnknownVerb {
-        /// What stood there.
+        /// The word in its place.
         got: String,
-        /// The nearest of them, in words; nothing where none is near.
+        /// " (did you mean ..?)", or empty if no name is near.
         meant: String,
         /// The verbs that are known, separated by commas.
         expected: String,
     },
-    /// A value that is not a number where one is needed.
+    /// A value that should be a number and is not.
     #[error("{{{key} {got}}}: expected a number; read as {read_as}")]
     NotANumber {
         /// The key of the block.
@@ -65,13 +64,13 @@ pub enum Problem {
         verb: &'static str,
         /// The key.
         got: String,
-        /// The nearest of them, in words; nothing where none is near.
+        /// " (did you mean ..?)", or empty if no name is near.
         meant: String,
         /// The keys that it has, separated by commas.
         expected: String,
     },
-    /// A block that the command cannot do without.
-    #[error("{verb} needs {{{key} ..}}")]
+    /// A required block is missing.
+    #[error("{verb} needs {key}")]
     MissingKey {
         /// The verb.
         verb: &'static str,
@@ -103,7 +102,7 @@ pub enum Problem {
         expected: String,
     },
     /// A robot that cannot be driven.
-    #[error("a {class} takes no DRIVE: expected SET {{Type Joint}} for its joints")]
+    #[error("a {class} has no drive; move its joints with SET {{Type Joint}}")]
     NotDriven {
         /// Its class.
         class: String,
@@ -115,7 +114,7 @@ pub enum Problem {
         key: &'static str,
         /// Its value.
         got: String,
-        /// The nearest of them, in words; nothing where none is near.
+        /// " (did you mean ..?)", or empty if no name is near.
         meant: String,
         /// The names that are known, separated by commas.
         expected: String,
@@ -163,13 +162,15 @@ pub enum Problem {
         verb: &'static str,
     },
     /// A name that another robot has.
-    #[error("{{Name {got}}} is the name of another robot too: GETCONF and people cannot tell them apart")]
+    #[error(
+        "{{Name {got}}} is the name of another robot too: both are spawned; choose another name to tell them apart"
+    )]
     NameTaken {
         /// The name.
         got: String,
     },
     /// Not a line of the protocol but a request of a browser, which any web page can make it send.
-    #[error("an HTTP request: the connection is closed, and nothing of it is read")]
+    #[error("an HTTP request on the controllers' port: the connection is closed; the page has a port of its own")]
     Http,
 }
 

@@ -88,7 +88,7 @@ pub struct Config {
     pub max_connections: usize,
     /// Tell clients what was wrong with their lines, which USARSim does not.
     pub report_errors: bool,
-    /// File of the log.
+    /// File of the log, numbered where it exists.
     pub log: Option<PathBuf>,
     /// Whether messages of ROS 2 are written as well, to `run.ros2.mcap` beside `run.mcap`.
     pub ros2_log: bool,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use recorder::{Closing, End, LogWriter, Record, RecordError, Recorder, StateTimer, Storage};
+use recorder::{Closing, End, LogWriter, Record, RecordError, Recorder, StateTimer, Storage, ros2_path};
 use scene::{MapDef, Snapshot};
 use sim_core::{Options, World};
 
@@ -74,13 +74,14 @@ impl Recording {
         self.open.as_ref().filter(|open| open.recorder.is_writing()).map(|open| open.path.as_path())
     }
 
-    /// Begins a log of this name, replacing an old one; one that is being written ends.
+    /// Begins a log of this name, or with the next free number where such a file exists: nothing is replaced. A log that is
+    /// being written ends.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub(crate) fn start(&mut self, path: &Path, world: &World) -> Result<(), RecordError> {
-        self.numbers.insert(path.to_owned(), 1);
-        self.begin(path.to_owned(), path, world)
+    pub(crate) fn start(&mut self, name: &Path, world: &World) -> Result<(), RecordError> {
+        let path = self.free(name);
+        self.begin(path, name, world)
     }
 
     /// Begins a log under a name that is free.
@@ -220,17 +221,26 @@ impl Recording {
         Some(name)
     }
 
-    /// The path, or the same with the next number that makes it a new file: `run.mcap`, `run-2.mcap`, `run-3.mcap` ...
+    /// Returns the path, or the path with the next number that makes it a new file: `run.mcap`, `run-2.mcap`, `run-3.mcap` ...
     fn free(&mut self, name: &Path) -> PathBuf {
         let stem = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let last = self.numbers.entry(name.to_owned()).or_default();
         loop {
             *last += 1;
             let path = if *last == 1 { name.to_owned() } else { name.with_file_name(format!("{stem}-{last}.mcap")) };
-            if !path.exists() {
+            let is_taken = is_kept(&path) || self.ros2 && is_kept(&ros2_path(&path));
+            if !is_taken {
                 return path;
             }
         }
+    }
+}
+
+/// True if a log of this name would replace something. Devices and pipes keep nothing; a link to nowhere is somebody's.
+fn is_kept(path: &Path) -> bool {
+    match std::fs::metadata(path) {
+        Ok(found) => found.is_file(),
+        Err(_) => path.is_symlink(),
     }
 }
 
@@ -314,18 +324,60 @@ mod tests {
     }
 
     #[test]
+    fn a_log_replaces_no_file() {
+        for (there, ros2, expected) in [
+            (&[][..], false, "run.mcap"),
+            (&["run.mcap"], false, "run-2.mcap"),
+            (&["run.mcap", "run-2.mcap", "run-4.mcap"], false, "run-3.mcap"),
+            (&["run.ros2.mcap"], false, "run.mcap"),
+            (&["run.ros2.mcap"], true, "run-2.mcap"),
+            (&["run.mcap", "run-2.ros2.mcap"], true, "run-3.mcap"),
+        ] {
+            let (folder, world) = (tempfile::tempdir().expect("a folder"), world());
+            let path = |name: &str| folder.path().join(name);
+            there.iter().for_each(|name| std::fs::write(path(name), "old").expect("a file"));
+            let mut recording = Recording { ros2, ..recording(folder.path()) };
+            recording.start(&path("run.mcap"), &world).expect("a log");
+            assert_eq!(recording.path(), Some(path(expected).as_path()), "{there:?}");
+            recording.stop(&world);
+            news(&mut recording);
+            for name in there {
+                assert_eq!(std::fs::read(path(name)).expect("a file"), b"old", "{there:?}: {name} has changed");
+            }
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_log_is_written_to_a_device_and_not_through_a_link() {
+        let (folder, world) = (tempfile::tempdir().expect("a folder"), world());
+        let mut recording = recording(folder.path());
+        recording.start(Path::new("/dev/null"), &world).expect("a log");
+        assert_eq!(recording.path(), Some(Path::new("/dev/null")));
+        for (link, target) in [("old.mcap", "old"), ("dead.mcap", "nothing")] {
+            std::fs::write(folder.path().join("old"), "old").expect("a file");
+            std::os::unix::fs::symlink(target, folder.path().join(link)).expect("a link");
+            recording.start(&folder.path().join(link), &world).expect("a log");
+            let numbered = folder.path().join(link.replace(".mcap", "-2.mcap"));
+            assert_eq!(recording.path(), Some(numbered.as_path()), "{link}");
+        }
+        assert_eq!(std::fs::read(folder.path().join("old")).expect("a file"), b"old");
+    }
+
+    #[test]
     fn two_servers_do_not_write_one_log() {
         let (folder, world) = (tempfile::tempdir().expect("a folder"), world());
         let path = folder.path().join("run.mcap");
         let [mut first, mut second] = [recording(folder.path()), recording(folder.path())];
         first.start(&path, &world).expect("a log");
-        let refused = second.start(&path, &world).expect_err("it is written").to_string();
-        assert!(refused.contains("another program is writing it: end that program"), "{refused}");
-        assert_eq!(second.path(), None);
+        second.start(&path, &world).expect("a log");
+        assert_eq!(second.path(), Some(folder.path().join("run-2.mcap").as_path()));
+        // A server that found the name free a moment ago is refused by the lock.
+        let late = second.begin(path.clone(), &path, &world).expect_err("it is written").to_string();
+        assert!(late.contains("another program is writing it: end that program"), "{late}");
         first.stop(&world);
         assert_eq!(news(&mut first), [format!("recorded {}", path.display())]);
         assert!(recorder::read(&path).is_ok_and(|log| log.damage.is_none() && !log.end.is_empty()));
-        second.start(&path, &world).expect("it is free again");
     }
 
     /// A disk that has room for the beginning of a log.

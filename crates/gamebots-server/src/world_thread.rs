@@ -57,6 +57,9 @@ pub(crate) fn spawn(
     let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
     if let Some(path) = log {
         recording.start(&path, &world)?;
+        if let Some(numbered) = recording.path().filter(|it| *it != path) {
+            warn!("{} exists and is kept: recording to {}", path.display(), numbered.display());
+        }
     }
     let thread = std::thread::Builder::new().name("world".to_owned());
     let run = move || {

@@ -4,25 +4,17 @@
 //! what collides; only the hubs between a wheel's rollers are for the eye. (The crate `euc` draws triangles too, but has had
 //! no release since 2020.)
 
+mod camera;
 mod mesh;
 mod raster;
 
 use nalgebra::{Point3, Vector3};
 use scene::{Snapshot, WorldDef};
 
+pub use camera::Camera;
+
 use mesh::Floor;
 use raster::{Depths, Projection};
-
-/// Where one looks from, and how. World frame, m; up is -z.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Camera {
-    /// Where the eye is.
-    pub eye: Point3<f64>,
-    /// What is in the middle.
-    pub target: Point3<f64>,
-    /// Angle from the lower to the upper edge, rad.
-    pub field_of_view: f64,
-}
 
 /// A picture, 8 bits of red, green and blue a pixel, rows from above.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,6 +29,8 @@ pub struct Image {
 
 /// Pixels along an edge that make one of the picture.
 const SAMPLES: usize = 3;
+/// Samples whose depths are in memory at once: 64 MB. A large picture is drawn in bands.
+const BAND: usize = 4 << 20;
 /// Pixels along an edge of the shadow map.
 const SHADOW_SIZE: usize = 2048;
 /// Half the width of what throws shadows, over the distance from eye to target.
@@ -58,16 +52,13 @@ const GRID_LINE: f64 = 0.006;
 /// Draws a scene at a moment. Width and height are pixels.
 pub fn picture(def: &WorldDef, snapshot: &Snapshot, camera: &Camera, width: usize, height: usize) -> Image {
     let (triangles, floors) = mesh::scene(def, snapshot);
-    let (wide, high) = (width * SAMPLES, height * SAMPLES);
-    let view = Projection::perspective(camera, wide, high);
-    let mut surfaces = Depths::new(wide, high);
-    triangles.iter().enumerate().for_each(|(index, triangle)| surfaces.add(&view, &triangle.corners, index));
+    let whole = Projection::perspective(camera, width * SAMPLES, height * SAMPLES);
     let distance = (camera.eye - camera.target).norm();
     let (reach, fade_unit) = (SHADOW_REACH * distance, distance.max(LEAST_FADE_UNIT));
     let light = Projection::parallel(camera.target, Vector3::from(LIGHT), reach, SHADOW_SIZE);
     let mut shadows = Depths::new(SHADOW_SIZE, SHADOW_SIZE);
     triangles.iter().enumerate().for_each(|(index, triangle)| shadows.add(&light, &triangle.corners, index));
-    let sample = |x: usize, y: usize| {
+    let sample = |view: &Projection, surfaces: &Depths, x: usize, y: usize| {
         let ray = view.ray(x, y);
         let solid = surfaces.at(x, y).map(|(depth, index)| (view.distance(depth, &ray), &triangles[index]));
         let floor = floors.iter().filter_map(|floor| Some((floor.distance(&camera.eye, &ray)?, floor)));
@@ -88,13 +79,21 @@ pub fn picture(def: &WorldDef, snapshot: &Snapshot, camera: &Camera, width: usiz
         let fade = ((distance / fade_unit - FADE[0]) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
         lit * (1.0 - fade) + Vector3::from(SKY) * fade
     };
-    let pixel = |index: usize| {
-        let (left, top) = (index % width * SAMPLES, index / width * SAMPLES);
-        let samples = (0..SAMPLES * SAMPLES).map(|part| sample(left + part % SAMPLES, top + part / SAMPLES));
-        let mean = samples.sum::<Vector3<f64>>() / (SAMPLES * SAMPLES) as f64;
-        <[f64; 3]>::from(mean).map(|part| (part.clamp(0.0, 1.0) * 255.0).round() as u8)
-    };
-    Image { width, height, pixels: (0..width * height).map(pixel).collect() }
+    let mut pixels = Vec::with_capacity(width * height);
+    let rows = (BAND / (width * SAMPLES * SAMPLES).max(1)).max(1);
+    for first in (0..height).step_by(rows) {
+        let rows = rows.min(height - first);
+        let view = whole.below(first * SAMPLES);
+        let mut surfaces = Depths::new(width * SAMPLES, rows * SAMPLES);
+        triangles.iter().enumerate().for_each(|(index, triangle)| surfaces.add(&view, &triangle.corners, index));
+        pixels.extend((0..width * rows).map(|index| {
+            let (left, top) = (index % width * SAMPLES, index / width * SAMPLES);
+            let places = (0..SAMPLES * SAMPLES).map(|part| (left + part % SAMPLES, top + part / SAMPLES));
+            let mean = places.map(|(x, y)| sample(&view, &surfaces, x, y)).sum::<Vector3<f64>>();
+            <[f64; 3]>::from(mean / (SAMPLES * SAMPLES) as f64).map(|part| (part.clamp(0.0, 1.0) * 255.0).round() as u8)
+        }));
+    }
+    Image { width, height, pixels }
 }
 
 /// The colour of a floor with its lines, one a metre and a stronger one every five.
@@ -210,6 +209,28 @@ mod tests {
         let row = count(&mut (0..90).map(|x| image.pixels[30 * 90 + x]));
         assert!(column > row, "{column} high, {row} wide");
         assert_eq!(image, from_above(&world(true)), "the same again");
+    }
+
+    #[test]
+    fn a_picture_of_several_bands_is_that_of_one() {
+        // Wide and low: the upper half is more than a band.
+        let world = world(true);
+        let (eye, target) = (Point3::new(-2.0, 0.3, -1.0), Point3::new(0.0, 0.0, -0.1));
+        let camera = Camera { eye, target, field_of_view: 0.6 };
+        let (width, height) = (900, 700);
+        assert!(width * height * SAMPLES * SAMPLES > BAND);
+        let large = picture(world.def(), &world.snapshot(), &camera, width, height);
+        let small = picture(world.def(), &world.snapshot(), &camera, width / 10, height / 10);
+        let mut differing = 0;
+        for (index, pixel) in small.pixels.iter().enumerate() {
+            let (x, y) = (index % 90 * 10, index / 90 * 10);
+            let block = (0..100).map(|part| large.pixels[(y + part / 10) * width + x + part % 10]);
+            let sum = block.fold([0; 3], |sum, it| [0, 1, 2].map(|part| sum[part] + u32::from(it[part])));
+            let far = (0..3).any(|part| (sum[part] as f64 / 100.0 - f64::from(pixel[part])).abs() > 25.0);
+            differing += usize::from(far);
+        }
+        // Edges are sampled more finely in the large one.
+        assert!(differing < small.pixels.len() / 50, "{differing} of {}", small.pixels.len());
     }
 
     #[test]

@@ -32,11 +32,13 @@ impl Projection {
     }
 
     fn new(eye: Point3<f64>, ahead: Vector3<f64>, scale: f64, size: [usize; 2], is_perspective: bool) -> Self {
-        let ahead = ahead.normalize();
-        // z is down. Straight from above x is up in the picture.
-        let right = Vector3::z().cross(&ahead).try_normalize(1e-6).unwrap_or_else(Vector3::y);
-        let down = ahead.cross(&right);
+        let [right, down, ahead] = axes(ahead);
         Self { eye, right, down, ahead, scale, middle: size.map(|size| size as f64 / 2.0), is_perspective }
+    }
+
+    /// The same view with its first row farther down.
+    pub(crate) fn below(&self, row: usize) -> Self {
+        Self { middle: [self.middle[0], self.middle[1] - row as f64], ..*self }
     }
 
     /// Direction from the eye through the middle of a pixel, of length 1.
@@ -64,9 +66,24 @@ impl Projection {
         [x + self.middle[0], y + self.middle[1], linear]
     }
 
+    /// Column and row of a place in front of the eye.
+    #[cfg(test)]
+    pub(crate) fn pixel_of(&self, place: &Point3<f64>) -> Option<[f64; 2]> {
+        let local = self.local(place);
+        let [x, y, _] = self.pixel(&local);
+        (local.z > 0.0).then_some([x, y])
+    }
+
     fn depth(&self, linear: f64) -> f64 {
         if self.is_perspective { 1.0 / linear } else { linear }
     }
+}
+
+/// Right, down and ahead of an eye that looks in a direction. z is down; straight from above x is up in the picture.
+pub(crate) fn axes(ahead: Vector3<f64>) -> [Vector3<f64>; 3] {
+    let ahead = ahead.normalize();
+    let right = Vector3::z().cross(&ahead).try_normalize(1e-6).unwrap_or_else(Vector3::y);
+    [right, ahead.cross(&right), ahead]
 }
 
 /// What is nearest in each pixel.

@@ -29,7 +29,7 @@ pub use messages::{ObjectState, Quaternion, RobotLeft, RobotState, Vector, WireL
 pub use reader::{Entry, Log, ReadError, read, scene};
 pub use recover::{RecoverError, Recovered, recover};
 pub use table::{Column, Table};
-pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink};
+pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink, ros2_path};
 
 use foxglove::Encode;
 use gamebots_proto::message::{Message, Reading, Sen};

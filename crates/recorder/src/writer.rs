@@ -1,7 +1,7 @@
 //! Writing: a file, and for a live world a queue and a thread before it.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -94,7 +94,7 @@ impl LogWriter {
         world: &WorldDef,
         storage: impl FnOnce(&Path) -> std::io::Result<Box<dyn Storage>>,
     ) -> Result<Self, RecordError> {
-        let path = self.file.path().with_extension("ros2.mcap");
+        let path = ros2_path(self.file.path());
         let storage = storage(&path).map_err(|reason| refused(&path, reason))?;
         self.ros2 = Some((ros2::begin(storage, &path)?, Ros2::new(world)));
         Ok(self)
@@ -148,6 +148,11 @@ impl RecordError {
     pub fn new(file: &Path, reason: &std::io::Error) -> Self {
         Self { file: file.display().to_string(), reason: reason.to_string() }
     }
+}
+
+/// The file that has the ROS 2 messages of a log: `run.ros2.mcap` beside `run.mcap`.
+pub fn ros2_path(log: &Path) -> PathBuf {
+    log.with_extension("ros2.mcap")
 }
 
 /// With what the operating system says, where that is the cause.

@@ -2,11 +2,14 @@
 
 mod collada;
 mod gltf;
+mod simplify;
 
 use std::io::Cursor;
 
 use scene::Shape;
 use scene::check::{MAX_TRIANGLES, Range};
+
+pub(crate) use simplify::{simplified, size};
 
 use crate::LoadError;
 use crate::source::{MAX_MESH, Source};
@@ -28,13 +31,18 @@ pub(crate) struct Piece {
 /// Reads a mesh as one surface and scales it along the axes of its file. Files are z up, as is usual; the result is in the frame of
 /// the solid, z down.
 pub(crate) fn read(source: &Source, name: &str, scale: [f64; 3]) -> Result<Shape, String> {
-    let mut whole = Piece::default();
-    for piece in pieces(source, name)? {
+    Ok(joined(pieces(source, name)?).scaled(scale))
+}
+
+/// Makes one piece of several, of the first colour.
+pub(crate) fn joined(pieces: Vec<Piece>) -> Piece {
+    let mut whole = Piece { colour: pieces.iter().find_map(|piece| piece.colour), ..Piece::default() };
+    for piece in pieces {
         let first = whole.vertices.len() as u32;
         whole.vertices.extend(piece.vertices);
         whole.triangles.extend(piece.triangles.iter().map(|corners| corners.map(|corner| corner + first)));
     }
-    Ok(whole.scaled(scale))
+    whole
 }
 
 /// Reads a mesh in its pieces.

@@ -33,6 +33,14 @@ impl Source {
         }
     }
 
+    /// Bytes of a file, or 0 where it cannot be read.
+    pub(crate) fn size(&self, name: &str) -> u64 {
+        match self {
+            Self::BuiltIn(dir) => dir.get_file(dir.path().join(name)).map_or(0, |file| file.contents().len() as u64),
+            Self::Folder(folder) => std::fs::metadata(folder.join(name)).map_or(0, |found| found.len()),
+        }
+    }
+
     /// The content of a file of the folder that has at most so many bytes.
     pub(crate) fn bytes(&self, name: &str, most: u64) -> Result<Vec<u8>, LoadError> {
         let unreadable = |reason: String| LoadError::Unreadable { file: self.display(name), reason };
@@ -44,7 +52,7 @@ impl Source {
             Self::Folder(folder) => {
                 let content = read_file(&folder.join(name), most).map_err(|error| unreadable(error.to_string()))?;
                 if content.len() as u64 > most {
-                    return Err(unreadable(format!("more than {most} bytes: expected at most so many")));
+                    return Err(unreadable(format!("larger than {most} bytes, the most that is read")));
                 }
                 Ok(content)
             }

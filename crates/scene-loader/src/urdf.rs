@@ -4,16 +4,18 @@
 //! wheel stand in robot.toml. URDF is x forward, y left, z up; here it is turned into the robot frame, z down, once.
 
 mod check;
+mod looks;
 
 use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Node, ParsingOptions};
 use scene::check::ROBOT_REACH;
-use scene::{Coupling, CouplingKind, Joint, JointKind, Link, Material, Motor, Part, Pose, ROOT, Shape, Solid, Visual};
+use scene::{Coupling, CouplingKind, Joint, JointKind, Link, Material, Motor, Part, Pose, ROOT, Shape, Solid};
 use urdf_rs::{Geometry, JointType};
 
 use self::check::{Check, unexpanded};
+use self::looks::Looks;
 use crate::mesh;
 use crate::problem::{Problems, Unread};
 use crate::source::Source;
@@ -97,9 +99,11 @@ pub(crate) fn read(
         material: &material,
         wrong: Vec::new(),
         urdf: Urdf { assumptions: ignored(document.root_element()), ..Urdf::body() },
+        looks: Looks::default(),
     };
     tree.add_all();
-    let Tree { wrong, urdf, .. } = tree;
+    let Tree { wrong, mut urdf, looks, .. } = tree;
+    urdf.assumptions.extend(looks.finish(&mut urdf.links));
     let good = wrong.is_empty();
     wrong.into_iter().for_each(|(offset, message)| problems.at(&shown, text, offset, message));
     if good { Ok(urdf) } else { Err(Unread) }
@@ -114,7 +118,7 @@ fn ignored(robot: Node) -> Vec<String> {
             *counts.entry(tag).or_default() += 1;
         }
     }
-    counts.iter().map(|(tag, count)| format!("{count} <{tag}> ignored")).collect()
+    counts.iter().map(|(tag, count)| format!("{count} <{tag}> not used: usarsim does not read them")).collect()
 }
 
 /// A tree as it is made.
@@ -126,6 +130,7 @@ struct Tree<'a> {
     /// Mistakes, each with where it is in the text.
     wrong: Vec<(usize, String)>,
     urdf: Urdf,
+    looks: Looks,
 }
 
 impl<'a> Tree<'a> {
@@ -169,6 +174,7 @@ impl<'a> Tree<'a> {
             self.urdf.links[number].parts.push(part);
         }
         let mut nodes = node.into_iter().flat_map(|node| node.children()).filter(|node| node.has_tag_name("collision"));
+        let before = self.urdf.links[number].solids.len();
         for collision in &link.collision {
             let at = start(nodes.next());
             match solid(self.source, link, collision, pose, self.material) {
@@ -180,18 +186,12 @@ impl<'a> Tree<'a> {
                 Err(reason) => self.wrong.push((at, of_link(reason))),
             }
         }
-        for visual in &link.visual {
-            match visuals(self.source, visual, pose, self.robot) {
-                Ok(visuals) => {
-                    let (good, bad): (Vec<_>, Vec<_>) =
-                        visuals.into_iter().partition(|visual| scene::check::visual(visual).is_empty());
-                    self.urdf.links[number].visuals.extend(good);
-                    let wrong = bad.iter().flat_map(scene::check::visual).map(|it| format!("{it}: not drawn"));
-                    self.urdf.assumptions.extend(wrong.map(of_link));
-                }
-                Err(reason) => self.urdf.assumptions.push(of_link(format!("{reason}: not drawn"))),
-            }
-        }
+        let solids = &self.urdf.links[number].solids;
+        let own = &solids[before.min(solids.len())..];
+        let (visuals, said) = self.looks.of_link(self.source, link, pose, self.robot, own);
+        self.urdf.links[number].visuals.extend(visuals);
+        self.urdf.assumptions.extend(said);
+        self.looks.bound(&mut self.urdf.links);
     }
 
     /// The link that a joint carries: one of its own, or that of the parent where the joint holds it.
@@ -360,36 +360,6 @@ fn solid(
     };
     let (position, rotation) = scene::position_and_rotation(&(place * turn));
     Ok(Solid { name: link.name.clone(), shape, position, rotation, material: material.clone() })
-}
-
-/// What is seen of a link, in the robot frame: a mesh in the pieces of its colours.
-fn visuals(
-    source: &Source,
-    visual: &urdf_rs::Visual,
-    pose: &Pose,
-    robot: &urdf_rs::Robot,
-) -> Result<Vec<Visual>, String> {
-    let named = |name: &str| robot.materials.iter().find(|it| it.name == name)?.color.clone();
-    let colour = visual.material.as_ref().and_then(|it| it.color.clone().or_else(|| named(&it.name)));
-    let colour = colour.map(|colour| [0, 1, 2].map(|part| colour.rgba[part].clamp(0.0, 1.0)));
-    let place = Isometry3::from_parts(Default::default(), z_down()) * pose * isometry(&visual.origin);
-    let (shapes, turn) = match &visual.geometry {
-        Geometry::Mesh { filename, scale } => {
-            let scale = scale.map_or([1.0; 3], |scale| *scale);
-            let pieces = mesh::pieces(source, &mesh_file(source, filename))?;
-            let piece = |it: mesh::Piece| (it.colour, it.scaled(scale));
-            (pieces.into_iter().map(piece).collect(), z_down())
-        }
-        geometry => (vec![(None, primitive(geometry)?)], UnitQuaternion::identity()),
-    };
-    let (position, rotation) = scene::position_and_rotation(&(place * turn));
-    let drawn = |(own, shape): (Option<[f64; 3]>, Shape)| Visual {
-        shape,
-        position,
-        rotation,
-        colour: colour.or(own).unwrap_or(mesh::COLOUR),
-    };
-    Ok(shapes.into_iter().map(drawn).collect())
 }
 
 /// Shapes that are symmetric about their z axis, so it does not matter whether that is up or down.

@@ -98,6 +98,17 @@ pub struct Motor {
     pub armature: f64,
 }
 
+impl Motor {
+    /// Torque of a servo of the speed that is told to turn at its speed limit and cannot turn, N m.
+    pub fn stall_torque(&self) -> f64 {
+        match self.integral_time {
+            // Integral action goes on until it meets the limit.
+            Some(_) => self.max_torque,
+            None => self.max_torque.min(self.gain * self.max_speed),
+        }
+    }
+}
+
 /// The free rollers of a Mecanum wheel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rollers {

@@ -12,6 +12,7 @@ use serde_json::json;
 use sim_core::{Options, World};
 use thread_pool::ThreadPool;
 
+use crate::output::{definition_files, keep_inputs};
 use crate::{Failure, exit, print, within};
 
 /// Options of `bench`.
@@ -22,12 +23,12 @@ use crate::{Failure, exit, print, within};
     spot and on a curve, and is compared with the twist at which the friction of its wheels balances.")]
 pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml.
-    #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
+    #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
     robot: String,
-    /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
+    /// Drive model: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the one in its robot.toml.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// How many of them drive side by side.
+    /// Number of robots that drive side by side.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     robots: u32,
     /// Simulated seconds of each motion.
@@ -36,7 +37,7 @@ pub(crate) struct Arguments {
     /// Length of a time step, s; by default 0.004 with `bodies`, 0.016 with the other models. `serve` takes 0.002.
     #[arg(long, value_parser = time_step)]
     dt: Option<f64>,
-    /// Threads on which robots that do not touch are moved.
+    /// Threads for the simulation.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     threads: u32,
     /// A map by name or file, as for `serve`.
@@ -63,6 +64,9 @@ pub(crate) fn time_step(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { robot, robots, seconds, map, set, .. } = arguments;
+    if let Some(trace) = &arguments.trace {
+        keep_inputs(trace, &[definition_files(robot), definition_files(map)].concat())?;
+    }
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
     let mut robot = scene_loader::robot(robot, set).map_err(broken)?;
     robot.set_drive_model(arguments.drive_model);

@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for file in &arguments.files {
         match scene_loader::check(file) {
             Ok(assumptions) if !arguments.json => {
-                assumptions.iter().for_each(|it| print(format_args!("{}: assumed: {it}", file.display())));
+                assumptions.iter().for_each(|it| print(format_args!("{}: note: {it}", file.display())));
             }
             Ok(_) => {}
             Err(LoadError::Bad(found)) => problems.extend(found),

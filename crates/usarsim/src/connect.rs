@@ -16,6 +16,7 @@ use rustyline::error::ReadlineError;
 use rustyline::history::DefaultHistory;
 use rustyline::{Context, Editor, ExternalPrinter, Helper};
 
+use crate::terminal::printable;
 use crate::{Failure, exit, print};
 
 /// Options of `connect`.
@@ -25,7 +26,7 @@ use crate::{Failure, exit, print};
     In a terminal Tab completes verbs, keys, classes, starts and sensors, the arrows recall lines, and help lists all of them. \
     Lines on a timer (STA, SEN) are hidden until they are asked for: :watch shows all of them, :watch GroundTruth those with \
     that word, :unwatch none. :quit or Ctrl-D ends.\n\n\
-    Without a terminal every line is printed. It ends half a second after the last answer to the input's last line.")]
+    Without a terminal every line is printed. The program ends half a second after the end of the input.")]
 pub(crate) struct Arguments {
     /// The server.
     #[arg(value_name = "HOST:PORT", default_value = "127.0.0.1:3000")]
@@ -220,7 +221,8 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
             }
         }
         let line = match client.next_line(POLL) {
-            Ok(Some(line)) => line,
+            // The names in it are completed later.
+            Ok(Some(line)) => printable(&line).into_owned(),
             Ok(None) => continue,
             Err(error) => {
                 let _ = printer.print(format!("the server has ended the connection ({error}); :quit\n"));

@@ -1,4 +1,4 @@
-//! `usarsim copy`: the files of a robot or a map that is built in, to begin one's own with.
+//! `usarsim copy`: the files of a built-in robot or map, as a start for one's own.
 
 use std::path::{Path, PathBuf};
 
@@ -8,14 +8,14 @@ use crate::{Failure, exit, print};
 /// Options of `copy`.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim copy map arena my-arena && usarsim serve --map my-arena\n  \
-    usarsim copy robot P3AT MyPioneer && usarsim serve --robot MyPioneer/robot.toml\n\nThe class of a robot is the name of its \
+    usarsim copy robot P3AT MyPioneer && usarsim serve --robot MyPioneer/robot.toml\n\nA robot's class is the name of its \
     folder: INIT {ClassName USARBot.MyPioneer}.")]
 pub(crate) struct Arguments {
-    /// What to copy.
+    /// Kind of definition.
     what: What,
     /// Its name (see `usarsim maps`, `usarsim robots`).
     name: String,
-    /// A folder that is not there yet.
+    /// New folder for the files. It must not exist.
     folder: PathBuf,
 }
 
@@ -26,7 +26,7 @@ pub(crate) fn run(Arguments { what, name, folder }: &Arguments) -> Result<(), Fa
     };
     let files = files.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
     let failed = |path: &Path, error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
-    // Nothing of anybody's is overwritten: not even an empty folder that another program has made for itself.
+    // Another program may have made an empty folder for itself.
     std::fs::create_dir(folder).map_err(|error| failed(folder, error))?;
     for (file, content) in files {
         let path = folder.join(file);

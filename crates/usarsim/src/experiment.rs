@@ -16,6 +16,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use scene::DriveModel;
 use serde_json::json;
 
+use crate::output::keep_inputs;
 use crate::{Failure, exit, print, within};
 
 /// Subcommands of `experiment`.
@@ -23,9 +24,9 @@ use crate::{Failure, exit, print, within};
 pub(crate) enum Command {
     /// Run chapter 7 of the thesis "A KUKA youBot simulation in USARSim": every experiment, every figure, every claim.
     Thesis(ThesisArguments),
-    /// Run one's own experiment from a file.
+    /// Run your own experiment from a file.
     Run(RunArguments),
-    /// Find parameters of a robot by which the simulation comes nearest to measured steps.
+    /// Fit parameters of a robot so that simulated steps match measured ones.
     Fit(FitArguments),
 }
 
@@ -33,8 +34,8 @@ pub(crate) enum Command {
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  usarsim experiment thesis\n  usarsim experiment thesis --only forward,friction --out quick\n  \
-    usarsim experiment thesis --drive-model analytic --jobs 2 --json\n\nOpen report.html in the folder when it is done. Called again, \
-    an interrupted run is resumed. The experiments are the files under experiments/thesis."
+    usarsim experiment thesis --drive-model analytic --jobs 2 --json\n\nOpen report.html in the folder when it is done. Call it again \
+    to resume an interrupted run. The experiments are the files under experiments/thesis."
 )]
 pub(crate) struct ThesisArguments {
     /// Only these experiments, by name.
@@ -71,13 +72,13 @@ pub(crate) struct FitArguments {
     /// The drive model; by default the experiment's first.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// Folder for fit.json and a picture of each parameter; none are written unless given.
+    /// Folder for fit.json and a picture of each parameter; without it no file is written.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs at a time; by default as many as there are cores.
     #[arg(long)]
     jobs: Option<usize>,
-    /// Print what was found as JSON.
+    /// Print the result as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -93,8 +94,8 @@ struct Common {
     /// Runs at a time; by default as many as there are cores.
     #[arg(long)]
     jobs: Option<usize>,
-    /// Drive through a server's socket at this real-time factor, as a controller does, and not in this process: poses are the wire's,
-    /// to a millimetre, and lines come when they come.
+    /// Drive through a server's socket at this real-time factor, as a controller does, instead of in this process. Poses then have
+    /// the wire's resolution of a millimetre, and lines arrive when the network delivers them.
     #[arg(long, value_name = "RTF", value_parser = real_time_factor)]
     socket: Option<f64>,
     /// Print a summary as JSON.
@@ -143,7 +144,7 @@ fn conduct(
     common: &Common,
     quiet: bool,
 ) -> Result<(), Failure> {
-    let mut plans = Vec::new();
+    let (mut plans, mut inputs) = (Vec::new(), Vec::new());
     for (file, text) in files {
         let mut plan = Plan::read(&file, &text).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
         if !common.drive_model.is_empty() {
@@ -154,8 +155,10 @@ fn conduct(
             plan.text.push_str(&format!("\n# through the socket at {real_time_factor} times real time\n"));
         }
         plans.push(plan);
+        inputs.push(file);
     }
     let out = common.out.as_deref().unwrap_or(Path::new(folder));
+    report::files(out, &plans).iter().try_for_each(|written| keep_inputs(written, &inputs))?;
     let batch = Batch::open(out, &plans).map_err(failure)?;
     let total: usize = plans.iter().map(|plan| plan.runs().len()).sum();
     let jobs = jobs(common.jobs);
@@ -222,6 +225,9 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
         Failure::new(code, error)
     };
     let fit = Fit::read(file, *drive_model).map_err(refused)?;
+    if let Some(out) = out {
+        fit.outputs(out).iter().try_for_each(|written| keep_inputs(written, fit.inputs()))?;
+    }
     let style = ProgressStyle::with_template("{spinner} {pos} trials in {elapsed}, {msg}");
     let bar = bar(None, quiet).with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
     let trial = |distance: f64| {

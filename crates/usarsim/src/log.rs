@@ -1,4 +1,4 @@
-//! `usarsim log`: what is in a log, its lines and tables, pictures of it, and the same run once more.
+//! `usarsim log`: reads, exports, plots, replays and repairs logs.
 
 mod cat;
 mod export;
@@ -8,7 +8,6 @@ mod recover;
 mod replay;
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 use recorder::{Log, Record};
@@ -32,10 +31,10 @@ pub(crate) enum Command {
     Export(export::Arguments),
     /// Draw the path over the map, or fields against time.
     Plot(plot::Arguments),
-    /// Feed the recorded lines to a fresh world and compare every state and the digest, bit by bit; or play the recorded
+    /// Run the recorded lines again in a fresh world and compare every state and the digest bit by bit, or play the recorded
     /// messages to clients.
     Replay(replay::Arguments),
-    /// Repair a log that was cut off: everything up to the cut.
+    /// Recover a log that was cut off: copy everything before the cut.
     Recover(recover::Arguments),
 }
 
@@ -56,11 +55,10 @@ fn read(file: &Path) -> Result<Log, Failure> {
     Ok(log)
 }
 
-/// Says that a file gives less than was in it.
+/// Reports that a file could be read only in part.
 fn report_damage(file: &Path, damage: Option<&str>) {
     if let Some(damage) = damage {
-        // Nobody has to listen.
-        let _ = writeln!(std::io::stderr(), "usarsim: {}: {damage}; what comes before is used", file.display());
+        crate::complain(format_args!("{}: {damage}; everything before it is used", file.display()));
     }
 }
 
@@ -73,7 +71,7 @@ fn robots(log: &Log) -> BTreeMap<u64, (&str, &str)> {
     states.collect()
 }
 
-/// The number of the robot that is asked for by its number or name.
+/// Finds a robot by its number or name.
 fn robot(log: &Log, file: &Path, wanted: &str) -> Result<u64, Failure> {
     let known = robots(log);
     let is = |(robot, (_, name)): &(&u64, &(&str, &str))| robot.to_string() == wanted || *name == wanted;

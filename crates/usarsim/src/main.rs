@@ -8,15 +8,19 @@ mod copy;
 mod experiment;
 mod list;
 mod log;
+mod output;
 mod serve;
 mod show;
 mod snapshot;
 mod teleop;
+mod terminal;
 mod validate;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use terminal::printable;
 
 /// Exit codes, after sysexits.h.
 mod exit {
@@ -28,7 +32,7 @@ mod exit {
     pub(crate) const BAD_CONFIGURATION: u8 = 78;
 }
 
-/// A server that takes the place of USARSim: controllers written for it connect to port 3000 and drive.
+/// A robot simulator that replaces the USARSim server: controllers written for USARSim connect to port 3000 and drive.
 #[derive(Parser)]
 #[command(
     version,
@@ -39,54 +43,54 @@ mod exit {
 struct Arguments {
     #[command(subcommand)]
     command: Command,
-    /// Say more on stderr; twice for everything.
+    /// Print debug messages on stderr; `-vv` prints trace messages too.
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
-    /// Say only errors on stderr.
+    /// Print only errors on stderr.
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
 }
 
 #[derive(Subcommand)]
 enum Command {
-    /// Serve a world to controllers until Ctrl-C or SIGTERM.
+    /// Run a simulation server until Ctrl-C or SIGTERM.
     Serve(serve::Arguments),
-    /// Drive a robot by the keys of a terminal.
+    /// Drive a robot with the keyboard.
     Teleop(teleop::Arguments),
-    /// Talk to a server line by line, with history and completion.
+    /// Send lines to a server and print its answers, with history and completion.
     Connect(connect::Arguments),
     /// List the maps.
     Maps(list::Arguments),
-    /// List the robot classes with what they carry.
+    /// List the robot classes with their sensors and actuators.
     Robots(list::Arguments),
-    /// Draw a map, and a robot on it, to a PNG file.
+    /// Draw a map, with or without a robot, to a PNG file.
     Snapshot(snapshot::Arguments),
-    /// Print every number of a robot or a map, overrides included.
+    /// Print every number of a robot or a map, including overrides.
     Show(show::Arguments),
-    /// Copy the files of a robot or a map that is built in, to begin one's own with.
+    /// Copy the files of a built-in robot or map, as a start for your own.
     Copy(copy::Arguments),
-    /// Check robot.toml, map.toml, materials.toml and URDF files: every mistake with its line.
+    /// Check robot.toml, map.toml, materials.toml and URDF files and report every mistake with its line.
     Check(check::Arguments),
     /// Run the physical checks of a robot on wheels.
     Validate(validate::Arguments),
-    /// Measure how fast and how exact the world is.
+    /// Measure the speed and the accuracy of the simulation.
     Bench(bench::Arguments),
-    /// Run the experiments of the thesis "A KUKA youBot simulation in USARSim", or one's own.
+    /// Run the experiments of the thesis "A KUKA youBot simulation in USARSim", or your own.
     #[command(subcommand)]
     Experiment(experiment::Command),
     /// Inspect, export, plot, replay and repair logs.
     #[command(subcommand)]
     Log(log::Command),
-    /// Print the completions of a shell, made for its own folder of them.
+    /// Print the completion script of a shell. --help says where to put it.
     Completions(completions::Arguments),
-    /// Write the man pages into a folder, for packages.
+    /// Write the man pages into a folder.
     #[command(hide = true)]
     Man(completions::ManArguments),
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    // Kept to the end: what waits is written when it is dropped.
+    // Dropping the guard writes the remaining lines.
     let _logging = start_logging(&arguments);
     report_panics();
     match std::panic::catch_unwind(|| dispatch(arguments)) {
@@ -120,7 +124,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
     }
 }
 
-/// A panic is said in one line of the log, with its place; `RUST_BACKTRACE=1` adds the calls.
+/// Logs a panic in one line with its place; `RUST_BACKTRACE=1` adds the calls.
 fn report_panics() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map(ToString::to_string).unwrap_or_default();
@@ -134,7 +138,7 @@ fn report_panics() {
     }));
 }
 
-/// Why the program ends with an exit code other than 0.
+/// A reason for the program to end with an exit code other than 0.
 struct Failure {
     code: u8,
     message: String,
@@ -146,8 +150,8 @@ impl Failure {
     }
 }
 
-/// Log lines go through a thread of their own: a reader of stderr that has stopped must not stop the server. Lines that find
-/// no room are lost.
+/// Starts a thread that writes log lines: a reader of stderr that has stopped must not stop the server. If the queue is
+/// full, lines are dropped.
 fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::WorkerGuard {
     use std::io::IsTerminal;
     use tracing_subscriber::filter::LevelFilter;
@@ -169,10 +173,10 @@ fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
     if (least..=most).contains(&value) { Ok(value) } else { Err(format!("expected {least} to {most}")) }
 }
 
-/// Says on stderr what went wrong. Nobody has to listen: a reader that is gone or has stopped is not waited for.
+/// Reports an error on stderr, without waiting for a reader that is gone or has stopped.
 fn complain(message: impl std::fmt::Display) {
     use std::io::Write;
-    let text = format!("usarsim: {message}\n");
+    let text = format!("usarsim: {}\n", printable(&message.to_string()));
     let (written, done) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
         let _ = std::io::stderr().write_all(text.as_bytes());
@@ -181,9 +185,9 @@ fn complain(message: impl std::fmt::Display) {
     let _ = done.recv_timeout(std::time::Duration::from_secs(1));
 }
 
-/// Prints to stdout; a reader that has gone away is not an error.
+/// Prints to stdout with control characters escaped; a reader that has gone away is not an error.
 fn print(text: impl std::fmt::Display) {
     use std::io::Write;
     let mut stdout = std::io::stdout().lock();
-    let _ = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
+    let _ = writeln!(stdout, "{}", printable(&text.to_string())).and_then(|()| stdout.flush());
 }

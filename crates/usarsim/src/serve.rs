@@ -1,5 +1,6 @@
 //! `usarsim serve`.
 
+use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::PathBuf;
 
@@ -11,6 +12,7 @@ use scene_loader::Override;
 use sim_core::Options;
 use thread_pool::ThreadPool;
 
+use crate::terminal::printable;
 use crate::{Failure, exit, print};
 
 /// Port of the page unless another is asked for.
@@ -21,9 +23,9 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
 #[command(after_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
     usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n  \
     usarsim serve --robot turtlebot3_burger.urdf\n  \
-    usarsim serve --host 0.0.0.0             # seen and driven from other machines\n  \
-    usarsim serve --host 0.0.0.0 --control local  # but paused and reset from this one alone\n\n\
-    Clients are served until Ctrl-C or SIGTERM, which end the server with exit code 0.")]
+    usarsim serve --host 0.0.0.0             # other machines can watch and drive\n  \
+    usarsim serve --host 0.0.0.0 --control local  # only this machine can pause and reset\n\n\
+    The server runs until Ctrl-C or SIGTERM and then ends with exit code 0.")]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
     #[arg(long, env = "USARSIM_MAP", default_value = "hall", value_name = "NAME|FILE")]
@@ -36,18 +38,18 @@ pub(crate) struct Arguments {
     /// several times; `usarsim show` prints the result.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
-    /// How robots are moved: articulated, bodies, analytic, kinematic or kinematic-textbook, where they can; by default as their
-    /// robot.toml says.
+    /// Drive model of the robots that support it: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the
+    /// one in their robot.toml.
     #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// Address to listen on, for controllers and for the page. 0.0.0.0 lets everyone in who reaches this machine.
+    /// Address to listen on, for controllers and for the page. 0.0.0.0 accepts connections from other machines.
     #[arg(long, env = "USARSIM_HOST", default_value = "127.0.0.1")]
     host: String,
     /// Port to listen on; 0 takes a free one.
     #[arg(long, env = "USARSIM_PORT", default_value_t = 3000)]
     port: u16,
-    /// Dialect of the server's lines: udk, ut2004 (grouped sonars, GEO in one brace, an answer to every SET, as older controllers
-    /// read), or auto: ut2004 for the robots that only it had (P2DX, P2AT).
+    /// Dialect of the server's lines: udk, ut2004 (grouped sonars, GEO in one brace, an answer to every SET, which older controllers
+    /// expect), or auto: ut2004 for the robots that only UT2004 had (P2DX, P2AT).
     #[arg(long, env = "USARSIM_DIALECT", default_value = "auto", value_name = "DIALECT", value_parser = dialect)]
     dialect: DialectChoice,
     /// Port of the page with the 3-D view; 0 takes a free one. By default 8080, or a free one if that is taken.
@@ -57,7 +59,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     no_http: bool,
     /// Who may pause, step, reset, record, and change the speed or the map: everyone who has the page open, only pages on this machine
-    /// (also through `ssh -L`), or nobody. All others watch, and drive robots of their own.
+    /// (also through `ssh -L`), or nobody. Everybody can watch and drive their own robots.
     #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO", default_value = "everyone")]
     control: ControlChoice,
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
@@ -66,38 +68,37 @@ pub(crate) struct Arguments {
     /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
-    /// Length of a time step, s: a longer one costs less, and with `bodies` is less exact.
+    /// Length of a time step, s. A longer step is faster; with `bodies` it is less accurate.
     #[arg(long, env = "USARSIM_DT", value_name = "SECONDS", default_value_t = sim_core::TIME_STEP, value_parser = crate::bench::time_step)]
     dt: f64,
     /// Seed of all randomness: the same seed and commands give the same run.
     #[arg(long, env = "USARSIM_SEED", default_value_t = 0)]
     seed: u64,
-    /// Write every line and every pose to an MCAP file.
+    /// Write every line and every pose to an MCAP file. An existing file is kept: the log is then run-2.mcap, run-3.mcap ..
     #[arg(long, env = "USARSIM_LOG", value_name = "FILE.mcap")]
     log: Option<PathBuf>,
-    /// `ros2` writes messages of ROS 2 as well, to a file of their own: run.ros2.mcap beside run.mcap.
+    /// `ros2` also writes ROS 2 messages to a second file: run.ros2.mcap beside run.mcap.
     #[arg(long, env = "USARSIM_LOG_FORMAT", value_name = "FORMAT", default_value = "native", requires = "log")]
     log_format: LogFormat,
-    /// Listening pauses while there are more connections than this, as in USARSim.
+    /// Most connections. Above it the server accepts no new ones until some close, as in USARSim.
     #[arg(long, env = "USARSIM_MAX_CONNECTIONS", default_value_t = 64)]
     max_connections: usize,
-    /// Report to clients what is wrong with their lines by `NFO {Error ..}`, which USARSim does not.
+    /// Report mistakes in clients' lines to them as `NFO {Error ..}`. USARSim does not.
     #[arg(long, env = "USARSIM_REPORT_ERRORS")]
     report_errors: bool,
-    /// Let only the newest robot of a connection leave with it, as USARSim does: the others stay.
+    /// When a connection closes, remove only its newest robot, as USARSim does.
     #[arg(long, env = "USARSIM_KEEP_ROBOTS")]
     keep_robots: bool,
-    /// Panic after so many steps, to see what happens then.
+    /// Panic after this many steps, for tests.
     #[arg(long, hide = true, value_name = "STEPS")]
     panic_at: Option<u64>,
     /// Unit of wheel speeds on the wire: radians or revolutions a second.
     #[arg(long, env = "USARSIM_WHEEL_SPEEDS", default_value = "rad")]
     wheel_speeds: WheelSpeeds,
-    /// Threads on which robots that do not touch are moved, and sensors measure; by default as many as this machine runs at a time.
-    /// The bits are the same for any number.
+    /// Threads for the simulation; by default the number of cores. The results are bitwise identical for any number.
     #[arg(long, env = "USARSIM_THREADS", value_parser = clap::value_parser!(u32).range(1..=256))]
     threads: Option<u32>,
-    /// Print the line that says the server is ready as JSON.
+    /// Print the ready line as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -145,7 +146,11 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{error}")))?;
     world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     for robot in world.robots.values() {
-        robot.assumptions.iter().for_each(|it| eprintln!("{}: assumed: {it}", robot.class));
+        for assumption in &robot.assumptions {
+            let text = format!("{}: note: {assumption}", robot.class);
+            // Nobody has to listen.
+            let _ = writeln!(std::io::stderr(), "{}", printable(&text));
+        }
     }
     let speed_unit = match arguments.wheel_speeds {
         WheelSpeeds::Rad => 1.0,

@@ -11,6 +11,7 @@ use scene::{DriveModel, Geometry, Pose, Shape};
 use scene_loader::Override;
 use sim_core::{Options, World};
 
+use crate::output::{definition_files, keep_inputs};
 use crate::{Failure, exit, print, within};
 
 /// Options of `snapshot`.
@@ -30,31 +31,31 @@ pub(crate) struct Arguments {
     /// Start pose of the robot by its name on the map; by default the map's first.
     #[arg(long, value_name = "NAME")]
     start: Option<String>,
-    /// A DRIVE line, with or without its verb, given at once.
+    /// A DRIVE line for the robot, with or without the verb.
     #[arg(long, value_name = "BLOCKS", requires = "robot")]
     drive: Option<String>,
     /// Simulated seconds before the picture is taken.
     #[arg(long, default_value = "1", value_parser = seconds)]
     seconds: f64,
-    /// A moving picture, an animated PNG, of so many simulated seconds from then on.
+    /// Write an animated PNG of this many simulated seconds, from then on.
     #[arg(long, value_name = "SECONDS", value_parser = film_seconds)]
     film: Option<f64>,
     /// Replace a number, as for `serve`.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
-    /// How the wheels of Mecanum robots move them, as for `serve`.
+    /// Drive model, as for `serve`.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// Where the camera is.
+    /// Position of the camera.
     #[arg(long, default_value = "corner")]
     view: View,
-    /// Distance from the camera to the middle, m; by default so that the robot, or the map, fills the picture.
+    /// Distance from the camera to the robot or the middle of the map, m; by default the robot, or the whole map, fills the picture.
     #[arg(long, value_name = "M", value_parser = distance)]
     distance: Option<f64>,
     /// Pixels, width x height.
     #[arg(long, default_value = "1280x720", value_name = "WxH", value_parser = size)]
     size: [usize; 2],
-    /// The picture: its name ends in .png.
+    /// The picture, a file name that ends in .png.
     #[arg(long, value_name = "FILE.png", value_parser = png)]
     out: PathBuf,
 }
@@ -105,8 +106,8 @@ fn png(text: &str) -> Result<PathBuf, String> {
 fn size(text: &str) -> Result<[usize; 2], String> {
     let parsed = text.split_once('x').and_then(|(wide, high)| Some([wide.parse().ok()?, high.parse().ok()?]));
     parsed
-        .filter(|size| size.iter().all(|edge| (16..=4096).contains(edge)))
-        .ok_or("expected WxH of 16 to 4096".to_owned())
+        .filter(|size| size.iter().all(|edge| (16..=8192).contains(edge)))
+        .ok_or("expected WxH of 16 to 8192".to_owned())
 }
 
 /// Pictures that a film has a second.
@@ -115,10 +116,15 @@ const FRAMES_PER_SECOND: u16 = 15;
 const FIELD_OF_VIEW: f64 = 0.6;
 /// Least half width of what is looked at, m.
 const LEAST_REACH: f64 = 0.2;
+/// What is looked at of a map on which nothing stands, m.
+const BARE_MAP: [f64; 3] = [4.0, 4.0, 0.1];
 /// The picture's height over that of a ball around what is looked at.
 const FILLING: f64 = 1.1;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let given = [Some(&arguments.map), arguments.robot.as_ref()];
+    let inputs: Vec<PathBuf> = given.into_iter().flatten().flat_map(|given| definition_files(given)).collect();
+    keep_inputs(&arguments.out, &inputs)?;
     let configuration = |error: String| Failure::new(exit::BAD_CONFIGURATION, error);
     let file = arguments.robot.as_deref().map(Path::new).filter(|file| file.is_file());
     let files: Vec<&Path> = file.into_iter().collect();
@@ -126,22 +132,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|error| configuration(error.to_string()))?;
     def.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     let mut world = World::new(def, Options::default());
-    let mut middle = (overview(&world), Vector3::x_axis().into_inner());
+    let (mut target, mut ahead, mut reach) = (None, Vector3::x(), LEAST_REACH);
     if let Some(robot) = &arguments.robot {
         let class = scene_loader::robot(robot, &[]).map_or_else(|_| robot.clone(), |def| def.class);
         let class = class.as_str();
         place(&mut world, class, arguments).map_err(configuration)?;
         if let Some((body, _)) = world.robots().next().and_then(|(id, _, _)| world.state(id)) {
-            middle =
-                ((body.pose.translation.vector.into(), reach_of(&world, class)), body.pose.rotation * Vector3::x());
+            target = Some(Point3::from(body.pose.translation.vector));
+            (ahead, reach) = (body.pose.rotation * Vector3::x(), reach_of(&world, class).max(LEAST_REACH));
         }
     }
-    let ((target, reach), ahead) = middle;
-    let distance = arguments.distance.unwrap_or(FILLING * reach.max(LEAST_REACH) / (FIELD_OF_VIEW / 2.0).tan());
     let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), ahead.y.atan2(ahead.x));
-    let eye = target + turn * arguments.view.direction() * distance;
+    let direction = turn * arguments.view.direction().normalize();
     let [width, height] = arguments.size;
-    let camera = Camera { eye, target, field_of_view: FIELD_OF_VIEW };
+    let fitted = Camera::fitting(&standing(&world), -direction, FIELD_OF_VIEW, arguments.size);
+    let tall = (height as f64 / width as f64).max(1.0);
+    let camera = match (target, arguments.distance) {
+        (None, None) => fitted,
+        (target, distance) => {
+            let target = target.unwrap_or(fitted.target);
+            let distance = distance.unwrap_or(FILLING * tall * reach / (FIELD_OF_VIEW / 2.0).tan());
+            Camera { eye: target + direction * distance, target, field_of_view: FIELD_OF_VIEW }
+        }
+    };
     let draw = |world: &World| picture::picture(world.def(), &world.snapshot(), &camera, width, height);
     let written = match arguments.film {
         Some(seconds) => picture::film(&film(&mut world, seconds, draw), FRAMES_PER_SECOND),
@@ -197,21 +210,15 @@ fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), St
     Ok(())
 }
 
-/// Middle and half width of what stands on the map, m.
-fn overview(world: &World) -> (Point3<f64>, f64) {
+/// Corners of everything that stands on the map.
+fn standing(world: &World) -> Vec<Point3<f64>> {
     let map = &world.def().map;
-    let solids = map.solids.iter().filter(|solid| solid.shape != Shape::HalfSpace);
-    let places: Vec<Point3<f64>> = solids
-        .chain(map.objects.iter().map(|object| &object.solid))
-        .flat_map(|solid| corners(&solid.shape, &solid.pose()))
-        .collect();
-    let (mut low, mut high) = (Point3::new(-1.0, -1.0, 0.0), Point3::new(1.0, 1.0, 0.0));
-    if let Some(first) = places.first() {
-        (low, high) = (*first, *first);
-        places.iter().for_each(|place| (low, high) = (low.inf(place), high.sup(place)));
+    let solids = map.solids.iter().chain(map.objects.iter().map(|object| &object.solid));
+    let mut places: Vec<Point3<f64>> = solids.flat_map(|solid| corners(&solid.shape, &solid.pose())).collect();
+    if places.is_empty() {
+        places.extend(corners(&Shape::Box { size: BARE_MAP }, &Pose::identity()));
     }
-    // A map is flat, and is looked at aslant.
-    (nalgebra::center(&low, &high), 0.6 * (high - low).norm() / 2.0)
+    places
 }
 
 /// How far what is drawn of a class reaches from its origin, with every joint at 0, m.
@@ -238,5 +245,8 @@ fn corners(shape: &Shape, pose: &Pose) -> Vec<Point3<f64>> {
         Shape::Ball { radius } => Vector3::repeat(*radius),
         Shape::Cylinder { radius, length } => Vector3::new(*radius, *radius, length / 2.0),
     };
-    [reach, -reach].map(|corner| pose * Point3::from(corner)).to_vec()
+    let sign = |bit: usize, axis: usize| if bit >> axis & 1 == 0 { 1.0 } else { -1.0 };
+    (0..8)
+        .map(|bit| pose * Point3::new(sign(bit, 0) * reach.x, sign(bit, 1) * reach.y, sign(bit, 2) * reach.z))
+        .collect()
 }

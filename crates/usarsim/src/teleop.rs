@@ -9,6 +9,7 @@ use gamebots_client::Client;
 use gamebots_proto::Line;
 use gamebots_proto::message::{Message, Nfo};
 
+use crate::terminal::printable;
 use crate::{Failure, connect, exit, print};
 
 /// Options of `teleop`.
@@ -16,15 +17,15 @@ use crate::{Failure, connect, exit, print};
 #[command(
     after_help = "Examples:\n  usarsim teleop\n  usarsim teleop 192.168.1.7:3000 --robot P3AT --start RobotStart1\n\n\
     Keys: w s forward and backward, a d left and right (Mecanum and aerial robots), q e or the arrows turn or steer, r f up and \
-    down (aerial robots), space stops, + - change the speed, x or Ctrl-C ends. A terminal does not report that a key is \
-    released: the robot stops 0.7 s after the last key."
+    down (aerial robots), space stops, + - change the speed, x or Ctrl-C ends. A terminal does not report \
+    released keys, so the robot stops 0.7 s after the last key."
 )]
 pub(crate) struct Arguments {
     /// The server.
     #[arg(value_name = "HOST:PORT", default_value = "127.0.0.1:3000")]
     address: String,
-    /// Class of the robot that is spawned.
-    #[arg(long, value_name = "CLASS", default_value = "KUKA_YouBot")]
+    /// Class of the robot to spawn.
+    #[arg(long, value_name = "CLASS", default_value = "YouBotArm")]
     robot: String,
     /// Start pose by its name on the map; by default the map's first.
     #[arg(long, value_name = "NAME")]
@@ -186,7 +187,7 @@ fn drive(client: &mut Client, keys: &Receiver<u8>, steering: Steering) -> std::i
         }
         while let Some(line) = client.next_line(GLANCE)? {
             if let Some(error) = error_in(&line) {
-                print!("\r\x1b[2KWARNING {error}\r\n");
+                print!("\r\x1b[2KWARNING {}\r\n", printable(error));
             } else if line.contains("{Type GroundTruth}") {
                 pose = shown_pose(&Line::parse(&line));
             }

@@ -1,6 +1,6 @@
 //! `usarsim validate`: physical checks of a robot on wheels.
 
-use experiments::validation::{self, Finding, Subject};
+use experiments::validation::{self, Finding, Stance, Subject};
 use indicatif::{ProgressBar, ProgressStyle};
 use scene::DriveModel;
 use scene_loader::Override;
@@ -13,15 +13,15 @@ use crate::{Failure, exit, print, within};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim validate\n  usarsim validate --drive-model analytic --json\n  \
     usarsim validate --robot P3AT\n  usarsim validate --check 1 --check 7 --robot YouBot --set material.carpet.friction=0.5\n\n\
-    A robot on Mecanum wheels has twelve checks, another nine. Exit code 0 if every check passes, 1 if one does not. What each check is, and what it found: docs/validation.md.")]
+    A robot on Mecanum wheels has twelve checks, any other nine. Each failed check says why. Exit code 0 if every check passes, 1 if one fails. docs/validation.md describes the checks.")]
 pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml.
-    #[arg(long, default_value = "KUKA_YouBot", value_name = "NAME|FILE")]
+    #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
     robot: String,
-    /// How it is moved: articulated, bodies, analytic, kinematic or kinematic-textbook; by default as its robot.toml says.
+    /// Drive model: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the one in its robot.toml.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
-    /// Only this check, 1 to 12, or to 9 for a robot without Mecanum wheels. May be given several times.
+    /// Run only this check: 1 to 12, or 1 to 9 for a robot without Mecanum wheels. May be given several times.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=12))]
     check: Vec<u32>,
     /// Seconds of each measured drive.
@@ -43,11 +43,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
-    let mut robot = scene_loader::robot(&arguments.robot, &arguments.set).map_err(broken)?;
+    let broken = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
+    let mut robot = scene_loader::robot(&arguments.robot, &arguments.set).map_err(|error| broken(&error))?;
     robot.set_drive_model(arguments.drive_model);
-    let floor = scene_loader::map("rough", &arguments.set).map_err(broken)?.solids.swap_remove(0).material;
-    scene_loader::check_used(&arguments.set).map_err(broken)?;
+    let floor =
+        scene_loader::map("rough", &arguments.set).map_err(|error| broken(&error))?.solids.swap_remove(0).material;
+    scene_loader::check_used(&arguments.set).map_err(|error| broken(&error))?;
     let model = robot.drive_model;
     let options = Options { time_step: arguments.dt, ..Options::default() };
     let subject = Subject { robot, floor, options, seconds: arguments.seconds };
@@ -60,43 +61,49 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for check in checks {
         bar.set_message(name_of(names, check));
         let found = validation::check(&subject, check);
-        findings.extend(found.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?);
+        findings.extend(found.map_err(|error| broken(&error))?);
         bar.inc(1);
     }
     bar.finish_and_clear();
     let failed = findings.iter().filter(|finding| !finding.passes()).count();
+    let stance = if failed > 0 { Some(Stance::of(&subject).map_err(|error| broken(&error))?) } else { None };
+    let remark = stance.and_then(|stance| stance.remark(&subject.robot));
+    let reason = |finding: &Finding| validation::reason(&subject.robot, finding);
     if arguments.json {
-        let rows: Vec<_> = findings.iter().map(row).collect();
+        let rows: Vec<_> = findings.iter().map(|finding| row(finding, reason(finding))).collect();
         let (class, dt) = (&subject.robot.class, arguments.dt);
-        let report = json!({"robot": class, "drive_model": model.name(), "dt": dt, "failed": failed, "findings": rows});
-        print(report);
+        print(json!({
+            "robot": class, "drive_model": model.name(), "dt": dt, "failed": failed, "remark": remark, "findings": rows,
+        }));
     } else {
-        print_table(names, &findings);
+        print_table(names, &findings, reason);
+        remark.iter().for_each(|remark| print(format_args!("look at this first: {remark}")));
     }
     if failed > 0 {
         return Err(Failure::new(
             exit::FAILURE,
-            format_args!("{failed} of {} findings are out of bounds", findings.len()),
+            format_args!("{failed} of {} measured values are out of bounds", findings.len()),
         ));
     }
     Ok(())
 }
 
-fn row(finding: &Finding) -> serde_json::Value {
+fn row(finding: &Finding, reason: Option<&str>) -> serde_json::Value {
     let Finding { check, what, measured, least, most } = finding;
     let bound = |value: &f64| value.is_finite().then_some(*value);
     json!({
         "check": check, "what": what, "measured": measured,
         "least": bound(least), "most": bound(most), "passes": finding.passes(),
+        "reason": reason,
     })
 }
 
-/// Of one that is none the message says so.
+/// Name of a check; empty for a number that is none, which is refused when it runs.
 fn name_of(names: &[&'static str], check: u32) -> &'static str {
     names.get(check as usize - 1).copied().unwrap_or_default()
 }
 
-fn print_table(names: &[&'static str], findings: &[Finding]) {
+fn print_table(names: &[&'static str], findings: &[Finding], reason: impl Fn(&Finding) -> Option<&'static str>) {
     let mut last = 0;
     for finding in findings {
         if finding.check != last {
@@ -110,5 +117,8 @@ fn print_table(names: &[&'static str], findings: &[Finding]) {
             format!("at most {}", finding.most)
         };
         print(format_args!("   {:<58} {:>9.4}   {bounds:<20} {verdict}", finding.what, finding.measured));
+        if let Some(reason) = reason(finding) {
+            print(format_args!("        why: {reason}"));
+        }
     }
 }

@@ -367,6 +367,99 @@ const BROKEN_URDF: &str = r#"<robot name="broken">
 "#;
 
 #[test]
+fn no_command_writes_over_a_file_that_it_reads() {
+    let folder = workplace();
+    let path = |name: &str| folder.path().join(name);
+    let copied = run(&["copy", "map", "smooth", &path("mine").display().to_string()]);
+    assert_eq!(copied.status.code(), Some(0));
+    std::fs::hard_link(path("mine/map.toml"), path("map.png")).expect("a link");
+    let plan = "description = \"ahead\"\ndrive_models = [\"analytic\"]\n[setup]\nsteps = 1\n\
+        drive = \"{Front-Left 1}{Front-Right 1}{Back-Left 1}{Back-Right 1}\"\n";
+    let fit = "description = \"a fit\"\nexperiment = \"plan.toml\"\nmeasured = \"results/steps.csv\"\n\
+        [[parameter]]\nname = \"gain\"\nset = [\"robot.wheels.gain={}\"]\nrange = [2, 3]\n";
+    std::fs::write(path("plan.toml"), plan).expect("a file");
+    std::fs::write(path("fit.json"), fit).expect("a file");
+    let (code, said) = say(folder.path(), "experiment run plan.toml --out results");
+    assert_eq!(code, Some(0), "{said}");
+    std::fs::write(path("results/report.html"), plan).expect("a file");
+    for (line, out, input) in [
+        ("snapshot --map mine --out map.png", "map.png", "mine/map.toml"),
+        ("snapshot --map mine/map.toml --out map.png", "map.png", "mine/map.toml"),
+        ("bench --map mine --trace mine/map.toml", "mine/map.toml", "mine/map.toml"),
+        ("experiment run results/report.html --out results", "results/report.html", "results/report.html"),
+        ("experiment fit fit.json --out .", "./fit.json", "fit.json"),
+    ] {
+        let kept = std::fs::read(path(input)).expect("a file");
+        let (code, said) = say(folder.path(), line);
+        let expected = format!("the output {out} is the input file {input}, which would be lost: choose another");
+        assert!(code == Some(2) && said.contains(&expected), "{line}: {said}");
+        assert!(std::fs::read(path(input)).expect("a file") == kept, "{line}: {input} has changed");
+    }
+}
+
+/// What a stranger sends to a terminal: the clipboard, the screen, and the same with a control character of one code.
+const ESCAPES: &str = "\x1b]52;c;aGk=\x07\x1b[2J\u{9b}2J\u{7f}";
+const ESCAPED: &str = "\\x1b]52;c;aGk=\\x07\\x1b[2J\\u009b2J\\u007f";
+
+#[test]
+fn what_a_server_says_is_shown_without_control_characters() {
+    for (command, line) in [
+        ("connect", format!("NFO {{Word {ESCAPES}}}\r\n")),
+        ("teleop", format!("NFO {{Error {ESCAPES}}}\r\nNFO {{Error GETCONF ignored}}\r\n")),
+        ("teleop", format!("NFO {{Error {ESCAPES}}}\r\nCONF {{Type Robot}} {{SteeringType SkidSteered}}\r\n")),
+    ] {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = listener.local_addr().expect("an address").to_string();
+        let mut child = usarsim()
+            .args([command, &address])
+            .args(if command == "teleop" { &["--start", "Door"][..] } else { &[] })
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("usarsim starts");
+        let (mut server, _) = listener.accept().expect("a client");
+        server.write_all(line.as_bytes()).expect("it is taken");
+        // The end of the input; then that of the connection.
+        drop(child.stdin.take());
+        std::thread::sleep(Duration::from_millis(300));
+        drop(server);
+        let output = child.wait_with_output().expect("it ends");
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert!(said.contains(ESCAPED), "{command}: {said:?}");
+        assert!(!said.contains("\x1b]") && !said.contains("\u{9b}"), "{command}: {said:?}");
+    }
+}
+
+#[test]
+fn what_a_client_said_is_in_a_log_and_shown_without_control_characters() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("run.mcap");
+    let mut server = Serving::start(&["--rtf", "0", "--log", log.to_str().expect("a path")]);
+    let mut client = BufReader::new(server.connect());
+    let init =
+        format!("INIT {{ClassName USARBot.P3AT}} {{Name {ESCAPES}}} {{Location 0,0,0}}\r\nSAY {{Word {ESCAPES}}}\r\n");
+    client.get_mut().write_all(init.as_bytes()).expect("it is taken");
+    let mut line = String::new();
+    while !line.starts_with("STA") {
+        line.clear();
+        client.read_line(&mut line).expect("a line");
+    }
+    server.signal("TERM");
+    server.wait();
+    let recorded = format!("SAY {{Word {ESCAPES}}}");
+    for command in ["log info run.mcap", "log cat run.mcap", "log plot run.mcap --robot X", "log replay run.mcap"] {
+        let (_, said) = say(folder.path(), command);
+        assert!(!said.contains(|c: char| c.is_control() && c != '\n' && c != '\t'), "{command}: {said:?}");
+    }
+    let (_, said) = say(folder.path(), "log cat run.mcap --type SAY");
+    assert!(said.contains(ESCAPED), "{said:?}");
+    let (_, said) = say(folder.path(), "log cat run.mcap --type SAY --json");
+    let row: serde_json::Value = serde_json::from_str(&said).unwrap_or_else(|error| panic!("{said}: {error}"));
+    assert_eq!((&row["line"], &row["direction"]), (&recorded.into(), &"in".into()));
+}
+
+#[test]
 fn check_names_every_mistake_with_its_line() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, content, expected) in [

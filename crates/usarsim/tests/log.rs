@@ -141,6 +141,40 @@ fn a_table_has_every_state_with_its_bits() {
 }
 
 #[test]
+fn no_command_writes_over_the_log_that_it_reads() {
+    let folder = Folder::new();
+    std::fs::hard_link(folder.path("run.mcap"), folder.path("hard.png")).expect("a link");
+    std::fs::copy(folder.path("run.mcap"), folder.path("run.svg")).expect("a copy");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("run.mcap", folder.path("soft.svg")).expect("a link");
+    let bytes = |name: &str| std::fs::read(folder.path(name)).expect("a log");
+    let before = bytes("run.mcap");
+    let outs = [
+        "run.mcap",
+        "./run.mcap",
+        "hard.png",
+        #[cfg(unix)]
+        "soft.svg",
+    ];
+    for command in
+        [&["export", "--csv"][..], &["export", "--parquet"], &["export", "--tum"], &["export", "--ros2"], &["plot"]]
+    {
+        for out in outs {
+            let said = folder.refused(2, &[command, &["run.mcap", "--out", out]].concat());
+            let expected = format!("the output {out} is the input file run.mcap, which would be lost: choose another");
+            assert!(said.contains(&expected), "{command:?}: {said}");
+        }
+    }
+    folder.refused(2, &["recover", "run.mcap", "--out", "run.mcap"]);
+    // The picture of a log has its name by default.
+    let said = folder.refused(2, &["plot", "run.svg"]);
+    assert!(said.contains("the output run.svg is the input file run.svg"), "{said}");
+    for name in ["run.mcap", "hard.png", "run.svg"] {
+        assert!(bytes(name) == before, "{name} has changed");
+    }
+}
+
+#[test]
 fn a_plot_is_the_path_or_fields_against_time() {
     let folder = Folder::new();
     assert_eq!(folder.text(&["plot", "run.mcap"]), "run.svg\n");

@@ -127,7 +127,7 @@ impl<'a> File<'a> {
                     piece.triangles.push([first, first + 1, first + 2]);
                     self.triangles += 1;
                     if self.triangles > MAX_TRIANGLES {
-                        return Err(format!("more than {MAX_TRIANGLES} triangles: expected at most so many"));
+                        return Err(format!("expected at most {MAX_TRIANGLES} triangles"));
                     }
                 }
             }

@@ -31,12 +31,17 @@ pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Vec<Piece>, String> 
         return Err("a mesh of an accessor that is not there".to_owned());
     }
     let gltf = Document::from_json(root).map_err(|error| error.to_string())?;
+    let mut left = MAX_MESH;
     let mut load = |buffer: buffer::Buffer| match buffer.source() {
         buffer::Source::Bin => blob.take().ok_or_else(|| "a buffer that is not there".to_owned()),
         buffer::Source::Uri(uri) if uri.starts_with("data:") => {
             Err("a buffer as data: expected a .glb, or a buffer in a file of its own".to_owned())
         }
-        buffer::Source::Uri(file) => source.bytes(file, MAX_MESH).map_err(|error| error.to_string()),
+        buffer::Source::Uri(file) => {
+            let bytes = source.bytes(file, left).map_err(|error| error.to_string())?;
+            left -= bytes.len() as u64;
+            Ok(bytes)
+        }
     };
     let buffers = gltf.buffers().map(&mut load).collect::<Result<Vec<_>, _>>()?;
     for view in gltf.views() {
@@ -104,7 +109,7 @@ fn add(node: &Node, pose: &Matrix4<f32>, buffers: &[Vec<u8>], pieces: &mut Vec<P
         let colour = primitive.material().index().map(|_| [r, g, b].map(srgb));
         pieces.push(Piece { vertices, triangles, colour });
         if pieces.iter().map(|piece| piece.triangles.len()).sum::<usize>() > MAX_TRIANGLES {
-            return Err(format!("more than {MAX_TRIANGLES} triangles: expected at most so many"));
+            return Err(format!("expected at most {MAX_TRIANGLES} triangles"));
         }
     }
     Ok(())

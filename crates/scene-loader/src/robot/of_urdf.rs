@@ -17,8 +17,8 @@ const NEARLY: f64 = 0.95;
 const WHEEL_SPEED: f64 = 10.0;
 /// A wheel without a torque limit can push this part of the robot's weight.
 const WHEEL_PUSH: f64 = 0.5;
-/// m/s².
-const GRAVITY: f64 = 9.81;
+/// Part of a limit that is within it however sums are rounded.
+const ROUNDING: f64 = 0.999;
 const BODY: &str = "unreal-default";
 const TYRE: &str = "rubber-tyre";
 
@@ -36,6 +36,7 @@ pub(crate) fn read(
     guess.find_wheels();
     let steering = guess.steering();
     guess.free_casters();
+    guess.limit_motors();
     let (links, mut assumptions) = guess.finish(steering);
     assumptions.push(format!("links are of `{BODY}`, wheels of `{TYRE}`"));
     let robot = RobotDef {
@@ -194,6 +195,28 @@ impl Guess {
         }
     }
 
+    /// Lowers limits that stand in a URDF for "none": with them a robot would throw itself over walls.
+    fn limit_motors(&mut self) {
+        let mass: f64 = self.urdf.links.iter().map(|link| link.mass().mass).sum();
+        let most_push = ROUNDING * check::MAX_PUSH * check::EARTH_GRAVITY * mass / self.wheels.len().max(1) as f64;
+        for (_, link) in &mut self.wheels {
+            let Some(radius) = link.wheel.as_ref().map(|wheel| wheel.radius) else { continue };
+            let Some(motor) = link.joint.as_mut().and_then(|joint| joint.drive.as_mut()) else { continue };
+            let speed = (ROUNDING * check::MAX_RIM_SPEED / radius).min(check::MAX_SPEED.most);
+            let torque = (most_push * radius).min(check::MAX_TORQUE.most);
+            let Motor { max_speed, max_torque, gain, .. } = motor;
+            for (limit, most, what) in [(max_speed, speed, "velocity in rad/s"), (max_torque, torque, "effort in N m")]
+            {
+                if *limit > most {
+                    let text = format!("joint {}: {what} {limit} is taken as {most:.2}", link.name);
+                    self.urdf.assumptions.push(format!("{text}, as no robot has more"));
+                    *limit = most;
+                }
+            }
+            *gain = servo_gain(motor.max_torque, motor.max_speed);
+        }
+    }
+
     fn finish(self, steering: Steering) -> (Vec<Link>, Vec<String>) {
         let Self { urdf: Urdf { links, mut assumptions, .. }, wheels, casters, .. } = self;
         if steering != Steering::None && links.iter().any(|link| link.name.to_ascii_lowercase().contains("mecanum")) {
@@ -207,11 +230,15 @@ impl Guess {
 /// A wheel's motor: what the URDF says of it, and a servo of the speed as other joints have.
 fn motor(continuous: &Continuous, robot_mass: f64, radius: f64) -> Motor {
     let max_speed = continuous.max_speed.unwrap_or(WHEEL_SPEED);
-    let max_torque = continuous.max_torque.unwrap_or(WHEEL_PUSH * robot_mass * GRAVITY * radius);
+    let max_torque = continuous.max_torque.unwrap_or(WHEEL_PUSH * robot_mass * check::EARTH_GRAVITY * radius);
     // A rotor as `Motor::armature` has to have one.
     let armature = robot_mass / 4.0 * radius * radius;
-    let gain = max_torque / (urdf::FULL_TORQUE_LAG * max_speed);
+    let gain = servo_gain(max_torque, max_speed);
     Motor { max_speed, gain, max_torque, stiffness: None, integral_time: Some(0.1), armature }
+}
+
+fn servo_gain(max_torque: f64, max_speed: f64) -> f64 {
+    max_torque / (urdf::FULL_TORQUE_LAG * max_speed)
 }
 
 /// Radius of what turns with a link about its joint's axis, and how far it goes to the left (negative) and right of the joint, m: by

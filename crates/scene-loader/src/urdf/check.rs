@@ -1,5 +1,7 @@
 //! Mistakes in a URDF with their lines, which the URDF library does not tell.
 
+use std::collections::BTreeMap;
+
 use names::{did_you_mean, listed};
 use roxmltree::{Node, NodeType};
 use scene::check::{ANGLE, INERTIA, ROBOT_REACH, Range};
@@ -10,6 +12,9 @@ use crate::problem::Problems;
 const MAX_DEPTH: usize = 64;
 /// Most links and most joints.
 const MAX_LINKS: usize = 1000;
+
+/// An axis is shorter than that only by mistake, and squares of smaller numbers are lost.
+const LEAST_AXIS: f64 = 1e-9;
 
 const JOINT_TYPES: [&str; 6] = ["fixed", "continuous", "revolute", "prismatic", "floating", "planar"];
 
@@ -61,15 +66,51 @@ impl Check<'_> {
         for joint in children("joint") {
             self.joint(joint, &links);
         }
-        let ends = children("joint").filter_map(|joint| joint.children().find(|node| node.has_tag_name("child")));
-        let child_links: Vec<&str> = ends.filter_map(|end| end.attribute("link")).collect();
-        let is_child = |link: &str| child_links.iter().filter(|child| **child == link).count();
-        let roots = links.iter().filter(|link| is_child(link) == 0).count();
-        if self.good && (roots != 1 || links.iter().any(|link| is_child(link) > 1)) {
-            self.problem(robot, format_args!("{roots} links without a parent: expected a tree with one root"));
+        if self.good {
+            self.tree(robot, children("joint").collect(), &links);
         }
         for node in robot.descendants().filter(Node::is_element) {
             self.numbers(node);
+        }
+    }
+
+    /// Links that are a tree: one without a parent, and all others with one.
+    fn tree(&mut self, robot: Node, joints: Vec<Node>, links: &[&str]) {
+        let mut parents = BTreeMap::<&str, Vec<(&str, &str)>>::new();
+        for joint in &joints {
+            let Some((child, parent)) = end_of(*joint, "child").zip(end_of(*joint, "parent")) else { continue };
+            let of_link = parents.entry(child).or_default();
+            of_link.push((joint.attribute("name").unwrap_or_default(), parent));
+            if let [.., (first, one), (second, other)] = of_link[..] {
+                let expected = "expected one; remove one of the joints";
+                let which = format!("`{one}` by joint `{first}` and `{other}` by joint `{second}`");
+                self.problem(*joint, format_args!("link `{child}` has two parents, {which}: {expected}"));
+            }
+        }
+        let roots: Vec<&str> = links.iter().copied().filter(|link| !parents.contains_key(link)).collect();
+        match roots[..] {
+            _ if !self.good => {}
+            [root] => self.reached(robot, &parents, root, links),
+            [] => self.problem(robot, "every link is the child of a joint: expected one link without a parent"),
+            _ => {
+                let (count, names) = (roots.len(), listed(roots.iter().copied()));
+                self.problem(
+                    robot,
+                    format_args!("{count} links without a parent: {names}: expected one root of a tree"),
+                );
+            }
+        }
+    }
+
+    /// Links that carry each other in a circle have parents and yet hang on nothing.
+    fn reached(&mut self, robot: Node, parents: &BTreeMap<&str, Vec<(&str, &str)>>, root: &str, links: &[&str]) {
+        let parent_of = |link: &str| parents.get(link).and_then(|of_link| of_link.first()).map(|(_, parent)| *parent);
+        let reaches = |link: &str| {
+            std::iter::successors(Some(link), |link: &&str| parent_of(link)).take(MAX_LINKS + 1).any(|it| it == root)
+        };
+        if let Some(lost) = links.iter().find(|link| !reaches(link)) {
+            let message = "it is carried in a circle of joints: expected a tree with one root";
+            self.problem(robot, format_args!("link `{lost}`: {message}"));
         }
     }
 
@@ -116,6 +157,7 @@ impl Check<'_> {
                 _ => continue,
             };
             let (key, value) = (attribute.name(), attribute.value());
+            let is_axis = node.has_tag_name("axis") && key == "xyz" && node.parent().is_some_and(moves);
             let numbers: Vec<f64> = value.split_whitespace().filter_map(|word| word.parse().ok()).collect();
             let all = numbers.len() == count && value.split_whitespace().count() == count;
             if !all || !numbers.iter().all(|number| number.is_finite()) {
@@ -123,9 +165,22 @@ impl Check<'_> {
                 self.problem(node, format_args!("{key}=\"{value}\": expected {expected}"));
             } else if !numbers.iter().all(|&number| range.holds(number)) {
                 self.problem(node, format_args!("{key}=\"{value}\": expected {range}"));
+            } else if is_axis && numbers.iter().all(|&number| number.abs() < LEAST_AXIS) {
+                let expected = "expected a direction, as in xyz=\"0 0 1\"";
+                self.problem(node, format_args!("<axis {key}=\"{value}\"> is zero: {expected}"));
             }
         }
     }
+}
+
+/// Link at an end of a joint, `parent` or `child`.
+fn end_of<'n>(joint: Node<'n, '_>, tag: &str) -> Option<&'n str> {
+    joint.children().find(|node| node.has_tag_name(tag))?.attribute("link")
+}
+
+/// True for a joint that turns or slides about its axis. Exporters write a zero axis for the others.
+fn moves(joint: Node) -> bool {
+    joint.attribute("type").is_some_and(|kind| ["continuous", "revolute", "prismatic"].contains(&kind))
 }
 
 const FINITE: Range = Range { least: f64::MIN, most: f64::MAX, unit: "" };

@@ -48,6 +48,14 @@ pub const WHEEL_WIDTH: Range = Range { least: 0.001, most: 20.0, unit: " m" };
 pub(super) const LEAST_OFFSET: f64 = 0.001;
 /// Speed limit of a motor.
 pub const MAX_SPEED: Range = Range { least: 1e-3, most: 1e3, unit: " rad/s" };
+/// Speed of a driven wheel's rim, m/s: its speed limit times its radius. The fastest shipped robot has 2.4, a fast rover 10.
+/// A youBot with 20 that drove into a wall lost its finite state.
+pub const MAX_RIM_SPEED: f64 = 15.0;
+/// Force with which all driven wheels together can push, over the robot's weight. Shipped robots have 0.7 to 21 (the
+/// thesis's), real ones about 1. A robot with 300 threw itself over walls.
+pub const MAX_PUSH: f64 = 100.0;
+/// Gravity by which a push is judged, m/s²: a map may have another.
+pub const EARTH_GRAVITY: f64 = 9.81;
 /// Gain of a servo.
 pub const GAIN: Range = Range { least: 1e-6, most: 1e6, unit: " N m s/rad" };
 /// Stiffness of a servo of the position.
@@ -102,7 +110,7 @@ pub(super) const MAX_OBJECTS: usize = 1000;
 /// Most start poses of a map and most path nodes: they go out in one line.
 pub(super) const MAX_POSES: usize = 1000;
 /// Most parts of a robot, and most solids of its body.
-pub(super) const MAX_PARTS: usize = 1000;
+pub const MAX_PARTS: usize = 1000;
 /// Most links of a robot, beside its rollers: a Nao has 25, and the cost of a step grows with the square of their number.
 pub const MAX_LINKS: usize = 100;
 /// Most wheels of a robot.

@@ -199,6 +199,9 @@ pub fn wheel(def: &MountedWheel) -> Vec<String> {
         wrong.push(format!("`position` has y {}: {expected}", Number(def.position[1])));
     }
     wrong.extend(def.drive.into_iter().flat_map(motor));
+    if wrong.is_empty() {
+        wrong.extend(def.drive.and_then(|motor| rim_speed(motor, def.radius)));
+    }
     if let Some(rollers) = &def.rollers {
         if !ROLLER_ANGLE.holds(rollers.angle.abs()) {
             wrong.push(format!("`roller_angle` is {}: expected {ROLLER_ANGLE}", Number(rollers.angle)));
@@ -209,6 +212,30 @@ pub fn wheel(def: &MountedWheel) -> Vec<String> {
         wrong.push("a caster with rollers: expected a ball".to_owned());
     }
     wrong
+}
+
+/// A speed and a radius that are good alone can be absurd together.
+fn rim_speed(motor: &Motor, radius: f64) -> Option<String> {
+    let speed = motor.max_speed * radius;
+    let (turn, radius) = (Number(motor.max_speed), Number(radius));
+    (speed > MAX_RIM_SPEED).then(|| {
+        format!(
+            "`max_speed` {turn} rad/s at `radius` {radius} m is {speed:.1} m/s at the rim: expected at most {MAX_RIM_SPEED} m/s"
+        )
+    })
+}
+
+/// Motors, radii and masses that are good alone can be absurd together.
+fn push(def: &RobotDef) -> Option<String> {
+    let force: f64 = def.driven().filter_map(|wheel| Some(wheel.drive?.stall_torque() / wheel.radius)).sum();
+    let weight = f64::from(def.mass()) * EARTH_GRAVITY;
+    let times = force / weight;
+    (times > MAX_PUSH).then(|| {
+        format!(
+            "its wheels push with {force:.0} N, {times:.0} times its weight of {weight:.2} N: expected at most {MAX_PUSH} times; \
+             lower `max_torque` (or `max_current`) or `gain`, or raise `radius` or `mass`"
+        )
+    })
 }
 
 fn motor(def: &Motor) -> Vec<String> {
@@ -326,7 +353,7 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
         wrong.push(format!("`drive_model` \"{name}\": expected steering \"omni\", or \"articulated\" or \"bodies\""));
     }
     if wrong.is_empty() {
-        wrong.extend(masses(def));
+        wrong.extend(masses(def).into_iter().chain(push(def)));
     }
     wrong
 }

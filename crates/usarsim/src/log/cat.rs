@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use recorder::Record;
+use serde_json::json;
 
 use crate::{Failure, print};
 
@@ -28,9 +29,12 @@ pub(crate) struct Arguments {
     /// To this simulated time, s.
     #[arg(long, default_value_t = f64::INFINITY)]
     to: f64,
+    /// Print a JSON object for each line, with the line as it was sent: otherwise control characters are escaped.
+    #[arg(long)]
+    json: bool,
 }
 
-pub(super) fn run(Arguments { file, kind, robot, connection, from, to }: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(Arguments { file, kind, robot, connection, from, to, json }: &Arguments) -> Result<(), Failure> {
     let log = super::read(file)?;
     let robot = robot.as_ref().map(|wanted| super::robot(&log, file, wanted)).transpose()?;
     let lines = || {
@@ -46,7 +50,16 @@ pub(super) fn run(Arguments { file, kind, robot, connection, from, to }: &Argume
         let of_robot =
             robot.is_none() || line.robot == robot || line.robot.is_none() && connections.contains(&line.connection);
         let of_connection = connection.is_none_or(|connection| connection == line.connection);
-        if of_robot && of_connection && kind.as_ref().is_none_or(|kind| is(&line.line, kind)) {
+        if !of_robot || !of_connection || kind.as_ref().is_some_and(|kind| !is(&line.line, kind)) {
+            continue;
+        }
+        if *json {
+            let direction = if arrow == '<' { "in" } else { "out" };
+            print(json!({
+                "time": time, "connection": line.connection, "robot": line.robot, "direction": direction,
+                "line": line.line,
+            }));
+        } else {
             print(format_args!("{time:.4} {} {arrow} {}", line.connection, line.line));
         }
     }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use recorder::{Table, export};
 
+use crate::output::keep_inputs;
 use crate::{Failure, exit};
 
 /// Options of `log export`.
@@ -43,8 +44,9 @@ pub(crate) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { file, csv, parquet, robot, out, ros2, .. } = arguments;
-    let log = super::read(file)?;
     let out = out.as_deref();
+    out.map_or(Ok(()), |out| keep_inputs(out, &[file]))?;
+    let log = super::read(file)?;
     let failed = |error| Failure::new(exit::FAILURE, error);
     if let Some(out) = out.filter(|_| *ros2) {
         return export::ros2(&log, out).map_err(failed);
@@ -60,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let robots = super::robots(&log);
     if robot.is_none() && robots.len() > 1 {
         let robots: Vec<String> = robots.keys().map(u64::to_string).collect();
-        let text = format!("a trajectory is of one robot: choose it by --robot, one of {}", robots.join(", "));
+        let text = format!("a trajectory needs one robot: choose it with --robot, one of {}", robots.join(", "));
         return Err(Failure::new(exit::USAGE, text));
     }
     write(table.to_tum(), out)

@@ -8,6 +8,7 @@ use nalgebra::Point3;
 use recorder::{Log, Table};
 use scene::{Shape, Solid};
 
+use crate::output::keep_inputs;
 use crate::{Failure, exit, print};
 
 /// Options of `log plot`.
@@ -32,6 +33,8 @@ pub(crate) struct Arguments {
 }
 
 pub(super) fn run(Arguments { file, field, robot, out }: &Arguments) -> Result<(), Failure> {
+    let out = out.clone().unwrap_or_else(|| file.with_extension("svg"));
+    keep_inputs(&out, &[file])?;
     let log = super::read(file)?;
     let robot = robot.as_ref().map(|wanted| super::robot(&log, file, wanted)).transpose()?;
     let table = Table::of(&log, robot);
@@ -40,7 +43,6 @@ pub(super) fn run(Arguments { file, field, robot, out }: &Arguments) -> Result<(
     }
     let names = labels(&log);
     let chart = if field.is_empty() { path(&log, &table, &names) } else { fields(&table, field, &names)? };
-    let out = out.clone().unwrap_or_else(|| file.with_extension("svg"));
     chart.write(&out).map_err(|error| Failure::new(exit::FAILURE, error))?;
     print(out.display());
     Ok(())

@@ -34,6 +34,9 @@ fn time(timed: bool, number: &serde_json::Value) -> String {
     }
 }
 
+/// The youBot whose figures are shown: the thesis's.
+const THESIS: &str = "KUKA_YouBot";
+
 /// What `usarsim bench --json` reports with these arguments. Of times, the fastest of three.
 fn bench(timed: bool, arguments: &[&str]) -> serde_json::Value {
     let run = || -> serde_json::Value {
@@ -69,7 +72,7 @@ pub(crate) fn drive_models(timed: bool) -> String {
         ("kinematic", "0.016", plane),
     ];
     let row = |(model, step, map): (&str, &str, &str)| {
-        let report = bench(timed, &["--drive-model", model, "--dt", step, "--map", map]);
+        let report = bench(timed, &["--robot", THESIS, "--drive-model", model, "--dt", step, "--map", map]);
         let [factor, microseconds] = ["real_time_factor", "microseconds_per_step"].map(|key| time(timed, &report[key]));
         let error = report["worst_error_percent"].as_f64().unwrap();
         let motions = report["motions"].as_object().unwrap().values();
@@ -84,7 +87,8 @@ pub(crate) fn robots(timed: bool) -> String {
     let microseconds = |model: &str, robots: &str| match timed {
         false => UNTIMED.to_owned(),
         true => {
-            let arguments = ["--drive-model", model, "--dt", "0.002", "--robots", robots, "--seconds", "1"];
+            let arguments =
+                ["--robot", THESIS, "--drive-model", model, "--dt", "0.002", "--robots", robots, "--seconds", "1"];
             time(true, &bench(true, &arguments)["microseconds_per_step"])
         }
     };
@@ -96,7 +100,8 @@ pub(crate) fn robots(timed: bool) -> String {
 
 pub(crate) fn threads(timed: bool) -> String {
     let row = |threads: &str| {
-        let robots = ["--drive-model", "analytic", "--dt", "0.008", "--robots", "50", "--seconds", "5"];
+        let robots =
+            ["--robot", THESIS, "--drive-model", "analytic", "--dt", "0.008", "--robots", "50", "--seconds", "5"];
         let report = bench(timed, &[&robots[..], &["--threads", threads]].concat());
         let [factor, microseconds] = ["real_time_factor", "microseconds_per_step"].map(|key| time(timed, &report[key]));
         let error = report["worst_error_percent"].as_f64().unwrap();

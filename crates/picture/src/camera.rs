@@ -1,0 +1,77 @@
+//! Where one looks from.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::raster::axes;
+
+/// Where one looks from, and how. World frame, m; up is -z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub eye: Point3<f64>,
+    /// What is in the middle.
+    pub target: Point3<f64>,
+    /// Angle from the lower to the upper edge, rad.
+    pub field_of_view: f64,
+}
+
+/// Part of the picture's width and height that is used.
+const FILLING: f64 = 0.94;
+/// Least distance from the eye to what is looked at, m.
+const LEAST_DISTANCE: f64 = 0.05;
+
+impl Camera {
+    /// Looks in a direction from as near as all of some places are in a picture of that width and height.
+    pub fn fitting(places: &[Point3<f64>], ahead: Vector3<f64>, field_of_view: f64, size: [usize; 2]) -> Self {
+        let axes = axes(ahead);
+        let tangent = FILLING * (field_of_view / 2.0).tan();
+        let tangents = [tangent * size[0] as f64 / size[1] as f64, tangent];
+        let local: Vec<[f64; 3]> = places.iter().map(|place| axes.map(|axis| place.coords.dot(&axis))).collect();
+        let far = local.iter().map(|place| place[2]).fold(f64::MIN, f64::max);
+        let near = local.iter().map(|place| place[2]).fold(f64::MAX, f64::min);
+        // A place is in the picture while |across - eye| <= tangent (depth - eye's depth), for each of both axes.
+        let mut eye = [0.0, 0.0, near - LEAST_DISTANCE];
+        for (axis, tangent) in tangents.into_iter().enumerate() {
+            let low = local.iter().map(|place| place[axis] - tangent * place[2]).fold(f64::MIN, f64::max);
+            let high = local.iter().map(|place| place[axis] + tangent * place[2]).fold(f64::MAX, f64::min);
+            eye[axis] = (low + high) / 2.0;
+            eye[2] = eye[2].min((high - low) / (2.0 * tangent));
+        }
+        let middle = (far + near) / 2.0 - eye[2];
+        let eye = Point3::from(axes[0] * eye[0] + axes[1] * eye[1] + axes[2] * eye[2]);
+        Self { eye, target: eye + axes[2] * middle, field_of_view }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::Projection;
+
+    #[test]
+    fn a_fitting_camera_has_every_place_in_the_picture_and_no_room_to_spare() {
+        let cloud = |sizes: [f64; 3]| -> Vec<Point3<f64>> {
+            let half = |bit: usize, axis: usize| if bit >> axis & 1 == 0 { 3.0 } else { 3.0 + sizes[axis] };
+            (0..8).map(|bit| Point3::new(half(bit, 0), half(bit, 1), -half(bit, 2))).collect()
+        };
+        for sizes in [[12.0, 10.0, 0.5], [0.6, 0.4, 0.2], [1.0, 100.0, 1.0], [0.0; 3]] {
+            for ahead in [[0.75, 0.75, 0.65], [0.0, 0.0, 1.0], [0.0, -1.0, 0.2], [-1.0, -0.25, 0.3]] {
+                for size in [[1280, 720], [720, 1280], [64, 64], [3000, 100]] {
+                    let places = cloud(sizes);
+                    let camera = Camera::fitting(&places, Vector3::from(ahead), 0.6, size);
+                    let view = Projection::perspective(&camera, size[0], size[1]);
+                    let mut fullest: f64 = 0.0;
+                    for place in &places {
+                        let pixel = view.pixel_of(place).unwrap_or_else(|| panic!("{place} is behind {camera:?}"));
+                        for axis in 0..2 {
+                            let part = (pixel[axis] / size[axis] as f64 - 0.5).abs() * 2.0;
+                            assert!(part < 0.95, "{sizes:?} {ahead:?} {size:?}: {part}");
+                            fullest = fullest.max(part);
+                        }
+                    }
+                    assert!(fullest > 0.9 || sizes == [0.0; 3], "{sizes:?} {ahead:?} {size:?}: {fullest}");
+                }
+            }
+        }
+    }
+}
