@@ -47,8 +47,16 @@ const playback = new Playback({
     state.forgetSensors();
     view.clearPaths();
   },
-  changed: () => play.update(),
+  changed() {
+    state.isPresent = playback.mode === 'live';
+    play.update();
+    drive.updateMode();
+    welcome.update();
+  },
+  present: (frame) => plots.push(frame),
+  refilled: () => plots.refill(),
   said: say,
+  shownTime: () => state.frame?.time ?? 0,
 });
 const plots = new PlotsPanel(state, () => playback.past(PLOT_PAST));
 const wire = new WirePanel();
@@ -125,13 +133,14 @@ function showStatus(status: Status): void {
   if (state.selected === null && status.robots[0]) select(status.robots[0].id);
   world.update();
   play.update();
-  welcome.update(playback.mode === 'log');
+  welcome.update();
 }
 
 function showFrame(frame: Frame): void {
   state.frame = frame;
   view.setFrame(frame);
-  plots.update();
+  if (playback.mode === 'log') plots.push(frame);
+  plots.showMoment(playback.mode === 'live' ? null : frame.time);
   document.documentElement.dataset.state = 'live';
 }
 
@@ -221,7 +230,8 @@ const actions: Action[] = [
     run: () => view.setQuality(quality),
   })),
 ];
-listenToKeys(actions, () => state.driving);
+// Space is for time, not for buttons, while a robot is driven or the past is shown.
+listenToKeys(actions, () => state.hasRobot || !state.isPresent);
 
 find('commands').onclick = () => showCommands(actions);
 find('help').onclick = () => showKeys(actions);

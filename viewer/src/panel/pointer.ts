@@ -39,7 +39,7 @@ export class Pointer {
   private down(event: PointerEvent): void {
     this.pressed = event;
     const hit = event.button === 0 && !this.placing ? this.view.pick(event.clientX, event.clientY) : null;
-    if (!hit || !('robot' in hit) || !this.state.status?.paused) return;
+    if (!hit || !('robot' in hit) || !this.state.status?.paused || !this.state.isPresent) return;
     const robot = this.state.robot(hit.robot);
     if (!robot || !this.state.isOwn(robot)) return;
     this.dragged = hit.robot;
