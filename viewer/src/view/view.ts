@@ -228,10 +228,16 @@ export class View {
     this.stale = true;
   }
 
-  /** The picture as it is, as a PNG. */
+  /** The picture as a PNG: every pixel of the screen at the best quality, whatever rung is drawn with now. */
   async screenshot(): Promise<Blob | null> {
+    this.stage.setSaving(true);
+    this.resize();
     this.stage.render(this.cameras.target, this.cameras.distance);
-    return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
+    // What the canvas shows is taken at once, and written later.
+    const picture = new Promise<Blob | null>((resolve) => this.canvas.toBlob(resolve, 'image/png'));
+    this.stage.setSaving(false);
+    this.resize();
+    return picture;
   }
 
   /** Frames drawn in the last second; null if mostly there was nothing new to draw. */
