@@ -7,6 +7,8 @@ import { find, remember, remembered, save, setText } from './panel/dom';
 import { DrivePanel } from './panel/drive';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
 import { offerMaps } from './panel/maps';
+import { plainNotice } from './panel/notices';
+import { Pace } from './panel/pace';
 import { buildSheets, buildSplitters, buildTabs } from './panel/panes';
 import { PlayBar } from './panel/play';
 import { PlotsPanel } from './panel/plots';
@@ -61,6 +63,7 @@ const playback = new Playback({
 const plots = new PlotsPanel(state, () => playback.past(PLOT_PAST));
 const wire = new WirePanel();
 const toasts = new Toasts();
+const pace = new Pace();
 const tools = new Tools(state, view);
 const pointer = new Pointer(state, view, select, (robot, place) => drive.moveTo(robot, place, 0));
 const drive = new DrivePanel(
@@ -92,7 +95,10 @@ const live = new Live({
     playback.takeStatus(status);
   },
   line: (line) => playback.takeLine(line),
-  said: say,
+  said(text) {
+    wire.said(text);
+    toasts.show(plainNotice(text, namesOf));
+  },
   lost() {
     connected = false;
     document.documentElement.dataset.state = 'lost';
@@ -155,6 +161,12 @@ function select(robot: number): void {
 function say(text: string): void {
   wire.said(text);
   toasts.show(text);
+}
+
+/** The robots of a connection. */
+function namesOf(connection: number): string | null {
+  const robots = (state.status?.robots ?? []).filter((robot) => robot.connection === connection);
+  return robots.map(({ id }) => state.nameOf(id)).join(', ') || null;
 }
 
 /** What is wrong, or null when all is well again. */
@@ -246,6 +258,7 @@ find('view').addEventListener('dblclick', focusView);
 setInterval(() => plots.draw(), PLOT_INTERVAL);
 setInterval(() => {
   play.updateTime();
+  pace.update(state.isPresent ? state.status : null);
   world.updateValues();
   drive.updateFrame();
   wire.draw();

@@ -23,7 +23,10 @@ pageTest(
       await page.keyboard.press('Control+k');
       await page.fill('dialog input', `picture quality ${quality}`);
       await page.keyboard.press('Enter');
-      await page.waitForFunction((least) => document.querySelector('#canvas').width >= least, quality === 5 ? wanted[0] : 0);
+      await page.waitForFunction(
+        (least) => document.querySelector('#canvas').width >= least,
+        quality === 5 ? wanted[0] : 0,
+      );
       const before = await drawn();
       const [download] = await Promise.all([page.waitForEvent('download'), page.click('#screenshot')]);
       const path = await download.path();

@@ -84,8 +84,18 @@ export class SpawnForm {
 
     const names = [...(this.state.status?.robots ?? []), ...expected].map(({ name }) => name);
     if (!this.nameIsTyped) this.name.value = freeName(this.name.value, names);
-    const isTaken = names.includes(this.wireName());
-    setText(this.hint, isTaken ? `There is a robot named ${this.wireName()} already.` : '');
+    setText(this.hint, this.nameHint(names));
+  }
+
+  /** What will be otherwise than it was typed, and which name is taken. */
+  private nameHint(taken: string[]): string {
+    const name = this.wireName();
+    const changed = this.name.value !== name && this.name.value !== '';
+    const hints = [
+      ...(changed ? [`It will be named ${name}: a name has no spaces and no braces.`] : []),
+      ...(taken.includes(name) ? [`There is a robot named ${name} already.`] : []),
+    ];
+    return hints.join(' ');
   }
 
   focus(): void {
