@@ -7,14 +7,14 @@ import { type CameraMode, Cameras } from './cameras';
 import { colourOf } from './colours';
 import { Ghost } from './ghost';
 import { Gizmo } from './gizmo';
-import { Labels } from './labels';
+import { type LabelKind, Labels } from './labels';
 import { MapView } from './map';
 import { moved } from './moved';
 import { Outline } from './outline';
 import { type Layer, Overlay, mountOf } from './overlay';
 import type { Quality } from './quality';
 import { Robots, type Roster } from './robots';
-import { labelMap, labelMetres, labelObjects, labelRobots } from './signs';
+import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
 import { Stage } from './stage';
 
 export { CAMERAS, type CameraMode } from './cameras';
@@ -80,7 +80,7 @@ export class View {
       refresh,
     );
     this.stage = new Stage(canvas, this.cameras.camera, () => this.bodiless(), refresh);
-    this.labels = new Labels(labels, (place) => this.isBehind(place));
+    this.labels = new Labels(labels, (place, kind) => this.isBehind(place, kind));
     this.gizmo = new Gizmo(labels, (yaw, pitch) => this.cameras.lookFrom(yaw, pitch));
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
@@ -289,9 +289,15 @@ export class View {
       map.place(frame.objects);
       labelObjects(this.labels, scene, frame.objects);
     }
-    overlay.place(frame, (id) => robots.classOf(id));
+    overlay.place(frame, (id) => robots.classOf(id), eye);
     labelRobots(this.labels, robots);
+    labelStarts(this.labels, scene, robots);
     const selected = robots.find(robots.selected);
+    if (selected) {
+      const [px, py, pz] = selected.state.pose;
+      const distance = eye.distanceTo(new THREE.Vector3(px, py, pz));
+      this.outline.suit(selected.fleet.size * this.pixelsPerMetre(Math.max(0.1, distance)));
+    }
     this.outline.place(selected ? selected.fleet.parts(selected.state, eye) : [], colourOf(robots.selected ?? 0));
     this.drawnFrame = frame;
   }
@@ -302,7 +308,7 @@ export class View {
     this.cameras.resize(width, height);
     this.stage.resize(width, height);
     this.labels.resize(width, height);
-    this.outline.resize(width, height);
+    this.outline.resize(width, height, this.stage.renderer.getPixelRatio());
     this.world?.overlay.resize(this.pixelsPerMetre(1), this.stage.renderer.getPixelRatio());
     this.stale = true;
   }
@@ -341,11 +347,15 @@ export class View {
     return distances.length > 0 ? ray.ray.at(Math.min(...distances), new THREE.Vector3()) : null;
   }
 
-  private isBehind(place: THREE.Vector3): boolean {
+  private isBehind(place: THREE.Vector3, kind: LabelKind): boolean {
     const eye = this.cameras.camera.position;
     const towards = place.clone().sub(eye);
-    const ray = new THREE.Raycaster(eye, towards.clone().normalize(), 0, towards.length() - 0.05);
-    return this.groundHit(ray) !== null;
+    const far = towards.length() - 0.05;
+    const ray = new THREE.Raycaster(eye, towards.normalize(), 0, far);
+    // A robot's own name is above it, and other robots may be seen through: they move.
+    if (kind !== 'robot' && (this.meet(ray)?.distance ?? Infinity) < far) return true;
+    // Numbers lie on the floor, which is no wall.
+    return kind !== 'metres' && this.groundHit(ray) !== null;
   }
 
   private hover(robot: number | null): void {
