@@ -65,7 +65,13 @@ const wire = new WirePanel();
 const toasts = new Toasts();
 const pace = new Pace();
 const tools = new Tools(state, view);
-const pointer = new Pointer(state, view, select, (robot, place) => drive.moveTo(robot, place, 0));
+const pointer = new Pointer(
+  state,
+  view,
+  select,
+  (robot, place) => drive.moveTo(robot, place, 0),
+  (fit) => live.askFit(fit),
+);
 const drive = new DrivePanel(
   state,
   (placing) => {
@@ -95,6 +101,7 @@ const live = new Live({
     playback.takeStatus(status);
   },
   line: (line) => playback.takeLine(line),
+  fit: (answer) => pointer.takeFit(answer),
   said(text) {
     wire.said(text);
     toasts.show(plainNotice(text, namesOf));

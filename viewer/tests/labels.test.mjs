@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
-import { pageTest, spawnRobot } from './pagetest.mjs';
+import { pageTest, spawnRobot, waitForPixels } from './pagetest.mjs';
 import { connectClient, root } from './server.mjs';
 
 const rough = { serve: ['--map', 'rough'] };
@@ -93,22 +93,6 @@ pageTest('forces have a colour of their own that stays at the lowest quality', r
   await page.click('#layers summary');
   await page.check('[name=forces]');
   await page.keyboard.press('Home');
-  await page.waitForFunction(
-    ([r, g, b]) => {
-      const canvas = document.querySelector('#canvas');
-      const copy = Object.assign(document.createElement('canvas'), { width: canvas.width, height: canvas.height });
-      const context = copy.getContext('2d');
-      return new Promise((resolve) =>
-        requestAnimationFrame(() => {
-          context.drawImage(canvas, 0, 0);
-          const { data } = context.getImageData(0, 0, copy.width, copy.height);
-          let count = 0;
-          for (let at = 0; at < data.length; at += 4)
-            if (Math.hypot(data[at] - r, data[at + 1] - g, data[at + 2] - b) < 60) count++;
-          resolve(count > 30);
-        }),
-      );
-    },
-    [r, g, b],
-  );
+  const near = (by) => [r, g, b].map((part) => Math.max(0, Math.min(255, part + by)));
+  await waitForPixels(page, 40, near(-50), near(50));
 });

@@ -63,7 +63,7 @@ export class DrivePanel {
     private readonly select: (robot: number, isNew: boolean) => void,
     private readonly spawned: () => void,
   ) {
-    this.form = new SpawnForm(state, place, say, (spawn) => this.connect(spawn));
+    this.form = new SpawnForm(state, place, (spawn) => this.connect(spawn));
     const stop = make('button', { type: 'button', id: 'stop' }, 'Stop');
     stop.onclick = () => this.release();
     const remove = make('button', { type: 'button', id: 'remove' }, 'Remove');

@@ -8,10 +8,10 @@ import { focusView } from './keys';
 
 /** A start is taken by a robot that is nearer than this, m. */
 const TAKEN_DISTANCE = 1;
-const FIRST_CLASS = 'KUKA_YouBot';
+const FIRST_CLASS = 'YouBotArm';
 const FIRST_NAME = 'Robot1';
 
-/** What a click on the map is for: a robot of a class that is to stand there. */
+/** What a click on the map is for: a robot of a class. */
 export type Placing = { robotClass: string; finish: (place: Vector) => void } | null;
 
 export class SpawnForm {
@@ -32,7 +32,6 @@ export class SpawnForm {
   constructor(
     private readonly state: State,
     private readonly place: (placing: Placing) => void,
-    private readonly say: (text: string) => void,
     private readonly spawn: (spawn: Spawn) => void,
   ) {
     const form = make(
@@ -115,8 +114,7 @@ export class SpawnForm {
     const start = this.starts.value;
     if (start) this.finish({ start });
     else {
-      this.say('Click on the map where the robot is to stand');
-      const finish = ([x, y, z]: Vector) => this.finish({ location: [x, y, z - 0.01], yaw: 0 });
+      const finish = (location: Vector) => this.finish({ location, yaw: 0 });
       this.place({ robotClass: this.classes.value, finish });
     }
   }

@@ -220,8 +220,9 @@ export class View {
     return hit && [hit.point.x, -hit.point.y, -hit.point.z];
   }
 
-  /** Shows a robot of a class as if it were put on the ground there, or none. */
-  showGhost(robotClass: string | null, place: Vector = [0, 0, 0], yaw = 0): void {
+  /** Shows a robot of a class as if it were put on the ground there, red where it cannot stand; or none. */
+  showGhost(robotClass: string | null, place: Vector = [0, 0, 0], yaw = 0, fits = true): void {
+    this.ghost.setFits(fits);
     const fleet = robotClass === null ? null : (this.world?.robots.fleet(robotClass) ?? null);
     const alike = this.world?.robots.all.find((known) => known.fleet === fleet)?.state ?? null;
     this.ghost.show(fleet, place, yaw, alike);
