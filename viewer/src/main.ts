@@ -109,7 +109,9 @@ const live = new Live({
   lost() {
     connected = false;
     document.documentElement.dataset.state = 'lost';
-    showBanner('The connection to the server is lost. Trying again …');
+    setText(find('mode'), 'not connected');
+    find('mode').dataset.mode = 'lost';
+    showBanner('The connection to the server is lost. Trying to connect again …');
   },
 });
 const play = new PlayBar(state, live, playback);
@@ -136,7 +138,7 @@ function showScene(scene: Scene): void {
   view.setScene(scene);
   drive.updateScene();
   setText(find('map'), scene.map.name);
-  if (before && before.map.name !== scene.map.name) say(`Another map is shown now: ${scene.map.name}`);
+  if (before && before.map.name !== scene.map.name) say(`The map is now ${scene.map.name}`);
 }
 
 function showStatus(status: Status): void {
@@ -270,7 +272,7 @@ setInterval(() => {
   drive.updateFrame();
   wire.draw();
   const rate = view.framesPerSecond();
-  setText(find('rate'), `${rate === null ? 'still' : `${rate} fps`} · quality ${view.quality}`);
+  setText(find('rate'), `Picture quality ${view.quality} of 5${rate === null ? '' : ` · ${rate} fps`}`);
   const metres = view.metresPer100Pixels();
   const round = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((length) => length >= metres) ?? 100;
   const bar100 = find('scale').firstElementChild as HTMLElement;

@@ -11,8 +11,18 @@ const WINDOW = 20;
 const KEPT = 600;
 const HEIGHTS = { least: 100, most: 420 };
 const LEAST_WIDTH = 220;
-/** Names of values in an axis title. */
-const NAMED = 3;
+/** Most names of values in an axis title. */
+const NAMED = 2;
+/** What many values of a unit are together. */
+const QUANTITIES: Record<string, string> = {
+  m: 'positions',
+  rad: 'angles',
+  '°': 'angles',
+  'm/s': 'speeds',
+  'rad/s': 'speeds of rotation',
+  'mm/s': 'slip',
+  N: 'forces',
+};
 /** Moments of a log that are nearer to each other than this are one, s. */
 const SAME = 0.015;
 
@@ -196,7 +206,7 @@ export class Chart {
   /** The names of what is plotted, and their unit. */
   private quantity(): string {
     const names = [...new Set(this.series.map(({ value }) => value.name))];
-    const shown = names.length > NAMED ? `${names.slice(0, NAMED).join(', ')} …` : names.join(', ');
+    const shown = names.length > NAMED ? (QUANTITIES[this.unit] ?? 'values') : names.join(', ');
     return this.unit ? `${shown} (${this.unit})` : shown;
   }
 

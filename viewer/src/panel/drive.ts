@@ -147,7 +147,7 @@ export class DrivePanel {
   moveTo(robot: number, location: Vector, yaw: number): void {
     const connection = this.state.robot(robot)?.connection;
     const own = this.robots.find((own) => own.connection !== null && own.connection === connection);
-    if (!own) return this.say('Only robots that were spawned here can be moved');
+    if (!own) return this.say('You can only move robots that you spawned from this page');
     const { robotClass, name } = own.client.spawn;
     this.forget(own);
     this.connect({ robotClass, name, place: { location, yaw } });

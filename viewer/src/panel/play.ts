@@ -120,5 +120,9 @@ export async function othersAgree(state: State, title: string, what: string, ans
   if (others.length === 0) return true;
   const shown =
     others.length > 5 ? `${others.slice(0, 5).join(', ')} and ${others.length - 5} more` : others.join(', ');
-  return ask(title, `Others drive here, too: ${shown}. Their robots ${what}, and everyone is told who did it.`, answer);
+  return ask(
+    title,
+    `Robots of other people are here: ${shown}. They ${what}, and everyone is told who did it.`,
+    answer,
+  );
 }

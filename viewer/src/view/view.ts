@@ -54,6 +54,8 @@ export class View {
   private frame: Frame | null = null;
   private drawnFrame: Frame | null = null;
   private looked: number | null = null;
+  /** A robot that is framed as soon as it is there. */
+  private fitting: number | null = null;
   private stale = true;
   /** When frames were drawn, and when there was nothing new to draw, ms. */
   private drawn: number[] = [];
@@ -112,6 +114,8 @@ export class View {
     labelObjects(this.labels, scene, []);
     this.shown.forEach((shown, layer) => this.show(layer, shown));
     this.cameras.home(this.extent(), true);
+    this.cameras.wasTouched = false;
+    this.fitting = null;
     if (!this.stage.isSoftware) this.cameras.startTurntable();
     this.stage.renewShadows();
     this.resize();
@@ -170,11 +174,16 @@ export class View {
 
   /** Shows a robot, or all of the map, as large as there is room, from the side from which it is seen now. */
   fit(robot: number | null): void {
+    this.cameras.wasTouched = true;
+    // A robot that has just come is shown with the next frame.
+    this.fitting = robot !== null && !this.extentOf(robot) ? robot : null;
+    if (this.fitting !== null) return;
     this.cameras.fit(robot === null ? this.extent() : (this.extentOf(robot) ?? this.extent()));
   }
 
   /** All of the map as it was seen first. */
   home(): void {
+    this.cameras.wasTouched = true;
     this.cameras.home(this.extent());
   }
 
@@ -268,6 +277,7 @@ export class View {
     this.stale = false;
     // Before, since the robots are drawn as they are seen from there; after, since it may follow them.
     if (this.frame) this.place(this.world, this.frame);
+    this.frameRobots();
     this.cameras.update(seconds);
     this.stage.render(this.cameras.target, this.cameras.distance);
     if (this.labels.layers.metres) labelMetres(this.labels, this.cameras.target, this.metresPer100Pixels());
@@ -275,6 +285,17 @@ export class View {
     this.gizmo.update(this.cameras.camera);
     this.drawn.push(now);
     if (this.drawn.length > 200) this.framesPerSecond();
+  }
+
+  /** Frames a robot that has come, and the first robots of a world that nobody has turned yet. */
+  private frameRobots(): void {
+    if (this.fitting !== null && this.extentOf(this.fitting)) this.fit(this.fitting);
+    const robots = this.world?.robots.all ?? [];
+    if (this.cameras.wasTouched || robots.length === 0) return;
+    this.cameras.wasTouched = true;
+    const box = new THREE.Box3();
+    for (const { state } of robots) box.union(this.extentOf(state.id) ?? new THREE.Box3());
+    this.cameras.fit(box);
   }
 
   private placeLabels(now: number): void {
