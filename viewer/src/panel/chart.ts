@@ -19,7 +19,7 @@ const QUANTITIES: Record<string, string> = {
   rad: 'angles',
   '°': 'angles',
   'm/s': 'speeds',
-  'rad/s': 'speeds of rotation',
+  'rad/s': 'rotation',
   'mm/s': 'slip',
   N: 'forces',
 };
@@ -219,6 +219,8 @@ export class Chart {
   private build(): void {
     this.plot?.destroy();
     const [quantity, labels] = [this.quantity(), this.labels()];
+    // Many values leave no room for what the title says.
+    const unit = this.unit && this.series.length <= 2 ? ` ${this.unit}` : '';
     setText(this.title, quantity);
     const colour = () => getComputedStyle(document.documentElement).getPropertyValue('--quiet');
     const axis = { stroke: colour, grid: { stroke: '#88888833', width: 1 }, ticks: { show: false } };
@@ -239,7 +241,7 @@ export class Chart {
             stroke: COLOURS[index % COLOURS.length] ?? '#777',
             width: 1.5,
             value: (_: uPlot, number: number | null) =>
-              typeof number === 'number' ? `${fixed(number, value.digits)} ${value.unit}` : '–',
+              typeof number === 'number' ? `${fixed(number, value.digits)}${unit}` : '–',
             ...(value.key.startsWith('target') ? { dash: [4, 4] } : {}),
           })),
         ],
