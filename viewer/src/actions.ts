@@ -10,7 +10,7 @@ export interface Action {
   run: () => void;
 }
 
-/** Runs actions by their keys; `driving` says whether a robot has the keys that drive. */
+/** Runs actions by their keys; `driving` returns whether the space bar and the arrows are not for buttons. */
 export function listenToKeys(actions: Action[], driving: () => boolean): void {
   window.addEventListener('keydown', (event) => {
     if (document.querySelector('dialog[open]')) return;

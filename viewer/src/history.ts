@@ -38,6 +38,11 @@ export class History {
     return frame ? read(frame.bytes) : null;
   }
 
+  /** The time of the first frame after a time; the last frame's if there is none. */
+  after(time: number): number {
+    return (this.frames.find((frame) => frame.time > time) ?? this.frames.at(-1))?.time ?? time;
+  }
+
   /** About so many frames, evenly over all that is kept. */
   sample(count: number): Frame[] {
     const step = Math.max(1, Math.ceil(this.frames.length / count));

@@ -7,6 +7,8 @@ import { find, remember, remembered, save, setText } from './panel/dom';
 import { DrivePanel } from './panel/drive';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
 import { offerMaps } from './panel/maps';
+import { plainNotice } from './panel/notices';
+import { Pace } from './panel/pace';
 import { buildSheets, buildSplitters, buildTabs } from './panel/panes';
 import { PlayBar } from './panel/play';
 import { PlotsPanel } from './panel/plots';
@@ -47,14 +49,29 @@ const playback = new Playback({
     state.forgetSensors();
     view.clearPaths();
   },
-  changed: () => play.update(),
+  changed() {
+    state.isPresent = playback.mode === 'live';
+    play.update();
+    drive.updateMode();
+    welcome.update();
+  },
+  present: (frame) => plots.push(frame),
+  refilled: () => plots.refill(),
   said: say,
+  shownTime: () => state.frame?.time ?? 0,
 });
 const plots = new PlotsPanel(state, () => playback.past(PLOT_PAST));
 const wire = new WirePanel();
 const toasts = new Toasts();
+const pace = new Pace();
 const tools = new Tools(state, view);
-const pointer = new Pointer(state, view, select, (robot, place) => drive.moveTo(robot, place, 0));
+const pointer = new Pointer(
+  state,
+  view,
+  select,
+  (robot, place) => drive.moveTo(robot, place, 0),
+  (fit) => live.askFit(fit),
+);
 const drive = new DrivePanel(
   state,
   (placing) => {
@@ -84,11 +101,17 @@ const live = new Live({
     playback.takeStatus(status);
   },
   line: (line) => playback.takeLine(line),
-  said: say,
+  fit: (answer) => pointer.takeFit(answer),
+  said(text) {
+    wire.said(text);
+    toasts.show(plainNotice(text, namesOf));
+  },
   lost() {
     connected = false;
     document.documentElement.dataset.state = 'lost';
-    showBanner('The connection to the server is lost. Trying again …');
+    setText(find('mode'), 'not connected');
+    find('mode').dataset.mode = 'lost';
+    showBanner('The connection to the server is lost. Trying to connect again …');
   },
 });
 const play = new PlayBar(state, live, playback);
@@ -115,7 +138,7 @@ function showScene(scene: Scene): void {
   view.setScene(scene);
   drive.updateScene();
   setText(find('map'), scene.map.name);
-  if (before && before.map.name !== scene.map.name) say(`Another map is shown now: ${scene.map.name}`);
+  if (before && before.map.name !== scene.map.name) say(`The map is now ${scene.map.name}`);
 }
 
 function showStatus(status: Status): void {
@@ -125,13 +148,14 @@ function showStatus(status: Status): void {
   if (state.selected === null && status.robots[0]) select(status.robots[0].id);
   world.update();
   play.update();
-  welcome.update(playback.mode === 'log');
+  welcome.update();
 }
 
 function showFrame(frame: Frame): void {
   state.frame = frame;
   view.setFrame(frame);
-  plots.update();
+  if (playback.mode === 'log') plots.push(frame);
+  plots.showMoment(playback.mode === 'live' ? null : frame.time);
   document.documentElement.dataset.state = 'live';
 }
 
@@ -146,6 +170,12 @@ function select(robot: number): void {
 function say(text: string): void {
   wire.said(text);
   toasts.show(text);
+}
+
+/** The robots of a connection. */
+function namesOf(connection: number): string | null {
+  const robots = (state.status?.robots ?? []).filter((robot) => robot.connection === connection);
+  return robots.map(({ id }) => state.nameOf(id)).join(', ') || null;
 }
 
 /** What is wrong, or null when all is well again. */
@@ -221,7 +251,8 @@ const actions: Action[] = [
     run: () => view.setQuality(quality),
   })),
 ];
-listenToKeys(actions, () => state.driving);
+// Space is for time, not for buttons, while a robot is driven or the past is shown.
+listenToKeys(actions, () => state.hasRobot || !state.isPresent);
 
 find('commands').onclick = () => showCommands(actions);
 find('help').onclick = () => showKeys(actions);
@@ -236,11 +267,12 @@ find('view').addEventListener('dblclick', focusView);
 setInterval(() => plots.draw(), PLOT_INTERVAL);
 setInterval(() => {
   play.updateTime();
+  pace.update(state.isPresent ? state.status : null);
   world.updateValues();
   drive.updateFrame();
   wire.draw();
   const rate = view.framesPerSecond();
-  setText(find('rate'), `${rate === null ? 'still' : `${rate} fps`} · quality ${view.quality}`);
+  setText(find('rate'), `Picture quality ${view.quality} of 5${rate === null ? '' : ` · ${rate} fps`}`);
   const metres = view.metresPer100Pixels();
   const round = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((length) => length >= metres) ?? 100;
   const bar100 = find('scale').firstElementChild as HTMLElement;

@@ -2,6 +2,7 @@
 
 import { History } from './history';
 import { LogFile, Player } from './log';
+import { type Mark, Marks } from './marks';
 import type { Frame, Scan } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
 import type { Scene } from './protocol/scene';
@@ -12,6 +13,10 @@ export type Mode = 'live' | 'past' | 'log';
 export interface Screen {
   scene(scene: Scene): void;
   frame(frame: Frame): void;
+  /** What the server's world does, also while its past is shown. */
+  present(frame: Frame): void;
+  /** More of a log's frames are known, or another world began: plots are filled anew. */
+  refilled(): void;
   scan(scan: Scan): void;
   status(status: Status): void;
   line(line: WireLine): void;
@@ -20,7 +25,18 @@ export interface Screen {
   /** The mode, or how a log plays, is another. */
   changed(): void;
   said(text: string): void;
+  /** The moment that is shown, s. */
+  shownTime(): number;
 }
+
+/** Between two frames of the past that is played, ms. */
+const INTERVAL = 33;
+/** Moments of a log that plots and marks are made from: so many a second, and at most. */
+const SAMPLES = { perSecond: 20, most: 600 };
+/** A reset comes so long before the first frame of its world at most, s. */
+const BEFORE = 0.5;
+/** Samples between two updates of plots. */
+const SAMPLES_SHOWN = 100;
 
 /** What stays of a status while a log is shown. */
 const OF_LOG = {
@@ -35,11 +51,18 @@ const OF_LOG = {
 
 export class Playback {
   mode: Mode = 'live';
-  /** Seconds of a log a second. */
+  /** Seconds of a log, or of the past, a second. */
   rate = 1;
   private readonly history = new History();
   private player: Player | null = null;
   private name = '';
+  private readonly presentMarks = new Marks();
+  private readonly logMarks = new Marks();
+  /** Frames from all of a log. */
+  private samples: Frame[] = [];
+  /** How the past is played: when it was shown last, ms, and which moment, s; null while it stands. */
+  private playing: { wall: number; time: number } | null = null;
+  private timer: ReturnType<typeof setTimeout> | undefined;
   /** The server's, also while something else is shown. */
   private live: { scene: Scene | null; status: Status | null; frame: Frame | null } = {
     scene: null,
@@ -52,13 +75,23 @@ export class Playback {
   takeScene(scene: Scene): void {
     this.live = { scene, status: null, frame: null };
     this.history.clear();
-    if (this.mode === 'past') this.mode = 'live';
-    if (this.mode !== 'log') this.screen.scene(scene);
+    this.presentMarks.clear();
+    if (this.mode === 'log') return;
+    this.leavePast();
+    this.screen.scene(scene);
+    this.screen.changed();
+    this.screen.refilled();
   }
 
   takeFrame(frame: Frame, bytes: ArrayBuffer): void {
+    const isAnother = this.live.frame !== null && frame.time < this.live.frame.time;
     this.live.frame = frame;
     this.history.add(frame.time, bytes);
+    if (this.mode === 'log') return;
+    // The past of a world that began anew is gone.
+    if (isAnother && this.mode === 'past') this.goLive();
+    if (isAnother) this.screen.refilled();
+    this.screen.present(frame);
     if (this.mode === 'live') this.screen.frame(frame);
   }
 
@@ -68,6 +101,7 @@ export class Playback {
 
   takeStatus(status: Status): void {
     this.live.status = status;
+    if (this.live.frame) this.presentMarks.take(this.live.frame.time, status);
     if (this.mode !== 'log') this.screen.status(status);
   }
 
@@ -82,7 +116,14 @@ export class Playback {
 
   /** Whether what is shown stands still. */
   get isPaused(): boolean {
-    return this.player ? !this.player.isPlaying : (this.live.status?.paused ?? false);
+    if (this.player) return !this.player.isPlaying;
+    return this.mode === 'past' ? this.playing === null : (this.live.status?.paused ?? false);
+  }
+
+  /** What happened in what can be shown. */
+  get marks(): Mark[] {
+    const [first] = this.range;
+    return (this.player ? this.logMarks : this.presentMarks).list.filter(({ time }) => time >= first - BEFORE);
   }
 
   /** The file that is shown. */
@@ -90,37 +131,75 @@ export class Playback {
     return this.player ? this.name : null;
   }
 
-  /** Of the last minute about so many frames; of a log none, as it would have to be read. */
+  /** About so many frames of the last minute, or those that have been read of a log. */
   past(count: number): Frame[] {
-    return this.player ? [] : this.history.sample(count);
+    return this.player ? this.samples : this.history.sample(count);
   }
 
   goTo(time: number): void {
     if (this.player) return void this.player.seek(time);
+    if (this.playing) this.playing = { wall: performance.now(), time };
+    this.showPast(time);
+  }
+
+  private showPast(time: number): void {
     const frame = this.history.at(time);
     if (!frame) return;
+    const wasPast = this.mode === 'past';
     this.mode = 'past';
     this.screen.frame(frame);
+    if (wasPast) return;
+    this.rate = 1;
+    this.screen.changed();
+  }
+
+  private leavePast(): void {
+    if (this.mode === 'past') this.mode = 'live';
+    this.playing = null;
+    clearTimeout(this.timer);
+  }
+
+  /** Shows the next moment of the past until there is none. */
+  private playPast(): void {
+    if (!this.playing) return;
+    const now = performance.now();
+    const [first, last] = this.history.range;
+    // What is older than a minute is forgotten while it is played.
+    const time = Math.max(first, this.playing.time + (this.rate * (now - this.playing.wall)) / 1000);
+    this.playing = { wall: now, time };
+    this.showPast(time);
+    if (time < last) this.timer = setTimeout(() => this.playPast(), INTERVAL);
+    else this.pausePast();
+  }
+
+  private pausePast(): void {
+    this.playing = null;
+    clearTimeout(this.timer);
     this.screen.changed();
   }
 
   goLive(): void {
     const wasLog = this.mode === 'log';
+    this.leavePast();
     this.player?.close();
-    [this.player, this.mode] = [null, 'live'];
+    [this.player, this.mode, this.samples] = [null, 'live', []];
     const { scene, status, frame } = this.live;
     if (wasLog && scene) this.screen.scene(scene);
     if (status) this.screen.status(status);
     this.screen.jumped();
     if (frame) this.screen.frame(frame);
     this.screen.changed();
+    if (wasLog) this.screen.refilled();
   }
 
   /** Plays a log in place of the server's world, which goes on unseen. */
   async open(file: File): Promise<void> {
     try {
       const log = await LogFile.open(file);
+      this.leavePast();
       this.player?.close();
+      this.samples = [];
+      this.logMarks.clear();
       this.player = new Player(log, {
         frame: (frame) => this.screen.frame(frame),
         status: (robots) => this.showStatus(robots),
@@ -135,21 +214,55 @@ export class Playback {
       this.screen.scene({ ...log.scene, port: this.live.scene?.port ?? 0, maps: this.live.scene?.maps ?? [] });
       this.showStatus([]);
       if (log.damage) this.screen.said(`${file.name}: ${log.damage}: it is shown up to there`);
+      this.rate = 1;
       this.player.play(this.rate);
       this.screen.changed();
+      this.screen.refilled();
+      void this.sample(this.player);
     } catch (reason) {
       this.screen.said(`${file.name}: ${reason instanceof Error ? reason.message : String(reason)}`);
     }
   }
 
-  /** Stops or resumes a log. */
+  /** Reads moments from all of a log, one after the other, while it plays. */
+  private async sample(player: Player): Promise<void> {
+    const { start, end } = player.log;
+    const count = Math.max(1, Math.min(SAMPLES.most, Math.ceil((end - start) * SAMPLES.perSecond)));
+    try {
+      for (let index = 0; index <= count; index++) {
+        const time = start + ((end - start) * index) / count;
+        const { frame, robots } = await player.log.momentAt(time);
+        if (this.player !== player) return;
+        this.samples.push(frame);
+        this.logMarks.take(time, { ...OF_LOG, robots });
+        if (index % SAMPLES_SHOWN === 0 || index === count) this.screen.refilled();
+      }
+    } catch {
+      // The player comes to the same place, and says what is wrong there.
+    }
+  }
+
+  /** Stops or resumes a log, or the past. */
   playOrPause(): void {
+    if (this.mode === 'past') return this.playing ? this.pausePast() : this.resumePast();
     if (this.player?.isPlaying) this.player.pause();
     else this.player?.play(this.rate);
     this.screen.changed();
   }
 
+  private resumePast(): void {
+    const [first, last] = this.history.range;
+    const shown = this.screen.shownTime();
+    this.playing = { wall: performance.now(), time: shown < last ? shown : first };
+    this.playPast();
+    this.screen.changed();
+  }
+
   step(seconds: number): void {
+    if (this.mode === 'past') {
+      this.pausePast();
+      return this.showPast(this.history.after(this.screen.shownTime()));
+    }
     void this.player?.step(seconds);
     this.screen.changed();
   }

@@ -13,9 +13,16 @@ export class State {
   selected: number | null = null;
   /** The server's numbers of this page's own connections, which have spawned a robot each. */
   readonly own = new Set<number>();
-  /** Whether a robot is driven from this page: it gets the keys. */
-  driving = false;
+  /** Whether what is shown is the server's present, not the past and not a log. */
+  isPresent = true;
+  /** Whether this page has a robot to drive. */
+  hasRobot = false;
   private readonly sensors = new Map<number, SensorValues>();
+
+  /** Whether a robot is driven from this page: it gets the keys. */
+  get driving(): boolean {
+    return this.hasRobot && this.isPresent;
+  }
 
   /** Class and name of a robot. */
   robot(id: number | null): Status['robots'][number] | null {

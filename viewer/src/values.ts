@@ -1,7 +1,7 @@
 /** Every number that the page can show of a robot, and plot. */
 
 import { type RobotState, rollPitchYaw } from './protocol/frame';
-import type { RobotClass } from './protocol/scene';
+import type { Joint, RobotClass } from './protocol/scene';
 import type { SensorValues } from './protocol/sensors';
 
 export interface Value {
@@ -10,6 +10,8 @@ export interface Value {
   name: string;
   unit: string;
   digits: number;
+  /** whether only lines of the wire say it, so that frames of the past have none */
+  isOfLine?: boolean;
   read: (robot: RobotState, sensors: SensorValues) => number | null;
 }
 
@@ -26,7 +28,7 @@ export function valuesOf(robotClass: RobotClass, sensors: SensorValues): Group[]
     { name: 'Pose', values: POSE },
     { name: 'Velocity', values: VELOCITY },
     { name: 'Wheels', values: robotClass.wheels.flatMap(({ name }, index) => wheelValues(name, index)) },
-    { name: 'Joints', values: robotClass.joints.flatMap(({ name }, index) => jointValues(name, index)) },
+    { name: 'Joints', values: robotClass.joints.map(jointValue) },
     { name: 'Contacts', values: CONTACTS },
     { name: 'Slip', values: robotClass.wheels.length > 0 ? slipValues(robotClass) : [] },
     ...sensorGroups(sensors),
@@ -61,9 +63,8 @@ function wheelValues(name: string, index: number): Value[] {
   return [of('speed', 'rad/s'), of('target', 'rad/s'), of('angle', 'rad')];
 }
 
-function jointValues(name: string, index: number): Value[] {
-  // Whether it turns or slides is in its name alone; both are SI.
-  return [value(name, 'rad or m', 3, ({ joints }) => joints[index]?.position ?? null, `joint${index}`)];
+function jointValue({ name, unit = 'rad' }: Joint, index: number): Value {
+  return value(name, unit, unit === 'm' ? 4 : 3, ({ joints }) => joints[index]?.position ?? null, `joint${index}`);
 }
 
 /** Velocity by the wheels minus that of the robot, by the textbook's kinematics, in which a Mecanum wheel has endlessly many rollers. */
@@ -89,6 +90,7 @@ function sensorGroups(sensors: SensorValues): Group[] {
       name: key,
       unit: '',
       digits: 3,
+      isOfLine: true,
       read: (_: RobotState, now: SensorValues) => now.get(sensor)?.get(key) ?? null,
     })),
   }));

@@ -202,7 +202,7 @@ pageTest('the page survives a reload and a server that is gone', { mayFail: true
   try {
     await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
     await page.waitForSelector('#banner', { state: 'hidden' });
-    await page.waitForSelector('#toasts :text("another map")');
+    await page.waitForSelector('#toasts :text("The map is now arena")');
     assert.equal(await page.textContent('#map'), 'arena');
     await spawnRobot(page);
     await page.screenshot({ path: join(pictures, 'a-server-that-came-back.png') });

@@ -40,3 +40,33 @@ export async function spawnRobot(page, { robotClass = 'KUKA_YouBot', start = 'Pl
   await page.click('#spawn');
   await page.waitForSelector('[data-robot]', { state: 'attached' });
 }
+
+/** Counts the pixels of the view whose red, green and blue are between limits. */
+export async function countPixels(page, least, most) {
+  const picture = (await page.locator('#canvas').screenshot()).toString('base64');
+  return page.evaluate(
+    async ([picture, least, most]) => {
+      const bytes = Uint8Array.from(atob(picture), (byte) => byte.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes]));
+      const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+      context.drawImage(bitmap, 0, 0);
+      const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+      const fits = (at) => [0, 1, 2].every((part) => least[part] <= data[at + part] && data[at + part] <= most[part]);
+      let count = 0;
+      for (let at = 0; at < data.length; at += 4) if (fits(at)) count++;
+      return count;
+    },
+    [picture, least, most],
+  );
+}
+
+/** Waits until so many pixels are of a colour. */
+export async function waitForPixels(page, count, least, most) {
+  const end = performance.now() + 30_000;
+  let found = 0;
+  while (performance.now() < end) {
+    found = await countPixels(page, least, most);
+    if (found >= count) return;
+  }
+  throw new Error(`${found} pixels after half a minute: expected ${count}`);
+}

@@ -44,7 +44,7 @@ export async function connectClient(port, ...lines) {
   socket.on('error', () => {});
   socket.resume();
   lines.forEach((line) => socket.write(`${line}\r\n`));
-  return { end: () => socket.destroy() };
+  return { send: (line) => socket.write(`${line}\r\n`), end: () => socket.destroy() };
 }
 
 /** Connects clients that spawn a robot each, and drive it. */

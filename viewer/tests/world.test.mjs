@@ -137,7 +137,7 @@ pageTest('who resets the world of others is asked, and everyone is told', rough,
   await connectClient(server.port, others);
   await page.waitForSelector('[data-robot]');
   await page.click('#reset');
-  await page.waitForSelector('dialog:has-text("Others drive here, too: Other.")');
+  await page.waitForSelector('dialog:has-text("Robots of other people are here: Other.")');
   await page.click('dialog button:text("Cancel")');
   await page.click('#map');
   await page.click('[data-map=arena]');

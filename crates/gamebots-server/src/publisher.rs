@@ -80,10 +80,15 @@ impl Publisher {
 
     /// Something in the world is wrong, in words.
     pub(crate) fn warn(&mut self, world: &World, warning: &str) {
+        self.note(world, warning);
+        self.live.say(warning);
+    }
+
+    /// Keeps a warning in the log. Viewers see it in their status, so they are not told in words.
+    pub(crate) fn note(&mut self, world: &World, warning: &str) {
         if self.recording.is_wanted() {
             self.recording.record(world, Record::Warning(warning.to_owned()));
         }
-        self.live.say(warning);
     }
 
     /// Something has become of a request of a viewer, in words.

@@ -213,7 +213,7 @@ impl Server {
         if let Some(reached) = self.pace.lag_report(now, self.world.time()) {
             let text = pace::lag_text(reached, self.timing.speed);
             warn!("{text}");
-            self.publisher.warn(&self.world, &text);
+            self.publisher.note(&self.world, &text);
         }
         self.pace.wait(now, self.world.time())
     }

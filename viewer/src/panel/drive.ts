@@ -1,10 +1,11 @@
 /** The tab to spawn a robot and drive it by keyboard or by sticks. */
 
 import { Client, type Spawn, type Twist } from '../protocol/client';
-import type { RobotClass, Vector } from '../protocol/scene';
+import type { Vector } from '../protocol/scene';
 import type { State } from '../state';
 import { find, make, setText } from './dom';
 import { readGamepad } from './gamepad';
+import { JointsPanel } from './joints';
 import { isForControl } from './keys';
 import { type Placing, SpawnForm } from './spawn';
 import { Stick } from './stick';
@@ -48,7 +49,7 @@ export class DrivePanel {
   private readonly own = make('select', { name: 'own' });
   private readonly hint = make('p', { class: 'quiet', 'data-hint': '' });
   private readonly driving = make('div', { hidden: '' });
-  private readonly joints = make('div', { 'data-joints': '' });
+  private readonly joints = new JointsPanel();
   private readonly robots: Own[] = [];
   private readonly pressed = new Set<string>();
   private readonly sticks: { move: Stick; turn: Stick };
@@ -62,7 +63,7 @@ export class DrivePanel {
     private readonly select: (robot: number, isNew: boolean) => void,
     private readonly spawned: () => void,
   ) {
-    this.form = new SpawnForm(state, place, say, (spawn) => this.connect(spawn));
+    this.form = new SpawnForm(state, place, (spawn) => this.connect(spawn));
     const stop = make('button', { type: 'button', id: 'stop' }, 'Stop');
     stop.onclick = () => this.release();
     const remove = make('button', { type: 'button', id: 'remove' }, 'Remove');
@@ -78,7 +79,7 @@ export class DrivePanel {
       make('div', { class: 'row' }, make('label', { for: 'drive-speed' }, 'Speed'), this.speed, this.speedOutput),
       make('div', { class: 'row' }, stop, remove),
       this.hint,
-      this.joints,
+      this.joints.element,
     );
     find('drive').prepend(this.driving);
     this.sticks = { move: new Stick(false, () => this.send()), turn: new Stick(true, () => this.send()) };
@@ -101,6 +102,13 @@ export class DrivePanel {
     this.updateFrame();
   }
 
+  /** Another moment is shown: who looks at the past, or at a log, drives nobody. */
+  updateMode(): void {
+    this.release();
+    find('sticks').hidden = !this.state.driving;
+    this.followJoints();
+  }
+
   /** A frame has come: own robots may have arrived, starts may be free or taken. */
   updateFrame(): void {
     const robots = this.state.status?.robots ?? [];
@@ -114,6 +122,7 @@ export class DrivePanel {
     }
     const waiting = this.robots.filter(({ connection }) => connection === null);
     this.form.update(waiting.map(({ client }) => client.spawn));
+    this.followJoints();
     this.readPad();
   }
 
@@ -138,7 +147,7 @@ export class DrivePanel {
   moveTo(robot: number, location: Vector, yaw: number): void {
     const connection = this.state.robot(robot)?.connection;
     const own = this.robots.find((own) => own.connection !== null && own.connection === connection);
-    if (!own) return this.say('Only robots that were spawned here can be moved');
+    if (!own) return this.say('You can only move robots that you spawned from this page');
     const { robotClass, name } = own.client.spawn;
     this.forget(own);
     this.connect({ robotClass, name, place: { location, yaw } });
@@ -175,8 +184,9 @@ export class DrivePanel {
   private drive(own: Own | null): void {
     this.release();
     this.driven = own;
-    this.state.driving = own !== null;
-    this.driving.hidden = find('sticks').hidden = own === null;
+    this.state.hasRobot = own !== null;
+    this.driving.hidden = own === null;
+    find('sticks').hidden = !this.state.driving;
     const robotClass = own && this.state.scene?.classes[own.client.spawn.robotClass];
     const flies = robotClass?.steering === 'Aerial';
     const sideways = flies || robotClass?.steering === 'OmniDrive';
@@ -191,21 +201,15 @@ export class DrivePanel {
       ...keys('←', '→'),
       ' turn; or use a gamepad, or the sticks in the view on a touch screen.',
     );
-    this.joints.replaceChildren(...(robotClass?.joints ?? []).map((joint) => this.slider(joint)));
+    this.joints.build(robotClass ?? null, () => this.driven?.client);
+    this.followJoints();
     this.list();
   }
 
-  /** Moves a joint of the robot that is driven. */
-  private slider({ name, min, max }: RobotClass['joints'][number]): HTMLElement {
-    const id = `joint-${name}`;
-    const range = { min: String(min), max: String(max), step: String((max - min) / 500) };
-    const input = make('input', { type: 'range', id, value: String(Math.max(min, Math.min(max, 0))), ...range });
-    const output = make('output', { for: id }, Number(input.value).toFixed(3));
-    input.oninput = () => {
-      setText(output, Number(input.value).toFixed(3));
-      this.driven?.client.setJoint(name, Number(input.value));
-    };
-    return make('div', { class: 'row' }, make('label', { for: id }, name), input, output);
+  private followJoints(): void {
+    const { connection = null } = this.driven ?? {};
+    const driven = this.state.status?.robots.find((robot) => connection !== null && robot.connection === connection);
+    this.joints.update(this.state.robotState(driven?.id ?? null), this.state.isPresent);
   }
 
   private list(): void {
@@ -214,7 +218,7 @@ export class DrivePanel {
   }
 
   private key(event: KeyboardEvent, down: boolean): void {
-    if (!this.driven || !(event.code in KEYS)) return;
+    if (!this.driven || !this.state.isPresent || !(event.code in KEYS)) return;
     if (down) {
       if (event.ctrlKey || event.metaKey || event.altKey || isForControl(event, true)) return;
       this.pressed.add(event.code);
@@ -232,14 +236,14 @@ export class DrivePanel {
 
   /** A gamepad is only listened to while it is touched, so that it does not hold up keys and sticks. */
   private readPad(): void {
-    if (!this.driven) return;
+    if (!this.driven || !this.state.isPresent) return;
     const pad = readGamepad();
     const isUsed = pad !== null && Object.values(pad).some((part) => part !== 0);
     if (isUsed || this.padWasUsed) this.send(pad);
     this.padWasUsed = isUsed;
   }
 
-  private send(pad: Twist | null = readGamepad()): void {
+  private send(pad: Twist | null = this.state.isPresent ? readGamepad() : null): void {
     const { move, turn } = this.sticks;
     const twist: Twist = pad ?? { forward: 0, right: 0, clockwise: 0, up: 0 };
     twist.forward -= move.y;

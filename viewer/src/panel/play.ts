@@ -5,6 +5,7 @@ import type { Playback } from '../playback';
 import type { State } from '../state';
 import { ask } from './dialog';
 import { find, make, setText } from './dom';
+import { TimeLine } from './timeline';
 
 /** Time that one press of Step is, s. */
 const STEP = 0.01;
@@ -14,10 +15,11 @@ export class PlayBar {
   private readonly pause = find<HTMLButtonElement>('pause');
   private readonly record = find<HTMLButtonElement>('record');
   private readonly speed = find<HTMLSelectElement>('speed');
-  private readonly timeline = find<HTMLInputElement>('timeline');
-  private readonly live = find('live');
   private readonly reset = find<HTMLButtonElement>('reset');
   private readonly step = find<HTMLButtonElement>('step');
+  private readonly fastest = make('option', { value: '0' }, 'fastest');
+  private readonly past = find('past');
+  private readonly timeline = new TimeLine((time) => this.playback.goTo(time));
   /** What is asked of the server, and what the button says of itself. */
   private readonly controls = [this.pause, this.step, this.record, this.reset].map(
     (button) => [button, button.title] as const,
@@ -28,26 +30,22 @@ export class PlayBar {
     private readonly server: Live,
     private readonly playback: Playback,
   ) {
-    this.speed.append(
-      ...SPEEDS.map((speed) => make('option', { value: String(speed) }, `${speed} ×`)),
-      make('option', { value: '0' }, 'fastest'),
-    );
+    this.speed.append(...SPEEDS.map((speed) => make('option', { value: String(speed) }, `${speed} ×`)), this.fastest);
     this.pause.onclick = () => {
-      if (playback.mode === 'log') playback.playOrPause();
+      if (playback.mode !== 'live') playback.playOrPause();
       else server.control({ pause: !state.status?.paused });
     };
     this.step.onclick = () => {
-      if (playback.mode === 'log') playback.step(STEP);
+      if (playback.mode !== 'live') playback.step(STEP);
       else server.control({ step: Math.max(1, Math.round(STEP / (state.scene?.time_step ?? STEP))) });
     };
     this.reset.onclick = () => void this.resetWorld();
     this.record.onclick = () => server.control({ record: state.status?.recording === null });
     this.speed.onchange = () => {
-      if (playback.mode === 'log') playback.setRate(Number(this.speed.value) || 1);
+      if (playback.mode !== 'live') playback.setRate(Number(this.speed.value) || 1);
       else server.control({ speed: Number(this.speed.value) });
     };
-    this.timeline.oninput = () => playback.goTo(Number(this.timeline.value));
-    this.live.onclick = () => playback.goLive();
+    find('live').onclick = () => playback.goLive();
     this.buildOpening();
   }
 
@@ -56,38 +54,36 @@ export class PlayBar {
     const { frame } = this.state;
     if (!frame) return;
     setText(find('time'), frame.time.toFixed(3));
-    const [first, last] = this.playback.range;
-    this.timeline.min = String(first);
-    this.timeline.max = String(last);
-    if (document.activeElement !== this.timeline || this.playback.mode === 'live')
-      this.timeline.value = String(frame.time);
-    this.timeline.setAttribute('aria-valuetext', `${frame.time.toFixed(1)} s`);
+    this.timeline.update(frame.time, this.playback.range, this.playback.marks);
   }
 
   update(): void {
     const { status } = this.state;
-    const { mode } = this.playback;
-    this.live.hidden = mode === 'live';
+    const { mode, isPaused, logName, rate } = this.playback;
+    this.past.hidden = mode === 'live';
+    const shown = logName === null ? 'the past' : `the log ${logName}`;
+    setText(this.past.firstElementChild as HTMLElement, `You are looking at ${shown}. Keys do not drive.`);
     if (!status) return;
-    const { isPaused, logName } = this.playback;
     setText(find('mode'), logName ?? (mode === 'past' ? 'past' : isPaused ? 'paused' : 'live'));
     find('mode').dataset.mode = mode === 'live' && isPaused ? 'paused' : mode;
-    setText(find('factor'), isPaused ? '0' : (logName ? this.playback.rate : status.real_time_factor).toFixed(2));
-    setText(this.pause, isPaused ? 'Resume' : 'Pause');
+    setText(find('factor'), isPaused ? '0' : (mode === 'live' ? status.real_time_factor : rate).toFixed(2));
+    setText(this.pause, !isPaused ? 'Pause' : mode === 'past' ? 'Play' : 'Resume');
     this.pause.setAttribute('aria-pressed', String(isPaused));
     // What is asked of the server is not asked by who looks at a log.
     this.record.disabled = this.reset.disabled = logName !== null;
     setText(this.record, status.recording ? 'Stop recording' : 'Record');
     this.record.setAttribute('aria-pressed', String(status.recording !== null));
-    const refused = logName === null ? this.server.refused : null;
     for (const [button, title] of this.controls) {
+      // Who may not control the world may look at its past.
+      const refused = mode === 'live' || button === this.record || button === this.reset ? this.server.refused : null;
       // Not disabled: whoever presses it is told why.
-      button.setAttribute('aria-disabled', String(refused !== null));
-      button.title = refused ?? title;
+      button.setAttribute('aria-disabled', String(refused !== null && logName === null));
+      button.title = logName === null ? (refused ?? title) : title;
     }
-    this.speed.disabled = refused !== null;
+    this.speed.disabled = mode === 'live' && this.server.refused !== null;
+    this.fastest.disabled = mode !== 'live';
     if (status.recording) this.record.title = status.recording;
-    const speed = String(logName ? this.playback.rate : status.speed);
+    const speed = String(mode === 'live' ? status.speed : rate);
     if (![...this.speed.options].some(({ value }) => value === speed)) {
       this.speed.append(make('option', { value: speed }, `${speed} ×`));
     }
@@ -124,5 +120,9 @@ export async function othersAgree(state: State, title: string, what: string, ans
   if (others.length === 0) return true;
   const shown =
     others.length > 5 ? `${others.slice(0, 5).join(', ')} and ${others.length - 5} more` : others.join(', ');
-  return ask(title, `Others drive here, too: ${shown}. Their robots ${what}, and everyone is told who did it.`, answer);
+  return ask(
+    title,
+    `Robots of other people are here: ${shown}. They ${what}, and everyone is told who did it.`,
+    answer,
+  );
 }

@@ -18,7 +18,7 @@ export class PlotsPanel {
   private readonly charts = make('div', { id: 'charts' });
   private readonly hint = make('p', { class: 'quiet' }, 'Click a value in World to plot it here.');
   private readonly byUnit = new Map<string, Chart>();
-  private last = -1;
+  private moment: number | null = null;
 
   constructor(
     private readonly state: State,
@@ -36,7 +36,8 @@ export class PlotsPanel {
       make('div', { class: 'row' }, make('h2', {}, 'Plots'), first, all, csv, clear, this.hint),
       this.charts,
     );
-    new ResizeObserver(() => this.resize()).observe(this.charts);
+    const observer = new ResizeObserver(() => this.resize());
+    [this.charts, this.element].forEach((element) => observer.observe(element));
   }
 
   has(robot: number, key: string): boolean {
@@ -71,14 +72,21 @@ export class PlotsPanel {
     return this.byUnit.size === 0;
   }
 
-  /** A frame has come; values are kept while the plots are hidden, too. */
-  update(): void {
-    const { frame } = this.state;
-    if (!frame || frame.time === this.last) return;
-    // A world that began anew, or another place of a log.
-    if (frame.time < this.last) this.byUnit.forEach((chart) => chart.restart());
-    this.last = frame.time;
+  /** Takes the values of a frame; they are kept while the plots are hidden, too. */
+  push(frame: Frame): void {
     this.byUnit.forEach((chart) => chart.push(frame.time, (series) => this.read(series, frame)));
+  }
+
+  /** Another world is shown, or more of a log is known. */
+  refill(): void {
+    const past = this.past();
+    this.byUnit.forEach((chart) => chart.refill((series) => this.pastOf(series, past)));
+  }
+
+  /** Marks the moment that is shown; null while that is the present. */
+  showMoment(moment: number | null): void {
+    this.byUnit.forEach((chart) => chart.showMoment(moment));
+    this.moment = moment;
   }
 
   /** Draws what has come; to be called a few times a second. */
@@ -95,10 +103,13 @@ export class PlotsPanel {
       this.charts.append(chart.element);
       this.resize();
     }
-    chart.add(
-      series,
-      this.past().map((frame) => [frame.time, this.read(series, frame)] as const),
-    );
+    chart.add(series, this.pastOf(series, this.past()));
+    chart.showMoment(this.moment);
+  }
+
+  /** What frames say; what only lines say is known from when it is listened to. */
+  private pastOf(series: Series, past: Frame[]): [number, number | null][] {
+    return past.map((frame) => [frame.time, series.value.isOfLine ? null : this.read(series, frame)]);
   }
 
   /** One fills the width, several share it. */

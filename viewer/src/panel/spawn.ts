@@ -8,10 +8,10 @@ import { focusView } from './keys';
 
 /** A start is taken by a robot that is nearer than this, m. */
 const TAKEN_DISTANCE = 1;
-const FIRST_CLASS = 'KUKA_YouBot';
+const FIRST_CLASS = 'YouBotArm';
 const FIRST_NAME = 'Robot1';
 
-/** What a click on the map is for: a robot of a class that is to stand there. */
+/** What a click on the map is for: a robot of a class. */
 export type Placing = { robotClass: string; finish: (place: Vector) => void } | null;
 
 export class SpawnForm {
@@ -32,7 +32,6 @@ export class SpawnForm {
   constructor(
     private readonly state: State,
     private readonly place: (placing: Placing) => void,
-    private readonly say: (text: string) => void,
     private readonly spawn: (spawn: Spawn) => void,
   ) {
     const form = make(
@@ -84,8 +83,18 @@ export class SpawnForm {
 
     const names = [...(this.state.status?.robots ?? []), ...expected].map(({ name }) => name);
     if (!this.nameIsTyped) this.name.value = freeName(this.name.value, names);
-    const isTaken = names.includes(this.wireName());
-    setText(this.hint, isTaken ? `There is a robot named ${this.wireName()} already.` : '');
+    setText(this.hint, this.nameHint(names));
+  }
+
+  /** What will be otherwise than it was typed, and which name is taken. */
+  private nameHint(taken: string[]): string {
+    const name = this.wireName();
+    const changed = this.name.value !== name && this.name.value !== '';
+    const hints = [
+      ...(changed ? [`It will be named ${name}: a name has no spaces and no braces.`] : []),
+      ...(taken.includes(name) ? [`There is a robot named ${name} already.`] : []),
+    ];
+    return hints.join(' ');
   }
 
   focus(): void {
@@ -105,8 +114,7 @@ export class SpawnForm {
     const start = this.starts.value;
     if (start) this.finish({ start });
     else {
-      this.say('Click on the map where the robot is to stand');
-      const finish = ([x, y, z]: Vector) => this.finish({ location: [x, y, z - 0.01], yaw: 0 });
+      const finish = (location: Vector) => this.finish({ location, yaw: 0 });
       this.place({ robotClass: this.classes.value, finish });
     }
   }

@@ -20,9 +20,9 @@ export class Welcome {
   ) {}
 
   /** Robots or the scene are others. */
-  update(isLog: boolean): void {
-    const { status, scene } = this.state;
-    this.element.hidden = isLog || !status || status.robots.length > 0;
+  update(): void {
+    const { status, scene, isPresent } = this.state;
+    this.element.hidden = !isPresent || !status || status.robots.length > 0;
     const classes = Object.keys(scene?.classes ?? {});
     const known = OFFERED.filter(({ robotClass }) => classes.includes(robotClass));
     const offered = known.length > 0 ? known : classes.slice(0, 3).map((robotClass) => ({ robotClass, what: '' }));

@@ -14,13 +14,13 @@ const INTERVAL = 400;
 type Entry = WireLine | { said: string };
 
 export class WirePanel {
-  private readonly text = make('input', { placeholder: 'only lines with …', name: 'filter', 'aria-label': 'Filter' });
-  private readonly direction = make('select', { name: 'direction', 'aria-label': 'Direction' });
+  private readonly text = make('input', { name: 'filter' });
+  private readonly direction = make('select', { name: 'direction' });
   private readonly connection = make('input', {
-    placeholder: 'client',
     name: 'connection',
     size: '5',
-    'aria-label': 'Number of the client',
+    inputmode: 'numeric',
+    title: 'Number of a client, as the tree lists it; empty for all',
   });
   private readonly hold = make('button', { type: 'button', 'aria-pressed': 'false' }, 'Hold');
   private readonly list = make('ol', { id: 'lines' });
@@ -31,9 +31,9 @@ export class WirePanel {
 
   constructor() {
     for (const [value, name] of [
-      ['', 'in and out'],
-      ['in', 'to the server'],
-      ['out', 'from the server'],
+      ['', 'all'],
+      ['in', 'from the client'],
+      ['out', 'to the client'],
     ] as const) {
       this.direction.append(make('option', { value }, name));
     }
@@ -48,7 +48,15 @@ export class WirePanel {
     };
     [this.text, this.direction, this.connection].forEach((field) => (field.oninput = () => (this.stale = true)));
     this.element.append(
-      make('div', { class: 'row' }, this.text, this.direction, this.connection, this.hold, clear),
+      make(
+        'div',
+        { class: 'row' },
+        make('label', {}, 'Filter', this.text),
+        make('label', {}, 'Lines', this.direction),
+        make('label', {}, 'Client', this.connection),
+        this.hold,
+        clear,
+      ),
       this.list,
     );
   }

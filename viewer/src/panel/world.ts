@@ -118,7 +118,7 @@ export class WorldPanel {
       return make('li', {}, `${connection}: ${names.join(', ') || 'no robot'} `, make('small', {}, peer + lost));
     });
     const viewers = status?.viewers ?? 0;
-    const pages = viewers === 1 ? 'One page is open: this one.' : `${viewers} pages are open, this one among them.`;
+    const pages = viewers === 1 ? 'Only this page is open.' : `${viewers} pages are open, including this one.`;
     this.rest.replaceChildren(
       ...(objects.length > 0 ? [heading('Objects'), make('ul', { class: 'tree' }, ...objects)] : []),
       heading('Clients'),

@@ -28,8 +28,8 @@ export class Client {
   private isGreeted = false;
   private sent = '';
   private next = '';
-  /** Joints that are to go somewhere, and where, rad or m. */
-  private readonly targets = new Map<string, number>();
+  /** The newest line for each joint and gripper, by its name. */
+  private readonly settings = new Map<string, string>();
   private timer: number | null = null;
 
   constructor(
@@ -59,8 +59,12 @@ export class Client {
 
   /** Moves a joint; of several targets that come faster than lines are sent only the last one counts. */
   setJoint(name: string, target: number): void {
-    this.targets.set(name, target);
-    if (this.timer === null) this.sendNext();
+    this.set(`SET {Type Joint} {Name ${name}} {Opcode Angle} {Params ${target.toFixed(4)}}`, `joint ${name}`);
+  }
+
+  /** Opens or closes a gripper. */
+  setGripper(name: string, opcode: 'Open' | 'Close'): void {
+    this.set(`SET {Type Gripper} {Name ${name}} {Opcode ${opcode}}`, `gripper ${name}`);
   }
 
   /** Ends the connection; the robot leaves with it. */
@@ -90,15 +94,18 @@ export class Client {
     this.send(`INIT {ClassName USARBot.${robotClass}} {Name ${name}} ${where}`);
   }
 
+  private set(line: string, key: string): void {
+    this.settings.set(key, line);
+    if (this.timer === null) this.sendNext();
+  }
+
   private sendNext(): void {
     this.timer = null;
-    if (this.isGreeted && (this.next !== this.sent || this.targets.size > 0)) {
+    if (this.isGreeted && (this.next !== this.sent || this.settings.size > 0)) {
       if (this.next !== this.sent) this.send(this.next);
       this.sent = this.next;
-      this.targets.forEach((target, name) => {
-        this.send(`SET {Type Joint} {Name ${name}} {Opcode Angle} {Params ${target.toFixed(4)}}`);
-      });
-      this.targets.clear();
+      this.settings.forEach((line) => this.send(line));
+      this.settings.clear();
       this.timer = window.setTimeout(() => this.sendNext(), INTERVAL);
     }
   }

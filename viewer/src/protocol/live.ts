@@ -1,6 +1,7 @@
 /** The connection that shows the world and controls its time, its start and its log. It comes back by itself. */
 
 import { type Frame, type Scan, readMessage } from './frame';
+import { type Fit, type FitAnswer, FitQuestions } from './fit';
 import { type Scene, fetchScene } from './scene';
 
 export interface Status {
@@ -38,6 +39,8 @@ export interface Listener {
   status(status: Status): void;
   line(line: WireLine): void;
   said(text: string): void;
+  /** Whether a robot could stand where that was asked. */
+  fit(answer: FitAnswer): void;
   /** The connection is lost. */
   lost(): void;
 }
@@ -59,6 +62,11 @@ export class Live {
   /** Why the server lets this page not control the world. */
   refused: string | null = null;
 
+  private readonly fits = new FitQuestions(
+    (text) => this.send(text),
+    (answer) => this.listener.fit(answer),
+  );
+
   constructor(private readonly listener: Listener) {
     void this.connect();
     setInterval(() => {
@@ -71,6 +79,11 @@ export class Live {
 
   control(control: Control): void {
     this.send(JSON.stringify(control));
+  }
+
+  /** Asks whether a robot could stand somewhere; a server that does not know that never answers. */
+  askFit(fit: Fit): void {
+    this.fits.ask(fit);
   }
 
   /** Whether every line of the wire is to be sent. */
@@ -109,6 +122,7 @@ export class Live {
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
     this.heard = performance.now();
+    this.fits.restart();
     socket.onopen = () => this.listen();
     socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.take(event.data);
     socket.onclose = () => this.lose(socket);
@@ -165,11 +179,14 @@ export class Live {
       missed?: number;
       you?: string;
       refused?: string | null;
+      fit?: FitAnswer;
     };
     if (message.you !== undefined) [this.you, this.refused] = [message.you, message.refused ?? null];
     if (message.status) this.takeStatus(message.status);
     if (message.line) this.listener.line(message.line);
-    if (message.said !== undefined) this.listener.said(this.addressed(message.said));
+    if (message.fit) this.fits.take(message.fit);
+    if (message.said !== undefined && !this.fits.isRefusal(message.said))
+      this.listener.said(this.addressed(message.said));
     if (message.missed !== undefined) this.listener.said(`${message.missed} lines and scans came too fast to be shown`);
   }
 }

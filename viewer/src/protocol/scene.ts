@@ -55,6 +55,24 @@ export interface Sensor {
   fan: { first: number; resolution: number; level: boolean } | null;
 }
 
+/** What goes to a position. */
+export interface Joint {
+  name: string;
+  min: number;
+  max: number;
+  /** scenes of older servers do not say it */
+  unit?: 'rad' | 'm';
+}
+
+/** Joints that open and close together. */
+export interface Gripper {
+  name: string;
+  joints: string[];
+  /** where each joint is, rad or m */
+  open: number[];
+  closed: number[];
+}
+
 export interface RobotClass {
   description: string;
   steering: 'SkidSteered' | 'OmniDrive' | 'AckermanSteered' | 'Aerial' | 'Legged' | 'None';
@@ -69,8 +87,9 @@ export interface RobotClass {
   /** what hangs on the body beside driven wheels */
   links: { name: string; drawn: Drawn[] }[];
   wheels: Wheel[];
-  /** what goes to a position, rad or m */
-  joints: { name: string; min: number; max: number }[];
+  joints: Joint[];
+  /** scenes of older servers have none */
+  grippers?: Gripper[];
   sensors: Sensor[];
 }
 

@@ -33,6 +33,6 @@ function addNumbers(numbers: Map<string, number>, key: string, word: string): vo
   const list = word.split(',').map(Number);
   if (list.some(Number.isNaN)) return;
   if (list.length === 1) numbers.set(key, list[0] ?? 0);
-  else if (list.length > LONGEST) numbers.set(`least ${key}`, Math.min(...list));
+  else if (list.length > LONGEST) numbers.set(`smallest ${key}`, Math.min(...list));
   else list.forEach((number, index) => numbers.set(`${key} ${AXES[index] ?? index}`, number));
 }

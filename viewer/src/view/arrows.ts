@@ -5,18 +5,29 @@ import * as THREE from 'three';
 const RADIUS = 0.005;
 const HEAD = { radius: 0.014, length: 0.035 };
 const UP = new THREE.Vector3(0, 1, 0);
+/** The least breadth of a shaft on the screen, px. */
+const LEAST_BREADTH = 3;
 /** Arrows that fit. */
 const CAPACITY = 2000;
 
 export class Arrows {
   readonly group = new THREE.Group();
+  /** From where they are seen; pixels of a metre that is a metre away. */
+  readonly eye = new THREE.Vector3();
+  pixelsPerMetre = 500;
   private readonly material: THREE.MeshBasicMaterial;
   private readonly shafts: THREE.InstancedMesh;
   private readonly heads: THREE.InstancedMesh;
   private count = 0;
 
   constructor(colour: string) {
-    this.material = new THREE.MeshBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.92 });
+    this.material = new THREE.MeshBasicMaterial({
+      color: colour,
+      depthTest: false,
+      transparent: true,
+      toneMapped: false,
+      fog: false,
+    });
     const shaft = new THREE.CylinderGeometry(RADIUS, RADIUS, 1, 6).translate(0, 0.5, 0);
     const head = new THREE.ConeGeometry(HEAD.radius, HEAD.length, 10).translate(0, HEAD.length / 2, 0);
     this.shafts = new THREE.InstancedMesh(shaft, this.material, CAPACITY);
@@ -37,9 +48,11 @@ export class Arrows {
     if (this.count === CAPACITY) return;
     const turn = new THREE.Quaternion().setFromUnitVectors(UP, direction);
     const matrix = new THREE.Matrix4();
-    this.shafts.setMatrixAt(this.count, matrix.compose(from, turn, new THREE.Vector3(1, length, 1)));
+    const metresPerPixel = from.distanceTo(this.eye) / this.pixelsPerMetre;
+    const broad = Math.max(1, (LEAST_BREADTH * metresPerPixel) / (2 * RADIUS));
+    this.shafts.setMatrixAt(this.count, matrix.compose(from, turn, new THREE.Vector3(broad, length, broad)));
     const end = from.clone().addScaledVector(direction, length);
-    this.heads.setMatrixAt(this.count, matrix.compose(end, turn, new THREE.Vector3(1, 1, 1)));
+    this.heads.setMatrixAt(this.count, matrix.compose(end, turn, new THREE.Vector3(broad, broad, broad)));
     this.count++;
   }
 

@@ -78,6 +78,9 @@ export class Cameras {
     this.camera.up.set(0, 0, 1);
   }
 
+  /** Whether somebody has chosen what to look at. */
+  wasTouched = false;
+
   get target(): THREE.Vector3 {
     return this.aim.target;
   }
@@ -110,6 +113,7 @@ export class Cameras {
     this.lastRobot = robot?.place ?? null;
     this.changed();
     if (mode === before && mode !== 'follow') return;
+    this.wasTouched = true;
     const aim = copyAim(this.goal);
     if (mode === 'top') Object.assign(aim, { pitch: Math.PI / 2, yaw: Math.PI / 2 });
     else if (before === 'top') Object.assign(aim, FIRST);
@@ -214,6 +218,7 @@ export class Cameras {
   }
 
   private begin(x: number, y: number): void {
+    this.wasTouched = true;
     this.stop();
     this.about = this.followsRobot ? this.aim.target.clone() : (this.world.surfaceAt(x, y) ?? this.aim.target.clone());
     if (!this.followsRobot) anchor(this.aim, this.about);

@@ -21,6 +21,9 @@ export function colourOf(robot: number): string {
   return COLOURS[robot % COLOURS.length] ?? '#8a8f98';
 }
 
+/** Of contact forces: no robot and no axis has it. */
+export const FORCE_COLOUR = '#ff10c0';
+
 /** Of the axes x, y and z. */
 export const AXIS_COLOURS = ['#e0525e', '#3fa66a', '#4a7fe0'] as const;
 

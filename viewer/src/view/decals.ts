@@ -58,6 +58,8 @@ const FRAGMENT = `
       // Thinner than a pixel it grows fainter.
       ring *= min(1.0, about.w) * clamp(2.5 * breadth / pixel, 0.35, 1.0);
       float glow = max(0.0, about.w - 1.0) * (1.0 - smoothstep(0.0, 0.1, abs(far - gap)));
+      // From afar it would outshine a small robot.
+      glow *= clamp(0.03 / pixel, 0.0, 1.0);
       ring = max(ring, 0.45 * glow * glow);
     }
     float alpha = max(ring, dark);

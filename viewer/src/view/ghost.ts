@@ -9,6 +9,8 @@ import type { RobotFleet } from './robot';
 
 /** Of the robot itself, 0 to 1. */
 const STRENGTH = 0.55;
+/** Where the robot cannot stand. */
+const REFUSED = '#e01b24';
 
 export class Ghost {
   readonly group = new THREE.Group();
@@ -20,6 +22,7 @@ export class Ghost {
   private readonly decals = new Decals(this.group);
   private shown: RobotFleet | null = null;
   private readonly robot = new THREE.Group();
+  private fits = true;
 
   constructor() {
     this.group.add(this.robot);
@@ -27,6 +30,14 @@ export class Ghost {
 
   get decal(): THREE.Object3D {
     return this.decals.mesh;
+  }
+
+  /** Turns red where the robot cannot stand. */
+  setFits(fits: boolean): void {
+    this.fits = fits;
+    this.material.color.set(fits ? '#ffffff' : REFUSED);
+    this.material.emissive.set(fits ? '#000000' : REFUSED);
+    this.material.opacity = fits ? STRENGTH : 0.75;
   }
 
   /** A robot of a fleet's class on a place of the ground; links stand as those of another robot of the class. */
@@ -45,7 +56,7 @@ export class Ghost {
         matrix: matrix.multiply(new THREE.Matrix4().makeTranslation(middle)),
         size: [(max.x - min.x) / 2, (max.y - min.y) / 2],
         shadow: 0.25,
-        colour: new THREE.Color(colourOf(alike?.id ?? 0)),
+        colour: new THREE.Color(this.fits ? colourOf(alike?.id ?? 0) : REFUSED),
         ring: 1.4,
       },
     ]);

@@ -1,7 +1,13 @@
-/** Words over the picture that never cover each other, nor show through walls: the nearest comes first. */
+/** Words over the picture that never cover each other, nor show through walls and robots: the nearest comes first. */
 
 import * as THREE from 'three';
 import './view.css';
+
+/** The colour of a robot, and the line that a label does not cover. */
+export interface Manner {
+  colour?: string;
+  along?: THREE.Vector3;
+}
 
 export type LabelKind = 'robot' | 'start' | 'node' | 'object' | 'metres';
 
@@ -10,9 +16,11 @@ interface Label {
   kind: LabelKind;
   /** on the stage */
   place: THREE.Vector3;
+  /** the direction of the line on which it is; it stands beside that line */
+  along: THREE.Vector3 | null;
   width: number;
   hidden: boolean;
-  /** When it was last looked for behind walls. */
+  /** When it was last looked for behind walls and robots. */
   looked: number;
   behind: boolean;
   shown: number;
@@ -28,12 +36,14 @@ const RANGE: Record<LabelKind, [number, number]> = {
 };
 /** Which comes first where there is room for one. */
 const ORDER: Record<LabelKind, number> = { robot: 0, object: 60, start: 80, node: 120, metres: 200 };
-const HEIGHT: Record<LabelKind, number> = { robot: 18, start: 14, node: 14, object: 14, metres: 12 };
+const HEIGHT: Record<LabelKind, number> = { robot: 18, start: 16, node: 16, object: 16, metres: 14 };
 /** How far above its place a robot's name is, px. */
 const LEADER = 14;
-/** Between two looks behind walls, ms, and how many labels are looked for in a frame. */
+/** How far a number is from its axis, px. */
+const ASIDE = 4;
+/** Between two looks behind walls and robots, ms, and how many labels are looked for in a frame. */
 const LOOK_INTERVAL = 250;
-const LOOKS = 4;
+const LOOKS = 8;
 
 export class Labels {
   private readonly labels = new Map<string, Label>();
@@ -41,18 +51,18 @@ export class Labels {
   readonly layers: Record<LabelKind, boolean> = { robot: true, start: true, node: true, object: true, metres: true };
   /** The label of a robot that is always shown first. */
   first: string | null = null;
-  /** Whether some have not yet been looked for behind walls. */
+  /** Whether some have not yet been looked for behind walls and robots. */
   isBusy = false;
 
   constructor(
     private readonly parent: HTMLElement,
-    private readonly isBehind: (place: THREE.Vector3) => boolean,
+    private readonly isBehind: (place: THREE.Vector3, kind: LabelKind) => boolean,
   ) {
     parent.classList.add('view-labels');
   }
 
   /** Puts words at a place of the stage. */
-  set(key: string, kind: LabelKind, text: string, place: THREE.Vector3, colour?: string): void {
+  set(key: string, kind: LabelKind, text: string, place: THREE.Vector3, { colour, along }: Manner = {}): void {
     let label = this.labels.get(key);
     if (!label) {
       const element = document.createElement('span');
@@ -62,6 +72,7 @@ export class Labels {
         element,
         kind,
         place: new THREE.Vector3(),
+        along: null,
         width: 0,
         hidden: false,
         looked: 0,
@@ -71,6 +82,7 @@ export class Labels {
       this.labels.set(key, label);
     }
     label.place.copy(place);
+    label.along = along ?? null;
     if (label.element.textContent !== text) {
       label.element.textContent = text;
       label.width = 0;
@@ -119,13 +131,13 @@ export class Labels {
     seen.sort((one, other) => rank(one) - rank(other));
     this.lookBehind(seen.map(({ label }) => label));
     const taken: [number, number, number, number][] = [];
-    for (const { label, x, y, strength } of seen) {
+    for (const { label, x, y, depth, strength } of seen) {
       if (label.behind) {
         show(label, 0);
         continue;
       }
       label.width ||= label.element.offsetWidth;
-      const [left, bottom] = [Math.round(x - label.width / 2), Math.round(y) - (label.kind === 'robot' ? LEADER : 0)];
+      const [left, bottom] = this.corner(label, x, y, depth, camera);
       const box: [number, number, number, number] = [
         left - 3,
         bottom - HEIGHT[label.kind] - 2,
@@ -142,15 +154,32 @@ export class Labels {
     }
   }
 
-  /** Some of them in each frame: rays through the map cost. */
+  /** The left bottom corner of a label, px. */
+  private corner(label: Label, x: number, y: number, depth: number, camera: THREE.Camera): [number, number] {
+    const [halfWidth, halfHeight] = [label.width / 2, HEIGHT[label.kind] / 2];
+    if (!label.along) return [Math.round(x - halfWidth), Math.round(y) - (label.kind === 'robot' ? LEADER : 0)];
+    const next = label.place
+      .clone()
+      .addScaledVector(label.along, 0.05 * depth)
+      .project(camera);
+    const [dx, dy] = [((next.x + 1) / 2) * this.size.width - x, ((1 - next.y) / 2) * this.size.height - y];
+    const length = Math.hypot(dx, dy) || 1;
+    // Across the line, to the right of it, or above where it lies level.
+    const side = dy > 0.02 * length || (Math.abs(dy) <= 0.02 * length && dx < 0) ? 1 : -1;
+    const [acrossX, acrossY] = [(side * dy) / length, (-side * dx) / length];
+    const far = Math.abs(acrossX) * halfWidth + Math.abs(acrossY) * halfHeight + ASIDE;
+    return [Math.round(x + acrossX * far - halfWidth), Math.round(y + acrossY * far + halfHeight)];
+  }
+
+  /** Some of them in each frame: rays through the map and the robots cost. */
   private lookBehind(labels: Label[]): void {
     const now = performance.now();
-    const due = labels.filter(({ kind, looked }) => kind !== 'metres' && now - looked > LOOK_INTERVAL);
+    const due = labels.filter(({ looked }) => now - looked > LOOK_INTERVAL);
     due.sort((one, other) => one.looked - other.looked);
     this.isBusy = due.length > LOOKS;
     for (const label of due.slice(0, LOOKS)) {
       label.looked = now;
-      label.behind = this.isBehind(label.place);
+      label.behind = this.isBehind(label.place, label.kind);
     }
   }
 }

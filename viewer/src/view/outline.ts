@@ -4,7 +4,9 @@ import * as THREE from 'three';
 import type { Instances } from './instances';
 import type { Placed } from './robot';
 
+/** Of the line, px: it is thinner about a robot that is small on the screen, and never finer than the pixels that are drawn. */
 const BREADTH = 2.4;
+const PART_OF_ROBOT = 0.02;
 
 const MASK_VERTEX = `
   void main() {
@@ -13,11 +15,12 @@ const MASK_VERTEX = `
 const HULL_VERTEX = `
   attribute vec3 outward;
   uniform vec2 screen;
+  uniform float breadth;
   void main() {
     mat4 seen = modelViewMatrix * instanceMatrix;
     gl_Position = projectionMatrix * seen * vec4(position, 1.0);
     vec2 aside = (projectionMatrix * vec4(mat3(seen) * outward, 0.0)).xy;
-    gl_Position.xy += 2.0 * ${BREADTH} * normalize(aside * screen + 1e-6) / screen * gl_Position.w;
+    gl_Position.xy += 2.0 * breadth * normalize(aside * screen + 1e-6) / screen * gl_Position.w;
   }`;
 const FRAGMENT = `
   uniform vec3 colour;
@@ -28,7 +31,12 @@ const FRAGMENT = `
 
 export class Outline {
   readonly group = new THREE.Group();
-  private readonly uniforms = { screen: { value: new THREE.Vector2(1, 1) }, colour: { value: new THREE.Color() } };
+  private readonly uniforms = {
+    screen: { value: new THREE.Vector2(1, 1) },
+    breadth: { value: BREADTH },
+    colour: { value: new THREE.Color() },
+  };
+  private ratio = 1;
   /** Marks where the robot is seen, so that the line is drawn about it alone. */
   private readonly mask = new THREE.ShaderMaterial({
     vertexShader: MASK_VERTEX,
@@ -56,8 +64,14 @@ export class Outline {
   });
   private readonly parts = new Map<Instances, { mask: THREE.InstancedMesh; hull: THREE.InstancedMesh }>();
 
-  resize(width: number, height: number): void {
+  resize(width: number, height: number, ratio: number): void {
     this.uniforms.screen.value.set(width, height);
+    this.ratio = ratio;
+  }
+
+  /** Suits a robot that is so large on the screen, px. */
+  suit(robot: number): void {
+    this.uniforms.breadth.value = Math.max(1 / this.ratio, Math.min(BREADTH, PART_OF_ROBOT * robot));
   }
 
   /** About these parts, or about nothing. */

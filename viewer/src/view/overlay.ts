@@ -5,7 +5,7 @@ import type { Frame, RobotState, Scan } from '../protocol/frame';
 import type { RobotClass, Sensor } from '../protocol/scene';
 import { Arrows } from './arrows';
 import { Axes } from './axes';
-import { colourOf } from './colours';
+import { FORCE_COLOUR, colourOf } from './colours';
 import { Path } from './paths';
 import { PointCloud } from './points';
 import { setPose } from './pose';
@@ -21,8 +21,6 @@ export const FIRST_LAYERS: readonly Layer[] = ['paths', 'points', 'names', 'grid
 /** Length of the axes of a robot's and of a sensor's frame, m. */
 const ROBOT_AXES = 0.3;
 const SENSOR_AXES = 0.12;
-/** Of the arrows of forces; it tells them from robots and axes. */
-const FORCE_COLOUR = '#ff8a1f';
 /** Length of an arrow for each tenfold of a force, m, and the least force that is drawn, N. */
 const FORCE_LENGTH = 0.13;
 const LEAST_FORCE = 0.5;
@@ -72,6 +70,7 @@ export class Overlay {
   resize(pixelsPerMetre: number, ratio: number): void {
     this.cloud.uniforms.pixelsPerMetre.value = pixelsPerMetre;
     this.cloud.uniforms.ratio.value = ratio;
+    this.forces.pixelsPerMetre = pixelsPerMetre;
   }
 
   /** Draws what a laser or sonar measured, where it stood when it did. */
@@ -95,7 +94,9 @@ export class Overlay {
     this.rays.set(key, sensor.fan ? fanGeometry(origin, ends) : coneGeometry(mount, range), colour);
   }
 
-  place(frame: Frame, classOf: ClassOf): void {
+  /** Shows a frame as it is seen from a place of the world. */
+  place(frame: Frame, classOf: ClassOf, eye: THREE.Vector3): void {
+    this.forces.eye.copy(eye);
     const present = new Set(frame.robots.map(({ id }) => id));
     for (const id of [...this.paths.keys(), ...this.scanned.keys()]) if (!present.has(id)) this.remove(id);
     this.forces.begin();

@@ -43,7 +43,7 @@ export class RobotFleet {
   /** Of the body and the wheels that it carries, in the robot's frame. */
   readonly bounds = new THREE.Box3();
   /** Of the bounds, from corner to corner, m. */
-  private readonly size: number;
+  readonly size: number;
   private readonly body: Piece;
   private readonly links: Piece[];
   /** For each wheel; wheels that look alike share theirs. A browser without a graphics card takes its time for each instance. */

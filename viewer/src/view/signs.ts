@@ -11,10 +11,25 @@ const STEPS = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const LEAST_GAP = 110;
 /** Labels to each side of what is looked at. */
 const REACH = 7;
+/** On the stage. */
+const X_AXIS = new THREE.Vector3(1, 0, 0);
+const Y_AXIS = new THREE.Vector3(0, -1, 0);
+
+/** A robot that is so near to a start stands on its label, m. */
+const NEAR = 0.15;
 
 export function labelMap(labels: Labels, { map }: Scene): void {
   for (const { name, position } of map.starts) labels.set(`start ${name}`, 'start', name, onStage(position));
   for (const { name, position } of map.path_nodes) labels.set(`node ${name}`, 'node', name, onStage(position));
+}
+
+/** Starts on which no robot stands. */
+export function labelStarts(labels: Labels, { map }: Scene, robots: Robots): void {
+  const free = map.starts.filter(({ position: [x, y] }) =>
+    robots.all.every(({ state: { pose }, fleet }) => Math.hypot(pose[0] - x, pose[1] - y) > fleet.size / 2 + NEAR),
+  );
+  for (const { name, position } of free) labels.set(`start ${name}`, 'start', name, onStage(position));
+  labels.keep('start', new Set(free.map(({ name }) => `start ${name}`)));
 }
 
 export function labelObjects(labels: Labels, { map }: Scene, poses: Pose[]): void {
@@ -30,7 +45,9 @@ export function labelRobots(labels: Labels, robots: Robots): void {
     const [x, y, z] = state.pose;
     const key = `robot ${state.id}`;
     keys.add(key);
-    labels.set(key, 'robot', name, onStage([x, y, z - fleet.height(state)]), colourOf(state.id));
+    labels.set(key, 'robot', name, onStage([x, y, z - fleet.height(state)]), {
+      colour: colourOf(state.id),
+    });
   }
   labels.keep('robot', keys);
   labels.first = robots.selected === null ? null : `robot ${robots.selected}`;
@@ -50,7 +67,8 @@ export function labelMetres(labels: Labels, target: THREE.Vector3, metresPer100P
       if (at === 0) continue;
       const key = `metres ${axis} ${at}`;
       keys.add(key);
-      labels.set(key, 'metres', `${axis} ${at}`, onStage(axis === 'x' ? [at, 0, 0] : [0, at, 0]));
+      const [place, along] = axis === 'x' ? [onStage([at, 0, 0]), X_AXIS] : [onStage([0, at, 0]), Y_AXIS];
+      labels.set(key, 'metres', `${axis} ${at}`, place, { along });
     }
   }
   labels.keep('metres', keys);

@@ -7,7 +7,7 @@ import { Grid } from './grid';
 import { Lights } from './lights';
 import { OcclusionRenderer } from './occlusion';
 import { pathUniforms } from './paths';
-import { Ladder, type Quality, RUNGS, isSoftware } from './quality';
+import { Ladder, type Quality, RUNGS, type Rung, isSoftware } from './quality';
 import { Sky } from './sky';
 import { Stopwatch } from './stopwatch';
 import { Surfaces } from './surfaces';
@@ -16,6 +16,9 @@ import { setToneMapping } from './tone';
 /** Of a path, px, at low rungs and at high ones; and of the pixels that are drawn, so that it has no gaps. */
 const PATH_BREADTHS = [1.4, 2.6] as const;
 const LEAST_BREADTH = 1.2;
+
+/** What a picture that is saved is drawn with, however long it takes. */
+const SAVED: Rung = { ...RUNGS[5], pixelRatio: (screen) => screen };
 
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
@@ -34,6 +37,7 @@ export class Stage {
   private environment: THREE.Texture | null = null;
   private occlusion: OcclusionRenderer | null = null;
   private size = { width: 1, height: 1 };
+  private isSaving = false;
 
   constructor(
     canvas: HTMLCanvasElement,
@@ -64,6 +68,16 @@ export class Stage {
     return this.ladder.rung;
   }
 
+  private get rung(): Rung {
+    return this.isSaving ? SAVED : RUNGS[this.quality];
+  }
+
+  /** Draws with all pixels of the screen and at the best quality until it is told otherwise. */
+  setSaving(isSaving: boolean): void {
+    this.isSaving = isSaving;
+    this.applyQuality();
+  }
+
   setDark(dark: boolean): void {
     this.theme = dark ? DARK : LIGHT;
     this.lights.setTheme(this.theme);
@@ -78,12 +92,12 @@ export class Stage {
 
   resize(width: number, height: number): void {
     this.size = { width, height };
-    const ratio = RUNGS[this.quality].pixelRatio(window.devicePixelRatio);
+    const ratio = this.rung.pixelRatio(window.devicePixelRatio);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.occlusion?.resize(width, height, ratio);
     pathUniforms.screen.value.set(width, height);
-    const breadth = PATH_BREADTHS[RUNGS[this.quality].shading === 'standard' ? 1 : 0];
+    const breadth = PATH_BREADTHS[this.rung.shading === 'standard' ? 1 : 0];
     pathUniforms.breadth.value = Math.max(breadth, LEAST_BREADTH / ratio);
   }
 
@@ -99,9 +113,9 @@ export class Stage {
     this.fog.near = 12 + 2 * distance;
     this.fog.far = 90 + 7 * distance;
     if (this.lights.cover(target, 0.75 * distance)) this.renewShadows();
-    if (RUNGS[this.quality].occlusion) this.occluding().render();
+    if (this.rung.occlusion) this.occluding().render();
     else this.renderer.render(this.scene, this.camera);
-    this.stopwatch.drawn(began);
+    if (!this.isSaving) this.stopwatch.drawn(began);
   }
 
   private occluding(): OcclusionRenderer {
@@ -114,7 +128,7 @@ export class Stage {
   }
 
   private applyQuality(): void {
-    const { shadows, shading } = RUNGS[this.quality];
+    const { shadows, shading } = this.rung;
     const standard = shading === 'standard';
     this.renderer.shadowMap.enabled = shadows;
     this.lights.castShadows(shadows);

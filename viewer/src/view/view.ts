@@ -7,14 +7,14 @@ import { type CameraMode, Cameras } from './cameras';
 import { colourOf } from './colours';
 import { Ghost } from './ghost';
 import { Gizmo } from './gizmo';
-import { Labels } from './labels';
+import { type LabelKind, Labels } from './labels';
 import { MapView } from './map';
 import { moved } from './moved';
 import { Outline } from './outline';
 import { type Layer, Overlay, mountOf } from './overlay';
 import type { Quality } from './quality';
 import { Robots, type Roster } from './robots';
-import { labelMap, labelMetres, labelObjects, labelRobots } from './signs';
+import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
 import { Stage } from './stage';
 
 export { CAMERAS, type CameraMode } from './cameras';
@@ -54,6 +54,8 @@ export class View {
   private frame: Frame | null = null;
   private drawnFrame: Frame | null = null;
   private looked: number | null = null;
+  /** A robot that is framed as soon as it is there. */
+  private fitting: number | null = null;
   private stale = true;
   /** When frames were drawn, and when there was nothing new to draw, ms. */
   private drawn: number[] = [];
@@ -80,7 +82,7 @@ export class View {
       refresh,
     );
     this.stage = new Stage(canvas, this.cameras.camera, () => this.bodiless(), refresh);
-    this.labels = new Labels(labels, (place) => this.isBehind(place));
+    this.labels = new Labels(labels, (place, kind) => this.isBehind(place, kind));
     this.gizmo = new Gizmo(labels, (yaw, pitch) => this.cameras.lookFrom(yaw, pitch));
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
@@ -112,6 +114,8 @@ export class View {
     labelObjects(this.labels, scene, []);
     this.shown.forEach((shown, layer) => this.show(layer, shown));
     this.cameras.home(this.extent(), true);
+    this.cameras.wasTouched = false;
+    this.fitting = null;
     if (!this.stage.isSoftware) this.cameras.startTurntable();
     this.stage.renewShadows();
     this.resize();
@@ -170,11 +174,16 @@ export class View {
 
   /** Shows a robot, or all of the map, as large as there is room, from the side from which it is seen now. */
   fit(robot: number | null): void {
+    this.cameras.wasTouched = true;
+    // A robot that has just come is shown with the next frame.
+    this.fitting = robot !== null && !this.extentOf(robot) ? robot : null;
+    if (this.fitting !== null) return;
     this.cameras.fit(robot === null ? this.extent() : (this.extentOf(robot) ?? this.extent()));
   }
 
   /** All of the map as it was seen first. */
   home(): void {
+    this.cameras.wasTouched = true;
     this.cameras.home(this.extent());
   }
 
@@ -220,18 +229,25 @@ export class View {
     return hit && [hit.point.x, -hit.point.y, -hit.point.z];
   }
 
-  /** Shows a robot of a class as if it were put on the ground there, or none. */
-  showGhost(robotClass: string | null, place: Vector = [0, 0, 0], yaw = 0): void {
+  /** Shows a robot of a class as if it were put on the ground there, red where it cannot stand; or none. */
+  showGhost(robotClass: string | null, place: Vector = [0, 0, 0], yaw = 0, fits = true): void {
+    this.ghost.setFits(fits);
     const fleet = robotClass === null ? null : (this.world?.robots.fleet(robotClass) ?? null);
     const alike = this.world?.robots.all.find((known) => known.fleet === fleet)?.state ?? null;
     this.ghost.show(fleet, place, yaw, alike);
     this.stale = true;
   }
 
-  /** The picture as it is, as a PNG. */
+  /** The picture as a PNG: every pixel of the screen at the best quality, whatever rung is drawn with now. */
   async screenshot(): Promise<Blob | null> {
+    this.stage.setSaving(true);
+    this.resize();
     this.stage.render(this.cameras.target, this.cameras.distance);
-    return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
+    // What the canvas shows is taken at once, and written later.
+    const picture = new Promise<Blob | null>((resolve) => this.canvas.toBlob(resolve, 'image/png'));
+    this.stage.setSaving(false);
+    this.resize();
+    return picture;
   }
 
   /** Frames drawn in the last second; null if mostly there was nothing new to draw. */
@@ -261,6 +277,7 @@ export class View {
     this.stale = false;
     // Before, since the robots are drawn as they are seen from there; after, since it may follow them.
     if (this.frame) this.place(this.world, this.frame);
+    this.frameRobots();
     this.cameras.update(seconds);
     this.stage.render(this.cameras.target, this.cameras.distance);
     if (this.labels.layers.metres) labelMetres(this.labels, this.cameras.target, this.metresPer100Pixels());
@@ -268,6 +285,17 @@ export class View {
     this.gizmo.update(this.cameras.camera);
     this.drawn.push(now);
     if (this.drawn.length > 200) this.framesPerSecond();
+  }
+
+  /** Frames a robot that has come, and the first robots of a world that nobody has turned yet. */
+  private frameRobots(): void {
+    if (this.fitting !== null && this.extentOf(this.fitting)) this.fit(this.fitting);
+    const robots = this.world?.robots.all ?? [];
+    if (this.cameras.wasTouched || robots.length === 0) return;
+    this.cameras.wasTouched = true;
+    const box = new THREE.Box3();
+    for (const { state } of robots) box.union(this.extentOf(state.id) ?? new THREE.Box3());
+    this.cameras.fit(box);
   }
 
   private placeLabels(now: number): void {
@@ -283,9 +311,15 @@ export class View {
       map.place(frame.objects);
       labelObjects(this.labels, scene, frame.objects);
     }
-    overlay.place(frame, (id) => robots.classOf(id));
+    overlay.place(frame, (id) => robots.classOf(id), eye);
     labelRobots(this.labels, robots);
+    labelStarts(this.labels, scene, robots);
     const selected = robots.find(robots.selected);
+    if (selected) {
+      const [px, py, pz] = selected.state.pose;
+      const distance = eye.distanceTo(new THREE.Vector3(px, py, pz));
+      this.outline.suit(selected.fleet.size * this.pixelsPerMetre(Math.max(0.1, distance)));
+    }
     this.outline.place(selected ? selected.fleet.parts(selected.state, eye) : [], colourOf(robots.selected ?? 0));
     this.drawnFrame = frame;
   }
@@ -296,7 +330,7 @@ export class View {
     this.cameras.resize(width, height);
     this.stage.resize(width, height);
     this.labels.resize(width, height);
-    this.outline.resize(width, height);
+    this.outline.resize(width, height, this.stage.renderer.getPixelRatio());
     this.world?.overlay.resize(this.pixelsPerMetre(1), this.stage.renderer.getPixelRatio());
     this.stale = true;
   }
@@ -335,11 +369,15 @@ export class View {
     return distances.length > 0 ? ray.ray.at(Math.min(...distances), new THREE.Vector3()) : null;
   }
 
-  private isBehind(place: THREE.Vector3): boolean {
+  private isBehind(place: THREE.Vector3, kind: LabelKind): boolean {
     const eye = this.cameras.camera.position;
     const towards = place.clone().sub(eye);
-    const ray = new THREE.Raycaster(eye, towards.clone().normalize(), 0, towards.length() - 0.05);
-    return this.groundHit(ray) !== null;
+    const far = towards.length() - 0.05;
+    const ray = new THREE.Raycaster(eye, towards.normalize(), 0, far);
+    // A robot's own name is above it, and other robots may be seen through: they move.
+    if (kind !== 'robot' && (this.meet(ray)?.distance ?? Infinity) < far) return true;
+    // Numbers lie on the floor, which is no wall.
+    return kind !== 'metres' && this.groundHit(ray) !== null;
   }
 
   private hover(robot: number | null): void {

@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use scene::{Drawn, Geometry, Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, WorldDef};
+use scene::{Drawn, Geometry, Gripper, JointKind, Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, WorldDef};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -136,6 +136,7 @@ fn class(def: &RobotDef) -> Class<'_> {
         // The links that a log's joint_positions are of, in their order.
         "values": def.with_values().map(|link| &link.name).collect::<Vec<_>>(),
         "joints": def.with_values().filter_map(joint).collect::<Vec<_>>(),
+        "grippers": def.grippers.iter().map(|it| gripper(def, it)).collect::<Vec<_>>(),
         "sensors": def.sensors.iter().map(sensor).collect::<Vec<_>>(),
     });
     let body = drawn.first().map_or_else(Vec::new, |(_, pieces)| still(pieces));
@@ -145,7 +146,15 @@ fn class(def: &RobotDef) -> Class<'_> {
 /// A joint that goes to positions by `SET {Type Joint}`, rad or m.
 fn joint(link: &Link) -> Option<Value> {
     let [min, max] = link.position_limits()?;
-    Some(json!({ "name": link.name, "min": min, "max": max }))
+    let slides = link.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Prismatic);
+    Some(json!({ "name": link.name, "min": min, "max": max, "unit": if slides { "m" } else { "rad" } }))
+}
+
+/// A gripper: its joints by name, and where each is when it is open and when it is closed.
+fn gripper(def: &RobotDef, gripper: &Gripper) -> Value {
+    let joints = gripper.links.iter().filter_map(|&link| def.links.get(link));
+    let joints = joints.map(|link| &link.name).collect::<Vec<_>>();
+    json!({ "name": gripper.name, "joints": joints, "open": gripper.open, "closed": gripper.closed })
 }
 
 /// How far the joints of an axle steer to both sides, rad.

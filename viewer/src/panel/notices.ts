@@ -1,0 +1,16 @@
+/** What the server says, for people. The Wire tab keeps its own words. */
+
+/** A problem with a line that a client sent, and with which line. */
+const OF_LINE = /^connection (\d+)(?:, line \d+)?: (.*)$/s;
+/** The line itself, which is quoted at the end. */
+const QUOTED = /: [A-Z]+\d*( \{.*)?$/s;
+const SAME_NAME = /^\{Name (\S+)\} is the name of another robot/;
+
+/** The text without numbers of connections and lines; `nameOf` returns the robots of a connection. */
+export function plainNotice(text: string, nameOf: (connection: number) => string | null): string {
+  const [, connection, said] = OF_LINE.exec(text) ?? [];
+  if (connection === undefined || said === undefined) return text;
+  const [, name] = SAME_NAME.exec(said) ?? [];
+  if (name !== undefined) return `Another robot is named ${name}, too`;
+  return `${nameOf(Number(connection)) ?? `Client ${connection}`}: ${said.replace(QUOTED, '')}`;
+}

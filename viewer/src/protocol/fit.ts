@@ -1,0 +1,73 @@
+/** Asks the server whether a robot could stand somewhere: one question at a time, and not many a second. */
+
+import type { Vector } from './scene';
+
+/** A robot of a class at a place of the map. */
+export interface Fit {
+  class: string;
+  location: Vector;
+  yaw: number;
+}
+
+export interface FitAnswer extends Fit {
+  stands: boolean;
+  /** What is in the way. */
+  why: string | null;
+}
+
+/** Least time between two questions, ms. */
+const INTERVAL = 100;
+/** A question without an answer is forgotten after this time, ms. */
+const PATIENCE = 2000;
+
+export class FitQuestions {
+  private waiting: Fit | null = null;
+  private asked: Fit | null = null;
+  private askedAt = -Infinity;
+  private isUnknown = false;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly send: (text: string) => void,
+    private readonly answered: (answer: FitAnswer) => void,
+  ) {}
+
+  /** Asks as soon as the server is free; of several questions meanwhile the last one counts. */
+  ask(fit: Fit): void {
+    if (this.isUnknown) return;
+    this.waiting = fit;
+    this.next();
+  }
+
+  take(answer: FitAnswer): void {
+    this.asked = null;
+    this.answered(answer);
+    this.next();
+  }
+
+  /** Another server, which may know the question. */
+  restart(): void {
+    [this.waiting, this.asked, this.isUnknown] = [null, null, false];
+  }
+
+  /** True for the words by which an older server answers; it is not asked again. */
+  isRefusal(said: string): boolean {
+    if (!this.asked || !said.startsWith('not understood')) return false;
+    this.restart();
+    this.isUnknown = true;
+    return true;
+  }
+
+  private next(): void {
+    clearTimeout(this.timer);
+    if (!this.waiting) return;
+    const since = performance.now() - this.askedAt;
+    const wait = (this.asked ? PATIENCE : INTERVAL) - since;
+    if (wait > 0) {
+      this.timer = setTimeout(() => this.next(), wait);
+      return;
+    }
+    [this.asked, this.waiting, this.askedAt] = [this.waiting, null, performance.now()];
+    this.send(JSON.stringify({ fit: this.asked }));
+  }
+}

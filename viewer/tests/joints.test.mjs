@@ -1,0 +1,95 @@
+// Sliders, numbers and buttons that move the joints of an arm.
+
+import assert from 'node:assert/strict';
+import { pageTest, spawnRobot } from './pagetest.mjs';
+import { number, waitForNumber } from './server.mjs';
+
+const rough = { serve: ['--map', 'rough'] };
+const ARM3 = '#joint-ArmJoint3';
+/** Where joints are, as the tree says it. */
+const JOINT3 = '[data-value=joint2]';
+
+const value = (page, selector) => page.locator(selector).evaluate((input) => Number(input.value));
+
+/** Waits until what a slider or a number shows fits. */
+async function shows(page, selector, wanted, tolerance) {
+  await page.waitForFunction(
+    ([selector, wanted, tolerance]) => {
+      const input = document.querySelector(selector);
+      return input && !input.disabled && Math.abs(Number(input.value) - wanted) <= tolerance;
+    },
+    [selector, wanted, tolerance],
+  );
+}
+
+async function spawnArm(page, start = 'PlayerStart_0') {
+  await spawnRobot(page, { robotClass: 'YouBotArm', start });
+  await page.waitForSelector('[data-joints]:not([disabled])');
+}
+
+/** The lines of the wire that the page sends and that have a text. */
+function sentWith(page, text) {
+  const lines = [];
+  page.on('websocket', (socket) =>
+    socket.on('framesent', ({ payload }) => {
+      if (String(payload).includes(text)) lines.push(String(payload).trim());
+    }),
+  );
+  return lines;
+}
+
+pageTest('sliders begin where the joints are, and an arrow key moves a small step', rough, async ({ page }) => {
+  const sent = sentWith(page, 'SET {Type Joint}');
+  await spawnArm(page);
+  for (const joint of [1, 2, 3, 4, 5]) await shows(page, `#joint-ArmJoint${joint}`, 0, 0.02);
+  const from = await number(page, JOINT3);
+  await page.focus(ARM3);
+  await page.keyboard.press('ArrowRight');
+  await waitForNumber(page, JOINT3, (at) => Math.abs(at - from - 0.01) < 0.004);
+  for (const key of ['ArrowRight', 'ArrowRight', 'ArrowLeft', 'End', 'Home']) await page.keyboard.press(key);
+  await waitForNumber(page, JOINT3, (at) => Math.abs(at - from - 0.02) < 0.004);
+  const targets = sent.map((line) => Number(/Params ([-\d.]+)/.exec(line)[1]));
+  assert.ok(targets.length >= 1 && targets.every((target) => Math.abs(target) < 0.06), `${targets}`);
+});
+
+pageTest('a slider follows its joint, and shows it when its robot is chosen again', rough, async ({ page }) => {
+  await spawnArm(page);
+  await page.fill('#joint-ArmJoint3-number', '1');
+  await page.keyboard.press('Enter');
+  await waitForNumber(page, JOINT3, (at) => at > 0.97);
+  await shows(page, ARM3, 1, 0.03);
+  await spawnArm(page, 'RobotStart1');
+  await page.waitForSelector('[data-robot="1"][aria-pressed=true]');
+  await shows(page, ARM3, 0, 0.02);
+  await page.selectOption('select[name=own]', 'Robot1');
+  await page.waitForSelector('[data-robot="0"][aria-pressed=true]');
+  await shows(page, ARM3, 1, 0.03);
+  await shows(page, '#joint-ArmJoint3-number', 1, 0.03);
+  await page.focus(ARM3);
+  await page.keyboard.press('ArrowLeft');
+  await shows(page, ARM3, 0.99, 0.03);
+  assert.ok((await value(page, ARM3)) > 0.9);
+});
+
+pageTest('a joint has its unit, beside its number and in the tree', rough, async ({ page }) => {
+  await spawnArm(page);
+  const units = await page.locator('[data-joints] .unit').allTextContents();
+  assert.deepEqual(units, ['rad', 'rad', 'rad', 'rad', 'rad']);
+  assert.match(await page.getAttribute('#joint-ArmJoint1-number', 'title'), /^-?\d+\.\d°$/);
+  const inTree = await page.locator('.value:has([data-value^=joint]) small').allTextContents();
+  assert.deepEqual(inTree, ['rad', 'rad', 'rad', 'rad', 'rad', 'm', 'm']);
+});
+
+pageTest('a gripper has buttons in place of sliders of its fingers', rough, async ({ page }) => {
+  const sent = sentWith(page, 'Gripper');
+  await spawnArm(page);
+  assert.equal(await page.locator('[id^=joint-][id*=Finger]').count(), 0);
+  const finger = '[data-value=joint5]';
+  await page.click('[data-grip=Open]');
+  await waitForNumber(page, finger, (at) => at > 0.011);
+  await page.waitForSelector('[data-joints] :text("100 % open")');
+  await page.click('[data-grip=Close]');
+  await waitForNumber(page, finger, (at) => at < 0.0005);
+  const set = (opcode) => `SET {Type Gripper} {Name Gripper} {Opcode ${opcode}}`;
+  assert.deepEqual(sent, [set('Open'), set('Close')]);
+});

@@ -1,0 +1,98 @@
+// Words over the picture, and what is drawn over robots.
+
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import { runnerImport } from 'vite';
+import { pageTest, spawnRobot, waitForPixels } from './pagetest.mjs';
+import { connectClient, root } from './server.mjs';
+
+const rough = { serve: ['--map', 'rough'] };
+
+/** Contrast of the text of a label with its plate, on white and on black. */
+const contrasts = (page, kind) =>
+  page.locator(`.view-label.${kind} >> nth=0`).evaluate((label) => {
+    const { color, backgroundColor } = getComputedStyle(label);
+    const [text, plate] = [color, backgroundColor].map((colour) => colour.match(/[\d.]+/g).map(Number));
+    const light = (rgb) =>
+      rgb
+        .map((part) => part / 255)
+        .map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4))
+        .reduce((sum, part, index) => sum + part * [0.2126, 0.7152, 0.0722][index], 0);
+    return [255, 0].map((behind) => {
+      const alpha = plate[3] ?? 1;
+      const seen = plate.slice(0, 3).map((part) => alpha * part + (1 - alpha) * behind);
+      const [one, other] = [light(text.slice(0, 3)), light(seen)].sort((a, b) => b - a);
+      return (one + 0.05) / (other + 0.05);
+    });
+  });
+
+for (const colorScheme of ['light', 'dark']) {
+  pageTest(
+    `labels are read on their plates in ${colorScheme} colours`,
+    { ...rough, page: { colorScheme } },
+    async ({ page, server }) => {
+      await page.waitForSelector('.view-label.start', { state: 'attached' });
+      await connectClient(server.port, 'INIT {ClassName USARBot.P3AT} {Name Robot1} {Location 3,0,-0.1}');
+      await page.waitForSelector('.view-label.robot', { state: 'attached' });
+      for (const kind of ['metres', 'start', 'robot']) {
+        for (const contrast of await contrasts(page, kind)) assert.ok(contrast >= 4.5, `${kind}: ${contrast}`);
+      }
+    },
+  );
+}
+
+pageTest('a start has no label while a robot stands on it', rough, async ({ page }) => {
+  const start = '.view-label.start:text-is("PlayerStart_0")';
+  await page.waitForSelector(start, { state: 'attached' });
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  await page.waitForSelector(start, { state: 'detached' });
+  await page.click('#remove');
+  await page.waitForSelector(start, { state: 'attached' });
+});
+
+pageTest('labels behind a robot are hidden', rough, async ({ page, server }) => {
+  await page.selectOption('#camera', 'top');
+  // In the middle of the view, so that it stays there.
+  const shown = () =>
+    page.evaluate(() => {
+      const labels = [...document.querySelectorAll('.view-label.metres')];
+      const { width, height } = document.querySelector('#canvas').getBoundingClientRect();
+      const far = (label) => {
+        const [x, y] = label.style.transform.match(/-?[\d.]+/g).map(Number);
+        return Math.hypot(x - width / 2, y - height / 2);
+      };
+      const visible = labels.filter(({ style }) => Number(style.opacity) > 0.5);
+      return visible.sort((one, other) => far(one) - far(other)).map(({ textContent }) => textContent);
+    });
+  await page.waitForFunction(() =>
+    [...document.querySelectorAll('.view-label.metres')].some(({ style }) => Number(style.opacity) > 0.5),
+  );
+  const [nearest] = await shown();
+  const [axis, at] = nearest.split(' ');
+  const place = axis === 'x' ? `${at},0,-0.2` : `0,${at},-0.2`;
+  await connectClient(server.port, `INIT {ClassName USARBot.P3AT} {Name Robot1} {Location ${place}}`);
+  await page.waitForFunction((nearest) => {
+    const labels = [...document.querySelectorAll('.view-label.metres')];
+    const label = labels.find(({ textContent }) => textContent === nearest);
+    return Number(label.style.opacity) === 0;
+  }, nearest);
+});
+
+pageTest('forces have a colour of their own that stays at the lowest quality', rough, async ({ page }) => {
+  const { module: colours } = await runnerImport(join(root, 'viewer/src/view/colours.ts'));
+  const parts = (colour) => [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
+  const [r, g, b] = parts(colours.FORCE_COLOUR);
+  for (const colour of [...colours.COLOURS, ...colours.AXIS_COLOURS]) {
+    const [red, green, blue] = parts(colour);
+    assert.ok(Math.hypot(red - r, green - g, blue - b) > 110, colour);
+  }
+  await page.keyboard.press('Control+k');
+  await page.fill('dialog input', 'picture quality 1');
+  await page.keyboard.press('Enter');
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  await page.click('#layers summary');
+  await page.check('[name=forces]');
+  await page.keyboard.press('Home');
+  const near = (by) => [r, g, b].map((part) => Math.max(0, Math.min(255, part + by)));
+  await waitForPixels(page, 40, near(-50), near(50));
+});

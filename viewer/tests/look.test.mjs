@@ -1,0 +1,88 @@
+// What the first view shows, and how the page looks.
+
+import assert from 'node:assert/strict';
+import { pageTest, spawnRobot } from './pagetest.mjs';
+import { connectClient, waitForNumber } from './server.mjs';
+
+const PHONE = { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true };
+
+/** Waits until the scale says that so few metres are about 100 pixels. */
+const waitForScale = (page, most) =>
+  page.waitForFunction((most) => {
+    const [, number, unit] = /([\d.]+) (cm|m)/.exec(document.querySelector('#scale').textContent) ?? [];
+    return number && (unit === 'cm' ? number / 100 : Number(number)) <= most;
+  }, most);
+
+pageTest('a robot that is spawned is framed', { serve: ['--map', 'arena'] }, async ({ page }) => {
+  assert.equal(await page.inputValue('select[name=class]'), 'YouBotArm');
+  await page.click('#spawn');
+  await page.waitForSelector('[data-robot]');
+  // Half a metre in a hundred pixels is a robot of more than a hundred.
+  await waitForScale(page, 0.5);
+});
+
+pageTest(
+  'robots that are there are framed when the page opens',
+  { serve: ['--map', 'arena'] },
+  async ({ page, server }) => {
+    await connectClient(server.port, 'INIT {ClassName USARBot.P3AT} {Name Robot1} {Start RobotStart1}');
+    await page.waitForSelector('[data-robot]');
+    await page.reload();
+    await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
+    await waitForScale(page, 0.5);
+  },
+);
+
+pageTest('the legend of a plot has the present numbers, and its axis a name and a unit', {}, async ({ page }) => {
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  await page.click('[data-value=x]');
+  await page.waitForSelector('figcaption:has-text("x (m)")');
+  await page.keyboard.down('w');
+  const value = '.u-legend .u-series:nth-child(2) .u-value';
+  await waitForNumber(page, value, (x) => x > 0.2);
+  await page.keyboard.up('w');
+  assert.match(await page.textContent(value), / m$/);
+  const isInside = await page.evaluate(() => {
+    const [legend, panel] = ['.u-legend', '#plots'].map((it) => document.querySelector(it).getBoundingClientRect());
+    return legend.bottom <= panel.bottom + 1;
+  });
+  assert.ok(isInside, 'the legend is not cut off');
+});
+
+pageTest('the fields of Wire are labelled', {}, async ({ page }) => {
+  await page.click('[data-tab=wire]');
+  const labels = await page
+    .locator('#wire label')
+    .evaluateAll((all) => all.map((label) => label.firstChild.textContent));
+  assert.deepEqual(labels, ['Filter', 'Lines', 'Client']);
+  assert.deepEqual(await page.locator('[name=direction] option').allTextContents(), [
+    'all',
+    'from the client',
+    'to the client',
+  ]);
+});
+
+pageTest('the page does not say live when the connection is lost', { mayFail: true }, async ({ page, server }) => {
+  await page.waitForSelector('#mode:text-is("live")');
+  await server.stop('SIGKILL');
+  await page.waitForSelector('#mode[data-mode=lost]:text-is("not connected")');
+});
+
+pageTest('a sheet on a phone leaves the view and its sticks', { page: PHONE }, async ({ page }) => {
+  await page.tap('[data-spawn=P3AT]');
+  await page.waitForSelector('#sticks:not([hidden])');
+  const heights = await page
+    .locator('#tools > button, #tools summary, #tools select')
+    .evaluateAll((all) => all.map((it) => Math.round(it.getBoundingClientRect().height)));
+  assert.equal(new Set(heights).size, 1, `${heights}`);
+  await page.tap('[data-sheet=world]');
+  const [stick, sheet] = await page.evaluate(() => [
+    document.querySelector('[data-stick=move]').getBoundingClientRect().bottom,
+    document.querySelector('#world').getBoundingClientRect().top,
+  ]);
+  assert.ok(stick <= sheet, `${stick} ${sheet}`);
+  await page.tap('#layers summary');
+  await page.waitForSelector('#layers[open]');
+  await page.tap('#canvas', { position: { x: 60, y: 150 } });
+  await page.waitForSelector('#layers:not([open])', { state: 'attached' });
+});

@@ -1,0 +1,178 @@
+// The last minute, and logs: they are looked at, and nobody is driven meanwhile.
+
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { X, pageTest, spawnRobot } from './pagetest.mjs';
+import { connectClient, number, openPage, startServer, waitForNumber } from './server.mjs';
+
+const rough = { serve: ['--map', 'rough'] };
+const BAND = '#past:not([hidden])';
+
+/** Moves the slider of the time line to a part of its range. */
+const look = (page, part) =>
+  page.locator('#timeline').evaluate((timeline, part) => {
+    const [min, max] = [Number(timeline.min), Number(timeline.max)];
+    timeline.value = String(min + part * (max - min));
+    timeline.dispatchEvent(new Event('input'));
+  }, part);
+
+/** Drives until x is so large. */
+async function drive(page, until) {
+  await page.keyboard.down('w');
+  await waitForNumber(page, X, (value) => value > until);
+  await page.keyboard.up('w');
+}
+
+/** The times in the plots' table. */
+async function plotted(page) {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save-csv')]);
+  const [, ...lines] = readFileSync(await download.path(), 'utf8').split('\n');
+  return lines.map((line) => Number(line.split(',')[0]));
+}
+
+/** Where the line of the shown moment is in the first chart, as a part of its width; null without one. */
+const cursor = (page) =>
+  page.evaluate(() => {
+    const line = document.querySelector('.chart .moment');
+    return line && !line.hidden ? line.offsetLeft / line.parentElement.clientWidth : null;
+  });
+
+pageTest('keys drive nobody while the past is shown, and space plays it', rough, async ({ page, server }) => {
+  const sent = [];
+  page.on('websocket', (socket) =>
+    socket.on('framesent', ({ payload }) => {
+      if (/^DRIVE.*[1-9]|^SET|pause/.test(String(payload))) sent.push(String(payload).trim());
+    }),
+  );
+  const { page: other } = await openPage(page.context().browser(), server.url);
+  await spawnRobot(page, { robotClass: 'YouBotArm' });
+  await drive(page, 0.5);
+  await look(page, 0.6);
+  await page.waitForSelector(`${BAND}:has-text("You are looking at the past. Keys do not drive.")`);
+  const then = await number(page, '#time');
+  const before = sent.length;
+  assert.ok(before > 0);
+  for (const key of ['w', 'd', 'ArrowUp']) {
+    await page.keyboard.down(key);
+    await page.waitForTimeout(150);
+    await page.keyboard.up(key);
+  }
+  assert.ok(await page.isDisabled('#joint-ArmJoint1'));
+  await page.keyboard.press(' ');
+  await waitForNumber(page, '#time', (time) => time > then + 0.4);
+  await page.waitForSelector('#pause:text-is("Pause")');
+  await page.keyboard.press(' ');
+  await page.waitForSelector('#pause:text-is("Play")');
+  const stopped = await number(page, '#time');
+  await page.keyboard.press('.');
+  await waitForNumber(page, '#time', (time) => time > stopped && time < stopped + 0.2);
+  // The world went on meanwhile, and nobody was told to stop it.
+  const now = await number(other, '#time');
+  await waitForNumber(other, '#time', (time) => time > now + 0.2);
+  assert.equal(await other.getAttribute('#pause', 'aria-pressed'), 'false');
+  assert.deepEqual(sent.slice(before), []);
+  await page.click('#live');
+  await page.waitForSelector(BAND, { state: 'detached' });
+  const x = await waitForNumber(page, X, (value) => value > 0.5);
+  await drive(page, x + 0.1);
+  await other.context().close();
+});
+
+pageTest('the past is played faster, and stops where it ends', rough, async ({ page }) => {
+  await waitForNumber(page, '#time', (time) => time > 4);
+  await page.click('#pause');
+  await page.waitForSelector('#pause[aria-pressed=true]');
+  await look(page, 0);
+  await page.waitForSelector(BAND);
+  await page.selectOption('#speed', '4');
+  const [begin, end] = await page.locator('#timeline').evaluate(({ min, max }) => [Number(min), Number(max)]);
+  await page.click('#pause');
+  const started = Date.now();
+  await waitForNumber(page, '#time', (time) => time > end - 0.05);
+  assert.ok(Date.now() - started < (1000 * (end - begin)) / 2, `${Date.now() - started} ms`);
+  await page.waitForSelector('#pause:text-is("Play")');
+  await page.waitForSelector(BAND);
+});
+
+pageTest('plots keep their curves while the past is shown, with a cursor', rough, async ({ page }) => {
+  await spawnRobot(page);
+  await drive(page, 0.3);
+  // A page that opens late knows less of the past.
+  await page.waitForFunction(() => {
+    const { min, max } = document.querySelector('#timeline');
+    return max - min > 4;
+  });
+  await page.click('[data-value=x]');
+  await page.waitForSelector('.chart');
+  assert.equal(await cursor(page), null);
+  const now = await number(page, '#time');
+  await look(page, 0.25);
+  const then = await waitForNumber(page, '#time', (time) => time < now - 2);
+  await page.waitForFunction(() => !document.querySelector('.chart .moment').hidden);
+  assert.ok(Math.max(...(await plotted(page))) > then + 1.5);
+  // The legend has the numbers of that moment.
+  await waitForNumber(page, '.u-legend .u-value', (time) => Math.abs(time - then) < 0.05);
+  const early = await cursor(page);
+  await look(page, 0.75);
+  await page.waitForFunction((early) => {
+    const line = document.querySelector('.chart .moment');
+    return line.offsetLeft / line.parentElement.clientWidth > early + 0.2;
+  }, early);
+  await page.click('#live');
+  await page.waitForFunction(() => document.querySelector('.chart .moment').hidden);
+});
+
+pageTest('the time line has times and marks', rough, async ({ page, server }) => {
+  const mark = (title) => page.waitForSelector(`.mark[title$=${JSON.stringify(title)}]`, { state: 'attached' });
+  await waitForNumber(page, '#time', (time) => time > 0.5);
+  await spawnRobot(page);
+  await mark('Robot1 came');
+  await page.click('#record');
+  await mark('Recording started');
+  await page.click('#record');
+  await mark('Recording stopped');
+  const other = await connectClient(server.port, 'INIT {ClassName USARBot.P3AT} {Name Other} {Location 3,0,-0.1}');
+  await mark('Other came');
+  other.end();
+  await mark('Other left');
+  assert.match(await page.textContent('#first-time'), /^\d+\.\d s$/);
+  assert.match(await page.textContent('#last-time'), /^\d+\.\d s$/);
+  await page.locator('.mark >> nth=0').dispatchEvent('click');
+  await page.waitForSelector(BAND);
+  await page.click('#reset');
+  await mark('The world was reset');
+  // The past of the world before is gone.
+  await page.waitForSelector(BAND, { state: 'detached' });
+  assert.equal(await page.locator('.mark').count(), 1);
+});
+
+pageTest('plots show all of a log, with a cursor, and its robots are marked', rough, async ({ page }) => {
+  const recording = await startServer('--map', 'rough', '--log', 'run.mcap');
+  const { page: watching } = await openPage(page.context().browser(), recording.url);
+  await waitForNumber(watching, '#time', (time) => time > 1);
+  const init = 'INIT {ClassName USARBot.P3AT} {Name Recorded} {Start PlayerStart_0}';
+  const client = await connectClient(recording.port, init, 'DRIVE {Left 3} {Right 3}');
+  await waitForNumber(watching, '#time', (time) => time > 4);
+  await watching.context().close();
+  await recording.stop();
+  client.end();
+  await page.setInputFiles('#log-file', join(recording.folder, 'run.mcap'));
+  await page.waitForSelector(`${BAND}:has-text("You are looking at the log run.mcap. Keys do not drive.")`);
+  await page.waitForFunction(() => Number(document.querySelector('#timeline').max) > 3);
+  await page.click('#pause');
+  await look(page, 0.75);
+  await page.waitForSelector('.mark[title$="Recorded came"]', { state: 'attached' });
+  await page.click('[data-value=x]');
+  await page.waitForSelector('.chart');
+  const times = await plotted(page);
+  assert.ok(Math.min(...times) < 2.7 && Math.max(...times) > 3.8, `${times[0]} ${times.at(-1)}`);
+  await page.waitForFunction(() => !document.querySelector('.chart .moment').hidden);
+  const middle = await cursor(page);
+  assert.ok(middle > 0.6 && middle < 0.9, `${middle}`);
+  // Playing on takes nothing away.
+  await look(page, 0.1);
+  await page.keyboard.press(' ');
+  await page.waitForSelector('#pause:text-is("Pause")');
+  assert.ok((await plotted(page)).length >= times.length);
+});
