@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test book figures fuzz soak attack dist check
+.PHONY: run view test book figures fuzz soak attack loom dist release check
 
 # Expanded only where something has to be built with it.
 npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
@@ -59,11 +59,25 @@ attack:
 	@[ -n "$$USARSIM_CAPTURES" ] || { echo "USARSIM_CAPTURES has to name the folder of the recordings" >&2; exit 64; }
 	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test attack -- --nocapture
 
+# Every order in which the threads that share an outbox can meet.
+loom:
+	cargo test --quiet --package outbox --features loom
+
 # What is given away, with SHA256SUMS in target/dist: docs/install.md. `packaging/try` tries it.
 # Only for one processor: `make dist TARGETS=x86_64-unknown-linux-musl`.
 TARGETS =
 dist: view
 	packaging/dist $(TARGETS)
+
+# What is tried before a release, beside `make check`: what `make run` starts in the browser, what `make dist` makes, and an installation
+# from source. A quarter of an hour.
+release: dist
+	cargo build --release
+	tests/interop/run
+	cd viewer && npm test
+	packaging/try
+	cargo install --quiet --locked --path crates/usarsim --root target/installed
+	target/installed/bin/usarsim snapshot --map arena --robot P3AT --size 64x48 --out target/installed/p3at.png
 
 # What CI runs.
 check:

@@ -2,7 +2,7 @@
 """Writes docs/validation.md: what `usarsim validate` and `usarsim bench` find, as tables and plots.
 
     python3 -m venv venv && venv/bin/pip install matplotlib
-    cargo build --release
+    cargo build --release            # or USARSIM names another build of the program
     venv/bin/python bench/validation.py [--out docs]
 """
 
@@ -23,7 +23,7 @@ ROOT = os.path.join(os.path.dirname(__file__), "..")
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("--out", default=os.path.join(ROOT, "docs"), help="folder of the page")
 OUT = parser.parse_args().out
-USARSIM = os.path.join(ROOT, "target", "release", "usarsim")
+USARSIM = os.environ.get("USARSIM") or os.path.join(ROOT, "target", "release", "usarsim")
 COLOURS = {"bodies": "#1f5fa8", "articulated": "#8a4fa8", "analytic": "#d1495b", "kinematic": "#6b9e3f"}
 # The same file every time.
 matplotlib.rcParams["svg.hashsalt"] = "usarsim"

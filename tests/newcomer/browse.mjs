@@ -52,7 +52,7 @@ async function own() {
   await driveForward(0.3);
   const now = await number(page, TIME);
   await waitForNumber(page, TIME, (time) => time > now + 1);
-  assert.equal(await page.textContent('#map'), 'hall');
+  assert.equal(await page.textContent('#map'), 'lab');
   await picture('own');
 }
 

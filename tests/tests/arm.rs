@@ -145,8 +145,8 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
             "MISPKG {Name Arm} {Link 0} {Value 1} {Order 0}",
             "{Link 0}: the actuator `Arm` has links 1 to 5; nothing is moved",
         ),
-        ("MISPKG {Name Arm} {Link -1} {Value NaN}", "MISPKG needs {Link ..} {Value ..} {Order ..}"),
-        ("ACT {Name Arm}", "ACT needs {Link ..} {Value ..}"),
+        ("MISPKG {Name Arm} {Link -1} {Value NaN}", "MISPKG needs Link, Value and Order 0 in this order"),
+        ("ACT {Name Arm}", "ACT needs Link and Value, or Gripper"),
         (
             "SET {Type Lamp} {Opcode RESET}",
             "SET {Type Lamp} {Name }: the robot has no such item or opcode; expected one of GroundTruth GndTruth, ",

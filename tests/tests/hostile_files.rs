@@ -673,9 +673,9 @@ fn what_cannot_be_loaded_is_said_in_one_line() {
         ),
         // Each is good without the other.
         (
-            &["YouBot.wheels.radius=0.1", "YouBot.wheels.max_speed=200"],
-            "--set YouBot.wheels.radius=0.1 --set YouBot.wheels.max_speed=200: robots/YouBot/robot.toml: `max_speed` 200 rad/s at \
-             `radius` 0.1 m is 20.0 m/s at the rim: expected at most 15 m/s",
+            &["YouBot.wheels.radius=0.1", "YouBot.wheels.max_speed=500"],
+            "--set YouBot.wheels.radius=0.1 --set YouBot.wheels.max_speed=500: robots/YouBot/robot.toml: `max_speed` 500 rad/s at \
+             `radius` 0.1 m is 50.0 m/s at the rim: expected at most 40 m/s",
         ),
         (
             &["YouBot.wheels.max_speed=200", "YouBot.wheels.max_current=1000"],

@@ -8,9 +8,11 @@ import { connectClient, root } from './server.mjs';
 
 const rough = { serve: ['--map', 'rough'] };
 
-/** Contrast of the text of a label with its plate, on white and on black. */
-const contrasts = (page, kind) =>
-  page.locator(`.view-label.${kind} >> nth=0`).evaluate((label) => {
+/** Contrast of the text of a label with its plate, on white and on black. Labels come and go, so one is found and read at once. */
+const contrasts = async (page, kind) => {
+  const read = (selector) => {
+    const label = document.querySelector(selector);
+    if (!label) return null;
     const { color, backgroundColor } = getComputedStyle(label);
     const [text, plate] = [color, backgroundColor].map((colour) => colour.match(/[\d.]+/g).map(Number));
     const light = (rgb) =>
@@ -24,7 +26,9 @@ const contrasts = (page, kind) =>
       const [one, other] = [light(text.slice(0, 3)), light(seen)].sort((a, b) => b - a);
       return (one + 0.05) / (other + 0.05);
     });
-  });
+  };
+  return (await page.waitForFunction(read, `.view-label.${kind}`)).jsonValue();
+};
 
 for (const colorScheme of ['light', 'dark']) {
   pageTest(

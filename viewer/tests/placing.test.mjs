@@ -98,7 +98,7 @@ pageTest('the server says what is in the way of a robot', arena, async ({ page }
     await page.mouse.move(x + width / 2, y + part * height);
     await page.waitForSelector('#placing:not([data-stands=unknown])', { timeout: 5000 });
     await page.waitForTimeout(150);
-    isFound = /inside \S/.test(await page.textContent('#placing'));
+    isFound = /takes it/.test(await page.textContent('#placing'));
   }
   assert.ok(isFound);
 });

@@ -5,6 +5,7 @@ use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 use gamebots_proto::{Command, Dialect, Framing, Line, Problem};
+use outbox::{Outbox, Taken};
 use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::OwnedReadHalf;
@@ -14,7 +15,6 @@ use tracing::{info, warn};
 
 use crate::control::{Actor, Control};
 use crate::fit::{Ask, Fit};
-use crate::outbox::{Outbox, Taken};
 
 /// Bytes read at once.
 const READ_BYTES: usize = 16 * 1024;

@@ -20,7 +20,6 @@ mod foxglove_server;
 mod journal;
 mod listener;
 mod live;
-mod outbox;
 mod owners;
 mod pace;
 mod playback;

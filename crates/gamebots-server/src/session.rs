@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use gamebots_proto::message::{Message, Nfo};
 use gamebots_proto::{Command, Dialect, Problem};
+use outbox::Outbox;
 use tracing::warn;
 
 use crate::connection::{ConnectionId, Opened, Request, Turn};
-use crate::outbox::Outbox;
 
 /// Problems of one connection that are logged in a second; the rest is counted.
 const MAX_WARNINGS: u64 = 20;

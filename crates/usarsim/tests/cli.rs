@@ -543,7 +543,9 @@ fn a_picture_is_taken_of_a_robot_whatever_its_file_is_called() {
 #[test]
 fn what_is_shipped_is_good() {
     let mut files = vec!["assets/materials.toml".to_owned(), "assets/robots/KUKA_YouBot/robot.urdf".to_owned()];
-    files.extend(["arena", "rough", "slope-1.5", "slope-4.5", "smooth"].map(|map| format!("maps/{map}/map.toml")));
+    files.extend(
+        ["arena", "hall", "rough", "slope-1.5", "slope-4.5", "smooth"].map(|map| format!("maps/{map}/map.toml")),
+    );
     for robot in scene_loader::robot_names() {
         files.push(format!("assets/robots/{robot}/robot.toml"));
     }

@@ -69,6 +69,10 @@ export class Grid {
       uniforms: this.uniforms,
       transparent: true,
       depthWrite: false,
+      // A floor and this quad are both large and almost in one plane: without an offset the floor hides parts of the lines.
+      polygonOffset: true,
+      polygonOffsetFactor: -1,
+      polygonOffsetUnits: -16,
     });
     this.mesh = new THREE.Mesh(new THREE.PlaneGeometry(2 * REACH, 2 * REACH), material);
     this.mesh.renderOrder = 2;

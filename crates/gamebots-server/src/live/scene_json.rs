@@ -5,7 +5,9 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use scene::{Drawn, Geometry, Gripper, JointKind, Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, WorldDef};
+use scene::{
+    Drawn, Geometry, Gripper, JointKind, Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, WorldDef,
+};
 use serde::Serialize;
 use serde_json::{Value, json};
 

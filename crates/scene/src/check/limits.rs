@@ -48,9 +48,9 @@ pub const WHEEL_WIDTH: Range = Range { least: 0.001, most: 20.0, unit: " m" };
 pub(super) const LEAST_OFFSET: f64 = 0.001;
 /// Speed limit of a motor.
 pub const MAX_SPEED: Range = Range { least: 1e-3, most: 1e3, unit: " rad/s" };
-/// Speed of a driven wheel's rim, m/s: its speed limit times its radius. The fastest shipped robot has 2.4, a fast rover 10.
-/// A youBot with 20 that drove into a wall lost its finite state.
-pub const MAX_RIM_SPEED: f64 = 15.0;
+/// Speed of a driven wheel's rim, m/s: its speed limit times its radius. The fastest shipped robot has 2.4, a
+/// model race car 20, a car on the road 40. From 20 on an impact may end the robot: its state becomes a fault.
+pub const MAX_RIM_SPEED: f64 = 40.0;
 /// Force with which all driven wheels together can push, over the robot's weight. Shipped robots have 0.7 to 21 (the
 /// thesis's), real ones about 1. A robot with 300 threw itself over walls.
 pub const MAX_PUSH: f64 = 100.0;

@@ -31,8 +31,11 @@ impl Robot {
         let def = &self.bodies().robot().def;
         let actuator = def.actuators.iter().find(|it| it.name.eq_ignore_ascii_case(name));
         if targets.is_empty() && gripper.is_none() {
-            let (verb, key) =
-                if first == 0 { ("ACT", "Link ..} {Value") } else { ("MISPKG", "Link ..} {Value ..} {Order") };
+            let (verb, key) = if first == 0 {
+                ("ACT", "Link and Value, or Gripper")
+            } else {
+                ("MISPKG", "Link, Value and Order 0 in this order, or Gripper")
+            };
             problems.push(Problem::MissingKey { verb, key });
         }
         let mut joints = Vec::new();

@@ -28,7 +28,7 @@ const MAX_PACED_LINES: usize = 64;
 
 /// The queue of one client: filled by the world's thread, emptied by the connection's task.
 #[derive(Default)]
-pub(crate) struct Outbox {
+pub struct Outbox {
     queue: Mutex<Queue>,
 }
 
@@ -54,16 +54,16 @@ struct Outgoing {
 
 /// What is to be written at once.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Taken {
+pub struct Taken {
     /// Whole lines with their ends.
-    pub(crate) text: String,
+    pub text: String,
     /// True for a single line that wants a segment of its own.
-    pub(crate) is_paced: bool,
+    pub is_paced: bool,
 }
 
 impl Outbox {
     /// Adds a line, without its end.
-    pub(crate) fn push(&self, mut text: String, periodic: bool) {
+    pub fn push(&self, mut text: String, periodic: bool) {
         text.push_str("\r\n");
         let mut queue = self.lock();
         if queue.closed {
@@ -78,7 +78,7 @@ impl Outbox {
     }
 
     /// Nothing more is added; what waits is still sent.
-    pub(crate) fn close(&self) {
+    pub fn close(&self) {
         let mut queue = self.lock();
         queue.closed = true;
         let (writer, reader) = (queue.writer.take(), queue.reader.take());
@@ -88,12 +88,12 @@ impl Outbox {
     }
 
     /// Lets lines leave one by one, or together.
-    pub(crate) fn set_paced(&self, is_paced: bool) {
+    pub fn set_paced(&self, is_paced: bool) {
         self.lock().is_paced = is_paced;
     }
 
     /// Waits for lines and takes all of them, or one where they leave one by one; `None` when the queue is closed and empty.
-    pub(crate) async fn take(&self) -> Option<Taken> {
+    pub async fn take(&self) -> Option<Taken> {
         poll_fn(|context| self.poll_take(context)).await
     }
 
@@ -116,12 +116,12 @@ impl Outbox {
     }
 
     /// Whether the client has taken enough of its answers to be given more.
-    pub(crate) fn has_room(&self) -> bool {
+    pub fn has_room(&self) -> bool {
         self.lock().has_room()
     }
 
     /// Waits until [`Self::has_room`].
-    pub(crate) async fn ready_for_answers(&self) {
+    pub async fn ready_for_answers(&self) {
         poll_fn(|context| {
             let mut queue = self.lock();
             if queue.has_room() {
@@ -134,13 +134,13 @@ impl Outbox {
     }
 
     /// Bytes that the client has not been sent yet.
-    pub(crate) fn waiting_bytes(&self) -> usize {
+    pub fn waiting_bytes(&self) -> usize {
         let queue = self.lock();
         queue.periodic_bytes + queue.answer_bytes
     }
 
     /// Periodic lines dropped since the last call.
-    pub(crate) fn take_dropped(&self) -> u64 {
+    pub fn take_dropped(&self) -> u64 {
         std::mem::take(&mut self.lock().dropped)
     }
 
@@ -185,7 +185,7 @@ impl Queue {
 #[cfg(test)]
 #[cfg(feature = "loom")]
 mod model {
-    //! Every order in which world, writer and reader can meet: `cargo test -p gamebots-server --features loom outbox`.
+    //! Every order in which world, writer and reader can meet: `make loom`.
 
     use std::sync::Arc;
 
@@ -243,8 +243,12 @@ mod model {
 mod tests {
     use super::*;
 
+    /// The value of a future that is ready.
     fn block_on<T>(future: impl Future<Output = T>) -> T {
-        tokio::runtime::Builder::new_current_thread().build().unwrap().block_on(future)
+        match std::pin::pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+            Poll::Ready(value) => value,
+            Poll::Pending => panic!("it waits"),
+        }
     }
 
     #[test]
