@@ -180,7 +180,7 @@ fn an_address_in_use_is_exit_code_69() {
 fn an_unknown_map_is_exit_code_78_and_names_those_there_are() {
     let output = run(&["serve", "--map", "mars"]);
     assert_eq!(output.status.code(), Some(78));
-    assert!(text(&output.stderr).contains("unknown map `mars`: expected a file or one of arena, rough, slope-1.5,"));
+    assert!(text(&output.stderr).contains("unknown map `mars`: expected a file or one of arena, hall, rough, slope-1.5,"));
 }
 
 /// A map without the usual start, and an experiment, in a folder of their own.
@@ -674,7 +674,7 @@ fn a_killed_server_leaves_a_log_that_reads() {
     };
     assert!(
         text(&["log", "info", file])
-            .contains("cut off\nmap rough, seed 0, steps of 0.002 s\nrobot 0: P3AT Ann\n2 lines in")
+            .contains("cut off\nmap hall, seed 0, steps of 0.002 s\nrobot 0: P3AT Ann\n2 lines in")
     );
     assert!(text(&["log", "cat", file, "--type", "drive"]).ends_with(" 1 < DRIVE {Left 1} {Right 1}\n"));
     assert!(text(&["log", "replay", file]).contains("replayed with the same bits"));
