@@ -180,7 +180,9 @@ fn an_address_in_use_is_exit_code_69() {
 fn an_unknown_map_is_exit_code_78_and_names_those_there_are() {
     let output = run(&["serve", "--map", "mars"]);
     assert_eq!(output.status.code(), Some(78));
-    assert!(text(&output.stderr).contains("unknown map `mars`: expected a file or one of arena, hall, rough, slope-1.5,"));
+    assert!(
+        text(&output.stderr).contains("unknown map `mars`: expected a file or one of arena, hall, rough, slope-1.5,")
+    );
 }
 
 /// A map without the usual start, and an experiment, in a folder of their own.
