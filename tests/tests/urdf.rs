@@ -363,7 +363,7 @@ fn limits_that_stand_for_none_are_lowered_and_said() {
     let limited = format!("{axis}<limit effort=\"1000\" velocity=\"10000\"/>");
     let (world, assumptions) = alone(&TWO_WHEELS.replace(axis, &limited)).unwrap_or_else(|error| panic!("{error}"));
     for expected in [
-        "joint wheel_left_joint: velocity in rad/s 10000 is taken as 454.09, as no robot has more",
+        "joint wheel_left_joint: velocity in rad/s 10000 is taken as 1000.00, as no robot has more",
         "joint wheel_right_joint: effort in N m 1000 is taken as 13.99, as no robot has more",
     ] {
         assert!(assumptions.iter().any(|it| it == expected), "{expected}: {assumptions:#?}");
