@@ -33,7 +33,7 @@ book: target/tools/bin/mdbook
 	target/tools/bin/mdbook build docs
 
 target/tools/bin/mdbook:
-	cargo install mdbook --version 0.5.4 --locked --no-default-features --features search --root target/tools
+	cargo install mdbook --version 0.5.4 --debug --locked --no-default-features --features search --root target/tools
 
 # Random inputs guided by coverage, for everything that a stranger can send: docs/reliability.md. Needs a C++ compiler.
 # `make fuzz SECONDS=600 TARGET=world`, `make fuzz JOBS=2`.
@@ -74,6 +74,7 @@ dist: view
 release: dist
 	cargo build --release
 	tests/interop/run
+	target/interop/venv/bin/python bench/compare.py --seconds 1 --repeat 1 --out target/interop/comparison.md
 	cd viewer && npm test
 	packaging/try
 	cargo install --quiet --locked --path crates/usarsim --root target/installed

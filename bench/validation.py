@@ -13,6 +13,7 @@ import math
 import os
 import subprocess
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib
 
@@ -37,6 +38,12 @@ def run(*arguments):
     if not done.stdout:
         raise SystemExit(done.stderr)
     return json.loads(done.stdout)
+
+
+def each(measure, values):
+    """Measures all values, as many at once as there are cores; each measurement is a process of its own."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(measure, values))
 
 
 def found(model, check, what, *arguments):
@@ -74,7 +81,7 @@ def lateral_against_rollers():
     lines = [("sin(pi/N) / (pi/N)", None, counts, theory)]
     for model in ("bodies", "articulated", "analytic"):
         # Four turns of the wheels are whole rollers for every count.
-        ratios = [run("bench", "--drive-model", model, "--seconds", 4 * math.pi, "--set", f"KUKA_YouBot.rollers.count={n}")["motions"]["right"]["ratio"] for n in counts]
+        ratios = each(lambda n: run("bench", "--drive-model", model, "--seconds", 4 * math.pi, "--set", f"KUKA_YouBot.rollers.count={n}")["motions"]["right"]["ratio"], counts)
         lines.append((model, model, counts, [ratio * exact for ratio, exact in zip(ratios, theory)]))
     return plot("lateral-ratio", "rollers of a wheel", "travel to the right over R theta", lines)
 
@@ -84,7 +91,7 @@ def traction_against_friction():
     pairs = [(value + 0.8) / 2 for value in rollers]
     lines = [("Coulomb", None, pairs, [1.0 for _ in pairs])]
     for model in ("bodies", "articulated", "analytic"):
-        ratios = [found(model, 9, "most acceleration ahead", "--set", f"robot.roller_friction={value}") for value in rollers]
+        ratios = each(lambda value: found(model, 9, "most acceleration ahead", "--set", f"robot.roller_friction={value}"), rollers)
         lines.append((model, model, pairs, ratios))
     return plot("traction", "friction of roller and floor", "most acceleration over mu g sin(angle)", lines)
 
@@ -96,7 +103,7 @@ def slope_against_friction():
     sine = math.sin(math.atan(math.cos(math.pi / 6)))
     lines = [("Coulomb on rollers at 30 degrees", None, pairs, [math.degrees(math.atan(mu * sine)) for mu in pairs])]
     for model in ("bodies", "articulated", "analytic"):
-        lines.append((model, model, pairs, [found(model, 7, "slides ahead", "--set", f"robot.roller_friction={value}") for value in rollers]))
+        lines.append((model, model, pairs, each(lambda value: found(model, 7, "slides ahead", "--set", f"robot.roller_friction={value}"), rollers)))
     return plot("slope", "friction of roller and floor", "slides ahead from, degrees", lines)
 
 
@@ -104,7 +111,7 @@ def free_rolling_against_rotor():
     rotors = [0.0, 0.002, 0.005, 0.01]
     lines = [("m / (m + 4 J / R²)", None, rotors, [1.0 for _ in rotors])]
     for model in ("bodies", "articulated", "analytic"):
-        lines.append((model, model, rotors, [found(model, 8, "rolls ahead", "--set", f"KUKA_YouBot.wheels.armature={value}") for value in rotors]))
+        lines.append((model, model, rotors, each(lambda value: found(model, 8, "rolls ahead", "--set", f"KUKA_YouBot.wheels.armature={value}"), rotors)))
     return plot("free-rolling", "rotor inertia at the wheel, kg m²", "acceleration down 4.5 degrees over the bound", lines)
 
 
@@ -124,7 +131,7 @@ def energy_against_step():
     steps = [0.0005, 0.001, 0.002, 0.004]
     lines = []
     for model in ("bodies", "articulated", "analytic"):
-        losses = [-found(model, 11, "energy", "--dt", step) for step in steps]
+        losses = each(lambda step: -found(model, 11, "energy", "--dt", step), steps)
         lines.append((model, model, [1e3 * step for step in steps], losses))
     return plot("energy", "time step, ms", "energy lost, of its motion a second", lines, log=True)
 
@@ -133,7 +140,7 @@ def errors_against_step():
     steps = [0.0005, 0.001, 0.002, 0.004, 0.008]
     pictures, lines, ripples = [], [], []
     for model in ("bodies", "articulated", "analytic", "kinematic"):
-        reports = [run("bench", "--drive-model", model, "--dt", step, "--seconds", 5) for step in steps]
+        reports = each(lambda step: run("bench", "--drive-model", model, "--dt", step, "--seconds", 5), steps)
         milliseconds = [1e3 * step for step in steps]
         lines.append((model, model, milliseconds, [report["worst_error_percent"] for report in reports]))
         ripple = [max(motion["ripple_mm"] for motion in report["motions"].values()) for report in reports]
@@ -145,7 +152,7 @@ def errors_against_step():
 
 def tables():
     names = ["bodies", "articulated", "analytic", "kinematic"]
-    reports = [run("validate", "--drive-model", name)["findings"] for name in names]
+    reports = each(lambda name: run("validate", "--drive-model", name)["findings"], names)
     lines = [f"| check | found | {' | '.join(names)} | right |", "|---|---|---|---|---|---|"]
     for rows in zip(*reports):
         cells = [f"{row['measured']:.4f}" + ("" if row["passes"] else " **no**") for row in rows]
@@ -159,7 +166,8 @@ def plain_tables():
     """The findings of robots on plain wheels; the engine's bodies for one of them."""
     columns = [(name, "articulated") for name in ("P3AT", "P2AT", "P2DX", "BasicSkidRobot", "CasterSkidRobot", "Kenaf", "FrontAckerman", "BasicAckermanRobot")]
     columns.append(("P3AT", "bodies"))
-    reports = [{(row["check"], row["what"]): row for row in run("validate", "--robot", name, "--drive-model", model)["findings"]} for name, model in columns]
+    findings = each(lambda column: run("validate", "--robot", column[0], "--drive-model", column[1])["findings"], columns)
+    reports = [{(row["check"], row["what"]): row for row in rows} for rows in findings]
     lines = ["| check | found | " + " | ".join(name + ("" if model == "articulated" else f", `{model}`") for name, model in columns) + " | right |"]
     lines.append("|---|---|" + "---|" * (len(columns) + 1))
     # A P3AT has all of them.
