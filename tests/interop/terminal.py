@@ -110,7 +110,7 @@ def check_pipe(address):
 
 
 def main():
-    command = [PROGRAM, "--quiet", "serve", "--json", "--port", "0", "--no-http"]
+    command = [PROGRAM, "--quiet", "serve", "--map", "rough", "--json", "--port", "0", "--no-http"]
     server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         address = f"127.0.0.1:{json.loads(server.stdout.readline())['port']}"
