@@ -1,6 +1,6 @@
 //! Reading the values of a client's blocks: lenient, always with a result, and with a note of what was wrong.
 
-use crate::{Block, Line, Problem};
+use crate::{Block, Line, Problem, shown};
 
 /// Largest magnitude of a number that a client can send; 32-bit physics has no use for more.
 const LIMIT: f64 = 1e6;
@@ -8,7 +8,7 @@ const LIMIT: f64 = 1e6;
 /// Reads a scalar: the longest numeric prefix, as C's atof does, where a comma may stand for the point.
 pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f64 {
     let Some(value) = number_prefix(&text.replacen(',', ".", 1)) else {
-        problems.push(Problem::NotANumber { key: key.to_owned(), got: shorten(text), read_as: 0.0 });
+        problems.push(Problem::NotANumber { key: key.to_owned(), got: shown(text), read_as: 0.0 });
         return 0.0;
     };
     limited(key, text, value, problems)
@@ -18,7 +18,7 @@ pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f
 pub(crate) fn index_of(block: &Block, problems: &mut Vec<Problem>) -> Option<usize> {
     let index = block.value.parse().ok();
     if index.is_none() {
-        problems.push(Problem::NotANumber { key: block.key.clone(), got: shorten(&block.value), read_as: -1.0 });
+        problems.push(Problem::NotANumber { key: block.key.clone(), got: shown(&block.value), read_as: -1.0 });
     }
     index
 }
@@ -31,7 +31,7 @@ pub(crate) fn vector(line: &Line, key: &str, problems: &mut Vec<Problem>) -> [f6
             return 0.0;
         }
         let Some(value) = number_prefix(&part) else {
-            problems.push(Problem::NotANumber { key: key.to_owned(), got: shorten(text), read_as: 0.0 });
+            problems.push(Problem::NotANumber { key: key.to_owned(), got: shown(text), read_as: 0.0 });
             return 0.0;
         };
         limited(key, text, value, problems)
@@ -42,7 +42,7 @@ pub(crate) fn vector(line: &Line, key: &str, problems: &mut Vec<Problem>) -> [f6
 pub(crate) fn boolean(line: &Line, key: &str, problems: &mut Vec<Problem>) -> Option<bool> {
     let text = line.get(key).filter(|text| !text.is_empty())?;
     if !["true", "false"].iter().any(|word| text.eq_ignore_ascii_case(word)) {
-        problems.push(Problem::NotABool { key: key.to_owned(), got: shorten(text) });
+        problems.push(Problem::NotABool { key: key.to_owned(), got: shown(text) });
     }
     Some(text == "true" || text == "True")
 }
@@ -71,7 +71,7 @@ fn limited(key: &str, text: &str, value: f64, problems: &mut Vec<Problem>) -> f6
         return value;
     }
     let read_as = LIMIT.copysign(value);
-    problems.push(Problem::OutOfRange { key: key.to_owned(), got: shorten(text), limit: LIMIT, read_as });
+    problems.push(Problem::OutOfRange { key: key.to_owned(), got: shown(text), limit: LIMIT, read_as });
     read_as
 }
 
@@ -101,11 +101,6 @@ fn number_prefix(text: &str) -> Option<f64> {
         }
     }
     text.get(..end)?.parse().ok()
-}
-
-/// At most 60 characters of a value, for an error message.
-fn shorten(text: &str) -> String {
-    text.chars().take(60).collect()
 }
 
 #[cfg(test)]

@@ -8,9 +8,9 @@ mod seed;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use gamebots_proto::Problem;
 use gamebots_proto::command::{Command, Init};
 use gamebots_proto::message::{Greeting, Message, NamedPose as WirePose, Nfo, PathNode};
+use gamebots_proto::{Problem, shown};
 
 use crate::CompiledScene;
 use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
@@ -54,12 +54,12 @@ pub struct Executed {
     pub spawned: Option<RobotId>,
 }
 
-/// Where a robot is put.
+/// A place for a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Room {
     /// Pose of its frame.
     pub pose: Pose,
-    /// What takes the wanted place, in words, if the robot is put beside it.
+    /// The obstacle at the wanted place, in words, if the robot is put beside it.
     pub beside: Option<String>,
 }
 
@@ -180,7 +180,7 @@ impl World {
             problems.push(Problem::NameTooLong { key: "Name", got, limit: MAX_NAME_CHARS });
         }
         if !name.is_empty() && self.robots.values().any(|robot| robot.name().eq_ignore_ascii_case(&name)) {
-            problems.push(Problem::NameTaken { got: name.chars().take(60).collect() });
+            problems.push(Problem::NameTaken { got: shown(&name) });
         }
         let robot = Robot::spawn(&mut self.physics, class, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
@@ -210,7 +210,7 @@ impl World {
         Ok(Room { pose, beside: obstacle.map(takes_it) })
     }
 
-    /// What something is, for people.
+    /// Names something for people.
     fn describe(&self, identity: Identity) -> String {
         let map = &self.def().map;
         match identity {
@@ -456,7 +456,7 @@ impl World {
         let meant = names::nearest(init.class(), self.scene.robots().keys().map(String::as_str));
         problems.push(Problem::UnknownName {
             key: "ClassName",
-            got: init.class_name.chars().take(60).collect(),
+            got: shown(&init.class_name),
             meant: meant.map_or(String::new(), |class| format!(" (did you mean `USARBot.{class}`?)")),
             expected: classes.join(", "),
             instead: "no robot is spawned",
@@ -481,7 +481,7 @@ impl World {
 /// The place that an INIT asks for, as the line has it.
 fn wire_place(init: &Init) -> String {
     if !init.start.is_empty() {
-        return format!("{{Start {}}}", init.start.chars().take(60).collect::<String>());
+        return format!("{{Start {}}}", shown(&init.start));
     }
     let [x, y, z] = init.location;
     format!("{{Location {x},{y},{z}}}")
