@@ -1,4 +1,4 @@
-//! Where robots are put: on the floor, beside what is there already, out of solids, and on something only where that is asked for.
+//! Places of spawned robots: on the floor, beside what is there already, out of solids, and on something only where that is asked for.
 
 use gamebots_proto::command::Command;
 use nalgebra::Vector3;

@@ -1,4 +1,4 @@
-/** What happened when, for the time line: robots that came and left, resets and recordings. */
+/** Events for the time line: robots that came and left, resets and recordings. */
 
 import type { Status } from './protocol/live';
 

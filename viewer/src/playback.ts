@@ -13,7 +13,7 @@ export type Mode = 'live' | 'past' | 'log';
 export interface Screen {
   scene(scene: Scene): void;
   frame(frame: Frame): void;
-  /** What the server's world does, also while its past is shown. */
+  /** Takes the newest frame of the server's world, also while its past is shown. */
   present(frame: Frame): void;
   /** More of a log's frames are known, or another world began: plots are filled anew. */
   refilled(): void;
@@ -60,7 +60,7 @@ export class Playback {
   private readonly logMarks = new Marks();
   /** Frames from all of a log. */
   private samples: Frame[] = [];
-  /** How the past is played: when it was shown last, ms, and which moment, s; null while it stands. */
+  /** Last moment of the past that was played, s, and when, ms; null while it stands. */
   private playing: { wall: number; time: number } | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   /** The server's, also while something else is shown. */
@@ -120,7 +120,7 @@ export class Playback {
     return this.mode === 'past' ? this.playing === null : (this.live.status?.paused ?? false);
   }
 
-  /** What happened in what can be shown. */
+  /** Events in the time that can be shown. */
   get marks(): Mark[] {
     const [first] = this.range;
     return (this.player ? this.logMarks : this.presentMarks).list.filter(({ time }) => time >= first - BEFORE);

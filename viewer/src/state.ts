@@ -13,13 +13,13 @@ export class State {
   selected: number | null = null;
   /** The server's numbers of this page's own connections, which have spawned a robot each. */
   readonly own = new Set<number>();
-  /** Whether what is shown is the server's present, not the past and not a log. */
+  /** True while the page shows the server's present, not the past and not a log. */
   isPresent = true;
-  /** Whether this page has a robot to drive. */
+  /** True if this page has a robot to drive. */
   hasRobot = false;
   private readonly sensors = new Map<number, SensorValues>();
 
-  /** Whether a robot is driven from this page: it gets the keys. */
+  /** True if a robot is driven from this page: it gets the keys. */
   get driving(): boolean {
     return this.hasRobot && this.isPresent;
   }

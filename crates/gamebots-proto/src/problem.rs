@@ -142,9 +142,9 @@ pub enum Problem {
     Beside {
         /// The place that was asked for, as a block.
         wanted: String,
-        /// What takes it, in words.
+        /// The reason, in words.
         why: String,
-        /// Where the robot is instead: x, y, z, m.
+        /// Position of the robot instead: x, y, z, m.
         got: String,
     },
     /// A place without room.

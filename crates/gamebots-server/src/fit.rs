@@ -28,7 +28,7 @@ pub(crate) struct Fit {
     wanted: Wanted,
     /// True if the robot can stand right there.
     stands: bool,
-    /// What stands in its way, in words.
+    /// The obstacle, in words.
     why: Option<String>,
 }
 

@@ -178,7 +178,7 @@ impl Server {
             self.report(of_robot);
         }
         for lost in self.world.take_lost() {
-            self.take_leave(&lost);
+            self.report_lost(&lost);
         }
         for (name, fault) in self.world.take_restored() {
             let text = format!("object {name} is put back where the map has it: {fault}");
@@ -191,7 +191,7 @@ impl Server {
     }
 
     /// Tells everyone of a robot that the world has removed, and its client where it asked for errors.
-    fn take_leave(&mut self, LostRobot { id, class, name, fault }: &LostRobot) {
+    fn report_lost(&mut self, LostRobot { id, class, name, fault }: &LostRobot) {
         self.publisher.left(&self.world, *id);
         let text = format!("robot {} ({class} {name}) is removed: {fault}", id.0);
         warn!("{text}");

@@ -52,7 +52,7 @@ struct Outgoing {
     periodic: bool,
 }
 
-/// What is to be written at once.
+/// Lines that are written at once.
 #[derive(Debug, PartialEq)]
 pub struct Taken {
     /// Whole lines with their ends.

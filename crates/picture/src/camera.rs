@@ -1,15 +1,15 @@
-//! Where one looks from.
+//! The camera of a picture.
 
 use nalgebra::{Point3, Vector3};
 
 use crate::raster::axes;
 
-/// Where one looks from, and how. World frame, m; up is -z.
+/// A camera. World frame, m; up is -z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Where the eye is.
+    /// Position of the eye.
     pub eye: Point3<f64>,
-    /// What is in the middle.
+    /// Place in the middle of the picture.
     pub target: Point3<f64>,
     /// Angle from the lower to the upper edge, rad.
     pub field_of_view: f64,

@@ -36,7 +36,7 @@ impl Projection {
         Self { eye, right, down, ahead, scale, middle: size.map(|size| size as f64 / 2.0), is_perspective }
     }
 
-    /// The same view with its first row farther down.
+    /// Returns a view whose first row is farther down.
     pub(crate) fn below(&self, row: usize) -> Self {
         Self { middle: [self.middle[0], self.middle[1] - row as f64], ..*self }
     }

@@ -116,7 +116,7 @@ const FRAMES_PER_SECOND: u16 = 15;
 const FIELD_OF_VIEW: f64 = 0.6;
 /// Least half width of what is looked at, m.
 const LEAST_REACH: f64 = 0.2;
-/// What is looked at of a map on which nothing stands, m.
+/// Size of the view of a map on which nothing stands, m.
 const BARE_MAP: [f64; 3] = [4.0, 4.0, 0.1];
 /// The picture's height over that of a ball around what is looked at.
 const FILLING: f64 = 1.1;

@@ -75,7 +75,7 @@ fn captured_clients_that_are_damaged_do_not_disturb_an_honest_one() {
 /// Rude clients at once.
 const RUDE: u64 = 6;
 
-/// What they drive through: a map with objects and one with walls, ramps and rough ground.
+/// They drive through a map with objects and one with walls, ramps and rough ground.
 #[test]
 fn clients_that_mean_ill_to_robots_and_objects_do_not_end_the_server_or_make_absurd_numbers() {
     let seconds = std::env::var("USARSIM_ATTACK_SECONDS").ok().map(|text| text.parse::<u64>().expect("seconds"));

@@ -13,7 +13,7 @@ const HEIGHTS = { least: 100, most: 420 };
 const LEAST_WIDTH = 220;
 /** Most names of values in an axis title. */
 const NAMED = 2;
-/** What many values of a unit are together. */
+/** Names of many values of one unit together. */
 const QUANTITIES: Record<string, string> = {
   m: 'positions',
   rad: 'angles',
@@ -176,7 +176,7 @@ export class Chart {
     return Math.max(LEAST_WIDTH, this.place.clientWidth);
   }
 
-  /** Where the panel would begin if this chart were in its first row. */
+  /** The top that the panel would have if this chart were in its first row. */
   private rowTop(panel: HTMLElement): number {
     const first = panel.querySelector('.chart')?.getBoundingClientRect().top ?? 0;
     return panel.getBoundingClientRect().top - panel.scrollTop + this.element.getBoundingClientRect().top - first;

@@ -7,7 +7,7 @@ import { fixed, make, setText } from './dom';
 
 type JointState = RobotState['joints'][number];
 
-/** How far an arrow key moves a joint, and how many steps Page Up moves it. */
+/** Step of an arrow key, and steps of Page Up. */
 const STEPS = { rad: 0.01, m: 0.0005 };
 const PAGE = 10;
 /** Digits after the point, and a second unit for people. */
@@ -64,7 +64,7 @@ class JointRow {
   private readonly step: number;
   private isHeld = false;
   private position = 0;
-  /** Where the joint was sent, and when, ms. */
+  /** The last target of the joint, and its time, ms. */
   private target: { value: number; at: number } | null = null;
 
   constructor(
@@ -117,7 +117,7 @@ class JointRow {
     this.slider.title = this.field.title = IN_WORDS[this.unit](value);
   }
 
-  /** Where the next small step starts is where the joint was sent, unless it has been stopped on its way. */
+  /** Small steps start at the target, or at the joint if something stopped it on its way. */
   private forgetTarget({ position, speed }: JointState): void {
     if (!this.target || performance.now() - this.target.at < START_TIME) return;
     const isAstray = Math.abs(position - this.target.value) > ASTRAY * this.step;

@@ -1,4 +1,4 @@
-/** What the server says, for people. The Wire tab keeps its own words. */
+/** The server's messages, for people. The Wire tab keeps their own words. */
 
 /** A problem with a line that a client sent, and with which line. */
 const OF_LINE = /^connection (\d+)(?:, line \d+)?: (.*)$/s;

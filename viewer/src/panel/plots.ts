@@ -107,7 +107,7 @@ export class PlotsPanel {
     chart.showMoment(this.moment);
   }
 
-  /** What frames say; what only lines say is known from when it is listened to. */
+  /** Values of frames. Values of lines are known from when the page listens to them. */
   private pastOf(series: Series, past: Frame[]): [number, number | null][] {
     return past.map((frame) => [frame.time, series.value.isOfLine ? null : this.read(series, frame)]);
   }

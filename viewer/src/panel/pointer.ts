@@ -17,7 +17,7 @@ export class Pointer {
   private placing: Placing = null;
   private pressed: PointerEvent | null = null;
   private dragged: number | null = null;
-  /** Where the robot that is placed is shown, and what the server said last. */
+  /** Place of the ghost, and the server's last answer. */
   private shown: Vector | null = null;
   private answer: FitAnswer | null = null;
   private readonly hint = find('placing');
@@ -71,7 +71,7 @@ export class Pointer {
     setText(this.hint, text);
   }
 
-  /** Whether the server said that a robot cannot stand at a place. */
+  /** True if the server said that a robot cannot stand at a place. */
   private isRefused(place: Vector): boolean {
     if (!this.answer || this.answer.stands) return false;
     return this.answer.location.every((at, axis) => Math.abs(at - (spawnPlace(place)[axis] ?? 0)) < SAME);

@@ -11,7 +11,7 @@ const TAKEN_DISTANCE = 1;
 const FIRST_CLASS = 'YouBotArm';
 const FIRST_NAME = 'Robot1';
 
-/** What a click on the map is for: a robot of a class. */
+/** Purpose of a click on the map: a robot of a class. */
 export type Placing = { robotClass: string; finish: (place: Vector) => void } | null;
 
 export class SpawnForm {
@@ -86,7 +86,7 @@ export class SpawnForm {
     setText(this.hint, this.nameHint(names));
   }
 
-  /** What will be otherwise than it was typed, and which name is taken. */
+  /** Warns of a name that will be changed or is taken. */
   private nameHint(taken: string[]): string {
     const name = this.wireName();
     const changed = this.name.value !== name && this.name.value !== '';

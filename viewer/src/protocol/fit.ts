@@ -11,7 +11,7 @@ export interface Fit {
 
 export interface FitAnswer extends Fit {
   stands: boolean;
-  /** What is in the way. */
+  /** The obstacle. */
   why: string | null;
 }
 

@@ -39,7 +39,7 @@ export interface Listener {
   status(status: Status): void;
   line(line: WireLine): void;
   said(text: string): void;
-  /** Whether a robot could stand where that was asked. */
+  /** Takes the answer to a question where a robot could stand. */
   fit(answer: FitAnswer): void;
   /** The connection is lost. */
   lost(): void;

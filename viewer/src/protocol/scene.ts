@@ -55,7 +55,7 @@ export interface Sensor {
   fan: { first: number; resolution: number; level: boolean } | null;
 }
 
-/** What goes to a position. */
+/** A joint that goes to a position. */
 export interface Joint {
   name: string;
   min: number;

@@ -78,7 +78,7 @@ export class Cameras {
     this.camera.up.set(0, 0, 1);
   }
 
-  /** Whether somebody has chosen what to look at. */
+  /** True once somebody has chosen what to look at. */
   wasTouched = false;
 
   get target(): THREE.Vector3 {

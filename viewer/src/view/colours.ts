@@ -21,7 +21,7 @@ export function colourOf(robot: number): string {
   return COLOURS[robot % COLOURS.length] ?? '#8a8f98';
 }
 
-/** Of contact forces: no robot and no axis has it. */
+/** Colour of contact forces: no robot and no axis has it. */
 export const FORCE_COLOUR = '#ff10c0';
 
 /** Of the axes x, y and z. */

@@ -9,7 +9,7 @@ import type { RobotFleet } from './robot';
 
 /** Of the robot itself, 0 to 1. */
 const STRENGTH = 0.55;
-/** Where the robot cannot stand. */
+/** Colour where the robot cannot stand. */
 const REFUSED = '#e01b24';
 
 export class Ghost {

@@ -39,7 +39,7 @@ const ORDER: Record<LabelKind, number> = { robot: 0, object: 60, start: 80, node
 const HEIGHT: Record<LabelKind, number> = { robot: 18, start: 16, node: 16, object: 16, metres: 14 };
 /** How far above its place a robot's name is, px. */
 const LEADER = 14;
-/** How far a number is from its axis, px. */
+/** Distance of a number from its axis, px. */
 const ASIDE = 4;
 /** Between two looks behind walls and robots, ms, and how many labels are looked for in a frame. */
 const LOOK_INTERVAL = 250;
@@ -51,7 +51,7 @@ export class Labels {
   readonly layers: Record<LabelKind, boolean> = { robot: true, start: true, node: true, object: true, metres: true };
   /** The label of a robot that is always shown first. */
   first: string | null = null;
-  /** Whether some have not yet been looked for behind walls and robots. */
+  /** True if some have not yet been looked for behind walls and robots. */
   isBusy = false;
 
   constructor(

@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import type { Instances } from './instances';
 import type { Placed } from './robot';
 
-/** Of the line, px: it is thinner about a robot that is small on the screen, and never finer than the pixels that are drawn. */
+/** Breadth of the line as a part of the robot: it is thinner about a robot that is small on the screen, and never finer than the pixels that are drawn. */
 const BREADTH = 2.4;
 const PART_OF_ROBOT = 0.02;
 

@@ -17,7 +17,7 @@ import { setToneMapping } from './tone';
 const PATH_BREADTHS = [1.4, 2.6] as const;
 const LEAST_BREADTH = 1.2;
 
-/** What a picture that is saved is drawn with, however long it takes. */
+/** Settings of a picture that is saved, however long it takes. */
 const SAVED: Rung = { ...RUNGS[5], pixelRatio: (screen) => screen };
 
 export class Stage {

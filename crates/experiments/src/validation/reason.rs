@@ -14,10 +14,10 @@ const WATCHED: f64 = 0.5;
 const NOTABLE: f64 = 0.01;
 /// Part of the weight by which the sides may differ before it is said.
 const UNEVEN: f64 = 0.2;
-/// How far from a wheel's outline a contact may be and still be the wheel's, m.
+/// Largest distance of a contact from the outline of its wheel, m.
 const NEAR: f64 = 0.005;
 
-/// What a failed check usually means: too little, and too much.
+/// Usual causes of a failed check, for a value too low and too high.
 struct Meaning {
     check: &'static str,
     /// Beginning of what was measured; empty for everything else of the check.
@@ -95,7 +95,7 @@ const MEANINGS: &[Meaning] = &[
     meaning("stall and energy", "", PUSH_LOW, PUSH_HIGH),
 ];
 
-/// How a robot stands on a level floor: parts of its weight.
+/// A robot's stance on a level floor: parts of its weight.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Stance {
     /// On each driven wheel.
@@ -166,7 +166,7 @@ impl Stance {
         }
     }
 
-    /// What stands out in how the robot stands, in a sentence; nothing where all is as usual.
+    /// Describes what is unusual about the stance; `None` if nothing is.
     pub fn remark(&self, robot: &RobotDef) -> Option<String> {
         let percent = |part: f64| format!("{:.0} %", 100.0 * part);
         let rubbing = self.shapes.iter().filter(|(_, (part, _))| *part > NOTABLE);
@@ -200,14 +200,14 @@ impl Stance {
     }
 }
 
-/// What a contact is of.
+/// Part of the robot that a contact touches.
 enum Touching {
     Driven(usize),
     Caster,
     Shape(String, [f64; 3]),
 }
 
-/// How far a place in a wheel's frame is outside the wheel, m; the axle is y.
+/// Distance of a place in a wheel's frame from the wheel, m; negative inside. The axle is y.
 fn outside_wheel(at: Point3<f64>, radius: f64, width: f64) -> f64 {
     (at.x.hypot(at.z) - radius).max(at.y.abs() - width / 2.0)
 }

@@ -1,4 +1,4 @@
-//! What is seen of a URDF's links. A robot is never refused because of its looks: heavy meshes lose triangles, and a link
+//! Visuals of a URDF's links. A robot is never refused because of its looks: heavy meshes lose triangles, and a link
 //! whose meshes cannot be drawn is drawn as its collision shapes.
 
 use nalgebra::{Isometry3, UnitQuaternion};
@@ -113,7 +113,7 @@ impl Looks {
         self.kept = kept;
     }
 
-    /// What is seen of a link, in the robot frame: a mesh in the pieces of its colours.
+    /// Visuals of a link in the robot frame: a mesh in the pieces of its colours.
     fn visuals(
         &mut self,
         source: &Source,

@@ -11,7 +11,7 @@ const MARGIN: f64 = 10.0;
 /// Largest turn rate of a robot's body, rad/s.
 const MAX_TURN: f64 = 1e4;
 
-/// Why a robot is removed, or an object is put back.
+/// Reason to remove a robot, or to put an object back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
     /// A number of its state became infinite or NaN.

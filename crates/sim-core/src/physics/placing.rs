@@ -1,4 +1,4 @@
-//! Where a robot can stand: on the surface at the wanted place, clear of everything solid, or else beside it.
+//! Places where robots can stand: on the surface at the wanted place, clear of everything solid, or else beside it.
 
 use nalgebra::{Point3, Vector3};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -40,7 +40,7 @@ const KERB: f64 = 0.1;
 /// A place for a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Placement {
-    /// Where its frame is put.
+    /// Pose of the robot frame.
     pub(crate) pose: Pose,
     /// The obstacle that takes the wanted place, if the robot is put beside it.
     pub(crate) obstacle: Option<Identity>,
@@ -182,7 +182,7 @@ impl Physics {
             self.deepest_overlap(robot, &raised).is_none_or(|(depth, _)| depth <= OVERLAP).then_some(raised)
         };
         let lifts = (0..=RAISES).map(|number| f64::from(number) * MAX_RAISE / f64::from(RAISES));
-        lifts.into_iter().find_map(is_clear).unwrap_or(pose)
+        lifts.filter_map(is_clear).next().unwrap_or(pose)
     }
 
     /// Height (z) of the surface that something at a place belongs on: the first one below the reference height

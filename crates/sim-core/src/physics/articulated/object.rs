@@ -27,7 +27,7 @@ const RESTING: (f64, u32) = (1e-4, 200);
 /// An object of the map in a world.
 pub(in super::super) struct MapObject {
     in_engine: RigidBodyHandle,
-    /// Where the map has it.
+    /// Pose in the map.
     start: EnginePose,
     collider: ColliderHandle,
     made_of: Arc<Articulated>,
