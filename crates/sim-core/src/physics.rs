@@ -15,18 +15,20 @@ mod robot;
 mod roller;
 mod rolling;
 mod shape;
+mod surface;
 
 use std::sync::Arc;
 
 use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
-pub(crate) use compile::{CompiledMap, CompiledRobot, Materials};
+pub(crate) use compile::{CompiledMap, CompiledRobot};
 pub use fault::Fault;
 pub(crate) use identity::Identity;
 pub(crate) use placing::Placement;
 pub(crate) use query::Sight;
 pub(crate) use robot::RobotBodies;
+pub(crate) use surface::Materials;
 
 use articulated::MapObject;
 use scene::{BodyState, Pose, WheelState};

@@ -6,70 +6,17 @@
 use std::sync::Arc;
 
 use nalgebra::{Translation3, Vector3};
-use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
 use scene::{
-    Coupling, CouplingKind, DriveModel, JointKind, MapDef, Mass, Material, Motor, MountedWheel, Pose, RobotDef, Shape,
+    Coupling, CouplingKind, DriveModel, JointKind, MapDef, Mass, Material, MountedWheel, Pose, RobotDef, Shape,
     Steering,
 };
 
 use super::articulated::Articulated;
-use super::convert;
-use super::identity::{Identity, Mark};
-use super::shape;
-
-/// Materials by number.
-#[derive(Debug, Default)]
-pub(crate) struct Materials(Vec<Material>);
-
-impl Materials {
-    /// The number of a material, which enters the table with its first use.
-    fn number(&mut self, material: &Material) -> u32 {
-        let known = self.0.iter().position(|known| known == material);
-        known.unwrap_or_else(|| {
-            self.0.push(material.clone());
-            self.0.len() - 1
-        }) as u32
-    }
-
-    /// What a collider's surface is made of.
-    pub(super) fn of(&self, collider: &Collider) -> &Material {
-        &self.0[Mark::of(collider).material as usize]
-    }
-}
-
-/// A collider that is made for every world or robot anew, but for its shape.
-#[derive(Clone)]
-pub(super) struct Surface {
-    builder: ColliderBuilder,
-    material: u32,
-}
-
-impl Surface {
-    /// A shape at a pose of its parent, without mass of its own. Both sides of a contact average, which is
-    /// [`Material::pair`].
-    pub(super) fn new(shape: SharedShape, pose: &Pose, material: &Material, materials: &mut Materials) -> Self {
-        let builder = ColliderBuilder::new(shape)
-            .position(convert::pose(pose))
-            .density(0.0)
-            .friction(material.friction)
-            .friction_combine_rule(CoefficientCombineRule::Average)
-            .restitution(material.restitution)
-            .restitution_combine_rule(CoefficientCombineRule::Average);
-        Self { builder, material: materials.number(material) }
-    }
-
-    /// Its shape, and where that is on what carries it.
-    pub(super) fn placed(&self) -> (SharedShape, EnginePose) {
-        (self.builder.shape.clone(), self.builder.position)
-    }
-
-    /// Its collider, of what it is.
-    pub(super) fn collider(&self, identity: Identity) -> ColliderBuilder {
-        let mark = Mark { identity, material: self.material };
-        self.builder.clone().user_data(mark.to_bits())
-    }
-}
+use super::motor::Value;
+use super::rolling::TreeWheel;
+use super::surface::{Materials, Surface};
+use super::{convert, shape};
 
 /// What lies and stands on a map.
 pub(crate) struct CompiledMap {
@@ -96,8 +43,7 @@ impl CompiledMap {
             let (solid, material) = (&object.solid, &object.solid.material);
             let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose())).can_sleep(false);
             let body = body.linear_damping(material.linear_damping).angular_damping(material.angular_damping);
-            let mut surface = surface(&solid.shape, &Pose::identity(), material);
-            surface.builder = surface.builder.mass(object.mass);
+            let surface = surface(&solid.shape, &Pose::identity(), material).with_mass(object.mass);
             let made_of = Arc::new(Articulated::of_object(surface.clone(), object.mass, material));
             CompiledObject { body, surface, made_of }
         });
@@ -158,16 +104,6 @@ pub(super) struct Gear {
     pub(super) offset: f64,
 }
 
-/// A wheel of a tree, as its rolling resistance needs it.
-pub(super) struct TreeWheel {
-    /// The link that carries it.
-    pub(super) parent: usize,
-    /// Centre in the frame of that link's body, m.
-    pub(super) hub: Vector3<f64>,
-    /// A plain wheel rolls ahead; to the side it slides. Others roll every way.
-    pub(super) rolls_ahead_only: bool,
-}
-
 /// A body and how it hangs on its parent.
 pub(super) struct Link {
     /// Pose in the parent's frame when every joint is at 0. The root's frame is the robot frame.
@@ -202,17 +138,6 @@ pub(super) enum Role {
     Roller,
     /// Holds, or lets a caster turn.
     Free,
-}
-
-/// A joint with one number for its position.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Value {
-    /// Its servo of the position has no targets beyond.
-    pub(super) limits: Option<[f64; 2]>,
-    pub(super) motor: Option<Motor>,
-    /// Whose target its servo follows; the leader by its number among the joints with a value.
-    pub(super) follows: Option<Coupling>,
-    pub(super) is_wheel: bool,
 }
 
 impl CompiledRobot {
@@ -409,20 +334,6 @@ impl Joint {
             armature: def.drive.as_ref().map_or(0.0, |motor| motor.armature),
             role: axis_of(def.kind).map_or(Role::Free, |axis| Role::Value(axis, Value::new(def, is_wheel))),
         }
-    }
-}
-
-impl Value {
-    /// That of a joint of a definition.
-    pub(super) fn new(def: &scene::Joint, is_wheel: bool) -> Self {
-        Self { limits: def.limits, motor: def.drive.clone(), follows: None, is_wheel }
-    }
-
-    /// The nearest target that its servo may have: a position within its ends, or a speed.
-    pub(super) fn within_limits(&self, target: f64) -> f64 {
-        let Some(motor) = &self.motor else { return target };
-        let limits = if motor.stiffness.is_some() { self.limits } else { Some([-motor.max_speed, motor.max_speed]) };
-        limits.map_or(target, |[least, most]| target.clamp(least, most))
     }
 }
 

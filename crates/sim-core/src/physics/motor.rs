@@ -1,11 +1,22 @@
 //! The servo of a joint: of a wheel's the same for every drive model.
 
-use scene::Motor;
+use scene::{Coupling, Motor};
 
 /// A wheel commanded to stand that turns slower than this is held where it is, rad/s.
 const HOLDING_SPEED: f64 = 0.5;
 /// Time constant of holding, s: the servo's gain over this is the stiffness of a held wheel.
 const HOLDING_TIME: f64 = 0.05;
+
+/// A joint with one number for its position.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Value {
+    /// Its servo of the position has no targets beyond.
+    pub(super) limits: Option<[f64; 2]>,
+    pub(super) motor: Option<Motor>,
+    /// Whose target its servo follows; the leader by its number among the joints with a value.
+    pub(super) follows: Option<Coupling>,
+    pub(super) is_wheel: bool,
+}
 
 /// A joint's target, and what its servo remembers.
 #[derive(Debug, Clone, Copy, Default)]
@@ -24,6 +35,20 @@ pub(super) struct Torque {
     pub(super) at_rest: f64,
     /// N m s/rad.
     pub(super) gain: f64,
+}
+
+impl Value {
+    /// That of a joint of a definition.
+    pub(super) fn new(def: &scene::Joint, is_wheel: bool) -> Self {
+        Self { limits: def.limits, motor: def.drive.clone(), follows: None, is_wheel }
+    }
+
+    /// The nearest target that its servo may have: a position within its ends, or a speed.
+    pub(super) fn within_limits(&self, target: f64) -> f64 {
+        let Some(motor) = &self.motor else { return target };
+        let limits = if motor.stiffness.is_some() { self.limits } else { Some([-motor.max_speed, motor.max_speed]) };
+        limits.map_or(target, |[least, most]| target.clamp(least, most))
+    }
 }
 
 impl Servo {

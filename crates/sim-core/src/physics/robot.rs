@@ -9,9 +9,9 @@ use rapier3d::prelude::*;
 use scene::{Coupling, JointState, Pose, Steering};
 
 use super::articulated::{self, ArticulatedRobot, MapObject, Surroundings};
-use super::compile::{CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree, Value};
+use super::compile::{CompiledRobot, Footing, Gear, Joint, Kind, Role, Tree};
 use super::identity::Identity;
-use super::motor::{Servo, Torque};
+use super::motor::{Servo, Torque, Value};
 use super::rolling::{self, Load};
 use super::{BodyState, Fault, LANDING_TIME, Physics, WheelState, convert};
 use crate::RobotId;

@@ -5,8 +5,18 @@
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
-use super::compile::Materials;
+use super::surface::Materials;
 use super::{convert, solved};
+
+/// A wheel of a tree, as its rolling resistance needs it.
+pub(super) struct TreeWheel {
+    /// The link that carries it.
+    pub(super) parent: usize,
+    /// Centre in the frame of that link's body, m.
+    pub(super) hub: Vector3<f64>,
+    /// A plain wheel rolls ahead; to the side it slides. Others roll every way.
+    pub(super) rolls_ahead_only: bool,
+}
 
 /// What one wheel stands on.
 #[derive(Debug, Clone, Copy, Default)]

@@ -9,7 +9,9 @@ use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::SharedShape;
 use scene::{Coupling, CouplingKind, DriveModel, JointKind, Material, MountedWheel, RobotDef, Rollers, Steering};
 
-use super::super::compile::{Materials, Surface as Seen, TreeWheel, Value};
+use super::super::motor::Value;
+use super::super::rolling::TreeWheel;
+use super::super::surface::{Materials, Surface as Seen};
 use super::super::{convert, shape};
 use super::following::Following;
 use super::ring::RollerRing;

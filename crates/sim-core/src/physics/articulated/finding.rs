@@ -8,9 +8,9 @@ use rapier3d::parry::shape::Shape;
 use rapier3d::prelude::*;
 use scene::Material;
 
-use super::super::compile::Materials;
 use super::super::convert;
 use super::super::fault::Fault;
+use super::super::surface::Materials;
 use super::ArticulatedRobot;
 use super::compile::{Form, Surface};
 use super::link_pose;

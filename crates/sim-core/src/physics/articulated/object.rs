@@ -9,10 +9,11 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 use scene::{BodyState, Pose};
 
-use super::super::compile::{CompiledObject, Surface as Seen};
+use super::super::compile::CompiledObject;
 use super::super::convert;
 use super::super::fault::Fault;
 use super::super::identity::Identity;
+use super::super::surface::Surface as Seen;
 use super::ArticulatedRobot;
 use super::compile::{Articulated, Form, Surface};
 use crate::RobotId;

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 
-use super::super::compile::Materials;
 use super::super::convert;
+use super::super::surface::Materials;
 use super::ArticulatedRobot;
 use super::finding::{OfEngine, Second, touch_each_other, touch_engine};
 use super::object::{MapObject, take_near};
