@@ -90,6 +90,17 @@ fn the_physics_engine_is_named_in_the_physics_module_alone() {
 }
 
 #[test]
+fn the_two_mechanics_do_not_name_each_other() {
+    let physics = repository().join("crates/sim-core/src/physics");
+    for (own, other) in [("articulated", "bodies::"), ("bodies", "articulated::")] {
+        let folder = physics.join(own);
+        for path in files(&folder, &["rs"]).into_iter().chain([folder.with_extension("rs")]) {
+            assert!(!text(&path).contains(other), "{} names {other}", path.display());
+        }
+    }
+}
+
+#[test]
 fn paths_in_the_documents_exist() {
     let root = repository();
     for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {

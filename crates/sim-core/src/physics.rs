@@ -1,12 +1,13 @@
 //! Rigid bodies and contacts: the only place that names rapier3d.
 
-mod aerial;
 mod articulated;
+mod bodies;
 mod compile;
 mod contact;
 mod convert;
 mod fault;
 mod identity;
+mod mechanism;
 mod motor;
 mod observe;
 mod placing;
@@ -19,7 +20,6 @@ mod surface;
 
 use std::sync::Arc;
 
-use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
 
 pub(crate) use compile::{CompiledMap, CompiledRobot};
@@ -31,14 +31,8 @@ pub(crate) use robot::RobotBodies;
 pub(crate) use surface::Materials;
 
 use articulated::MapObject;
-use scene::{BodyState, Pose, WheelState};
-
-/// Sweeps of the solver over the contacts while a robot lands. One is enough where the last step's impulses are a good
-/// guess. In an impact it gives the whole momentum to the wheel that comes first, and friction takes hold of what
-/// follows from that: a robot that falls flat from 1 m then turns by up to 0.1 rad.
-const LANDING_SWEEPS: usize = 20;
-/// How long a robot lands after its fall, s: until the overlap of the impact is pushed out.
-const LANDING_TIME: f64 = 0.1;
+use bodies::Landing;
+use scene::Pose;
 
 /// The bodies of the world and the engine that moves them.
 pub(crate) struct Physics {
@@ -50,8 +44,7 @@ pub(crate) struct Physics {
     robots_of_engine: usize,
     /// Whether something came or left, which the engine notices with a step.
     is_changed: bool,
-    /// Time left of the landing of a robot, s; `LANDING_TIME` while one falls.
-    landing: f64,
+    landing: Landing,
     /// Where systems of robots in reduced coordinates are solved.
     rooms: Vec<articulated::Room>,
     /// How many of them did not settle.
@@ -66,17 +59,7 @@ impl Physics {
         let mut world = PhysicsWorld::new();
         world.narrow_phase.set_query_dispatcher(contact::RollerDispatcher);
         world.gravity = Vector::new(0.0, 0.0, map.gravity);
-        let parameters = &mut world.integration_parameters;
-        parameters.dt = time_step;
-        // One iteration with friction solved together with the penetration is what makes free rollers roll
-        // right; without it four iterations are slower and worse. Recycled contacts lag behind a turning roller.
-        parameters.num_solver_iterations = 1;
-        parameters.friction_in_bias_pass = true;
-        parameters.friction_model = FrictionModel::Coulomb;
-        parameters.contact_recycling = false;
-        // Contacts that are about to happen, from here on: more of them only cost time, a robot moves 2 mm in a step
-        // at 1 m/s.
-        parameters.normalized_prediction_distance = 0.002;
+        bodies::set_parameters(&mut world.integration_parameters, time_step);
         let ground = world.insert_body(RigidBodyBuilder::fixed());
         for (index, solid) in (0..).zip(&map.solids) {
             world.insert_collider(solid.collider(Identity::Solid(index)), Some(ground));
@@ -93,7 +76,7 @@ impl Physics {
             objects,
             robots_of_engine: 0,
             is_changed: false,
-            landing: 0.0,
+            landing: Landing::default(),
             rooms: Vec::new(),
             unsettled: 0,
             placeholders: Vec::new(),
@@ -108,12 +91,7 @@ impl Physics {
     /// Advances by one time step what the engine moves.
     pub(crate) fn step(&mut self) {
         self.is_changed = false;
-        let sweeps = if self.landing > 0.0 { LANDING_SWEEPS } else { 1 };
-        let parameters = &mut self.world.integration_parameters;
-        // With the velocity that pushes out overlaps, and without it.
-        parameters.num_internal_pgs_iterations = sweeps;
-        parameters.num_internal_stabilization_iterations = sweeps;
-        self.landing -= parameters.dt;
+        self.landing.set_sweeps(&mut self.world.integration_parameters);
         // Backwards, so that their places are taken again in the order in which they would have been.
         for placeholder in self.placeholders.drain(..).rev() {
             self.world.remove_collider(placeholder);
@@ -149,14 +127,4 @@ impl Physics {
         numbers.for_each(&mut mix);
         self.objects.iter().flat_map(MapObject::numbers).for_each(mix);
     }
-}
-
-/// The contacts of a manifold that the last step solved for. The engine chooses four of its points at most; the others
-/// keep the impulses that they had when they were last chosen, which its own sums count in.
-fn solved(manifold: &ContactManifold) -> impl Iterator<Item = &ContactData> {
-    let chosen = |index: usize| {
-        let mut contacts = manifold.data.solver_contacts.iter();
-        contacts.any(|contact| contact.contact_indices()[0] as usize == index)
-    };
-    manifold.points.iter().enumerate().filter(move |(index, _)| chosen(*index)).map(|(_, point)| &point.data)
 }

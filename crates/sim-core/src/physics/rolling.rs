@@ -3,10 +3,6 @@
 //! The coefficient of a pair is the sum of both materials', as both are deformed. The load is that of the step before.
 
 use nalgebra::Vector3;
-use rapier3d::prelude::*;
-
-use super::surface::Materials;
-use super::{convert, solved};
 
 /// A wheel of a tree, as its rolling resistance needs it.
 pub(super) struct TreeWheel {
@@ -25,26 +21,6 @@ pub(super) struct Load {
     pub(super) normal: Vector3<f64>,
     /// Sum of the impulses times their coefficients, N s.
     pub(super) resistance: f64,
-}
-
-/// The load on the colliders of a wheel of a multibody.
-pub(super) fn load(world: &PhysicsWorld, materials: &Materials, wheel: &[ColliderHandle]) -> Load {
-    let mut load = Load::default();
-    for &own in wheel {
-        for pair in world.narrow_phase.contact_pairs_with(own).filter(|pair| pair.has_any_active_contact()) {
-            let (sign, other) = if pair.collider1 == own { (-1.0, pair.collider2) } else { (1.0, pair.collider1) };
-            // What has left since the last step is still listed until the next, and holds nothing any more.
-            let (Some(own), Some(other)) = (world.colliders.get(own), world.colliders.get(other)) else { continue };
-            let coefficient = materials.of(own).rolling_resistance + materials.of(other).rolling_resistance;
-            let push = |manifold: &ContactManifold| {
-                manifold.data.normal * solved(manifold).map(|data| data.impulse).sum::<Real>()
-            };
-            let impulse = convert::from_vector(pair.solver_manifolds().iter().map(push).sum::<Vector>()) * sign;
-            load.normal += impulse;
-            load.resistance += coefficient * impulse.norm();
-        }
-    }
-    load
 }
 
 /// Impulse on a hub that moves with a velocity and carries a mass: never more than stops it.

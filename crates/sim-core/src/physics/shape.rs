@@ -1,4 +1,4 @@
-//! Shapes of solids, wheels and rollers.
+//! Shapes of solids, and outlines of wheels.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,15 +6,9 @@ use rapier3d::math::{Pose as EnginePose, Rotation};
 use rapier3d::parry::shape::{HalfSpace, TriMeshFlags};
 use rapier3d::prelude::*;
 
-use scene::{MountedWheel, Rollers};
+use scene::MountedWheel;
 
 use super::convert;
-use super::roller::RollerShape;
-
-/// Width of the crown of a plain wheel, m.
-const CROWN_WIDTH: f64 = 0.004;
-/// How far the crown stands out, m.
-const CROWN_HEIGHT: f64 = 0.002;
 
 /// A hull or mesh that has no volume or no triangle becomes a dot; `scene-loader` refuses such before.
 pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
@@ -45,16 +39,4 @@ pub(super) fn outline(wheel: &MountedWheel) -> SharedShape {
 fn cylinder(radius: f64, length: f64, rotation: Rotation) -> SharedShape {
     let cylinder = SharedShape::cylinder(length / 2.0, radius);
     SharedShape::compound(vec![(EnginePose::from_rotation(rotation), cylinder)])
-}
-
-/// A plain wheel about the robot's y axis: a narrow crown that carries the load, so that it stands in the middle
-/// of the wheel and not on either edge, and the whole width a little below it, for walls and kerbs.
-pub(super) fn tread(radius: f64, width: f64) -> SharedShape {
-    let cylinder = |radius: f64, width: f64| (EnginePose::IDENTITY, SharedShape::cylinder(width / 2.0, radius));
-    SharedShape::compound(vec![cylinder(radius, CROWN_WIDTH.min(width)), cylinder(radius - CROWN_HEIGHT, width)])
-}
-
-/// A roller along the x axis.
-pub(super) fn roller(rollers: &Rollers, wheel_radius: f64) -> SharedShape {
-    SharedShape::new(RollerShape::new(rollers, wheel_radius))
 }

@@ -1,0 +1,135 @@
+//! Robots of the drive model `bodies`: one multibody of rapier each, for the chassis, the wheels and their rollers.
+//!
+//! This is the thesis's model, and an independent program to compare [`super::articulated`] with. It is frozen: new mechanics are made
+//! for `articulated` alone.
+
+mod apply;
+mod compile;
+mod contact;
+mod insert;
+mod joint;
+mod shape;
+mod solver;
+
+use std::sync::Arc;
+
+use nalgebra::{Translation3, Vector3};
+use rapier3d::prelude::*;
+use scene::{BodyState, JointState};
+
+use super::convert;
+use super::fault::Fault;
+use super::motor::{Servo, Value};
+
+pub(super) use compile::Tree;
+pub(super) use solver::{Landing, set_parameters};
+
+/// A robot that the engine moves.
+pub(super) struct MultibodyRobot {
+    tree: Arc<Tree>,
+    /// The body of every link, parents before their children.
+    links: Vec<RigidBodyHandle>,
+    /// Every joint that has a value, in the order of the links.
+    joints: Vec<ServoJoint>,
+    /// The joints of the rollers, wheel by wheel.
+    rollers: Vec<MultibodyJointHandle>,
+    /// The colliders of every wheel that touch the ground; casters are wheels, too.
+    treads: Vec<Vec<ColliderHandle>>,
+    /// Rolling resistance of every wheel in the last step, N.
+    resistances: Vec<Vector3<f64>>,
+}
+
+/// A joint that has a value.
+struct ServoJoint {
+    handle: MultibodyJointHandle,
+    axis: JointAxis,
+    value: Value,
+    servo: Servo,
+    /// Its own target; that of a wheel and of a joint that follows none is its servo's.
+    target: f64,
+}
+
+impl MultibodyRobot {
+    /// The body of every link, parents before their children.
+    pub(super) fn bodies(&self) -> &[RigidBodyHandle] {
+        &self.links
+    }
+
+    /// Sets the targets of the wheels' servos, rad/s.
+    pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
+        let wheels = self.joints.iter_mut().filter(|joint| joint.value.is_wheel);
+        wheels.zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
+    }
+
+    /// Sets the target of a joint by its number among those with a value.
+    pub(super) fn set_joint_target(&mut self, joint: usize, target: f64) {
+        if let Some(joint) = self.joints.get_mut(joint) {
+            joint.target = joint.value.within_limits(target);
+            joint.servo.set_target(joint.target);
+        }
+    }
+
+    /// Every joint with a value, in the order of the links; true if it is a wheel's.
+    pub(super) fn joints(&self, world: &PhysicsWorld) -> impl Iterator<Item = (bool, JointState)> {
+        self.joints.iter().map(|joint| (joint.value.is_wheel, joint.state(world)))
+    }
+
+    /// Angles of its rollers about their own axes, wheel by wheel, rad.
+    pub(super) fn roller_angles(&self, world: &PhysicsWorld) -> Vec<f64> {
+        self.rollers.iter().map(|&roller| joint_state(world, roller, JointAxis::AngX).position).collect()
+    }
+
+    /// Pose and velocity of the robot frame.
+    pub(super) fn state(&self, world: &PhysicsWorld) -> BodyState {
+        let body = &world.bodies[self.links[0]];
+        frame_at(body, body.linvel(), self.tree.centre)
+    }
+
+    /// The robot frame as it moves with a link of the definition, whose origin is at `origin` in it when every joint is at 0.
+    pub(super) fn carrier(&self, world: &PhysicsWorld, link: usize, origin: Vector3<f64>) -> Option<BodyState> {
+        let body = world.bodies.get(self.links[*self.tree.numbers.get(link)?])?;
+        Some(frame_at(body, body.velocity_at_point(body.translation()), origin))
+    }
+
+    /// The fault of its state, if it has one. The engine holds a body whose state is not finite where it was last, which is no better.
+    pub(super) fn fault(&self, world: &PhysicsWorld) -> Option<Fault> {
+        let mut joints = self.joints(world).flat_map(|(_, joint)| [joint.position, joint.speed]);
+        let held = world.quarantine();
+        let is_held = |&collider: &ColliderHandle| {
+            let parent = world.colliders.get(collider).and_then(Collider::parent);
+            parent.is_some_and(|body| self.links.contains(&body))
+        };
+        let is_finite = joints.all(f64::is_finite)
+            && !held.bodies().iter().any(|body| self.links.contains(body))
+            && !held.colliders().iter().any(is_held);
+        if is_finite { Fault::of(&self.state(world)) } else { Some(Fault::NotFinite) }
+    }
+
+    /// Rolling resistance of each wheel in the last step, N.
+    pub(super) fn resistances(&self) -> &[Vector3<f64>] {
+        &self.resistances
+    }
+}
+
+impl ServoJoint {
+    fn state(&self, world: &PhysicsWorld) -> JointState {
+        joint_state(world, self.handle, self.axis)
+    }
+}
+
+/// Position and speed of a joint with one value along an axis.
+fn joint_state(world: &PhysicsWorld, handle: MultibodyJointHandle, axis: JointAxis) -> JointState {
+    let found = world.multibody_joints.get(handle);
+    let Some((multibody, Some(link))) = found.map(|(multibody, link)| (multibody, multibody.link(link))) else {
+        return JointState::default();
+    };
+    let speed = multibody.joint_velocity(link).iter().next().map_or(0.0, |&speed| speed);
+    JointState { position: link.joint.coords()[axis as usize], speed }
+}
+
+/// The frame in which a body has its origin at `origin`, and that moves with it; `linear` is the velocity there.
+fn frame_at(body: &RigidBody, linear: Vector, origin: Vector3<f64>) -> BodyState {
+    let pose = convert::from_pose(body.position()) * Translation3::from(-origin);
+    let (linear, angular) = (convert::from_vector(linear), convert::from_vector(body.angvel()));
+    BodyState { pose, linear: linear - angular.cross(&(pose.rotation * origin)), angular }
+}

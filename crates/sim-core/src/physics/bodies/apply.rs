@@ -1,0 +1,120 @@
+//! Motors, rolling resistance and flight of a robot in the coming step.
+
+use nalgebra::Vector3;
+use rapier3d::prelude::*;
+use scene::{Coupling, JointState};
+
+use super::super::convert;
+use super::super::motor::Torque;
+use super::super::rolling::{self, Load};
+use super::super::surface::Materials;
+use super::{Landing, MultibodyRobot, ServoJoint, contact};
+use crate::flight::Flight;
+
+/// A robot without a loaded wheel falls when it goes down at such a speed, m/s. Put onto a surface it comes down with
+/// 0.14 m/s; a faster one has fallen off the map and lands nowhere.
+const FALLING_SPEEDS: std::ops::Range<f64> = 0.2..20.0;
+
+impl MultibodyRobot {
+    /// Applies motors, rolling resistance and flight to the coming step.
+    pub(in super::super) fn apply(
+        &mut self,
+        world: &mut PhysicsWorld,
+        materials: &Materials,
+        flight: Option<&Flight>,
+        landing: &mut Landing,
+    ) {
+        if let Some(flight) = flight {
+            self.fly(world, flight);
+        }
+        self.reset_forces(world);
+        follow_targets(&mut self.joints);
+        self.set_motors(world);
+        self.set_rolling_resistance(world, materials, landing);
+    }
+
+    /// Gives a flying robot its velocities. An obstacle still stops it in the coming step.
+    fn fly(&self, world: &mut PhysicsWorld, flight: &Flight) {
+        let time_step = world.integration_parameters.dt;
+        let root = self.links[0];
+        let Some(body) = world.bodies.get(root) else { return };
+        let (linear, angular) = flight.velocity(&convert::from_pose(body.position()), self.tree.centre, time_step);
+        let link = world.multibody_joints.rigid_body_link(root).copied();
+        match link.and_then(|link| world.multibody_joints.get_multibody_mut(link.multibody)) {
+            Some(multibody) => {
+                let mut velocity = multibody.generalized_velocity_mut();
+                velocity.iter_mut().zip(linear.iter().chain(&angular)).for_each(|(to, &from)| *to = from);
+            }
+            None => {
+                if let Some(body) = world.bodies.get_mut(root) {
+                    body.set_linvel(convert::vector(linear), true);
+                    body.set_angvel(convert::vector(angular), true);
+                }
+            }
+        }
+    }
+
+    /// Ends the forces of the last step: rolling resistance, and reactions of robots in reduced coordinates.
+    fn reset_forces(&self, world: &mut PhysicsWorld) {
+        for &handle in &self.links {
+            let pushed = |body: &RigidBody| body.user_force() != Vector::ZERO || body.user_torque() != Vector::ZERO;
+            if world.bodies.get(handle).is_some_and(pushed)
+                && let Some(body) = world.bodies.get_mut(handle)
+            {
+                body.reset_forces(false);
+                body.reset_torques(false);
+            }
+        }
+    }
+
+    fn set_motors(&mut self, world: &mut PhysicsWorld) {
+        let time_step = world.integration_parameters.dt;
+        for joint in &mut self.joints {
+            let JointState { position, speed } = joint.state(world);
+            let ServoJoint { handle, axis, value, servo, .. } = joint;
+            let Some(motor) = &value.motor else { continue };
+            let Torque { at_rest, gain } = servo.torque(motor, position, speed, time_step);
+            if let Some((multibody, link)) = world.multibody_joints.get_mut(*handle)
+                && let Some(link) = multibody.link_mut(link)
+            {
+                link.joint.data.set_motor_velocity(*axis, at_rest / gain, gain);
+            }
+        }
+    }
+
+    /// Gives the hubs their rolling resistance, and notices a fall: both follow from the loads.
+    fn set_rolling_resistance(&mut self, world: &mut PhysicsWorld, materials: &Materials, landing: &mut Landing) {
+        let Self { tree, links, treads, resistances, .. } = self;
+        let time_step = world.integration_parameters.dt;
+        let fall = convert::from_vector(world.gravity) * time_step;
+        let share = tree.mass / treads.len() as f64;
+        let loads: Vec<Load> = treads.iter().map(|tread| contact::load(world, materials, tread)).collect();
+        let Some(chassis) = world.bodies.get(links[0]) else { return };
+        let down = fall.normalize().dot(&convert::from_vector(chassis.linvel()));
+        if FALLING_SPEEDS.contains(&down) && loads.iter().all(|load| load.normal == Vector3::zeros()) {
+            landing.expect();
+        }
+        for ((wheel, load), resistance) in tree.wheels.iter().zip(&loads).zip(resistances) {
+            let Some(carrier) = world.bodies.get_mut(links[wheel.parent]) else { continue };
+            let hub = carrier.position() * convert::vector(wheel.hub);
+            let mut velocity = convert::from_vector(carrier.velocity_at_point(hub)) + fall;
+            if wheel.rolls_ahead_only {
+                let ahead = convert::from_vector(carrier.rotation() * Vector::X);
+                velocity = ahead * ahead.dot(&velocity);
+            }
+            *resistance = rolling::impulse(load, velocity, share) / time_step;
+            carrier.add_force_at_point(convert::vector(*resistance), hub, true);
+        }
+    }
+}
+
+/// Gives the servos that follow the target of another theirs.
+fn follow_targets(joints: &mut [ServoJoint]) {
+    for number in 0..joints.len() {
+        let follower = &joints[number];
+        let Some(Coupling { leader, multiplier, offset, .. }) = follower.value.follows else { continue };
+        let Some(leader) = joints.get(leader) else { continue };
+        let target = follower.value.within_limits(follower.target + multiplier * leader.servo.target() + offset);
+        joints[number].servo.set_target(target);
+    }
+}

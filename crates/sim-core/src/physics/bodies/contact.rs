@@ -1,0 +1,76 @@
+//! Contacts of a robot as the engine solved them.
+
+use rapier3d::geometry::ContactData;
+use rapier3d::prelude::*;
+use scene::Contact;
+
+use super::super::convert;
+use super::super::rolling::Load;
+use super::super::surface::Materials;
+use super::MultibodyRobot;
+
+impl MultibodyRobot {
+    /// Contacts of its chassis and its wheels in the last step, each with its wheel's number.
+    pub(in super::super) fn contacts(&self, world: &PhysicsWorld) -> Vec<(Option<usize>, Contact)> {
+        let chassis = world.bodies.get(self.links[0]).map_or(&[][..], RigidBody::colliders);
+        let wheels = self.treads.iter().enumerate().map(|(number, tread)| (Some(number), tread.as_slice()));
+        let parts = std::iter::once((None, chassis)).chain(wheels);
+        let on_part = |(wheel, part)| contacts(world, part).into_iter().map(move |contact| (wheel, contact));
+        parts.flat_map(on_part).collect()
+    }
+}
+
+/// Contacts of some colliders.
+fn contacts(world: &PhysicsWorld, colliders: &[ColliderHandle]) -> Vec<Contact> {
+    let time_step = world.integration_parameters.dt;
+    let mut contacts = Vec::new();
+    for &own in colliders {
+        let parent = world.colliders.get(own).and_then(Collider::parent);
+        let Some(body) = parent.and_then(|body| world.bodies.get(body)) else { continue };
+        let centre = convert::from_vector(body.center_of_mass());
+        for pair in world.narrow_phase.contact_pairs_with(own) {
+            let first = pair.collider1 == own;
+            let sign = if first { 1.0 } else { -1.0 };
+            for manifold in pair.solver_manifolds() {
+                let normal = -convert::from_vector(manifold.data.normal);
+                for data in solved(manifold).filter(|data| data.impulse > 0.0) {
+                    let friction = convert::from_vector(data.warmstart_tangent_world);
+                    let arm = if first { data.solver_dp1 } else { data.solver_dp2 };
+                    let force = (normal * data.impulse + friction) * (sign / time_step);
+                    contacts.push(Contact { point: centre + convert::from_vector(arm), force });
+                }
+            }
+        }
+    }
+    contacts
+}
+
+/// The load on the colliders of a wheel.
+pub(super) fn load(world: &PhysicsWorld, materials: &Materials, wheel: &[ColliderHandle]) -> Load {
+    let mut load = Load::default();
+    for &own in wheel {
+        for pair in world.narrow_phase.contact_pairs_with(own).filter(|pair| pair.has_any_active_contact()) {
+            let (sign, other) = if pair.collider1 == own { (-1.0, pair.collider2) } else { (1.0, pair.collider1) };
+            // A collider that left since the last step is listed until the next, and holds nothing.
+            let (Some(own), Some(other)) = (world.colliders.get(own), world.colliders.get(other)) else { continue };
+            let coefficient = materials.of(own).rolling_resistance + materials.of(other).rolling_resistance;
+            let push = |manifold: &ContactManifold| {
+                manifold.data.normal * solved(manifold).map(|data| data.impulse).sum::<Real>()
+            };
+            let impulse = convert::from_vector(pair.solver_manifolds().iter().map(push).sum::<Vector>()) * sign;
+            load.normal += impulse;
+            load.resistance += coefficient * impulse.norm();
+        }
+    }
+    load
+}
+
+/// The contacts of a manifold that the last step solved for. The engine chooses four of its points at most; the others
+/// keep the impulses that they had when they were last chosen, which its own sums count in.
+fn solved(manifold: &ContactManifold) -> impl Iterator<Item = &ContactData> {
+    let chosen = |index: usize| {
+        let mut contacts = manifold.data.solver_contacts.iter();
+        contacts.any(|contact| contact.contact_indices()[0] as usize == index)
+    };
+    manifold.points.iter().enumerate().filter(move |(index, _)| chosen(*index)).map(|(_, point)| &point.data)
+}

@@ -1,0 +1,149 @@
+//! A robot as its drive model moves it: one verb of either side for each that the world needs.
+
+use nalgebra::Vector3;
+use rapier3d::prelude::*;
+use scene::{BodyState, Contact, JointState, Pose};
+
+use super::articulated::ArticulatedRobot;
+use super::bodies::{Landing, MultibodyRobot};
+use super::compile::CompiledMechanism;
+use super::fault::Fault;
+use super::surface::Materials;
+use crate::RobotId;
+use crate::flight::Flight;
+
+/// A robot of one of the two mechanics.
+pub(super) enum Mechanism {
+    /// A multibody of the engine.
+    Bodies(Box<MultibodyRobot>),
+    /// A tree in reduced coordinates.
+    Articulated(Box<ArticulatedRobot>),
+}
+
+impl Mechanism {
+    /// Inserts a robot at a pose of its frame, at rest.
+    pub(super) fn insert(world: &mut PhysicsWorld, tree: &CompiledMechanism, id: RobotId, pose: &Pose) -> Self {
+        match tree {
+            CompiledMechanism::Bodies(tree) => {
+                Self::Bodies(Box::new(MultibodyRobot::insert(world, tree.clone(), id, pose)))
+            }
+            CompiledMechanism::Articulated(tree) => {
+                Self::Articulated(Box::new(ArticulatedRobot::spawn(world, tree.clone(), id, pose)))
+            }
+        }
+    }
+
+    /// True if the engine moves it.
+    pub(super) fn is_of_engine(&self) -> bool {
+        matches!(self, Self::Bodies(_))
+    }
+
+    /// The robot in reduced coordinates, if it is one.
+    pub(super) fn articulated(&self) -> Option<&ArticulatedRobot> {
+        if let Self::Articulated(robot) = self { Some(robot) } else { None }
+    }
+
+    /// The robot in reduced coordinates, if it is one.
+    pub(super) fn articulated_mut(&mut self) -> Option<&mut ArticulatedRobot> {
+        if let Self::Articulated(robot) = self { Some(robot) } else { None }
+    }
+
+    /// The engine's body of every link, parents before their children.
+    pub(super) fn bodies(&self) -> Vec<RigidBodyHandle> {
+        match self {
+            Self::Bodies(robot) => robot.bodies().to_vec(),
+            Self::Articulated(robot) => robot.bodies().collect(),
+        }
+    }
+
+    /// Sets the targets of the wheels' servos, rad/s.
+    pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
+        match self {
+            Self::Bodies(robot) => robot.set_wheel_speeds(speeds),
+            Self::Articulated(robot) => robot.set_wheel_speeds(speeds),
+        }
+    }
+
+    /// Sets the target of a joint by its number among those with a value.
+    pub(super) fn set_joint_target(&mut self, joint: usize, target: f64) {
+        match self {
+            Self::Bodies(robot) => robot.set_joint_target(joint, target),
+            Self::Articulated(robot) => robot.set_joint_target(joint, target),
+        }
+    }
+
+    /// Applies motors, rolling resistance and flight to the coming step of the engine. Robots in reduced coordinates do that
+    /// themselves, where they are solved.
+    pub(super) fn apply(
+        &mut self,
+        world: &mut PhysicsWorld,
+        materials: &Materials,
+        flight: Option<&Flight>,
+        landing: &mut Landing,
+    ) {
+        if let Self::Bodies(robot) = self {
+            robot.apply(world, materials, flight, landing);
+        }
+    }
+
+    /// Every joint with a value, in the order of the links; true if it is a wheel's.
+    pub(super) fn joints(&self, world: &PhysicsWorld) -> Vec<(bool, JointState)> {
+        match self {
+            Self::Bodies(robot) => robot.joints(world).collect(),
+            Self::Articulated(robot) => robot.joints().collect(),
+        }
+    }
+
+    /// Pose and velocity of the robot frame.
+    pub(super) fn state(&self, world: &PhysicsWorld) -> BodyState {
+        match self {
+            Self::Bodies(robot) => robot.state(world),
+            Self::Articulated(robot) => robot.state(),
+        }
+    }
+
+    /// The robot frame as it moves with a link of the definition, whose origin is at `origin` in it when every joint is at 0.
+    pub(super) fn carrier(&self, world: &PhysicsWorld, link: usize, origin: Vector3<f64>) -> Option<BodyState> {
+        match self {
+            Self::Bodies(robot) => robot.carrier(world, link, origin),
+            Self::Articulated(robot) => robot.carrier(link, origin),
+        }
+    }
+
+    /// The fault of its state, if it has one.
+    pub(super) fn fault(&self, world: &PhysicsWorld) -> Option<Fault> {
+        match self {
+            Self::Bodies(robot) => robot.fault(world),
+            Self::Articulated(robot) => robot.fault(),
+        }
+    }
+
+    /// Its state as numbers; none of a robot whose bodies the engine moves, as they have it.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        self.articulated().map_or_else(Vec::new, ArticulatedRobot::numbers)
+    }
+
+    /// Angles of its rollers about their own axes, wheel by wheel, rad.
+    pub(super) fn roller_angles(&self, world: &PhysicsWorld) -> Vec<f64> {
+        match self {
+            Self::Bodies(robot) => robot.roller_angles(world),
+            Self::Articulated(robot) => robot.roller_angles(),
+        }
+    }
+
+    /// Contacts of the last step, each with the number of the wheel that it pushed.
+    pub(super) fn contacts(&self, world: &PhysicsWorld) -> Vec<(Option<usize>, Contact)> {
+        match self {
+            Self::Bodies(robot) => robot.contacts(world),
+            Self::Articulated(robot) => robot.contacts().to_vec(),
+        }
+    }
+
+    /// Forces of the ground on each wheel in the last step that no contact has, N.
+    pub(super) fn resistances(&self) -> &[Vector3<f64>] {
+        match self {
+            Self::Bodies(robot) => robot.resistances(),
+            Self::Articulated(robot) => robot.resistances(),
+        }
+    }
+}
