@@ -25,7 +25,7 @@ use super::convert;
 use super::fault::Fault;
 use super::identity::Identity;
 use super::motor::{Servo, Torque};
-use super::rolling::{self, Load};
+use super::rolling::Load;
 use crate::RobotId;
 use crate::flight::Flight;
 
@@ -205,20 +205,16 @@ impl ArticulatedRobot {
             body.set_drive(joint.dof, Drive { at_rest, gain, most: motor.max_torque });
         }
         let share = made_of.mass / made_of.wheels.len().max(1) as f64;
-        for ((wheel, load), resistance) in made_of.wheels.iter().zip(loads).zip(resistances) {
+        for ((hub, load), resistance) in made_of.wheels.iter().zip(loads).zip(resistances) {
             *resistance = Vector3::zeros();
             if load.resistance == 0.0 {
                 continue;
             }
-            let frame = &body.frames()[wheel.parent];
-            let hub = body.centre() + frame.origin + frame.rotation * wheel.hub;
-            let mut velocity = body.velocity_at(wheel.parent, hub) + gravity * time_step;
-            if wheel.rolls_ahead_only {
-                let ahead = frame.rotation * Vector3::x();
-                velocity = ahead * ahead.dot(&velocity);
-            }
-            *resistance = rolling::impulse(load, velocity, share) / time_step;
-            body.push(wheel.parent, hub, *resistance);
+            let frame = &body.frames()[hub.carrier];
+            let centre = body.centre() + frame.origin + frame.rotation * hub.centre;
+            let velocity = body.velocity_at(hub.carrier, centre) + gravity * time_step;
+            *resistance = hub.resistance(load, velocity, frame.rotation * Vector3::x(), share, time_step);
+            body.push(hub.carrier, centre, *resistance);
         }
     }
 

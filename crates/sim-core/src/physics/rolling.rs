@@ -4,17 +4,17 @@
 
 use nalgebra::Vector3;
 
-/// A wheel of a tree, as its rolling resistance needs it.
-pub(super) struct TreeWheel {
-    /// The link that carries it.
-    pub(super) parent: usize,
+/// The hub of a wheel, on which its rolling resistance acts.
+pub(super) struct Hub {
+    /// The link that carries the wheel, by its number.
+    pub(super) carrier: usize,
     /// Centre in the frame of that link's body, m.
-    pub(super) hub: Vector3<f64>,
+    pub(super) centre: Vector3<f64>,
     /// A plain wheel rolls ahead; to the side it slides. Others roll every way.
     pub(super) rolls_ahead_only: bool,
 }
 
-/// What one wheel stands on.
+/// The load of one wheel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Load {
     /// Sum of the impulses of the last step times their normals, N s.
@@ -23,10 +23,28 @@ pub(super) struct Load {
     pub(super) resistance: f64,
 }
 
-/// Impulse on a hub that moves with a velocity and carries a mass: never more than stops it.
-pub(super) fn impulse(load: &Load, velocity: Vector3<f64>, mass: f64) -> Vector3<f64> {
-    let Some(normal) = load.normal.try_normalize(0.0) else { return Vector3::zeros() };
-    let along = velocity - normal * normal.dot(&velocity);
-    let speed = along.norm();
-    if speed > 0.0 { -along * (load.resistance.min(mass * speed) / speed) } else { Vector3::zeros() }
+impl Hub {
+    /// Computes the rolling resistance in a step, N. `velocity` is that of the hub without it, `ahead` the x axis of the carrier, and
+    /// `mass` what the hub carries of the robot, kg.
+    pub(super) fn resistance(
+        &self,
+        load: &Load,
+        velocity: Vector3<f64>,
+        ahead: Vector3<f64>,
+        mass: f64,
+        time_step: f64,
+    ) -> Vector3<f64> {
+        let velocity = if self.rolls_ahead_only { ahead * ahead.dot(&velocity) } else { velocity };
+        load.impulse(velocity, mass) / time_step
+    }
+}
+
+impl Load {
+    /// Impulse on a hub that moves with a velocity and carries a mass: never more than stops it.
+    fn impulse(&self, velocity: Vector3<f64>, mass: f64) -> Vector3<f64> {
+        let Some(normal) = self.normal.try_normalize(0.0) else { return Vector3::zeros() };
+        let along = velocity - normal * normal.dot(&velocity);
+        let speed = along.norm();
+        if speed > 0.0 { -along * (self.resistance.min(mass * speed) / speed) } else { Vector3::zeros() }
+    }
 }

@@ -10,7 +10,7 @@ use rapier3d::prelude::SharedShape;
 use scene::{Coupling, CouplingKind, DriveModel, JointKind, Material, MountedWheel, RobotDef, Rollers, Steering};
 
 use super::super::motor::Value;
-use super::super::rolling::TreeWheel;
+use super::super::rolling::Hub;
 use super::super::surface::{Materials, Surface as Seen};
 use super::super::{convert, shape};
 use super::following::Following;
@@ -27,8 +27,8 @@ pub(in super::super) struct Articulated {
     /// Every joint that has a value, in the order of the definition's links.
     pub(super) joints: Vec<JointValue>,
     pub(super) gears: Vec<Gear>,
-    /// Its wheels, casters too.
-    pub(super) wheels: Vec<TreeWheel>,
+    /// The hubs of its wheels, casters too.
+    pub(super) wheels: Vec<Hub>,
     pub(super) rings: Vec<Ring>,
     /// What makes it follow its commands, if it does.
     pub(super) following: Option<Following>,
@@ -187,7 +187,7 @@ impl Articulated {
         let own = links.len() - 1;
         if let Some(wheel) = &wheel {
             let rolls_ahead_only = wheel.drive.is_some() && wheel.rollers.is_none();
-            self.wheels.push(TreeWheel { parent, hub: anchor, rolls_ahead_only });
+            self.wheels.push(Hub { carrier: parent, centre: anchor, rolls_ahead_only });
         }
         if joint.kind.has_value() {
             let value = Value::new(joint, wheel.is_some());

@@ -6,7 +6,7 @@ use scene::{Coupling, JointState};
 
 use super::super::convert;
 use super::super::motor::Torque;
-use super::super::rolling::{self, Load};
+use super::super::rolling::Load;
 use super::super::surface::Materials;
 use super::{Landing, MultibodyRobot, ServoJoint, contact};
 use crate::flight::Flight;
@@ -94,16 +94,13 @@ impl MultibodyRobot {
         if FALLING_SPEEDS.contains(&down) && loads.iter().all(|load| load.normal == Vector3::zeros()) {
             landing.expect();
         }
-        for ((wheel, load), resistance) in tree.wheels.iter().zip(&loads).zip(resistances) {
-            let Some(carrier) = world.bodies.get_mut(links[wheel.parent]) else { continue };
-            let hub = carrier.position() * convert::vector(wheel.hub);
-            let mut velocity = convert::from_vector(carrier.velocity_at_point(hub)) + fall;
-            if wheel.rolls_ahead_only {
-                let ahead = convert::from_vector(carrier.rotation() * Vector::X);
-                velocity = ahead * ahead.dot(&velocity);
-            }
-            *resistance = rolling::impulse(load, velocity, share) / time_step;
-            carrier.add_force_at_point(convert::vector(*resistance), hub, true);
+        for ((hub, load), resistance) in tree.hubs.iter().zip(&loads).zip(resistances) {
+            let Some(carrier) = world.bodies.get_mut(links[hub.carrier]) else { continue };
+            let centre = carrier.position() * convert::vector(hub.centre);
+            let velocity = convert::from_vector(carrier.velocity_at_point(centre)) + fall;
+            let ahead = convert::from_vector(carrier.rotation() * Vector::X);
+            *resistance = hub.resistance(load, velocity, ahead, share, time_step);
+            carrier.add_force_at_point(convert::vector(*resistance), centre, true);
         }
     }
 }

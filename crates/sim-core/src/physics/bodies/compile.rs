@@ -4,7 +4,7 @@ use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
 use scene::{Coupling, CouplingKind, Mass, Material, MountedWheel, Pose, RobotDef, Steering};
 
-use super::super::rolling::TreeWheel;
+use super::super::rolling::Hub;
 use super::super::surface::{Materials, Surface};
 use super::super::{convert, shape};
 use super::joint::{Gear, Joint, Role, axis_of};
@@ -21,7 +21,8 @@ pub(in super::super) struct Tree {
     pub(super) numbers: Vec<usize>,
     /// Its links, parents before their children.
     pub(super) links: Vec<Link>,
-    pub(super) wheels: Vec<TreeWheel>,
+    /// The hubs of its wheels, casters too.
+    pub(super) hubs: Vec<Hub>,
     /// Joints that are moved by others.
     pub(super) gears: Vec<Gear>,
     /// Damping of the root's velocity, N s/m, and angular velocity, N m s/rad.
@@ -77,7 +78,7 @@ impl Tree {
             footing,
             numbers: Vec::new(),
             links: vec![root],
-            wheels: Vec::new(),
+            hubs: Vec::new(),
             gears: Vec::new(),
             root_damping,
         };
@@ -154,9 +155,9 @@ impl Tree {
         anchor: Vector3<f64>,
         materials: &mut Materials,
     ) {
-        let (pose, number) = (Pose::from(Translation3::from(offset)), self.wheels.len());
+        let (pose, number) = (Pose::from(Translation3::from(offset)), self.hubs.len());
         let rolls_ahead_only = wheel.drive.is_some() && wheel.rollers.is_none();
-        self.wheels.push(TreeWheel { parent, hub: anchor, rolls_ahead_only });
+        self.hubs.push(Hub { carrier: parent, centre: anchor, rolls_ahead_only });
         let mass = convert::principal_mass(&wheel.hub_mass(wheel.drive.is_some()));
         let mut surface = |shape, material: &Material| Surface::new(shape, &Pose::identity(), material, materials);
         let surfaces = match (&wheel.drive, &wheel.rollers) {

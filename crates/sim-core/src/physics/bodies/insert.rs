@@ -19,7 +19,7 @@ impl MultibodyRobot {
     pub(in super::super) fn insert(world: &mut PhysicsWorld, tree: Arc<Tree>, id: RobotId, pose: &Pose) -> Self {
         let (mut frames, mut links) = (Vec::new(), Vec::new());
         let (mut joints, mut rollers) = (Vec::new(), Vec::new());
-        let mut treads = vec![Vec::new(); tree.wheels.len()];
+        let mut treads = vec![Vec::new(); tree.hubs.len()];
         for (number, link) in (0..).zip(&tree.links) {
             let parent = link.joint.as_ref().map(|joint| joint.parent);
             let frame = parent.map_or(*pose, |parent| frames[parent] * link.pose);
