@@ -19,12 +19,12 @@ use friction::Constraint;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
-use scene::{BodyState, Contact, Coupling, JointState, Pose};
+use scene::{BodyState, Contact, JointState, Pose};
 
 use super::convert;
 use super::fault::Fault;
 use super::identity::Identity;
-use super::motor::{Servo, Torque};
+use super::motor::{Servo, Torque, follow_targets};
 use super::rolling::Load;
 use crate::RobotId;
 use crate::flight::Flight;
@@ -188,12 +188,8 @@ impl ArticulatedRobot {
     fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64) {
         let Self { made_of, body, servos, targets, loads, resistances, .. } = self;
         body.set_gravity(if self.flies { Vector3::zeros() } else { gravity });
+        follow_targets(made_of.joints.iter().map(|joint| &joint.value), targets, servos);
         for (number, joint) in made_of.joints.iter().enumerate() {
-            if let Some(Coupling { leader, multiplier, offset, .. }) = joint.value.follows {
-                let leading = servos.get(leader).map_or(0.0, Servo::target);
-                let target = joint.value.within_limits(targets[number] + multiplier * leading + offset);
-                servos[number].set_target(target);
-            }
             let Some(motor) = &joint.value.motor else { continue };
             if made_of.following.is_some() && joint.value.is_wheel {
                 let target = servos[number].target();

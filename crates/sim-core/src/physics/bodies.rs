@@ -30,7 +30,10 @@ pub(super) struct MultibodyRobot {
     /// The body of every link, parents before their children.
     links: Vec<RigidBodyHandle>,
     /// Every joint that has a value, in the order of the links.
-    joints: Vec<ServoJoint>,
+    joints: Vec<ValueJoint>,
+    servos: Vec<Servo>,
+    /// Targets of the joints as they were set, before couplings.
+    targets: Vec<f64>,
     /// The joints of the rollers, wheel by wheel.
     rollers: Vec<MultibodyJointHandle>,
     /// The colliders of every wheel that touch the ground; casters are wheels, too.
@@ -40,13 +43,10 @@ pub(super) struct MultibodyRobot {
 }
 
 /// A joint that has a value.
-struct ServoJoint {
+struct ValueJoint {
     handle: MultibodyJointHandle,
     axis: JointAxis,
     value: Value,
-    servo: Servo,
-    /// Its own target; that of a wheel and of a joint that follows none is its servo's.
-    target: f64,
 }
 
 impl MultibodyRobot {
@@ -57,15 +57,15 @@ impl MultibodyRobot {
 
     /// Sets the targets of the wheels' servos, rad/s.
     pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
-        let wheels = self.joints.iter_mut().filter(|joint| joint.value.is_wheel);
-        wheels.zip(speeds).for_each(|(wheel, &speed)| wheel.servo.set_target(speed));
+        let wheels = self.joints.iter().zip(&mut self.servos).filter(|(joint, _)| joint.value.is_wheel);
+        wheels.zip(speeds).for_each(|((_, servo), &speed)| servo.set_target(speed));
     }
 
     /// Sets the target of a joint by its number among those with a value.
     pub(super) fn set_joint_target(&mut self, joint: usize, target: f64) {
-        if let Some(joint) = self.joints.get_mut(joint) {
-            joint.target = joint.value.within_limits(target);
-            joint.servo.set_target(joint.target);
+        if let Some(ValueJoint { value, .. }) = self.joints.get(joint) {
+            self.targets[joint] = value.within_limits(target);
+            self.servos[joint].set_target(self.targets[joint]);
         }
     }
 
@@ -111,7 +111,7 @@ impl MultibodyRobot {
     }
 }
 
-impl ServoJoint {
+impl ValueJoint {
     fn state(&self, world: &PhysicsWorld) -> JointState {
         joint_state(world, self.handle, self.axis)
     }

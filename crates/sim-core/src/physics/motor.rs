@@ -1,4 +1,4 @@
-//! The servo of a joint: of a wheel's the same for every drive model.
+//! Servos of joints, for every drive model.
 
 use scene::{Coupling, Motor};
 
@@ -13,7 +13,7 @@ pub(super) struct Value {
     /// Its servo of the position has no targets beyond.
     pub(super) limits: Option<[f64; 2]>,
     pub(super) motor: Option<Motor>,
-    /// Whose target its servo follows; the leader by its number among the joints with a value.
+    /// The coupling that its servo's target follows, with the leader's number among the joints with a value.
     pub(super) follows: Option<Coupling>,
     pub(super) is_wheel: bool,
 }
@@ -38,7 +38,7 @@ pub(super) struct Torque {
 }
 
 impl Value {
-    /// That of a joint of a definition.
+    /// The value of a joint of a definition.
     pub(super) fn new(def: &scene::Joint, is_wheel: bool) -> Self {
         Self { limits: def.limits, motor: def.drive.clone(), follows: None, is_wheel }
     }
@@ -60,7 +60,7 @@ impl Servo {
         self.target = target;
     }
 
-    /// What is set.
+    /// The target that is set.
     pub(super) fn target(&self) -> f64 {
         self.target
     }
@@ -96,6 +96,16 @@ impl Servo {
         self.asked = Some(asked);
         let at_rest = stiffness * (asked - angle) + motor.gain * (asked - from) / time_step;
         Torque { at_rest, gain: motor.gain + stiffness * time_step }
+    }
+}
+
+/// Sets the targets of servos that follow another's. `targets` are the joints' own, which they add to the leader's.
+pub(super) fn follow_targets<'a>(values: impl Iterator<Item = &'a Value>, targets: &[f64], servos: &mut [Servo]) {
+    for (number, value) in values.enumerate() {
+        let Some(Coupling { leader, multiplier, offset, .. }) = value.follows else { continue };
+        let Some(leader) = servos.get(leader) else { continue };
+        let target = value.within_limits(targets[number] + multiplier * leader.target() + offset);
+        servos[number].set_target(target);
     }
 }
 

@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
-use scene::{Coupling, JointState};
+use scene::JointState;
 
 use super::super::convert;
-use super::super::motor::Torque;
+use super::super::motor::{Torque, follow_targets};
 use super::super::rolling::Load;
 use super::super::surface::Materials;
-use super::{Landing, MultibodyRobot, ServoJoint, contact};
+use super::{Landing, MultibodyRobot, contact};
 use crate::flight::Flight;
 
 /// A robot without a loaded wheel falls when it goes down at such a speed, m/s. Put onto a surface it comes down with
@@ -28,7 +28,7 @@ impl MultibodyRobot {
             self.fly(world, flight);
         }
         self.reset_forces(world);
-        follow_targets(&mut self.joints);
+        follow_targets(self.joints.iter().map(|joint| &joint.value), &self.targets, &mut self.servos);
         self.set_motors(world);
         self.set_rolling_resistance(world, materials, landing);
     }
@@ -69,15 +69,14 @@ impl MultibodyRobot {
 
     fn set_motors(&mut self, world: &mut PhysicsWorld) {
         let time_step = world.integration_parameters.dt;
-        for joint in &mut self.joints {
+        for (joint, servo) in self.joints.iter().zip(&mut self.servos) {
+            let Some(motor) = &joint.value.motor else { continue };
             let JointState { position, speed } = joint.state(world);
-            let ServoJoint { handle, axis, value, servo, .. } = joint;
-            let Some(motor) = &value.motor else { continue };
             let Torque { at_rest, gain } = servo.torque(motor, position, speed, time_step);
-            if let Some((multibody, link)) = world.multibody_joints.get_mut(*handle)
+            if let Some((multibody, link)) = world.multibody_joints.get_mut(joint.handle)
                 && let Some(link) = multibody.link_mut(link)
             {
-                link.joint.data.set_motor_velocity(*axis, at_rest / gain, gain);
+                link.joint.data.set_motor_velocity(joint.axis, at_rest / gain, gain);
             }
         }
     }
@@ -102,16 +101,5 @@ impl MultibodyRobot {
             *resistance = hub.resistance(load, velocity, ahead, share, time_step);
             carrier.add_force_at_point(convert::vector(*resistance), centre, true);
         }
-    }
-}
-
-/// Gives the servos that follow the target of another theirs.
-fn follow_targets(joints: &mut [ServoJoint]) {
-    for number in 0..joints.len() {
-        let follower = &joints[number];
-        let Some(Coupling { leader, multiplier, offset, .. }) = follower.value.follows else { continue };
-        let Some(leader) = joints.get(leader) else { continue };
-        let target = follower.value.within_limits(follower.target + multiplier * leader.servo.target() + offset);
-        joints[number].servo.set_target(target);
     }
 }

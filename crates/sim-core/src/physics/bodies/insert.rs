@@ -11,7 +11,7 @@ use super::super::identity::Identity;
 use super::super::motor::Servo;
 use super::compile::{Footing, Tree};
 use super::joint::{Gear, Joint, Role};
-use super::{MultibodyRobot, ServoJoint};
+use super::{MultibodyRobot, ValueJoint};
 use crate::RobotId;
 
 impl MultibodyRobot {
@@ -36,8 +36,7 @@ impl MultibodyRobot {
                 let joint = world.multibody_joints.insert(links[*parent], body, *joint, true);
                 match (role, joint) {
                     (&Role::Value(axis, ref value), Some(handle)) => {
-                        let (value, servo) = (value.clone(), Servo::default());
-                        joints.push(ServoJoint { handle, axis, value, servo, target: 0.0 });
+                        joints.push(ValueJoint { handle, axis, value: value.clone() });
                     }
                     (Role::Roller, handle) => rollers.extend(handle),
                     (Role::Value(..), None) | (Role::Free, _) => {}
@@ -51,7 +50,8 @@ impl MultibodyRobot {
         }
         set_joint_parameters(world, &tree, &links);
         let resistances = vec![Vector3::zeros(); treads.len()];
-        Self { tree, links, joints, rollers, treads, resistances }
+        let (servos, targets) = (vec![Servo::default(); joints.len()], vec![0.0; joints.len()]);
+        Self { tree, links, joints, servos, targets, rollers, treads, resistances }
     }
 }
 
