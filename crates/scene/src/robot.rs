@@ -173,10 +173,14 @@ impl RobotDef {
         self.links.first().map_or(&[], |root| &root.solids)
     }
 
-    /// Damping of its body's velocity and angular velocity, 1/s: that of what its first shape is made of.
+    /// Damping of its body's velocity, N s/m, and angular velocity, N m s/rad: that of its first shape's material.
     pub fn body_damping(&self) -> [f64; 2] {
         let material = self.body_solids().first().map(|solid| &solid.material);
-        material.map_or([0.0; 2], |material| [material.linear_damping, material.angular_damping])
+        let [linear, angular] =
+            material.map_or([0.0; 2], |material| [material.linear_damping, material.angular_damping]);
+        let body = self.body_mass();
+        // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
+        [linear * body.mass, angular * (body.inertia.trace() / 3.0)]
     }
 
     /// Its wheels, casters too, in the order of its links.

@@ -159,11 +159,9 @@ impl Articulated {
         let mass = Mass { mass: mass.mass, centre, inertia: mass.inertia };
         let Some(joint) = &link.joint else {
             let is_free = def.steering != Steering::None;
-            let [linear, angular] = def.body_damping();
+            let [linear_damping, damping] = def.body_damping();
             let root = Link::new(0, if is_free { Joint::Free } else { Joint::Fixed }, Vector3::zeros(), mass);
-            // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
-            let damping = angular * (mass.inertia.trace() / 3.0);
-            links.push(Link { damping, linear_damping: linear * mass.mass, ..root });
+            links.push(Link { damping, linear_damping, ..root });
             return (0, Vector3::zeros());
         };
         let (parent, from) = self.places[joint.parent];

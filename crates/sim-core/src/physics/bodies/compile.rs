@@ -64,9 +64,6 @@ impl Tree {
             joint: None,
             wheel: None,
         };
-        // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
-        let [linear, angular] = def.body_damping();
-        let root_damping = [linear * body.mass, angular * (body.inertia.trace() / 3.0)];
         let footing = match def.steering {
             Steering::Aerial => Footing::Flying,
             Steering::None => Footing::Fixed,
@@ -80,7 +77,7 @@ impl Tree {
             links: vec![root],
             hubs: Vec::new(),
             gears: Vec::new(),
-            root_damping,
+            root_damping: def.body_damping(),
         };
         let mut numbers = vec![0];
         for (number, link) in def.links.iter().enumerate().skip(1) {
