@@ -29,7 +29,7 @@ use super::rolling::Load;
 use crate::RobotId;
 use crate::flight::Flight;
 
-pub(super) use compile::Articulated;
+pub(super) use compile::{Articulated, CompiledObject};
 use compile::{JointValue, Ring};
 use finding::{Found, Key, Placed};
 pub(super) use object::MapObject;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rapier3d::prelude::*;
 use scene::{DriveModel, MapDef, Pose, RobotDef, Shape};
 
-use super::articulated::Articulated;
+use super::articulated::{Articulated, CompiledObject};
 use super::bodies;
 use super::surface::{Materials, Surface};
 use super::{convert, shape};
@@ -16,14 +16,6 @@ pub(crate) struct CompiledMap {
     pub(super) gravity: f64,
     pub(super) solids: Vec<Surface>,
     pub(super) objects: Vec<CompiledObject>,
-}
-
-/// An object that can be pushed.
-pub(super) struct CompiledObject {
-    pub(super) body: RigidBodyBuilder,
-    pub(super) surface: Surface,
-    /// The same near robots in reduced coordinates.
-    pub(super) made_of: Arc<Articulated>,
 }
 
 impl CompiledMap {

@@ -6,7 +6,7 @@ use articulated::{Joint, Link, Mass, Tree};
 use nalgebra::Vector3;
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::parry::bounding_volume::Aabb;
-use rapier3d::prelude::SharedShape;
+use rapier3d::prelude::{RigidBodyBuilder, SharedShape};
 use scene::{Coupling, CouplingKind, DriveModel, JointKind, Material, MountedWheel, RobotDef, Rollers, Steering};
 
 use super::super::motor::Value;
@@ -32,6 +32,14 @@ pub(in super::super) struct Articulated {
     pub(super) rings: Vec<Ring>,
     /// What makes it follow its commands, if it does.
     pub(super) following: Option<Following>,
+}
+
+/// An object of a map that can be pushed.
+pub(in super::super) struct CompiledObject {
+    pub(in super::super) body: RigidBodyBuilder,
+    pub(in super::super) surface: Seen,
+    /// Its tree near robots in reduced coordinates.
+    pub(in super::super) made_of: Arc<Articulated>,
 }
 
 /// The rollers of a wheel.

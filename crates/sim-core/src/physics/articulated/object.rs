@@ -9,13 +9,12 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 use scene::{BodyState, Pose};
 
-use super::super::compile::CompiledObject;
 use super::super::convert;
 use super::super::fault::Fault;
 use super::super::identity::Identity;
 use super::super::surface::Surface as Seen;
 use super::ArticulatedRobot;
-use super::compile::{Articulated, Form, Surface};
+use super::compile::{Articulated, CompiledObject, Form, Surface};
 use crate::RobotId;
 
 /// An object as near as this to a robot, or to another that is, is solved with it, m.
