@@ -142,6 +142,22 @@ mod tests {
     }
 
     #[test]
+    fn a_follower_adds_its_own_target_to_its_leaders_within_its_limits() {
+        let follower = |leader| Value {
+            limits: Some([-1.0, 1.0]),
+            motor: Some(Motor { stiffness: Some(10.0), ..motor(None) }),
+            follows: Some(Coupling { leader, multiplier: -2.0, offset: 0.1, kind: scene::CouplingKind::Target }),
+            is_wheel: false,
+        };
+        let values = [Value { follows: None, ..follower(0) }, follower(0), follower(1)];
+        let mut servos = [Servo::default(); 3];
+        servos[0].set_target(0.3);
+        follow_targets(values.iter(), &[0.3, 0.2, 0.8], &mut servos);
+        assert!((servos[1].target() + 0.3).abs() < 1e-12);
+        assert_eq!(servos[2].target(), 1.0);
+    }
+
+    #[test]
     fn with_integral_action_it_makes_up_for_what_it_lost() {
         let (mut servo, motor) = (Servo::default(), motor(Some(0.1)));
         servo.set_target(2.0);

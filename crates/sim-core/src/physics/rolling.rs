@@ -48,3 +48,27 @@ impl Load {
         if speed > 0.0 { -along * (self.resistance.min(mass * speed) / speed) } else { Vector3::zeros() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Resistance of a hub that carries 10 kg under a load of 1 N s, in steps of 0.01 s.
+    fn resistance(rolls_ahead_only: bool, velocity: [f64; 3]) -> Vector3<f64> {
+        let hub = Hub { carrier: 0, centre: Vector3::zeros(), rolls_ahead_only };
+        let load = Load { normal: -Vector3::z(), resistance: 0.02 };
+        hub.resistance(&load, velocity.into(), Vector3::x(), 10.0, 0.01)
+    }
+
+    #[test]
+    fn it_brakes_by_the_load_and_no_more_than_to_a_stop() {
+        assert!((resistance(false, [3.0, 4.0, 5.0]) - Vector3::new(-1.2, -1.6, 0.0)).norm() < 1e-12);
+        assert!((resistance(false, [0.001, 0.0, 0.0]) - Vector3::new(-1.0, 0.0, 0.0)).norm() < 1e-12);
+        assert_eq!(resistance(false, [0.0, 0.0, 5.0]), Vector3::zeros());
+    }
+
+    #[test]
+    fn a_plain_wheel_is_braked_ahead_alone() {
+        assert!((resistance(true, [3.0, 4.0, 5.0]) - Vector3::new(-2.0, 0.0, 0.0)).norm() < 1e-12);
+    }
+}
