@@ -13,10 +13,16 @@
 //! three steps from there. In steady motion the impulses of the step before are a start from which one step of it is enough. Both have a
 //! bound, so that there is always an answer, and [`Outcome`] says whether it is right.
 
+mod block_lu;
 mod local;
 mod newton;
 mod problem;
 mod solver;
+mod sparse;
+mod sparse_newton;
+mod sparse_solver;
 
 pub use problem::{Constraint, Problem, Residual};
 pub use solver::{Outcome, TOLERANCE, Workspace, solve};
+pub use sparse::SparseProblem;
+pub use sparse_solver::{SparseOutcome, SparseWorkspace, solve_sparse};

@@ -11,8 +11,15 @@ const MAX_STEPS: usize = 80;
 /// of its tangents at which the push aside is just what friction can give. The more compliance, the smaller that push against the
 /// normal impulse, so there is one such value.
 ///
-/// Tangents that the contact does not have respond to their own impulse alone, and miss nothing.
-pub(crate) fn solve(response: &Matrix3<f64>, missing: &Vector3<f64>, friction: f64, tangents: usize) -> Vector3<f64> {
+/// Tangents that the contact does not have respond to their own impulse alone, and miss nothing. A sliding contact's friction is within
+/// `accuracy` times the normal impulse.
+pub(crate) fn solve(
+    response: &Matrix3<f64>,
+    missing: &Vector3<f64>,
+    friction: f64,
+    tangents: usize,
+    accuracy: f64,
+) -> Vector3<f64> {
     if missing.x <= 0.0 {
         return Vector3::zeros();
     }
@@ -54,13 +61,13 @@ pub(crate) fn solve(response: &Matrix3<f64>, missing: &Vector3<f64>, friction: f
         off_most = beyond(&push);
     }
     for _ in 0..MAX_STEPS {
-        if off_most.abs() <= 1e-12 * push.x.abs() || most - least <= 1e-15 * most {
+        if off_most.abs() <= accuracy * push.x.abs() || most - least <= 1e-15 * most {
             break;
         }
         let middle = least + (most - least) * (off_least / (off_least - off_most)).clamp(0.01, 0.99);
         push = at(middle);
         let off = beyond(&push);
-        if off.abs() <= 1e-12 * push.x.abs() {
+        if off.abs() <= accuracy * push.x.abs() {
             break;
         }
         if off > 0.0 {

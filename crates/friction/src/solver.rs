@@ -9,6 +9,8 @@ use crate::{local, newton};
 pub const TOLERANCE: f64 = 1e-6;
 /// Sweeps before the first try of Newton's method; then twice as many before each.
 const SWEEPS: usize = 5;
+/// Accuracy of the friction of a contact in a sweep.
+const ACCURACY: f64 = 1e-12;
 /// Sweeps before what there is is taken.
 const MAX_SWEEPS: usize = 2000;
 
@@ -74,7 +76,7 @@ fn sweep(problem: &Problem, impulses: &mut [f64]) {
                 });
                 let before = Vector3::from_fn(|it, _| if it < count { impulses[row + it] } else { 0.0 });
                 let left = Vector3::from_fn(|it, _| if it < count { left(row + it, impulses) } else { 0.0 });
-                let push = local::solve(&own, &(left + own * before), friction, tangents);
+                let push = local::solve(&own, &(left + own * before), friction, tangents, ACCURACY);
                 impulses[row..row + count].copy_from_slice(&push.as_slice()[..count]);
             }
         }
