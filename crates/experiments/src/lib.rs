@@ -10,6 +10,7 @@
 pub mod batch;
 pub mod claim;
 mod course;
+mod crowd;
 pub mod fit;
 pub mod plan;
 pub mod plot;
@@ -21,3 +22,4 @@ pub mod thesis;
 pub mod validation;
 
 pub use course::{Course, Moment, Motion, MotionError, Travel};
+pub use crowd::Crowd;

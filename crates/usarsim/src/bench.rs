@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use experiments::{Course, Moment, Motion};
-use scene::{DriveModel, WorldDef};
+use experiments::{Course, Crowd, Moment, Motion};
+use scene::{DriveModel, MapDef, RobotDef, WorldDef};
 use scene_loader::Override;
 use serde_json::json;
 use sim_core::{Options, World};
@@ -18,19 +18,23 @@ use crate::{Failure, exit, print, within};
 /// Options of `bench`.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim bench\n  usarsim bench --drive-model analytic --json\n  \
-    usarsim bench --robots 50 --drive-model analytic --threads 2\n  usarsim bench --robot P3AT\n\nA Mecanum robot drives forward, to the right and on the spot at 1 rad/s, and is \
+    usarsim bench --robots 50 --drive-model analytic --threads 2\n  usarsim bench --robot P3AT\n  \
+    usarsim bench --crowd --robot P3AT,YouBot --robots 40\n\nA Mecanum robot drives forward, to the right and on the spot at 1 rad/s, and is \
     compared with the exact kinematics of wheels with finite rollers for the angle that the wheels turned; any other forward, on the \
-    spot and on a curve, and is compared with the twist at which the friction of its wheels balances.")]
+    spot and on a curve, and is compared with the twist at which the friction of its wheels balances.\n\nWith --crowd robots stand on a grid of 0.75 m and drive to its middle at 5 rad/s, where they push, climb and heap up.")]
 pub(crate) struct Arguments {
-    /// A robot class with wheels, or the path of its robot.toml.
-    #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
-    robot: String,
+    /// A robot class with wheels, or the path of its robot.toml. A crowd takes several, which take turns.
+    #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE", value_delimiter = ',')]
+    robot: Vec<String>,
     /// Drive model: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the one in its robot.toml.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
     /// Number of robots that drive side by side.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     robots: u32,
+    /// Drive all robots to one place.
+    #[arg(long, conflicts_with = "trace")]
+    crowd: bool,
     /// Simulated seconds of each motion.
     #[arg(long, default_value_t = 10.0, value_parser = seconds)]
     seconds: f64,
@@ -63,17 +67,28 @@ pub(crate) fn time_step(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { robot, robots, seconds, map, set, .. } = arguments;
+    let Arguments { robots, seconds, map, set, .. } = arguments;
     if let Some(trace) = &arguments.trace {
-        keep_inputs(trace, &[definition_files(robot), definition_files(map)].concat())?;
+        let robots = arguments.robot.iter().map(|robot| definition_files(robot));
+        keep_inputs(trace, &robots.chain([definition_files(map)]).collect::<Vec<_>>().concat())?;
     }
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
-    let mut robot = scene_loader::robot(robot, set).map_err(broken)?;
-    robot.set_drive_model(arguments.drive_model);
-    let (class, model) = (robot.class.clone(), robot.drive_model);
-    let dt = arguments.dt.unwrap_or(if model == DriveModel::Bodies { 0.004 } else { 0.016 });
+    let mut definitions = Vec::new();
+    for robot in &arguments.robot {
+        let mut robot = scene_loader::robot(robot, set).map_err(broken)?;
+        robot.set_drive_model(arguments.drive_model);
+        definitions.push(robot);
+    }
     let map = scene_loader::map(map, set).map_err(broken)?;
     scene_loader::check_used(set).map_err(broken)?;
+    if arguments.crowd {
+        return run_crowd(arguments, definitions, map);
+    }
+    let Ok([robot]) = <[RobotDef; 1]>::try_from(definitions) else {
+        return Err(Failure::new(exit::USAGE, "several robots: expected --crowd, or one class"));
+    };
+    let (class, model) = (robot.class.clone(), robot.drive_model);
+    let dt = arguments.dt.unwrap_or_else(|| default_step(&robot));
     let map_name = map.name.clone();
     let motions_of_robot = Motion::of_robot(&robot);
     let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
@@ -132,6 +147,61 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             model.name(),
             1e3 * dt,
             100.0 * worst
+        ));
+    }
+    Ok(())
+}
+
+/// The step that is exact enough for a robot, s.
+fn default_step(robot: &RobotDef) -> f64 {
+    if robot.drive_model == DriveModel::Bodies { 0.004 } else { 0.016 }
+}
+
+/// Measures a crowd that drives to one place.
+fn run_crowd(arguments: &Arguments, definitions: Vec<RobotDef>, map: MapDef) -> Result<(), Failure> {
+    let &Arguments { robots, seconds, dt, json, .. } = arguments;
+    let dt = dt.unwrap_or_else(|| definitions.iter().map(default_step).fold(f64::INFINITY, f64::min));
+    let classes: Vec<String> = definitions.iter().map(|robot| robot.class.clone()).collect();
+    let map_name = map.name.clone();
+    let def = WorldDef { map, robots: definitions.into_iter().map(|robot| (robot.class.clone(), robot)).collect() };
+    let threads = ThreadPool::new(arguments.threads as usize).map_err(|error| Failure::new(exit::FAILURE, error))?;
+    let options = Options { time_step: dt, ..Options::default() };
+    let world = World::new(def, options).on_threads(Arc::new(threads.clone()));
+    let crowd = Crowd::start(world, &classes, robots);
+    let mut crowd = crowd.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
+    let steps = (seconds / dt).round().max(1.0) as u64;
+    let (mut wall, mut worst) = (0.0, 0.0_f64);
+    threads.run_in_a_hurry(|| {
+        for _ in 0..steps {
+            let start = Instant::now();
+            crowd.step();
+            let step = start.elapsed().as_secs_f64();
+            (wall, worst) = (wall + step, worst.max(step));
+        }
+    });
+    let (factor, each) = (seconds / wall, 1e6 * wall / (steps as f64 * f64::from(robots)));
+    let (unsettled, names) = (crowd.world().unsettled_steps(), classes.join(","));
+    if json {
+        print(json!({
+            "real_time_factor": factor,
+            "microseconds_per_robot_and_step": each,
+            "worst_step_milliseconds": 1e3 * worst,
+            "dt": dt,
+            "robots": robots,
+            "robots_left": crowd.world().robots().count(),
+            "threads": threads.threads(),
+            "steps": steps,
+            "unsettled_steps": unsettled,
+            "digest": format!("{:016x}", crowd.world().digest()),
+            "map": map_name,
+            "robot": names,
+        }));
+    } else {
+        print(format_args!(
+            "{robots} {names} drive to one place, steps of {} ms: {factor:.2} times real time, {each:.1} us a robot and step, \
+             the longest step {:.1} ms, {unsettled} of {steps} systems not settled",
+            1e3 * dt,
+            1e3 * worst
         ));
     }
     Ok(())
