@@ -1,12 +1,19 @@
 //! Bodies with everything that holds them in one step, solved as one system.
 
-use friction::{Constraint, Problem};
+use friction::{Constraint, Problem, SparseProblem};
 use nalgebra::Vector3;
 
 use crate::{Body, Drive, factor};
 
 /// Part of a tangent's own response that is added to it: contacts of one body that say the same need it to have one answer.
 const SOFTNESS: f64 = 1e-6;
+/// The same part between two bodies. It makes Newton's method settle in heaps, where many contacts hold each other up; a contact that
+/// holds creeps by a thousandth of the velocity that its friction stops in a step.
+const SOFTNESS_BETWEEN: f64 = 1e-3;
+
+/// Multiplications that a step of several bodies may take: so many, and so many for each body. A millisecond has about a million. Most
+/// steps of a heap take a third of it.
+const WORK: [u64; 2] = [200_000, 40_000];
 
 /// Where a contact acts: a link of a body, by their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,10 +100,16 @@ pub struct Workspace {
     entries: Vec<[f64; 3]>,
     compliance: Vec<f64>,
     problem: Problem,
+    sparse: SparseProblem,
     impulses: Vec<f64>,
-    /// What the impulses give to one body, multiplied likewise.
+    /// Change of every body's velocity by the impulses, multiplied likewise.
     change: Vec<f64>,
+    /// Where each body's part of it begins.
+    places: Vec<usize>,
     friction: friction::Workspace,
+    sparse_friction: friction::SparseWorkspace,
+    /// Multiplications that are left for the step of several bodies.
+    budget: u64,
     /// Servos that would pass their limits, as rows that do not.
     limited: Vec<JointRow>,
 }
@@ -109,8 +122,15 @@ pub fn step(
     time_step: f64,
     workspace: &mut Workspace,
 ) -> Outcome {
-    bodies.iter_mut().for_each(|body| body.prepare(time_step));
     workspace.limited.clear();
+    workspace.budget = WORK[0] + WORK[1] * bodies.len() as u64;
+    if bodies.len() > 1 {
+        // Each that turns out to be limited only later takes another solution of the whole system.
+        for (number, body) in bodies.iter_mut().enumerate() {
+            body.limit_servos(number, time_step, Speeds::Present, &mut workspace.limited);
+        }
+    }
+    bodies.iter_mut().for_each(|body| body.prepare(time_step));
     loop {
         let outcome = workspace.solve(bodies, contacts, joints);
         let rows = workspace.impulses.as_slice();
@@ -128,7 +148,7 @@ pub fn step(
         joints.iter_mut().for_each(|joint| joint.impulse = take());
         let before = workspace.limited.len();
         for (number, body) in bodies.iter_mut().enumerate() {
-            body.limit_servos(number, time_step, &mut workspace.limited);
+            body.limit_servos(number, time_step, Speeds::Next, &mut workspace.limited);
         }
         if workspace.limited.len() == before {
             bodies.iter_mut().for_each(|body| std::mem::swap(&mut body.velocity, &mut body.free));
@@ -138,11 +158,21 @@ pub fn step(
     }
 }
 
+/// Speeds by which servos are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Speeds {
+    /// Those before the step.
+    Present,
+    /// Those after it, as far as they are known.
+    Next,
+}
+
 impl Body {
-    /// Makes rows of the servos that would pass their limits: a row gives way as its servo does, and gives no more than it can. The body
-    /// has a number among all.
-    fn limit_servos(&mut self, number: usize, time_step: f64, limited: &mut Vec<JointRow>) {
-        for (dof, (drive, speed)) in self.drives.iter_mut().zip(&self.free).enumerate() {
+    /// Makes rows of the servos that would pass their limits at some speeds: a row gives way as its servo does, and gives no more than it
+    /// can. The body has a number among all.
+    fn limit_servos(&mut self, number: usize, time_step: f64, speeds: Speeds, limited: &mut Vec<JointRow>) {
+        let speeds = if speeds == Speeds::Present { &self.velocity } else { &self.free };
+        for (dof, (drive, speed)) in self.drives.iter_mut().zip(speeds).enumerate() {
             let Drive { at_rest, gain, most } = *drive;
             let wanted = at_rest - gain * speed;
             if gain > 0.0 && wanted.abs() > most {
@@ -196,11 +226,19 @@ impl Workspace {
         let limited = std::mem::take(&mut self.limited);
         limited.iter().for_each(|servo| self.add_joint(bodies, servo));
         self.limited = limited;
-        let Self { blocks, entries, compliance, problem, impulses, change, friction, .. } = self;
-        let count = impulses.len();
+        let count = self.impulses.len();
         if count == 0 {
             return Outcome { is_settled: true, ..Outcome::default() };
         }
+        let outcome = if bodies.len() == 1 { self.solve_dense(bodies) } else { self.solve_sparse(bodies) };
+        self.apply(bodies);
+        outcome
+    }
+
+    /// Finds the impulses of one body, whose rows nearly all share its root, by its Delassus matrix.
+    fn solve_dense(&mut self, bodies: &[&mut Body]) -> Outcome {
+        let Self { blocks, entries, compliance, problem, impulses, friction, .. } = self;
+        let count = impulses.len();
         let response = &mut problem.response;
         response.clear();
         response.resize(count * count, 0.0);
@@ -220,22 +258,77 @@ impl Workspace {
             *own += if compliance > 0.0 { compliance } else { *own * SOFTNESS };
         }
         let friction::Outcome { sweeps, newton_steps, is_settled } = friction::solve(problem, impulses, friction);
-        for (number, body) in bodies.iter_mut().enumerate() {
-            change.clear();
-            change.resize(body.free.len(), 0.0);
-            for block in blocks.iter() {
-                let own = &impulses[block.row..][..block.rows];
-                for part in block.parts.iter().flatten().filter(|part| part.body == number) {
-                    let chain = body.tree.chain(part.tip);
-                    for (&dof, entries) in chain.iter().zip(&entries[part.entries.clone()]) {
-                        change[dof] += entries.iter().zip(own).map(|(entry, impulse)| entry * impulse).sum::<f64>();
+        Outcome { is_settled, sweeps, newton_steps }
+    }
+
+    /// Finds the impulses of several bodies, each of which touches a few others.
+    fn solve_sparse(&mut self, bodies: &[&mut Body]) -> Outcome {
+        let Self { blocks, entries, compliance, problem, sparse, impulses, sparse_friction, budget, .. } = self;
+        sparse.clear();
+        let mut next = 0;
+        sparse.bodies.extend(bodies.iter().map(|body| {
+            next += body.free.len();
+            next - body.free.len()
+        }));
+        sparse.bodies.push(next);
+        sparse.constraints.append(&mut problem.constraints);
+        sparse.missing.append(&mut problem.missing);
+        for block in blocks {
+            let start = sparse.entries.len();
+            for part in block.parts.iter().flatten() {
+                let first = sparse.bodies[part.body];
+                let chain = bodies[part.body].tree.chain(part.tip);
+                for (&dof, &entry) in chain.iter().zip(&entries[part.entries.clone()]) {
+                    let known = sparse.entries[start..].iter_mut().find(|(coordinate, _)| *coordinate == first + dof);
+                    match known {
+                        Some((_, sum)) => sum.iter_mut().zip(entry).for_each(|(sum, entry)| *sum += entry),
+                        None => sparse.entries.push((first + dof, entry)),
                     }
                 }
             }
+            let own = &mut sparse.entries[start..];
+            own.sort_unstable_by_key(|(coordinate, _)| *coordinate);
+            let [first, second] = block.parts.each_ref().map(|part| part.as_ref().map(|part| part.body));
+            let softness = if second.is_some() && first != second { SOFTNESS_BETWEEN } else { SOFTNESS };
+            for row in 0..block.rows {
+                let given = compliance[block.row + row];
+                let response: f64 = own.iter().map(|(_, entry)| entry[row] * entry[row]).sum();
+                sparse.compliance.push(if given > 0.0 { given } else { response * softness });
+            }
+            sparse.ranges.push(start..sparse.entries.len());
+        }
+        let found = friction::solve_sparse(sparse, impulses, *budget, sparse_friction);
+        let friction::SparseOutcome { sweeps, newton_steps, work, is_settled, .. } = found;
+        *budget = budget.saturating_sub(work);
+        Outcome { is_settled, sweeps, newton_steps }
+    }
+
+    /// Adds what the impulses give to the bodies' free velocities.
+    fn apply(&mut self, bodies: &mut [&mut Body]) {
+        let Self { blocks, entries, impulses, change, places, .. } = self;
+        places.clear();
+        let mut next = 0;
+        for body in bodies.iter() {
+            places.push(next);
+            next += body.free.len();
+        }
+        change.clear();
+        change.resize(next, 0.0);
+        for block in blocks.iter() {
+            let own = &impulses[block.row..][..block.rows];
+            for part in block.parts.iter().flatten() {
+                let change = &mut change[places[part.body]..];
+                let chain = bodies[part.body].tree.chain(part.tip);
+                for (&dof, entries) in chain.iter().zip(&entries[part.entries.clone()]) {
+                    change[dof] += entries.iter().zip(own).map(|(entry, impulse)| entry * impulse).sum::<f64>();
+                }
+            }
+        }
+        for (body, &place) in bodies.iter_mut().zip(&*places) {
+            let change = &mut change[place..][..body.free.len()];
             factor::solve_lower(&body.tree, &body.factors, change);
             body.free.iter_mut().zip(change.iter()).for_each(|(free, change)| *free += *change);
         }
-        Outcome { is_settled, sweeps, newton_steps }
     }
 
     fn add_contact(&mut self, bodies: &[&mut Body], contact: &Contact) {

@@ -85,7 +85,7 @@ impl Physics {
 
     /// Whether the engine has anything to move, or to notice.
     pub(crate) fn is_engine_needed(&self) -> bool {
-        self.robots_of_engine > 0 || self.is_changed || self.objects.iter().any(MapObject::is_moved_by_engine)
+        self.robots_of_engine > 0 || self.is_changed
     }
 
     /// Advances by one time step what the engine moves.
@@ -97,7 +97,6 @@ impl Physics {
             self.world.remove_collider(placeholder);
         }
         self.world.step();
-        self.objects.iter_mut().for_each(|object| object.note_rest(&self.world));
     }
 
     /// How many systems of robots were solved in which not every contact came to do what it should.
@@ -107,14 +106,13 @@ impl Physics {
 
     /// Where the map's objects are, in its order.
     pub(crate) fn objects(&self) -> impl Iterator<Item = Pose> {
-        self.objects.iter().map(|object| object.pose(&self.world))
+        self.objects.iter().map(MapObject::pose)
     }
 
     /// Puts every object whose state is a fault back where the map has it, at rest. Returns their numbers with the faults.
     pub(crate) fn restore_objects(&mut self) -> Vec<(usize, Fault)> {
-        let Self { objects, world, .. } = self;
-        let faulty = objects.iter_mut().enumerate();
-        faulty.filter_map(|(number, object)| Some((number, object.restore(world)?))).collect()
+        let faulty = self.objects.iter_mut().enumerate();
+        faulty.filter_map(|(number, object)| Some((number, object.restore()?))).collect()
     }
 
     /// Mixes the state of every body into a digest, in the order that they were made.

@@ -141,6 +141,12 @@ impl ArticulatedRobot {
         }
     }
 
+    /// Puts it at a pose of its frame, at rest, as if it had just been spawned.
+    fn return_to(&mut self, pose: &Pose) {
+        let in_engine = std::mem::take(&mut self.in_engine);
+        *self = Self::at_rest(self.made_of.clone(), self.id, pose, in_engine);
+    }
+
     /// The engine's bodies.
     pub(super) fn bodies(&self) -> impl Iterator<Item = RigidBodyHandle> {
         self.in_engine.iter().map(|(body, _)| *body)

@@ -7,8 +7,8 @@ use scene::{DriveModel, MapDef, Pose, RobotDef, Shape};
 
 use super::articulated::{Articulated, CompiledObject};
 use super::bodies;
+use super::shape;
 use super::surface::{Materials, Surface};
-use super::{convert, shape};
 
 /// The solids and objects of a map.
 pub(crate) struct CompiledMap {
@@ -25,11 +25,9 @@ impl CompiledMap {
         let solids = map.solids.iter().map(|solid| surface(&solid.shape, &solid.pose(), &solid.material)).collect();
         let objects = map.objects.iter().map(|object| {
             let (solid, material) = (&object.solid, &object.solid.material);
-            let body = RigidBodyBuilder::dynamic().pose(convert::pose(&solid.pose())).can_sleep(false);
-            let body = body.linear_damping(material.linear_damping).angular_damping(material.angular_damping);
-            let surface = surface(&solid.shape, &Pose::identity(), material).with_mass(object.mass);
+            let surface = surface(&solid.shape, &Pose::identity(), material);
             let made_of = Arc::new(Articulated::of_object(surface.clone(), object.mass, material));
-            CompiledObject { body, surface, made_of }
+            CompiledObject { pose: solid.pose(), surface, made_of }
         });
         Self { gravity: map.gravity, objects: objects.collect(), solids }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rapier3d::prelude::*;
 use scene::{BodyState, JointState, Pose, Steering, WheelState};
 
-use super::articulated::{self, MapObject, Surroundings};
+use super::articulated::{self, Surroundings};
 use super::compile::CompiledRobot;
 use super::mechanism::Mechanism;
 use super::{Fault, Physics};
@@ -120,16 +120,14 @@ impl Physics {
 
     /// Tells the engine the poses of the robots in reduced coordinates at the end of its coming step.
     pub(crate) fn lead_engine<'a>(&mut self, robots: impl Iterator<Item = &'a RobotBodies>) {
-        let taken = self.objects.iter().filter_map(MapObject::taken);
-        taken.for_each(|taken| taken.lead_engine(&mut self.world));
+        self.objects.iter().for_each(|object| object.lead_engine(&mut self.world));
         let robots = robots.filter_map(|robot| robot.mechanism.articulated());
         robots.for_each(|robot| robot.lead_engine(&mut self.world));
     }
 
     /// Moves the engine's shapes of the robots in reduced coordinates to where they are, for rays and for the search for room.
     pub(crate) fn enter_shapes<'a>(&mut self, robots: impl Iterator<Item = &'a RobotBodies>) {
-        let taken = self.objects.iter().filter_map(MapObject::taken);
-        taken.for_each(|taken| taken.enter_queries(&mut self.world));
+        self.objects.iter_mut().for_each(|object| object.enter_queries(&mut self.world));
         let robots = robots.filter_map(|robot| robot.mechanism.articulated());
         robots.for_each(|robot| robot.enter_queries(&mut self.world));
     }

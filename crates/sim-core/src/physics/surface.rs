@@ -48,11 +48,6 @@ impl Surface {
         Self { builder, material: materials.number(material) }
     }
 
-    /// Gives the surface a mass of its own, kg.
-    pub(super) fn with_mass(self, mass: f64) -> Self {
-        Self { builder: self.builder.mass(mass), ..self }
-    }
-
     /// Its shape, and the pose of that on what carries it.
     pub(super) fn placed(&self) -> (SharedShape, EnginePose) {
         (self.builder.shape.clone(), self.builder.position)

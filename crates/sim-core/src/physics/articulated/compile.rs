@@ -6,7 +6,7 @@ use articulated::{Joint, Link, Mass, Tree};
 use nalgebra::Vector3;
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::parry::bounding_volume::Aabb;
-use rapier3d::prelude::{RigidBodyBuilder, SharedShape};
+use rapier3d::prelude::SharedShape;
 use scene::{Coupling, CouplingKind, DriveModel, JointKind, Material, MountedWheel, RobotDef, Rollers, Steering};
 
 use super::super::motor::Value;
@@ -36,9 +36,9 @@ pub(in super::super) struct Articulated {
 
 /// An object of a map that can be pushed.
 pub(in super::super) struct CompiledObject {
-    pub(in super::super) body: RigidBodyBuilder,
+    /// Pose in the map.
+    pub(in super::super) pose: scene::Pose,
     pub(in super::super) surface: Seen,
-    /// Its tree near robots in reduced coordinates.
     pub(in super::super) made_of: Arc<Articulated>,
 }
 

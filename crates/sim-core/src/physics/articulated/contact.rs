@@ -6,11 +6,15 @@ use nalgebra::Vector3;
 use super::super::rolling::Load;
 use super::ArticulatedRobot;
 use super::compile::Form;
-use super::finding::{Found, MARGIN};
+use super::finding::{Found, MARGIN, Second};
+use super::object::MapObject;
 use super::wheel::{RollerTouch, SIDE, Touch};
 
 /// Stiffness of what touches, N/m. It shares the load between contacts.
 const STIFFNESS: f64 = 1e8;
+/// Stiffness of a contact with the ground of an object, or of a robot that touches something else that moves, and of a contact between
+/// two of these, N/m: 30 kg sink in by 0.1 mm, or 1 mm. In heaps stiffer contacts take Newton's method several times as many steps.
+const STIFFNESS_TOGETHER: [f64; 2] = [1e6, 1e5];
 /// Time in which an overlap is pushed out, s.
 const RECOVERY_TIME: f64 = 0.02;
 /// Fastest that it is, m/s.
@@ -29,8 +33,16 @@ impl ArticulatedRobot {
         body: usize,
         second: Option<Side>,
         moves: Vector3<f64>,
+        is_alone: bool,
         time_step: f64,
     ) -> Contact {
+        let [of_ground, between] = STIFFNESS_TOGETHER;
+        let is_object = MapObject::number_of(self.id).is_some();
+        let stiffness = match found.second {
+            Second::Fixed if is_alone && !is_object => STIFFNESS,
+            Second::Fixed => of_ground,
+            Second::Robot(..) | Second::OfEngine(..) => between,
+        };
         let first = Side { body, link: self.link_of(found) };
         let Touch { point, normal, gap, .. } = found.touch;
         let velocity = self.body.velocity_at(first.link, point) - moves;
@@ -44,7 +56,7 @@ impl ArticulatedRobot {
             tangents: self.tangents(found),
             friction: found.friction,
             target: if bounces { push.max(-speed * found.restitution) } else { push },
-            compliance: [1.0 / (time_step * STIFFNESS * (time_step + RECOVERY_TIME)), 0.0, 0.0],
+            compliance: [1.0 / (time_step * stiffness * (time_step + RECOVERY_TIME)), 0.0, 0.0],
             first,
             second,
             impulse: guess.map_or_else(Vector3::zeros, |(_, impulse)| *impulse),

@@ -17,6 +17,7 @@ use super::link_pose;
 use super::ring::WheelContact;
 use super::shape_contact::touches;
 use super::wheel::{RollerTouch, Touch};
+use crate::RobotId;
 
 /// Contacts are looked for over this distance and what a surface does in a step, m.
 const PREDICTION: f64 = 0.001;
@@ -24,6 +25,10 @@ const PREDICTION: f64 = 0.001;
 const NEAR: f64 = 0.1;
 /// A roller that stays farther away than this in a step, as it moves now, leaves its surface to a nearer one, m.
 pub(super) const MARGIN: f64 = 1e-6;
+/// Most contacts of two bodies; the deepest are kept.
+const MAX_CONTACTS: usize = 32;
+/// In place of the number of a robot that the engine moves: neither a robot's nor an object's.
+const OF_ENGINE: u64 = u64::MAX / 2;
 /// Cosine above which two normals are of one surface.
 const SAME_SURFACE: f64 = 0.99;
 
@@ -71,6 +76,13 @@ pub(super) struct Placed {
     pub(super) around: Aabb,
     /// How far it looks for contacts, m.
     prediction: f64,
+}
+
+impl Key {
+    /// The robot or object that is touched, if it is one in reduced coordinates.
+    pub(super) fn body(&self) -> Option<RobotId> {
+        self.other.0.map(RobotId).filter(|id| id.0 != OF_ENGINE)
+    }
 }
 
 impl ArticulatedRobot {
@@ -236,7 +248,7 @@ pub(super) fn touch_engine(
         }
         let Some((index, link)) = known(bodies) else { continue };
         let second = Second::OfEngine(index, link);
-        let other = Other { collider, material: materials.of(collider), id: Some(u64::MAX), handle, second };
+        let other = Other { collider, material: materials.of(collider), id: Some(OF_ENGINE), handle, second };
         let before = found.len();
         robot.touch_collider(&other, &mut found);
         if found.len() > before && !touched.contains(&index) {
@@ -256,18 +268,22 @@ struct Other<'a> {
     second: Second,
 }
 
-/// Adds where two robots, by their numbers, touch each other; says whether they do.
-pub(super) fn touch_each_other(robots: &mut [&mut ArticulatedRobot], one: usize, other: usize) -> bool {
-    let (mut met, mut touch) = (Vec::new(), false);
-    for own_index in 0..robots[one].placed.len() {
-        for its_index in 0..robots[other].placed.len() {
-            let (own_at, its_at) = (&robots[one].placed[own_index], &robots[other].placed[its_index]);
+/// Adds the contacts of two bodies, by their numbers, each with the body whose surface it is. A sleeping body has none.
+pub(super) fn touch_each_other(
+    robots: &[&mut ArticulatedRobot],
+    (one, other): (usize, usize),
+    is_asleep: &[bool],
+    found: &mut Vec<(usize, Found)>,
+) {
+    let (mut met, mut added) = (Vec::new(), Vec::new());
+    for (own_index, own_at) in robots[one].placed.iter().enumerate() {
+        for (its_index, its_at) in robots[other].placed.iter().enumerate() {
             if !own_at.around.intersects(&its_at.around) {
                 continue;
             }
-            // Wheels and balls have a geometry of their own, so they are the ones that touch.
+            // Wheels and balls have a geometry of their own, so they are the ones that touch. Objects, which may sleep, have none.
             let rank = |robot: usize, index: usize| robots[robot].made_of.surfaces[index].form.rank();
-            let is_first = rank(one, own_index) >= rank(other, its_index);
+            let is_first = rank(one, own_index) >= rank(other, its_index) && !is_asleep[one];
             let ((first, index, at), (second, its_index, its_at)) = if is_first {
                 ((one, own_index, own_at), (other, its_index, its_at))
             } else {
@@ -277,13 +293,16 @@ pub(super) fn touch_each_other(robots: &mut [&mut ArticulatedRobot], one: usize,
             let its = &robots[second].made_of.surfaces[its_index];
             let prediction = at.prediction + its_at.prediction;
             robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, &mut met);
-            touch |= !met.is_empty();
             let key = Key { surface: index, other: (Some(robots[second].id.0), its_index), number: 0 };
             let pair = Pair::of(&surface.material, &its.material);
-            add(&mut met, key, Second::Robot(second, its_index), &pair, &mut robots[first].found);
+            add(&mut met, key, Second::Robot(second, its_index), &pair, &mut added);
+            found.extend(added.drain(..).map(|it| (first, it)));
         }
     }
-    touch
+    if found.len() > MAX_CONTACTS {
+        found.sort_by(|(_, one), (_, other)| one.touch.gap.total_cmp(&other.touch.gap));
+        found.truncate(MAX_CONTACTS);
+    }
 }
 
 impl Form {

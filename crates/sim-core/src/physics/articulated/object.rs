@@ -1,11 +1,12 @@
-//! Objects of the map: the engine's as long as no robot in reduced coordinates is near, and otherwise solved with the robots.
+//! The map's objects: free bodies, solved with the robots that touch them. One at rest sleeps.
+//!
+//! A sleeping object stays where it is, and for what touches it, it does not move. It wakes when the impulses on it are others than those
+//! that it fell asleep with.
 
 use std::sync::Arc;
 
 use articulated::{Joint, Link, Mass, Tree};
 use nalgebra::Vector3;
-use rapier3d::math::Pose as EnginePose;
-use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 use scene::{BodyState, Pose};
 
@@ -17,28 +18,37 @@ use super::ArticulatedRobot;
 use super::compile::{Articulated, CompiledObject, Form, Surface};
 use crate::RobotId;
 
-/// An object as near as this to a robot, or to another that is, is solved with it, m.
-const NEAR: f64 = 0.05;
-/// One that is, until it is farther away than this, m.
-const FAR: f64 = 0.1;
-/// One of the engine's that moves slower than this, m/s and rad/s, for so many steps rests.
-const RESTING: (f64, u32) = (1e-4, 200);
+/// Speed of the fastest point below which an object is at rest, m/s.
+const REST_SPEED: f64 = 1e-3;
+/// Time at rest after which it sleeps, s.
+const REST_TIME: f64 = 0.1;
+/// Change of the impulse on a sleeping object that wakes it, as part of its weight.
+const WAKING_SHARE: f64 = 0.05;
+/// More than a map can have: identities behind are robots'.
+const MAX_OBJECTS: usize = 1 << 32;
+/// Least impulse that wakes it without gravity, as a velocity, m/s.
+const WAKING_SPEED: f64 = 1e-5;
 
 /// An object of the map in a world.
 pub(in super::super) struct MapObject {
-    in_engine: RigidBodyHandle,
     /// Pose in the map.
-    start: EnginePose,
-    collider: ColliderHandle,
-    made_of: Arc<Articulated>,
-    /// Where robots are near.
-    pub(super) taken: Option<Box<ArticulatedRobot>>,
-    /// Steps that it has hardly moved in.
-    still: u32,
+    start: Pose,
+    pub(super) body: Box<ArticulatedRobot>,
+    /// Time that it has been at rest, s.
+    still: f64,
+    /// Its sleep, if it sleeps.
+    sleep: Option<Sleep>,
+    /// True if the engine has its shape where it is.
+    is_entered: bool,
+}
+
+/// Neighbours of a sleeping object, with the impulses that they gave it in the last step before, N s.
+struct Sleep {
+    neighbours: Vec<(RobotId, Vector3<f64>)>,
 }
 
 impl Articulated {
-    /// Something rigid that is free.
+    /// Compiles something rigid that is free.
     pub(in super::super) fn of_object(seen: Seen, mass: f64, material: &scene::Material) -> Self {
         let (shape, _) = seen.placed();
         let mut properties = shape.mass_properties(1.0);
@@ -66,130 +76,98 @@ impl Articulated {
 impl MapObject {
     /// Puts an object of a number where the map has it.
     pub(in super::super) fn spawn(world: &mut PhysicsWorld, object: &CompiledObject, number: u32) -> Self {
-        let in_engine = world.insert_body(object.body.clone());
-        let collider = world.insert_collider(object.surface.collider(Identity::Object(number)), Some(in_engine));
-        let start = *world.bodies[in_engine].position();
-        Self { in_engine, start, collider, made_of: object.made_of.clone(), taken: None, still: 0 }
+        let body = RigidBodyBuilder::kinematic_position_based().pose(convert::pose(&object.pose));
+        let in_engine = world.insert_body(body);
+        let surface = object.surface.collider(Identity::Object(number)).solver_groups(InteractionGroups::none());
+        let collider = world.insert_collider(surface, Some(in_engine));
+        // Robots count up from 0.
+        let id = RobotId(u64::MAX - u64::from(number));
+        let in_engine = vec![(in_engine, vec![(collider, 0)])];
+        let body = ArticulatedRobot::at_rest(object.made_of.clone(), id, &object.pose, in_engine);
+        Self { start: object.pose, body: Box::new(body), still: 0.0, sleep: None, is_entered: false }
     }
 
-    /// Where it is.
-    pub(in super::super) fn pose(&self, world: &PhysicsWorld) -> Pose {
-        let taken = self.taken.as_ref().map(|taken| *taken.body.pose());
-        taken.unwrap_or_else(|| convert::from_pose(world.bodies[self.in_engine].position()))
+    /// Pose of its frame.
+    pub(in super::super) fn pose(&self) -> Pose {
+        *self.body.body.pose()
     }
 
-    /// It as the robots near it see it.
-    pub(in super::super) fn taken(&self) -> Option<&ArticulatedRobot> {
-        self.taken.as_deref()
-    }
-
-    /// Its state, where robots are near.
+    /// Pose and velocity as numbers.
     pub(in super::super) fn numbers(&self) -> Vec<f64> {
-        self.taken.as_ref().map_or_else(Vec::new, |taken| taken.numbers())
+        self.body.numbers()
     }
 
-    /// Whether the engine has to move it.
-    pub(in super::super) fn is_moved_by_engine(&self) -> bool {
-        self.taken.is_none() && self.still < RESTING.1
+    /// Tells the engine its pose at the end of the engine's coming step.
+    pub(in super::super) fn lead_engine(&self, world: &mut PhysicsWorld) {
+        if self.sleep.is_none() {
+            self.body.lead_engine(world);
+        }
     }
 
-    /// Looks whether it rests; after a step of the engine.
-    pub(in super::super) fn note_rest(&mut self, world: &PhysicsWorld) {
-        let body = &world.bodies[self.in_engine];
-        let moves = body.linvel().length().max(body.angvel().length()) > RESTING.0;
-        self.still = if moves || self.taken.is_some() { 0 } else { self.still.saturating_add(1) };
+    /// Moves the engine's shape to where it is.
+    pub(in super::super) fn enter_queries(&mut self, world: &mut PhysicsWorld) {
+        if !self.is_entered {
+            self.body.enter_queries(world);
+            self.is_entered = self.sleep.is_some();
+        }
     }
 
     /// Puts an object whose state is a fault back where the map has it, at rest. Returns the fault.
-    pub(in super::super) fn restore(&mut self, world: &mut PhysicsWorld) -> Option<Fault> {
-        let fault = match &self.taken {
-            Some(taken) => taken.fault(),
-            None => self.fault_in_engine(world),
-        }?;
-        self.give_back(world);
-        let (body, collider) = (world.bodies.get_mut(self.in_engine)?, world.colliders.get_mut(self.collider)?);
-        body.set_enabled(true);
-        collider.set_enabled(true);
-        body.set_position(self.start, true);
-        body.set_linvel(Vector::ZERO, true);
-        body.set_angvel(Vector::ZERO, true);
+    pub(in super::super) fn restore(&mut self) -> Option<Fault> {
+        if self.sleep.is_some() {
+            return None;
+        }
+        let fault = self.body.fault()?;
+        self.body.return_to(&self.start);
+        self.wake();
         Some(fault)
     }
 
-    fn fault_in_engine(&self, world: &PhysicsWorld) -> Option<Fault> {
-        let (body, collider) = (world.bodies.get(self.in_engine)?, world.colliders.get(self.collider)?);
-        // The engine disables what is not finite.
-        if !body.is_enabled() || !collider.is_enabled() {
-            return Some(Fault::NotFinite);
-        }
-        let (linear, angular) = (convert::from_vector(body.linvel()), convert::from_vector(body.angvel()));
-        Fault::of(&BodyState { pose: convert::from_pose(body.position()), linear, angular })
+    /// The number of the object that has an identity among robots.
+    pub(super) fn number_of(id: RobotId) -> Option<usize> {
+        usize::try_from(u64::MAX - id.0).ok().filter(|&number| number < MAX_OBJECTS)
     }
 
-    fn around(&self, world: &PhysicsWorld) -> Aabb {
-        match &self.taken {
-            Some(taken) => {
-                let surface = &self.made_of.surfaces[0];
-                surface.shape.compute_aabb(&(convert::pose(taken.body.pose()) * surface.pose))
-            }
-            None => world.colliders[self.collider].compute_aabb(),
+    /// True if it has to know the impulses on it in a step: it sleeps or may fall asleep.
+    pub(super) fn is_listening(&self, time_step: f64) -> bool {
+        self.sleep.is_some() || self.still + time_step > REST_TIME
+    }
+
+    pub(super) fn is_asleep(&self) -> bool {
+        self.sleep.is_some()
+    }
+
+    pub(super) fn wake(&mut self) {
+        (self.still, self.sleep, self.is_entered) = (0.0, None, false);
+        self.body.forget_near();
+    }
+
+    /// Lets it fall asleep after a step in which neighbours gave it impulses, N s, if it has been at rest for long.
+    pub(super) fn note_rest(&mut self, neighbours: Vec<(RobotId, Vector3<f64>)>, time_step: f64) {
+        let BodyState { linear, angular, .. } = self.body.state();
+        let surface = &self.body.made_of.surfaces[0];
+        let speed = linear.norm() + angular.norm() * (surface.middle.norm() + surface.half.norm());
+        self.still = if speed < REST_SPEED { self.still + time_step } else { 0.0 };
+        if self.still > REST_TIME {
+            self.body.body.velocity_mut().fill(0.0);
+            self.body.body.place();
+            self.sleep = Some(Sleep { neighbours });
         }
     }
 
-    fn take(&mut self, world: &mut PhysicsWorld, number: usize) {
-        let pose = self.pose(world);
-        let Some(body) = world.bodies.get_mut(self.in_engine) else { return };
-        let (linear, angular) = (convert::from_vector(body.linvel()), convert::from_vector(body.angvel()));
-        body.set_body_type(RigidBodyType::KinematicPositionBased, false);
-        // What the engine moves is solved with it, too.
-        if let Some(collider) = world.colliders.get_mut(self.collider) {
-            collider.set_solver_groups(InteractionGroups::none());
-        }
-        let in_engine = vec![(self.in_engine, vec![(self.collider, 0)])];
-        let mut taken =
-            ArticulatedRobot::at_rest(self.made_of.clone(), RobotId(u64::MAX - number as u64), &pose, in_engine);
-        taken.body.velocity_mut()[..3].copy_from_slice(angular.as_slice());
-        taken.body.velocity_mut()[3..6].copy_from_slice(linear.as_slice());
-        taken.body.place();
-        self.taken = Some(Box::new(taken));
-    }
-
-    fn give_back(&mut self, world: &mut PhysicsWorld) {
-        let Some(taken) = self.taken.take() else { return };
-        let Some(body) = world.bodies.get_mut(self.in_engine) else { return };
-        let (angular, linear) = taken.body.velocity().split_at(3);
-        body.set_body_type(RigidBodyType::Dynamic, true);
-        if let Some(collider) = world.colliders.get_mut(self.collider) {
-            collider.set_solver_groups(InteractionGroups::all());
-        }
-        body.set_position(convert::pose(taken.body.pose()), true);
-        body.set_angvel(Vector::new(angular[0], angular[1], angular[2]), true);
-        body.set_linvel(Vector::new(linear[0], linear[1], linear[2]), true);
-        self.still = 0;
-    }
-}
-
-/// Takes the objects that are near robots, or near such objects, and gives back those that are not any more.
-pub(super) fn take_near(world: &mut PhysicsWorld, objects: &mut [MapObject], robots: &[Aabb]) {
-    let around: Vec<Aabb> = objects.iter().map(|object| object.around(world)).collect();
-    let mut movers: Vec<Aabb> = robots.to_vec();
-    let mut is_near = vec![false; objects.len()];
-    let mut next = 0;
-    while next < movers.len() {
-        for (number, object) in objects.iter().enumerate() {
-            let reach = if object.taken.is_some() { FAR } else { NEAR };
-            if !is_near[number] && around[number].loosened(reach).intersects(&movers[next]) {
-                is_near[number] = true;
-                movers.push(around[number]);
-            }
-        }
-        next += 1;
-    }
-    for (number, object) in objects.iter_mut().enumerate() {
-        match (is_near[number], object.taken.is_some()) {
-            (true, false) => object.take(world, number),
-            (false, true) => object.give_back(world),
-            _ => {}
-        }
+    /// True if the impulses that its awake neighbours gave it in a step, N s, are others than before it slept.
+    pub(super) fn is_disturbed(
+        &self,
+        impulses: &[(RobotId, Vector3<f64>)],
+        is_asleep: impl Fn(RobotId) -> bool,
+        gravity: f64,
+        time_step: f64,
+    ) -> bool {
+        let Some(Sleep { neighbours }) = &self.sleep else { return false };
+        let awake = neighbours.iter().filter(|(id, _)| !is_asleep(*id));
+        let before: Vector3<f64> = awake.map(|(_, impulse)| impulse).sum();
+        let now: Vector3<f64> = impulses.iter().map(|(_, impulse)| impulse).sum();
+        let least = (WAKING_SHARE * gravity * time_step).max(WAKING_SPEED);
+        (now - before).norm() > least * self.body.made_of.mass
     }
 }

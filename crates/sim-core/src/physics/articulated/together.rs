@@ -1,7 +1,7 @@
-//! A step of all robots in reduced coordinates, and of the objects that are near them.
+//! A step of all robots in reduced coordinates and of the map's objects.
 //!
-//! Robots that touch each other are one system, whatever their order; the others are solved each by itself, on as many threads as there
-//! are. Where they have come then, each finds for itself what it touches that does not move.
+//! Bodies that touch each other are one system, whatever their order; the others are solved each by itself, on as many threads as there
+//! are. At their new poses each finds its contacts with what does not move, for the next step.
 
 use articulated::{Body, Contact, JointRow, Side};
 use nalgebra::Vector3;
@@ -11,37 +11,58 @@ use rapier3d::prelude::*;
 use super::super::convert;
 use super::super::surface::Materials;
 use super::ArticulatedRobot;
-use super::finding::{OfEngine, Second, touch_each_other, touch_engine};
-use super::object::{MapObject, take_near};
+use super::finding::{Found, OfEngine, Second, touch_each_other, touch_engine};
+use super::object::MapObject;
+use crate::RobotId;
 use crate::flight::Flight;
 use crate::threads::{Threads, in_parts};
 
-/// Most robots that one thread has look around before another may take some.
+/// Batch size of the contact search, bodies per task.
 const TOGETHER: usize = 2;
+/// Batch size of the search for contacts between bodies, pairs per task.
+const PAIRS: usize = 8;
 /// Parts in which systems are handed to threads at most.
 const PARTS: usize = 64;
+/// Bodies of a system up to which its thread also finds their next contacts, while they are in its cache.
+const SMALL: usize = 4;
 
-/// Room for systems that one thread solves one after the other.
+/// Scratch buffers that one thread reuses between systems.
 #[derive(Default)]
 pub(in super::super) struct Room {
     contacts: Vec<Contact>,
     joints: Vec<JointRow>,
     workspace: articulated::Workspace,
-    /// Systems solved in which not every contact came to do what it should.
+    /// Systems that did not settle.
     unsettled: u64,
+    /// Impulses on objects that listen.
+    pushes: Vec<Push>,
 }
 
-/// What all of them share in a step.
+/// An impulse on an object of a number, N s, by a body.
+#[derive(Clone, Copy)]
+struct Push {
+    object: usize,
+    by: RobotId,
+    impulse: Vector3<f64>,
+}
+
+/// Inputs that all systems of a step share.
 #[derive(Clone, Copy)]
 pub(in super::super) struct Surroundings<'a> {
     pub(in super::super) materials: &'a Materials,
     pub(in super::super) robots_of_engine: usize,
-    /// Whether something came or left since the last step.
+    /// True if something came or left since the last step.
     pub(in super::super) is_changed: bool,
     pub(in super::super) threads: &'a dyn Threads,
 }
 
-/// Moves robots on by a step, and the objects that are near them. Says how many systems did not settle.
+/// Two bodies by their numbers whose boxes overlap, and their contacts: each with the body whose surface it is.
+struct Pair {
+    bodies: (usize, usize),
+    found: Vec<(usize, Found)>,
+}
+
+/// Advances robots and awake objects by one step. Returns the number of systems that did not settle.
 pub(in super::super) fn solve<'a>(
     world: &mut PhysicsWorld,
     surroundings: Surroundings,
@@ -49,7 +70,7 @@ pub(in super::super) fn solve<'a>(
     objects: &'a mut [MapObject],
     rooms: &mut Vec<Room>,
 ) -> u64 {
-    if robots.is_empty() && objects.iter().all(|object| object.taken().is_none()) {
+    if robots.is_empty() && objects.iter().all(MapObject::is_asleep) && surroundings.robots_of_engine == 0 {
         return 0;
     }
     let Surroundings { materials, robots_of_engine, is_changed, threads } = surroundings;
@@ -63,65 +84,93 @@ pub(in super::super) fn solve<'a>(
             robot.forget_near();
         }
     }
+    let mut is_asleep: Vec<bool> = robots.iter().map(|_| false).collect();
+    let robot_count = robots.len();
+    is_asleep.extend(objects.iter().map(MapObject::is_asleep));
+    let listening: Vec<bool> = objects.iter().map(|object| object.is_listening(time_step)).collect();
     let mut robots: Vec<&mut ArticulatedRobot> = robots.into_iter().map(|(robot, _)| robot).collect();
-    look_around(&mut robots, world, materials, threads);
-    if !objects.is_empty() {
-        let around: Vec<Aabb> = robots.iter().filter_map(|robot| robot.around()).collect();
-        take_near(world, objects, &around);
-        let before = robots.len();
-        robots.extend(objects.iter_mut().filter_map(|object| object.taken.as_deref_mut()));
-        look_around(&mut robots[before..], world, materials, threads);
-    }
+    robots.extend(objects.iter_mut().map(|object| &mut *object.body));
+    look_around(robots.iter_mut().map(|robot| &mut **robot), world, materials, threads);
     let (mut of_engine, mut touching) = (Vec::new(), Vec::new());
     if robots_of_engine > 0 {
         let count = robots.len();
         for (number, robot) in robots.iter_mut().enumerate() {
             let touched = touch_engine(world, materials, robot, &mut of_engine);
+            is_asleep[number] &= touched.is_empty();
             touching.extend(touched.into_iter().map(|body| (number, count + body)));
         }
     }
-    let near = near_each_other(&robots);
-    touching.extend(near.into_iter().filter(|&(one, other)| touch_each_other(&mut robots, one, other)));
-    let (step, seen) = (Step { robots: robots.len(), gravity, time_step }, &*world);
-    let mut members = members(robots, &mut of_engine, &touching);
+    for Pair { bodies: (one, other), found } in find_pairs(&robots, &is_asleep, threads) {
+        if !found.is_empty() && !is_asleep[one] && !is_asleep[other] {
+            touching.push((one, other));
+        }
+        found.into_iter().for_each(|(body, found)| robots[body].found.push(found));
+    }
+    let step = Step { robots: robots.len(), listening: &listening, gravity, time_step };
+    let mut members = members(robots, &mut of_engine, &touching, &is_asleep);
     let mut groups: Vec<&mut [Member]> = members.chunk_by_mut(|one, other| one.group == other.group).collect();
-    // No group is left in the step in which the last robot leaves an object that it pushed.
+    // No group is left in a step in which all objects sleep.
     let size = groups.len().div_ceil(PARTS).max(1);
     rooms.resize_with(PARTS, Room::default);
     let mut parts: Vec<(&mut [&mut [Member]], &mut Room)> = groups.chunks_mut(size).zip(rooms.iter_mut()).collect();
+    let seen = &*world;
     in_parts(threads, 1, &mut parts, &|parts| {
         for (groups, room) in parts {
             for group in groups.iter_mut() {
                 step.solve(group, room);
-                // While it is at hand, for the next step.
-                group
-                    .iter_mut()
-                    .filter_map(Member::robot)
-                    .for_each(|robot| robot.look_around(seen, materials, time_step));
+                if group.len() <= SMALL {
+                    let robots = group.iter_mut().filter_map(Member::robot);
+                    robots.for_each(|robot| robot.look_around(seen, materials, time_step));
+                }
             }
         }
     });
+    look_around(members.iter_mut().filter_map(Member::robot), seen, materials, threads);
     for OfEngine { links, reactions, .. } in of_engine {
         for (link, point, impulse) in reactions {
             react(world, links[link], point, impulse);
         }
     }
+    let mut pushes: Vec<Push> = rooms.iter_mut().flat_map(|room| room.pushes.drain(..)).collect();
+    pushes.sort_by_key(|push| push.object);
+    rest(objects, &is_asleep[robot_count..], &pushes, gravity.norm(), time_step);
     rooms.iter_mut().map(|room| std::mem::take(&mut room.unsettled)).sum()
 }
 
-/// Has those look around that have not since they moved.
-fn look_around(
-    robots: &mut [&mut ArticulatedRobot],
+/// Finds contacts of bodies that moved since the last search.
+fn look_around<'a>(
+    robots: impl Iterator<Item = &'a mut ArticulatedRobot>,
     world: &PhysicsWorld,
     materials: &Materials,
     threads: &dyn Threads,
 ) {
-    if robots.iter().any(|robot| !robot.standing.is_known) {
-        let time_step = world.integration_parameters.dt;
-        in_parts(threads, TOGETHER, robots, &|robots| {
-            let moved = robots.iter_mut().filter(|robot| !robot.standing.is_known);
-            moved.for_each(|robot| robot.look_around(world, materials, time_step));
-        });
+    let time_step = world.integration_parameters.dt;
+    let mut moved: Vec<&mut ArticulatedRobot> = robots.filter(|robot| !robot.standing.is_known).collect();
+    in_parts(threads, TOGETHER, &mut moved, &|robots| {
+        robots.iter_mut().for_each(|robot| robot.look_around(world, materials, time_step));
+    });
+}
+
+/// Lets objects fall asleep, and wakes those whose neighbours push them differently. `pushes` are in the order of the objects.
+fn rest(objects: &mut [MapObject], was_asleep: &[bool], mut pushes: &[Push], gravity: f64, time_step: f64) {
+    let mut own = |number: usize| {
+        let (own, others) = pushes.split_at(pushes.partition_point(|push| push.object <= number));
+        pushes = others;
+        own.iter().map(|push| (push.by, push.impulse)).collect::<Vec<_>>()
+    };
+    for (number, object) in objects.iter_mut().enumerate() {
+        let impulses = own(number);
+        if !object.is_asleep() {
+            object.note_rest(impulses, time_step);
+        } else if !was_asleep[number] {
+            object.wake();
+        } else {
+            let is_asleep =
+                |id: RobotId| MapObject::number_of(id).is_some_and(|other| was_asleep.get(other) == Some(&true));
+            if object.is_disturbed(&impulses, is_asleep, gravity, time_step) {
+                object.wake();
+            }
+        }
     }
 }
 
@@ -134,22 +183,51 @@ fn react(world: &mut PhysicsWorld, handle: RigidBodyHandle, point: Vector3<f64>,
     }
 }
 
-/// Pairs of robots, by their numbers, whose boxes overlap.
-fn near_each_other(robots: &[&mut ArticulatedRobot]) -> Vec<(usize, usize)> {
+/// Finds the contacts between bodies of which one is awake.
+fn find_pairs(robots: &[&mut ArticulatedRobot], is_asleep: &[bool], threads: &dyn Threads) -> Vec<Pair> {
+    let pair = |bodies| Pair { bodies, found: Vec::new() };
+    let mut pairs: Vec<Pair> = near_each_other(robots, is_asleep).into_iter().map(pair).collect();
+    in_parts(threads, PAIRS, &mut pairs, &|pairs| {
+        for Pair { bodies, found } in pairs {
+            touch_each_other(robots, *bodies, is_asleep, found);
+        }
+    });
+    pairs
+}
+
+/// Finds pairs of bodies, by their numbers, whose boxes overlap and of which one is awake.
+fn near_each_other(robots: &[&mut ArticulatedRobot], is_asleep: &[bool]) -> Vec<(usize, usize)> {
     if robots.len() < 2 {
         return Vec::new();
     }
     let boxes = robots.iter().enumerate().filter_map(|(number, robot)| Some((number, robot.around()?)));
     let mut boxes: Vec<(usize, Aabb)> = boxes.collect();
-    boxes.sort_by(|(_, one), (_, other)| one.mins.x.total_cmp(&other.mins.x));
+    let axis = longest_axis(&boxes);
+    boxes.sort_by(|(_, one), (_, other)| one.mins[axis].total_cmp(&other.mins[axis]));
+    // Sleeping ones alone are looked for before an awake one, too.
+    let reach = boxes.iter().filter(|(number, _)| is_asleep[*number]);
+    let reach = reach.map(|(_, around)| around.maxs[axis] - around.mins[axis]).fold(0.0, f64::max);
     let mut pairs = Vec::new();
-    for (place, (one, around)) in boxes.iter().enumerate() {
-        let behind = boxes[place + 1..].iter().take_while(|(_, other)| other.mins.x <= around.maxs.x);
-        let near = behind.filter(|(_, other)| around.intersects(other));
+    for (place, (one, around)) in boxes.iter().enumerate().filter(|(_, (number, _))| !is_asleep[*number]) {
+        let behind = boxes[place + 1..].iter().take_while(|(_, other)| other.mins[axis] <= around.maxs[axis]);
+        let before = boxes[..place].iter().rev().take_while(|(_, other)| other.mins[axis] >= around.mins[axis] - reach);
+        let before = before.filter(|(other, _)| is_asleep[*other]);
+        let near = behind.chain(before).filter(|(_, other)| around.intersects(other));
         pairs.extend(near.map(|(other, _)| (*one.min(other), *one.max(other))));
     }
     pairs.sort_unstable();
     pairs
+}
+
+/// Finds the axis along which boxes are spread most: fewest overlap there.
+fn longest_axis(boxes: &[(usize, Aabb)]) -> usize {
+    let spread = |axis: usize| {
+        let ends = boxes.iter().map(|(_, around)| around.mins[axis]);
+        let [least, most] =
+            ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], it| [least.min(it), most.max(it)]);
+        most - least
+    };
+    if spread(1) > spread(0) { 1 } else { 0 }
 }
 
 /// What takes part in a step.
@@ -165,22 +243,32 @@ enum Is<'a> {
     OfEngine(&'a mut OfEngine),
 }
 
-/// Everything that takes part, those that touch each other together; `touching` has their numbers, the engine's bodies behind the
+/// Collects all bodies that are awake, those that touch each other together; `touching` has their numbers, the engine's bodies behind the
 /// robots.
 fn members<'a>(
     robots: Vec<&'a mut ArticulatedRobot>,
     of_engine: &'a mut [OfEngine],
     touching: &[(usize, usize)],
+    is_asleep: &[bool],
 ) -> Vec<Member<'a>> {
-    let mut group: Vec<usize> = (0..robots.len() + of_engine.len()).collect();
+    // Each points to one that it touches, or that they touch, of a lower number.
+    let mut lower: Vec<usize> = (0..robots.len() + of_engine.len()).collect();
+    let lowest = |lower: &mut [usize], mut body: usize| {
+        while lower[body] != body {
+            lower[body] = lower[lower[body]];
+            body = lower[body];
+        }
+        body
+    };
     for &(one, other) in touching {
-        let (one, other) = (group[one], group[other]);
-        let (kept, given_up) = (one.min(other), one.max(other));
-        group.iter_mut().filter(|it| **it == given_up).for_each(|it| *it = kept);
+        let (one, other) = (lowest(&mut lower, one), lowest(&mut lower, other));
+        lower[one.max(other)] = one.min(other);
     }
-    let robots = robots.into_iter().map(Is::Robot);
-    let all = robots.chain(of_engine.iter_mut().map(Is::OfEngine)).enumerate();
-    let mut members: Vec<Member> = all.map(|(number, is)| Member { group: group[number], number, is }).collect();
+    let awake = robots.into_iter().map(Is::Robot).enumerate().filter(|(number, _)| !is_asleep[*number]);
+    let of_engine = of_engine.iter_mut().map(Is::OfEngine).enumerate().map(|(body, is)| (is_asleep.len() + body, is));
+    let all = awake.chain(of_engine);
+    let mut members: Vec<Member> =
+        all.map(|(number, is)| Member { group: lowest(&mut lower, number), number, is }).collect();
     if !touching.is_empty() {
         members.sort_by_key(|member| member.group);
     }
@@ -218,21 +306,24 @@ impl Member<'_> {
     }
 }
 
-/// What all systems of a step share.
+/// Numbers that all systems of a step share.
 #[derive(Clone, Copy)]
-struct Step {
-    /// How many robots there are.
+struct Step<'a> {
+    /// Number of robots and objects.
     robots: usize,
+    /// True for objects that need to know what pushes them.
+    listening: &'a [bool],
     gravity: Vector3<f64>,
     time_step: f64,
 }
 
-impl Step {
+impl Step<'_> {
     /// Moves a group on by the step, and notes what pushed it.
     fn solve(self, group: &mut [Member], room: &mut Room) {
-        let Room { contacts, joints, workspace, unsettled } = room;
+        let Room { contacts, joints, workspace, unsettled, pushes } = room;
         contacts.clear();
         joints.clear();
+        let is_alone = group.len() == 1;
         for body in 0..group.len() {
             let Some(robot) = group[body].robot() else { continue };
             robot.before_step(self.gravity, self.time_step);
@@ -245,7 +336,7 @@ impl Step {
                     group[body].body().velocity_at(link, it.touch.point)
                 });
                 let Some(robot) = group[body].robot() else { continue };
-                contacts.push(robot.contact(it, body, second, moves, self.time_step));
+                contacts.push(robot.contact(it, body, second, moves, is_alone, self.time_step));
             }
             let Some(robot) = group[body].robot() else { continue };
             robot.found = found;
@@ -272,6 +363,10 @@ impl Step {
             for (it, contact) in found.iter().zip(own) {
                 if let Some(robot) = group[body].robot() {
                     robot.note(it.key.surface, it, contact, 1.0, self.time_step);
+                    if let Some(other) = it.key.body() {
+                        self.note_push(robot.id, other, contact.impulse, pushes);
+                        self.note_push(other, robot.id, -contact.impulse, pushes);
+                    }
                 }
                 let Some(Side { body, .. }) = contact.second else { continue };
                 match (&mut group[body].is, it.second) {
@@ -287,14 +382,23 @@ impl Step {
             if let Some(robot) = group[body].robot() {
                 robot.found = found;
                 robot.body.advance(self.time_step);
+                robot.standing.is_known = false;
             }
+        }
+    }
+
+    /// Notes an impulse on an object that listens.
+    fn note_push(self, pushed: RobotId, by: RobotId, impulse: Vector3<f64>, pushes: &mut Vec<Push>) {
+        if let Some(object) = MapObject::number_of(pushed).filter(|&object| self.listening.get(object) == Some(&true)) {
+            pushes.push(Push { object, by, impulse });
         }
     }
 
     /// The side of a member of a group that is touched; `None` of what does not move.
     fn side(self, second: Second, group: &[Member]) -> Option<Side> {
         let number = second.number(self.robots)?;
-        let body = group.iter().position(|member| member.number == number)?;
+        // Members of a group are in the order of their numbers. One that sleeps is of none.
+        let body = group.binary_search_by_key(&number, |member| member.number).ok()?;
         let link = match (&group[body].is, second) {
             (Is::Robot(robot), Second::Robot(_, surface)) => robot.made_of.surfaces[surface].link,
             (_, Second::OfEngine(_, link)) => link,
