@@ -14,6 +14,9 @@ const ACCURACY: f64 = 1e-12;
 /// Sweeps before what there is is taken.
 const MAX_SWEEPS: usize = 2000;
 
+/// Multiplications before that, roughly: ten milliseconds. Steady motion takes a thousandth of it, an impact at most a few steps of it.
+const MAX_WORK: usize = 10_000_000;
+
 /// How an answer was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Outcome {
@@ -46,10 +49,13 @@ pub fn solve(problem: &Problem, impulses: &mut [f64], workspace: &mut Workspace)
         if is_start && newton::solve(problem, impulses, sweeps == 0, TOLERANCE, &mut newton_steps, workspace) {
             return Outcome { sweeps, newton_steps, is_settled: true };
         }
-        if sweeps >= MAX_SWEEPS {
+        let rows = problem.missing.len();
+        let work = rows * rows * (sweeps + newton_steps * (rows / 3 + 1));
+        if sweeps >= MAX_SWEEPS || work >= MAX_WORK {
             return Outcome { sweeps, newton_steps, is_settled: false };
         }
         let more = sweeps.max(SWEEPS);
+        let more = more.min((MAX_WORK - work).div_ceil(rows * rows));
         (0..more).for_each(|_| sweep(problem, impulses));
         sweeps += more;
     }

@@ -14,7 +14,7 @@ mod wheel;
 
 use std::sync::Arc;
 
-use articulated::{Body, Drive, JointRow};
+use articulated::{Body, Drive, Frame, JointRow};
 use friction::Constraint;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
@@ -41,6 +41,9 @@ const END_TIME: f64 = 0.02;
 /// Gain of what does what it is asked for, whatever it takes: the wheels of a base that follows its commands, the attitude of one that
 /// flies, N m s/rad.
 const STIFF: f64 = 1e6;
+
+/// Angle that a body may turn by in a step before its energy is watched, rad.
+const MAX_TURN: f64 = 0.1;
 
 /// Largest acceleration of a flying robot that touches something, m/s²: a quadrotor's rotors lift three times its weight at most.
 const MAX_FLIGHT_ACCELERATION: f64 = 30.0;
@@ -294,6 +297,25 @@ impl ArticulatedRobot {
             )
         };
         self.made_of.rings.iter().zip(&self.roller_angles).flat_map(of_ring).collect()
+    }
+
+    /// True if it turns or flies so fast that a step of the integrator may gain energy.
+    fn is_fast(&self, time_step: f64) -> bool {
+        let Frame { angular, linear, .. } = &self.body.frames()[0];
+        angular.norm() * time_step > MAX_TURN || linear.norm() * time_step > finding::MAX_PREDICTION
+    }
+
+    /// Computes the work that its servos can have done in the last step at most, J.
+    fn servo_work(&self, time_step: f64) -> f64 {
+        let joints = self.made_of.joints.iter().filter_map(|joint| Some((joint, joint.value.motor.as_ref()?)));
+        let work = joints.map(|(joint, motor)| motor.max_torque * self.body.velocity()[joint.dof].abs() * time_step);
+        work.sum()
+    }
+
+    /// Scales its velocities.
+    fn slow_down(&mut self, share: f64) {
+        self.body.velocity_mut().iter_mut().for_each(|speed| *speed *= share);
+        self.body.place();
     }
 
     /// Tells the engine where its shapes come to be in the coming step of the engine.

@@ -4,6 +4,7 @@ use articulated::Body;
 use nalgebra::{DMatrix, Vector3};
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::parry::query::{ShapeCastOptions, cast_shapes};
 use rapier3d::parry::shape::Shape;
 use rapier3d::prelude::*;
 use scene::Material;
@@ -21,12 +22,14 @@ use crate::RobotId;
 
 /// Contacts are looked for over this distance and what a surface does in a step, m.
 const PREDICTION: f64 = 0.001;
+/// Largest distance over which contacts are looked for, m: what moves farther in a step is swept.
+pub(super) const MAX_PREDICTION: f64 = 0.1;
 /// What does not move is looked for over this distance around a robot, and looked for again when it has left that, m.
 const NEAR: f64 = 0.1;
 /// A roller that stays farther away than this in a step, as it moves now, leaves its surface to a nearer one, m.
 pub(super) const MARGIN: f64 = 1e-6;
-/// Most contacts of two bodies; the deepest are kept.
-const MAX_CONTACTS: usize = 32;
+/// Most contacts of two bodies, and of a body with all that does not move; the deepest are kept.
+const MAX_CONTACTS: [usize; 2] = [32, 128];
 /// In place of the number of a robot that the engine moves: neither a robot's nor an object's.
 const OF_ENGINE: u64 = u64::MAX / 2;
 /// Cosine above which two normals are of one surface.
@@ -74,8 +77,10 @@ pub(super) struct OfEngine {
 pub(super) struct Placed {
     pub(super) pose: EnginePose,
     pub(super) around: Aabb,
-    /// How far it looks for contacts, m.
+    /// Distance that its points may move in a step, and a little more, m.
     prediction: f64,
+    /// Way of its middle in a step, m.
+    motion: Vector3<f64>,
 }
 
 impl Key {
@@ -113,15 +118,20 @@ impl ArticulatedRobot {
             let pose = convert::pose(&link_pose(body, surface.link)) * surface.pose;
             let arm = frame.rotation * surface.middle;
             // Its own turning brings a wheel nowhere.
-            let speed = if surface.form == Form::Solid {
-                (frame.linear + frame.angular.cross(&arm)).norm() + frame.angular.norm() * surface.half.norm()
+            let (velocity, speed) = if surface.form == Form::Solid {
+                let velocity = frame.linear + frame.angular.cross(&arm);
+                (velocity, velocity.norm() + frame.angular.norm() * surface.half.norm())
             } else {
-                frame.linear.norm()
+                (frame.linear, frame.linear.norm())
             };
-            let prediction = PREDICTION + speed * time_step;
-            let reach = frame.rotation.abs() * surface.half + Vector3::repeat(prediction);
-            let around = Aabb::from_half_extents(convert::vector(centre + frame.origin + arm), convert::vector(reach));
-            Placed { pose, around, prediction }
+            let (prediction, motion) = (PREDICTION + speed * time_step, velocity * time_step);
+            let reach = frame.rotation.abs() * surface.half + Vector3::repeat(prediction.min(MAX_PREDICTION));
+            let middle = centre + frame.origin + arm;
+            let mut around = Aabb::from_half_extents(convert::vector(middle), convert::vector(reach));
+            if prediction > MAX_PREDICTION {
+                around.merge(&around.translated(convert::vector(motion)));
+            }
+            Placed { pose, around, prediction, motion }
         }));
         self.standing.around = placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other));
     }
@@ -153,6 +163,7 @@ impl ArticulatedRobot {
                 }
             }
             self.near = Some(near);
+            keep_deepest(&mut found, MAX_CONTACTS[1], |it| it.touch.gap);
         }
         self.found = found;
     }
@@ -165,13 +176,15 @@ impl ArticulatedRobot {
             if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
                 continue;
             }
-            self.meet(surface, at, shape, other.collider.position(), at.prediction, &mut met);
+            self.meet(surface, at, shape, other.collider.position(), at.prediction, at.motion, &mut met);
             let key = Key { surface: index, other: (other.id, other.handle.into_raw_parts().0 as usize), number: 0 };
             add(&mut met, key, other.second, &Pair::of(&surface.material, other.material), found);
         }
     }
 
-    /// Adds the touches of one of its surfaces with a shape at a pose.
+    /// Adds the contacts of one of its surfaces with a shape at a pose, towards which it moves by `motion` in the step, m. One that moves far
+    /// is swept.
+    #[allow(clippy::too_many_arguments)]
     fn meet(
         &self,
         surface: &Surface,
@@ -179,13 +192,43 @@ impl ArticulatedRobot {
         shape: &dyn Shape,
         pose: &EnginePose,
         prediction: f64,
+        motion: Vector3<f64>,
+        met: &mut Vec<Touch>,
+    ) {
+        self.meet_at(surface, &at.pose, shape, pose, prediction.min(MAX_PREDICTION), met);
+        if prediction <= MAX_PREDICTION || !met.is_empty() {
+            return;
+        }
+        let options = ShapeCastOptions { max_time_of_impact: 1.0, ..Default::default() };
+        let way = convert::vector(motion);
+        let hit = cast_shapes(&at.pose, way, surface.shape.as_ref(), pose, Vector::ZERO, shape, options);
+        if let Ok(Some(hit)) = hit {
+            let way = way * hit.time_of_impact;
+            let there = EnginePose::from_parts(at.pose.translation + way, at.pose.rotation);
+            self.meet_at(surface, &there, shape, pose, MAX_PREDICTION, met);
+            let way = convert::from_vector(way);
+            for touch in met {
+                touch.gap -= touch.normal.dot(&way);
+                touch.point -= way;
+            }
+        }
+    }
+
+    /// Adds the contacts of one of its surfaces at a pose with a shape at another.
+    fn meet_at(
+        &self,
+        surface: &Surface,
+        at: &EnginePose,
+        shape: &dyn Shape,
+        pose: &EnginePose,
+        prediction: f64,
         met: &mut Vec<Touch>,
     ) {
         let Form::Rollers(ring) = surface.form else {
-            return touches(surface, &at.pose, shape, pose, prediction, met);
+            return touches(surface, at, shape, pose, prediction, met);
         };
         let ring = &self.made_of.rings[ring];
-        let hub = convert::from_pose(&at.pose);
+        let hub = convert::from_pose(at);
         let mut contacts: Vec<WheelContact> = Vec::new();
         ring.shape.touch(&hub, self.turned(ring), prediction, shape, pose, &mut contacts);
         met.extend(contacts.into_iter().map(|WheelContact { point, normal, roller, axis, rolling_radius, gap }| {
@@ -259,6 +302,14 @@ pub(super) fn touch_engine(
     touched
 }
 
+/// Keeps so many contacts of the least gap.
+fn keep_deepest<T>(found: &mut Vec<T>, most: usize, gap: impl Fn(&T) -> f64) {
+    if found.len() > most {
+        found.sort_by(|one, other| gap(one).total_cmp(&gap(other)));
+        found.truncate(most);
+    }
+}
+
 /// A collider of the engine.
 struct Other<'a> {
     collider: &'a Collider,
@@ -292,17 +343,15 @@ pub(super) fn touch_each_other(
             let (robot, surface) = (&*robots[first], &robots[first].made_of.surfaces[index]);
             let its = &robots[second].made_of.surfaces[its_index];
             let prediction = at.prediction + its_at.prediction;
-            robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, &mut met);
+            let motion = at.motion - its_at.motion;
+            robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
             let key = Key { surface: index, other: (Some(robots[second].id.0), its_index), number: 0 };
             let pair = Pair::of(&surface.material, &its.material);
             add(&mut met, key, Second::Robot(second, its_index), &pair, &mut added);
             found.extend(added.drain(..).map(|it| (first, it)));
         }
     }
-    if found.len() > MAX_CONTACTS {
-        found.sort_by(|(_, one), (_, other)| one.touch.gap.total_cmp(&other.touch.gap));
-        found.truncate(MAX_CONTACTS);
-    }
+    keep_deepest(found, MAX_CONTACTS[0], |(_, it)| it.touch.gap);
 }
 
 impl Form {

@@ -342,6 +342,7 @@ impl Step<'_> {
             robot.found = found;
             robot.add_joint_rows(body, self.gravity.norm(), self.time_step, joints);
         }
+        let energy = self.watched_energy(group);
         let outcome = if let [single] = group {
             articulated::step(&mut [single.body_mut()], contacts, joints, self.time_step, workspace)
         } else {
@@ -384,6 +385,43 @@ impl Step<'_> {
                 robot.body.advance(self.time_step);
                 robot.standing.is_known = false;
             }
+        }
+        if let Some(before) = energy {
+            self.limit_energy(group, before);
+        }
+    }
+
+    /// Computes the energy of a group before a step, J, if one of its bodies is fast. Flying robots have velocities given to them, and a
+    /// base that follows its commands takes what it needs.
+    fn watched_energy(self, group: &mut [Member]) -> Option<f64> {
+        let mut robots = group.iter_mut().filter_map(Member::robot);
+        let is_watched = robots.any(|robot| robot.is_fast(self.time_step));
+        let mut robots = group.iter_mut().filter_map(Member::robot);
+        let is_given = robots.any(|robot| robot.flies || robot.made_of.following.is_some());
+        (is_watched && !is_given).then(|| self.energy(group))
+    }
+
+    /// Computes the energy of a group's motion and height, J.
+    fn energy(self, group: &mut [Member]) -> f64 {
+        let robots = group.iter_mut().filter_map(Member::robot);
+        robots
+            .map(|robot| {
+                let height = -self.gravity.dot(&robot.body.centre()) * robot.made_of.mass;
+                robot.body.kinetic_energy() + height
+            })
+            .sum()
+    }
+
+    /// Slows a group down that has gained more energy in a step than its servos can have given: a step turns what is fast along the
+    /// tangent, which gains a part of the square of its angle.
+    fn limit_energy(self, group: &mut [Member], before: f64) {
+        let after = self.energy(group);
+        let moving: f64 = group.iter_mut().filter_map(Member::robot).map(|robot| robot.body.kinetic_energy()).sum();
+        let work: f64 = group.iter_mut().filter_map(Member::robot).map(|robot| robot.servo_work(self.time_step)).sum();
+        let gained = after - before - work;
+        if gained > 0.0 && moving > 0.0 {
+            let share = ((moving - gained).max(0.0) / moving).sqrt();
+            group.iter_mut().filter_map(Member::robot).for_each(|robot| robot.slow_down(share));
         }
     }
 
