@@ -16,6 +16,9 @@ have and a softer servo are tried beside the robot's own.
 A youBot with its arm on a flat floor and a Kenaf with its flippers half on the arena's step are the same trees of links in both, with
 their own servos; what is compared is the time of a step of the same length.
 
+Crowds of P3ATs on a grid of 0.75 m drive to its middle at 5 rad/s, where they push and climb, and one drives into a wall of boxes. What is
+compared is the time of a robot, or box, and step. MuJoCo's P3ATs are a box on four cylinders with the softer servo and the rotor.
+
 Every row is the fastest of the repeats, which take turns, as these machines are noisy.
 Units: m, s, rad, kg; x forward, y left, z up.
 """
@@ -287,6 +290,83 @@ def trees(seconds, repeat):
     return lines
 
 
+def crowd_body(number, x, y, yaw):
+    """A P3AT as a box on four cylinders at a place, heading somewhere."""
+    wheel = (
+        '<body pos="{} {} 0"><joint name="r{}w{}" axis="0 1 0" armature="0.5"/>'
+        '<geom type="cylinder" size="0.098 0.0375" euler="90 0 0" mass="0.1" friction="0.85 0 0"/></body>'
+    )
+    corners = [(1, 1), (1, -1), (-1, 1), (-1, -1)]
+    wheels = "".join(wheel.format(0.124 * ahead, 0.18 * aside, number, wheel_number) for wheel_number, (ahead, aside) in enumerate(corners))
+    return (
+        f'<body pos="{x} {y} 0.0985" euler="0 0 {math.degrees(yaw)}"><freejoint/>'
+        f'<geom type="box" size="0.23 0.135 0.09" pos="0 0 0.02" mass="11.5" friction="0.4 0 0"/>{wheels}</body>'
+    )
+
+
+def wall_of_boxes(count):
+    """Boxes of 0.2 m, ten high: the place of each, x forward, y left, z up."""
+    return [(2, (number // 10 - count // 20) * 0.201, 0.1 + number % 10 * 0.2) for number in range(count)]
+
+
+def mujoco_crowd_row(robots, boxes, cone, dt, seconds):
+    """Microseconds a robot, or box, and step, and how often MuJoCo found its state to be unstable and began anew."""
+    side = math.ceil(math.sqrt(robots))
+    bodies = ""
+    for number in range(robots):
+        x, y = ((place - (side - 1) / 2) * 0.75 for place in (number % side, number // side))
+        bodies += crowd_body(number, x, y, math.atan2(-y, -x) if x or y else 0)
+    for x, y, z in wall_of_boxes(boxes):
+        bodies += f'<body pos="{x} {y} {z}"><freejoint/><geom type="box" size="0.1 0.1 0.1" mass="1" friction="0.4 0 0"/></body>'
+    servos = "".join(f'<velocity joint="r{number}w{wheel}" kv="5" forcerange="-20 20"/>' for number in range(robots) for wheel in range(4))
+    scene = mujoco.MjModel.from_xml_string(
+        f'<mujoco><compiler angle="degree"/><size memory="2G"/><option timestep="{dt}" integrator="implicitfast" cone="{cone}" impratio="{10 if cone == "elliptic" else 1}"/>'
+        f'<worldbody><geom type="plane" size="50 50 1" friction="0.85 0 0"/>{bodies}</worldbody><actuator>{servos}</actuator></mujoco>'
+    )
+    data, steps = mujoco.MjData(scene), int(seconds / dt)
+    data.ctrl[:] = 5
+    start, unstable = time.perf_counter(), 0
+    for _ in range(steps):
+        mujoco.mj_step(scene, data)
+        if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+            # It has begun anew, with commands of 0.
+            unstable, data.ctrl[:] = unstable + 1, 5
+            data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number = 0
+    return 1e6 * (time.perf_counter() - start) / steps / max(robots, boxes), unstable
+
+
+def usarsim_crowd_row(robots, boxes, dt, seconds, folder):
+    """The same of usarsim, without sensors, and the longest step in ms."""
+    path = os.path.join(folder, f"wall-{boxes}.toml")
+    with open(path, "w") as file:
+        file.write('[[half_space]]\nname = "floor"\nmaterial = "concrete"\n[[start]]\nname = "start"\nposition = [0.0, 0.0, 0.0]\nrotation = [0.0, 0.0, 0.0]\n')
+        for number, (x, y, z) in enumerate(wall_of_boxes(boxes)):
+            file.write(f'[[box]]\nname = "box-{number}"\nmaterial = "plywood"\nposition = [{x}.0, {y:.4f}, {-z:.4f}]\nsize = [0.2, 0.2, 0.2]\nmass = 1.0\n')
+    bare = os.path.join(folder, "P3AT", "robot.toml")
+    command = [USARSIM, "bench", "--crowd", "--robot", bare, "--robots", str(robots), "--dt", str(dt), "--seconds", str(seconds), "--map", path, "--json"]
+    report = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    return report["microseconds_per_robot_and_step"] * robots / max(robots, boxes), report["worst_step_milliseconds"]
+
+
+def crowds(seconds, repeat, folder):
+    """The table of crowds and walls, each time the shortest of the repeats."""
+    lines = ["| what | step, ms | MuJoCo, pyramidal, us | MuJoCo, elliptic, us | usarsim, us | usarsim, longest step, ms | times the faster |", "|---|---|---|---|---|---|---|"]
+    for robots, boxes in ((5, 0), (20, 0), (80, 0), (1, 500)):
+        for dt in (0.002, 0.004):
+            best, longest, unstable = [math.inf] * 3, math.inf, 0
+            for turn in range(repeat):
+                print(f"\r{turn + 1}/{repeat} {robots} robots, {boxes} boxes, {1e3 * dt:g} ms {'':60}", end="", flush=True)
+                found = [mujoco_crowd_row(robots, boxes, cone, dt, seconds) for cone in ("pyramidal", "elliptic")]
+                unstable = max(unstable, *(count for _, count in found))
+                own, worst = usarsim_crowd_row(robots, boxes, dt, seconds, folder)
+                longest = min(longest, worst)
+                best = [min(pair) for pair in zip(best, [*(each for each, _ in found), own])]
+            what = f"{robots} P3ATs" if robots > 1 else f"a wall of {boxes} boxes"
+            note = f" (unstable, begun anew {unstable} times)" if unstable else ""
+            lines.append(f"| {what}{note} | {1e3 * dt:g} | {best[0]:.1f} | {best[1]:.1f} | {best[2]:.1f} | {longest:.1f} | {min(best[:2]) / best[2]:.2f} |")
+    return lines
+
+
 def without_sensors(name, folder):
     """A robot file without the sensors that MuJoCo's robots have not, and without looks, whose meshes lie beside the shipped one."""
     shipped = os.path.join(os.path.dirname(__file__), "..", "assets", "robots", name, "robot.toml")
@@ -319,8 +399,14 @@ def main():
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--out", help="write the table as Markdown")
+    parser.add_argument("--crowds", action="store_true", help="make the table of crowds and walls alone")
     parser.add_argument("--check", help="compare with the rows of usarsim in this file, all but times; MuJoCo is not run")
     arguments = parser.parse_args()
+    if arguments.crowds:
+        with tempfile.TemporaryDirectory() as folder:
+            without_sensors("P3AT", folder)
+            print("\r" + "\n".join(crowds(5, arguments.repeat, folder)))
+        return
     definition, seconds = robot(), arguments.seconds
     peers = [(shape, cone, dt) for shape in ("ellipsoid", "chain 5", "chain 9") for cone in ("pyramidal", "elliptic") for dt in (0.002, 0.004, 0.008, 0.012, 0.016, 0.02)]
     runs = {f"MuJoCo {mujoco.__version__}, {shape}, {cone}|{1e3 * dt:g}": (lambda s=shape, c=cone, t=dt: mujoco_row(definition, s, c, t, seconds)) for shape, cone, dt in peers}
@@ -357,6 +443,8 @@ def main():
     text += " MuJoCo's P3AT has no sensors; usarsim's has a laser of 181 beams and seven others, which are in its time, but where the row says not."
     text += f"\n\n## Trees\n\nThe same trees of links with the same servos, times real time in the motions of `usarsim bench` (3 x {seconds:g} seconds): a youBot with its arm and 24 rollers, and a Kenaf that starts with its front half on a step of 5 cm. usarsim's have their sensors, too.\n\n"
     text += "\n".join(trees(seconds, arguments.repeat))
+    text += "\n\n## Crowds and walls\n\nP3ATs without sensors on a grid of 0.75 m that all drive to its middle at 5 rad/s, and one that drives into a wall of boxes, ten high, for 5 simulated seconds: microseconds of one core for each robot, or box, and step. MuJoCo's stiff contacts make it unstable in some of them, and it begins anew.\n\n"
+    text += "\n".join(crowds(5, arguments.repeat, folder.name))
     print("\r" + text)
     if arguments.out:
         with open(arguments.out, "w") as file:

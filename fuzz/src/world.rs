@@ -1,11 +1,12 @@
 //! Lines with times into a world of robots that touch.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use gamebots_proto::{Command, Dialect};
 use scene::{DriveModel, WorldDef};
-use sim_core::{Options, RobotId, World};
+use sim_core::{CompiledScene, Options, RobotId, World};
 
 use crate::assert_finite;
 
@@ -18,10 +19,17 @@ const MAX_ROBOTS: usize = 3;
 /// Most lines of one input: what counts is what happens between them.
 const MAX_LINES: usize = 200;
 
+/// Multiplications that a step may take: the budget of as many systems of two as there may be robots and objects, with a step of Newton's
+/// method beyond it.
+const MAX_WORK: u64 = 10_000_000;
+
 static WORLDS: LazyLock<Vec<WorldDef>> = LazyLock::new(|| {
     let load = |map: &&str| scene_loader::load(map, &[]).expect("a built-in map");
     MAPS.iter().map(load).collect()
 });
+
+/// Scenes that inputs have asked for: to compile one takes longer than most inputs.
+static SCENES: Mutex<BTreeMap<(usize, Option<&str>), CompiledScene>> = Mutex::new(BTreeMap::new());
 
 /// A text such as
 ///
@@ -38,7 +46,7 @@ static WORLDS: LazyLock<Vec<WorldDef>> = LazyLock::new(|| {
 /// which connection ends.
 ///
 /// Every number in a message and in what is seen of a robot is finite, no robot has to be taken out because its state is not,
-/// time goes on by steps, and the same input again gives the same lines and the same digest.
+/// a step's work has a bound, time goes on by steps, and the same input again gives the same lines and the same digest.
 pub fn world(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let first = run(&text);
@@ -49,7 +57,7 @@ pub fn world(bytes: &[u8]) {
 /// The digest of the world at the end and everything that was sent.
 fn run(text: &str) -> (u64, String) {
     let (scene, lines) = text.split_once('\n').unwrap_or((text, ""));
-    let mut world = World::new(definition(scene), Options::default());
+    let mut world = World::new(compiled(scene), Options::default());
     // The robots of three clients, the newest last.
     let mut clients: [Vec<RobotId>; 3] = Default::default();
     let (mut steps, mut sent) = (0, String::new());
@@ -66,13 +74,17 @@ fn run(text: &str) -> (u64, String) {
     (world.digest(), sent)
 }
 
-fn definition(scene: &str) -> WorldDef {
+fn compiled(scene: &str) -> CompiledScene {
     let mut words = scene.split_whitespace();
     let map = words.next().and_then(|name| MAPS.iter().position(|map| *map == name)).unwrap_or_default();
     let model = words.next().and_then(|name| name.parse::<DriveModel>().ok());
-    let mut definition = WORLDS[map].clone();
-    definition.robots.values_mut().for_each(|robot| robot.set_drive_model(model));
-    definition
+    let mut scenes = SCENES.lock().unwrap_or_else(PoisonError::into_inner);
+    let compile = || {
+        let mut definition = WORLDS[map].clone();
+        definition.robots.values_mut().for_each(|robot| robot.set_drive_model(model));
+        CompiledScene::from(definition)
+    };
+    scenes.entry((map, model.map(DriveModel::name))).or_insert_with(compile).clone()
 }
 
 fn act(line: &str, clients: &mut [Vec<RobotId>; 3], world: &mut World, sent: &mut String) {
@@ -102,6 +114,7 @@ fn step(world: &mut World, sent: &mut String) {
         let _ = writeln!(sent, "{robot} {}", message.write(Dialect::Udk));
     }
     assert!(world.time() > before);
+    assert!(world.work() <= MAX_WORK, "a step of {} multiplications", world.work());
     assert_eq!(world.take_lost(), []);
     see(world);
 }

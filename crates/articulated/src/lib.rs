@@ -19,7 +19,7 @@ mod system;
 mod tree;
 
 pub use body::{Body, Drive, Frame};
-pub use system::{Contact, JointRow, Outcome, Side, Workspace, step};
+pub use system::{Contact, JointRow, Outcome, Side, Workspace, most_work, step};
 pub use tree::{Joint, Link, Mass, Tree};
 
 /// A position and orientation.

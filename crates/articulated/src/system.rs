@@ -17,6 +17,9 @@ const DENSE_ROWS: usize = 96;
 /// steps of a heap take a third of it.
 const WORK: [u64; 2] = [600_000, 30_000];
 
+/// Most solutions of several bodies in a step: each may find servos that pass their limits, which the next one holds there.
+const MAX_PASSES: usize = 4;
+
 /// Where a contact acts: a link of a body, by their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Side {
@@ -77,6 +80,8 @@ pub struct Outcome {
     pub sweeps: usize,
     /// Steps of Newton's method.
     pub newton_steps: usize,
+    /// Multiplications that the system took, roughly; 0 of a small single body.
+    pub work: u64,
 }
 
 /// Up to three rows that belong together.
@@ -116,6 +121,11 @@ pub struct Workspace {
     limited: Vec<JointRow>,
 }
 
+/// Returns the multiplications after which the search for the impulses of so many bodies ends with its next step.
+pub fn most_work(bodies: usize) -> u64 {
+    WORK[0] + WORK[1] * bodies as u64
+}
+
 /// Finds the velocities of bodies at the end of a step. They stay where they are: [`Body::advance`] moves them.
 pub fn step(
     bodies: &mut [&mut Body],
@@ -125,7 +135,7 @@ pub fn step(
     workspace: &mut Workspace,
 ) -> Outcome {
     workspace.limited.clear();
-    workspace.budget = WORK[0] + WORK[1] * bodies.len() as u64;
+    workspace.budget = most_work(bodies.len());
     if bodies.len() > 1 {
         // Each that turns out to be limited only later takes another solution of the whole system.
         for (number, body) in bodies.iter_mut().enumerate() {
@@ -133,8 +143,11 @@ pub fn step(
         }
     }
     bodies.iter_mut().for_each(|body| body.prepare(time_step));
+    let (mut work, mut passes) = (0, 0);
     loop {
         let outcome = workspace.solve(bodies, contacts, joints);
+        work += outcome.work;
+        passes += 1;
         let rows = workspace.impulses.as_slice();
         let mut next = 0;
         let mut take = || {
@@ -152,9 +165,10 @@ pub fn step(
         for (number, body) in bodies.iter_mut().enumerate() {
             body.limit_servos(number, time_step, Speeds::Next, &mut workspace.limited);
         }
-        if workspace.limited.len() == before {
+        let is_limited = workspace.limited.len() == before;
+        if is_limited || bodies.len() > 1 && passes == MAX_PASSES {
             bodies.iter_mut().for_each(|body| std::mem::swap(&mut body.velocity, &mut body.free));
-            return outcome;
+            return Outcome { work, is_settled: outcome.is_settled && is_limited, ..outcome };
         }
         bodies.iter_mut().for_each(|body| body.prepare(time_step));
     }
@@ -261,7 +275,7 @@ impl Workspace {
             *own += if compliance > 0.0 { compliance } else { *own * SOFTNESS };
         }
         let friction::Outcome { sweeps, newton_steps, is_settled } = friction::solve(problem, impulses, friction);
-        Outcome { is_settled, sweeps, newton_steps }
+        Outcome { is_settled, sweeps, newton_steps, work: 0 }
     }
 
     /// Finds the impulses of several bodies, each of which touches a few others.
@@ -303,7 +317,7 @@ impl Workspace {
         let found = friction::solve_sparse(sparse, impulses, *budget, sparse_friction);
         let friction::SparseOutcome { sweeps, newton_steps, work, is_settled, .. } = found;
         *budget = budget.saturating_sub(work);
-        Outcome { is_settled, sweeps, newton_steps }
+        Outcome { is_settled, sweeps, newton_steps, work }
     }
 
     /// Adds what the impulses give to the bodies' free velocities.

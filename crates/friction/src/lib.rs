@@ -12,6 +12,9 @@
 //! which slide. They are slow to say how much where many contacts of one body say nearly the same; Newton's method does that in two or
 //! three steps from there. In steady motion the impulses of the step before are a start from which one step of it is enough. Both have a
 //! bound, so that there is always an answer, and [`Outcome`] says whether it is right.
+//!
+//! A [`SparseProblem`] has many bodies, of which each touches few. [`solve_sparse`] takes the same sweeps and steps, but eliminates the
+//! impulses from Newton's equations instead of the velocities, so that work and memory grow with the bodies.
 
 mod block_lu;
 mod local;

@@ -47,8 +47,10 @@ pub(crate) struct Physics {
     landing: Landing,
     /// Where systems of robots in reduced coordinates are solved.
     rooms: Vec<articulated::Room>,
-    /// How many of them did not settle.
+    /// Number of systems that did not settle.
     unsettled: u64,
+    /// Multiplications of the last step's systems of several bodies.
+    work: u64,
     /// What stands until the next step in the places of colliders that were removed.
     placeholders: Vec<ColliderHandle>,
 }
@@ -79,6 +81,7 @@ impl Physics {
             landing: Landing::default(),
             rooms: Vec::new(),
             unsettled: 0,
+            work: 0,
             placeholders: Vec::new(),
         }
     }
@@ -102,6 +105,11 @@ impl Physics {
     /// How many systems of robots were solved in which not every contact came to do what it should.
     pub(crate) fn unsettled_steps(&self) -> u64 {
         self.unsettled
+    }
+
+    /// Multiplications that systems of several bodies took in the last step, roughly.
+    pub(crate) fn work(&self) -> u64 {
+        self.work
     }
 
     /// Where the map's objects are, in its order.

@@ -396,6 +396,11 @@ impl World {
         self.physics.unsettled_steps()
     }
 
+    /// Multiplications that bodies which touch each other took in the last step, roughly: at most a constant and a share for each body.
+    pub fn work(&self) -> u64 {
+        self.physics.work()
+    }
+
     /// Where everything is now.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {

@@ -115,7 +115,9 @@ impl Physics {
             ..
         } = self;
         let surroundings = Surroundings { materials, robots_of_engine, is_changed, threads };
-        self.unsettled += articulated::solve(world, surroundings, robots.collect(), objects, rooms);
+        let cost = articulated::solve(world, surroundings, robots.collect(), objects, rooms);
+        self.unsettled += cost.unsettled;
+        self.work = cost.work;
     }
 
     /// Tells the engine the poses of the robots in reduced coordinates at the end of its coming step.

@@ -32,10 +32,18 @@ pub(in super::super) struct Room {
     contacts: Vec<Contact>,
     joints: Vec<JointRow>,
     workspace: articulated::Workspace,
-    /// Systems that did not settle.
-    unsettled: u64,
+    cost: Cost,
     /// Impulses on objects that listen.
     pushes: Vec<Push>,
+}
+
+/// The cost of a step's systems.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in super::super) struct Cost {
+    /// Systems that did not settle.
+    pub(in super::super) unsettled: u64,
+    /// Multiplications of systems of several bodies, roughly.
+    pub(in super::super) work: u64,
 }
 
 /// An impulse on an object of a number, N s, by a body.
@@ -62,16 +70,16 @@ struct Pair {
     found: Vec<(usize, Found)>,
 }
 
-/// Advances robots and awake objects by one step. Returns the number of systems that did not settle.
+/// Advances robots and awake objects by one step.
 pub(in super::super) fn solve<'a>(
     world: &mut PhysicsWorld,
     surroundings: Surroundings,
     mut robots: Vec<(&'a mut ArticulatedRobot, Option<&'a Flight>)>,
     objects: &'a mut [MapObject],
     rooms: &mut Vec<Room>,
-) -> u64 {
+) -> Cost {
     if robots.is_empty() && objects.iter().all(MapObject::is_asleep) && surroundings.robots_of_engine == 0 {
-        return 0;
+        return Cost::default();
     }
     let Surroundings { materials, robots_of_engine, is_changed, threads } = surroundings;
     let time_step = world.integration_parameters.dt;
@@ -134,7 +142,8 @@ pub(in super::super) fn solve<'a>(
     let mut pushes: Vec<Push> = rooms.iter_mut().flat_map(|room| room.pushes.drain(..)).collect();
     pushes.sort_by_key(|push| push.object);
     rest(objects, &is_asleep[robot_count..], &pushes, gravity.norm(), time_step);
-    rooms.iter_mut().map(|room| std::mem::take(&mut room.unsettled)).sum()
+    let costs = rooms.iter_mut().map(|room| std::mem::take(&mut room.cost));
+    costs.fold(Cost::default(), |sum, it| Cost { unsettled: sum.unsettled + it.unsettled, work: sum.work + it.work })
 }
 
 /// Finds contacts of bodies that moved since the last search.
@@ -320,7 +329,7 @@ struct Step<'a> {
 impl Step<'_> {
     /// Moves a group on by the step, and notes what pushed it.
     fn solve(self, group: &mut [Member], room: &mut Room) {
-        let Room { contacts, joints, workspace, unsettled, pushes } = room;
+        let Room { contacts, joints, workspace, cost, pushes } = room;
         contacts.clear();
         joints.clear();
         let is_alone = group.len() == 1;
@@ -349,7 +358,8 @@ impl Step<'_> {
             let mut bodies: Vec<&mut Body> = group.iter_mut().map(Member::body_mut).collect();
             articulated::step(&mut bodies, contacts, joints, self.time_step, workspace)
         };
-        *unsettled += u64::from(!outcome.is_settled);
+        cost.unsettled += u64::from(!outcome.is_settled);
+        cost.work += outcome.work;
         let (mut contacts, mut joints) = (contacts.as_slice(), joints.as_slice());
         group.iter_mut().filter_map(Member::robot).for_each(ArticulatedRobot::forget);
         for body in 0..group.len() {

@@ -1,0 +1,178 @@
+//! Heaps, towers and impacts: what touches costs in proportion, comes to rest and gains nothing.
+
+use experiments::Crowd;
+use nalgebra::Vector3;
+use scene::{Object, Shape, Solid, WorldDef};
+use sim_core::{Options, World};
+use system_tests::{apply, init, init_on_top, run};
+
+/// Multiplications for each body by which a step may pass its budget: one more step of Newton's method.
+const SLACK: u64 = 20_000;
+
+fn def(map: &str) -> WorldDef {
+    scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn world(map: &str, time_step: f64) -> World {
+    World::new(def(map), Options { time_step, ..Options::default() })
+}
+
+/// Boxes of 0.2 m and 1 kg above each other, the lowest at a place on the floor.
+fn tower(def: &mut WorldDef, count: u32, [x, y]: [f64; 2]) {
+    let like = def.map.solids[0].clone();
+    for number in 0..count {
+        let position = [x, y, -0.1 - 0.2 * f64::from(number)];
+        let name = format!("box-{number}");
+        let solid = Solid { name, shape: Shape::Box { size: [0.2; 3] }, position, ..like.clone() };
+        def.map.objects.push(Object { solid, mass: 1.0 });
+    }
+}
+
+fn fastest(world: &World) -> f64 {
+    world.snapshot().robots.iter().map(|robot| robot.body.linear.norm()).fold(0.0, f64::max)
+}
+
+/// Every class but the one that flies. Where wheels roll on a roof, that takes longer than 5 s.
+#[test]
+fn six_robots_on_each_other_rest() {
+    let classes: Vec<String> = def("rough").robots.keys().filter(|class| *class != "AirRobot").cloned().collect();
+    let mut moving = Vec::new();
+    for time_step in [0.002, 0.008] {
+        for class in &classes {
+            let mut world = world("rough", time_step);
+            for _ in 0..6 {
+                init_on_top(&mut world, class, [0.0, 0.0], 0.0);
+            }
+            run(&mut world, 5.0);
+            let (speed, unsettled) = (fastest(&world), world.unsettled_steps());
+            println!("six {class} at {time_step} s: {speed:.1e} m/s, {unsettled} unsettled");
+            if speed >= 2e-3 {
+                moving.push(format!("{class} at {time_step} s: {speed:.1e} m/s"));
+            }
+        }
+    }
+    assert!(moving.is_empty(), "{moving:?}");
+}
+
+#[test]
+fn a_tower_of_ten_boxes_stands_until_a_robot_drives_into_it() {
+    for time_step in [0.002, 0.008] {
+        let mut def = def("rough");
+        tower(&mut def, 10, [1.0, 0.0]);
+        let start: Vec<f64> = def.map.objects.iter().map(|object| object.solid.position[2]).collect();
+        let mut world = World::new(def, Options { time_step, ..Options::default() });
+        let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
+        run(&mut world, 5.0);
+        let stands: Vec<Vector3<f64>> = world.objects().map(|pose| pose.translation.vector).collect();
+        for (place, start) in stands.iter().zip(start) {
+            assert!((place - Vector3::new(1.0, 0.0, start)).norm() < 2e-3, "at {time_step} s: {stands:?}");
+        }
+        run(&mut world, 1.0);
+        let after: Vec<Vector3<f64>> = world.objects().map(|pose| pose.translation.vector).collect();
+        assert_eq!(after, stands, "what sleeps does not move");
+        apply(&mut world, robot, "DRIVE {Left 4} {Right 4}");
+        run(&mut world, 6.0);
+        let lowest = world.objects().map(|pose| pose.translation.z).fold(f64::INFINITY, f64::min);
+        assert!(lowest > -1.5, "at {time_step} s the highest box is still at {lowest} m");
+    }
+}
+
+/// A sleeping object hears that what carries it moves or leaves.
+#[test]
+fn a_box_falls_when_the_robot_below_it_leaves() {
+    let mut def = def("rough");
+    tower(&mut def, 1, [0.0, 0.0]);
+    def.map.objects[0].solid.position[2] = -0.6;
+    let mut world = World::new(def, Options::default());
+    let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
+    let height = |world: &World| -world.objects().next().map_or(0.0, |pose| pose.translation.z);
+    run(&mut world, 3.0);
+    let on_robot = height(&world);
+    assert!(on_robot > 0.3, "it lies on the robot, at {on_robot} m");
+    world.remove(robot);
+    run(&mut world, 1.0);
+    assert!((height(&world) - 0.1).abs() < 1e-3, "it lies on the floor, at {} m", height(&world));
+}
+
+/// Robots that fall from kilometres, on the floor and on others, have no more energy afterwards, and stay.
+#[test]
+fn a_fall_from_kilometres_gains_no_energy() {
+    let alone = |class: &str, height: f64, rotation: &str| {
+        vec![format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,-{height}}} {{Rotation {rotation}}}")]
+    };
+    let mut falls = vec![
+        (5000.0, alone("P3AT", 5000.0, "0.3,0.2,0")),
+        (4000.0, alone("P3AT", 4000.0, "0.8,0.5,0")),
+        (3000.0, alone("YouBotArm", 3000.0, "0.8,0.5,0")),
+        (2000.0, [alone("P3AT", 0.0, "0,0,0"), alone("P3AT", 2000.0, "0.3,0.2,0")].concat()),
+    ];
+    let classes = ["P3AT", "YouBot", "Kenaf", "P2AT", "P2DX", "BasicSkidRobot", "CasterSkidRobot", "FrontAckerman"];
+    let apart = |number: usize| {
+        let (class, x, y) = (classes[number % classes.len()], 40 * (number % 4), 40 * (number / 4));
+        format!("INIT {{ClassName USARBot.{class}}} {{Location {x},{y},-200}} {{Rotation 0.3,0.2,{number}}}")
+    };
+    falls.push((200.0, (0..16).map(apart).collect()));
+    for time_step in [0.002, 0.016] {
+        for (height, lines) in &falls {
+            let mut world = world("smooth", time_step);
+            for line in lines {
+                init(&mut world, line);
+            }
+            // Damping of the air is none.
+            let falling = (2.0 * height / 9.81_f64).sqrt();
+            let most = 9.81 * (height + 2.0);
+            for _ in 0..((falling + 8.0) / time_step) as u64 {
+                world.step();
+                for robot in world.snapshot().robots {
+                    let energy = robot.body.linear.norm_squared() / 2.0 - 9.81 * robot.body.pose.translation.z;
+                    assert!(energy < most, "{lines:?} at {time_step} s: {energy} J/kg of {most}");
+                }
+            }
+            assert_eq!(world.take_lost(), [], "{lines:?} at {time_step} s");
+        }
+    }
+}
+
+/// Towers of robots of four classes in the air, which fall on each other: the work of a step has a bound.
+#[test]
+fn robots_dropped_at_one_place_cost_no_more_than_their_budget() {
+    let classes = ["KUKA_YouBot", "YouBot", "P3AT", "Kenaf"];
+    for count in [10, 20, 40] {
+        let mut world = world("rough", 0.002);
+        for (number, class) in classes.iter().cycle().take(count).enumerate() {
+            let height = 1.0 + 0.6 * number as f64;
+            init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,-{height}}}"));
+        }
+        check_work(&mut world, 2.0, count);
+    }
+}
+
+#[test]
+fn crowds_of_every_size_cost_no_more_than_their_budget() {
+    for count in [5, 20, 80] {
+        let classes = ["P3AT", "YouBot"].map(str::to_owned);
+        let mut crowd = Crowd::start(world("rough", 0.002), &classes, count).expect("a crowd");
+        let mut most = 0;
+        for _ in 0..1000 {
+            crowd.step();
+            most = most.max(crowd.world().work());
+        }
+        let each = most / u64::from(count);
+        println!("{count}: {each} multiplications a robot at most, {} unsettled", crowd.world().unsettled_steps());
+        assert!(each <= articulated::most_work(1) / 2 + SLACK, "{count}: {each} a robot");
+        assert_eq!(crowd.world().robots().count() as u32, count);
+    }
+}
+
+#[track_caller]
+fn check_work(world: &mut World, seconds: f64, bodies: usize) {
+    let mut most = 0;
+    for _ in 0..(seconds / world.time_step()) as u64 {
+        world.step();
+        most = most.max(world.work());
+    }
+    println!("{bodies}: {most} multiplications in a step at most, {} unsettled", world.unsettled_steps());
+    // Each of a few systems has its own share.
+    let bar = bodies as u64 * (articulated::most_work(1) + SLACK);
+    assert!(most <= bar, "{bodies} bodies: {most} multiplications of {bar}");
+}
