@@ -13,9 +13,9 @@ const SOFTNESS_BETWEEN: f64 = 1e-3;
 
 /// Rows of a single body up to which its dense system is solved: nearly all share its root. Robots in steady motion have up to 60.
 const DENSE_ROWS: usize = 96;
-/// Multiplications that a step of several bodies may take: so many, and so many for each body. A millisecond has about a million. Most
-/// steps of a heap take a third of it.
-const WORK: [u64; 2] = [600_000, 30_000];
+/// Multiplications that a step of several bodies may take: so many for each of a few, at most so many for all of these, and so many more for
+/// each. A millisecond has about a million. Less is no faster: an answer that misses is a bad start for the next step.
+const WORK: [u64; 3] = [500_000, 3_000_000, 30_000];
 
 /// Most solutions of several bodies in a step: each may find servos that pass their limits, which the next one holds there.
 const MAX_PASSES: usize = 4;
@@ -123,7 +123,9 @@ pub struct Workspace {
 
 /// Returns the multiplications after which the search for the impulses of so many bodies ends with its next step.
 pub fn most_work(bodies: usize) -> u64 {
-    WORK[0] + WORK[1] * bodies as u64
+    let [of_few, most, each] = WORK;
+    let bodies = bodies as u64;
+    (of_few * bodies).min(most) + each * bodies
 }
 
 /// Finds the velocities of bodies at the end of a step. They stay where they are: [`Body::advance`] moves them.

@@ -19,7 +19,7 @@ const TICKS: f64 = 100.0;
 pub(crate) type Row = (&'static str, &'static str, fn() -> String, &'static str);
 
 /// Every row, in the order of its table.
-pub(crate) const ROWS: [Row; 11] = [
+pub(crate) const ROWS: [Row; 15] = [
     ("start", "start to ready, median of 5", start, "under 1000 ms"),
     (
         "drive",
@@ -41,7 +41,14 @@ pub(crate) const ROWS: [Row; 11] = [
         "less than 5 % for one",
     ),
     ("watch", "state of ten youBots with lasers for one viewer", watch_in_real_time, "under 200 kB/s"),
+    ("heap", "ten robots of four classes at one place", || heap(&FOUR, 10, 0.0), "no silence over 100 ms"),
+    ("heap", "250 P3ATs at one place", || heap(&["P3AT"], 250, 0.0), "under 200 MB"),
+    ("heap", "twenty P3ATs that fall on each other", || heap(&["P3AT"], 20, 0.6), "no silence over 200 ms"),
+    ("heap", "ten robots of four classes that fall on each other", || heap(&FOUR, 10, 0.6), "no silence over 200 ms"),
 ];
+
+/// Classes of a mixed heap; the first is rapier's multibody.
+const FOUR: [&str; 4] = ["KUKA_YouBot", "YouBot", "P3AT", "Kenaf"];
 
 fn main() {
     // `cargo test --benches` and the like only want to know that it runs.
@@ -191,6 +198,30 @@ fn listen(count: usize) -> String {
     let gaps = truths.windows(2).filter(|pair| (pair[1] - pair[0] - 0.1).abs() > 1e-3).count();
     let (seen, megabytes) = (truths.len(), server.peak_megabytes());
     format!("{seen} ground truths in {SECONDS} s, {gaps} gaps, {megabytes:.0} MB")
+}
+
+/// One client puts robots at one place or above each other, in one segment: how long does another, 30 m away, hear nothing? A robot without
+/// company is heard every 100 ms or sooner.
+fn heap(classes: &[&str], count: usize, spacing: f64) -> String {
+    let server = Server::start("rough");
+    let mut bystander = server.connect();
+    send(&mut bystander, "INIT {ClassName USARBot.P3AT} {Location 30,0,0}");
+    let mut other = server.connect();
+    let line = |(number, class): (usize, &&str)| {
+        let height = 1.0 + spacing * number as f64;
+        format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,-{height}}}")
+    };
+    let lines: Vec<String> = classes.iter().cycle().take(count).enumerate().map(line).collect();
+    send(&mut other, &lines.join("\r\n"));
+    let other = std::thread::spawn(move || drop(read(other, SECONDS)));
+    let lines = read(bystander, SECONDS);
+    let silence = lines.windows(2).map(|pair| pair[1].0.duration_since(pair[0].0).as_secs_f64()).fold(0.0, f64::max);
+    let (factor, busy, megabytes) = (factor(&lines), server.processor_seconds(), server.peak_megabytes());
+    drop(other.join());
+    format!(
+        "longest silence {:.0} ms, real-time factor {factor:.2}, {busy:.1} s of processor time, {megabytes:.0} MB",
+        1e3 * silence
+    )
 }
 
 /// Every line that comes, with the moment it came.

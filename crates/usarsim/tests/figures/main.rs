@@ -25,7 +25,7 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure; with `true` it takes times as well.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 14] = [
+const FIGURES: [(&str, Maker); 15] = [
     ("messages", |_| makers::messages()),
     ("session", |_| makers::session()),
     ("motion", |_| makers::motion()),
@@ -36,6 +36,7 @@ const FIGURES: [(&str, Maker); 14] = [
     ("cost", |timed| makers::cost(timed, &["start", "drive", "listen"])),
     ("cost-of-logs", |timed| makers::cost(timed, &["log"])),
     ("cost-of-viewers", |timed| makers::cost(timed, &["watch"])),
+    ("heaps", |timed| makers::cost(timed, &["heap"])),
     ("kinematics", |_| makers::kinematics()),
     ("sliding", |_| makers::sliding()),
     ("thesis", |_| makers::thesis()),

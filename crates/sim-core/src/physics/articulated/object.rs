@@ -1,7 +1,7 @@
 //! The map's objects: free bodies, solved with the robots that touch them. One at rest sleeps.
 //!
-//! A sleeping object stays where it is, and for what touches it, it does not move. It wakes when the impulses on it are others than those
-//! that it fell asleep with.
+//! A sleeping object is no body of a system: what touches it meets something that does not move. It wakes when its neighbours push it
+//! differently than in the step in which it fell asleep.
 
 use std::sync::Arc;
 
@@ -42,8 +42,9 @@ pub(in super::super) struct MapObject {
     is_entered: bool,
 }
 
-/// Neighbours of a sleeping object, with the impulses that they gave it in the last step before, N s.
+/// The state of a sleeping object.
 struct Sleep {
+    /// Neighbours with the impulses that they gave it in the step in which it fell asleep, N s.
     neighbours: Vec<(RobotId, Vector3<f64>)>,
 }
 
@@ -155,7 +156,7 @@ impl MapObject {
         }
     }
 
-    /// True if the impulses that its awake neighbours gave it in a step, N s, are others than before it slept.
+    /// True if its awake neighbours push it differently than when it fell asleep. `impulses` are theirs in this step, N s.
     pub(super) fn is_disturbed(
         &self,
         impulses: &[(RobotId, Vector3<f64>)],

@@ -78,10 +78,12 @@ pub(in super::super) fn solve<'a>(
     objects: &'a mut [MapObject],
     rooms: &mut Vec<Room>,
 ) -> Cost {
-    if robots.is_empty() && objects.iter().all(MapObject::is_asleep) && surroundings.robots_of_engine == 0 {
+    let Surroundings { materials, robots_of_engine, is_changed, threads } = surroundings;
+    // A robot that left may have carried an object.
+    let is_still = robots.is_empty() && robots_of_engine == 0 && !is_changed;
+    if is_still && objects.iter().all(MapObject::is_asleep) {
         return Cost::default();
     }
-    let Surroundings { materials, robots_of_engine, is_changed, threads } = surroundings;
     let time_step = world.integration_parameters.dt;
     let gravity = convert::from_vector(world.gravity);
     for (robot, flight) in &mut robots {
