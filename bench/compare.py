@@ -339,7 +339,7 @@ def usarsim_crowd_row(robots, boxes, dt, seconds, folder):
     """The same of usarsim, without sensors, and the longest step in ms."""
     path = os.path.join(folder, f"wall-{boxes}.toml")
     with open(path, "w") as file:
-        file.write('[[half_space]]\nname = "floor"\nmaterial = "concrete"\n[[start]]\nname = "start"\nposition = [0.0, 0.0, 0.0]\nrotation = [0.0, 0.0, 0.0]\n')
+        file.write('description = "A floor, with a wall of boxes"\n[[half_space]]\nname = "floor"\nmaterial = "concrete"\n[[start]]\nname = "start"\nposition = [0.0, 0.0, 0.0]\nrotation = [0.0, 0.0, 0.0]\n')
         for number, (x, y, z) in enumerate(wall_of_boxes(boxes)):
             file.write(f'[[box]]\nname = "box-{number}"\nmaterial = "plywood"\nposition = [{x}.0, {y:.4f}, {-z:.4f}]\nsize = [0.2, 0.2, 0.2]\nmass = 1.0\n')
     bare = os.path.join(folder, "P3AT", "robot.toml")
@@ -443,7 +443,7 @@ def main():
     text += " MuJoCo's P3AT has no sensors; usarsim's has a laser of 181 beams and seven others, which are in its time, but where the row says not."
     text += f"\n\n## Trees\n\nThe same trees of links with the same servos, times real time in the motions of `usarsim bench` (3 x {seconds:g} seconds): a youBot with its arm and 24 rollers, and a Kenaf that starts with its front half on a step of 5 cm. usarsim's have their sensors, too.\n\n"
     text += "\n".join(trees(seconds, arguments.repeat))
-    text += "\n\n## Crowds and walls\n\nP3ATs without sensors on a grid of 0.75 m that all drive to its middle at 5 rad/s, and one that drives into a wall of boxes, ten high, for 5 simulated seconds: microseconds of one core for each robot, or box, and step. MuJoCo's stiff contacts make it unstable in some of them, and it begins anew.\n\n"
+    text += "\n\n## Crowds and walls\n\nP3ATs without sensors on a grid of 0.75 m that all drive to its middle at 5 rad/s, and one that drives into a wall of boxes, ten high, for 5 simulated seconds: microseconds of one core for each robot, or box, and step (`bench/compare.py --crowds`). MuJoCo's P3AT is a box on four cylinders with the softer servo and the rotor of above. In crowds usarsim takes two to three times as long: it solves Coulomb's cone to 1e-6 or to the end of its budget, with the servos' stiffness in the contacts. A wall of boxes costs next to nothing while it sleeps.\n\n"
     text += "\n".join(crowds(5, arguments.repeat, folder.name))
     print("\r" + text)
     if arguments.out:
