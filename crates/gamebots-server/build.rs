@@ -1,4 +1,4 @@
-//! The page is part of the program: build again when it changes.
+//! Rebuilds the program when the page in it changes.
 
 fn main() {
     println!("cargo::rerun-if-changed=../../viewer/dist");

@@ -1,4 +1,4 @@
-//! Makes Rust types and a descriptor of `proto/usarsim.proto`.
+//! Generates Rust types and a descriptor from `proto/usarsim.proto`.
 
 use std::error::Error;
 use std::path::Path;

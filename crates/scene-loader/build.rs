@@ -1,4 +1,4 @@
-//! What is built into the program is built in anew when it changes.
+//! Rebuilds the crate when an embedded file changes.
 
 fn main() {
     println!("cargo::rerun-if-changed=../../assets");

@@ -18,7 +18,7 @@ const STEPS: usize = 50;
 const ROBOT_OF_URDF: &str = include_str!("files/robot.toml");
 const ROBOT_OF_JOINTS: &str = include_str!("../../assets/robots/KUKA_YouBot/robot.toml");
 const URDF_WITH_JOINTS: &str = include_str!("../../assets/robots/KUKA_YouBot/robot.urdf");
-/// What is seen of that robot.
+/// Meshes that the robot of joints names.
 const LOOKS_WITH_JOINTS: [(&str, &[u8]); 3] = [
     ("base.glb", include_bytes!("../../assets/robots/KUKA_YouBot/base.glb")),
     ("hub.glb", include_bytes!("../../assets/robots/KUKA_YouBot/hub.glb")),
@@ -124,7 +124,7 @@ impl Folder {
     }
 }
 
-/// What is called good can be loaded and driven on the map that has the most to touch.
+/// Loads a robot that passes its check, and drives it on the map with the most obstacles.
 fn drive_robot(file: &Path) {
     let checked = scene_loader::check(file);
     assert_lines(&checked);

@@ -1,4 +1,4 @@
-//! What the coverage-guided run adds: a limit on time, and a count of what was tried.
+//! Additions of the coverage-guided run: a limit on time, and a count of the tries.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use crate::{Target, run};
 
 /// Most processor time of an input. The clock on the wall would count what other programs do.
 const TIME: Duration = Duration::from_secs(1);
-/// How often the counts are printed.
+/// Interval at which the counts are printed.
 const INTERVAL: Duration = Duration::from_secs(1);
 
 /// Runs a target as [`run`], and panics where it takes too long. Prints `tried: CASES cases, BYTES bytes` now and then.

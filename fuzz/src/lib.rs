@@ -83,7 +83,7 @@ fn assert_finite(what: &str, value: &impl Debug) {
     assert!(!has_not_finite(&shown), "{what} has a number that is not finite: {shown}");
 }
 
-/// Whether `NaN` or `inf` stands outside of quotes.
+/// True if `NaN` or `inf` stands outside of quotes.
 fn has_not_finite(debug: &str) -> bool {
     let (mut quoted, mut escaped) = (false, false);
     let word = |c: char| {

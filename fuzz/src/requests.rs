@@ -1,4 +1,4 @@
-//! What browsers and Foxglove ask for.
+//! Requests of browsers and Foxglove.
 
 use gamebots_server::fuzzing;
 

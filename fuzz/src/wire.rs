@@ -51,7 +51,7 @@ fn command(text: &str) {
     assert_eq!(problems, [], "{text:?} was written as {written:?}");
 }
 
-/// What comes from a server need not be finite; it is not written as such.
+/// Numbers from a server need not be finite; these are not written.
 fn message(text: &str) {
     if let Some(message) = Message::read(text) {
         let written = message.write(Dialect::Udk);

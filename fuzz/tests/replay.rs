@@ -124,7 +124,7 @@ fn write_log(path: &Path) {
     log.finish(End { time: world.time(), digest: Some(world.digest()), unsettled_steps: 0, dropped: 0 }).unwrap();
 }
 
-/// The same records without compression and checksums, in which a changed byte reaches whoever reads it.
+/// Writes the records of a log without compression and checksums, so that a changed byte reaches the reader.
 fn write_plain(path: &Path, plain: &Path) {
     let bytes = std::fs::read(path).unwrap();
     let options = WriteOptions::new().compression(None).use_chunks(false).calculate_data_section_crc(false);

@@ -1,4 +1,4 @@
-//! A client that must notice nothing of what others do: no gap in its sensors, the same answers at any time.
+//! A client that other clients must not disturb: its sensors have no gaps, and its questions always get the same answers.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -8,15 +8,15 @@ use gamebots_client::Client;
 
 use crate::server::{PATIENCE, time_of};
 
-/// What comes at fixed intervals of simulated time, s, of a P3AT.
+/// Messages of a P3AT that come at fixed intervals of simulated time, s.
 const INTERVALS: [(&str, f64); 3] = [("STA ", 0.1), ("{Type GroundTruth}", 0.1), ("{Type RangeScanner}", 0.2)];
-/// Times on the wire have four decimals, and are rounded to 24 bits before, s.
+/// Tolerance of times, s. On the wire they have four decimals, after rounding to 24 bits.
 const TIME_TOLERANCE: f64 = 0.00011;
 const TIME_ROUNDING: f64 = f32::EPSILON as f64;
-/// Gaps that are kept.
+/// Most gaps that are kept.
 const MAX_GAPS: usize = 20;
 
-/// Questions of all kinds; each has one answer, which is always the same.
+/// Questions of all kinds. Each has one answer that never changes.
 const QUESTIONS: [&str; 10] = [
     "GETSTARTPOSES",
     "GETPATHNODES",
@@ -30,23 +30,23 @@ const QUESTIONS: [&str; 10] = [
     "GETCONF {Type INS}",
 ];
 
-/// A client with a P3AT that watches the times of its readings.
+/// A client with a P3AT that checks the times of its readings.
 pub struct Honest {
     client: Client,
     last: BTreeMap<&'static str, f64>,
-    /// What did not come when it was due, the first of them.
+    /// Readings that came at a wrong time, up to a maximum.
     pub gaps: Vec<String>,
-    /// Readings that were checked.
+    /// Number of readings that were checked.
     pub readings: u64,
-    /// How long each answer took.
+    /// Latency of each answer.
     pub latencies: Vec<Duration>,
 }
 
 impl Honest {
-    /// Connects, puts its robot at a place of its own and waits for the first readings.
+    /// Connects, spawns a robot at a place of its own and waits for the first readings.
     ///
     /// # Panics
-    /// If it is not served.
+    /// If the server does not serve it.
     pub fn join(address: SocketAddr) -> Self {
         let client = Client::connect(address).unwrap_or_else(|error| panic!("cannot connect: {error}"));
         let (last, gaps) = (BTreeMap::new(), Vec::new());
@@ -63,7 +63,7 @@ impl Honest {
     /// Asks a question and returns its answer.
     ///
     /// # Panics
-    /// If none comes.
+    /// If there is no answer.
     pub fn ask(&mut self, question: &str) -> String {
         let start = Instant::now();
         self.send(question);
@@ -77,7 +77,7 @@ impl Honest {
         QUESTIONS.iter().map(|question| self.ask(question)).collect()
     }
 
-    /// Asks the questions in turn until a moment of the clock, with pauses in which it listens.
+    /// Asks the questions in turn until a deadline, and listens in pauses between them.
     ///
     /// # Panics
     /// If an answer is not as expected.
@@ -91,7 +91,7 @@ impl Honest {
         }
     }
 
-    /// Takes what comes in a time.
+    /// Receives and checks lines for a time.
     pub fn listen(&mut self, time: Duration) {
         let end = Instant::now() + time;
         while let Some(line) = self.next_line(end.saturating_duration_since(Instant::now())) {
@@ -99,12 +99,12 @@ impl Honest {
         }
     }
 
-    /// Simulated time of the newest reading, s.
+    /// Returns the simulated time of the newest reading, s.
     pub fn time(&self) -> f64 {
         self.last.values().copied().fold(0.0, f64::max)
     }
 
-    /// Latencies at the 50th and 99th percentile and the longest.
+    /// Returns the latencies at the 50th and 99th percentile, and the longest.
     pub fn latency(&self) -> [Duration; 3] {
         let mut sorted = self.latencies.clone();
         sorted.sort();
@@ -119,7 +119,7 @@ impl Honest {
         self.client.next_line(patience).unwrap_or_else(|error| panic!("the server is gone: {error}"))
     }
 
-    /// The next line that is not on a timer.
+    /// Returns the next line that is not on a timer.
     fn reply(&mut self) -> String {
         let end = Instant::now() + PATIENCE;
         loop {
@@ -131,7 +131,7 @@ impl Honest {
         }
     }
 
-    /// Checks the time of a line that is on a timer; false for any other.
+    /// Checks the time of a line that is on a timer. Returns false for any other line.
     fn note(&mut self, line: &str) -> bool {
         if !["SEN ", "STA ", "ASTA ", "EFF "].iter().any(|kind| line.starts_with(kind)) {
             return false;

@@ -1,4 +1,4 @@
-//! What tests share that measure: one at a time, for as long as the environment says.
+//! Helpers of tests that measure: one such test at a time, with settings from the environment.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -8,10 +8,10 @@ pub fn alone() -> MutexGuard<'static, ()> {
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A number from an environment variable, or the one that holds without it.
+/// Returns a number from an environment variable, or a default.
 ///
 /// # Panics
-/// If it is no number.
+/// If the variable is not a number.
 pub fn setting<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
     let Ok(text) = std::env::var(name) else { return otherwise };
     text.parse().unwrap_or_else(|_| panic!("{name}={text}: expected a number"))

@@ -1,4 +1,4 @@
-//! The program as a process, and what a process takes of the machine (Linux).
+//! The program as a process, and the resources of a process (Linux).
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -9,14 +9,14 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Lines of the program's stderr that are shown when a test fails.
+/// Lines of the program's stderr that are printed when a test fails.
 const SHOWN_LINES: usize = 20;
 
-/// A serving program; it is killed when it is dropped.
+/// A serving program. It is killed on drop.
 pub struct Program {
-    /// Where it listens.
+    /// Address of the controllers' port.
     pub address: SocketAddr,
-    /// Where its page is.
+    /// Address of the page.
     pub page: SocketAddr,
     child: Child,
     folder: TempDir,
@@ -48,22 +48,22 @@ impl Program {
         Self { address: local(address), page: local(page), child, folder }
     }
 
-    /// The folder that it runs in.
+    /// Returns the path of a file in the program's working folder.
     pub fn file(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    /// What it takes now.
+    /// Returns its present resources.
     pub fn usage(&self) -> Usage {
         Usage::of(&self.child.id().to_string())
     }
 
-    /// Ends it by SIGTERM and returns how it ended.
+    /// Stops it by SIGTERM and returns its exit status.
     ///
     /// # Panics
     /// If there is no shell.
     pub fn stop(&mut self) -> ExitStatus {
-        // The kill of the shell: the program of that name is not on every machine.
+        // The shell's own kill: not every machine has a program of that name.
         let signal = Command::new("sh").args(["-c", &format!("kill -TERM {}", self.child.id())]).status();
         assert!(signal.is_ok_and(|status| status.success()), "the program is gone");
         self.child.wait().unwrap_or_else(|error| panic!("it does not end: {error}"))
@@ -83,24 +83,24 @@ impl Drop for Program {
     }
 }
 
-/// What a process takes.
+/// Resources of a process.
 #[derive(Debug, Clone, Copy)]
 pub struct Usage {
-    /// Memory that is resident, bytes.
+    /// Resident memory, bytes.
     pub resident: u64,
-    /// The most that ever was, bytes.
+    /// Peak of the resident memory, bytes.
     pub peak: u64,
-    /// Open file descriptors.
+    /// Number of open file descriptors.
     pub descriptors: u64,
-    /// Threads.
+    /// Number of threads.
     pub threads: u64,
 }
 
 impl Usage {
-    /// Of a process by its number, or of this one by `self`.
+    /// Returns the resources of a process by its id, or of this one by `self`.
     ///
     /// # Panics
-    /// If it is gone.
+    /// If the process is gone.
     pub fn of(process: &str) -> Self {
         let folder = PathBuf::from("/proc").join(process);
         let status = std::fs::read_to_string(folder.join("status")).unwrap_or_else(|error| panic!("{error}"));

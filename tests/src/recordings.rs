@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-/// Every recording by its name: what its clients did, in order. `None`, with a word about it, without the recordings.
+/// Reads every recording by name: the events of its clients in order. Without the recordings it prints a note and returns `None`.
 ///
 /// # Panics
 /// If they cannot be read.
@@ -22,8 +22,8 @@ pub fn recordings() -> Option<BTreeMap<String, Vec<Value>>> {
     Some(recordings)
 }
 
-/// The lines that a genuine server of 2011 sent; its client cut off the end of every scan, which ends here with its last
-/// whole range. `None`, with a word about it, without the recordings.
+/// Reads the lines that a genuine server of 2011 sent. Its client cut off the end of every scan, so a scan ends here with its last whole
+/// range. Without the recordings this prints a note and returns `None`.
 ///
 /// # Panics
 /// If they cannot be read.

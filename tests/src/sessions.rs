@@ -1,5 +1,5 @@
-//! Sessions as data: what one client sends, whether it reads, and how it leaves. Made from a seed, so that the same bytes can
-//! be sent again.
+//! Sessions as data: the bytes that a client sends, if it reads, and how it leaves. They are made from a seed, so the same bytes can be
+//! sent again.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -16,70 +16,70 @@ use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
 
-/// Longest pause of a recording that is kept.
+/// Longest pause that is kept from a recording.
 const MAX_PAUSE: Duration = Duration::from_millis(300);
-/// A session that has not been taken for this long is broken off, as its end says.
+/// Time after which sending is aborted if the server does not take the bytes. The client then leaves as its end says.
 const MAX_SENDING: Duration = Duration::from_secs(4);
-/// How long a client listens on that has ended its own side.
+/// Time for which a client that closed its sending side still listens.
 const HALF_CLOSED: Duration = Duration::from_millis(200);
 
-/// What one client does.
+/// The actions of one client.
 #[derive(Debug, Clone)]
 pub struct Session {
-    /// What it sends.
+    /// Segments that it sends.
     pub pieces: Vec<Piece>,
-    /// Whether it takes what it is sent.
+    /// True if it reads what the server sends.
     pub reads: bool,
-    /// How it leaves.
+    /// The way it leaves.
     pub end: End,
 }
 
-/// One segment.
+/// One segment of a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Piece {
-    /// Time before it.
+    /// Pause before it.
     pub pause: Duration,
-    /// What is sent.
+    /// Bytes that are sent.
     pub bytes: Vec<u8>,
 }
 
-/// How a client leaves.
+/// The way a client leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// It closes.
+    /// Closes the connection.
     Close,
-    /// It ends its own side, and closes later.
+    /// Closes the sending side, and the connection later.
     HalfClose,
-    /// It resets the connection.
+    /// Resets the connection.
     Reset,
-    /// It neither sends nor takes anything for so long, and then closes.
+    /// Neither sends nor reads for a time, and then closes.
     Stall(Duration),
 }
 
-/// What a crowd of clients has done.
+/// Counters of a crowd of clients.
 #[derive(Debug, Default)]
 pub struct Tally {
-    /// Sessions.
+    /// Sessions played.
     pub sessions: AtomicU64,
-    /// Connections that were refused.
+    /// Connections refused.
     pub refused: AtomicU64,
-    /// Bytes that were taken by the server's machine.
+    /// Bytes taken by the server's machine.
     pub bytes: AtomicU64,
 }
 
 impl Piece {
-    /// A segment without a pause before it.
+    /// Creates a segment without a pause before it.
     pub fn now(bytes: impl Into<Vec<u8>>) -> Self {
         Self { pause: Duration::ZERO, bytes: bytes.into() }
     }
 
-    /// A segment after a pause.
+    /// Creates a segment after a pause.
     pub fn after(milliseconds: u64, bytes: impl Into<Vec<u8>>) -> Self {
         Self { pause: Duration::from_millis(milliseconds), bytes: bytes.into() }
     }
 }
 
-/// What each connection of the recordings sent, with its pauses.
+/// Returns the segments that each connection of the recordings sent, with their pauses.
 pub fn streams(recordings: &BTreeMap<String, Vec<Value>>) -> Vec<Vec<Piece>> {
     let mut streams = Vec::new();
     for events in recordings.values() {
@@ -98,7 +98,7 @@ pub fn streams(recordings: &BTreeMap<String, Vec<Value>>) -> Vec<Vec<Piece>> {
     streams
 }
 
-/// A hostile session: a stream that was recorded and is damaged, or one of the kinds of abuse below.
+/// Makes a hostile session: a damaged recorded stream, or one of the kinds of abuse below.
 pub fn hostile(random: &mut ChaCha8Rng, stream: &[Piece]) -> Session {
     let end = match random.random_range(0..4) {
         0 => End::Close,
@@ -117,7 +117,7 @@ pub fn hostile(random: &mut ChaCha8Rng, stream: &[Piece]) -> Session {
     Session { pieces, reads, end }
 }
 
-/// A stream whose segments are split, joined, delayed, flipped, cut and repeated.
+/// Damages a stream: its segments are split, joined, delayed, flipped, cut and repeated.
 pub fn damaged(random: &mut ChaCha8Rng, stream: &[Piece]) -> Vec<Piece> {
     let mut pieces = stream.to_vec();
     for _ in 0..random.random_range(1..8) {
@@ -139,7 +139,7 @@ pub fn damaged(random: &mut ChaCha8Rng, stream: &[Piece]) -> Vec<Piece> {
             }
             // All in one.
             2 => pieces = vec![Piece::now(pieces.iter().flat_map(|piece| piece.bytes.clone()).collect::<Vec<u8>>())],
-            // Delayed, over the time after which a line without an end counts.
+            // Delayed, beyond the time after which an unfinished line counts as a line.
             3 => pieces[at].pause += Duration::from_millis(random.random_range(0..700)),
             // Bits flipped.
             4 => {
@@ -151,7 +151,7 @@ pub fn damaged(random: &mut ChaCha8Rng, stream: &[Piece]) -> Vec<Piece> {
                     }
                 }
             }
-            // Cut, and what follows is lost.
+            // Cut, with the rest lost.
             5 => {
                 let bytes = &mut pieces[at].bytes;
                 bytes.truncate(random.random_range(0..=bytes.len()));
@@ -168,7 +168,7 @@ pub fn damaged(random: &mut ChaCha8Rng, stream: &[Piece]) -> Vec<Piece> {
     pieces
 }
 
-/// A robot, and then some megabytes of one line as fast as they are taken.
+/// Makes a session that spawns a robot and then sends some megabytes of one line as fast as the server takes them.
 fn flood(random: &mut ChaCha8Rng) -> Vec<Piece> {
     let unit = match random.random_range(0..6) {
         0 => "SET {Type RangeScanner} {Opcode SCAN}\r\n".repeat(400),
@@ -185,7 +185,7 @@ fn flood(random: &mut ChaCha8Rng) -> Vec<Piece> {
     pieces
 }
 
-/// Many robots at one place in one segment.
+/// Makes a session that spawns many robots at one place in one segment.
 fn crowd(random: &mut ChaCha8Rng) -> Vec<Piece> {
     let class = ["P3AT", "KUKA_YouBot", "P2DX", "CasterSkidRobot"][random.random_range(0..4)];
     let init = format!("INIT {{ClassName USARBot.{class}}} {}\r\n", place(random));
@@ -193,14 +193,14 @@ fn crowd(random: &mut ChaCha8Rng) -> Vec<Piece> {
     vec![Piece::now(init.repeat(count)), Piece::after(random.random_range(0..200), "DRIVE {Left 2} {Right 3}\r\n")]
 }
 
-/// Classes that a rude client asks for.
+/// Classes that a rude client spawns.
 const CLASSES: [&str; 9] =
     ["AirRobot", "P3AT", "Kenaf", "KUKA_YouBot", "YouBotArm", "P2DX", "FrontAckerman", "BasicSkidRobot", "YouBot"];
-/// Numbers that no controller means.
+/// Numbers that no controller would send.
 const NUMBERS: [&str; 12] = ["0", "1", "-1", "5", "-20", "100", "1e4", "-1e6", "1e9", "1e308", "NaN", "-inf"];
 
-/// A client that is understood and means ill: robots at one place, in solids and from the sky, driven by any number, through crates
-/// and each other, and gone at any moment.
+/// Makes a session of valid commands with bad intent. It spawns robots at one place, in solids and in the sky. It drives them by any
+/// number, through crates and each other, and leaves at any moment.
 pub fn rude(random: &mut ChaCha8Rng) -> Session {
     let mut pieces = Vec::new();
     for _ in 0..random.random_range(1..4) {
@@ -240,20 +240,20 @@ pub fn rude(random: &mut ChaCha8Rng) -> Session {
     Session { pieces, reads: random.random_bool(0.9), end }
 }
 
-/// Somewhere within 3 m.
+/// Returns a random place within 3 m.
 pub fn place(random: &mut ChaCha8Rng) -> String {
     let mut within = |most: f64| random.random_range(-most..most);
     let (x, y, yaw) = (within(3.0), within(3.0), within(3.1));
     format!("{{Location {x:.2},{y:.2},0}} {{Rotation 0,0,{yaw:.2}}}")
 }
 
-/// How often clients that play are asked whether it is over.
+/// Interval at which players check if the play is over.
 const OVER_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Clients that play one session after the other until it is over. The n-th session of client i is what `make` makes of that
-/// client's random numbers and i + n.
+/// Lets clients play one session after the other until `is_over`. The n-th session of client i is made by `make` from that client's random
+/// numbers and i + n.
 ///
-/// All of them share one thread, so that however many there are, they leave the server a processor.
+/// All clients share one thread, so any number of them leaves the server a processor.
 ///
 /// # Panics
 /// If there is no runtime.
@@ -290,7 +290,7 @@ pub fn play_until(
 pub async fn play(session: Session, address: SocketAddr, tally: &Tally) {
     let Ok(stream) = TcpStream::connect(address).await else {
         tally.refused.fetch_add(1, Ordering::Relaxed);
-        // The server is not to be asked again at once.
+        // Wait before the next connection, to spare the server.
         return sleep(Duration::from_millis(20)).await;
     };
     tally.sessions.fetch_add(1, Ordering::Relaxed);
@@ -308,7 +308,7 @@ pub async fn play(session: Session, address: SocketAddr, tally: &Tally) {
         }
         End::Reset => {
             let _ = write.as_ref().set_zero_linger();
-            // Which would end its side politely first.
+            // Dropping it would first close its side politely.
             write.forget();
         }
         End::Stall(time) => sleep(time).await,
@@ -327,7 +327,7 @@ async fn send(pieces: &[Piece], write: &mut OwnedWriteHalf, tally: &Tally) {
     }
 }
 
-/// Takes what comes until the server ends the connection; nothing, for ever, if it is not to be read.
+/// Reads until the server closes the connection. If `reads` is false, reads nothing and never ends.
 async fn take_all(mut read: OwnedReadHalf, reads: bool) {
     let mut buffer = vec![0; 16 * 1024];
     while reads && read.read(&mut buffer).await.is_ok_and(|count| count > 0) {}

@@ -1,4 +1,4 @@
-//! Transcripts: what clients send and what has to come back, as data.
+//! Transcripts: the lines that clients send and the expected answers, as data.
 //!
 //! ```text
 //! serve map=rough rtf=5 dialect=udk   # once, before the first case; all are optional
@@ -15,8 +15,8 @@
 //! a close
 //! ```
 //!
-//! A pattern is literal but for `<f4>`, `<f3>`, `<f2>` (numbers of that many decimals), `<int>`, `<any>`, and
-//! `/regular expression/` as a whole.
+//! A pattern is literal, apart from `<f4>`, `<f3>`, `<f2>` (numbers with that many decimals), `<int>`, `<any>`, and `/regular expression/`
+//! as a whole.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -30,7 +30,7 @@ use crate::{Peer, Server};
 
 /// A transcript file.
 pub struct Transcript {
-    /// Its path.
+    /// Path of the file.
     pub name: String,
     map: String,
     rtf: f64,
@@ -65,7 +65,7 @@ impl Transcript {
         transcript
     }
 
-    /// The numbers of the conformance cases in it.
+    /// Returns the numbers of the conformance cases in it.
     pub fn case_numbers(&self) -> Vec<u32> {
         let numbers = |case: &Case| -> Vec<u32> {
             let words = case.title.split_whitespace().map_while(|word| word.trim_end_matches(',').parse().ok());
@@ -89,7 +89,7 @@ impl Transcript {
 /// Runs every case of a transcript against one server.
 ///
 /// # Panics
-/// If a case is not met; the message names file, line and case.
+/// If a case fails. The message names file, line and case.
 pub fn run_transcript(transcript: &Transcript, robots: &[&Path]) {
     let server = Server::start(&transcript.map, robots, |config| {
         config.real_time_factor = transcript.rtf;
@@ -147,17 +147,17 @@ fn count(peer: &mut Peer, arguments: &str, place: &str) {
     let number = |text: &str| text.parse::<f64>().unwrap_or_else(|_| panic!("{place}: {text} is not a number"));
     let head = format!("{{Type {kind}}}");
     let fits = |line: &&String| line.starts_with(kind) || (line.starts_with("SEN ") && line.contains(&head));
-    // Starting with a status, so that the window begins at a line of a known time.
+    // The window starts at a status, a line with a known time.
     let start = time_of(&peer.next_of("STA"));
     assert!(start.is_some(), "{place}: a status without a time");
     let count = peer.lines_for(number(seconds)).iter().filter(fits).count() as f64;
     assert!((number(least)..=number(most)).contains(&count), "{place}\n   got: {count}");
 }
 
-/// A whole line: literal with placeholders, or a regular expression between slashes.
+/// Compiles a pattern for a whole line: literal with placeholders, or a regular expression between slashes.
 fn pattern(text: &str) -> Regex {
     let expression = match text.strip_prefix('/').and_then(|text| text.strip_suffix('/')) {
-        // Braces are the wire's, but for counts such as {180}.
+        // Braces are literal, apart from counts such as {180}.
         Some(expression) => {
             let braces = Regex::new(r"\\.|\{\d+\}|[{}]").unwrap_or_else(|error| panic!("{error}"));
             let literal = |found: &regex::Captures| match &found[0] {

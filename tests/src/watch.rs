@@ -11,40 +11,40 @@ use tungstenite::stream::MaybeTlsStream;
 
 use crate::server::PATIENCE;
 
-/// Watches until the server ends, or it is dropped.
+/// A viewer that watches until the server ends or it is dropped.
 pub struct Watch {
     newest: Arc<Mutex<Seen>>,
     socket: TcpStream,
     thread: Option<JoinHandle<()>>,
 }
 
-/// What a viewer has been sent.
+/// Data that a viewer received.
 #[derive(Debug, Clone, Default)]
 pub struct Seen {
-    /// Frames and scans.
+    /// Number of frames and scans.
     pub frames: u64,
-    /// Sensor lines that those clients lost which are connected now, by the newest status.
+    /// Dropped sensor lines of the clients that are connected, by the newest status.
     pub dropped: u64,
-    /// The most of that in any status.
+    /// Most dropped sensor lines in any status.
     pub most_dropped: u64,
-    /// Bytes on their way to clients, by the newest status.
+    /// Bytes that wait to be sent to clients, by the newest status.
     pub waiting_bytes: u64,
-    /// The most robots in any status.
+    /// Most robots in any status.
     pub most_robots: usize,
     /// The newest status.
     pub status: Value,
-    /// Lines of the wire that were looked at.
+    /// Number of wire lines that were checked.
     pub lines: u64,
-    /// Lines with a number that is not finite or a place outside the map, the first of them.
+    /// Lines with an infinite or NaN number or a place outside the map, up to a maximum.
     pub absurd: Vec<String>,
 }
 
-/// Absurd lines that are kept.
+/// Most absurd lines that are kept.
 const MAX_ABSURD: usize = 10;
-/// A robot is outside the map from here on, m.
+/// Largest coordinate of a robot within the map, m.
 const MAP_END: f64 = 1e5 + 10.0;
 
-/// True for a line of the server with a number that is not finite, or a place outside the map.
+/// True for a line of the server with an infinite or NaN number, or with a place outside the map.
 fn is_absurd(line: &str) -> bool {
     let place = line.split_once("{Location ").and_then(|(_, rest)| rest.split('}').next()).unwrap_or_default();
     let is_far = |number: &str| number.parse::<f64>().is_ok_and(|number| number.abs() > MAP_END);
@@ -74,30 +74,30 @@ impl Seen {
         self.most_robots = self.most_robots.max(self.robots());
     }
 
-    /// How many robots there are.
+    /// Returns the number of robots.
     pub fn robots(&self) -> usize {
         self.status["robots"].as_array().map_or(0, Vec::len)
     }
 
-    /// How many clients are connected.
+    /// Returns the number of connected clients.
     pub fn clients(&self) -> usize {
         self.status["clients"].as_array().map_or(0, Vec::len)
     }
 }
 
 impl Watch {
-    /// Begins to watch a page.
+    /// Starts to watch a page.
     ///
     /// # Panics
-    /// If it is not let in.
+    /// If the server refuses the viewer.
     pub fn start(page: SocketAddr) -> Self {
         Self::start_with(page, None)
     }
 
-    /// Begins to watch a page and every line of the wire.
+    /// Starts to watch a page and every line of the wire.
     ///
     /// # Panics
-    /// If it is not let in.
+    /// If the server refuses the viewer.
     pub fn start_with_lines(page: SocketAddr) -> Self {
         Self::start_with(page, Some(r#"{"wire":true}"#))
     }
@@ -120,7 +120,7 @@ impl Watch {
         Self { newest, socket, thread: Some(thread) }
     }
 
-    /// What has come so far.
+    /// Returns the data received so far.
     pub fn seen(&self) -> Seen {
         self.newest.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

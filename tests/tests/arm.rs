@@ -1,4 +1,4 @@
-//! A youBot with its arm: it picks something up, carries it aside and sets it on a table.
+//! A youBot with its arm picks something up, carries it aside and sets it on a table.
 
 use gamebots_proto::Command;
 use gamebots_proto::message::{Message, Reading};
@@ -11,13 +11,13 @@ use system_tests::{apply, command, copy_robot, init, run};
 const EDGE: f64 = 0.04;
 /// Height of the table, m.
 const TABLE: f64 = 0.08;
-/// Where it stands before the robot's middle, m.
+/// Distance of the cube from the robot's middle, ahead, m.
 const AHEAD: f64 = 0.4;
-/// The shoulder's height over the floor, m, and the lengths of upper arm, forearm and hand.
+/// Height of the shoulder above the floor, m; then the lengths of upper arm, forearm and hand.
 const SHOULDER: f64 = 0.161 + 0.08;
 const ARM: [f64; 3] = [0.155, 0.135, 0.209];
 
-/// A cube of 0.5 kg before the robot and a table a metre to its right.
+/// Builds a scene with a cube of 0.5 kg ahead of the robot and a table a metre to its right.
 fn scene(edge: f64) -> WorldDef {
     let mut scene = scene_loader::load("rough", &[]).expect("a map");
     let material = Material { name: "wood".to_owned(), friction: 0.6, ..Material::default() };
@@ -39,7 +39,7 @@ fn world(edge: f64) -> (World, RobotId) {
     (world, robot)
 }
 
-/// Angles of shoulder, elbow and wrist, rad from upward, for a hand that points down to a height over the floor, m.
+/// Returns the angles of shoulder, elbow and wrist, rad from upward, for a hand that points down at a height above the floor, m.
 fn reach(height: f64) -> [f64; 3] {
     let [upper, lower, hand] = ARM;
     let (ahead, up) = (AHEAD - 0.2, height + hand - SHOULDER);
@@ -51,7 +51,7 @@ fn reach(height: f64) -> [f64; 3] {
     [shoulder, forearm - shoulder, std::f64::consts::PI - forearm]
 }
 
-/// `ACT` for a height of the hand.
+/// Returns the `ACT` command for a height of the hand.
 fn to_height(height: f64) -> String {
     let [shoulder, elbow, wrist] = reach(height);
     format!(
@@ -63,7 +63,7 @@ fn cube(world: &World) -> Vector3<f64> {
     world.snapshot().objects[0].translation.vector
 }
 
-/// Values of the arm in the last ASTA of some seconds, and whether the gripper says that it is closed.
+/// Runs a world for a time. Returns the arm's values in the last ASTA, and true if the gripper reports that it is closed.
 fn states(world: &mut World, seconds: f64) -> (Vec<f32>, bool) {
     let messages = run(world, seconds);
     let arm = messages.iter().rev().find_map(|it| if let Message::Asta(it) = it { Some(it.clone()) } else { None });
@@ -73,7 +73,7 @@ fn states(world: &mut World, seconds: f64) -> (Vec<f32>, bool) {
     (arm.joints.into_iter().map(|joint| joint.value).collect(), hand.expect("an EFF").closed)
 }
 
-/// Picks the cube up, carries it aside and sets it on the table; the bits of where everything is in the end.
+/// Picks the cube up, carries it aside and sets it on the table. Returns a digest of the final state.
 fn carry(edge: f64) -> u64 {
     let (mut world, robot) = world(edge);
     // Fingers reach 2.5 cm below their middle.
@@ -84,7 +84,7 @@ fn carry(edge: f64) -> u64 {
         (states, cube(&world), world.snapshot().robots[0].body.pose.translation.vector)
     };
     go("SET {Type Gripper} {Name Gripper} {Opcode Open}", 0.5);
-    // From above, in steps: joints move by their own speeds and not along a line.
+    // From above, in steps, as each joint moves at its own speed and the hand not along a line.
     for above in [0.2, 0.15, 0.1, 0.06, 0.03] {
         go(&to_height(grip + above), 2.0);
     }
@@ -178,7 +178,7 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
     assert!(geo.starts_with(expected) && geo.ends_with("{Tip 0.00,0.00,-0.08}"), "{geo}");
 }
 
-/// A laser on the hand looks where the hand points.
+/// A laser on the hand points where the hand does.
 #[test]
 fn a_sensor_on_a_link_goes_where_that_goes() {
     let text = include_str!("../../assets/robots/YouBotArm/robot.toml");

@@ -1,4 +1,4 @@
-//! Clients that stop at any point of a good session, in each way that there is: the world goes on, and their robot leaves.
+//! Clients that stop at any point of a good session, in every way. The world continues, and their robots leave.
 
 use std::net::SocketAddr;
 use std::sync::mpsc::{TryRecvError, channel};
@@ -9,7 +9,7 @@ use system_tests::{Honest, Seen, Server, Watch};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpSocket, TcpStream};
 
-/// What a client has sent, and of what it was sent what it has waited for, when it stops.
+/// The points at which clients stop: pairs of the text sent and the text awaited after it.
 const CUTS: [(&str, &[(&str, &str)]); 6] = [
     ("after the greeting", &[("", "{TimeLimit 20}\r\n")]),
     ("in the middle of a line", &[("", "{TimeLimit 20}\r\n"), ("INIT {ClassName USARBot.P2AT} {Loc", "")]),
@@ -19,23 +19,23 @@ const CUTS: [(&str, &[(&str, &str)]); 6] = [
     ("in the middle of answers", &[(INIT, "{Type Sonar}"), (QUESTIONS, "NFO {StartPoses 3}")]),
 ];
 const INIT: &str = "INIT {ClassName USARBot.P2AT} {Location 0,0,0}\r\n";
-/// To be repeated, so that the answers fill every buffer on their way.
+/// A question, repeated so often that the answers fill every buffer on their way.
 const QUESTIONS: &str = "GETSTARTPOSES\r\n";
 const QUESTION_COUNT: usize = 5_000;
-/// Bytes that may wait for such a client in the operating system.
+/// Size of such a client's receive buffer, bytes.
 const RECEIVE_BUFFER: u32 = 4096;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum End {
-    /// It does nothing more, and does not close.
+    /// Does nothing more, and does not close.
     Stall,
-    /// It ends its own side, and does nothing more.
+    /// Closes its sending side, and does nothing more.
     HalfClose,
     Close,
     Reset,
 }
 
-/// Does what a client does until it stops.
+/// Runs a client's steps up to its stop.
 async fn session(address: SocketAddr, steps: &[(&str, &str)]) -> TcpStream {
     let socket = TcpSocket::new_v4().expect("a socket");
     socket.set_recv_buffer_size(RECEIVE_BUFFER).expect("a small buffer");
@@ -53,7 +53,7 @@ async fn session(address: SocketAddr, steps: &[(&str, &str)]) -> TcpStream {
     stream
 }
 
-/// Ends it; what stays open is given back.
+/// Ends a session. Returns the connection if it stays open.
 async fn end(mut stream: TcpStream, end: End) -> Option<TcpStream> {
     match end {
         End::Stall => return Some(stream),
@@ -75,7 +75,7 @@ fn is_there(seen: &Seen, connection: u64) -> bool {
 #[test]
 fn a_client_that_stops_at_any_point_takes_its_robot_with_it_and_disturbs_nobody() {
     let server = Server::start("rough", &[], |config| {
-        // Time flies, so that the readings that nobody takes soon fill every buffer on their way.
+        // Simulated time runs fast, so unread readings soon fill every buffer on their way.
         config.real_time_factor = 100.0;
         config.options.time_step = 0.02;
         config.stall_timeout = Duration::from_millis(500);
@@ -84,7 +84,7 @@ fn a_client_that_stops_at_any_point_takes_its_robot_with_it_and_disturbs_nobody(
     let watch = Watch::start(server.page.expect("a page"));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     let mut honest = Honest::join(server.address);
-    // The bystander ends with this end of the channel, also when something fails here.
+    // Dropping this end of the channel stops the bystander, also if the test fails.
     let (stop, stopped) = channel::<()>();
     let bystander = std::thread::spawn(move || {
         let answers = honest.answers();
@@ -101,8 +101,8 @@ fn a_client_that_stops_at_any_point_takes_its_robot_with_it_and_disturbs_nobody(
         for (_, steps) in CUTS {
             left.push(runtime.block_on(async { end(session(server.address, steps).await, way).await }));
         }
-        // One that comes later is there, the others are not, and their robots neither. Who stalls without a robot is sent
-        // nothing and may stay.
+        // A later client is connected. The others are gone, and so are their robots. A client that stalls without a robot gets no lines, so
+        // it may stay.
         let later = server.client();
         for (index, (cut, steps)) in (1..).zip(CUTS) {
             let may_stay = way == End::Stall && !steps.iter().any(|(send, _)| *send == INIT);

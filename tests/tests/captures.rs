@@ -1,7 +1,7 @@
 //! Recorded streams of real controllers, replayed: the robot moves, Stop! stops it, questions are answered.
 //!
-//! The recordings are not part of this repository: `USARSIM_CAPTURES` names their folder. Without it these tests
-//! say that they are skipped.
+//! The recordings are not part of this repository: `USARSIM_CAPTURES` names their folder. Without it these tests print that they are
+//! skipped.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -9,14 +9,14 @@ use std::time::{Duration, Instant};
 use gamebots_proto::Line;
 use system_tests::{Peer, Server, recordings};
 
-/// Simulated and replayed seconds a second.
+/// Speed of simulation and replay, in seconds per second.
 const SPEED: f64 = 4.0;
 
-/// One connection of a recording, with everything that the server sent.
+/// One connection of a recording, with all lines that the server sent.
 #[derive(Default)]
 struct Exchange {
     lines: Vec<String>,
-    /// How many lines had come when Stop! was sent.
+    /// Number of lines that had come when Stop! was sent.
     stopped_at: Option<usize>,
 }
 
@@ -32,7 +32,7 @@ impl Exchange {
         distance(first, last)
     }
 
-    /// The last line of a type of sensor.
+    /// Returns the last line of a type of sensor.
     fn reading(&self, sensor: &str) -> &str {
         let head = format!("{{Type {sensor}}}");
         let line = self.lines.iter().rfind(|line| line.starts_with("SEN") && line.contains(&head));
@@ -54,7 +54,7 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// How many sonars a line has one behind the other, from F1 on.
+/// Returns the number of consecutive sonars in a line, from F1 on.
 fn grouped_sonars(line: &str) -> usize {
     let names = |number: &usize| line.contains(&format!(" {{Name F{number} Range "));
     (1..).take_while(names).count()
@@ -82,12 +82,12 @@ fn replay(name: &str) -> Option<Vec<Exchange>> {
                 exchange.stopped_at = Some(exchange.lines.len());
             }
         } else if let Some(mut peer) = peers.remove(&connection) {
-            // What was asked just before is still answered, then the server closes.
+            // The server still answers earlier questions, then it closes.
             peer.finish();
             exchange.lines.extend(peer.lines_until(Instant::now() + Duration::from_secs(30)));
         }
     }
-    // Recordings that end without a close: what was asked last is still answered.
+    // Recordings without a close: the last question is still answered.
     for (id, mut peer) in peers {
         let lines = peer.lines_until(Instant::now() + Duration::from_millis(500));
         exchanges.entry(id).or_default().lines.extend(lines);
@@ -108,7 +108,7 @@ fn assert_moves(name: &str, at_least: f64) -> Option<Vec<Exchange>> {
     Some(exchanges)
 }
 
-/// After Stop! and half a second to come to rest, the robot is where it stays.
+/// Checks that half a second after Stop! the robot no longer moves.
 #[track_caller]
 fn assert_stops(exchange: &Exchange) {
     let stopped_at = exchange.stopped_at.expect("Stop! was sent");
@@ -199,7 +199,7 @@ fn onomasticon_starts_at_its_start() {
 
 #[test]
 fn ap2dx_drives_the_p2dx_by_percent() {
-    // Recorded until just after its DRIVE: in the half second that follows it is under way.
+    // It was recorded until just after its DRIVE; the robot starts to move in the next half second.
     let Some(exchanges) = assert_moves("ap2dx", 0.1) else { return };
     assert_eq!(grouped_sonars(exchanges[0].reading("Sonar")), 8);
     for (sensor, key) in [("INS", "Location"), ("INS", "Orientation"), ("Odometry", "Pose"), ("RangeScanner", "Range")]
@@ -215,7 +215,7 @@ fn ap2dx_drives_the_p2dx_by_percent() {
 fn swe_thaf_drives_the_p2dx() {
     // It names one side only, so the robot swings about its other wheel.
     let Some(exchanges) = assert_moves("swe-thaf", 0.2) else { return };
-    // It looks for the type behind the verb, and behind the time where it expects one.
+    // It reads the type after the verb, and after the time if it expects one.
     assert_eq!(grouped_sonars(exchanges[0].reading("Sonar")), 8);
     let odometry = exchanges[0].reading("Odometry");
     let pose = odometry.strip_prefix("SEN {Type Odometry} {Name Odometry} {Pose ").expect(odometry);
@@ -230,7 +230,7 @@ fn swe_thaf_avoid_drives_the_p2dx() {
     assert_moves("swe-thaf-avoid", 0.3);
 }
 
-/// Its robot, an arm on a platform, waits for later work; until then its stream harms nobody.
+/// Its robot, an arm on a platform, is not simulated yet. Its stream must do no harm.
 #[test]
 fn slider_is_served_without_its_robot() {
     replay("slider");

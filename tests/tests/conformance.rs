@@ -82,7 +82,7 @@ fn battery() {
     check("battery.txt");
 }
 
-/// Case 3: as in USARSim the limit of 64 is passed by one, the next client is refused until one leaves.
+/// Case 3: as in USARSim, one client more than the limit of 64 is accepted. The next is refused until one leaves.
 #[test]
 fn the_66th_connection_is_refused_until_one_leaves() {
     let server = Server::start("rough", &[], |_| {});
@@ -101,7 +101,7 @@ fn wait_until(mut condition: impl FnMut() -> bool) {
     }
 }
 
-/// The table in the docs names the file of each case, and each case of each file.
+/// The table in the docs and the transcripts list the same cases.
 #[test]
 fn the_table_of_cases_agrees_with_the_transcripts() {
     let table = std::fs::read_to_string(folder().join("../docs/conformance.md")).expect("docs/conformance.md");

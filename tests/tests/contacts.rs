@@ -1,11 +1,11 @@
-//! Robots in contact in every way that they come to be: what falls comes to rest, on what is there, and nothing is gained.
+//! Robots in contact in many ways: falling robots come to rest on the surface below, and no energy is gained.
 
 use nalgebra::Vector3;
 use scene::{BodyState, RobotId};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
-/// A world with robots, each a class with its location and rotation.
+/// Builds a world with robots, each given by class, location and rotation.
 fn world_with(map: &str, time_step: f64, robots: &[(&str, [f64; 3], [f64; 3])]) -> (World, Vec<RobotId>) {
     let def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
     let mut world = World::new(def, Options { time_step, ..Options::default() });
@@ -28,11 +28,11 @@ fn fastest(world: &World, robots: &[RobotId]) -> f64 {
     robots.iter().map(|&robot| body(world, robot).linear.norm()).fold(0.0, f64::max)
 }
 
-/// What lies still.
+/// Limits for robots at rest: speed, m/s, and motion in a second, m.
 const STILL: [f64; 2] = [1e-4, 1e-5];
 
-/// Lets robots fall for some seconds and checks that they lie still then, on what is there: none faster than so much, m/s, and none
-/// elsewhere a second later, m.
+/// Lets robots fall for some seconds and checks that they lie still on the surface below. The limits are the largest speed, m/s, and the
+/// largest motion in the next second, m.
 #[track_caller]
 fn check_rests(robots: &[(&str, [f64; 3], [f64; 3])], seconds: f64, [most_speed, most_way]: [f64; 2]) {
     for time_step in [0.002, 0.008] {
@@ -49,8 +49,8 @@ fn check_rests(robots: &[(&str, [f64; 3], [f64; 3])], seconds: f64, [most_speed,
             "{robots:?} at {time_step} s: {speed:.1e} m/s, {moved:.1e} m, lowest {lowest:.3}, {unsettled} unsettled"
         );
         assert!(speed < most_speed && moved < most_way, "{robots:?} at {time_step} s: {speed} m/s, moved {moved} m");
-        // One step of five hundred; of a heap, whose steps have a budget of work, one of four: of six Kenafs 238 of 1125 were measured, of
-        // six P3ATs or YouBots at most 4.
+        // Limits on unsettled steps: one in 500 for a single robot. Steps of a heap have a budget of work, so it may have one in 100, and
+        // of Kenafs one in four. Measured for six Kenafs: 238 of 1125; for six P3ATs or YouBots: at most 4.
         let share = match robots {
             [_] => 500.0,
             [("Kenaf", ..), ..] => 4.0,
@@ -83,7 +83,7 @@ fn a_heap_comes_to_rest() {
     check_rests(&(0..6).map(stack).collect::<Vec<_>>(), 2.0, STILL);
 }
 
-/// A robot that drives into a row of others pushes them on with what its wheels have, and all go at one speed.
+/// A robot that drives into a row of others pushes them with the force of its wheels, and all move at one speed.
 #[test]
 fn a_robot_pushes_a_row() {
     let row: Vec<_> = (0..3).map(|number| ("P3AT", [0.62 * f64::from(number), 0.0, 0.0], [0.0; 3])).collect();
@@ -91,7 +91,7 @@ fn a_robot_pushes_a_row() {
         let (mut world, ids) = world_with("rough", 0.004, &order.map(|number| row[number]));
         let pusher = ids[order.iter().position(|&number| number == 0).expect("a first")];
         run(&mut world, 0.5);
-        // The others roll along slowly; the one behind wants to be faster.
+        // The others roll along slowly; the pusher's target is faster.
         for &id in &ids {
             apply(&mut world, id, if id == pusher { "DRIVE {Left 4} {Right 4}" } else { "DRIVE {Left 2} {Right 2}" });
         }
@@ -104,7 +104,7 @@ fn a_robot_pushes_a_row() {
     }
 }
 
-/// What a wheel stands on need not be wider than a few millimetres, nor without gaps.
+/// Wheels cross gaps of 2 to 20 mm in the floor.
 #[test]
 fn wheels_pass_a_gap() {
     for gap in [0.002, 0.005, 0.02] {
@@ -143,7 +143,7 @@ fn wheels_pass_a_gap() {
     }
 }
 
-/// An arm that is pressed against the floor gives way with its torque, and the base stays where it is.
+/// An arm that is pressed against the floor yields at its torque limit, and the base does not move.
 #[test]
 fn an_arm_pressed_against_the_floor_holds() {
     let (mut world, ids) = world_with("rough", 0.004, &[("YouBotArm", [0.0, 0.0, 0.0], [0.0; 3])]);

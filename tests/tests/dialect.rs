@@ -1,4 +1,4 @@
-//! The dialect of UT2004 beside what a genuine server sent in 2011.
+//! The dialect of UT2004, compared with the lines of a genuine server of 2011.
 //!
 //! Its lines are not part of this repository: `USARSIM_CAPTURES` names the folder of `usarsim-2011-server.txt`.
 
@@ -12,14 +12,14 @@ use system_tests::{Server, server_lines};
 /// Types of sensors that this server does not have.
 const UNKNOWN: [&str; 3] = ["GPS", "RFID", "VictSensor"];
 
-/// The verb and the type of a line.
+/// Returns the verb and the type of a line.
 fn kind(line: &str) -> (String, String) {
     let parsed = Line::parse(line);
     (parsed.verb.clone(), parsed.get("Type").unwrap_or_default().to_owned())
 }
 
-/// A line with its names, words and digits taken away, and lists of the same shape made one: keys, order, nesting and decimals
-/// remain.
+/// Returns the shape of a line: keys, order, nesting and decimals. Names, words and digits are removed, and lists of the same shape become
+/// equal.
 fn shape(line: &str) -> String {
     let mut shape = line.to_owned();
     for (expression, by) in
@@ -31,20 +31,20 @@ fn shape(line: &str) -> String {
     let decimals = |found: &regex::Captures| format!("f{}", found[1].len());
     shape = Regex::new(r"<(\d+)>").expect("an expression").replace_all(&shape, decimals).into_owned();
     shape = Regex::new(r" -?\d+").expect("an expression").replace_all(&shape, " i").into_owned();
-    // A list, and items of one type, may be longer or shorter.
+    // Lists, and sequences of items of one type, may differ in length.
     for (expression, by) in [(r"(?:f4,){9,}f4", "f4.."), (r"(?:( \{Name n [A-Z][a-z]+ [a-z0-9]+\}))+", "$1..")] {
         shape = Regex::new(expression).expect("an expression").replace_all(&shape, by).into_owned();
     }
     shape
 }
 
-/// The numbers of a line.
+/// Returns the numbers of a line.
 fn numbers(line: &str) -> Vec<f64> {
     let number = Regex::new(r"-?\d+(\.\d+)?").expect("an expression");
     number.find_iter(line).map(|number| number.as_str().parse().expect("a number")).collect()
 }
 
-/// What is read of each line says the same when it is written. The last decimal may differ: it was cut off there, and is again.
+/// Every line that is read is written back with equal content. The last decimal may differ: it was truncated once, and is again.
 #[test]
 fn every_line_of_the_genuine_server_is_read_and_written_back() {
     let Some(genuine) = server_lines() else { return };

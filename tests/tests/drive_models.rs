@@ -1,11 +1,11 @@
-//! What every drive model of a Mecanum base has to do beside driving straight: stand, climb, push, slide, carry.
+//! Requirements on every drive model of a Mecanum base besides driving straight: it stands, climbs, pushes, slides and carries.
 
 use nalgebra::{Matrix3, Vector3};
 use scene::{DriveModel, Part, WorldDef};
 use sim_core::{BodyState, Options, RobotId, World};
 use system_tests::{apply, init, run};
 
-/// A carpet with more solids, the youBots of a drive model.
+/// Builds a carpet with additional solids, and the youBots in a drive model.
 fn carpet(model: DriveModel, solids: &str) -> WorldDef {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("map.toml");
@@ -23,7 +23,7 @@ fn of_model(map: &str, model: DriveModel) -> WorldDef {
     def
 }
 
-/// A settled youBot in a world.
+/// Builds a world with a settled youBot.
 fn youbot(def: WorldDef) -> (World, RobotId) {
     let mut world = World::new(def, Options::default());
     let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Start Start}");
@@ -39,7 +39,7 @@ fn place(world: &World, robot: RobotId) -> Vector3<f64> {
     body(world, robot).pose.translation.vector
 }
 
-/// Mean speed of the wheels over another second.
+/// Returns the mean speed of the wheels over another second.
 fn mean_wheel_speed(world: &mut World, robot: RobotId) -> f64 {
     let turned = |world: &World| world.state(robot).expect("the robot").1.iter().map(|wheel| wheel.angle).sum::<f64>();
     let before = turned(world);
@@ -47,8 +47,8 @@ fn mean_wheel_speed(world: &mut World, robot: RobotId) -> f64 {
     (turned(world) - before) / 4.0
 }
 
-/// In `bodies` the stress between wheels that hold each other relaxes, as the engine's friction is not solved to the end:
-/// 0.126 mm in the first minute and less in each that follows, 0.5 mm in all.
+/// In `bodies` the stress between wheels that hold each other relaxes, as the engine's friction is not solved to convergence. The robot
+/// moves by 0.126 mm in the first minute and less in each later one, 0.5 mm in all.
 #[test]
 fn a_robot_told_to_stand_holds_still_on_a_slope_for_a_minute() {
     for (name, model) in DriveModel::ALL {
@@ -83,8 +83,8 @@ fn a_step_of_one_centimetre_is_climbed_without_a_jump() {
     }
 }
 
-/// Half a cubic foot of 2 kg goes along and can be felt in the wheels; one of 400 kg stays where it is. Where wheels
-/// give way, the two models that know of it agree.
+/// A box of half a cubic foot and 2 kg moves along, and the wheels feel it. One of 400 kg does not move. The two models in which wheels
+/// slip or give way agree.
 #[test]
 fn boxes_are_pushed_and_push_back() {
     for (mass, moves) in [(2.0, true), (400.0, false)] {
@@ -95,7 +95,7 @@ fn boxes_are_pushed_and_push_back() {
         for (name, model) in DriveModel::ALL {
             let (mut world, robot) = youbot(carpet(model, &solids));
             apply(&mut world, robot, "DRIVE {LinearVelocity 0.1}");
-            // Against what does not move the wheels of a Mecanum base spin and it begins to wander to a side.
+            // Against a fixed box the wheels of a Mecanum base spin and it begins to drift sideways.
             run(&mut world, if moves { 9.0 } else { 2.0 });
             let speed = mean_wheel_speed(&mut world, robot);
             let way = place(&world, robot).x;
@@ -104,13 +104,12 @@ fn boxes_are_pushed_and_push_back() {
             assert!(expected.contains(&way), "{name}, {mass} kg: {way}");
             speeds.push(speed);
         }
-        // 0.1 and 4.0 % apart: against what stands, wheels slip, and the engine's friction is not Coulomb's there.
+        // They differ by 0.1 and 4.0 %. Against the heavy box wheels slip, and there the engine's friction is not Coulomb's.
         assert!(speeds[0] < 1.95 && (speeds[0] - speeds[1]).abs() < 0.045 * speeds[0], "{mass} kg: {speeds:?}");
     }
 }
 
-/// A plate of 5 kg lies loose on smooth ground: it carries the robot, and where the robot sets off the plate is pushed
-/// the other way.
+/// A plate of 5 kg lies loose on smooth ground. It carries the robot, and the robot's start pushes it backward.
 #[test]
 fn a_loose_plate_carries_the_robot_and_feels_its_wheels() {
     let plate =
@@ -127,11 +126,11 @@ fn a_loose_plate_carries_the_robot_and_feels_its_wheels() {
         run(&mut world, 2.0);
         let way = place(&world, robot) - before;
         println!("{name}: stands at {:.4}, goes {way:.4?}", -before.z);
-        // The engine lets a loaded box sink in by up to 2.4 mm.
+        // In the engine a loaded box sinks in by up to 2.4 mm.
         assert!((before.z + 0.04).abs() < 2.5e-3 && way.z.abs() < 1e-3, "{name}: {before:?}, {way:?}");
         ways.push(way.x);
     }
-    // Its wheels roll 0.4 m; the rest is the plate going back until the ground has braked it.
+    // The wheels roll 0.4 m. The rest is the plate's motion backward until the ground has stopped it.
     assert!(ways[0] < 0.36 && (ways[0] - ways[1]).abs() < 0.02, "{ways:?}");
 }
 
@@ -148,8 +147,8 @@ fn a_wall_stops_what_goes_into_it_and_lets_the_rest_slide() {
     }
 }
 
-/// 5 kg over the front right wheel: the robot goes as straight, and as far but for 2.3 mm in a metre: 1.5 N more of
-/// rolling resistance, by which its servos droop.
+/// With 5 kg over the front right wheel the robot goes equally straight. It goes equally far within 2.3 mm per metre: 1.5 N more of rolling
+/// resistance, by which its servos droop.
 #[test]
 fn a_moved_centre_of_gravity_does_not_change_the_way() {
     for (name, model) in DriveModel::ALL {
@@ -175,7 +174,7 @@ fn a_moved_centre_of_gravity_does_not_change_the_way() {
     }
 }
 
-/// A servo droops by the torque that rolling takes, c m g R / 4, over its gain, beside what rollers lose when they come down.
+/// A servo droops by the torque of rolling resistance, c m g R / 4, over its gain. Rollers that touch down add a loss.
 #[test]
 fn rolling_resistance_is_felt_by_the_motors() {
     for (name, model) in [("bodies", DriveModel::Bodies), ("analytic", DriveModel::Analytic)] {
@@ -200,7 +199,7 @@ fn rolling_resistance_is_felt_by_the_motors() {
     }
 }
 
-/// Wheels that work against each other slide; with the servo's torque limited below the grip they stall instead.
+/// Wheels that work against each other slide. With the servo's torque limited below the grip they stall instead.
 #[test]
 fn a_limited_motor_stalls_at_a_wall_where_a_strong_one_slides() {
     let wall = "[[box]]\nname = \"wall\"\nmaterial = \"plywood\"\nposition = [0.5, 0, -0.5]\nsize = [0.2, 20, 1]\n";

@@ -1,21 +1,21 @@
-//! Robots go where their wheels take them.
+//! Robots move as their wheels drive them.
 
 use sim_core::{Options, RobotId, World};
 use system_tests::{Server, apply, init, run, world};
 
-/// Position, yaw and wheel angles of a robot.
+/// Returns position, yaw and wheel angles of a robot.
 fn place(world: &World, robot: RobotId) -> ([f64; 3], f64, Vec<f64>) {
     let (body, wheels) = world.state(robot).expect("the robot is in the world");
     let (_, _, yaw) = body.pose.rotation.euler_angles();
     (body.pose.translation.vector.into(), yaw, wheels.iter().map(|wheel| wheel.angle).collect())
 }
 
-/// Forward, right and clockwise displacement in the start frame over `seconds` after one second of spin-up.
+/// Returns forward, right and clockwise displacement in the start frame over `seconds` after one second of spin-up.
 fn drive(map: &str, class: &str, line: &str, seconds: f64) -> [f64; 3] {
     drive_in(world(map, 1), class, line, seconds)
 }
 
-/// The same with wheels that take no torque to roll, where slip alone decides.
+/// Does as [`drive`] without rolling resistance, so only slip matters.
 fn drive_rolling_freely(map: &str, class: &str, line: &str, seconds: f64) -> [f64; 3] {
     let free = ["carpet", "cast-acrylic", "rubber-tyre"]
         .map(|material| format!("material.{material}.rolling_resistance=0").parse().expect("an override"));
@@ -44,12 +44,11 @@ fn assert_near(got: f64, expected: f64, part: f64) {
     assert!((got - expected).abs() <= part * expected.abs(), "got {got:.4}, expected {expected:.4} within {part}");
 }
 
-/// The ways of a youBot in ten seconds at 1 rad/s commanded, forward and to the right (m) and clockwise (rad), on a
-/// floor with this coefficient of rolling resistance. Its servos know the speed alone and settle below it by the torque
-/// on a wheel over their gain of 4 N m s/rad: the droop. The torque is a quarter of the resistance times the travel of the
-/// hubs a radian.
+/// Returns the displacements of a youBot in ten seconds at a commanded 1 rad/s: forward and to the right (m), and clockwise (rad).
+/// `resistance` is the floor's coefficient of rolling resistance. Its speed servos settle below the command by the droop: the torque on a
+/// wheel over their gain of 4 N m s/rad. The torque is a quarter of the resistance times the travel of the hubs per radian.
 fn youbot_ways(resistance: f64) -> [f64; 3] {
-    // The exact kinematics of six rollers; what moves the hubs when it turns is their distance from the middle.
+    // The exact kinematics of six rollers. In a turn the hubs move by their distance from the middle.
     let ways = [0.05, 0.05 * 0.9549, 0.05 / 0.3855 * 0.9716];
     let hubs = [ways[0], ways[1], ways[2] * 0.2355f64.hypot(0.15)];
     std::array::from_fn(|motion| 10.0 * ways[motion] * (1.0 - resistance * 20.0 * 9.81 * hubs[motion] / 4.0 / 4.0))
@@ -86,7 +85,7 @@ fn a_robot_at_rest_stays_where_it_is_and_its_wheels_too() {
     }
 }
 
-/// Lets a robot fall flat onto the floor: every one is as heavy on its left as on its right, so it comes to rest as it fell.
+/// Lets a robot fall flat onto the floor. Every robot is as heavy on its left as on its right, so it keeps its heading.
 #[track_caller]
 fn check_lands_straight(class: &str, model: &str, height: f64, heading: f64) {
     let model = format!("{class}.drive_model=\"{model}\"").parse().expect("an override");
@@ -111,7 +110,7 @@ fn a_robot_that_falls_flat_lands_straight() {
     }
 }
 
-/// Where the ground pushed a wheel while it landed does not brake it when it stands elsewhere.
+/// The ground's push on a wheel at landing does not brake the wheel after the robot comes to rest elsewhere.
 #[test]
 fn on_a_slope_a_robot_that_fell_sets_out_like_one_that_was_put_there() {
     let set_out = |z: &str| {
@@ -151,8 +150,8 @@ fn robots_with_a_caster_turn_as_their_kinematics_say() {
     }
 }
 
-/// Four wheels slide: with lx ahead and ly beside of the middle, Coulomb friction balances the moments at a yaw
-/// rate of r omega / (ly + lx² / ly), whatever the friction.
+/// Four wheels slide. The wheels are lx ahead of and ly beside the middle. Coulomb friction then balances the moments at a yaw rate of r
+/// omega / (ly + lx² / ly), for any friction.
 #[test]
 fn robots_with_four_wheels_turn_as_coulomb_friction_says() {
     for (class, radius, lx, ly) in
@@ -165,7 +164,7 @@ fn robots_with_four_wheels_turn_as_coulomb_friction_says() {
     }
 }
 
-/// Displacement between two ground truths ten simulated seconds apart, after spin-up, over a real socket.
+/// Returns the displacement between two ground truths ten simulated seconds apart, after spin-up, over a real socket.
 fn drive_over_the_socket(class: &str, line: &str) -> [f64; 3] {
     let server = Server::start("rough", &[], |config| config.real_time_factor = 3.0);
     let mut peer = server.client();
@@ -174,7 +173,7 @@ fn drive_over_the_socket(class: &str, line: &str) -> [f64; 3] {
     peer.send(line);
     peer.lines_for(1.0);
     let (from, from_angles) = peer.ground_truth();
-    // The reading just before the window's end and the one after it are 0.1 s apart: 99 go by, the next counts.
+    // The readings just before and after the window's end are 0.1 s apart: 99 are skipped, the next counts.
     for _ in 0..99 {
         peer.next_of("GroundTruth");
     }

@@ -1,4 +1,4 @@
-//! Experiments from files: what they refuse, what they measure, and that it does not depend on how they are run.
+//! Experiments from files: refused mistakes, measured results, and their independence of the way they are run.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use recorder::Record;
 use scene::DriveModel;
 use system_tests::Server;
 
-/// The four moves of the thesis in two samples that differ.
+/// The four moves of the thesis in two different samples.
 const FILE: &str = r#"
 description = "four moves"
 drive_models = ["analytic"]
@@ -73,7 +73,7 @@ fn results_depend_neither_on_jobs_nor_on_an_interruption() {
     assert!(two.path().join("plots/ways.png").is_file());
 }
 
-/// Steps in the frame of the start, against the exact kinematics: 5 cm a second ahead, 0.955 of it to the side.
+/// Steps in the frame of the start, compared with the exact kinematics: 5 cm a second ahead, 0.955 of it to the side.
 #[test]
 fn steps_are_those_of_the_kinematics() {
     let text = FILE.replace("name = \"forward\"", "name = \"forward\", set = [\"material.carpet.rolling_resistance=0\", \"material.roller.rolling_resistance=0\"]");
@@ -104,7 +104,7 @@ fn samples_differ_and_a_sample_is_the_same_in_every_setting() {
     assert_eq!((&first.init, &first.world.robots), (&other_move.init, &other_move.world.robots));
 }
 
-/// It got the robot's own model in their place.
+/// An experiment without the wanted models must not fall back to the robot's own model.
 #[test]
 fn an_experiment_without_the_wanted_models_has_no_runs() {
     let models = |text: &str, wanted: &[DriveModel]| {
@@ -184,8 +184,8 @@ fn a_full_disk_is_a_named_error() {
     }
 }
 
-/// The same experiment driven through a socket, as Iridium did: steps at constant speed are those made in this process, whatever
-/// the delays, and the lines at the steps at which they came give every pose again, bit by bit.
+/// An experiment driven through a socket, as Iridium did it. Steps at constant speed are those made in this process, for any delays. The
+/// lines, replayed at the steps at which they came, reproduce every pose bit by bit.
 #[test]
 fn through_the_socket_the_poses_are_the_same() {
     let plan = plan(FILE);
@@ -200,7 +200,7 @@ fn through_the_socket_the_poses_are_the_same() {
     });
     let mut client = server.client();
     client.send(&init);
-    // All but the last, which stops it; it drives until it has gone for three seconds at least.
+    // All lines but the last, which stops the robot. It drives for at least three seconds.
     let (mut lines, mut start) = (lines.into_iter().rev().skip(1).rev().peekable(), None);
     loop {
         let line = client.line();
@@ -233,7 +233,7 @@ fn through_the_socket_the_poses_are_the_same() {
             _ => None,
         })
         .collect();
-    // Fifty states are a second, whichever of them is the first.
+    // Fifty states are a second, from any first one.
     let ((start, from), (end, to)) = (states[0], states[50]);
     assert!((end - start - 1.0).abs() < 1e-9, "{start} {end}");
     let second = (to[0] - from[0]).hypot(to[1] - from[1]);
@@ -264,7 +264,7 @@ fn a_changed_log_does_not_replay() {
     assert!(replay::replay(&headless).is_err());
 }
 
-/// Every file of the thesis reads, every figure is asked for, and every claim finds its runs.
+/// Every file of the thesis can be read, every figure is used, and every claim finds its runs.
 #[test]
 fn the_files_of_the_thesis_belong_together() {
     let plans: Vec<Plan> = thesis::files()

@@ -1,4 +1,4 @@
-//! Every family of robots moves as its controllers expect: cars, flippers, robots in the air and platforms.
+//! Every family of robots moves as its controllers expect: cars, flippers, aerial robots and platforms.
 
 use gamebots_proto::Dialect;
 use nalgebra::Vector3;
@@ -21,13 +21,13 @@ fn yaw(world: &World) -> f64 {
     body(world).pose.rotation.euler_angles().2
 }
 
-/// Lines of a kind that a world sends in some seconds, as they are on the wire.
+/// Returns the lines of a kind that a world sends in some seconds, as on the wire.
 fn lines(world: &mut World, seconds: f64, kind: &str) -> Vec<String> {
     let written = run(world, seconds).into_iter().map(|message| message.write(Dialect::Udk));
     written.filter(|line| line.starts_with(kind)).collect()
 }
 
-/// Radius of the circle that a point of a robot goes on, m, and how often its speed slips off it.
+/// Returns the radius of the circle on which a point of a robot moves, m; negative in a turn to the left.
 fn radius_of(world: &mut World, point: Vector3<f64>) -> f64 {
     let at = |world: &World| {
         let BodyState { pose, .. } = body(world);
@@ -67,7 +67,7 @@ fn cars_drive_the_circle_of_their_steering_angle() {
 #[test]
 fn a_car_drives_straight_and_says_what_it_was_asked_for() {
     let (mut world, robot) = world_with("rough", "FrontAckerman");
-    // Case 80: all three or none.
+    // Case 80: all three parameters or none.
     apply(&mut world, robot, "DRIVE {Speed 2} {FrontSteer 0.2}");
     run(&mut world, 1.0);
     assert!(body(&world).linear.norm() < 1e-3, "{:?}", body(&world).linear);
@@ -76,7 +76,7 @@ fn a_car_drives_straight_and_says_what_it_was_asked_for() {
     let BodyState { linear, angular, .. } = body(&world);
     // The servos are soft: front and rear wheels ask for 0.368 and 0.256 m/s.
     assert!((0.25..0.37).contains(&linear.x) && angular.norm() < 0.005, "{linear:?} {angular:?}");
-    // Case 81: what was asked for, though the joint stops at 0.5.
+    // Case 81: the status reports the commanded angle, although the joint stops at 0.5.
     apply(&mut world, robot, "DRIVE {Speed 0} {FrontSteer 2} {RearSteer 0}");
     let status = lines(&mut world, 2.0, "STA");
     assert!(status[0].ends_with("{LightIntensity 100} {FrontSteer 2.0000} {RearSteer 0.0000}"), "{}", status[0]);
@@ -116,7 +116,7 @@ fn flippers_move_by_multidrive_and_set_and_lift_the_robot() {
     assert!((lifted - expected).abs() < 0.01, "{lifted} m, expected {expected} m");
 }
 
-/// It is 5 cm high, a metre long and two wide.
+/// The step is 5 cm high, a metre long and two wide.
 #[test]
 fn flippers_take_the_robot_over_the_arenas_step() {
     let mut world = World::new(scene_loader::load("arena", &[]).expect("a map"), Options::default());
@@ -124,7 +124,7 @@ fn flippers_take_the_robot_over_the_arenas_step() {
     run(&mut world, 1.0);
     let on_the_floor = body(&world).pose.translation.z;
     let (mut highest, mut seconds) = (on_the_floor, 0.0);
-    // As an operator does it: the front up against the step, the rear lifted onto it, and level again.
+    // As an operator does: raise the front against the step, lift the rear onto it, then level.
     for (front, rear, until) in [(-0.5, 0.5, -4.8), (-0.5, -0.7, -4.35), (0.0, 0.0, -2.7)] {
         let flippers = [("FR", front), ("FL", front), ("RR", rear), ("RL", rear)];
         let flippers = flippers.map(|(name, angle)| format!(" {{{name}Flipper {angle}}}")).concat();
@@ -207,7 +207,7 @@ fn a_robot_in_the_air_keeps_its_limits_whatever_the_line_says() {
     }
 }
 
-/// It pushes with what its rotors could give, 30 N, and not with whatever it takes.
+/// A flying robot pushes with the 30 N that its rotors can give, not with any force.
 #[test]
 fn a_robot_in_the_air_moves_no_robot_that_is_far_heavier() {
     let mut world = World::new(scene_loader::load("rough", &[]).expect("a map"), Options::default());
@@ -236,7 +236,7 @@ fn what_flies_into_a_wall_stops_there() {
     assert!(moved < 0.05, "went on by {moved} m at {speed} m/s to {before}");
 }
 
-/// A column with a head that turns, on a base that stands in the air if it is fixed.
+/// A column with a rotating head, on a base that stands in the air if it is fixed.
 const COLUMN: &str = r#"
 description = "a column with a head"
 steering = "STEERING"

@@ -1,4 +1,4 @@
-//! Parameters of a robot found again from steps that were simulated with them.
+//! Parameters of a robot, fitted to steps that were simulated with them.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use experiments::plan::Plan;
 use experiments::{run, table};
 use scene::DriveModel;
 
-/// The radius that the measured robot has; the file of the robot says 0.05.
+/// Radius of the measured robot's wheels, m; the file of the robot says 0.05.
 const RADIUS: f64 = 0.0497;
 
 const MOVES: &str = r#"
@@ -48,8 +48,8 @@ range = [2.0, 8.0]
 start = 4.0
 "#;
 
-/// The steps of a robot with that radius, of other samples than the fit draws. (Of twenty such robots with their seeds, the
-/// intervals of all twenty held the radius.)
+/// Simulates the steps of a robot with that radius, in other samples than the fit draws. (For twenty such robots with their seeds, all
+/// twenty intervals contained the radius.)
 fn measured() -> String {
     let moves = MOVES.replace("samples = 6", "samples = 8\nseed = 1");
     let moves = moves.replace("[setup]", &format!("[setup]\nset = [\"robot.wheels.radius={RADIUS}\"]"));
@@ -59,7 +59,7 @@ fn measured() -> String {
     table::steps(&outcomes)
 }
 
-/// A folder with a fit, its experiment of so many samples, and the measured steps.
+/// Creates a folder with a fit, its experiment with a number of samples, and the measured steps.
 fn folder(fit: &str, measured: &str, samples: u32) -> tempfile::TempDir {
     let moves = MOVES.replace("samples = 6", &format!("samples = {samples}"));
     let folder = tempfile::tempdir().expect("a folder");
@@ -85,7 +85,7 @@ fn a_wheel_radius_is_found_and_friction_on_flat_ground_is_not() {
     assert!(radius.interval[0] < RADIUS && RADIUS < radius.interval[1], "{radius:?}");
     assert!(radius.interval[1] - radius.interval[0] < 2e-4, "{radius:?}");
     assert!(found.distance < 0.5 * found.distance_before && found.scatter.is_some_and(|scatter| scatter > 1e-5));
-    // What nothing is known of stays where it was.
+    // A parameter that the data does not determine keeps its value.
     assert_eq!((friction.value, friction.interval), (0.9, [0.3, 1.2]));
     assert!(friction.caution.as_ref().is_some_and(|text| text.starts_with("not identifiable")), "{friction:?}");
 }

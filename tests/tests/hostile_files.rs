@@ -1,5 +1,5 @@
-//! Files and scenes of strangers: what a world cannot be made with is refused by name, what is just within the bounds
-//! keeps every number finite.
+//! Files and scenes of strangers. Contents that no world can be made of are refused by name. Contents just within the bounds keep every
+//! number finite.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ use scene::{
 use sim_core::{Options, World};
 use system_tests::{apply, init};
 
-/// Every built-in robot on a map with a mesh, and something to push.
+/// Builds a scene with every built-in robot on a map with a mesh, and an object to push.
 fn scene() -> WorldDef {
     let mut def = scene_loader::load("arena", &[]).unwrap_or_else(|error| panic!("{error}"));
     let solid = Solid { name: "crate".to_owned(), shape: Shape::Ball { radius: 0.1 }, ..def.map.solids[1].clone() };
@@ -32,7 +32,7 @@ fn what_is_shipped_passes() {
     assert_eq!(scene().check(), Ok(()));
 }
 
-/// A scene from a log has not gone through the reader of files.
+/// A scene from a log has not passed the file reader, so the world checks it itself.
 #[test]
 fn what_no_world_can_be_made_with_is_refused_by_name() {
     #[track_caller]
@@ -294,7 +294,7 @@ name = "Start"
 position = [0.0, 0.0, 0.0]
 "#;
 
-/// A tetrahedron.
+/// A tetrahedron as an OBJ file.
 const GROUND: &str = "v 3 0 0\nv 4 0 0\nv 3 1 0\nv 3 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 const BASE: &str = r#"<robot name="cart">
@@ -310,7 +310,7 @@ const BASE: &str = r#"<robot name="cart">
 </robot>
 "#;
 
-/// The cart with its body and its left wheel from the URDF.
+/// Returns the cart with its body and its left wheel taken from the URDF.
 fn urdf_cart() -> String {
     let body = CART.find("[[part]]").expect("a part")..CART.find("[wheels]").expect("wheels");
     let mut cart = CART.to_owned();
@@ -319,7 +319,7 @@ fn urdf_cart() -> String {
     cart.replace("side = \"left\"\nposition = [0.05, -0.13, 0.0]", "side = \"left\"\njoint = \"left_wheel\"")
 }
 
-/// Checks the first of some files and compares every problem, one a line.
+/// Checks the first of some files and compares all problems, one per line.
 #[track_caller]
 fn check_files(files: &[(&str, &str)], expected: &[&str]) {
     let folder = tempfile::tempdir().expect("a folder");
@@ -399,11 +399,11 @@ fn a_mesh_with_a_hostile_number_is_refused_by_its_name() {
     check(&GROUND.replace("f 1 3 2", "f 1 3 9"), "mesh `ground.obj`: face vertex index out of bounds");
     check(&GROUND.replace("f 1 3 2", "f 1 3 -9"), "mesh `ground.obj`: face vertex index out of bounds");
     check("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n", "a mesh of 1 triangles and 0 m²: expected a surface");
-    // What is said of textures and normals does not count.
+    // References to textures and normals are ignored.
     check_files(&[("map.toml", HALL), ("ground.obj", &GROUND.replace("f 1 3 2", "f 1/-11/7 3//99 2/5"))], &["good"]);
 }
 
-/// What a file says of itself is not believed, and what it does not end is not read to the end.
+/// Lengths in a file are not trusted, and reading ends at the largest permitted length.
 #[cfg(unix)]
 #[test]
 fn a_file_is_read_only_as_far_as_it_may_be_long() {
@@ -425,7 +425,7 @@ fn a_file_is_read_only_as_far_as_it_may_be_long() {
     std::fs::remove_file(path("ground.obj")).expect("a file");
     std::os::unix::fs::symlink("/dev/zero", path("ground.obj")).expect("a link");
     assert_eq!(problem("map.toml"), "map.toml:24:1: ground.obj: cannot be read: not a regular file");
-    // A head that promises four thousand million triangles.
+    // A header that promises four thousand million triangles.
     let mut stl = vec![0; 80];
     stl.extend([255; 4]);
     std::fs::write(path("ground.stl"), stl).expect("a file");
@@ -446,7 +446,7 @@ fn what_is_nested_too_deep_is_refused_before_anything_recurses() {
     for (text, column) in toml {
         let expected = format!("map.toml:1:{column}: nested too deep: expected at most 80 levels");
         check_files(&[("map.toml", &text)], &[&expected]);
-        // An override reads the text before.
+        // With an override the text is read earlier, and refused there.
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("map.toml");
         std::fs::write(&path, &text).expect("a file");
@@ -477,7 +477,7 @@ fn a_robot_with_a_hostile_number_is_refused_with_its_line() {
         check_files(&[("robot.toml", &CART.replace(from, to))], expected);
     }
     check("steering", "steering", &["good"]);
-    // In [wheels] it is said once, in a wheel there.
+    // A value from [wheels] that a wheel inherits is reported once, at the wheel.
     check("radius = 0.06", "radius = 0.0019", &["robot.toml:11:1: `radius` is 0.0019: expected 0.004 to 10 m"]);
     check("width = 0.03", "width = 1e-4", &["robot.toml:11:1: `width` is 0.0001: expected 0.001 to 20 m"]);
     check("mass = 0.3", "mass = 1e-40", &["robot.toml:11:1: `mass` is 1e-40: expected 0.001 to 10000 kg"]);
@@ -544,7 +544,7 @@ fn a_urdf_with_a_hostile_number_is_refused_with_its_line() {
     }
     check("base", "base", &["good"]);
     check("0 0.13 0", "0 1e308 0", &["base.urdf:9:5: xyz=\"0 1e308 0\": expected -100 to 100 m"]);
-    // One mistake, and nothing that follows from it.
+    // One mistake is reported alone, without its consequences.
     check("rpy=\"0 0 0\"", "rpy=\"0 0\"", &["base.urdf:9:5: rpy=\"0 0\": expected 3 finite numbers"]);
     check("rpy=\"0 0 0\"", "rpy=\"0 0 nan\"", &["base.urdf:9:5: rpy=\"0 0 nan\": expected 3 finite numbers"]);
     let moments = "expected three above 0, none more than the other two together";
@@ -557,7 +557,7 @@ fn a_urdf_with_a_hostile_number_is_refused_with_its_line() {
         "mass value=\"-4\"",
         &["base.urdf:2:3: link base: `mass` is -4: expected 1e-9 to 100000 kg"],
     );
-    // The mass of a wheel counts where the wheel is used.
+    // The mass of a wheel is checked at the wheel that uses it.
     check("mass value=\"0.3\"", "mass value=\"0\"", &["robot.toml:14:1: `mass` is 0: expected 0.001 to 10000 kg"]);
     check(
         "0.1 0.1 0.1",
@@ -580,7 +580,7 @@ fn a_urdf_with_a_hostile_number_is_refused_with_its_line() {
 
 #[test]
 fn a_mistake_has_no_follow_ups() {
-    // A wheel on a joint that is not there, with those that are.
+    // A wheel on a missing joint; the message lists the joints that exist.
     let cart = urdf_cart();
     let files = |cart: &str, expected: &[&str]| {
         check_files(&[("robot.toml", cart), ("base.urdf", BASE), ("base.obj", GROUND)], expected);
@@ -601,7 +601,7 @@ fn a_mistake_has_no_follow_ups() {
         &[("robot.toml", &CART.replace("[wheels]", "[wheels"))],
         &["robot.toml:11:8: unclosed table, expected `]`"],
     );
-    // A map that stops making sense somewhere.
+    // A map with a syntax error.
     let map = |text: &str, expected: &[&str]| check_files(&[("map.toml", text), ("ground.obj", GROUND)], expected);
     map(&HALL.replace("[[start]]", "[[start]"), &["map.toml:29:9: unclosed array table, expected `]`"]);
     map(&HALL.replace("0.2, 0.2]", "0.2, 0.2"), &["map.toml:14:1: missing comma between array elements, expected `,`"]);
@@ -629,7 +629,7 @@ fn an_unexpanded_xacro_is_named_as_such() {
         "base.urdf:2:3: `<xacro:property>`",
     );
     check("name=\"cart\">\n  <link name=\"base\">", &format!("name=\"cart\"{property}"), "base.urdf:2:4: `<xacro:..>`");
-    // Expanded files keep the declaration, and what was is often left in a comment.
+    // Expanded files keep the declaration, and often the old source in a comment.
     check("name=\"cart\">", &format!("{declared}><!-- ${{ns}} <xacro:a/> -->"), "good");
 }
 
@@ -671,7 +671,7 @@ fn what_cannot_be_loaded_is_said_in_one_line() {
             &["P3TA.wheels.gain=2"],
             "--set P3TA.wheels.gain=2: no `P3TA` (did you mean `P3AT`?): expected robot, map, material or a",
         ),
-        // Each is good without the other.
+        // Each override is valid without the other.
         (
             &["YouBot.wheels.radius=0.1", "YouBot.wheels.max_speed=500"],
             "--set YouBot.wheels.radius=0.1 --set YouBot.wheels.max_speed=500: robots/YouBot/robot.toml: `max_speed` 500 rad/s at \
@@ -696,7 +696,7 @@ fn what_cannot_be_loaded_is_said_in_one_line() {
     }
 }
 
-/// Puts a robot on a map and drives it about; every number that comes of it has to be finite.
+/// Spawns a robot on a map and drives it. Fails with the first result that is infinite or NaN.
 fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
     let def = WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into() };
     def.check().map_err(|problem| problem.to_string())?;
@@ -746,7 +746,7 @@ fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
         if !numbers.iter().all(|number| number.is_finite()) {
             return Err(format!("step {step}: {numbers:?}"));
         }
-        // On the wire what is not finite is a 0.
+        // On the wire a number that is infinite or NaN becomes 0, so the messages themselves are checked.
         let debug = format!("{messages:?}");
         if debug.split(|c: char| !c.is_alphanumeric()).any(|word| word == "NaN" || word == "inf") {
             return Err(format!("step {step}: {debug}"));
@@ -773,7 +773,7 @@ fn check_driving(seconds: f64, changes: &[(&str, Change)]) {
     }
 }
 
-/// Lowers the limits of motors to the greatest that the robot's wheels and weight allow.
+/// Lowers the motors' limits to the largest values that the robot's wheels and weight allow.
 fn hold_motors(robot: &mut RobotDef) {
     let weight = 0.999 * check::EARTH_GRAVITY * f64::from(robot.mass());
     let push = check::MAX_PUSH * weight / robot.driven().count().max(1) as f64;
@@ -785,12 +785,12 @@ fn hold_motors(robot: &mut RobotDef) {
     }
 }
 
-/// The wheel with a number.
+/// Returns the wheel with a number.
 fn wheel(robot: &mut RobotDef, number: usize) -> &mut Wheel {
     robot.wheels_mut().nth(number).expect("a wheel")
 }
 
-/// The joint that carries it.
+/// Returns the joint of the wheel with a number.
 fn joint(robot: &mut RobotDef, number: usize) -> &mut Joint {
     robot.links[number + 1].joint.as_mut().expect("a joint")
 }
@@ -799,7 +799,7 @@ fn rollers(robot: &mut RobotDef) -> impl Iterator<Item = &mut Rollers> {
     robot.wheels_mut().filter_map(|wheel| wheel.rollers.as_mut())
 }
 
-/// The masses of body, wheels and rollers.
+/// Sets the masses of body, wheels and rollers.
 fn weigh(robot: &mut RobotDef, body: f64, wheel: f64, roller: f64) {
     let before: f64 = robot.parts().map(|part| part.mass).sum();
     for part in robot.parts_mut() {
@@ -810,7 +810,7 @@ fn weigh(robot: &mut RobotDef, body: f64, wheel: f64, roller: f64) {
     rollers(robot).for_each(|it| it.mass = roller);
 }
 
-/// Wheels of another radius with rollers of the same form.
+/// Resizes the wheels and scales their rollers' form with them.
 fn resize(robot: &mut RobotDef, radius: f64, width: f64) {
     for wheel in robot.wheels_mut() {
         wheel.rollers.iter_mut().for_each(|rollers| rollers.axis_circle *= radius / wheel.radius);
@@ -818,7 +818,7 @@ fn resize(robot: &mut RobotDef, radius: f64, width: f64) {
     }
 }
 
-/// Principal moments of the body as one part at the origin, over its mass.
+/// Makes the body one part at the origin with these principal moments over its mass.
 fn shape_mass(robot: &mut RobotDef, moments: [f64; 3]) {
     let mass = robot.parts().map(|part| part.mass).sum();
     robot.links[0].parts.truncate(1);
@@ -864,7 +864,7 @@ fn a_robot_just_within_the_bounds_stays_finite() {
 
 #[test]
 fn a_robot_of_many_rollers_stays_finite() {
-    // A step of so many bodies takes 20 ms.
+    // A step of so many bodies takes 20 ms, so the drive is short.
     check_driving(
         0.2,
         &[("32 rollers a wheel", |_, robot| {
@@ -923,7 +923,7 @@ fn a_map_just_within_the_bounds_stays_finite() {
     );
 }
 
-/// Joints drawn from the whole of every range, some of them at its ends.
+/// Joints drawn from the full range of every value, some of them at its ends.
 #[test]
 fn joints_drawn_at_random_that_pass_stay_finite() {
     let mut random = ChaCha8Rng::seed_from_u64(13);
@@ -968,7 +968,7 @@ fn joints_drawn_at_random_that_pass_stay_finite() {
     }
 }
 
-/// A shipped robot is far from what its wheels may do together, so that `--set` has room.
+/// Shipped robots stay far below the combined limits of their wheels, so `--set` has room.
 #[test]
 fn shipped_robots_have_a_wide_margin_to_the_combined_limits() {
     for robot in scene().robots.values() {
@@ -981,7 +981,7 @@ fn shipped_robots_have_a_wide_margin_to_the_combined_limits() {
     }
 }
 
-/// Robots drawn from the whole of every range, some of them at its ends: of those that pass, none loses a finite state.
+/// Robots drawn from the full range of every value, some at its ends: none that passes the checks becomes infinite or NaN.
 #[test]
 fn robots_drawn_at_random_that_pass_stay_finite() {
     let mut random = ChaCha8Rng::seed_from_u64(12);

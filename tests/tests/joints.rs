@@ -1,4 +1,4 @@
-//! Joints beside those of wheels: what hangs on a robot swings, slides, is held and stops at its ends.
+//! Joints besides those of wheels: links on a robot swing, slide, hold and stop at their limits.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use scene::{JointState, WorldDef};
 use sim_core::{Options, RobotId, World};
 use system_tests::{apply, init, run};
 
-/// A heavy cart with a joint of a link of 0.5 kg, the middle of which is 0.2 m from it.
+/// A heavy cart with a joint to a link of 0.5 kg, whose centre of mass is 0.2 m from the joint.
 const CART: &str = r#"
 description = "a cart with a joint"
 steering = "skid"
@@ -53,12 +53,12 @@ size = [0.02, 0.02, 0.02]
 material = "aluminium"
 "#;
 
-/// The cart with its joint, and the middle of what hangs on it.
+/// Returns the cart with a joint, and the centre of mass of the link on it.
 fn cart(joint: &str, centre: &str) -> String {
     CART.replace("JOINT", joint).replace("CENTRE", centre)
 }
 
-/// The scene with a robot of such a file, or everything wrong with it.
+/// Loads a scene with a robot file, or returns all errors in it.
 fn load(robot: &str) -> Result<WorldDef, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("Cart/robot.toml");
@@ -67,7 +67,7 @@ fn load(robot: &str) -> Result<WorldDef, String> {
     scene_loader::load("rough", &[&path]).map_err(|error| error.to_string())
 }
 
-/// A world with one of them.
+/// Builds a world with such a robot.
 fn world_of(robot: &str) -> (World, RobotId) {
     let mut world = World::new(load(robot).unwrap_or_else(|error| panic!("{error}")), Options::default());
     let robot = init(&mut world, "INIT {ClassName USARBot.Cart} {Location 0,0,0}");
@@ -84,12 +84,12 @@ fn arm(world: &World) -> JointState {
 
 #[test]
 fn a_free_joint_swings_as_a_pendulum_does() {
-    // Hung 0.1 rad ahead of straight down.
+    // The link starts 0.1 rad ahead of straight down.
     let (sin, cos) = 0.1f64.sin_cos();
     let centre = format!("[{}, 0.0, {}]", 0.2 * sin, -1.0 + 0.2 * cos);
     let (mut world, _) = world("kind = \"continuous\"\naxis = [0, 1, 0]", &centre);
     run(&mut world, 0.5);
-    // Straight down is at -0.1 rad; from one passage backward to the tenth after it.
+    // Straight down is at -0.1 rad. Ten periods are measured, from one backward passage to the tenth after it.
     let mut passages = Vec::new();
     let mut before = arm(&world).position;
     while passages.len() < 11 && world.time() < 15.0 {
@@ -102,7 +102,7 @@ fn a_free_joint_swings_as_a_pendulum_does() {
     }
     let period = (passages[10] - passages[0]) / 10.0;
     let inertia = 0.5 * 0.2f64.powi(2) + 0.5 * 2.0 * 0.02f64.powi(2) / 12.0;
-    // An amplitude of 0.1 rad swings longer by its square over 16.
+    // With an amplitude of 0.1 rad the period is longer by its square over 16.
     let exact = TAU * (inertia / (0.5 * 9.81 * 0.2)).sqrt() * (1.0 + 0.1f64.powi(2) / 16.0);
     println!("period {period:.5} s, exact {exact:.5} s");
     assert!((period / exact - 1.0).abs() < 0.002, "{period} s, expected {exact} s");
@@ -127,7 +127,7 @@ fn a_servo_goes_to_its_target_no_faster_than_it_may_and_gives_way_by_torque_over
     let (mut world, robot) = world(SERVO, "[0.2, 0.0, -1.0]");
     run(&mut world, 1.0);
     let sag = 0.5 * 9.81 * 0.2 / 500.0;
-    // About y, right-handed with z down, a positive angle lifts what is ahead.
+    // About y, right-handed with z down, a positive angle lifts a link that is ahead.
     assert!((arm(&world).position + sag).abs() < 0.1 * sag, "{:?}, expected a sag of {sag}", arm(&world));
     apply(&mut world, robot, "SET {Type Joint} {Name arm} {Opcode Angle} {Params 0.8}");
     run(&mut world, 1.0);
@@ -150,13 +150,13 @@ fn dry_friction_slows_what_slides_by_the_same_at_any_speed_and_holds_what_it_can
     let slide = |friction: f64| {
         let joint = "kind = \"prismatic\"\naxis = [0, 0, 1]\nlimits = [0.0, 5.0]\nfriction = ";
         let (mut world, _) = world(&format!("{joint}{friction}"), "[0.2, 0.0, -1.0]");
-        // The cart comes to stand first.
+        // The cart comes to rest first.
         run(&mut world, 0.2);
         let before = arm(&world);
         run(&mut world, 0.2);
         (arm(&world).speed - before.speed, arm(&world).position - before.position)
     };
-    // It weighs 4.905 N.
+    // The link weighs 4.905 N.
     for friction in [1.0, 3.0] {
         let ((gained, _), expected) = (slide(friction), (4.905 - friction) / 0.5 * 0.2);
         println!("friction {friction} N: {gained:.5} m/s, expected {expected:.5} m/s");
@@ -171,7 +171,7 @@ fn dry_friction_slows_what_slides_by_the_same_at_any_speed_and_holds_what_it_can
 fn a_swing_ends_where_dry_friction_holds_it() {
     let (mut world, _) = world("kind = \"continuous\"\naxis = [0, 1, 0]\nfriction = 0.2", "[0.2, 0.0, -1.0]");
     run(&mut world, 10.0);
-    // Straight down is at -pi/2; there is no torque of gravity greater than the friction where it rests.
+    // Straight down is at -pi/2. At rest the torque of gravity is not larger than the friction.
     let JointState { position, speed } = arm(&world);
     let torque = 0.5 * 9.81 * 0.2 * position.cos();
     println!("rests at {position:.3} rad with {torque:.3} N m");
@@ -204,8 +204,8 @@ fn a_joint_follows_another_by_where_it_is_or_by_its_target() {
     assert!((on_the_way - 0.3).abs() < 0.01 && (there - 0.3).abs() < 0.001, "{on_the_way}, {there}");
 }
 
-/// Front wheels on knuckles, both turned to the right by one angle, so that some have to slide: the circle on which the friction of all
-/// balances for the speeds that soft servos let them have.
+/// Front wheels on knuckles are both turned to the right by one angle, so some wheels have to slide. The robot drives the circle on which
+/// all friction balances, at the speeds that the soft servos permit.
 #[test]
 fn a_robot_with_steered_wheels_drives_a_circle() {
     let knuckle = |name: &str, y: f64| {
@@ -328,13 +328,13 @@ fn what_is_wrong_with_every_wheel_is_said_once_and_a_wrong_name_with_the_nearest
         let said = errors.iter().filter(|line| line.ends_with(suggested)).count();
         assert_eq!(said, 1, "{wrong}: {errors:#?}");
     }
-    // The gain is missing in [wheels], which is of all four.
+    // The gain is missing in [wheels], which all four wheels share.
     assert_eq!(errors("", "gain = 50.0").len(), 1);
     let nothing_near = errors("material = \"unobtainium\"", "material = \"rubber-tyre\"");
     assert!(nothing_near.len() == 1 && !nothing_near[0].contains("perhaps"), "{nothing_near:?}");
 }
 
-/// A log's scene is held to the same rules as a file.
+/// A log's scene is checked by the rules of a file.
 #[test]
 fn a_tree_that_is_none_is_refused_by_name() {
     let (world, _) = world(SERVO, "[0.2, 0.0, -1.0]");

@@ -1,4 +1,4 @@
-//! The page's side of the server: what viewers are sent, what they may ask for, and who is turned away.
+//! The page's side of the server: messages to viewers, their requests, and the connections that it refuses.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -30,15 +30,15 @@ struct Viewer {
     socket: WebSocket<MaybeTlsStream<TcpStream>>,
 }
 
-/// A frame, as far as tests look at it.
+/// The parts of a frame that tests check.
 #[derive(Debug, Clone)]
 struct Frame {
     time: f64,
     bytes: usize,
-    /// Number, position, angle and target speed of the first wheel.
+    /// Number, position, and angle and target speed of the first wheel.
     robots: Vec<(u32, [f32; 3], f32, f32)>,
     contacts: usize,
-    /// Positions of the joints that go to positions, of all robots.
+    /// Positions of the joints with a position servo, of all robots.
     joints: Vec<f32>,
 }
 
@@ -57,7 +57,7 @@ impl Viewer {
         self.socket.read().unwrap_or_else(|error| panic!("the server is gone: {error}"))
     }
 
-    /// The first that fits.
+    /// Returns the first result of `fits` on the messages to come.
     fn wait<T>(&mut self, what: &str, mut fits: impl FnMut(&Message) -> Option<T>) -> T {
         let end = Instant::now() + PATIENCE;
         while Instant::now() < end {
@@ -89,7 +89,7 @@ fn json(message: &Message, key: &str) -> Option<Value> {
     serde_json::from_str::<Value>(text).ok()?.get(key).cloned()
 }
 
-/// Reads a frame by the table in `crates/gamebots-server/src/live/frame.rs`.
+/// Reads a frame, by the table in `crates/gamebots-server/src/live/frame.rs`.
 fn frame(message: &Message) -> Option<Frame> {
     let Message::Binary(bytes) = message else { return None };
     let mut rest = &bytes[..];
@@ -250,7 +250,7 @@ fn a_viewer_changes_the_map_and_everyone_is_told_who_did() {
     assert_eq!((&after["viewers"], after["robots"].as_array().map(Vec::len)), (&2.into(), Some(1)));
     let (_, scene) = get(&server, "/scene.json", "Host: localhost\r\n");
     assert!(scene.contains("\"name\":\"arena\""), "{scene}");
-    // RobotStart1 is elsewhere here.
+    // RobotStart1 is at another place on this map.
     let frame = viewers[1].frame("the robot is back", |frame| frame.robots.len() == 1);
     let start = other_maps[1].starts.iter().find(|start| start.name == "RobotStart1").unwrap();
     assert!((f64::from(frame.robots[0].1[0]) - start.position[0]).abs() < 0.05, "{frame:?}");
@@ -297,7 +297,7 @@ fn a_viewer_begins_and_ends_a_log_and_a_reset_begins_the_next() {
     viewer.said("recording to");
     let status = viewer.status("recording", |status| status["recording"].is_string());
     assert_eq!(status["recording"].as_str(), path.to_str());
-    // The next log begins a second later at the earliest.
+    // The next log begins at least a second later.
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_secs(1) {
         peer.line();
@@ -354,12 +354,12 @@ fn the_wire_of_a_page_is_a_client_like_every_other() {
     viewer.frame("its robot leaves with it", |frame| frame.robots.is_empty());
 }
 
-/// The answer's head and its body.
+/// Requests a path. Returns the answer's head and body.
 fn get(server: &Server, path: &str, headers: &str) -> (String, String) {
     ask(server, &format!("GET {path} HTTP/1.1\r\nConnection: close\r\n{headers}\r\n"), &[])
 }
 
-/// The same for the scene of a log.
+/// Posts the scene of a log. Returns the answer's head and body.
 fn post_scene(server: &Server, body: &[u8]) -> (String, String) {
     let head = "POST /scene.json HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\n";
     ask(server, &format!("{head}Content-Length: {}\r\n\r\n", body.len()), body)
@@ -412,7 +412,7 @@ fn the_scene_has_what_a_viewer_draws() {
     let rollers = &wheels[0]["rollers"];
     assert_eq!(rollers["poses"].as_array().unwrap().len(), 6);
     let outline = rollers["outline"].as_array().unwrap();
-    // 14 mm at the middle; the ring of rollers is round.
+    // The roller is 14 mm thick at the middle, and the ring of rollers is round.
     assert!((outline[outline.len() / 2][1].as_f64().unwrap() - 0.014).abs() < 1e-12);
 }
 
@@ -425,7 +425,7 @@ fn the_scene_of_a_log_is_answered_like_that_of_the_world() {
     let (head, answer) = post_scene(&server, stored.as_bytes());
     assert!(head.starts_with("HTTP/1.1 200") && head.contains("application/json"), "{head}");
     let (mut own, answer) = (scene(&own), scene(&answer));
-    // A log has its seed and its time step beside the scene, and no server.
+    // A log has its seed and time step beside the scene, and no server.
     for server in ["seed", "time_step", "port"] {
         own[server] = Value::Null;
     }
@@ -434,7 +434,7 @@ fn the_scene_of_a_log_is_answered_like_that_of_the_world() {
     let values = answer["classes"]["YouBotArm"]["values"].as_array().unwrap();
     let joints = answer["classes"]["YouBotArm"]["joints"].as_array().unwrap();
     assert!(joints.len() >= 5 && joints.iter().all(|joint| values.contains(&joint["name"])), "{values:?}");
-    // From before robots were trees of links.
+    // A log from before robots were trees of links.
     let old = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/replay/tests/logs/before-trees.mcap");
     let (head, answer) = post_scene(&server, recorder::read(&old).unwrap().run["scene"].as_bytes());
     assert!(head.starts_with("HTTP/1.1 200"), "{head}\n{answer}");
@@ -486,7 +486,7 @@ fn hull_of(world: &mut scene::WorldDef, points: Vec<[f64; 3]>) {
     world.map.solids[0].shape = scene::Shape::Hull { points };
 }
 
-/// Those who are never done keep the few places for 30 s at most; the world does not wait, and nor does its own scene.
+/// Clients that never finish a request block the few places for 30 s at most. The world does not wait, and its own scene is still served.
 #[test]
 fn scenes_that_never_come_hold_up_nothing_else() {
     let server = serve("rough", |_| {});
@@ -501,13 +501,13 @@ fn scenes_that_never_come_hold_up_nothing_else() {
     assert!(head.starts_with("HTTP/1.1 200"), "{head}");
     let mut viewer = Viewer::open(&server, "/live");
     viewer.frame("time passes", |frame| frame.time > 0.1);
-    // Their places are free when they are gone.
+    // The places are free after the clients left.
     drop(stuck);
     let (head, _) = post_scene(&server, b"{}");
     assert!(head.starts_with("HTTP/1.1 422"), "{head}");
 }
 
-/// 200 kB/s for ten youBots at 30 Hz.
+/// The limit is 200 kB/s for ten youBots at 30 Hz.
 #[test]
 fn the_state_of_ten_youbots_is_small() {
     let server = serve("rough", |_| {});
@@ -532,7 +532,7 @@ fn a_stalled_viewer_is_dropped_and_holds_nobody_up() {
         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
     stalled.write_all(head.as_bytes()).unwrap();
     let mut viewer = Viewer::open(&server, "/live");
-    // Lines of the wire fill what the operating system holds: about 6 MB on the reader's side.
+    // Lines of the wire fill the operating system's buffers: about 6 MB on the reader's side.
     let mut byte = [0];
     stalled.read_exact(&mut byte).unwrap();
     assert_eq!(&byte, b"H");
@@ -543,7 +543,7 @@ fn a_stalled_viewer_is_dropped_and_holds_nobody_up() {
     viewer.send("{\"speed\":0}");
     let end = Instant::now() + PATIENCE;
     stalled.set_nonblocking(true).unwrap();
-    // A write to a connection that the other side has ended fails sooner or later.
+    // Writing to a connection that the other side has closed fails sooner or later.
     while stalled.write(&[0x8a, 0x80, 0, 0, 0, 0]).is_ok() {
         assert!(Instant::now() < end, "it is still there");
         viewer.frame("the world goes on", |_| true);
@@ -602,7 +602,7 @@ fn a_page_that_asks_faster_than_it_is_answered_gets_every_answer() {
     let stream = stream.try_clone().unwrap();
     stream.set_read_timeout(Some(PATIENCE)).unwrap();
     let mut reader = WebSocket::from_raw_socket(stream, Role::Client, None);
-    // The spaces make it more than the operating system keeps.
+    // The spaces make the lines exceed the operating system's buffers.
     let questions = format!("GETSTARTPOSES{}\r\n", " ".repeat(240)).repeat(250);
     let sending = std::thread::spawn(move || {
         (0..QUESTIONS / 250).for_each(|_| viewer.send(&questions));
@@ -615,7 +615,7 @@ fn a_page_that_asks_faster_than_it_is_answered_gets_every_answer() {
             Message::Close(_) => panic!("closed after {answers} answers"),
             _ => {}
         }
-        // What is not a whole line yet is kept.
+        // Keep the incomplete last line.
         let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
         answers += String::from_utf8_lossy(&text[..whole]).matches("{StartPoses 3}").count();
         text.drain(..whole);
@@ -684,6 +684,6 @@ fn a_page_is_told_where_a_robot_can_stand() {
     }
     viewer.send("{\"fit\":{\"class\":\"P3AT\",\"location\":[0,0],\"yaw\":0}}");
     viewer.said("not understood");
-    // Nothing was spawned by it.
+    // The request spawned no robot.
     assert_eq!(viewer.frame("a frame", |_| true).robots.len(), 1);
 }

@@ -1,4 +1,4 @@
-//! What a viewer is told of a robot: its rollers and what pushes it.
+//! Rollers and contacts of robots, as viewers get them.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -16,7 +16,7 @@ fn world(map: &str, model: DriveModel) -> World {
     World::new(def, Options::default())
 }
 
-/// The mean force on a robot over a second: hand-overs between rollers make single steps uneven.
+/// Returns the mean force on a robot over a second, as hand-overs between rollers make single steps uneven.
 fn force(world: &mut World, robot: sim_core::RobotId) -> Vector3<f64> {
     let steps = 500;
     let sum = |robot: RobotSnapshot| robot.contacts.iter().map(|contact| contact.force).sum::<Vector3<f64>>();
@@ -29,15 +29,15 @@ fn force(world: &mut World, robot: sim_core::RobotId) -> Vector3<f64> {
     total / f64::from(steps)
 }
 
-/// Everything that pushes a robot, friction and rolling resistance included, holds up its weight: at rest on the floor and
-/// on a slope, and while it drives at a constant speed.
+/// Checks that all contacts of a robot, with friction and rolling resistance, hold up its weight. It stands on the floor and on a slope,
+/// and drives at a constant speed.
 #[track_caller]
 fn check_weight_is_held(class: &str, model: DriveModel) {
     for (map, start) in [("rough", "PlayerStart_0"), ("slope-4.5", "RobotStart2")] {
         let mut world = world(map, model);
         let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start {start}}}"));
         let weight = world.def().robots[class].mass() as f64 * GRAVITY;
-        // Those that stand on the ground: of a flipper its tip is above it.
+        // Wheels that stand on the ground: the tip of a flipper is above it.
         let bottom = |wheel: scene::MountedWheel| wheel.position[2] + wheel.radius;
         let lowest = world.def().robots[class].wheels().map(bottom).fold(f64::NEG_INFINITY, f64::max);
         let wheels = world.def().robots[class].wheels().filter(|&wheel| bottom(wheel) > lowest - 1e-3).count();
@@ -72,8 +72,8 @@ fn forces_on_a_robot_hold_its_weight() {
     }
 }
 
-/// Puts a robot onto another, a youBot onto a plate or onto wheels that reach above it, and returns how high it stands.
-/// What holds both up from below has to be both weights.
+/// Puts a robot onto another: a youBot onto a plate, or onto wheels that reach above it. The forces from the ground must equal both
+/// weights. Returns the height at which it stands.
 #[track_caller]
 fn check_carries(carrier: &str, on_wheels: bool, model: DriveModel) -> f64 {
     let wheels = [("FL", 0.2355, -0.15), ("FR", 0.2355, 0.15), ("BL", -0.2355, -0.15), ("BR", -0.2355, 0.15)];
@@ -95,7 +95,7 @@ fn check_carries(carrier: &str, on_wheels: bool, model: DriveModel) -> f64 {
     let up = (0..steps).map(|_| {
         world.step();
         let contacts = world.observe(carrier_id).unwrap().contacts;
-        // What the ground does; what stands on it is above.
+        // Contacts at the ground. Those between the robots are above it.
         contacts.iter().filter(|contact| contact.point.z > -1e-3).map(|contact| -contact.force.z).sum::<f64>()
     });
     let up = up.sum::<f64>() / f64::from(steps);
@@ -104,7 +104,7 @@ fn check_carries(carrier: &str, on_wheels: bool, model: DriveModel) -> f64 {
     -world.observe(youbot).unwrap().body.pose.translation.z
 }
 
-/// Whatever a robot is made of: what touches it feels what its wheels and rollers do.
+/// A robot feels the wheels and rollers of another one on it, in every drive model.
 #[test]
 fn a_robot_carries_another() {
     for (carrier, on_wheels) in [("BasicSkidRobot", false), ("BasicSkidRobot", true), ("P3AT", false)] {
@@ -114,7 +114,7 @@ fn a_robot_carries_another() {
     }
 }
 
-/// A wheel that is stood on holds with the robot that it is on, not with its own small mass: nobody sinks into it.
+/// A wheel that carries another robot holds by its own robot's mass, not by the wheel's small one. So the upper robot does not sink in.
 #[test]
 fn a_robot_stands_as_high_on_another_in_every_drive_model() {
     for on_wheels in [false, true] {
@@ -125,12 +125,13 @@ fn a_robot_stands_as_high_on_another_in_every_drive_model() {
     }
 }
 
-/// A wheel of free rollers on top of a wheel is a ball on a ball: it stands as long as nothing disturbs it, and the engine's contacts do.
+/// True if a robot can stand on wheels in a model. A wheel of free rollers on a wheel is a ball on a ball: it stands only if nothing
+/// disturbs it, and the engine's contacts do.
 fn can_stand(model: DriveModel, on_wheels: bool) -> bool {
     !on_wheels || model != DriveModel::Bodies
 }
 
-/// Sideways the rollers that touch turn, in both models alike; that the wheels turn does not count.
+/// In a sideways motion the touching rollers turn alike in both models. The turning of the wheels does not count.
 #[test]
 fn rollers_turn_when_the_robot_goes_sideways() {
     let turned = [DriveModel::Bodies, DriveModel::Analytic].map(|model| {
@@ -151,8 +152,8 @@ fn rollers_turn_when_the_robot_goes_sideways() {
         most
     });
     for (bodies, analytic) in turned[0].iter().zip(&turned[1]) {
-        // The wheel's surface passes the ground at 50 mm/s ahead and 48 mm/s aside, across the roller: 4.9 rad/s at its
-        // middle, where it is 14 mm thick, 8.7 at its ends.
+        // The wheel's surface passes the ground at 50 mm/s ahead and 48 mm/s aside, across the roller. That is 4.9 rad/s at the roller's
+        // middle, where it is 14 mm thick, and 8.7 rad/s at its ends.
         assert!([bodies, analytic].iter().all(|angle| (-1.9..-0.9).contains(*angle)), "{turned:?}");
     }
 }

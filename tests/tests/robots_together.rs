@@ -1,4 +1,4 @@
-//! Robots that touch, stand on each other, come at one place and leave while they are touched.
+//! Robots that touch, stand on each other, spawn at one place, and leave while another touches them.
 
 use gamebots_proto::Dialect;
 use nalgebra::Vector3;
@@ -8,7 +8,7 @@ use system_tests::{apply, init, init_on_top, run};
 
 const MODELS: [DriveModel; 3] = [DriveModel::Bodies, DriveModel::Analytic, DriveModel::Kinematic];
 
-/// A world where every Mecanum robot is moved by one model.
+/// Builds a world in which one model moves all Mecanum robots.
 fn world(map: &str, model: DriveModel) -> World {
     let mut def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
     def.robots.values_mut().for_each(|robot| robot.set_drive_model(Some(model)));
@@ -57,7 +57,7 @@ fn a_robot_can_leave_in_the_step_that_it_came_in() {
     }
 }
 
-/// Robots that come at one place between two steps stand beside each other instead of inside each other.
+/// Robots that spawn at one place between two steps stand beside each other, not inside each other.
 #[track_caller]
 fn check_come_together(model: DriveModel, lines: &[String]) {
     let mut world = world("rough", model);
@@ -74,7 +74,7 @@ fn check_stands(mut world: World, robots: &[RobotId], what: &str) {
         top = top.max(highest(&world));
         fastest = robots.iter().map(|&robot| speed(&world, robot)).fold(fastest, f64::max);
     }
-    // One that slides off the top of another falls as everything does; nothing is flung.
+    // A robot that slides off another falls freely; no robot is flung away.
     let fall = (2.0 * 9.81 * start.max(0.5)).sqrt();
     assert!(fastest < fall && top < start + 0.01, "{what}: {fastest:.2} m/s, {start} to {top} m");
 }
@@ -95,7 +95,7 @@ fn robots_that_come_in_one_step_do_not_explode() {
     check_come_together(DriveModel::Analytic, &vec![at("P3AT", 0.0, 0.0, 0.0); 20]);
 }
 
-/// What weighs on a robot comes down to the ground in the step in which it weighs, however many stand between.
+/// The weight of a robot reaches the ground in the same step, through any number of robots between.
 #[test]
 fn a_stack_of_analytic_robots_stands() {
     for count in [3, 4, 5, 6, 8, 12] {
@@ -111,8 +111,8 @@ fn a_stack_of_analytic_robots_stands() {
     }
 }
 
-/// The speeds of two youBots ahead and to the side, m/s: one drives at 4 rad/s against the back of another that drives at
-/// 3.5 rad/s. (Wheels that are held would slide, and to the side nothing holds a Mecanum base that slides ahead.)
+/// Returns the velocities of two youBots, ahead and to the side, m/s. One drives at 4 rad/s against the back of another that drives at 3.5
+/// rad/s. (Held wheels would slide, and nothing keeps a sliding Mecanum base from moving sideways.)
 fn pushed(model: DriveModel, pusher_comes_first: bool) -> [Vector3<f64>; 2] {
     let mut world = world("rough", model);
     let places = [-0.575, 0.0];
@@ -131,8 +131,8 @@ fn pushed(model: DriveModel, pusher_comes_first: bool) -> [Vector3<f64>; 2] {
     [0, 1].map(|index| (position(&world, robots[index]) - from[index]) / 2.0)
 }
 
-/// Equal servos of equal robots meet in the middle, which the pushes from step to step miss by up to 4 %; one that follows its
-/// commands is held back to the slower speed.
+/// Equal servos of equal robots meet at the mean speed, which pushes from step to step miss by up to 4 %. A robot that follows its commands
+/// is held back to the slower speed.
 #[test]
 fn a_robot_is_pushed_alike_whichever_came_first() {
     for (model, expected) in [(DriveModel::Analytic, 3.75 * 0.05), (DriveModel::Kinematic, 3.5 * 0.05)] {
@@ -150,7 +150,7 @@ fn what_stands_on_an_analytic_robot_weighs_on_its_wheels() {
     let mut world = world("rough", DriveModel::Analytic);
     let [below, above] = [(); 2].map(|()| init_on_top(&mut world, "KUKA_YouBot", [0.0, 0.0], 0.0));
     run(&mut world, 1.0);
-    // What the ground pushes, averaged: the two are solved for one after the other, and take turns from step to step.
+    // The ground's force, averaged: the two robots are solved one after the other and take turns from step to step.
     let ground = |world: &World| -> f64 {
         let contacts = world.observe(below).expect("the robot").contacts;
         contacts.iter().filter(|contact| contact.point.z > -0.01).map(|contact| -contact.force.z).sum()
@@ -166,7 +166,7 @@ fn what_stands_on_an_analytic_robot_weighs_on_its_wheels() {
     assert!((position(&world, above).z - position(&world, below).z + 0.1).abs() < 0.005);
 }
 
-/// No file can say this, see `hostile_files.rs`; should a state break all the same, only what touches it goes with it.
+/// No file can cause this, see `hostile_files.rs`. If a state breaks nevertheless, only robots in contact with it are removed, too.
 #[test]
 fn a_robot_whose_state_is_not_finite_is_taken_out_and_the_rest_goes_on() {
     for model in MODELS {
@@ -191,7 +191,7 @@ fn a_robot_whose_state_is_not_finite_is_taken_out_and_the_rest_goes_on() {
     }
 }
 
-/// The engine had no group of robots left to solve once the last one had gone.
+/// With no robot left and all objects asleep, the solver has no groups.
 #[test]
 fn the_last_robot_may_leave_after_it_pushed_an_object() {
     for class in ["P3AT", "KUKA_YouBot", "YouBotArm", "Kenaf"] {

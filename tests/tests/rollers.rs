@@ -1,18 +1,18 @@
-//! Mecanum wheels with exact rollers go where the exact kinematics of finite rollers say, on every kind of floor.
+//! Mecanum wheels with exact rollers move as the exact kinematics of finite rollers predict, on every kind of floor.
 
 use experiments::{Course, Motion, Travel};
 use scene::DriveModel;
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
-/// A floor of one solid; its table of the map file.
+/// Floors of one solid, as tables of the map file.
 const FLOORS: [(&str, &str); 3] = [
     ("half-space", "[[half_space]]\n"),
     ("box of 100 m", "[[box]]\nposition = [0, 0, 0.5]\nsize = [100, 100, 1]\n"),
     ("mesh", "[[mesh]]\nfile = \"floor.obj\"\n"),
 ];
 
-/// A flat floor of 10 x 10 m in triangles with legs of 0.2 m.
+/// Builds a flat floor of 10 x 10 m from triangles with legs of 0.2 m.
 fn floor_mesh() -> String {
     const CELLS: i32 = 50;
     let mut text = String::new();
@@ -31,7 +31,7 @@ fn floor_mesh() -> String {
     text
 }
 
-/// Ten seconds at 1 rad/s on a floor, with so many rollers a wheel, each longer than need be by the overlap.
+/// Drives ten seconds at 1 rad/s on a floor, with a number of rollers per wheel, each longer than necessary by the overlap.
 fn drive(class: &str, floor: &str, rollers: u32, overlap: f64, motion: Motion) -> Travel {
     drive_by(DriveModel::Bodies, Options::default(), class, floor, rollers, overlap, motion)
 }
@@ -68,7 +68,7 @@ fn drive_by(
     course.travel().expect("a robot")
 }
 
-/// Less than 0.1 degree of yaw a metre and 0.3 % of the way aside.
+/// Checks that the yaw is below 0.1 degree per metre and the sideways deviation below 0.3 % of the way.
 #[track_caller]
 fn check_straight(what: &str, motion: Motion, moved: [f64; 3]) {
     if motion != Motion::Clockwise {
@@ -114,8 +114,8 @@ fn the_analytic_model_is_within_three_thousandths_everywhere() {
     }
 }
 
-/// At the youBot's top speed a step of 8 ms turns the wheel by a tenth of a roller's sector; one roller still hands over to
-/// the next without a bump.
+/// At the youBot's top speed a step of 8 ms turns the wheel by a tenth of a roller's sector. Even so the load passes from roller to roller
+/// without a bump.
 #[test]
 fn the_analytic_model_is_as_exact_at_full_speed() {
     for time_step in [0.002, 0.008] {
@@ -133,7 +133,7 @@ fn the_analytic_model_is_as_exact_at_full_speed() {
     }
 }
 
-/// Real wheels do not stand in phase. Each model then rolls with its wheels where `first_roller` puts them.
+/// Real wheels are not in phase. Each model also rolls exactly with wheels as `first_roller` sets them.
 #[test]
 fn wheels_out_of_phase_roll_as_exactly() {
     for model in [DriveModel::Bodies, DriveModel::Analytic, DriveModel::Kinematic] {
@@ -187,7 +187,7 @@ fn wheels_of_eight_and_twelve_rollers_work() {
     }
 }
 
-/// The youBot's real rollers are longer than the least by 15 %: near their ends two share the contact.
+/// The youBot's real rollers are longer than the minimum by 15 %: near their ends two share the contact.
 #[test]
 fn rollers_may_overlap() {
     for (name, model) in [("bodies", DriveModel::Bodies), ("analytic", DriveModel::Analytic)] {
@@ -201,8 +201,8 @@ fn rollers_may_overlap() {
     }
 }
 
-/// Straight ahead over the edge of a plate of 1 cm and onto it: no jump, and level in the end. To the side a wheel is
-/// as small as its rollers, 14 mm, and the edge holds it.
+/// Straight ahead the robot drives over the edge of a plate of 1 cm, without a jump, and is level in the end. To the side a wheel is as
+/// small as its rollers, 14 mm, so the edge stops it.
 #[test]
 fn a_step_of_one_centimetre_is_climbed_ahead_and_holds_sideways() {
     let folder = tempfile::tempdir().expect("a folder");

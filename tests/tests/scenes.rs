@@ -7,7 +7,7 @@ use scene::{Shape, Side, WorldDef};
 use sim_core::{Options, World};
 use system_tests::{command, copy_robot, run};
 
-/// Masses and places of the thesis's Appendix A, through URDF (z up) into the robot frame (z down).
+/// Masses and positions of the thesis's Appendix A, through URDF (z up) into the robot frame (z down).
 #[test]
 fn the_youbot_is_that_of_the_thesis() {
     let youbot = scene_loader::robot("KUKA_YouBot", &[]).expect("a built-in robot");
@@ -50,7 +50,7 @@ fn the_real_youbot_has_geared_motors() {
     assert!((motor.armature - 1.35e-5 * 25.838 * 25.838).abs() < 1e-12, "{}", motor.armature);
 }
 
-/// A tetrahedron of 10 cm edges at right angles, as text.
+/// A tetrahedron with three edges of 10 cm at right angles, as a text STL.
 const STL: &str = "solid t
 facet normal 0 0 0
 outer loop
@@ -119,7 +119,7 @@ side = "right"
 joint = "right_wheel"
 "#;
 
-/// x stays, y and z change their signs; a link turned by a quarter about z up has its x axis along y left.
+/// x stays, y and z change their signs. A link that is turned by a quarter about z up has its x axis along y left.
 #[test]
 fn a_urdf_is_turned_into_the_robot_frame_once() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -129,7 +129,7 @@ fn a_urdf_is_turned_into_the_robot_frame_once() {
         std::fs::write(folder.join(name), text).expect("a file");
     }
     let def = scene_loader::load("rough", &[&folder.join("robot.toml")]).unwrap_or_else(|error| panic!("{error}"));
-    // In USARBot.cart.v2 the package would be USARBot.cart.
+    // A dot in the class name would end it: USARBot.cart.v2 would be read as USARBot.cart.
     let cart = &def.robots["cart_v2"];
     let base = &cart.links[0].parts[0];
     assert!((base.centre - nalgebra::Vector3::new(0.1, -0.2, -0.3)).norm() < 1e-12, "{}", base.centre);
@@ -184,7 +184,7 @@ position = [0, 0, 0]
     }
 }
 
-/// A material of a map's own is one beside those that all maps have, or in their place; a colour is a solid's own.
+/// A map's own material is added to the common ones, or replaces one of them. A colour belongs to a single solid.
 #[test]
 fn a_map_has_materials_and_colours_of_its_own() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -240,7 +240,7 @@ fn a_mesh_that_is_missing_or_broken_is_named() {
     check("thing.fbx", "expected a file that ends in .stl, .obj, .dae, .glb or .gltf");
 }
 
-/// Webots' rollers, from the youBot's CAD, are 74.5 mm long; the least without a gap is 64.8 mm.
+/// Webots' rollers, from the youBot's CAD, are 74.5 mm long. The minimum without a gap is 64.8 mm.
 #[test]
 fn the_length_of_rollers_is_checked() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -284,7 +284,7 @@ fn overrides_reach_robots_maps_and_materials() {
     }
 }
 
-/// A log holds its scene, and a replay needs the same bits.
+/// A log holds its scene, and a replay needs it bit by bit.
 #[test]
 fn definitions_written_as_json_read_back_the_same() {
     for map in scene_loader::map_names() {

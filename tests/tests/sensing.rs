@@ -1,11 +1,11 @@
-//! Sensors measure what is there: numbers worked out by hand for simple scenes.
+//! Sensors measure simple scenes, compared with numbers worked out by hand.
 
 use gamebots_proto::message::{Message, Reading, Tick};
 use scene::{NamedPose, Shape, Solid, WorldDef};
 use sim_core::{Options, RobotId, World};
 use system_tests::{apply, init, run};
 
-/// The floor and boxes on it, given by name, centre and edge lengths.
+/// Builds a world with the floor and boxes on it, given by centre and edge lengths.
 fn scene(boxes: &[([f64; 3], [f64; 3])], seed: u64) -> World {
     let WorldDef { mut map, robots } = scene_loader::load("rough", &[]).expect("a built-in map");
     let material = map.solids[0].material.clone();
@@ -74,7 +74,7 @@ fn a_laser_reads_its_maximum_in_the_open_and_less_than_its_minimum_up_close() {
     let mut world = scene(&[], 0);
     p3at(&mut world);
     assert!(scan(&mut world).iter().all(|&range| range == 20.0));
-    // Above the robot's bumpers, 5 cm before the laser.
+    // The box is above the robot's bumpers, 5 cm ahead of the laser.
     let mut world = scene(&[([0.2085 + 0.55, 0.0, -0.8], [1.0, 1.0, 1.0])], 0);
     p3at(&mut world);
     assert_ranges(&scan(&mut world), &[(90, 0.05)]);
@@ -93,7 +93,7 @@ fn a_laser_sees_other_robots_and_not_its_own() {
     };
     let ranges = of_youbot(run(&mut world, 0.7));
     assert_eq!(ranges.len(), 228);
-    // At the laser's height, 8 cm, is the P3AT's lower chassis, 0.46 m long and 0.012 m ahead of its middle.
+    // At the laser's height, 8 cm, it hits the P3AT's lower chassis, 0.46 m long and 0.012 m ahead of its middle.
     assert_ranges(&ranges, &[(114, 2.0 + 0.012 - 0.23 - 0.3), (0, 4.0), (227, 4.0)]);
     assert!(world.state(youbot).is_some());
 }
@@ -102,7 +102,7 @@ fn front_sonar(boxes: &[([f64; 3], [f64; 3])]) -> f32 {
     let mut world = scene(boxes, 0);
     init(&mut world, "INIT {ClassName USARBot.P2DX} {Location 0,0,0} {Rotation 0,0,0.174533}");
     last(run(&mut world, 0.5), |reading| match reading {
-        // F4 looks 10 degrees to the left: with the robot turned 10 degrees to the right, along x.
+        // F4 points 10 degrees to the left, so with the robot turned 10 degrees to the right it points along x.
         Reading::Sonar(sonar) if sonar.name == "F4" => Some(sonar.range),
         _ => None,
     })
@@ -116,7 +116,7 @@ fn a_sonar_reads_the_nearest_echo_within_its_cone() {
     assert!((front_sonar(&wall(2.0)) - 2.0).abs() < 0.01);
     assert_eq!(front_sonar(&wall(0.05)), 0.1);
     assert_eq!(front_sonar(&[]), 5.0);
-    // A post 5 degrees off the axis: its face is square to the axis, and 5 degrees are within the 10 it echoes at.
+    // A post 5 degrees off the axis. Its face is square to the axis, and 5 degrees are within the 10 of the echo.
     let post = [([x + 1.0 + 0.02, 0.0875, -0.5], [0.04, 0.04, 3.0])];
     assert!((front_sonar(&post) - 1.0).abs() < 0.02, "{}", front_sonar(&post));
 }
@@ -135,7 +135,7 @@ fn odometry_follows_the_wheels() {
     };
     let straight = pose(run(&mut world, 10.0));
     assert!((straight[0] - 0.825).abs() < 0.003, "{straight:?}");
-    // Without slip it is where the robot is.
+    // Without slip odometry equals the true pose.
     let (body, _) = world.state(robot).expect("the robot");
     let (_, _, yaw) = body.pose.rotation.euler_angles();
     let truth = [body.pose.translation.x, body.pose.translation.y, yaw];
@@ -161,7 +161,7 @@ fn odometry_of_the_youbot_follows_its_ground_truth_forward_and_turning() {
     assert!((f64::from(pose[0]) - body.pose.translation.x).abs() < 0.01, "{pose:?} {:?}", body.pose.translation);
 }
 
-/// To the side six rollers lose 4.5 %: the textbook does not know it, the finite rollers do.
+/// To the side, six rollers lose 4.5 %. The finite-roller kinematics includes this, the textbook's does not.
 #[test]
 fn odometry_can_count_the_rollers() {
     for (finite, expected) in [(false, 1.0 / 0.955), (true, 1.0)] {
@@ -185,7 +185,7 @@ fn odometry_can_count_the_rollers() {
     }
 }
 
-/// Two wheels that roll without slip say nearly half as much again as a skid robot turns; the balance of friction knows better.
+/// Odometry of two wheels without slip overestimates the turn of a skid robot by nearly half. The balance of friction is right.
 #[test]
 fn odometry_can_know_that_wheels_slide() {
     for (class, sliding, expected, tolerance) in [
@@ -206,7 +206,7 @@ fn odometry_can_know_that_wheels_slide() {
         let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}}"));
         run(&mut world, 0.5);
         apply(&mut world, robot, "DRIVE {Left 1} {Right -1}");
-        // Less than half a turn.
+        // The run is less than half a turn.
         let pose = last(run(&mut world, 5.0), |reading| match reading {
             Reading::Odometry(odometry) => Some(odometry.pose),
             _ => None,
@@ -231,7 +231,7 @@ fn encoders_and_tachometers_agree_with_the_wheels() {
             _ => None,
         })
         .collect();
-    // W1 is the front left wheel, W2 the back right one; noise is half a percent of the angle.
+    // W1 is the front left wheel, W2 the back right one. The noise is half a percent of the angle.
     for (name, wheel) in [("W1", 1), ("W2", 2)] {
         let tick = ticks.iter().rev().find(|tick| tick.name == name).expect("a tick").tick;
         let expected = wheels[wheel].angle / 0.01745;
@@ -243,12 +243,12 @@ fn encoders_and_tachometers_agree_with_the_wheels() {
     });
     let signs: Vec<f32> = velocities.iter().map(|velocity| velocity.signum()).collect();
     assert_eq!(signs, [-1.0, 1.0, -1.0, 1.0]);
-    // One interval late.
+    // The reading is one interval late.
     assert!((f64::from(positions[1]) - (wheels[1].angle - 0.2 * wheels[1].speed)).abs() < 0.05, "{positions:?}");
 }
 
-/// Standing still the estimate stands still; driving 5 m in 50 readings its error has a standard deviation of
-/// 0.05 x 0.1 x sqrt(50) = 0.035 m on each axis.
+/// At rest the estimate is constant. After 5 m in 50 readings its error has a standard deviation of 0.05 x 0.1 x sqrt(50) = 0.035 m on each
+/// axis.
 #[test]
 fn inertial_navigation_drifts_with_the_distance() {
     let ins = |messages| {
@@ -273,7 +273,7 @@ fn inertial_navigation_drifts_with_the_distance() {
     assert!((0.015..0.07).contains(&spread), "standard deviation {spread:.4}: {errors:.3?}");
 }
 
-/// In the air velocities change from one step to the next: all of it within one reading.
+/// In the air velocities change at once, so the whole change is within one reading.
 #[test]
 fn an_imu_reads_changes_of_velocity_with_z_up_and_rates_of_roll_pitch_and_yaw() {
     let mut world = scene(&[], 0);
@@ -296,7 +296,7 @@ fn an_imu_reads_changes_of_velocity_with_z_up_and_rates_of_roll_pitch_and_yaw() 
     let turned = imu("DRIVE {RotationalVelocity 90}");
     assert_eq!(turned, [still, [0.0, 0.0, 1.57], [0.0, 0.0, 15.71], [0.0, 0.0, 0.16]]);
     imu("DRIVE {RotationalVelocity 0} {AltitudeVelocity 0}");
-    // It is turned by 9 degrees, and moves and measures along its own axes.
+    // The robot is pitched by 9 degrees, and moves and measures along its own axes.
     let [acceleration, ..] = imu("DRIVE {LinearVelocity 1} {PitchAngle 0}");
     assert_eq!(acceleration, [10.0, 0.0, 0.0]);
 }

@@ -1,4 +1,4 @@
-//! What a session promises beyond the conformance cases.
+//! Guarantees of a session beyond the conformance cases.
 
 use std::f64::consts::TAU;
 use std::io::{Read, Write};
@@ -42,7 +42,7 @@ fn wheel_speeds_can_be_revolutions_a_second_everywhere_on_the_wire() {
     assert!(to[0] - from[0] > 0.9 * 2.0 * TAU * 0.5 * 0.098, "{from:?} {to:?}");
 }
 
-/// Typed commands and typed messages serve a program that drives robots as they serve the server.
+/// A program can drive robots by the protocol's typed commands and messages, as the server uses them.
 #[test]
 fn a_program_can_drive_by_the_types_of_the_protocol() {
     let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
@@ -58,8 +58,8 @@ fn a_program_can_drive_by_the_types_of_the_protocol() {
     }
 }
 
-/// Many scripts of students read a socket as if each `recv` gave a line. A machine that is busy may read late, so a second without a
-/// piece of two lines is waited for.
+/// Many students' scripts read a socket as if each `recv` returned one line. A busy machine may read late, so the test waits for a second
+/// without a piece of two lines.
 #[test]
 fn a_client_that_takes_each_piece_for_a_line_gets_one_line_a_piece() {
     let server = Server::start("rough", &[], |_| {});
@@ -71,7 +71,7 @@ fn a_client_that_takes_each_piece_for_a_line_gets_one_line_a_piece() {
         assert!(Instant::now() < end, "{whole} lines came one by one at last");
         let count = socket.read(&mut buffer).expect("a piece");
         let piece = String::from_utf8_lossy(&buffer[..count]).into_owned();
-        // A laser's scan is longer than the buffer of such a script.
+        // A laser's scan is longer than the read buffer of such a script.
         let is_line = piece.ends_with("\r\n") && piece.matches("\r\n").count() == 1 || count == buffer.len();
         whole = if is_line { whole + 1 } else { 0 };
     }
@@ -90,7 +90,7 @@ fn a_client_hears_that_its_robot_is_removed_and_nothing_more_of_it() {
         peer.send("INIT {ClassName USARBot.AirRobot} {Name Ann} {Location 99999.9,0,-2}");
         peer.send("DRIVE {LinearVelocity 2}");
         peer.next_of("STA");
-        // The map ends at 100 km, and a robot is outside 10 m behind, which it reaches after 5 s.
+        // The map ends at 100 km. A robot 10 m further is outside, which it reaches after 5 s.
         witness.lines_for(8.0);
         peer.send("GETSTARTPOSES");
         let mut lines = Vec::new();

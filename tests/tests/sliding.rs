@@ -1,4 +1,4 @@
-//! Robots on plain wheels beside the twist at which the friction of their wheels balances.
+//! Robots on plain wheels, compared with the twist at which the friction of their wheels balances.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use kinematics::coulomb::{Contact, quasi_static};
 use sim_core::{Options, World};
 use system_tests::Server;
 
-/// The share of the exact motion that a robot makes in some seconds, in steps of 2 ms.
+/// Returns the share of the exact motion that a robot makes, in steps of 2 ms.
 fn ratio(class: &str, motion: Motion) -> f64 {
     ratio_at(class, motion, 0.002)
 }
@@ -20,7 +20,7 @@ fn ratio_at(class: &str, motion: Motion, time_step: f64) -> f64 {
     course.travel().expect("a robot").ratio
 }
 
-/// Wheels that agree do not slide: straight on, with two wheels and a caster, and a car that steers by Ackermann's geometry.
+/// Wheels that agree do not slide: straight ahead, with two wheels and a caster, and in a car with Ackermann steering.
 #[test]
 fn robots_whose_wheels_agree_move_as_their_wheels_say() {
     for (class, motion, tolerance) in [
@@ -40,7 +40,7 @@ fn robots_whose_wheels_agree_move_as_their_wheels_say() {
     }
 }
 
-/// Wheels that have to slide do so as Coulomb's friction says: without its balance a P3AT would turn by half as much again.
+/// Wheels that must slide follow Coulomb friction. Without its balance a P3AT would turn half as far again.
 #[test]
 fn robots_whose_wheels_slide_go_as_far_as_friction_lets_them() {
     for class in ["P3AT", "P2AT", "Kenaf", "BasicSkidRobot"] {
@@ -54,13 +54,13 @@ fn robots_whose_wheels_slide_go_as_far_as_friction_lets_them() {
     }
 }
 
-/// The numbers of a block of a line, `{Key 1,2,3}`.
+/// Returns the numbers of a block of a line, `{Key 1,2,3}`.
 fn block(line: &str, key: &str) -> Option<Vec<f64>> {
     let (_, rest) = line.split_once(&format!("{{{key} "))?;
     rest.split_once('}')?.0.split(',').map(|number| number.parse().ok()).collect()
 }
 
-/// What a client of the P3AT reads: how fast it turns by its ground truth, and its wheels by its tachometer, rad/s. Both are taken
+/// Returns the turn rate of a P3AT by its ground truth and its wheel speeds by its tachometer, rad/s, as a client reads them. Both come
 /// from whole seconds of the same time.
 fn turning(server: &Server, drive: &str) -> (f64, Vec<f64>) {
     const SPAN: [f64; 2] = [3.0, 9.0];
@@ -90,11 +90,11 @@ fn turning(server: &Server, drive: &str) -> (f64, Vec<f64>) {
     (rate, first.iter().zip(last).map(|(first, last)| (last - first) / (to - from)).collect())
 }
 
-/// Who drives a P3AT over a socket and reads its sensors finds the turn at which friction balances for what its wheels did.
+/// A P3AT driven over a socket turns at the rate at which friction balances, computed from its wheel speeds.
 #[test]
 fn over_the_socket_a_p3at_turns_as_friction_lets_it() {
-    // Half of its wheel base and of its track and the wheels' radius, m, and where its weight is ahead of its middle: 10 of 11.9 kg at
-    // 12 mm (assets/robots/P3AT/robot.toml).
+    // Half of its wheel base, half of its track and the wheels' radius, m; then the distance of its centre of mass ahead of its middle. The
+    // latter follows from 10 of 11.9 kg at 12 mm (assets/robots/P3AT/robot.toml).
     let (base, track, radius, ahead) = (0.124, 0.18, 0.098, 0.12 / 11.9);
     let server = Server::start("rough", &[], |config| {
         config.real_time_factor = 10.0;

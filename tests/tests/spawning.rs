@@ -1,4 +1,4 @@
-//! Places of spawned robots: on the floor, beside what is there already, out of solids, and on something only where that is asked for.
+//! Places of spawned robots: on the floor, beside other robots, out of solids, and on top of something only if that is requested.
 
 use gamebots_proto::command::Command;
 use nalgebra::Vector3;
@@ -9,7 +9,7 @@ fn position(world: &World, robot: RobotId) -> Vector3<f64> {
     world.state(robot).expect("the robot is there").0.pose.translation.vector
 }
 
-/// Puts a robot into a world; its number, and what is said of its place.
+/// Spawns a robot in a world. Returns it, and the messages about its place.
 fn try_init(world: &mut World, line: &str) -> (Option<RobotId>, Vec<String>) {
     let Command::Init(init) = command(line) else { panic!("not INIT: {line}") };
     let mut problems = Vec::new();
@@ -36,7 +36,7 @@ fn a_robot_at_a_start_that_is_taken_stands_beside_it_and_it_is_said() {
     }
 }
 
-/// A whole class that starts at one place: nobody stands on anybody, and the robots are close together.
+/// A whole class of students starts at one place: no robot stands on another, and all are close together.
 #[test]
 fn many_robots_at_one_start_stand_side_by_side() {
     for (class, count, widest) in [("P3AT", 100, 8.0), ("YouBot", 30, 6.0), ("AirRobot", 60, 8.0)] {
@@ -61,7 +61,7 @@ fn many_robots_at_one_start_stand_side_by_side() {
 
 #[test]
 fn a_robot_is_put_out_of_a_solid_or_refused_with_the_reason() {
-    // Class, map, place, what is said, and how near to the place it is put; none where it is refused.
+    // Class, map, place, message, and largest distance from the place; none if it is refused.
     for (class, map, place, expected, near) in [
         ("P3AT", "arena", "-3,2,-0.5", "the solid `pillar-2` takes it; the robot is put beside it", Some(1.0)),
         ("YouBotArm", "arena", "-3,2,0", "the solid `pillar-2` takes it; the robot is put beside it", Some(1.0)),
@@ -98,7 +98,7 @@ fn a_robot_is_put_out_of_a_solid_or_refused_with_the_reason() {
     }
 }
 
-/// A place that is free is taken as it is: no word, no move.
+/// A free place is used as it is, without a message or a shift.
 #[test]
 fn a_robot_stands_on_a_ramp_a_step_and_a_platform_as_it_was_asked_for() {
     for (map, place) in [
@@ -140,7 +140,7 @@ fn a_robot_that_is_asked_for_above_another_comes_to_stand_on_it() {
     assert!(high.z < low.z - 0.15 && (high.xy() - low.xy()).norm() < 0.1, "{low:?} {high:?}");
 }
 
-/// Nobody is put behind a wall, on top of it, or off the platform that the start is on.
+/// No robot is put behind a wall, on top of it, or off the platform of the start.
 #[test]
 fn beside_is_on_the_same_floor_and_on_the_same_side_of_a_wall() {
     let mut world = world("arena", 0);
@@ -155,7 +155,7 @@ fn beside_is_on_the_same_floor_and_on_the_same_side_of_a_wall() {
     }
 }
 
-/// A page asks where a robot would stand; the world goes on as if nobody had asked.
+/// A page can ask where a robot would stand, without any effect on the world.
 #[test]
 fn asking_for_room_changes_nothing() {
     let outcome = |asks: bool| {

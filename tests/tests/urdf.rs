@@ -1,11 +1,11 @@
-//! Robots from URDF: the tree that the file has, with what it weighs, how it moves and what is seen of it.
+//! Robots from URDF: the file's tree, with its masses, joints and visuals.
 
 use nalgebra::{Point3, Vector3};
 use scene::{JointKind, JointState, Link, RobotDef, Shape, Steering};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
-/// A base with wheels, a lift that turns with it, an arm on the lift, two fingers of which one follows, and a flag that swings.
+/// A base with wheels, a lift that turns with it, an arm on the lift, two coupled fingers, and a flag that swings.
 const ARM: &str = r#"<?xml version="1.0"?>
 <robot name="arm">
   <material name="green"><color rgba="0.1 0.7 0.2 1"/></material>
@@ -87,7 +87,7 @@ side = "right"
 position = [-0.2, 0.25, 0.0]
 "#;
 
-/// The cart of such a URDF, in a package as ROS has them.
+/// Loads the cart of such a URDF, in a package as in ROS.
 fn load(urdf: &str) -> Result<scene::WorldDef, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let package = folder.path().join("arm_description");
@@ -141,7 +141,7 @@ fn joints_have_the_axes_limits_servos_and_friction_of_the_file() {
     }
 }
 
-/// Worked out by hand in the axes of the URDF: the fingers' middle is 0.4 m ahead of the shoulder.
+/// Worked out by hand in the axes of the URDF: the middle of the fingers is 0.4 m ahead of the shoulder.
 #[test]
 fn an_arm_is_where_its_joints_put_it() {
     let world = load(ARM).unwrap_or_else(|error| panic!("{error}"));
@@ -158,7 +158,7 @@ fn an_arm_is_where_its_joints_put_it() {
     let joints: Vec<JointState> = def.with_values().map(|link| state(&link.name)).collect();
     let placed = def.placed_links(&joints);
     let (_, pose) = placed.iter().find(|(link, _)| link.name == "left_finger").expect("a finger");
-    // Ahead is forward of the column, which turned to the left; the shoulder turns about the column's left, so ahead goes down.
+    // Ahead is forward of the column, which turned to the left. The shoulder turns about the column's left, so the arm goes down.
     let (ahead, left) = (Vector3::new(0.6f64.cos(), 0.6f64.sin(), 0.0), Vector3::new(-0.6f64.sin(), 0.6f64.cos(), 0.0));
     let forward = 0.4 * 0.5f64.cos() * ahead - 0.4 * 0.5f64.sin() * Vector3::z();
     let expected = Vector3::new(0.1, 0.0, 0.5) + forward + left * (0.02 + 0.03);
@@ -178,7 +178,7 @@ fn its_servos_hold_move_and_lead() {
         let number = def.with_values().position(|link| link.name == name).expect("a joint");
         world.snapshot().robots[0].joints[number].position
     };
-    // 1.2 kg at 0.23 m on 2000 N m/rad.
+    // The sag of 1.2 kg at 0.23 m on 2000 N m/rad.
     assert!(value(&world, "shoulder").abs() < 0.005, "{}", value(&world, "shoulder"));
     for (name, target) in [("turn", 1.0), ("shoulder", -0.5), ("left_finger", 0.03), ("right_finger", 0.01)] {
         apply(&mut world, robot, &format!("SET {{Type Joint}} {{Name {name}}} {{Opcode Angle}} {{Params {target}}}"));
@@ -247,7 +247,7 @@ fn a_zero_axis_of_a_fixed_joint_is_no_mistake() {
     load(&ARM.replacen(fixed, &with_axis, 1)).unwrap_or_else(|error| panic!("{error}"));
 }
 
-/// A robot of two wheels and a ball that slides, as small robots of ROS are.
+/// A robot with two wheels and a ball that slides, like small ROS robots.
 const TWO_WHEELS: &str = r#"<?xml version="1.0"?>
 <robot name="burger">
   <link name="base_footprint"/>
@@ -285,7 +285,7 @@ const TWO_WHEELS: &str = r#"<?xml version="1.0"?>
   <gazebo reference="wheel_left_link"><mu1>0.1</mu1></gazebo>
 </robot>"#;
 
-/// A car: four wheels, two of them on knuckles, with swivelling names of its own.
+/// Returns a car: four wheels, two of them on knuckles, with unusual names.
 fn car() -> String {
     let link = |name: &str, mass: f64, shape: &str| {
         let inertia = "ixy=\"0\" ixz=\"0\" iyz=\"0\"";
@@ -318,7 +318,7 @@ fn car() -> String {
     text + "</robot>"
 }
 
-/// The world with a robot of a URDF alone, and what was assumed of it.
+/// Builds a world with a robot from a URDF alone. Returns it with the assumptions made.
 fn alone(urdf: &str) -> Result<(World, Vec<String>), String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("Robot.urdf");
@@ -403,7 +403,7 @@ fn a_urdf_without_wheels_is_a_platform_and_xacro_is_named() {
     assert!(error.contains("is of xacro: expected a URDF; expand it first"), "{error}");
 }
 
-/// A binary STL of a ball with so many rings.
+/// Returns a binary STL of a ball with a number of rings.
 fn ball(rings: u32) -> Vec<u8> {
     let corner = |ring: u32, part: u32| {
         let [theta, phi] = [ring, 2 * part].map(|it| (f64::from(it) / f64::from(rings) * std::f64::consts::PI) as f32);
@@ -421,7 +421,7 @@ fn ball(rings: u32) -> Vec<u8> {
     bytes
 }
 
-/// The robot of a URDF whose base shows some meshes, and what was assumed of it.
+/// Loads the robot of a URDF whose base shows some meshes. Returns it with the assumptions made.
 fn with_meshes(files: &[(&str, Vec<u8>)], shown: &[&str]) -> (RobotDef, Vec<String>) {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, bytes) in files {
@@ -445,7 +445,7 @@ fn triangles(robot: &RobotDef) -> usize {
 
 #[test]
 fn a_heavy_urdf_is_drawn_with_fewer_triangles_and_says_so() {
-    // Three times 180 000 triangles, and a small one that keeps its form.
+    // Three times 180 000 triangles, and a small mesh that keeps its form.
     let files = [("heavy.stl", ball(300)), ("small.stl", ball(8))];
     let (robot, said) = with_meshes(&files, &["heavy.stl", "small.stl", "heavy.stl", "heavy.stl"]);
     let count = triangles(&robot);
@@ -488,7 +488,7 @@ fn a_link_without_its_meshes_is_drawn_as_its_collision_shape() {
         let Link { visuals, solids, .. } = &robot.links[0];
         assert_eq!((visuals.len(), &visuals[0].shape), (1, &solids[0].shape), "{file}");
     }
-    // What can be drawn is drawn.
+    // Meshes that can be read are still drawn.
     let (robot, said) = with_meshes(&[("small.stl", ball(8))], &["none.stl", "small.stl"]);
     assert!(said.iter().any(|it| it.contains("none.stl") && it.ends_with(": not drawn")), "{said:#?}");
     assert_eq!((robot.links[0].visuals.len(), triangles(&robot)), (1, 128));
@@ -496,7 +496,7 @@ fn a_link_without_its_meshes_is_drawn_as_its_collision_shape() {
 
 #[test]
 fn the_looks_of_a_hostile_urdf_take_bounded_time_and_memory() {
-    // A triangle behind 60 MB of remarks.
+    // A triangle after 60 MB of comments.
     let mut long = format!("#{}\n", "x".repeat(1 << 20)).repeat(60).into_bytes();
     long.extend(b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
     let (robot, said) = with_meshes(&[("long.obj", long)], &["long.obj"; 100]);

@@ -4,12 +4,12 @@ use experiments::validation::{Stance, Subject, check, checks, reason};
 use scene::DriveModel;
 use sim_core::Options;
 
-/// What rollers of 0.1 kg take of the push aside of a wheel that spins: each has to be spun up as it comes down.
+/// Loss of sideways push of a spinning wheel by rollers of 0.1 kg: each has to be spun up when it touches down.
 const SPUN_UP: [(&str, f64); 1] = [("most acceleration aside, of mu g and the rollers' angle", 0.92)];
 
-/// What the engine's bodies do not reach, and how much of it there is at least: of a contact that slides, the engine solves
-/// both tangents by their own masses and then cuts their length, so friction leans toward the direction across a roller,
-/// where it is light, and a part of Coulomb's limit is lost. Named here so that nothing else may fail.
+/// Check that the engine's bodies fail, and the least value that they reach. For a sliding contact the engine solves both tangents by their
+/// own masses and then scales their length. So friction leans toward the direction across a roller, where the roller is light, and part of
+/// Coulomb's limit is lost. It is named here, so nothing else may fail.
 const KNOWN: [(&str, f64); 1] = [("most acceleration aside, of mu g and the rollers' angle", 0.85)];
 
 fn subject(class: &str, drive_model: DriveModel) -> Subject {
@@ -54,7 +54,7 @@ fn bodies_pass_all_but_what_is_known() {
     run("KUKA_YouBot", DriveModel::Bodies, 1..=12, &KNOWN);
 }
 
-/// What needs no force but the base's own.
+/// The kinematic checks need no force but the base's own.
 #[test]
 fn the_kinematic_model_passes_the_kinematic_checks() {
     run("KUKA_YouBot", DriveModel::Kinematic, 1..=6, &[]);
@@ -67,13 +67,13 @@ fn robots_on_plain_wheels_pass_all_nine() {
     }
 }
 
-/// Its flippers lean on the ground as well.
+/// Its flippers also touch the ground.
 #[test]
 fn a_kenaf_passes_all_nine() {
     run("Kenaf", DriveModel::Articulated, 1..=9, &[]);
 }
 
-/// Another robot has other checks, and one without wheels has none.
+/// Checks differ between robots, and a robot without wheels has none.
 #[test]
 fn a_check_that_a_robot_has_not_is_named() {
     let refused = |class: &str, number: u32| {
@@ -85,7 +85,7 @@ fn a_check_that_a_robot_has_not_is_named() {
     assert_eq!(refused("AirRobot", 1), "robot `AirRobot`: expected one with driven wheels");
 }
 
-/// A small robot as ROS has them: two wheels, and a box that its file calls a caster and that rubs on the floor.
+/// A small robot in the style of ROS: two wheels, and a box that its file calls a caster and that rubs on the floor.
 #[test]
 fn a_failed_check_says_what_it_means_and_what_rubs_on_the_floor() {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/burger.urdf");

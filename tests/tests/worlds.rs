@@ -1,4 +1,4 @@
-//! Where robots stand, and that a run repeats itself.
+//! Poses of standing robots, and the repeatability of runs.
 
 use gamebots_proto::Dialect;
 use system_tests::{apply, init, run, world};
@@ -81,12 +81,12 @@ fn robots_hold_still_on_the_slope_and_climb_it() {
         let (after, _) = world.state(robot).expect("the robot");
         let crept = (after.pose.translation.vector - before.pose.translation.vector).norm();
         println!("{class} from {start}: climbed {climbed:.3} m, crept {:.2} mm in 10 s", 1e3 * crept);
-        // The wheels stand; what is left is the engine's friction, which never quite settles at some angles of the rollers.
+        // The wheels stand still. The rest is the engine's friction, which never quite settles at some angles of the rollers.
         assert!(crept < 6e-3, "{class} from {start} creeps {crept:.4} m in 10 s");
     }
 }
 
-/// Commands of a run by step; returns the digest and every line.
+/// Runs a fixed list of commands. Returns the digest and every line.
 fn play(seed: u64) -> (u64, Vec<String>) {
     let mut world = world("arena", seed);
     let youbot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Start PlayerStart_0}");

@@ -1,4 +1,4 @@
-//! What the parts of a step cost: `cargo bench -p articulated`.
+//! Time of the parts of a step: `cargo bench -p articulated`.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ fn mass(mass: f64, moment: f64) -> Mass {
     Mass { mass, centre: Vector3::zeros(), inertia: Matrix3::from_diagonal_element(moment) }
 }
 
-/// A base on four wheels, each with so many rollers.
+/// Builds a base on four wheels with a number of rollers each.
 fn base(rollers: usize) -> Body {
     let mut links = vec![Link::new(0, Joint::Free, Vector3::zeros(), mass(20.0, 0.4))];
     for (x, y) in [(0.2, -0.15), (0.2, 0.15), (-0.2, -0.15), (-0.2, 0.15)] {
@@ -37,7 +37,7 @@ fn base(rollers: usize) -> Body {
     body
 }
 
-/// The lowest link of every wheel on the ground.
+/// Returns contacts of the lowest link of every wheel with the ground.
 fn contacts(body: &Body, rollers: usize) -> Vec<Contact> {
     let on_ground = |wheel: usize| {
         let link = 1 + wheel * (rollers + 1) + if rollers > 0 { 1 + rollers / 4 } else { 0 };
@@ -57,21 +57,21 @@ fn contacts(body: &Body, rollers: usize) -> Vec<Contact> {
     (0..4).map(on_ground).collect()
 }
 
-/// Frames and axes of all links, and the pose that they come to.
+/// The update of the pose, and of frames and axes of all links.
 #[divan::bench(args = [0, 6])]
 fn advance(bencher: Bencher, rollers: usize) {
     let mut body = base(rollers);
     bencher.bench_local(|| body.advance(TIME_STEP));
 }
 
-/// Inertia, its factors, and the velocity without contacts.
+/// The inertia matrix, its factors, and the free velocity.
 #[divan::bench(args = [0, 6])]
 fn step_in_the_air(bencher: Bencher, rollers: usize) {
     let (mut body, mut workspace) = (base(rollers), Workspace::default());
     bencher.bench_local(|| step(&mut [&mut body], &mut [], &mut [], TIME_STEP, &mut workspace));
 }
 
-/// The same with four contacts under servos, whose impulses are known from the step before.
+/// A step with four contacts under servos, warm-started with the last step's impulses.
 #[divan::bench(args = [0, 6])]
 fn step_on_the_ground(bencher: Bencher, rollers: usize) {
     let (mut body, mut workspace) = (base(rollers), Workspace::default());

@@ -1,11 +1,11 @@
 //! A symmetric matrix with entries only where one degree of freedom is above another, and its factors L'L (Featherstone 2008, 8.4).
 //!
-//! Row by row, each with an entry for every degree of freedom of its chain, from the root down. The row of one that is above another
-//! begins with the same ones as the other's, so all inner loops run along slices.
+//! The matrix is stored by rows. Each row has an entry for every degree of freedom of its chain, from the root down. The chain of a degree
+//! of freedom is a prefix of the chains below it, so all inner loops run along slices.
 
 use crate::Tree;
 
-/// Puts the factors in the place of the matrix. Its diagonal has the inverses then.
+/// Replaces the matrix by its factors. Their diagonal is stored inverted.
 pub(crate) fn factorise(tree: &Tree, matrix: &mut [f64]) {
     for (number, dof) in tree.dofs.iter().enumerate().rev() {
         let (above, row) = matrix.split_at_mut(dof.row);
@@ -24,7 +24,7 @@ pub(crate) fn factorise(tree: &Tree, matrix: &mut [f64]) {
     }
 }
 
-/// Solves for one right side, in place, with L' and then L.
+/// Solves for one right-hand side, in place, with L' and then L.
 pub(crate) fn solve(tree: &Tree, factors: &[f64], right: &mut [f64]) {
     for (number, dof) in tree.dofs.iter().enumerate().rev() {
         let row = &factors[dof.row..][..=dof.depth];
@@ -37,7 +37,7 @@ pub(crate) fn solve(tree: &Tree, factors: &[f64], right: &mut [f64]) {
     solve_lower(tree, factors, right);
 }
 
-/// Solves for one right side, in place, with L alone.
+/// Solves for one right-hand side, in place, with L alone.
 pub(crate) fn solve_lower(tree: &Tree, factors: &[f64], right: &mut [f64]) {
     for (number, dof) in tree.dofs.iter().enumerate() {
         let row = &factors[dof.row..][..=dof.depth];
@@ -47,7 +47,7 @@ pub(crate) fn solve_lower(tree: &Tree, factors: &[f64], right: &mut [f64]) {
     }
 }
 
-/// Solves with L' for right sides that only the chain of one degree of freedom has entries of, from the root down, in place.
+/// Solves with L', in place, for right-hand sides with entries only on the chain of one degree of freedom, from the root down.
 pub(crate) fn solve_chain<const SIDES: usize>(tree: &Tree, factors: &[f64], tip: usize, right: &mut [[f64; SIDES]]) {
     for (depth, &number) in tree.chain(tip).iter().enumerate().rev() {
         let row = &factors[tree.dofs[number].row..][..=depth];

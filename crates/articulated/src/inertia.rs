@@ -1,31 +1,30 @@
-//! The matrix of inertia by composite bodies, and the forces that gravity and motion need (Featherstone 2008, 6.2 and 5.3).
+//! The inertia matrix by composite bodies, and the bias forces of gravity and motion (Featherstone 2008, 6.2 and 5.3).
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::tree::Rotor;
 use crate::{Body, Joint};
 
-/// A link with everything that hangs on it, about the centre of the root.
+/// A link with all links below it, about the centre of the root.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Composite {
     mass: f64,
-    /// Mass times the position of its centre.
+    /// Mass times the position of its centre of mass.
     moment: Vector3<f64>,
     inertia: Matrix3<f64>,
-    /// The force that its motion needs with no joint accelerated, and the moment of it.
+    /// Force that its motion needs with no joint accelerated; then the moment of it.
     force: Vector3<f64>,
     turning: Vector3<f64>,
 }
 
-/// How a link accelerates where no joint does: the velocity turns, and the world falls up.
+/// Acceleration of a link with no joint accelerated: from rotating velocities, and from gravity as an upward acceleration of the world.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Acceleration {
     angular: Vector3<f64>,
     linear: Vector3<f64>,
 }
 
-/// Writes the matrix with implicit servos and dampers in the place of the factors, and the generalised impulse of a step in the
-/// place of the free velocity.
+/// Stores the inertia matrix with implicit servos and dampers in `factors`, and the generalised impulse of a step in `free`.
 pub(crate) fn assemble(body: &mut Body, time_step: f64) {
     let Body { tree, frames, axes, velocity, gravity, drives, force, factors, free, composites, accelerations, .. } =
         body;
@@ -51,7 +50,7 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64) {
                     let sliding = parent.angular.cross(&(axis().linear * speed())) * 2.0;
                     Acceleration { angular: above.angular, linear: linear + sliding }
                 }
-                // The speeds of a ball are along axes that do not turn.
+                // The speeds of a ball joint are along axes that do not turn.
                 Joint::Ball | Joint::Free | Joint::Fixed => Acceleration { angular: above.angular, linear },
             }
         };
@@ -74,7 +73,7 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64) {
         free[dof] = (force[dof] + drives[dof].at_rest - gain * velocity[dof] - needed) * time_step;
     };
     for &Rotor { parent, dof, inertia } in &tree.rotors {
-        // Its momentum at a speed of 1; it turns with its carrier, which is all that a gyroscope needs a moment for.
+        // Its momentum at a speed of 1. It turns with the carrier, which bears the gyroscopic moment.
         let angular = axes[dof].angular * inertia;
         let row = &mut factors[tree.dofs[dof].row..];
         for (to, &above) in row.iter_mut().zip(tree.chain(dof)) {
@@ -88,7 +87,7 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64) {
         let (first, count) = tree.dofs_of[number];
         for dof in first..first + count {
             let axis = &axes[dof];
-            // The momentum of the composite at a speed of 1.
+            // Momentum of the composite at a speed of 1.
             let linear = axis.linear * own.mass + axis.angular.cross(&own.moment);
             let angular = own.inertia * axis.angular + own.moment.cross(&axis.linear);
             let row = &mut factors[tree.dofs[dof].row..];

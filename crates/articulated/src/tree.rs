@@ -1,100 +1,100 @@
-//! What a tree is made of: what does not change while it moves.
+//! The structure of a tree, which does not change while it moves.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Links, parents before their children; the first is the root.
+/// Links, parents before their children. The first is the root.
 #[derive(Debug, Clone)]
 pub struct Tree {
     pub(crate) links: Vec<Link>,
     pub(crate) dofs: Vec<Dof>,
-    /// The first degree of freedom of every link, and how many it has.
+    /// First degree of freedom of every link, and the number of them.
     pub(crate) dofs_of: Vec<(usize, usize)>,
-    /// For every degree of freedom those above it and itself, from the root down: where its part of the list begins is `Dof::chain`.
+    /// For every degree of freedom, those above it and itself, from the root down. `Dof::chain` is the start of its part.
     chains: Vec<usize>,
-    /// How many degrees of freedom two have above or at both, by their numbers.
+    /// Length of the common prefix of the chains of two degrees of freedom, by their numbers.
     common: Vec<u16>,
-    /// Links with what their rotors weigh, and the rotors.
+    /// Links that are not rotors, each with the mass of its rotors; then the rotors.
     pub(crate) carriers: Vec<(usize, Mass)>,
     pub(crate) rotors: Vec<Rotor>,
-    /// Entries of a triangle that has those of the chains alone.
+    /// Number of entries of a lower triangle that has only those of the chains.
     pub(crate) entries: usize,
 }
 
-/// A rigid piece, and the joint by which it hangs on its parent. Its frame has its origin at the joint, and the axes of its parent's when
-/// the joint is at 0.
+/// A rigid body, and the joint to its parent. Its frame has its origin at the joint, and the axes of the parent's frame when the joint is
+/// at 0.
 #[derive(Debug, Clone)]
 pub struct Link {
-    /// The parent's number, less than its own; of no use for the root.
+    /// Number of the parent, less than the link's own. Unused for the root.
     pub parent: usize,
-    /// How it moves against its parent, or the root against the world.
+    /// Joint to the parent, or of the root to the world.
     pub joint: Joint,
-    /// Its origin in the parent's frame where the joint is at 0, m.
+    /// Origin in the parent's frame when the joint is at 0, m.
     pub anchor: Vector3<f64>,
-    /// What it weighs.
+    /// Mass properties.
     pub mass: Mass,
-    /// Whether its mass is the same about its axis however far it has turned, so that its frame need not turn: a wheel.
+    /// True if the mass distribution is the same at any angle about the joint's axis, as a wheel's. Then the frame does not turn.
     pub is_round: bool,
-    /// Viscous friction of every degree of freedom, N m s/rad or N s/m. Of a free root that of its angular velocity.
+    /// Viscous friction of every degree of freedom, N m s/rad or N s/m. For a free root, that of its angular velocity.
     pub damping: f64,
-    /// Of a free root, viscous friction of its velocity, N s/m.
+    /// Viscous friction of a free root's velocity, N s/m.
     pub linear_damping: f64,
-    /// Inertia of a rotor as felt at every degree of freedom, kg m² or kg.
+    /// Inertia of the motor's rotor at every degree of freedom, kg m² or kg.
     pub armature: f64,
 }
 
-/// What a joint lets a link do.
+/// The degrees of freedom of a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Joint {
-    /// Move as it will: of a root alone.
+    /// Free motion, for a root only.
     Free,
-    /// Nothing: of a root alone, as elsewhere link and parent are one.
+    /// No motion, for a root only: elsewhere such a link is merged with its parent.
     Fixed,
-    /// Turn about an axis, a unit vector in the frame of the parent.
+    /// Rotation about an axis, a unit vector in the frame of the parent.
     Revolute(Vector3<f64>),
-    /// Slide along one.
+    /// Translation along an axis, a unit vector in the frame of the parent.
     Prismatic(Vector3<f64>),
-    /// Turn about every axis; its speeds are along world axes.
+    /// Rotation about every axis, with speeds along world axes.
     Ball,
 }
 
-/// Mass, and how it is spread.
+/// Mass and its distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mass {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
     /// Centre of mass in the frame of the link, m.
     pub centre: Vector3<f64>,
-    /// About the centre, kg m².
+    /// Inertia about the centre of mass, kg m².
     pub inertia: Matrix3<f64>,
 }
 
-/// A link that turns about the axis in which it is round, with nothing that hangs on it: it weighs on its parent, however far it has turned.
+/// A link that turns about its axis of symmetry and has no children. Its mass acts on the parent alike at every angle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rotor {
     pub(crate) parent: usize,
     pub(crate) dof: usize,
-    /// About its axis, kg m².
+    /// Inertia about its axis, kg m².
     pub(crate) inertia: f64,
 }
 
 /// A degree of freedom.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Dof {
-    /// How many are above it.
+    /// Number of degrees of freedom above it.
     pub(crate) depth: usize,
-    /// Where its chain begins among the chains.
+    /// Start of its chain in `chains`.
     chain: usize,
-    /// Where its row begins among the entries.
+    /// Start of its row among the entries.
     pub(crate) row: usize,
     pub(crate) damping: f64,
     pub(crate) armature: f64,
 }
 
 impl Tree {
-    /// A tree of links.
+    /// Builds a tree of links.
     ///
     /// # Panics
-    /// Where a link comes before its parent, or one that is not the root is `Free` or `Fixed`.
+    /// If a link comes before its parent, or if the root's joint is neither `Free` nor `Fixed`, or another link's is.
     pub fn new(links: Vec<Link>) -> Self {
         let (mut dofs, mut dofs_of, mut chains, mut entries) = (Vec::<Dof>::new(), Vec::new(), Vec::new(), 0);
         let mut tips: Vec<Option<usize>> = Vec::new();
@@ -137,32 +137,32 @@ impl Tree {
         Self { links, dofs, dofs_of, chains, common, carriers, rotors, entries }
     }
 
-    /// Its links.
+    /// Returns the links.
     pub fn links(&self) -> &[Link] {
         &self.links
     }
 
-    /// How many degrees of freedom it has.
+    /// Returns the number of degrees of freedom.
     pub fn dof_count(&self) -> usize {
         self.dofs.len()
     }
 
-    /// The first degree of freedom of a link's joint; that of a joint with one value.
+    /// Returns the first degree of freedom of a link's joint. A joint with one value has no others.
     pub fn dof_of(&self, link: usize) -> usize {
         self.dofs_of[link].0
     }
 
-    /// The degrees of freedom above one and itself, from the root down.
+    /// Returns the degrees of freedom above one, and itself, from the root down.
     pub(crate) fn chain(&self, dof: usize) -> &[usize] {
         chain_of(&self.chains, &self.dofs[dof])
     }
 
-    /// How many degrees of freedom move both of two.
+    /// Returns the number of degrees of freedom that are in both chains.
     pub(crate) fn common(&self, a: usize, b: usize) -> usize {
         usize::from(self.common[a * self.dofs.len() + b])
     }
 
-    /// The last degree of freedom that moves a link; `None` where nothing does.
+    /// Returns the last degree of freedom that moves a link, or `None` if nothing does.
     pub(crate) fn tip(&self, mut link: usize) -> Option<usize> {
         loop {
             let (first, count) = self.dofs_of[link];
@@ -193,7 +193,7 @@ impl Joint {
 }
 
 impl Mass {
-    /// With another, whose frame has its origin at an offset.
+    /// Returns the sum of this mass and another, whose frame has its origin at an offset.
     #[must_use]
     pub fn with(&self, other: &Self, offset: Vector3<f64>) -> Self {
         let mass = self.mass + other.mass;
@@ -211,19 +211,19 @@ impl Mass {
 }
 
 impl Link {
-    /// Whether it is round about the axis through its centre that it turns about.
+    /// True if the link turns about its axis of symmetry, through its centre of mass.
     fn is_rotor(&self) -> bool {
         let Joint::Revolute(axis) = self.joint else { return false };
         let off = self.mass.inertia * axis - axis * self.axial_inertia();
         self.is_round && self.mass.centre == Vector3::zeros() && off.norm() <= 1e-9 * self.mass.inertia.trace()
     }
 
-    /// About the axis that it turns about, kg m².
+    /// Returns the inertia about the joint's axis, kg m².
     fn axial_inertia(&self) -> f64 {
         if let Joint::Revolute(axis) = self.joint { axis.dot(&(self.mass.inertia * axis)) } else { 0.0 }
     }
 
-    /// A link that nothing brakes.
+    /// Creates a link without damping or armature.
     pub fn new(parent: usize, joint: Joint, anchor: Vector3<f64>, mass: Mass) -> Self {
         Self { parent, joint, anchor, mass, is_round: false, damping: 0.0, linear_damping: 0.0, armature: 0.0 }
     }

@@ -1,4 +1,4 @@
-//! Bodies whose motion can be worked out by hand.
+//! Bodies with analytic solutions of their motion.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ fn run(body: &mut Body, time_step: f64, seconds: f64) {
     }
 }
 
-/// Nothing pushes a body in free flight, so its momentum stays, and with small steps its energy.
+/// A body in free flight has no external force, so its momentum is constant. With small steps its energy is, too.
 #[test]
 fn a_tree_in_flight_keeps_momentum_and_energy() {
     let mut chassis = mass(5.0, [0.1, 0.2, 0.25]);
@@ -57,7 +57,7 @@ fn a_tree_in_flight_keeps_momentum_and_energy() {
     assert!((body.position(1) - 0.75).abs() > 1e-3, "the joints are not alone in the world");
 }
 
-/// A wheel that is known to be round moves as one that is worked out like any other link.
+/// A wheel that is marked as round moves as one that is computed as any other link.
 #[test]
 fn a_round_wheel_moves_as_any_other_link() {
     let run = |is_round: bool| {
@@ -117,7 +117,7 @@ fn a_pendulum_swings_in_its_time() {
     assert!((found / expected - 1.0).abs() < 1e-3, "{found} s, expected {expected}");
 }
 
-/// A servo of any stiffness is stable at any step, and gives no more than its limit.
+/// A servo of any stiffness is stable at any step, and stays within its limit.
 #[test]
 fn a_stiff_servo_reaches_its_speed_and_a_weak_one_does_what_it_can() {
     let links = vec![
@@ -134,7 +134,7 @@ fn a_stiff_servo_reaches_its_speed_and_a_weak_one_does_what_it_can() {
     assert!((body.velocity()[0] - 0.5 * 0.016 / 0.2).abs() < 1e-9);
 }
 
-/// An end stops a joint, dry friction brakes it, a coupling takes another along.
+/// An end stops a joint, dry friction brakes it, and a coupling moves another joint.
 #[test]
 fn joints_have_ends_friction_and_couplings() {
     let links = vec![
@@ -169,7 +169,7 @@ fn joints_have_ends_friction_and_couplings() {
     }
 }
 
-/// A base on four wheels under stiff servos turns on the spot as Coulomb's friction says: w R b / (a² + b²), whatever the step
+/// A base on four wheels under stiff servos turns on the spot as Coulomb friction predicts: w R b / (a² + b²), whatever the step
 /// (exact-wheels, "The reference").
 #[test]
 fn a_skid_robot_turns_on_the_spot_by_coulombs_friction() {
@@ -182,7 +182,7 @@ fn a_skid_robot_turns_on_the_spot_by_coulombs_friction() {
         links.push(Link { is_round: true, ..Link::new(0, Joint::Revolute(-Vector3::y()), hub, disc) });
     }
     let tree = Arc::new(Tree::new(links));
-    // Of what its wheels turn.
+    // Turn rate of the base, as a share of the wheels'.
     let coulomb = radius * half_track / (half_base * half_base + half_track * half_track);
     for time_step in [0.001, 0.002, 0.004, 0.008, 0.016] {
         let mut body = Body::new(tree.clone(), Pose::translation(0.0, 0.0, -radius));

@@ -1,4 +1,4 @@
-//! Charts as SVG and PNG, with a font of their own so that they look the same on every machine.
+//! Charts as SVG and PNG, with an embedded font so that they look the same on every machine.
 
 use std::path::Path;
 use std::sync::Once;
@@ -12,7 +12,7 @@ use plotters::style::{FontStyle, register_font};
 const SIZE: (u32, u32) = (760, 460);
 /// Edge of a picture with equal axes, pixels.
 const SQUARE: (u32, u32) = (640, 660);
-/// Colours of the series, told apart also by colour-blind readers (after Okabe and Ito).
+/// Colours of the series, distinguishable for colour-blind readers (after Okabe and Ito).
 const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -25,13 +25,13 @@ const COLOURS: [RGBColor; 8] = [
 ];
 /// Dash and gap of the reference lines, pixels.
 const DASHES: [(u32, u32); 3] = [(6, 4), (2, 3), (14, 5)];
-/// Colour of what stands around.
+/// Colour of the areas behind the series.
 const AREA: RGBColor = RGBColor(222, 218, 210);
 
-/// What is drawn.
+/// Contents of a chart.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Chart {
-    /// Above the picture.
+    /// Title above the picture.
     pub title: String,
     /// Quantity and unit along x.
     pub x_title: String,
@@ -39,34 +39,34 @@ pub struct Chart {
     pub y_title: String,
     /// Lines and dots.
     pub series: Vec<Series>,
-    /// Dashed lines with their names.
+    /// Dashed reference lines with their names.
     pub references: Vec<(String, [(f64, f64); 2])>,
-    /// Names of the places 0, 1, .. on x, where these are no numbers.
+    /// Names of the positions 0, 1, .. on x, if these are not numbers.
     pub categories: Vec<String>,
     /// Convex outlines behind the series.
     pub areas: Vec<Vec<(f64, f64)>>,
-    /// Whether a unit of x is as long as one of y.
+    /// True if a unit of x is as long as one of y.
     pub equal_axes: bool,
-    /// The y axis is labelled with the opposite sign, as where it points down.
+    /// True to label the y axis with the opposite sign, as if it pointed down.
     pub y_down: bool,
-    /// The y axis shows at least this much.
+    /// Least height of the y axis.
     pub least_height: f64,
 }
 
 /// Points of one colour.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Series {
-    /// Its name; none is not shown.
+    /// Name in the legend; an empty one is not shown.
     pub label: String,
-    /// The points; each list is a line of its own.
+    /// Points; each list is a separate line.
     pub lines: Vec<Vec<(f64, f64)>>,
-    /// Whether points are joined.
+    /// True to join the points.
     pub joined: bool,
-    /// Whether each point has a dot.
+    /// True to draw a dot at each point.
     pub dots: bool,
 }
 
-/// A picture that could not be written.
+/// A chart that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}: {reason}")]
 pub struct ChartError {
@@ -75,14 +75,14 @@ pub struct ChartError {
 }
 
 impl Chart {
-    /// Draws the chart as SVG or, where the file's name ends so, PNG.
+    /// Draws the chart as SVG or PNG, depending on the ending of the file's name.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn write(&self, file: &Path) -> Result<(), ChartError> {
         static FONT: Once = Once::new();
         FONT.call_once(|| {
-            // The font is known to be one.
+            // The embedded font is valid.
             let _ = register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
         });
         let refused = |reason: String| ChartError { file: file.display().to_string(), reason };
@@ -98,7 +98,7 @@ impl Chart {
         }
     }
 
-    /// Left, right, bottom and top of the picture.
+    /// Returns the left, right, bottom and top ends of the axes.
     fn range(&self) -> [f64; 4] {
         let points = || self.series.iter().flat_map(|series| series.lines.iter().flatten());
         let ends = self.references.iter().flat_map(|(_, ends)| ends);
@@ -143,7 +143,7 @@ impl Chart {
             let dashes = DashedLineSeries::new(*ends, dash, gap, BLACK.stroke_width(1));
             let label = chart.draw_series(dashes)?.label(label.as_str());
             label.legend(move |(x, y)| {
-                // One dash and the next, in the eighteen pixels of a legend.
+                // Each legend shows dashes in its eighteen pixels.
                 let next = x + (dash + gap) as i32;
                 let pieces = [(x, x + dash as i32), (next, next + dash as i32), (next + (dash + gap) as i32, x + 18)];
                 let pieces = pieces.map(|(from, to)| (from.min(x + 18), to.min(x + 18)));
@@ -163,7 +163,7 @@ impl Chart {
         root.present()
     }
 
-    /// The corner for the legend: that in which the least of the lines runs, the upper left of equal ones.
+    /// Returns the corner with the fewest lines for the legend; the upper left of equal ones.
     fn free_corner(&self, [left, right, low, high]: [f64; 4]) -> SeriesLabelPosition {
         let rows = self.references.len() + self.series.iter().filter(|series| !series.label.is_empty()).count();
         let reach = [0.4, (0.05 + 0.06 * rows as f64).min(0.5)];
@@ -213,7 +213,7 @@ impl Chart {
     }
 }
 
-/// Points on a line, the same number for every line, so that one with two ends counts as much as one with a thousand.
+/// Returns points on a line. Every line has the same number, so that one with two ends counts as much as one with a thousand.
 fn along(line: &[(f64, f64)]) -> Vec<(f64, f64)> {
     const POINTS: usize = 40;
     let last = line.len().saturating_sub(1);
@@ -252,9 +252,9 @@ fn draw_series<B: DrawingBackend>(
     Ok(())
 }
 
-/// The part of a convex outline that is inside left, right, low, high (Sutherland and Hodgman).
+/// Clips a convex outline to left, right, low, high (Sutherland and Hodgman).
 fn clipped(outline: &[(f64, f64)], [left, right, low, high]: [f64; 4]) -> Vec<(f64, f64)> {
-    // How far inside each side a point is.
+    // Distance of a point inside each side.
     let sides: [&dyn Fn((f64, f64)) -> f64; 4] = [&|p| p.0 - left, &|p| right - p.0, &|p| p.1 - low, &|p| high - p.1];
     sides.iter().fold(outline.to_vec(), |corners, inside| {
         let mut kept = Vec::new();
@@ -273,7 +273,7 @@ fn clipped(outline: &[(f64, f64)], [left, right, low, high]: [f64; 4]) -> Vec<(f
     })
 }
 
-/// Least and greatest, apart by at least so much.
+/// Returns the least and greatest value, widened to at least the given distance.
 fn bounds(values: impl Iterator<Item = f64>, least: f64) -> [f64; 2] {
     let [low, high] =
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
@@ -286,7 +286,7 @@ fn bounds(values: impl Iterator<Item = f64>, least: f64) -> [f64; 2] {
     }
 }
 
-/// A number of an axis without rounding noise.
+/// Formats a number of an axis without rounding noise.
 fn short(value: f64) -> String {
     let text = format!("{value:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -1,4 +1,4 @@
-//! Many runs in a folder: side by side, each finished one kept, continued where it was interrupted.
+//! Batches of runs in a folder. Runs go in parallel, finished ones are kept, and an interrupted batch continues.
 //!
 //! ```text
 //! DIR/experiment.json          the text of every experiment file in it
@@ -21,15 +21,15 @@ pub struct Batch<'a> {
     plans: &'a [Plan],
 }
 
-/// What keeps runs from being made.
+/// Errors of a batch.
 #[derive(Debug, thiserror::Error)]
 pub enum BatchError {
-    /// The folder holds something else.
+    /// The folder has other contents.
     #[error("{folder}: {reason}; choose another folder with --out")]
     Folder {
         /// The folder.
         folder: String,
-        /// What is in it.
+        /// Description of its contents.
         reason: String,
     },
     /// A file cannot be read or written.
@@ -37,10 +37,10 @@ pub enum BatchError {
     File {
         /// The file.
         file: String,
-        /// What the operating system says.
+        /// Message of the operating system.
         reason: String,
     },
-    /// A run cannot be made.
+    /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
     /// A plot cannot be written.
@@ -53,10 +53,10 @@ pub(crate) fn refused(file: &Path, reason: impl std::fmt::Display) -> BatchError
 }
 
 impl<'a> Batch<'a> {
-    /// Opens or makes the folder. It keeps the text of every plan, and takes no other version of one.
+    /// Opens or creates the folder. It stores the text of every plan.
     ///
     /// # Errors
-    /// When the folder holds other things or runs of another experiment; nothing is changed then.
+    /// When the folder has other contents, or runs of another version of a plan; the folder then stays unchanged.
     pub fn open(folder: &'a Path, plans: &'a [Plan]) -> Result<Self, BatchError> {
         let foreign = |reason: String| BatchError::Folder { folder: folder.display().to_string(), reason };
         let file = folder.join("experiment.json");
@@ -73,7 +73,7 @@ impl<'a> Batch<'a> {
             }
             Err(error) => return Err(refused(&file, error)),
         };
-        // Of one that failed before its first run was done there is nothing to keep.
+        // A plan without a finished run may change, as there is nothing to keep.
         let has_runs = |plan: &Plan| {
             std::fs::read_dir(folder.join("runs").join(&plan.name)).is_ok_and(|mut runs| runs.next().is_some())
         };
@@ -89,12 +89,12 @@ impl<'a> Batch<'a> {
         Ok(Self { folder, plans })
     }
 
-    /// Makes every run that has no outcome yet, `jobs` at a time, by `make`, which is given the file of its log ([`crate::run::run`] makes
-    /// one in this process). Returns all outcomes in the order of the plans, whatever order they were made in. `done` is told of
-    /// each, with whether it was there before.
+    /// Executes every run without a stored outcome, `jobs` at a time. `make` executes one run, given the path of its log;
+    /// [`crate::run::run`] does so in this process. Returns all outcomes in the order of the plans, regardless of the order of
+    /// execution. Calls `done` with each outcome, and with true if it was stored before.
     ///
     /// # Errors
-    /// The first that occurs. Runs under way are finished first, and everything finished is kept.
+    /// Returns the first error that occurs. Runs under way are finished first, and everything finished is kept.
     pub fn run(
         &self,
         jobs: usize,
@@ -132,7 +132,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// The outcome of a run, kept or made now.
+    /// Returns the outcome of a run, and true if it was stored before.
     fn outcome(
         &self,
         plan: &Plan,
@@ -146,7 +146,7 @@ impl<'a> Batch<'a> {
         let log = self.folder.join("logs").join(format!("{}.mcap", run.id));
         let part = unfinished(&log);
         make_folder_of(&log)?;
-        // An interrupted run leaves one, and a server would write beside it.
+        // An interrupted run leaves a partial log, and a server would write beside it.
         let _ = std::fs::remove_file(&part);
         let outcome = make(plan, run, &part)?;
         std::fs::rename(&part, &log).map_err(|error| refused(&log, error))?;
@@ -155,7 +155,7 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// Writes a file whole or not at all, and its folder where there is none.
+/// Writes a file whole or not at all, and creates its folder if needed.
 pub(crate) fn write(file: &Path, bytes: &[u8]) -> Result<(), BatchError> {
     make_folder_of(file)?;
     let part = unfinished(file);

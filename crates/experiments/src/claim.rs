@@ -1,4 +1,4 @@
-//! What a text claims about an experiment, beside what was found.
+//! Claims of a text about an experiment, compared with measurements.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::table::mean_and_deviation;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Claims {
-    /// The claims, in the order of the text.
+    /// Claims, in the order of the text.
     #[serde(rename = "claim")]
     pub claims: Vec<Claim>,
 }
@@ -21,54 +21,54 @@ pub struct Claims {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Claim {
-    /// Lines of the text.
+    /// Line numbers in the text.
     pub line: String,
-    /// What it says.
+    /// Statement of the text.
     pub text: String,
-    /// The number that it gives for what is measured here, in `unit`.
+    /// Claimed value of the measured quantity, in `unit`.
     pub number: Option<f64>,
-    /// How far from the number still agrees.
+    /// Tolerance around the number.
     #[serde(default)]
     pub within: f64,
-    /// The range of numbers that its words mean, where it gives none.
+    /// Range of numbers that the words mean, if the text gives no number.
     pub words: Option<[f64; 2]>,
     /// `cm`, `mm`, `degrees`, `%` or nothing.
     #[serde(default)]
     pub unit: String,
-    /// What is measured; without it the claim is only commented.
+    /// Measurement; without it the claim is only commented.
     pub measure: Option<Measure>,
-    /// What is said when the number agrees, or there is none.
+    /// Comment for a number that agrees, or for a claim without one.
     #[serde(default)]
     pub agrees: String,
-    /// What is said when it does not.
+    /// Comment for a number that differs.
     #[serde(default)]
     pub differs: String,
-    /// The text contradicts itself here.
+    /// True if the text contradicts itself here.
     #[serde(default)]
     pub inconsistent: bool,
 }
 
-/// A number taken from outcomes.
+/// A number computed from outcomes.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {
     /// Name of the experiment file.
     experiment: String,
-    /// The runs, by the values of their axes.
+    /// Selects runs by the values of their axes.
     #[serde(default)]
     only: BTreeMap<String, String>,
-    /// What of them.
+    /// Quantity of these runs.
     quantity: Quantity,
-    /// `mean` over the runs, `spread` (standard deviation) or `largest` size.
+    /// `mean` over the runs, `spread` (standard deviation) or `largest` magnitude.
     #[serde(default)]
     of: Statistic,
-    /// The same of these other runs is subtracted.
+    /// Axis values of other runs; their statistic is subtracted.
     minus: Option<BTreeMap<String, String>>,
-    /// Or divides it.
+    /// Axis values of other runs; the result is the ratio to their statistic, less 1.
     over: Option<BTreeMap<String, String>>,
 }
 
-/// How many runs become a number.
+/// Statistic that reduces several runs to a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Statistic {
@@ -78,12 +78,12 @@ enum Statistic {
     Largest,
 }
 
-/// What a claim came to.
+/// Result of comparing a claim with measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The reference model found the same.
+    /// The reference model found a value in the claimed range.
     Agrees,
-    /// It did not.
+    /// The reference model found another value.
     Differs,
     /// The text contradicts itself.
     Inconsistent,
@@ -92,7 +92,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// A word for it.
+    /// Returns a word for the verdict.
     pub fn word(self) -> &'static str {
         match self {
             Self::Agrees => "agrees",
@@ -104,7 +104,7 @@ impl Verdict {
 }
 
 impl Claim {
-    /// What a drive model found, in the claim's unit; `None` without runs of it.
+    /// Returns the value that a drive model found, in the claim's unit, or `None` without its runs.
     pub fn found(&self, outcomes: &[Outcome], model: &str) -> Option<f64> {
         let scale = match self.unit.as_str() {
             "cm" | "%" => 100.0,
@@ -115,7 +115,7 @@ impl Claim {
         self.measure.as_ref()?.value(outcomes, model).map(|value| scale * value)
     }
 
-    /// By what the model `bodies` found.
+    /// Compares the claim with the value that the model `bodies` found.
     pub fn verdict(&self, outcomes: &[Outcome]) -> Verdict {
         if self.inconsistent {
             return Verdict::Inconsistent;
@@ -128,7 +128,7 @@ impl Claim {
         }
     }
 
-    /// The sentence that goes with the verdict.
+    /// Returns the comment that goes with the verdict.
     pub fn sentence(&self, verdict: Verdict) -> &str {
         match verdict {
             Verdict::Differs | Verdict::Inconsistent => &self.differs,
@@ -147,7 +147,7 @@ impl Measure {
         }
     }
 
-    /// The statistic over the runs of `only`, with some of its values replaced.
+    /// Returns the statistic over the runs of `only`, with some of its values replaced.
     fn of_runs(&self, outcomes: &[Outcome], model: &str, instead: &BTreeMap<String, String>) -> Option<f64> {
         let mut wanted = self.only.clone();
         wanted.extend(instead.clone());

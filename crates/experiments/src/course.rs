@@ -1,4 +1,4 @@
-//! Motions of a robot on wheels, measured in the world and compared with how it should move for the angles that its wheels turned.
+//! Motions of wheeled robots, measured in the world and compared with the exact travel for the angles that the wheels turned.
 
 use std::f64::consts::TAU;
 
@@ -11,13 +11,13 @@ use sim_core::{BodyState, RobotId, WheelState, World};
 
 use crate::reference::Reference;
 
-/// Seconds that a robot stands before it drives, to settle on its floor.
+/// Time that a robot stands before it drives, to settle on its floor, s.
 pub(crate) const SETTLING: f64 = 0.5;
-/// Seconds from the command to the beginning of what is measured.
+/// Time from the command to the start of the measurement, s.
 const SPIN_UP: f64 = 2.0;
-/// The last seconds of it, in which it is noted how the robots stand.
+/// Last part of the spin-up, in which the loads of the wheels are averaged, s.
 const WEIGHING: f64 = 0.5;
-/// Metres between robots that drive side by side.
+/// Distance between robots that drive side by side, m.
 const SPACING: f64 = 2.0;
 
 /// A steady motion.
@@ -29,15 +29,15 @@ pub enum Motion {
     Right,
     /// Clockwise on the spot.
     Clockwise,
-    /// Ahead and to the right: the right side at half the speed of the left, or steered by half of what can be.
+    /// Ahead and to the right: the right side at half the speed of the left, or steered by half the greatest angle.
     Curve,
 }
 
 impl Motion {
-    /// Those of Mecanum bases, with all wheels at one speed.
+    /// Motions of Mecanum bases, with all wheels at one speed.
     pub const ALL: [Self; 3] = [Self::Forward, Self::Right, Self::Clockwise];
 
-    /// Those that a robot can make.
+    /// Returns the motions that a robot can make.
     pub fn of_robot(robot: &RobotDef) -> &'static [Self] {
         match robot.steering {
             Steering::Omni => &Self::ALL,
@@ -46,7 +46,7 @@ impl Motion {
         }
     }
 
-    /// Its name.
+    /// Returns its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Forward => "forward",
@@ -56,7 +56,7 @@ impl Motion {
         }
     }
 
-    /// The command that brings the wheels to a speed, rad/s.
+    /// Returns the command that brings the wheels to a speed, rad/s.
     pub(crate) fn command(self, robot: &RobotDef, speed: f64) -> Command {
         match (robot.steering, self) {
             (Steering::Omni, Self::Right) => drive_command([speed, -speed, -speed, speed]),
@@ -65,7 +65,7 @@ impl Motion {
             (Steering::Ackermann, _) => {
                 let half =
                     |axle| robot.steering_limits(axle).map(|[_, most]| most / 2.0).reduce(f64::min).unwrap_or(0.0);
-                // A car that steers its rear wheels alone has to turn those.
+                // A car that steers only its rear wheels has to turn those.
                 let [front, rear] = if half(0) > 0.0 { [half(0), 0.0] } else { [0.0, half(1)] };
                 let share = if self == Self::Curve { 1.0 } else { 0.0 };
                 drive(&[("Speed", speed), ("FrontSteer", share * front), ("RearSteer", share * rear)])
@@ -76,7 +76,7 @@ impl Motion {
         }
     }
 
-    /// Its part of a twist: m/s, or rad/s for turning.
+    /// Returns the component of a twist along this motion: m/s, or rad/s for turning.
     fn of(self, twist: Twist) -> f64 {
         match self {
             Self::Forward => twist.forward,
@@ -86,58 +86,58 @@ impl Motion {
     }
 }
 
-/// What cannot be measured.
+/// Errors of a measured motion.
 #[derive(Debug, thiserror::Error)]
 pub enum MotionError {
     /// The robot is not in the world's list.
     #[error("unknown robot `{0}`")]
     UnknownRobot(String),
-    /// Its motion has no exact kinematics here.
+    /// The exact kinematics of its motion are not known.
     #[error("robot `{0}`: expected one with four Mecanum wheels with rollers")]
     NotOmni(String),
-    /// It has nothing to drive with.
+    /// The robot has no driven wheels.
     #[error("robot `{0}`: expected one with driven wheels")]
     NotWheeled(String),
-    /// It has not so many checks.
+    /// The robot has fewer checks.
     #[error("robot `{class}` has no check {number}: expected 1 to {most}")]
     NoCheck {
-        /// Its class.
+        /// Class of the robot.
         class: String,
-        /// What was asked for.
+        /// Requested number.
         number: u32,
-        /// How many it has.
+        /// Number of checks it has.
         most: usize,
     },
-    /// The world takes no more robots, or not this one.
+    /// The world refuses the robot.
     #[error("{}", in_words(.0))]
     Refused(Vec<Problem>),
 }
 
-/// Problems in one line.
+/// Joins problems into one line.
 pub(crate) fn in_words(problems: &[Problem]) -> String {
     problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
-/// How often all robots are looked at on their way, s: wheels turn by a twentieth of a roller's spacing meanwhile.
+/// Interval between samples of all robots, s. Wheels turn by a twentieth of a roller's spacing meanwhile.
 const LOOKING_INTERVAL: f64 = 0.05;
 
-/// Robots that drive side by side, ready to be measured.
+/// Robots that drive side by side, ready for measurement.
 pub struct Course {
     world: World,
     robots: Vec<RobotId>,
-    /// What each robot is compared with.
+    /// Exact kinematics for each robot.
     references: Vec<Reference>,
     from: Vec<BodyState>,
-    /// Angles of the driven wheels of each robot, at the start and whenever it was looked at.
+    /// Angles of the driven wheels of each robot, at the start and at every sample.
     wheels: Vec<Track>,
-    /// Heading of each robot now, and how far it has turned since the start, rad.
+    /// Current heading of each robot, and its turn since the start, rad.
     headings: Vec<[f64; 2]>,
     motion: Motion,
     /// Height of the first robot's body after every step, m.
     heights: Vec<f64>,
 }
 
-/// Angles of the wheels of one robot, moment after moment, rad.
+/// Angles of the wheels of one robot, sample by sample, rad.
 #[derive(Default)]
 struct Track {
     wheels: usize,
@@ -154,44 +154,43 @@ impl Track {
         self.angles.chunks_exact(self.wheels.max(1))
     }
 
-    /// How far each wheel turned, rad.
+    /// Returns the angle that each wheel turned, rad.
     fn turned(&self) -> Option<Vec<f64>> {
         let (first, last) = (self.moments().next()?, self.moments().next_back()?);
         Some(first.iter().zip(last).map(|(first, last)| last - first).collect())
     }
 }
 
-/// A moment of a motion.
+/// One sample of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// Seconds since the start of what is measured.
+    /// Time since the start of the measurement, s.
     pub time: f64,
-    /// Angle of the front left wheel within its spacing of rollers, rad: 0 where a roller touches at its middle, and without
-    /// rollers.
+    /// Angle of the front left wheel within its spacing of rollers, rad: 0 if a roller touches at its middle, and without rollers.
     pub phase: f64,
-    /// Height of the body over its lowest place, m.
+    /// Height of the body above its lowest position, m.
     pub height: f64,
 }
 
-/// What a measured motion gave, of the robot that did worst.
+/// Result of a measured motion, for the robot with the largest deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Travel {
     /// Displacement forward and to the right in the start frame, m, and clockwise, rad.
     pub moved: [f64; 3],
     /// Mean angle that the wheels turned, rad.
     pub turned: f64,
-    /// The travel over the exact one for the angles that the wheels turned.
+    /// Measured travel over the exact one for the angles that the wheels turned.
     pub ratio: f64,
-    /// Highest less lowest place of the first robot's body, m.
+    /// Difference between the highest and lowest position of the first robot's body, m.
     pub ripple: f64,
 }
 
 impl Course {
-    /// Puts robots of a class into a new world, side by side from its first start, lets them settle and brings their wheels to
+    /// Spawns robots of a class side by side from the first start of a new world. Lets them settle and brings their wheels to
     /// `speed`, rad/s.
     ///
     /// # Errors
-    /// When the class is unknown or has no driven wheels.
+    /// When the class is unknown or has no driven wheels, or the world refuses a robot.
     pub fn start(mut world: World, class: &str, count: u32, motion: Motion, speed: f64) -> Result<Self, MotionError> {
         let robot = world.def().robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.to_owned()))?;
         let reference = || Reference::of(robot).ok_or_else(|| MotionError::NotWheeled(class.to_owned()));
@@ -236,7 +235,7 @@ impl Course {
         let every = (LOOKING_INTERVAL / self.world.time_step()).ceil() as u64;
         for step in 1..=steps {
             self.world.step();
-            // The first is followed step by step.
+            // The first robot is sampled in every step.
             let count = if step % every == 0 || step == steps { self.robots.len() } else { 1 };
             for (index, &robot) in self.robots.iter().take(count).enumerate() {
                 let Some((body, wheels)) = self.world.state(robot) else { continue };
@@ -255,7 +254,7 @@ impl Course {
         }
     }
 
-    /// Drives on and notes how the robots stand.
+    /// Drives on and averages the loads of the wheels.
     fn weigh(&mut self, seconds: f64) {
         for _ in 0..(seconds / self.world.time_step()).round() as u64 {
             self.world.step();
@@ -270,7 +269,7 @@ impl Course {
         }
     }
 
-    /// The first robot after every step since the start.
+    /// Returns the samples of the first robot, one for every step since the start.
     pub fn moments(&self) -> Vec<Moment> {
         let lowest = self.lowest();
         let wheels = self.wheels.first().into_iter().flat_map(Track::moments).skip(1);
@@ -300,7 +299,7 @@ impl Course {
         self.world.unsettled_steps()
     }
 
-    /// What the robots did since the start.
+    /// Returns the travel since the start of the robot with the largest deviation.
     pub fn travel(&self) -> Option<Travel> {
         let ripple = self.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max) - self.lowest();
         let travels = self.robots.iter().zip(&self.from).enumerate().filter_map(|(index, (&robot, from))| {
@@ -317,8 +316,8 @@ impl Course {
         travels.max_by(|a, b| (a.ratio - 1.0).abs().total_cmp(&(b.ratio - 1.0).abs()))
     }
 
-    /// The travel that a robot's wheels should have given for the angles that they had on the way: the rollers that touch
-    /// change on the way; plain wheels turn steadily, at their mean speeds.
+    /// Returns the travel that follows from a robot's wheel angles on the way. With rollers it is summed, as the touching rollers
+    /// change. Plain wheels turn steadily, so their mean speeds suffice.
     fn exact(&self, robot: usize) -> f64 {
         let (reference, track) = (&self.references[robot], &self.wheels[robot]);
         match reference {
@@ -328,32 +327,32 @@ impl Course {
                 steps.map(|(before, after)| self.motion.of(exact_step(rollers, four(before), four(after)))).sum()
             }
             Reference::Sliding(sliding) => {
-                // Friction does not know speeds, so that in one unit of time the wheels turn as far as they did.
+                // Friction does not depend on speed, so the angles serve as speeds over one unit of time.
                 track.turned().map_or(0.0, |turned| self.motion.of(sliding.twist(&turned)))
             }
         }
     }
 }
 
-/// The travel of the base in a step in which its wheels turned from one set of angles to another.
+/// Returns the travel of the base in a step in which its wheels turned from one set of angles to another.
 pub(crate) fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f64; 4]) -> Twist {
     let turned = std::array::from_fn(|wheel| after[wheel] - before[wheel]);
     let phases = std::array::from_fn(|wheel| kinematics.phase(wheel, (before[wheel] + after[wheel]) / 2.0));
     kinematics.forward(turned, phases)
 }
 
-/// Clockwise from the world's x, rad.
+/// Returns the heading clockwise from the world's x axis, rad.
 fn heading(body: &BodyState) -> f64 {
     let ahead = body.pose.rotation * Vector3::x();
     ahead.y.atan2(ahead.x)
 }
 
-/// The same angle between -pi and pi.
+/// Wraps an angle to the range from -pi to pi.
 pub(crate) fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-/// A command for the four wheels, rad/s.
+/// Returns a command for the four wheels, rad/s.
 pub(crate) fn drive_command(speeds: [f64; 4]) -> Command {
     let keys = ["Front-Left", "Front-Right", "Back-Left", "Back-Right"];
     drive(&std::array::from_fn::<_, 4, _>(|wheel| (keys[wheel], speeds[wheel])))
@@ -363,7 +362,7 @@ fn drive(values: &[(&str, f64)]) -> Command {
     Command::Drive(values.iter().fold(Drive::default(), |drive, (key, value)| drive.with(key, *value)))
 }
 
-/// Angles of all driven wheels, rad.
+/// Returns the angles of all driven wheels, rad.
 pub(crate) fn angles_of(wheels: &[WheelState]) -> Vec<f64> {
     wheels.iter().map(|wheel| wheel.angle).collect()
 }

@@ -1,8 +1,8 @@
-//! Parameters of a robot from measured steps: the values whose simulated steps come nearest, how sure they are, and which of
-//! them the measurements say nothing about.
+//! Fits of robot parameters to measured steps. A fit finds the values with the least distance from the measurements, their
+//! confidence intervals, and the parameters that the measurements do not determine.
 //!
-//! The distance of a simulated from a measured step is that of two points of the robot: the travel in the plane, and what it turned
-//! as the displacement of a point 0.3 m from its middle. What is minimised is its root mean square over all measured steps.
+//! The distance between a simulated and a measured step combines the travel in the plane and the turn. The turn counts as the
+//! displacement of a point 0.3 m from the robot's middle. The fit minimises the root mean square over all measured steps.
 
 mod bootstrap;
 mod measured;
@@ -21,18 +21,18 @@ use self::search::Search;
 use crate::plan::{Plan, PlanError, Run};
 use crate::run::{RunError, Step};
 
-/// Where a turn counts as a displacement, m from the middle: about where a youBot's wheels are.
+/// Lever arm that converts a turn to a displacement, m: about the distance of a youBot's wheels from its middle.
 const TURN_ARM: f64 = 0.3;
-/// What no one measures better than, m.
+/// Finest resolution of any measurement, m.
 const FINEST: f64 = 1e-4;
-/// Correlation from which on two parameters are only known together when the interval of either is wide.
+/// Correlation above which two parameters are only known together, if the interval of either is wide.
 const CORRELATED: f64 = 0.9;
-/// Part of its range from which on an interval asks for caution.
+/// Fraction of the range above which an interval is wide and asks for caution.
 const WIDE: f64 = 0.2;
-/// Most parameters.
+/// Maximum number of parameters.
 const MAX_PARAMETERS: usize = 8;
 
-/// A fit as its file says it.
+/// Contents of a fit file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -45,39 +45,39 @@ struct File {
     parameters: Vec<Parameter>,
 }
 
-/// A number that is looked for.
+/// A parameter to fit.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameter {
-    /// Its name in the report.
+    /// Name in the report.
     pub name: String,
-    /// Overrides `PATH=VALUE` with `{}` where the number goes.
+    /// Overrides `PATH=VALUE` with `{}` for the number.
     pub set: Vec<String>,
     /// Least and greatest value.
     pub range: [f64; 2],
-    /// Where the search begins; the middle of the range unless given.
+    /// Start of the search; the middle of the range by default.
     pub start: Option<f64>,
 }
 
-/// Everything that a fit needs.
+/// A fit with its experiment and measurements.
 #[derive(Debug, Clone)]
 pub struct Fit {
     /// Name of the file without its ending.
     pub name: String,
-    /// What is asked, in a sentence.
+    /// Question in a sentence.
     pub description: String,
-    /// What is looked for.
+    /// Parameters to fit.
     pub parameters: Vec<Parameter>,
-    /// The files that it was read from.
+    /// Files that it was read from.
     inputs: Vec<PathBuf>,
     plan: Plan,
-    /// The samples of each setting that was measured; their mean is what the simulation says.
+    /// Samples of each measured setting; the prediction is their mean.
     settings: Vec<Vec<Run>>,
     measured: Vec<Measured>,
     seed: u64,
 }
 
-/// A fit that cannot be made.
+/// Errors of a fit.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
     /// A file of the fit is wrong.
@@ -85,65 +85,65 @@ pub enum FitError {
     File {
         /// The file.
         file: String,
-        /// What is wrong, and what was expected.
+        /// Description of the problem and of the expected value.
         reason: String,
     },
     /// Its experiment is wrong.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// A run cannot be made.
+    /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The optimiser gave up.
+    /// The optimiser failed.
     #[error("the search failed: {0}")]
     Search(String),
 }
 
-/// What a fit found.
+/// Result of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
     /// Root mean square distance at the start, m.
     pub distance_before: f64,
-    /// The same with what was found, m.
+    /// Root mean square distance with the fitted values, m.
     pub distance: f64,
-    /// How much repetitions of the same step differ, m, where there are any.
+    /// Standard deviation of repetitions of one step, m, if there are any.
     pub scatter: Option<f64>,
-    /// What the distance says about the model, where it is clearly more than the scatter.
+    /// Warning about the model, if the distance clearly exceeds the scatter.
     pub caution: Option<String>,
-    /// Measured steps.
+    /// Number of measured steps.
     pub steps: usize,
-    /// Runs that were simulated.
+    /// Number of simulated runs.
     pub simulated: usize,
-    /// Whether runs or steps were drawn again for the intervals.
+    /// Unit drawn again for the intervals: runs or steps.
     pub resampled: &'static str,
-    /// The parameters in the order of the file.
+    /// Parameters in the order of the file.
     pub parameters: Vec<Estimate>,
 }
 
-/// What is known of a parameter.
+/// Estimate of a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
     /// Its name.
     pub name: String,
-    /// Where the search began.
+    /// Start of the search.
     pub start: f64,
-    /// What fits best; the start where nothing does better.
+    /// Best value; the start if no other value is better.
     pub value: f64,
-    /// What 95 % of the resampled measurements give.
+    /// Interval of 95 % of the resampled measurements.
     pub interval: [f64; 2],
-    /// Largest change of the steps when it goes through its range, root mean square, m.
+    /// Largest change of the steps over its range, root mean square, m.
     pub effect: f64,
-    /// What to be wary of; none for a parameter that is well known.
+    /// Warning; none for a well-known parameter.
     pub caution: Option<String>,
-    /// Value and distance through its range with the others as found, m.
+    /// Value and distance through its range with the other parameters at their best values, m.
     pub profile: Vec<[f64; 2]>,
 }
 
 impl Fit {
-    /// Reads a fit, its experiment and its measurements, which are beside its file.
+    /// Reads a fit, and its experiment and measurements from files beside it.
     ///
     /// # Errors
-    /// With what is wrong in which file.
+    /// Describes the first problem and names its file.
     pub fn read(file: &Path, model: Option<DriveModel>) -> Result<Self, FitError> {
         let wrong = |file: &Path, reason: &dyn std::fmt::Display| FitError::File {
             file: file.display().to_string(),
@@ -171,27 +171,27 @@ impl Fit {
         Ok(Self { name, description, parameters, inputs, plan, settings, measured, seed })
     }
 
-    /// The files that the fit was read from.
+    /// Returns the files that the fit was read from.
     pub fn inputs(&self) -> &[PathBuf] {
         &self.inputs
     }
 
-    /// The files that its results are written to: `fit.json`, and the pictures of [`Estimate::draw`].
+    /// Returns the files that its results are written to: `fit.json`, and the pictures of [`Estimate::draw`].
     pub fn outputs(&self, folder: &Path) -> Vec<PathBuf> {
         let pictures = self.parameters.iter().flat_map(|parameter| pictures(&parameter.name, folder));
         std::iter::once(folder.join("fit.json")).chain(pictures).collect()
     }
 
-    /// Looks for the values, `jobs` runs at a time; `progress` is told the distance, m, after every set of runs.
+    /// Finds the best values, `jobs` runs at a time. Calls `progress` with the distance, m, after every set of runs.
     ///
     /// # Errors
-    /// When a run cannot be made.
+    /// When a run fails, or the optimiser does.
     pub fn find(&self, jobs: usize, progress: impl Fn(f64) + Sync) -> Result<Found, FitError> {
         let search = Search::new(self, jobs, &progress);
         let start: Vec<f64> = self.parameters.iter().map(Parameter::begin).collect();
         let before = search.predict(&start)?;
         let scatter = self.scatter();
-        // What moves nothing through its whole range is left where it is.
+        // A parameter that changes nothing over its whole range keeps its start.
         let mut effects = Vec::new();
         for index in 0..start.len() {
             let profile = search.profile(&start, index)?;
@@ -247,7 +247,7 @@ impl Fit {
         })
     }
 
-    /// What to be wary of in the parameter at a place among those that act.
+    /// Returns the warning for the active parameter at an index.
     fn caution(&self, active: &[usize], place: usize, best: &[f64], bootstrap: &Bootstrap) -> Option<String> {
         let range = |place: usize| self.parameters[active[place]].range;
         let at_end = |place: usize| {
@@ -275,13 +275,13 @@ impl Fit {
         is_wide(place).then(|| "poorly known: the interval is much of the range".to_owned())
     }
 
-    /// Root mean square distance of predicted steps from the measured ones, m.
+    /// Returns the root mean square distance of predicted steps from the measured ones, m.
     fn distance(&self, predicted: &[Step]) -> f64 {
         let measured: Vec<Step> = self.measured.iter().map(|measured| measured.travel).collect();
         rms(predicted, &measured)
     }
 
-    /// Standard deviation of repetitions about the mean of their step, m; `None` where nothing was repeated.
+    /// Returns the standard deviation of repetitions about the mean of their step, m, or `None` without repetitions.
     fn scatter(&self) -> Option<f64> {
         let mut groups: BTreeMap<(usize, usize), Vec<[f64; 3]>> = BTreeMap::new();
         for measured in &self.measured {
@@ -340,7 +340,7 @@ impl Estimate {
     }
 }
 
-/// The files of a parameter's picture in a folder.
+/// Returns the files of a parameter's picture in a folder.
 fn pictures(parameter: &str, folder: &Path) -> [PathBuf; 2] {
     let name: String = parameter.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
     ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")))
@@ -368,7 +368,7 @@ fn check(parameters: &[Parameter]) -> Result<(), String> {
     Ok(())
 }
 
-/// The mean of the steps of several runs.
+/// Returns the mean of the steps of several runs.
 fn mean<'a>(runs: impl Iterator<Item = &'a Vec<Step>>) -> Vec<Step> {
     let runs: Vec<&Vec<Step>> = runs.collect();
     let of = |index: usize, part: fn(&Step) -> f64| {
@@ -379,7 +379,7 @@ fn mean<'a>(runs: impl Iterator<Item = &'a Vec<Step>>) -> Vec<Step> {
     (0..count).map(step).collect()
 }
 
-/// A step as ways, m.
+/// Returns a step as three distances, m.
 fn parts(step: &Step) -> [f64; 3] {
     [step.main, step.error, TURN_ARM * step.yaw]
 }

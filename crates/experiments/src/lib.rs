@@ -1,11 +1,11 @@
-//! What is measured in the world: motions against exact kinematics, physical checks, and experiments from files.
+//! Measurements in the world: motions against exact kinematics, physical checks, and experiments from files.
 //!
 //! ```text
 //! file.toml -> Plan -> [Run] -> Outcome (steps) -> tables, plots, report
 //!                        \-> log (MCAP)
 //! ```
 //!
-//! No clock here: whoever wants to know how long something took in real time takes the time around it.
+//! This crate reads no clock: callers that need real time measure it themselves.
 
 pub mod batch;
 pub mod claim;

@@ -1,4 +1,4 @@
-//! An experiment as its file says it, and the runs that follow from it.
+//! Experiment files and the runs that follow from them.
 
 use std::path::{Path, PathBuf};
 
@@ -8,11 +8,11 @@ use serde::Deserialize;
 
 use crate::plot::Plot;
 
-/// Most runs of one file.
+/// Maximum number of runs of one file.
 const MAX_RUNS: usize = 100_000;
-/// Most values of an axis.
+/// Maximum number of values of an axis.
 const MAX_VALUES: usize = 10_000;
-/// Longest run, simulated seconds.
+/// Longest run, simulated s.
 const MAX_SECONDS: f64 = 24.0 * 3600.0;
 
 /// An experiment file.
@@ -22,36 +22,36 @@ pub struct Plan {
     /// Name of the file without its ending; set by [`Plan::read`].
     #[serde(skip)]
     pub name: String,
-    /// The file as it was read; set by [`Plan::read`].
+    /// Text of the file; set by [`Plan::read`].
     #[serde(skip)]
     pub text: String,
-    /// What is asked, in a sentence.
+    /// Question in a sentence.
     pub description: String,
-    /// Drive models that run it; none is what the robot's own file says.
+    /// Names of the drive models; without any, the robot's own model runs.
     #[serde(default, rename = "drive_models")]
     model_names: Vec<String>,
-    /// The same, or `None` for the robot's own; set by [`Plan::read`].
+    /// Drive models, or `None` for the robot's own; set by [`Plan::read`].
     #[serde(skip)]
     models: Vec<Option<DriveModel>>,
     /// Repetitions of every combination, each with its own [`Tolerances`].
     #[serde(default = "one")]
     pub samples: u32,
-    /// Seed that the samples' seeds follow from.
+    /// Seed from which the samples' seeds are derived.
     #[serde(default)]
     pub seed: u64,
     /// Length of a time step, s.
     #[serde(default = "time_step")]
     pub time_step: f64,
-    /// Seconds that the robot stands before it drives.
+    /// Time that the robot stands before it drives, s.
     #[serde(default = "settling")]
     pub settling: f64,
-    /// How much the samples differ.
+    /// Variation between samples.
     #[serde(default)]
     pub tolerances: Tolerances,
-    /// What every run starts from.
+    /// Setup that every run starts from.
     #[serde(default)]
     pub setup: Setup,
-    /// What is varied; a run for each combination.
+    /// Axes of variation; each combination of their values is a run.
     #[serde(default, rename = "axis")]
     pub axes: Vec<Axis>,
     /// Pictures of the results.
@@ -71,8 +71,8 @@ fn settling() -> f64 {
     0.5
 }
 
-/// Half widths of the even distributions that the samples are drawn from. Sample `n` has the same draw in every combination, so
-/// that combinations differ by what is varied alone.
+/// Half widths of the uniform distributions that the samples are drawn from. Sample `n` has the same draw in every combination, so
+/// that combinations differ only by their values.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerances {
@@ -80,19 +80,19 @@ pub struct Tolerances {
     pub position: f64,
     /// Heading at the start, rad.
     pub yaw: f64,
-    /// Where the first roller of each wheel sits, rad.
+    /// Angle of the first roller of each wheel, rad.
     pub wheel_phase: f64,
-    /// Friction of each wheel, as a part of it.
+    /// Friction of each wheel, as a fraction of it.
     pub friction: f64,
-    /// Mass of the body, as a part of it.
+    /// Mass of the body, as a fraction of it.
     pub mass: f64,
 }
 
-/// How a run is set up. In an axis, what is given replaces what was there; overrides add up.
+/// Setup of a run. In an axis, given fields replace those of the setup before it; overrides add up.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Setup {
-    /// Name of an axis' value.
+    /// Name of an axis value.
     pub name: String,
     /// Map by name or file.
     pub map: Option<String>,
@@ -100,24 +100,24 @@ pub struct Setup {
     pub robot: Option<String>,
     /// Overrides `PATH=VALUE`, as for `--set`.
     pub set: Vec<String>,
-    /// Start position, m; a robot in the floor is lifted onto it.
+    /// Start position, m; a robot inside the floor is lifted onto it.
     pub position: Option<[f64; 3]>,
     /// Roll, pitch and yaw at the start, rad.
     pub rotation: Option<[f64; 3]>,
-    /// A DRIVE line, with or without its verb, that is sent at the beginning of every step.
+    /// A DRIVE line, with or without its verb, sent at the beginning of every step.
     pub drive: Option<String>,
-    /// How many steps are measured.
+    /// Number of measured steps.
     pub steps: Option<u32>,
-    /// Seconds of a step in motion.
+    /// Time of a step in motion, s.
     pub step_seconds: Option<f64>,
-    /// Seconds of standing after each.
+    /// Time of standing after each step, s.
     pub stop_seconds: Option<f64>,
-    /// Lines at times of their own instead of `drive`.
+    /// Lines at individual times, instead of `drive`.
     pub script: Vec<Event>,
-    /// Direction that counts as the main movement, forward and left, or by its name.
+    /// Direction of the main movement, forward and left, or its name.
     #[serde(deserialize_with = "direction")]
     pub main: Option<[f64; 2]>,
-    /// Direction that counts as error, in the same way.
+    /// Direction of the error, in the same form.
     #[serde(deserialize_with = "direction")]
     pub error: Option<[f64; 2]>,
 }
@@ -145,39 +145,39 @@ fn direction<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option
     }
 }
 
-/// A DRIVE line; its verb may be left out.
+/// Returns a DRIVE line, with its verb added if it is missing.
 pub fn drive_line(text: &str) -> String {
     if text.trim_start().starts_with('{') { format!("DRIVE {text}") } else { text.to_owned() }
 }
 
-/// What is sent at a time.
+/// A line or a velocity sent at a time.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
-    /// Seconds after the start of what is measured.
+    /// Time after the start of the measurement, s.
     pub at: f64,
     /// A line of the wire.
     pub line: Option<String>,
-    /// A velocity to drive from then on: forward (m/s), left (m/s), counterclockwise (rad/s).
+    /// A velocity to drive from this time on: forward (m/s), left (m/s), counterclockwise (rad/s).
     pub velocity: Option<[f64; 3]>,
 }
 
-/// What is varied.
+/// An axis of variation.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
-    /// Its name in tables and plots.
+    /// Name in tables and plots.
     pub name: String,
     /// Setups by name.
     #[serde(default)]
     values: Vec<Setup>,
-    /// Overrides with `{}` where the number goes.
+    /// Overrides with `{}` for the number.
     #[serde(default)]
     set: Vec<String>,
-    /// The numbers.
+    /// Numbers.
     #[serde(default)]
     numbers: Vec<f64>,
-    /// Or first, last and distance of the numbers.
+    /// First, last and distance of the numbers, instead of a list.
     range: Option<[f64; 3]>,
 }
 
@@ -188,11 +188,11 @@ pub struct Run {
     pub id: String,
     /// Values of the axes by name, then `model` and `sample`.
     pub labels: Vec<(String, String)>,
-    /// Everything put together.
+    /// Complete setup.
     pub setup: Setup,
-    /// The drive model, if it is not the robot's own.
+    /// Drive model, or `None` for the robot's own.
     pub drive_model: Option<DriveModel>,
-    /// Number of the sample, from 1.
+    /// Sample number, from 1.
     pub sample: u32,
 }
 
@@ -205,10 +205,10 @@ pub struct PlanError {
 }
 
 impl Plan {
-    /// Reads an experiment from its text. Maps and robots given as relative paths are beside the file.
+    /// Reads an experiment from its text. Relative paths of maps and robots refer to the file's folder.
     ///
     /// # Errors
-    /// With the line of a mistake, or the number that is out of bounds.
+    /// Gives the line of a mistake, or the number that is out of bounds.
     pub fn read(file: &Path, text: &str) -> Result<Self, PlanError> {
         let error =
             |reason: String| PlanError { file: file.display().to_string(), reason: reason.trim_end().to_owned() };
@@ -225,7 +225,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Every run, in the order of the axes, then models, then samples.
+    /// Returns every run, in the order of the axes, then models, then samples.
     pub fn runs(&self) -> Vec<Run> {
         let mut combinations = vec![(self.setup.clone(), Vec::new())];
         for axis in &self.axes {
@@ -258,7 +258,8 @@ impl Plan {
         runs
     }
 
-    /// Keeps only these models, in their order; one that names none gets them all. What has none of them has no runs.
+    /// Keeps only these models, in their order. A plan without named models gets all of them. A plan that names none of them has no
+    /// runs.
     pub fn keep_models(&mut self, models: &[DriveModel]) {
         let any = self.models == [None];
         let kept = models.iter().map(|&model| Some(model)).filter(|model| any || self.models.contains(model));
@@ -320,7 +321,7 @@ impl Axis {
             None => self.numbers.clone(),
         };
         let of_number = |number: f64| {
-            // 0.1 + 2 x 0.1 is 0.3 here, as everyone expects.
+            // Rounding makes 0.1 + 2 x 0.1 read 0.3.
             let text = ((number * 1e9).round() / 1e9).to_string();
             let set = self.set.iter().map(|path| path.replace("{}", &text)).collect();
             Setup { name: text, set, ..Setup::default() }
@@ -371,35 +372,35 @@ impl Setup {
         }
     }
 
-    /// The map, `rough` unless given.
+    /// Returns the map, `rough` by default.
     pub fn map(&self) -> &str {
         self.map.as_deref().unwrap_or("rough")
     }
 
-    /// The robot, `KUKA_YouBot` unless given.
+    /// Returns the robot, `KUKA_YouBot` by default.
     pub fn robot(&self) -> &str {
         self.robot.as_deref().unwrap_or("KUKA_YouBot")
     }
 
-    /// How many steps are measured.
+    /// Returns the number of measured steps, 10 by default.
     pub fn steps(&self) -> u32 {
         self.steps.unwrap_or(10)
     }
 
-    /// Seconds from one measured pose to the next.
+    /// Returns the time from one measured pose to the next, s.
     pub fn interval(&self) -> f64 {
         self.step_seconds.unwrap_or(2.0) + self.stop_seconds.unwrap_or(0.0)
     }
 
-    /// The overrides.
+    /// Parses the overrides.
     ///
     /// # Errors
-    /// When one is no `PATH=VALUE`.
+    /// When one is not of the form `PATH=VALUE`.
     pub fn overrides(&self) -> Result<Vec<Override>, String> {
         self.set.iter().map(|text| text.parse::<Override>().map_err(|error| error.to_string())).collect()
     }
 
-    /// The lines in order of their times.
+    /// Returns the lines in order of their times.
     pub fn lines(&self) -> Vec<(f64, String)> {
         let mut lines: Vec<(f64, String)> = self.script.iter().map(|event| (event.at, event.text())).collect();
         if let Some(drive) = &self.drive {
@@ -447,7 +448,7 @@ impl Setup {
     }
 }
 
-/// What ends a step that is followed by standing, and a run: every key that moves a robot of ours.
+/// Line that stops the robot before standing, and at the end of a run. It has every key that moves a shipped robot.
 const STOP: &str = "DRIVE {Front-Left 0}{Front-Right 0}{Back-Left 0}{Back-Right 0}{Left 0}{Right 0}";
 
 impl Event {
@@ -464,7 +465,7 @@ impl Event {
     }
 }
 
-/// A value as a part of a file's name.
+/// Converts a value to a part of a file name.
 fn file_name(value: &str) -> String {
     value.chars().map(|c| if c.is_alphanumeric() || "._".contains(c) { c } else { '_' }).collect()
 }

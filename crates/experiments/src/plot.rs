@@ -1,4 +1,4 @@
-//! Pictures of results: lines over the steps, or one number a run over what was varied.
+//! Plots of results: lines over the steps, or one number per run over a varied value.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,32 +9,32 @@ use serde::Deserialize;
 use crate::plan::Run;
 use crate::run::Outcome;
 
-/// The label that is the number of the step in place of a value of an axis.
+/// Axis label for the step number instead of the value of an axis.
 const STEP: &str = "step";
 
-/// A picture as an experiment file asks for it.
+/// A plot requested by an experiment file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plot {
     /// Name of its file, and its number in the report.
     pub name: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// `step`, or the name of an axis, `model` or `sample`.
     #[serde(default = "step")]
     x: String,
-    /// What is drawn.
+    /// Plotted quantity.
     pub y: Quantity,
-    /// The axes by which runs are coloured.
+    /// Axes that set the colours of runs.
     #[serde(default)]
     colour: Vec<String>,
-    /// The mean over the samples in place of each.
+    /// True to plot the mean over the samples instead of each.
     #[serde(default)]
     mean: bool,
-    /// Values that are drawn, by axis.
+    /// Plotted values, by axis.
     #[serde(default)]
     only: BTreeMap<String, Vec<String>>,
-    /// Lines to compare with.
+    /// Lines for comparison.
     #[serde(default, rename = "reference")]
     references: Vec<Reference>,
 }
@@ -43,7 +43,7 @@ fn step() -> String {
     STEP.to_owned()
 }
 
-/// A number of a run.
+/// A quantity of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -51,11 +51,11 @@ pub enum Quantity {
     Main,
     /// Travel along the error direction, m.
     Error,
-    /// Turned counterclockwise, rad.
+    /// Counterclockwise turn, rad.
     Yaw,
     /// Mean travel of a step along the main direction, m.
     StepMain,
-    /// Mean size of a step's error, m, whatever its sign.
+    /// Mean absolute error of a step, m.
     StepError,
     /// Angle that the wheels turned in all steps, rad.
     WheelsTurned,
@@ -65,7 +65,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The number of a run after so many steps.
+    /// Returns the quantity of a run after a number of steps.
     pub fn of(self, outcome: &Outcome, steps: usize) -> f64 {
         let steps = &outcome.steps[..steps.min(outcome.steps.len())];
         let count = steps.len().max(1) as f64;
@@ -80,8 +80,8 @@ impl Quantity {
         }
     }
 
-    /// Title of the axis, what a number is multiplied with to be drawn, and the least height of the axis: what is below
-    /// the noise of any robot is not blown up.
+    /// Returns the title of the axis, the scale to its unit, and the least height of the axis. The height keeps noise below that of
+    /// any robot from being magnified.
     fn shown(self) -> (&'static str, f64, f64) {
         match self {
             Self::Main => ("main movement, cm", 100.0, 0.1),
@@ -95,22 +95,22 @@ impl Quantity {
     }
 }
 
-/// A dashed line.
+/// A dashed line for comparison.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Reference {
-    /// What it is.
+    /// Label.
     label: String,
-    /// Its value, in the unit of the quantity.
+    /// Value, in the unit of the quantity.
     #[serde(default)]
     value: f64,
-    /// What each step adds to it.
+    /// Increment per step.
     #[serde(default)]
     per_step: f64,
 }
 
 impl Plot {
-    /// Whether every label that it names is one of the runs'.
+    /// Checks that the runs have every label that the plot names.
     pub(crate) fn check(&self, runs: &[Run]) -> Result<(), String> {
         let wrong = |what: String| Err(format!("plot `{}`: {what}", self.name));
         let known = |name: &str| runs.iter().any(|run| run.labels.iter().any(|(label, _)| label == name));
@@ -122,7 +122,7 @@ impl Plot {
         }
         for (name, values) in &self.only {
             let is = |run: &Run, value| run.labels.iter().any(|(label, v)| label == name && v == value);
-            // A model that was not asked for is no mistake of the file.
+            // A model that was not requested is no mistake of the file.
             if let Some(value) = values.iter().find(|value| name != "model" && !runs.iter().any(|run| is(run, *value)))
             {
                 return wrong(format!("`{name}` is never `{value}`"));
@@ -134,13 +134,13 @@ impl Plot {
         Ok(())
     }
 
-    /// Whether its name is the number of a figure of a text, as 7.2, and not only that of its file.
+    /// True if its name is the number of a figure of a text, such as 7.2, and not only a file name.
     pub(crate) fn is_numbered(&self) -> bool {
         let parts = self.name.split_once('.');
         parts.is_some_and(|(chapter, number)| chapter.len() == 1 && number.parse::<u32>().is_ok())
     }
 
-    /// Draws it as `<name>.svg` and `<name>.png`; false when none of the outcomes belongs to it.
+    /// Draws the plot as `<name>.svg` and `<name>.png`. Returns false if none of the outcomes belongs to it.
     ///
     /// # Errors
     /// When a file cannot be written.
@@ -152,7 +152,7 @@ impl Plot {
         let (y_title, scale, least_height) = self.y.shown();
         let farthest = series.iter().flat_map(|series| series.lines.iter().flatten()).map(|point| point.0);
         let (left, right) = farthest.fold((0.0, 0.0), |(left, right): (f64, f64), x| (left.min(x), right.max(x)));
-        // Names stand in the middle of their places.
+        // Category names are centred in their slots.
         let (left, right) = if categories.is_empty() { (left, right) } else { (-0.5, categories.len() as f64 - 0.5) };
         let reference = |line: &Reference| {
             let at = |x: f64| (x, scale * (line.value + line.per_step * if self.x == STEP { x } else { 1.0 }));
@@ -172,12 +172,12 @@ impl Plot {
         Ok(true)
     }
 
-    /// The files that [`Plot::draw`] writes into a folder.
+    /// Returns the files that [`Plot::draw`] writes into a folder.
     pub(crate) fn files(&self, folder: &Path) -> [PathBuf; 2] {
         ["svg", "png"].map(|ending| folder.join(format!("{}.{ending}", self.name)))
     }
 
-    /// The lines, and the names on the x axis where its values are no numbers.
+    /// Returns the series, and the names on the x axis if its values are not numbers.
     fn series(&self, outcomes: &[Outcome]) -> (Vec<Series>, Vec<String>) {
         let wanted = |outcome: &&Outcome| {
             self.only
@@ -221,7 +221,7 @@ impl Plot {
             if self.mean {
                 series.lines = vec![mean(&series.lines.concat())];
             } else if self.x != STEP {
-                // The runs of a value above each other; only their mean would make a line.
+                // The runs of a value are above each other; only their mean would make a line.
                 series.lines = vec![series.lines.concat()];
             }
         }
@@ -229,7 +229,7 @@ impl Plot {
     }
 }
 
-/// The mean at each x, in the order of x.
+/// Returns the mean at each x, in the order of x.
 fn mean(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));

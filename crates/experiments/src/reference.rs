@@ -1,4 +1,4 @@
-//! How a robot should move for the angles that its wheels turned: what a measured motion is compared with.
+//! Exact motion of a robot for given wheel angles, as a reference for measured motions.
 
 use kinematics::coulomb::{self, Contact};
 use kinematics::{FiniteRollers, Twist};
@@ -6,40 +6,40 @@ use nalgebra::Vector3;
 use scene::{Material, RobotDef, RobotSnapshot, WHEEL_AXIS};
 use sim_core::mecanum;
 
-/// The kinematics of a robot.
+/// Kinematics of a robot.
 pub(crate) enum Reference {
     /// Mecanum wheels: exact, roller by roller.
     Rollers(FiniteRollers),
-    /// Plain wheels: the twist at which Coulomb's friction balances.
+    /// Plain wheels: the twist at which Coulomb friction balances.
     Sliding(Sliding),
 }
 
-/// A robot on plain wheels.
+/// A robot on plain wheels, with the loads on its wheels.
 #[derive(Default)]
 pub(crate) struct Sliding {
     wheels: Vec<Wheel>,
-    /// Moments that loads were noted of.
+    /// Number of snapshots that the loads were summed over.
     noted: f64,
 }
 
-/// A wheel where it touches the ground.
+/// A wheel and its contact with the ground.
 struct Wheel {
     /// Forward and to the right in the robot frame, m.
     position: [f64; 2],
-    /// In which direction it rolls.
+    /// Rolling direction.
     rolling: [f64; 2],
     radius: f64,
-    /// Friction of the pair of it and the floor; none of a caster, which turns about every axis.
+    /// Friction of the wheel on the floor; 0 for a caster, which turns about every axis.
     friction: f64,
-    /// Rolling resistance of the pair.
+    /// Rolling resistance of the wheel on the floor.
     resistance: f64,
     is_driven: bool,
-    /// Sum of its loads, N.
+    /// Sum of the loads over all snapshots, N.
     load: f64,
 }
 
 impl Reference {
-    /// That of a class of robots; `None` for one without wheels.
+    /// Creates the reference for a class of robots, or `None` for one without driven wheels.
     pub(crate) fn of(robot: &RobotDef) -> Option<Self> {
         let sliding = || robot.driven().next().map(|_| Self::Sliding(Sliding::default()));
         mecanum::finite_rollers(robot).map(Self::Rollers).or_else(sliding)
@@ -47,7 +47,7 @@ impl Reference {
 }
 
 impl Sliding {
-    /// Notes how a robot stands and steers, and what its wheels carry; to be called in every step of some time.
+    /// Adds a snapshot: updates the pose of each wheel and adds its load. Call it in every step of the averaging interval.
     pub(crate) fn note(&mut self, floor: &Material, def: &RobotDef, robot: &RobotSnapshot) {
         let placed = def.placed_links(&robot.joints);
         let wheels = placed.iter().filter_map(|(link, pose)| Some((link, link.wheel.as_ref()?, pose)));
@@ -56,7 +56,7 @@ impl Sliding {
             .enumerate()
             .map(|(number, (link, wheel, pose))| {
                 let axis = pose.rotation * Vector3::from(WHEEL_AXIS);
-                // The wheel rolls across its axis, z being down.
+                // The wheel rolls across its axis, with z down.
                 let rolling = Vector3::z().cross(&axis);
                 Wheel {
                     position: [pose.translation.x, pose.translation.y],
@@ -81,12 +81,12 @@ impl Sliding {
         }
     }
 
-    /// What each driven wheel carries in the mean, N.
+    /// Returns the mean load on each driven wheel, N.
     pub(crate) fn driven_loads(&self) -> impl Iterator<Item = f64> {
         self.wheels.iter().filter(|wheel| wheel.is_driven).map(|wheel| wheel.load / self.noted)
     }
 
-    /// The twist while the driven wheels turn at speeds, rad/s.
+    /// Returns the twist while the driven wheels turn at the given speeds, rad/s.
     pub(crate) fn twist(&self, speeds: &[f64]) -> Twist {
         let mut speeds = speeds.iter();
         let mut contacts = Vec::new();
@@ -96,7 +96,7 @@ impl Sliding {
             let load = wheel.load / self.noted;
             let passing = rolling.map(|part| part * radius * speed);
             contacts.push(Contact { position, rolling: passing, friction: friction * load, along: None });
-            // Rolling resistance is a force against the motion of the hub; a driven wheel rolls ahead alone.
+            // Rolling resistance is a force against the motion of the hub. A driven wheel rolls only ahead.
             let along = wheel.is_driven.then_some(rolling);
             contacts.push(Contact { position, rolling: [0.0; 2], friction: resistance * load, along });
         }

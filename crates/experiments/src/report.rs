@@ -1,4 +1,4 @@
-//! The results of experiments as one page that needs nothing else.
+//! A self-contained page of the results of experiments.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use crate::plan::Plan;
 use crate::run::Outcome;
 use crate::table;
 
-/// The models that claims are compared for.
+/// Drive models that claims are compared with.
 const MODELS: [&str; 3] = ["bodies", "analytic", "kinematic"];
 
 const STYLE: &str = "
@@ -25,7 +25,7 @@ figure { margin: 0 } figure svg { width: 100%; height: auto }
 code { background: #f3f3f3; padding: 0 0.2rem }
 ";
 
-/// Writes `steps.csv`, `runs.csv`, `summary.csv`, every plot and `report.html`, and returns how many plots there are.
+/// Writes `steps.csv`, `runs.csv`, `summary.csv`, every plot and `report.html`. Returns the number of plots.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -52,21 +52,21 @@ pub fn write_all(
             }
         }
     }
-    // Figures of the thesis in its order, 7.2 before 7.10, then appendices, then others as they come.
+    // Figures of the thesis in its order, 7.2 before 7.10, then appendices, then others in the order of the plans.
     figures.sort_by_key(|(name, _, _)| number(name));
     let page = page(title, plans, claims, outcomes, &figures).into_string();
     write(&folder.join("report.html"), page.as_bytes())?;
     Ok(figures.len())
 }
 
-/// The files that [`write_all`] writes.
+/// Returns the files that [`write_all`] writes.
 pub fn files(folder: &Path, plans: &[Plan]) -> Vec<PathBuf> {
     let tables = ["steps.csv", "runs.csv", "summary.csv", "report.html"].map(|name| folder.join(name));
     let plots = plans.iter().flat_map(|plan| &plan.plots);
     tables.into_iter().chain(plots.flat_map(|plot| plot.files(&folder.join("plots")))).collect()
 }
 
-/// What a figure is sorted by: chapter, then number.
+/// Returns the sort key of a figure: chapter, then number.
 fn number(name: &str) -> (String, u32) {
     let parts = name.split_once('.').and_then(|(chapter, number)| Some((chapter.to_owned(), number.parse().ok()?)));
     parts.filter(|(chapter, _)| chapter.len() == 1).unwrap_or(("~".to_owned(), 0))
@@ -172,7 +172,7 @@ fn summary_table(outcomes: &[Outcome]) -> Markup {
     }
 }
 
-/// What the samples of an experiment differ by.
+/// Describes the variation between the samples of an experiment.
 fn differences(plan: &Plan) -> String {
     let it = plan.tolerances;
     let parts = [

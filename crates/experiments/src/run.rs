@@ -1,4 +1,4 @@
-//! One run: a robot is set down, driven by lines of the wire, and measured.
+//! One run: a robot is spawned, driven by lines of the wire, and measured.
 
 use std::path::Path;
 
@@ -15,68 +15,68 @@ use sim_core::{Options, World};
 use crate::course::in_words;
 use crate::plan::{Plan, Run, Setup, Tolerances};
 
-/// Seconds between two ground truth readings, of which the first of every so many is a measured pose (thesis 7.2).
+/// Interval between two ground truth readings, s. Every n-th reading, from the first on, is a measured pose (thesis 7.2).
 const READING_INTERVAL: f64 = 0.1;
 
-/// What one step was: from one measured pose to the next, in the frame of the robot at the start.
+/// Motion from one measured pose to the next, in the frame of the robot at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// Travel along the main direction, m.
     pub main: f64,
     /// Travel along the error direction, m.
     pub error: f64,
-    /// Turned counterclockwise, rad.
+    /// Counterclockwise turn, rad.
     pub yaw: f64,
 }
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// The run.
+    /// Identifier of the run, see [`Run::id`].
     pub id: String,
     /// See [`Run::labels`].
     pub labels: Vec<(String, String)>,
-    /// Seed of the world and of what differs between samples.
+    /// Seed of the world and of the variation between samples.
     pub seed: u64,
     /// The steps.
     pub steps: Vec<Step>,
-    /// Mean angle that the driven wheels turned in all steps, either way counting, rad.
+    /// Mean angle that the driven wheels turned in all steps, in either direction, rad.
     pub wheels_turned: f64,
     /// Digest of the world at the end.
     pub digest: String,
-    /// Simulated seconds from nothing to the end.
+    /// Simulated time of the whole run, s.
     pub seconds: f64,
 }
 
 impl Outcome {
-    /// Name of the experiment.
+    /// Returns the name of the experiment.
     pub fn experiment(&self) -> &str {
         self.id.split('/').next().unwrap_or_default()
     }
 
-    /// The value of a label.
+    /// Returns the value of a label.
     pub fn label(&self, name: &str) -> Option<&str> {
         self.labels.iter().find(|(label, _)| label == name).map(|(_, value)| value.as_str())
     }
 }
 
-/// A run that could not be made.
+/// Errors of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// A map, a robot or an override does not load.
     #[error("{id}: {reason}")]
     Load {
-        /// The run.
+        /// Identifier of the run.
         id: String,
-        /// Everything that is wrong.
+        /// All problems found.
         reason: Box<LoadError>,
     },
-    /// The robot cannot do what is asked.
+    /// The robot cannot execute the setup.
     #[error("{id}: {reason}")]
     Setup {
-        /// The run.
+        /// Identifier of the run.
         id: String,
-        /// What is wrong.
+        /// Description of the problem.
         reason: String,
     },
     /// The log cannot be written.
@@ -84,19 +84,19 @@ pub enum RunError {
     Log(#[from] RecordError),
 }
 
-/// A run with everything loaded and drawn.
+/// A run with its scene loaded and its sample drawn.
 pub struct Prepared {
-    /// The world to make.
+    /// World to simulate.
     pub world: WorldDef,
-    /// How it runs.
+    /// Run options.
     pub options: Options,
-    /// The line that puts the robot into it.
+    /// Line that spawns the robot.
     pub init: String,
-    /// Lines with their times after the first measured pose.
+    /// Lines with their times after the first measured pose, s.
     pub lines: Vec<(f64, String)>,
 }
 
-/// Loads a run's map and robot and draws what its sample differs by.
+/// Loads a run's map and robot, and draws the variation of its sample.
 ///
 /// # Errors
 /// When something does not load.
@@ -123,18 +123,18 @@ pub fn prepare(plan: &Plan, run: &Run) -> Result<Prepared, RunError> {
     Ok(Prepared { world: WorldDef { map, robots }, options, init, lines: run.setup.lines() })
 }
 
-/// The place that the setup gives, or the map's first start.
+/// Returns the start pose of the setup, or the map's first start.
 fn start(setup: &Setup, map: &MapDef) -> Pose {
     let first = map.starts.first().map(|start| (start.position, start.rotation)).unwrap_or_default();
     let rotation = setup.rotation.or(setup.position.map(|_| [0.0; 3])).unwrap_or(first.1);
     scene::pose(setup.position.unwrap_or(first.0), rotation)
 }
 
-/// Where the numbers of a sample come from, in a fixed order.
+/// Random numbers of a sample, drawn in a fixed order.
 struct Draw(ChaCha8Rng);
 
 impl Draw {
-    /// Evenly from minus to plus the half width.
+    /// Draws uniformly from minus to plus the half width.
     fn within(&mut self, half_width: f64) -> f64 {
         (2.0 * self.0.random::<f64>() - 1.0) * half_width
     }
@@ -158,7 +158,7 @@ impl Draw {
     }
 }
 
-/// Makes a run in this process, as fast as it goes, and logs it if a file is given.
+/// Executes a run in this process, as fast as possible, and logs it if a file is given.
 ///
 /// # Errors
 /// When something does not load, the robot has no ground truth at 10 Hz, or the log cannot be written.
@@ -231,14 +231,14 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     })
 }
 
-/// The steps between measured poses, in the frame of the first.
+/// Returns the steps between measured poses, in the frame of the first.
 pub fn measure(setup: &Setup, poses: &[Pose]) -> Vec<Step> {
     poses.windows(2).map(|pair| step(setup, &poses[0], &pair[0], &pair[1])).collect()
 }
 
 fn step(setup: &Setup, start: &Pose, from: &Pose, to: &Pose) -> Step {
     let displacement = start.rotation.inverse() * (to.translation.vector - from.translation.vector);
-    // The wire's y and yaw are to the right.
+    // On the wire, y and yaw are positive to the right.
     let (forward, left) = (displacement.x, -displacement.y);
     let along = |[f, l]: [f64; 2]| forward * f + left * l;
     let (_, _, clockwise) = (from.rotation.inverse() * to.rotation).euler_angles();
@@ -247,7 +247,7 @@ fn step(setup: &Setup, start: &Pose, from: &Pose, to: &Pose) -> Step {
 }
 
 impl Run {
-    /// Of how many ground truth readings one ends a step.
+    /// Returns the number of ground truth readings per step.
     pub fn readings_a_step(&self) -> u32 {
         (self.setup.interval() / READING_INTERVAL).round().max(1.0) as u32
     }
@@ -259,7 +259,7 @@ impl Run {
     }
 }
 
-/// The world with its log and its only client.
+/// A world with its log and its only client.
 struct Stage {
     world: World,
     robot: Option<RobotId>,
@@ -273,7 +273,7 @@ impl Stage {
         self.record_out(&greeting)
     }
 
-    /// Sends a line; what is wrong with it comes back.
+    /// Sends a line and returns its problems.
     fn send(&mut self, text: &str) -> Result<Vec<Problem>, RecordError> {
         let line = Record::In(self.line(text.to_owned()));
         if let Some(log) = &mut self.log {
@@ -288,7 +288,7 @@ impl Stage {
         Ok(problems)
     }
 
-    /// One time step; whether a ground truth reading came.
+    /// Advances by one time step. Returns true if a ground truth reading arrived.
     fn step(&mut self) -> Result<bool, RecordError> {
         let mut reading = false;
         for (_, message) in self.world.step() {

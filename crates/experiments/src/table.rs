@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::plot::Quantity;
 use crate::run::Outcome;
 
-/// `run,step,main,error,yaw`: every step in the frame of the robot at its start.
+/// Returns the table `run,step,main,error,yaw`: every step in the frame of the robot at its start.
 pub fn steps(outcomes: &[Outcome]) -> String {
     let mut table = "run,step,main,error,yaw\n".to_owned();
     for outcome in outcomes {
@@ -16,7 +16,7 @@ pub fn steps(outcomes: &[Outcome]) -> String {
     table
 }
 
-/// One line a run: what it was, where it ended, and the digest of its world.
+/// Returns a table with one line per run: its setting, its result, and the digest of its world.
 pub fn runs(outcomes: &[Outcome]) -> String {
     let mut table = "run,setting,model,sample,seed,main,error,yaw,wheels_turned,seconds,digest\n".to_owned();
     for outcome in outcomes {
@@ -33,7 +33,7 @@ pub fn runs(outcomes: &[Outcome]) -> String {
     table
 }
 
-/// One line for the samples of a setting: means and standard deviations after the last step.
+/// Returns a table with one line per setting: means and standard deviations of its samples after the last step.
 pub fn summary(outcomes: &[Outcome]) -> String {
     let mut table =
         "experiment,setting,model,samples,main,main_sd,error,error_sd,yaw,yaw_sd,step_main,step_error\n".to_owned();
@@ -58,18 +58,18 @@ pub fn summary(outcomes: &[Outcome]) -> String {
     table
 }
 
-/// Everything of a run but its sample.
+/// Returns everything that identifies a run, except its sample.
 fn key(outcome: &Outcome) -> (&str, Vec<&(String, String)>) {
     (outcome.experiment(), outcome.labels.iter().filter(|(name, _)| name != "sample").collect())
 }
 
-/// `move=forward map=rough`: the values of the axes.
+/// Returns the values of the axes, such as `move=forward map=rough`.
 fn setting(outcome: &Outcome) -> String {
     let axes = outcome.labels.iter().filter(|(name, _)| name != "sample" && name != "model");
     axes.map(|(name, value)| format!("{name}={}", value.replace([',', '"'], "_"))).collect::<Vec<_>>().join(" ")
 }
 
-/// Mean and standard deviation (of a sample: over n - 1).
+/// Returns the mean and the standard deviation (of a sample: over n - 1).
 pub fn mean_and_deviation(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let values: Vec<f64> = values.collect();
     let count = values.len() as f64;

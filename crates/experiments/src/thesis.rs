@@ -1,13 +1,13 @@
-//! The experiments of the thesis and what it says about them: the files under `experiments/thesis`, built into the program.
+//! Experiments and claims of the thesis: the files under `experiments/thesis`, embedded in the program.
 
 use include_dir::{Dir, include_dir};
 
 static FILES: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../experiments/thesis");
 
-/// The file with what the thesis claims.
+/// File with the claims of the thesis.
 const CLAIMS: &str = "claims.toml";
 
-/// Name and text of every experiment file, in the order of their names.
+/// Returns name and text of every experiment file, sorted by name.
 pub fn files() -> Vec<(String, &'static str)> {
     let name = |file: &'static include_dir::File| {
         file.path().to_str().filter(|name| name.ends_with(".toml") && *name != CLAIMS)
@@ -18,7 +18,7 @@ pub fn files() -> Vec<(String, &'static str)> {
     files
 }
 
-/// What the thesis claims.
+/// Returns the text of the file with the claims of the thesis.
 pub fn claims() -> &'static str {
     FILES.get_file(CLAIMS).and_then(|file| file.contents_utf8()).unwrap_or_default()
 }

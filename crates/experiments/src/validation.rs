@@ -1,8 +1,8 @@
-//! Physical checks of a robot on wheels, on maps made for them: twelve of one on Mecanum wheels, nine of another.
+//! Physical checks of wheeled robots, on maps made for them: twelve for robots on Mecanum wheels, nine for others.
 //!
-//! Every number is measured in the world through commands and states, and compared with mechanics that the simulator
-//! does not use: the exact kinematics of finite rollers, the balance of friction, Coulomb's limit, the dynamics of a rolling
-//! body. Units: m, s, rad, kg, N.
+//! Every number is measured in the world through commands and states. It is compared with mechanics that the simulator does not
+//! use: the exact kinematics of finite rollers, the balance of friction, Coulomb's limit, the dynamics of a rolling body. Units: m,
+//! s, rad, kg, N.
 
 mod mecanum_wheels;
 mod plain_wheels;
@@ -19,42 +19,42 @@ pub use reason::{Stance, reason};
 
 use crate::course::{MotionError, SETTLING};
 
-/// One measured number and what it should be.
+/// One measured number and its bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// Which of the checks, from 1.
+    /// Number of the check, from 1.
     pub check: u32,
-    /// What was measured, with its unit.
+    /// Description of the quantity, with its unit.
     pub what: String,
-    /// Measured.
+    /// Measured value.
     pub measured: f64,
-    /// Least that is right.
+    /// Least valid value.
     pub least: f64,
-    /// Most that is right.
+    /// Greatest valid value.
     pub most: f64,
 }
 
 impl Finding {
-    /// Whether it is within its bounds.
+    /// True if the value is within its bounds.
     pub fn passes(&self) -> bool {
         (self.least..=self.most).contains(&self.measured)
     }
 }
 
-/// What is checked, and how long.
+/// Robot, floor and settings of the checks.
 #[derive(Debug, Clone)]
 pub struct Subject {
-    /// The robot, with its drive model.
+    /// Robot, with its drive model.
     pub robot: RobotDef,
-    /// What the floor is made of.
+    /// Material of the floor.
     pub floor: Material,
     /// Seed and time step.
     pub options: Options,
-    /// Seconds of a measured drive.
+    /// Time of a measured drive, s.
     pub seconds: f64,
 }
 
-/// Names of the checks of a robot.
+/// Returns the names of the checks of a robot.
 pub fn checks(robot: &RobotDef) -> &'static [&'static str] {
     if is_omni(robot) { &mecanum_wheels::CHECKS } else { &plain_wheels::CHECKS }
 }
@@ -66,7 +66,7 @@ fn is_omni(robot: &RobotDef) -> bool {
 /// Runs one check.
 ///
 /// # Errors
-/// When the robot has no driven wheels, or the check is none of its own.
+/// When the robot has no driven wheels, or has no check with this number.
 pub fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, MotionError> {
     let class = || subject.robot.class.clone();
     if subject.robot.driven().next().is_none() {
@@ -90,12 +90,13 @@ fn below(what: impl Into<String>, measured: f64, most: f64) -> Finding {
     Finding { check: 0, what: what.into(), measured, least: f64::NEG_INFINITY, most }
 }
 
-/// Orientation of a floor that rises to the front and to the right by an angle: pitched up (z is down) about y, rolled about x.
+/// Returns the orientation of a floor that rises to the front and to the right by these angles. It is pitched up (z is down) about
+/// y and rolled about x.
 fn tilt(rise: [f64; 2]) -> [f64; 3] {
     [-rise[1], rise[0], 0.0]
 }
 
-/// A floor with solids, and nobody on it yet.
+/// Creates a world with a floor and solids, without robots.
 fn world(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> World {
     let floor = Solid {
         name: "floor".to_owned(),
@@ -119,14 +120,14 @@ fn world(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> World {
     World::new(def, subject.options)
 }
 
-/// A robot on a floor, settled.
+/// A settled robot on a floor.
 struct Scene {
     world: World,
     robot: RobotId,
 }
 
 impl Scene {
-    /// On a floor that rises to the front and to the right by an angle, heading level with it, between solids.
+    /// Spawns the robot on a floor that rises to the front and to the right by these angles, parallel to it, and lets it settle.
     fn new(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> Result<Self, MotionError> {
         let tilt = tilt(rise);
         let class = subject.robot.class.clone();
@@ -159,27 +160,28 @@ impl Scene {
         self.state().0
     }
 
-    /// Velocity in the robot's own axes.
+    /// Returns the velocity in the robot's own axes.
     fn velocity(&self) -> Vector3<f64> {
         let body = self.body();
         body.pose.rotation.inverse() * body.linear
     }
 }
 
-/// Trees in reduced coordinates are held to 0.3 %, others to what the check allows.
+/// Returns the tolerance of a ratio: 0.3 % for the models `Analytic` and `Articulated`, `other` for the rest.
 fn tolerance(subject: &Subject, other: f64) -> f64 {
     let is_exact = matches!(subject.robot.drive_model, DriveModel::Analytic | DriveModel::Articulated);
     if is_exact { 0.003 } else { other }
 }
 
-/// From which slope a robot with locked wheels slides, ahead (0) or aside (1), beside a limit, rad; and how it creeps at 0.9 of that.
+/// Compares the slope at which a robot with locked wheels slides, ahead (0) or aside (1), with a limit, rad. Also measures its
+/// creep at 0.9 of the limit.
 fn slides(locked: &Subject, name: &str, axis: usize, limit: f64) -> Result<[Finding; 2], MotionError> {
     let on = |angle: f64| {
         let mut rise = [0.0; 2];
         rise[axis] = angle;
         Scene::new(locked, rise, Vec::new())
     };
-    // It is put down from a millimetre above and may slide a little; beyond the limit it gets faster.
+    // The robot is spawned a millimetre above the floor and may slide a little; beyond the limit it gets faster.
     let slides = |angle: f64| -> Result<bool, MotionError> {
         let mut scene = on(angle)?;
         let before = scene.velocity().norm();
@@ -202,7 +204,7 @@ fn slides(locked: &Subject, name: &str, axis: usize, limit: f64) -> Result<[Find
     ])
 }
 
-/// Without motors its weight rolls a robot down a slope; the energy of height counts.
+/// Checks that a robot rolling down a slope without motors gains no energy, height included.
 fn energy(coasting: &Subject) -> Result<Finding, MotionError> {
     let mut scene = Scene::new(coasting, [0.05, 0.0], Vec::new())?;
     let mass = f64::from(coasting.robot.mass());
@@ -226,7 +228,7 @@ fn energy(coasting: &Subject) -> Result<Finding, MotionError> {
     Ok(below("energy gained without a drive, of its motion a second", grown / motion, 1e-4))
 }
 
-/// Whether a drive gives the same bits twice.
+/// Checks that a drive gives the same bits twice.
 fn same_bits(subject: &Subject, command: &Command) -> Result<Finding, MotionError> {
     let digest = || -> Result<u64, MotionError> {
         let mut scene = Scene::new(subject, [0.0; 2], Vec::new())?;
@@ -237,14 +239,14 @@ fn same_bits(subject: &Subject, command: &Command) -> Result<Finding, MotionErro
     Ok(about("the same bits twice", f64::from(digest()? == digest()?), 1.0, 0.0))
 }
 
-/// The same with half the time step.
+/// Returns the subject with half the time step.
 fn halved(subject: &Subject) -> Subject {
     let mut halved = subject.clone();
     halved.options.time_step /= 2.0;
     halved
 }
 
-/// Inertia of a driven wheel about its axle, with its rotor, kg m².
+/// Returns the inertia of a driven wheel about its axle, with its rotor, kg m².
 fn turning_inertia(wheel: &MountedWheel) -> f64 {
     wheel.spin_inertia() + wheel.drive.map_or(0.0, |motor| motor.armature)
 }

@@ -1,4 +1,4 @@
-//! Time of 100 000 random problems, cold: `cargo bench -p friction`.
+//! Time of 100 000 random problems without initial impulses: `cargo bench -p friction`.
 
 use friction::{Problem, Workspace, solve};
 use rand::SeedableRng;
@@ -16,7 +16,7 @@ fn main() {
     divan::main();
 }
 
-/// All problems of a kind one after the other: the time of one is what divan calls an item's.
+/// Solves all problems of a kind in sequence. The time of one problem is that of divan's items.
 #[divan::bench(args = Kind::ALL, sample_count = 3, sample_size = 1)]
 fn cold(bencher: divan::Bencher, kind: Kind) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);

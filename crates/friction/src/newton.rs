@@ -3,15 +3,15 @@
 use crate::problem::{Constraint, Problem, dot};
 use crate::solver::Workspace;
 
-/// What part of Newton's steps is taken, and how many at most, one try after the other from the same start. From a good one two or
-/// three whole steps are enough; where those go round in a circle, shorter ones seldom do.
+/// Shares of Newton's step with the most steps of each try. Every try starts from the same impulses. From a good start two or three full
+/// steps are enough. Where full steps cycle, shorter ones seldom do.
 const TRIES: [(f64, usize); 3] = [(1.0, 20), (0.7, 40), (0.4, 40)];
-/// The one try from the impulses of the step before, which are right or nearly so, or of another motion.
+/// The one try from the last step's impulses. They are nearly right, or belong to another motion.
 const FIRST_TRY: [(f64, usize); 1] = [(1.0, 8)];
 
-/// Newton's steps, of which each solves the conditions that hold where it is (Alart and Curnier 1991): a contact pushes or not, and
-/// holds or slides. They need not make each answer better than the last: where they have to, they end where none is. Whether they
-/// settle; if not, the impulses stay as they were.
+/// Runs Newton's method on the conditions that hold at the present impulses (Alart and Curnier 1991): a contact pushes or not, and holds or
+/// slides. No line search: with one, the iteration stalls at points that are not solutions. Returns true if it converged; if not, the
+/// impulses stay unchanged.
 pub(crate) fn solve(
     problem: &Problem,
     impulses: &mut [f64],
@@ -41,10 +41,10 @@ pub(crate) fn solve(
     false
 }
 
-/// By how much Newton's method moves the impulses: what is to be taken from them, in the place of the velocity that they give. Whether
-/// there is an answer. `equations` is room for them.
+/// Computes one Newton step. On entry `velocity` is the residual velocity. On return it is the step to subtract from the impulses. Returns
+/// false if there is no solution. `equations` is a scratch buffer.
 fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &mut Vec<f64>) -> bool {
-    // The conditions, row by row: their equations, and behind them what they miss. One that is about a velocity is that row of the response.
+    // One equation per row, with its right-hand side behind it. A condition on a velocity is its row of the Delassus matrix.
     let count = velocity.len();
     let width = width(count);
     equations.clear();
@@ -73,7 +73,7 @@ fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &m
             }
             Constraint::Contact { tangents: 0, .. } => {}
             Constraint::Contact { friction, tangents } => {
-                // Of the lighter tangent, so that one that holds is not taken for one that slides.
+                // The larger response of the two tangents, so a holding contact is not taken for a sliding one.
                 let own = (row + 1..=row + tangents).map(|row| problem.own(row)).fold(0.0, f64::max);
                 let wanted = [0, 1].map(|it| if it < tangents { wanted(row + 1 + it, own) } else { 0.0 });
                 let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
@@ -85,7 +85,7 @@ fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &m
                 equations.next();
                 for (tangent, (at, equation)) in equations.enumerate() {
                     set_to(equation, at, most * direction[tangent]);
-                    // Of how the direction turns: of each tangent what is across it.
+                    // Derivative of the direction: the part of each tangent across it.
                     for other in 0..tangents {
                         let across = f64::from(u8::from(tangent == other)) - direction[tangent] * direction[other];
                         let share = across * most / length;
@@ -101,16 +101,16 @@ fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &m
     eliminate(equations, velocity)
 }
 
-/// Numbers of an equation with its right side, filled up so that a processor can take four at once.
+/// Returns the length of an equation with its right-hand side, padded to a multiple of four for SIMD.
 fn width(count: usize) -> usize {
     (count + 1).next_multiple_of(4)
 }
 
-/// Solves equations, row after row, each with its right side behind it. Whether there is an answer.
+/// Solves the equations in place by Gaussian elimination. Each row ends with its right-hand side. Returns false if there is no solution.
 fn eliminate(equations: &mut [f64], answer: &mut [f64]) -> bool {
     let count = answer.len();
     let width = width(count);
-    // Of the equations that are left the one that says most of an unknown is used for it.
+    // Partial pivoting.
     for unknown in 0..count {
         let (mut chosen, mut most) = (unknown, 0.0);
         for (number, equation) in equations.chunks_exact(width).enumerate().skip(unknown) {
@@ -129,7 +129,7 @@ fn eliminate(equations: &mut [f64], answer: &mut [f64]) -> bool {
         }
         let inverse = 1.0 / used[unknown];
         used[unknown] = inverse;
-        // What is before the unknown is of no use any more, so four by four they may begin there.
+        // Columns before the pivot are no longer needed, so the blocks of four start at its block.
         let first = (unknown + 1) / 4 * 4;
         let (used, _) = used[first..].as_chunks::<4>();
         for equation in after.chunks_exact_mut(width) {

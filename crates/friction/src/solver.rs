@@ -1,34 +1,35 @@
-//! Sweeps over the contacts, and Newton's method from where they have come.
+//! Sweeps over the contacts, alternating with Newton's method.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::problem::{Constraint, Problem, dot};
 use crate::{local, newton};
 
-/// How far an answer may miss, of the greatest velocity that is missing.
+/// Residual up to which an answer is converged, relative to the largest entry of the right-hand side.
 pub const TOLERANCE: f64 = 1e-6;
-/// Sweeps before the first try of Newton's method; then twice as many before each.
+/// Sweeps before the first try of Newton's method. Their total doubles before each further try.
 const SWEEPS: usize = 5;
 /// Accuracy of the friction of a contact in a sweep.
 const ACCURACY: f64 = 1e-12;
-/// Sweeps before what there is is taken.
+/// Sweeps after which the solver stops.
 const MAX_SWEEPS: usize = 2000;
 
-/// Multiplications before that, roughly: ten milliseconds. Steady motion takes a thousandth of it, an impact at most a few steps of it.
+/// Multiplications after which the solver stops, roughly: ten milliseconds. Steady motion takes a thousandth of it, an impact a few steps
+/// of it at most.
 const MAX_WORK: usize = 10_000_000;
 
-/// How an answer was found.
+/// Outcome of a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Outcome {
     /// Sweeps over the contacts.
     pub sweeps: usize,
     /// Steps of Newton's method.
     pub newton_steps: usize,
-    /// Whether it misses by no more than [`TOLERANCE`]; otherwise it is where the last sweep has come.
+    /// True if the residual is at most [`TOLERANCE`]. Otherwise the answer is that of the last sweep.
     pub is_settled: bool,
 }
 
-/// Room that one problem after the other can use.
+/// Scratch buffers that one problem after the other reuses.
 #[derive(Debug, Clone, Default)]
 pub struct Workspace {
     pub(crate) trial: Vec<f64>,
@@ -36,13 +37,14 @@ pub struct Workspace {
     pub(crate) equations: Vec<f64>,
 }
 
-/// Solves a problem: `impulses` are those of the step before, or 0 where there was none, and then the impulse on every row, N s.
+/// Solves a problem. On entry `impulses` are those of the last step, or 0 if there was none. On return they are the impulse on every row, N
+/// s.
 pub fn solve(problem: &Problem, impulses: &mut [f64], workspace: &mut Workspace) -> Outcome {
     let (mut sweeps, mut newton_steps) = (0, 0);
     if impulses.iter().any(|it| !it.is_finite()) {
         impulses.fill(0.0);
     }
-    // Newton's method is of no use where nothing is known.
+    // Newton's method needs a start.
     let is_new = impulses.iter().all(|&it| it == 0.0) && problem.residual(impulses).worst() > TOLERANCE;
     loop {
         let is_start = sweeps > 0 || !is_new;
@@ -61,7 +63,7 @@ pub fn solve(problem: &Problem, impulses: &mut [f64], workspace: &mut Workspace)
     }
 }
 
-/// Every constraint in turn, exactly, for the impulses of the others (nonsmooth Gauss-Seidel; Jean and Moreau 1992).
+/// Solves every constraint in turn, exactly, for the impulses of the others (nonsmooth Gauss-Seidel; Jean and Moreau 1992).
 fn sweep(problem: &Problem, impulses: &mut [f64]) {
     for (row, constraint) in problem.constraints() {
         let left = |row: usize, impulses: &[f64]| problem.missing[row] - dot(problem.of_row(row), impulses);
@@ -70,7 +72,7 @@ fn sweep(problem: &Problem, impulses: &mut [f64]) {
                 impulses[row] = (impulses[row] + left(row, impulses) / problem.own(row)).clamp(-most, most);
             }
             Constraint::Contact { friction, tangents } => {
-                // Rows that it does not have respond to nothing and miss nothing.
+                // Missing rows get a unit response and no right-hand side.
                 let count = 1 + tangents;
                 let has = |one: usize, other: usize| one < count && other < count;
                 let own = Matrix3::from_fn(|one, other| {

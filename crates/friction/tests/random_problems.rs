@@ -1,4 +1,4 @@
-//! Thousands of random problems, cold: every answer is checked row by row.
+//! Thousands of random problems without initial impulses. Every answer is checked row by row.
 
 use friction::{Constraint, Outcome, Problem, TOLERANCE, Workspace, solve};
 use rand::SeedableRng;
@@ -11,7 +11,7 @@ use support::{Kind, random};
 /// Problems of each kind.
 const COUNT: usize = 1000;
 
-/// Solves a problem from nothing.
+/// Solves a problem without initial impulses.
 fn cold(problem: &Problem) -> (Vec<f64>, Outcome) {
     let mut impulses = vec![0.0; problem.missing.len()];
     let outcome = solve(problem, &mut impulses, &mut Workspace::default());
@@ -41,11 +41,11 @@ fn what_settles_is_right_and_nearly_all_does() {
         );
         all_unsettled += unsettled;
     }
-    // Two of a thousand.
+    // Two in a thousand.
     assert!(all_unsettled * 500 <= COUNT * Kind::ALL.len(), "{all_unsettled} not settled");
 }
 
-/// In steady motion the impulses of the step before are right, and those of one that is nearly the same almost.
+/// In steady motion the last step's impulses are exact, and those of a similar problem are close.
 #[test]
 fn a_problem_that_comes_again_takes_no_sweep() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -66,24 +66,24 @@ fn a_problem_that_comes_again_takes_no_sweep() {
     assert!(same > 990 && near * 100 >= same * 99, "{near} of {same}");
 }
 
-/// What can be worked out by hand: a body of 2 kg on one contact, a joint with dry friction.
+/// Cases that can be solved by hand: a body of 2 kg on one contact, and a joint with dry friction.
 #[test]
 fn one_contact_holds_slides_or_lets_go() {
     let contact = |tangents| Constraint::Contact { friction: 0.5, tangents };
     for (constraint, missing, expected) in [
-        // It comes down with 1 m/s and aside with 0.3, which half the normal impulse can stop.
+        // The body moves down at 1 m/s and aside at 0.3, which half the normal impulse can stop.
         (contact(2), vec![1.0, 0.3, 0.0], vec![2.0, 0.6, 0.0]),
-        // Or aside with 1.0 along a diagonal, which it cannot.
+        // It moves aside at 1.0 along a diagonal, which friction cannot stop.
         (contact(2), vec![1.0, 0.8, 0.6], vec![2.0, 0.8, 0.6]),
-        // It goes up.
+        // The body moves up.
         (contact(2), vec![-1.0, 0.8, 0.6], vec![0.0, 0.0, 0.0]),
-        // A roller pushes along its axis alone.
+        // A roller has friction along its axis alone.
         (contact(1), vec![1.0, 0.3], vec![2.0, 0.6]),
         (contact(1), vec![1.0, -0.8], vec![2.0, -1.0]),
-        // The end of a joint only stops.
+        // The end of a joint only pushes.
         (contact(0), vec![1.0], vec![2.0]),
         (contact(0), vec![-1.0], vec![0.0]),
-        // Dry friction holds, or slides with all that it has.
+        // Dry friction holds, or slides at its limit.
         (Constraint::Within(1.0), vec![0.4], vec![0.8]),
         (Constraint::Within(1.0), vec![-0.8], vec![-1.0]),
         (Constraint::Within(f64::INFINITY), vec![-0.8], vec![-1.6]),

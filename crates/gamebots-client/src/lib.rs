@@ -30,7 +30,7 @@ impl Client {
     /// Connects. The greeting is the first line that comes.
     ///
     /// # Errors
-    /// As the operating system says.
+    /// When the operating system reports an error.
     pub fn connect(address: impl ToSocketAddrs) -> std::io::Result<Self> {
         let stream = TcpStream::connect(address)?;
         stream.set_nodelay(true)?;
@@ -40,7 +40,7 @@ impl Client {
     /// Sends a line and ends it with CR LF.
     ///
     /// # Errors
-    /// As the operating system says.
+    /// When the operating system reports an error.
     pub fn send(&mut self, line: &str) -> std::io::Result<()> {
         self.send_bytes(format!("{line}\r\n").as_bytes())
     }
@@ -48,23 +48,23 @@ impl Client {
     /// Sends bytes as they are.
     ///
     /// # Errors
-    /// As the operating system says.
+    /// When the operating system reports an error.
     pub fn send_bytes(&mut self, bytes: &[u8]) -> std::io::Result<()> {
         self.stream.write_all(bytes)
     }
 
-    /// Ends the sending side; what the server still sends can be read.
+    /// Ends the sending side; later lines of the server can still be read.
     ///
     /// # Errors
-    /// As the operating system says.
+    /// When the operating system reports an error.
     pub fn finish(&mut self) -> std::io::Result<()> {
         self.stream.shutdown(Shutdown::Write)
     }
 
-    /// The next line, without its end; `None` when none has come in time.
+    /// Returns the next line, without its end; `None` if no line came in time.
     ///
     /// # Errors
-    /// [`ErrorKind::UnexpectedEof`] when the server has closed the connection; others as the operating system says.
+    /// [`ErrorKind::UnexpectedEof`] if the server has closed the connection; otherwise the operating system's error.
     pub fn next_line(&mut self, patience: Duration) -> std::io::Result<Option<String>> {
         let end = Instant::now() + patience;
         let mut buffer = [0; 16 * 1024];

@@ -1,4 +1,4 @@
-//! What a client says to the server: one file a command, with its reading and its writing side by side.
+//! The client's commands to the server, one file each. Reading and writing a command stand side by side.
 
 mod act;
 mod drive;
@@ -20,7 +20,7 @@ use crate::{Line, Problem};
 
 /// A command that can be read from a line and written to one.
 pub trait ReadWrite: Sized {
-    /// Reads the blocks; whatever is missing takes its default, whatever is wrong is noted in `problems`.
+    /// Reads the blocks. A missing value takes its default; each mistake is noted in `problems`.
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self;
     /// Writes the command as a client would.
     fn write(&self) -> Line;
@@ -33,7 +33,7 @@ macro_rules! commands {
         pub enum Command { $($(#[$doc])* $name($name),)* }
 
         impl Command {
-            /// The verbs, upper case, in the order of the list.
+            /// The verbs in upper case, in the order of the list.
             pub const VERBS: &'static [&'static str] = &[$($verb),*];
 
             /// Reads a line as it was sent, see [`Command::read`].
@@ -41,7 +41,7 @@ macro_rules! commands {
                 Self::read(&Line::parse(text), problems)
             }
 
-            /// Reads a line. An unknown verb gives `None` and a [`Problem::UnknownVerb`].
+            /// Reads a line. For an unknown verb, returns `None` and notes a [`Problem::UnknownVerb`].
             pub fn read(line: &Line, problems: &mut Vec<Problem>) -> Option<Self> {
                 if line.truncated {
                     problems.push(Problem::TooManyBlocks { limit: crate::MAX_BLOCKS });
@@ -53,7 +53,7 @@ macro_rules! commands {
                 None
             }
 
-            /// Its verb, upper case.
+            /// Returns its verb in upper case.
             pub fn verb(&self) -> &'static str {
                 match self { $(Self::$name(_) => $verb,)* }
             }
@@ -75,7 +75,7 @@ commands! {
     "MULTIDRIVE" => MultiDrive,
     /// Moves an actuator.
     "ACT" => Act,
-    /// Moves an actuator, as it was done before ACT.
+    /// Moves an actuator, in the form before ACT.
     "MISPKG" => MisPkg,
     /// Changes a sensor.
     "SET" => Set,
@@ -87,15 +87,15 @@ commands! {
     "GETSTARTPOSES" => GetStartPoses,
     /// Asks for the path nodes of the map.
     "GETPATHNODES" => GetPathNodes,
-    /// Asks for the path node next to a place.
+    /// Asks for the path node nearest to a place.
     "GETCLOSESTPATHNODE" => GetClosestPathNode,
-    /// Asks to be told what is wrong with the lines of this connection. Not part of USARSim.
+    /// Asks for reports of the problems with this connection's lines. Not part of USARSim.
     "REPORT" => Report,
-    /// Asks for the classes of robots that INIT takes. Not part of USARSim.
+    /// Asks for the robot classes that INIT takes. Not part of USARSim.
     "GETCLASSES" => GetClasses,
 }
 
-/// Adds a block unless the text is empty: on the wire the two cannot be told apart.
+/// Adds a block unless the text is empty: on the wire, an empty block and a missing one are the same.
 fn with_text(line: Line, key: &str, text: &str) -> Line {
     if text.is_empty() { line } else { line.with(key, text) }
 }
@@ -104,7 +104,7 @@ fn with_vector(line: Line, key: &str, [x, y, z]: [f64; 3]) -> Line {
     line.with(key, format_args!("{x},{y},{z}"))
 }
 
-/// A copy of the text of a block; empty where the block is missing.
+/// Returns a copy of a block's text; empty if the block is missing.
 fn text(line: &Line, key: &str) -> String {
     line.get(key).unwrap_or_default().to_owned()
 }
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Golden lines: what a client sends, and the same written back.
+    /// Golden lines: a client's line, and the command written back.
     #[test]
     fn golden_lines() {
         for (sent, written) in [
@@ -211,7 +211,7 @@ mod tests {
         let vector = || [number(), number(), number()];
         prop_oneof![
             (word(), word(), word(), vector(), vector()).prop_map(|(class_name, name, start, location, rotation)| {
-                // `Start` replaces the pose, and is written instead of it.
+                // `Start` replaces the pose, and is written instead.
                 let pose = if start.is_empty() { [location, rotation] } else { [[0.0; 3]; 2] };
                 Command::Init(Init { class_name, name, start, location: pose[0], rotation: pose[1] })
             }),

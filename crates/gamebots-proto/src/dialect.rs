@@ -3,21 +3,21 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// A dialect of the server's lines. What a client may send is the same in both.
+/// A dialect of the server's lines. Clients may send the same lines in both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Dialect {
-    /// Of USARSim for UDK, the last one (protocol.md 4).
+    /// USARSim for UDK, the last version (protocol.md 4).
     #[default]
     Udk,
-    /// Of USARSim for UT2004, for controllers written before 2010 (protocol.md 9, sensors.md 8).
+    /// USARSim for UT2004, for controllers written before 2010 (protocol.md 9, sensors.md 8).
     Ut2004,
 }
 
 impl Dialect {
-    /// Both, with their names.
+    /// Both dialects with their names.
     pub const ALL: [(&'static str, Self); 2] = [("udk", Self::Udk), ("ut2004", Self::Ut2004)];
 
-    /// What belongs to it of a pair, the UDK's first.
+    /// Picks this dialect's part of a pair, UDK's first.
     pub(crate) fn of<T: Copy>(self, [udk, ut2004]: [T; 2]) -> T {
         match self {
             Self::Udk => udk,

@@ -1,5 +1,5 @@
-//! Fields of messages. Each has one row: key, value, format, unit and what it means. From these rows the writers of both
-//! dialects, the reader and the reference are made.
+//! Fields of messages. Each has one row: key, value, format, unit and meaning. The writers of both dialects, the reader and the
+//! reference are made from these rows.
 
 use std::fmt;
 
@@ -7,24 +7,24 @@ use crate::dialect::Dialect;
 use crate::number::{fixed, rounded};
 use crate::{Block, Line};
 
-/// How a value is written.
+/// The format of a written value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Format {
-    /// Not at all in this dialect.
+    /// Not written in this dialect.
     Absent,
-    /// As it is.
+    /// The text as it is.
     Word,
     /// A whole number.
     Integer,
     /// `True` or `False`.
     Boolean,
-    /// One of two words, for no and for yes.
+    /// One of two words, for false and true.
     Either([&'static str; 2]),
-    /// So many decimals, truncated.
+    /// A number of decimals, truncated.
     Fixed(u32),
-    /// The same, and where there is no number a bare `0`.
+    /// A number of decimals, truncated, or a bare `0` if there is no value.
     FixedOrZero(u32),
-    /// So many decimals, rounded.
+    /// A number of decimals, rounded.
     Rounded(u32),
     /// Angles, rounded, each in [0, 2 pi).
     Turns(u32),
@@ -49,27 +49,27 @@ impl fmt::Display for Format {
     }
 }
 
-/// A row: one block of a line. Pairs are for UDK and UT2004.
+/// A row: the definition of one block of a line. Pairs are for UDK and UT2004.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
     /// The word before the value.
     pub key: [&'static str; 2],
-    /// How the value is written.
+    /// Format of the value.
     pub format: [Format; 2],
     /// Unit of a number, if it has one.
     pub unit: &'static str,
-    /// What it means.
+    /// Meaning of the value.
     pub about: &'static str,
-    /// Blocks that follow it and are always the same, by their key, with an empty value where a dialect has none.
+    /// Constant blocks that follow it, by key and value. A dialect with an empty value omits the block.
     pub then: &'static [([&'static str; 2], [&'static str; 2])],
-    /// Where it stands: those with equal numbers as in the table.
+    /// Sort key of the block; blocks of equal rank stay in the table's order.
     rank: [u8; 2],
-    /// Whether it follows without a space in UDK's dialect.
+    /// True if the block follows without a space in UDK's dialect.
     tight: bool,
 }
 
 impl Field {
-    /// A row of both dialects.
+    /// Creates a row for both dialects.
     pub(crate) const fn new(key: &'static str, format: Format) -> Self {
         Self { key: [key; 2], format: [format; 2], unit: "", about: "", then: &[], rank: [0; 2], tight: false }
     }
@@ -82,22 +82,22 @@ impl Field {
         Self { about, ..self }
     }
 
-    /// With another format in UT2004's dialect.
+    /// Sets another format for UT2004's dialect.
     pub(crate) const fn ut2004(self, format: Format) -> Self {
         Self { format: [self.format[0], format], ..self }
     }
 
-    /// With another key in UT2004's dialect.
+    /// Sets another key for UT2004's dialect.
     pub(crate) const fn ut2004_key(self, key: &'static str) -> Self {
         Self { key: [self.key[0], key], ..self }
     }
 
-    /// Not in UDK's dialect.
+    /// Omits the block in UDK's dialect.
     pub(crate) const fn only_ut2004(self) -> Self {
         Self { format: [Format::Absent, self.format[1]], ..self }
     }
 
-    /// Not in UT2004's dialect.
+    /// Omits the block in UT2004's dialect.
     pub(crate) const fn only_udk(self) -> Self {
         self.ut2004(Format::Absent)
     }
@@ -114,7 +114,7 @@ impl Field {
         Self { tight: true, ..self }
     }
 
-    /// The block of a value, if there is anything to be said, and those that always follow it.
+    /// Appends the block of a value, if it has one, and the constant blocks that follow it.
     pub(crate) fn write(&self, value: &impl Value, dialect: Dialect, blocks: &mut Vec<Written>) {
         let format = dialect.of(self.format);
         let (tight, rank) = (self.tight && dialect == Dialect::Udk, dialect.of(self.rank));
@@ -132,7 +132,8 @@ impl Field {
         }));
     }
 
-    /// The value on a line, by the key of either dialect; its default where one of them does not have it.
+    /// Reads the value from a line, by the key of either dialect. If the block is missing and a dialect omits it, returns the
+    /// default.
     pub(crate) fn read<V: Value>(&self, line: &Line) -> Option<V> {
         let [udk, ut2004] = self.key;
         let (text, format) = match line.get(udk) {
@@ -147,7 +148,7 @@ impl Field {
     }
 }
 
-/// A block to be written.
+/// A block to write.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Written {
     key: String,
@@ -166,7 +167,7 @@ impl Written {
     }
 }
 
-/// The blocks in their order, each with the space before it.
+/// Joins the blocks by rank, each with the space before it.
 pub(crate) fn blocks(mut blocks: Vec<Written>) -> String {
     blocks.sort_by_key(|block| block.rank);
     let text =
@@ -174,7 +175,7 @@ pub(crate) fn blocks(mut blocks: Vec<Written>) -> String {
     blocks.into_iter().map(text).collect()
 }
 
-/// The blocks of items, each item within one brace, with the space before it, as UT2004 has them.
+/// Joins the blocks of items as UT2004 does: one brace for each item, with the space before it.
 pub(crate) fn merged(blocks: &[Written]) -> String {
     let item = |blocks: &[Written]| {
         let words: Vec<String> = blocks.iter().map(|Written { key, value, .. }| format!("{key} {value}")).collect();
@@ -183,26 +184,26 @@ pub(crate) fn merged(blocks: &[Written]) -> String {
     blocks.chunk_by(|_, next| next.key != "Name").map(item).collect()
 }
 
-/// The values alone, as UDK has poses.
+/// Joins the values alone, as UDK writes poses.
 pub(crate) fn bare(blocks: &[Written]) -> String {
     blocks.iter().map(|block| block.value.as_str()).collect::<Vec<_>>().join(" ")
 }
 
-/// The rows of something that a line says.
+/// The rows of a message, or of a part of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Table {
-    /// What it is called in this library.
+    /// Name of its type in this library.
     pub name: &'static str,
-    /// What it says.
+    /// Its meaning.
     pub about: &'static str,
     /// Its rows.
     pub fields: &'static [Field],
-    /// What follows them any number of times.
+    /// Tables of the items that follow, each any number of times.
     pub each: &'static [Table],
 }
 
 impl Table {
-    /// An item of UT2004, which stands in one block, as one of UDK's, which has a block for each value. Any other block stays.
+    /// Splits a UT2004 item, which is one block, into UDK's blocks, one for each value. Returns any other block unchanged.
     pub(crate) fn unmerged(&self, block: &Block) -> Vec<Block> {
         let present = self.fields.iter().filter(|field| field.format[1] != Format::Absent);
         let keys: Vec<[&str; 2]> = present.map(|field| field.key).collect();
@@ -224,18 +225,18 @@ impl Table {
     }
 }
 
-/// Something that a line says, by its table.
+/// A part of a line that has a table.
 pub(crate) trait Record: Sized {
     const TABLE: Table;
 
-    /// The blocks in a dialect.
+    /// Returns the blocks in a dialect.
     fn write(&self, dialect: Dialect) -> Vec<Written>;
 
     /// Reads the blocks of a line.
     fn read(line: &Line) -> Option<Self>;
 }
 
-/// Reads what a line repeats: each begins with the first key of its table.
+/// Reads the repeated items of a line. Each begins with the first key of its table.
 pub(crate) fn read_each<R: Record>(line: &Line) -> Option<Vec<R>> {
     let first = R::TABLE.fields.first()?.key[0];
     let runs = line.blocks.chunk_by(|_, next| next.key != first);
@@ -243,8 +244,8 @@ pub(crate) fn read_each<R: Record>(line: &Line) -> Option<Vec<R>> {
     runs.map(|blocks| R::read(&Line { blocks: blocks.to_vec(), ..Line::default() })).collect()
 }
 
-/// Makes a struct of rows, and its table: each field with its meaning, its name, its type and its [`Field`]; behind a semicolon
-/// what is repeated.
+/// Defines a struct and its table by rows: each field with its meaning, its name, its type and its [`Field`]. A repeated item
+/// follows after a semicolon.
 macro_rules! record {
     (
         $(#[doc = $about:literal])*
@@ -291,7 +292,7 @@ pub(crate) use record;
 
 /// A value of a row.
 pub(crate) trait Value: Default {
-    /// Its text; `None` where there is nothing to be said, so that its block is left out.
+    /// Returns its text; `None` omits the block.
     fn write(&self, format: Format) -> Option<String>;
 
     /// Reads the text of a block, which may be missing.
@@ -348,7 +349,7 @@ impl Value for f32 {
     }
 }
 
-/// A bare `0` where there is none, or `0.0000`.
+/// Without a value, writes a bare `0` or `0.0000`, depending on the format.
 impl Value for Option<f32> {
     fn write(&self, format: Format) -> Option<String> {
         let none = || if let Format::FixedOrZero(_) = format { "0".to_owned() } else { number(0.0, format) };
@@ -372,7 +373,7 @@ impl Value for [f32; 3] {
     }
 }
 
-/// A list that is empty has no block.
+/// An empty list has no block.
 impl Value for Vec<f32> {
     fn write(&self, format: Format) -> Option<String> {
         let values: Vec<String> = self.iter().map(|&value| number(value, format)).collect();
@@ -387,7 +388,7 @@ impl Value for Vec<f32> {
 
 macro_rules! optional {
     ($($type:ty)*) => {$(
-        /// What is missing has no block.
+        /// A missing value has no block.
         impl Value for Option<$type> {
             fn write(&self, format: Format) -> Option<String> {
                 self.as_ref()?.write(format)
@@ -410,7 +411,7 @@ fn number(value: f32, format: Format) -> String {
     }
 }
 
-/// The same angle in (-pi, pi].
+/// Wraps an angle to (-pi, pi].
 fn half_turned(angle: f32) -> f32 {
     let (angle, pi) = (f64::from(angle), std::f64::consts::PI);
     (angle - 2.0 * pi * ((angle - pi) / (2.0 * pi)).ceil()) as f32

@@ -1,4 +1,4 @@
-//! Bytes in, lines out.
+//! Framing: splits bytes into lines.
 //!
 //! CR, LF, CR LF and LF CR all end a line, runs of them collapse and empty lines vanish. A line longer
 //! than [`MAX_LINE_BYTES`] is discarded up to its end and the connection lives on.
@@ -12,7 +12,7 @@ pub const MAX_LINE_BYTES: usize = 64 * 1024;
 #[derive(Debug, Default)]
 pub struct Framing {
     partial: Vec<u8>,
-    /// Bytes thrown away so far of a line that is over the limit.
+    /// Bytes of an over-long line discarded so far.
     discarded: usize,
 }
 
@@ -44,7 +44,7 @@ impl Framing {
         (!bytes.is_empty()).then(|| Ok(decode(bytes)))
     }
 
-    /// True when a fragment waits that could be a whole line: its last block is closed.
+    /// True if the waiting fragment could be a whole line: its last block is closed.
     pub fn ends_with_block(&self) -> bool {
         self.discarded == 0 && self.partial.trim_ascii_end().ends_with(b"}")
     }
@@ -63,7 +63,7 @@ fn is_end(byte: u8) -> bool {
     byte == b'\r' || byte == b'\n'
 }
 
-/// USARSim's text is 8-bit: what is not UTF-8 is read as Latin-1, so that no byte is lost.
+/// Decodes a line. USARSim's text is 8-bit: text that is not UTF-8 is read as Latin-1, so that no byte is lost.
 fn decode(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().iter().map(|&byte| char::from(byte)).collect())
 }

@@ -6,7 +6,7 @@
 //!
 //! Frame and units on the wire: x forward, y right, z down, metres, radians, seconds; angles are roll, pitch, yaw.
 
-// What strangers send gets here first.
+// This crate parses input from strangers.
 #![warn(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used)]
 #![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
 

@@ -26,7 +26,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// A line without blocks.
+    /// Creates a line without blocks.
     pub fn new(verb: &str) -> Self {
         Self { verb: verb.to_owned(), ..Self::default() }
     }
@@ -44,7 +44,7 @@ impl Line {
         let text = text.trim();
         let (verb, mut rest) = text.split_at(text.find('{').unwrap_or(text.len()));
         let mut line = Self::new(verb.trim());
-        // Each byte is looked at once for either brace: a stray `}` is before the next `{`.
+        // Each byte is searched once for either brace: a stray `}` lies before the next `{`.
         while let Some((_, after)) = rest.split_once('{')
             && let Some((block, after)) = after.split_once('}')
         {
@@ -58,7 +58,7 @@ impl Line {
         line
     }
 
-    /// The value of the first block with this key, whatever its case.
+    /// Returns the value of the first block with this key, in any case.
     pub fn get(&self, key: &str) -> Option<&str> {
         self.blocks.iter().find(|block| block.key.eq_ignore_ascii_case(key)).map(|block| block.value.as_str())
     }

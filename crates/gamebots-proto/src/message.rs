@@ -1,5 +1,5 @@
-//! What the server says to a client: one file a message, each a table of its fields (see [`Field`]), from which it is written in
-//! both dialects and read.
+//! The server's messages to a client, one file each. Each message is a table of its fields (see [`Field`]). The writers of both
+//! dialects and the reader follow from the table.
 
 mod asta;
 mod conf;
@@ -41,27 +41,28 @@ pub enum Message {
     Conf(Conf),
     /// Geometry, the answer to GETGEO.
     Geo(Geo),
-    /// What became of a SET; UT2004 only.
+    /// The result of a SET; UT2004 only.
     Res(Res),
-    /// The answer to a GETCONF that nothing fits; UT2004 only.
+    /// The answer to a GETCONF that nothing matches; UT2004 only.
     NoConf(Nothing),
-    /// The answer to a GETGEO that nothing fits; UT2004 only.
+    /// The answer to a GETGEO that nothing matches; UT2004 only.
     NoGeo(Nothing),
 }
 
-/// The verbs of the lines that come on a timer.
+/// Verbs of periodic lines.
 pub const PERIODIC_VERBS: [&str; 5] = ["SEN", "STA", "ASTA", "MISSTA", "EFF"];
 
-/// A line, and the messages that it says.
+/// A line, and the messages in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenLine<'a> {
-    /// Without its CR LF.
+    /// The line without its CR LF.
     pub line: String,
-    /// One, or the readings that share it.
+    /// One message, or the readings that share the line.
     pub messages: Vec<&'a Message>,
 }
 
-/// The lines for what one robot says in one step: for UT2004 the readings of all sonars, or encoders, are one line.
+/// Writes one robot's messages of one step as lines. In UT2004's dialect, the readings of all sonars, or of all encoders, share
+/// one line.
 pub fn lines<'a>(messages: impl IntoIterator<Item = &'a Message>, dialect: Dialect) -> Vec<WrittenLine<'a>> {
     let group = |message: &Message| match message {
         Message::Sen(sen) if sen.reading.is_grouped(dialect) => Some(sen.reading.type_name()),
@@ -88,7 +89,7 @@ pub fn lines<'a>(messages: impl IntoIterator<Item = &'a Message>, dialect: Diale
     groups.into_iter().map(written).collect()
 }
 
-/// Every table, with the beginning of the lines that have it, and with the time where that is before the type.
+/// Returns every table, with the beginning of its lines. The field is the time, if that stands before the type.
 pub fn tables() -> Vec<(String, Option<Field>, Table)> {
     let of = |line: &str, table: Table| (line.to_owned(), None, table);
     let sensors = sen::TABLES.iter();
@@ -115,8 +116,8 @@ pub fn tables() -> Vec<(String, Option<Field>, Table)> {
 }
 
 impl Message {
-    /// What a client of a dialect is told of a command beside the answers: UT2004 answers every SET, and gives back a question that
-    /// nothing fits. `found` is whether the robot has what the command names; the simulated time is in seconds.
+    /// Returns the reply to a command that a dialect adds to the answers. UT2004 answers every SET, and echoes a question that
+    /// nothing matches. `found` is true if the robot has the item that the command names; the simulated time is in seconds.
     pub fn receipt(command: &Command, found: bool, time: f32, dialect: Dialect) -> Option<Self> {
         if dialect == Dialect::Udk {
             return None;
@@ -133,7 +134,7 @@ impl Message {
         }
     }
 
-    /// The line in a dialect, without its CR LF.
+    /// Writes the line in a dialect, without its CR LF.
     pub fn write(&self, dialect: Dialect) -> String {
         let blocks = |verb: &str, blocks| format!("{verb}{}", field::blocks(blocks));
         match self {
@@ -150,13 +151,13 @@ impl Message {
         }
     }
 
-    /// Reads a line of a server, in either dialect; `None` if it is not one of these messages. Of a line with the readings of
-    /// several sensors it is the first, see [`Message::read_all`].
+    /// Reads a line of a server, in either dialect; `None` if it is not one of these messages. If the line has readings of
+    /// several sensors, returns the first, see [`Message::read_all`].
     pub fn read(text: &str) -> Option<Self> {
         Self::read_all(text).into_iter().next()
     }
 
-    /// Reads everything that a line of a server says, in either dialect; nothing if it is not one of these messages.
+    /// Reads all messages in a line of a server, in either dialect; empty if it is not one of these messages.
     pub fn read_all(text: &str) -> Vec<Self> {
         let line = Line::parse(text);
         let one = match line.verb.as_str() {
@@ -173,8 +174,8 @@ impl Message {
         one.into_iter().collect()
     }
 
-    /// True for the lines that come on a timer: the next one replaces it, so a client that does not keep up
-    /// may lose it. Answers are never lost.
+    /// True for periodic messages. The next one replaces this one, so a client that does not keep up may lose it. Answers are
+    /// never lost.
     pub fn is_periodic(&self) -> bool {
         matches!(self, Self::Sta(_) | Self::Sen(_) | Self::Asta(_) | Self::Eff(_))
     }

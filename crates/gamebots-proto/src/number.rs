@@ -1,10 +1,9 @@
 //! The two number formats of the wire, in 32-bit floats. Nothing else formats a number for a client.
 //!
-//! USARSim's own formatter ([`fixed`], UnitsConverter.uc:46-71) truncates; the Unreal engine's
-//! ([`rounded`]) rounds. Which message uses which is part of its format.
-//! A number that is not finite is written as 0: no client can read `NaN`.
+//! USARSim's own formatter ([`fixed`], UnitsConverter.uc:46-71) truncates; the Unreal engine's ([`rounded`]) rounds. The format
+//! of each message says which one applies. A number that is not finite is written as 0: no client can read `NaN`.
 
-/// `%Fn`: fixed point with `decimals` digits, truncated toward zero; `-` whenever the value is below zero.
+/// Formats `%Fn`: fixed point with `decimals` digits, truncated toward zero. The sign is `-` whenever the value is below zero.
 pub fn fixed(value: f32, decimals: u32) -> String {
     let value = finite(value);
     let sign = if value < 0.0 { "-" } else { "" };
@@ -14,7 +13,7 @@ pub fn fixed(value: f32, decimals: u32) -> String {
     format!("{sign}{whole:.0}.{fraction:0width$.0}", width = decimals as usize)
 }
 
-/// So many decimals, rounded: the engine has four (`%f`), and two for vectors (`%v`), and may print `-0.00`.
+/// Formats with `decimals` digits, rounded. The engine uses four (`%f`), and two for vectors (`%v`); it may print `-0.00`.
 pub fn rounded(value: f32, decimals: u32) -> String {
     format!("{:.1$}", finite(value), decimals as usize)
 }

@@ -11,23 +11,23 @@ pub enum Problem {
         /// The limit, bytes.
         limit: usize,
     },
-    /// The line has more blocks than are read.
+    /// The line has too many blocks.
     #[error("line has more than {limit} blocks; the rest is ignored")]
     TooManyBlocks {
         /// The limit.
         limit: usize,
     },
-    /// Not a verb of USARSim.
+    /// A verb that is not known.
     #[error("unknown verb `{got}`{meant}; expected one of {expected}")]
     UnknownVerb {
-        /// The word in its place.
+        /// The unknown verb.
         got: String,
         /// " (did you mean ..?)", or empty if no name is near.
         meant: String,
         /// The verbs that are known, separated by commas.
         expected: String,
     },
-    /// A value that should be a number and is not.
+    /// A value that should be a number but is not.
     #[error("{{{key} {got}}}: expected a number; read as {read_as}")]
     NotANumber {
         /// The key of the block.
@@ -118,7 +118,7 @@ pub enum Problem {
         meant: String,
         /// The names that are known, separated by commas.
         expected: String,
-        /// What happens instead.
+        /// The consequence, in words.
         instead: &'static str,
     },
     /// A name that is too long to keep.
@@ -137,20 +137,20 @@ pub enum Problem {
         /// The limit.
         limit: usize,
     },
-    /// A place that something else takes.
+    /// A start pose that is occupied. The robot is put beside it.
     #[error("{wanted}: {why}; the robot is put beside it, at {got}")]
     Beside {
-        /// The place that was asked for, as a block.
+        /// The requested pose, as a block.
         wanted: String,
         /// The reason, in words.
         why: String,
         /// Position of the robot instead: x, y, z, m.
         got: String,
     },
-    /// A place without room.
+    /// A start pose without room.
     #[error("{wanted}: {why}; no robot is spawned; GETSTARTPOSES names places to start at")]
     NoRoom {
-        /// The place that was asked for, as a block.
+        /// The requested pose, as a block.
         wanted: String,
         /// The reason.
         why: String,
@@ -169,16 +169,16 @@ pub enum Problem {
         /// The name.
         got: String,
     },
-    /// Not a line of the protocol but a request of a browser, which any web page can make it send.
+    /// An HTTP request of a browser, not a line of the protocol. Any web page can make a browser send it.
     #[error("an HTTP request on the controllers' port: the connection is closed; the page has a port of its own")]
     Http,
 }
 
-/// Longest name of a client that a message repeats, characters.
+/// Longest text of a client that a message repeats, characters.
 const MAX_SHOWN: usize = 60;
 
 impl Problem {
-    /// A name that is none of those known; what happens instead is said in words.
+    /// Reports a name that is not known. `instead` is the consequence, in words.
     pub fn unknown_name<'a>(
         key: &'static str,
         got: &str,
@@ -202,7 +202,7 @@ impl Problem {
     }
 }
 
-/// A text of a client as a message repeats it: its first 60 characters.
+/// Returns a client's text for use in a message: its first 60 characters.
 pub fn shown(text: &str) -> String {
     text.chars().take(MAX_SHOWN).collect()
 }

@@ -1,11 +1,11 @@
-//! Reading the values of a client's blocks: lenient, always with a result, and with a note of what was wrong.
+//! Lenient reading of the values in a client's blocks: there is always a result, and a note of each mistake.
 
 use crate::{Block, Line, Problem, shown};
 
-/// Largest magnitude of a number that a client can send; 32-bit physics has no use for more.
+/// Largest magnitude of a client's number; 32-bit physics has no use for more.
 const LIMIT: f64 = 1e6;
 
-/// Reads a scalar: the longest numeric prefix, as C's atof does, where a comma may stand for the point.
+/// Reads a scalar: the longest numeric prefix, as C's atof does. A comma may replace the point.
 pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f64 {
     let Some(value) = number_prefix(&text.replacen(',', ".", 1)) else {
         problems.push(Problem::NotANumber { key: key.to_owned(), got: shown(text), read_as: 0.0 });
@@ -14,7 +14,7 @@ pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f
     limited(key, text, value, problems)
 }
 
-/// Reads a number that counts things from 0.
+/// Reads an index, counted from 0.
 pub(crate) fn index_of(block: &Block, problems: &mut Vec<Problem>) -> Option<usize> {
     let index = block.value.parse().ok();
     if index.is_none() {
@@ -23,7 +23,7 @@ pub(crate) fn index_of(block: &Block, problems: &mut Vec<Problem>) -> Option<usi
     index
 }
 
-/// A vector, or zeros where the block is missing.
+/// Reads a vector; zeros if the block is missing.
 pub(crate) fn vector(line: &Line, key: &str, problems: &mut Vec<Problem>) -> [f64; 3] {
     let Some(text) = line.get(key).filter(|text| !text.is_empty()) else { return [0.0; 3] };
     vector_parts(text).map(|part| {
@@ -38,7 +38,7 @@ pub(crate) fn vector(line: &Line, key: &str, problems: &mut Vec<Problem>) -> [f6
     })
 }
 
-/// `true` and `True` are true; everything else is false (`TRUE` too: protocol.md case 79).
+/// Reads a boolean: `true` and `True` are true, everything else is false (`TRUE` too: protocol.md case 79).
 pub(crate) fn boolean(line: &Line, key: &str, problems: &mut Vec<Problem>) -> Option<bool> {
     let text = line.get(key).filter(|text| !text.is_empty())?;
     if !["true", "false"].iter().any(|word| text.eq_ignore_ascii_case(word)) {
@@ -47,9 +47,9 @@ pub(crate) fn boolean(line: &Line, key: &str, problems: &mut Vec<Problem>) -> Op
     Some(text == "true" || text == "True")
 }
 
-/// Splits a vector. Three pieces set apart by white space are the components, commas at their ends dropped
-/// and commas inside them decimal: `1 2 3`, `1, 2, 3`, `1,0000, 2,0000, -0,5000`. Anything else is USARSim's
-/// rule (Utilities.uc:92-108): x before the first comma, y before the second, z the rest; without a comma z alone.
+/// Splits a vector. Three pieces separated by white space are the components, as in `1 2 3`, `1, 2, 3`,
+/// `1,0000, 2,0000, -0,5000`. Commas at their ends are dropped, and commas inside them are decimal. Anything else follows USARSim's rule
+/// (Utilities.uc:92-108): x before the first comma, y before the second, z the rest; without a comma z alone.
 fn vector_parts(text: &str) -> [String; 3] {
     let pieces: Vec<&str> =
         text.split_whitespace().map(|piece| piece.trim_matches(',')).filter(|piece| !piece.is_empty()).collect();
@@ -75,7 +75,7 @@ fn limited(key: &str, text: &str, value: f64, problems: &mut Vec<Problem>) -> f6
     read_as
 }
 
-/// The longest prefix that is a decimal number; infinite when it is too large. `inf` and `nan` are no numbers.
+/// Parses the longest prefix that is a decimal number; infinite if it is too large. `inf` and `nan` are not numbers.
 fn number_prefix(text: &str) -> Option<f64> {
     let text = text.trim_start();
     let bytes = text.as_bytes();

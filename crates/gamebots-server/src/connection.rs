@@ -1,4 +1,4 @@
-//! One client: bytes in, commands to the world; lines out of its outbox.
+//! One client: bytes become commands to the world, and lines from its outbox become bytes.
 
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -18,62 +18,62 @@ use crate::fit::{Ask, Fit};
 
 /// Bytes read at once.
 const READ_BYTES: usize = 16 * 1024;
-/// Least time between two lines that leave in segments of their own: a script that takes one `recv` for one line has read the first
-/// by then.
+/// Least time between two lines sent in separate segments. A script that takes one `recv` for one line has read the first by
+/// then.
 const LINE_INTERVAL: Duration = Duration::from_millis(2);
-/// Lines that are handed to the world at once: bounds what waits there for one client, some 100 kB.
+/// Most lines handed to the world at once. It bounds the lines that wait for one client, some 100 kB.
 const MAX_REQUESTS: usize = 256;
 
-/// First bytes of a connection that are looked at for a method of HTTP: the longest, and a space.
+/// First bytes of a connection that are checked for a method of HTTP: the longest method and a space.
 const FIRST_BYTES: usize = 8;
 
-/// A fragment that ends with a whole block counts as a line when nothing has followed it for this long: one known
-/// controller never ends its lines (tamsl/swe-thaf).
+/// Wait after which a fragment that ends with a whole block counts as a line: one known controller never ends its lines
+/// (tamsl/swe-thaf).
 const UNENDED_LINE: Duration = Duration::from_millis(500);
 
 /// Number of a connection, from 1.
 pub(crate) type ConnectionId = u64;
 
-/// Every event of the world's thread.
+/// An event for the world's thread.
 pub(crate) enum Event {
-    /// A client is here.
+    /// A client connected.
     Opened(Opened),
-    /// The lines of one segment, together: what a client sends in one piece is handled before time goes on.
+    /// Lines of one segment, handed over together so that the world can handle them before time goes on.
     Requests(ConnectionId, Vec<Request>, Turn),
-    /// It is gone.
+    /// A client disconnected.
     Closed(ConnectionId),
-    /// Somebody who watches asks something of the world.
+    /// A viewer's request to the world.
     Control(Control, Actor, Turn),
-    /// Somebody who watches asks where a robot could stand.
+    /// A viewer's question about room for a robot.
     Fit(Ask, oneshot::Sender<Fit>, Turn),
     /// The server stops.
     Stop,
 }
 
-/// A client that has come.
+/// A new client.
 pub(crate) struct Opened {
     pub(crate) id: ConnectionId,
     /// Its address.
     pub(crate) peer: String,
-    /// The dialect of all its lines; without one, robots decide.
+    /// The dialect of all its lines; if none, robots decide.
     pub(crate) dialect: Option<Dialect>,
     pub(crate) outbox: Arc<Outbox>,
 }
 
-/// Held while something waits for the world. Whoever sends has one turn, so however much a client sends, one segment of it
-/// waits, and nobody can fill the queue for others.
+/// A permit that is held while a request waits for the world. Each sender has one, so at most one segment of a client waits. No
+/// client can fill the queue for others.
 pub(crate) type Turn = OwnedSemaphorePermit;
 
-/// One line, read as far as it makes sense.
+/// One line, parsed as far as possible.
 pub(crate) struct Request {
-    /// As it was sent; empty for a line that was too long to keep.
+    /// The line as it was sent; empty if it was too long to keep.
     pub(crate) text: String,
     pub(crate) command: Option<Command>,
     pub(crate) problems: Vec<Problem>,
 }
 
 impl Request {
-    /// Reads a line: here, in the connection's task, where it costs the world nothing.
+    /// Parses a line. This runs in the connection's task, where it costs the world nothing.
     pub(crate) fn read(line: Result<String, Problem>) -> Self {
         match line {
             Ok(text) => {
@@ -86,7 +86,7 @@ impl Request {
     }
 }
 
-/// Serves a client until it leaves, or is disconnected because it takes nothing.
+/// Serves a client until it leaves, or is disconnected because it does not read.
 pub(crate) async fn serve(
     id: ConnectionId,
     stream: TcpStream,
@@ -111,10 +111,10 @@ pub(crate) async fn serve(
         reason = &mut writer => (reason, false),
     };
     if !may_still_write {
-        // Nothing that still waits for the world has to wait for this client.
+        // Frees requests that wait for room in this client's outbox.
         outbox.close();
     }
-    // The world closes the outbox when it has seen this, so that the last answers are still sent.
+    // The world closes the outbox after this event, so that the last answers are still sent.
     let told = events.send(Event::Closed(id)).is_ok();
     if told && may_still_write {
         writer.await;
@@ -167,7 +167,7 @@ async fn read_lines(
     }
 }
 
-/// The world is gone.
+/// The world has ended.
 struct Stopped;
 
 async fn hand_over(
@@ -180,15 +180,15 @@ async fn hand_over(
     events.send(Event::Requests(id, requests, turn)).map_err(|_| Stopped)
 }
 
-/// Any web page can make a browser send a request here, whose body would be read line by line. No verb of the protocol is a
-/// method of HTTP, and the first bytes say it however long the line gets.
+/// True if a connection begins with an HTTP request. Any web page can make a browser send one here, and its body would be read
+/// line by line. No verb of the protocol is a method of HTTP, and the first bytes show it however long the line gets.
 fn is_http(first_bytes: &[u8]) -> bool {
     const METHODS: [&[u8]; 9] =
         [b"GET ", b"POST ", b"HEAD ", b"PUT ", b"DELETE ", b"OPTIONS ", b"PATCH ", b"CONNECT ", b"TRACE "];
     METHODS.iter().any(|method| first_bytes.starts_with(method))
 }
 
-/// Writes lines as they come. Those that want segments of their own leave [`LINE_INTERVAL`] apart.
+/// Writes lines as they come. Paced lines leave in separate segments, [`LINE_INTERVAL`] apart.
 async fn write_lines(mut write: impl AsyncWrite + Unpin, outbox: &Outbox, stall_timeout: Duration) -> &'static str {
     let mut next = Instant::now();
     while let Some(Taken { text, is_paced }) = outbox.take().await {
@@ -216,7 +216,7 @@ mod tests {
 
     use super::*;
 
-    /// Every piece that was written, and when.
+    /// Every written piece, and its time.
     #[derive(Clone, Default)]
     struct Pieces(Arc<Mutex<Vec<(Instant, String)>>>);
 
@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Pieces that are written of some lines of one step, and the shortest time between two of them.
+    /// Writes some lines of one step. Returns the number of written pieces and the shortest time between two of them.
     async fn pieces(lines: usize, is_paced: bool) -> (usize, Duration) {
         let (written, outbox) = (Pieces::default(), Outbox::default());
         outbox.set_paced(is_paced);

@@ -1,4 +1,4 @@
-//! What a person who watches can do with the world itself; robots are driven over the protocol alone.
+//! Requests of viewers to the world itself. Robots are driven over the protocol alone.
 
 use std::net::IpAddr;
 
@@ -8,35 +8,36 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Control {
-    /// Stops time, or lets it go on.
+    /// Stops or resumes time.
     Pause(bool),
-    /// So many steps; time stops after them.
+    /// A number of steps, after which time stops.
     Step(u32),
-    /// Simulated seconds a real second; 0 is as fast as possible.
+    /// Simulated seconds per real second; 0 is as fast as possible.
     Speed(f64),
-    /// A fresh world of the same scene and seed, with the robots of everyone who is connected at their first places.
+    /// A fresh world of the same scene and seed. Connected clients get their robots back at their first poses.
     Reset,
-    /// Begins a log, or ends it.
+    /// Starts or ends a log.
     Record(bool),
-    /// A fresh world on another map, by its name, with the robots of everyone who is connected.
+    /// A fresh world on another map, by name. Connected clients get their robots back.
     Map(String),
 }
 
-/// Who may control the world: pause, step, speed, reset, record, map. Whoever may not still watches, and drives robots of
-/// their own.
+/// Viewers that may control the world: pause, step, speed, reset, record, map. Every other viewer can still watch, and drive
+/// its own robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorldControl {
     /// Every page, and Foxglove.
     Everyone,
-    /// Pages that are open on the server's own machine, also through a tunnel that ends there. Not Foxglove, whose
-    /// clients are not told apart.
+    /// Pages that are open on the server's own machine, also through a tunnel that ends there. Foxglove is excluded, because
+    /// its clients cannot be told apart.
     Local,
     /// Nobody.
     Nobody,
 }
 
 impl WorldControl {
-    /// Why a page may not, by the address at which it is open and the one at which it reaches the server.
+    /// Returns the reason to refuse a page's requests, if any. `peer` is the page's address, `own` the server's in that
+    /// connection.
     pub(crate) fn refusal(self, peer: IpAddr, own: IpAddr) -> Option<&'static str> {
         let (peer, own) = (peer.to_canonical(), own.to_canonical());
         match self {
@@ -48,15 +49,15 @@ impl WorldControl {
     }
 }
 
-/// Steps that can be asked for at once.
+/// Most steps of one request.
 const MAX_STEPS: u32 = 100_000;
-/// Real-time factors that can be asked for, beside 0 for as fast as possible: below, a step would take hours.
+/// Real-time factors that can be requested, beside 0 for as fast as possible. Below these, a step would take hours.
 const SPEEDS: std::ops::RangeInclusive<f64> = 0.001..=10_000.0;
 
 /// Checks a real-time factor.
 ///
 /// # Errors
-/// What was expected, in words.
+/// Describes the range that was expected.
 pub fn check_real_time_factor(factor: f64) -> Result<f64, String> {
     if factor == 0.0 || SPEEDS.contains(&factor) {
         return Ok(factor);
@@ -69,7 +70,7 @@ impl Control {
     /// `{"map":"arena"}`.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// Describes the problem.
     pub(crate) fn read(text: &str) -> Result<Self, String> {
         let expected =
             "expected {\"pause\":bool}, {\"step\":n}, {\"speed\":x}, \"reset\", {\"record\":bool} or {\"map\":name}";
@@ -87,17 +88,17 @@ impl Control {
     }
 }
 
-/// Somebody who controls the world, as everyone is told.
+/// A viewer that controls the world, as shown to everyone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Actor(pub(crate) String);
 
 impl Actor {
-    /// A page, by its number and where it is open.
+    /// Names a page by its number and address.
     pub(crate) fn page(number: u64, address: IpAddr) -> Self {
         Self(format!("page {number} ({address})"))
     }
 
-    /// Somebody at Foxglove, which does not say who.
+    /// Names a client of Foxglove, whose protocol does not identify clients.
     pub(crate) fn foxglove() -> Self {
         Self("Foxglove".to_owned())
     }

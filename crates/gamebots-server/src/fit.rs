@@ -1,4 +1,4 @@
-//! A page's question where a robot could stand, before it spawns one.
+//! Room for a robot, which a page asks for before it spawns one.
 
 use serde::{Deserialize, Serialize};
 use sim_core::{Room, World};
@@ -10,18 +10,18 @@ pub(crate) struct Ask {
     fit: Wanted,
 }
 
-/// A robot where it is wanted.
+/// A robot and the pose that is asked about.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Wanted {
     class: String,
     /// As in INIT, m.
     location: [f64; 3],
-    /// rad.
+    /// Heading, rad.
     yaw: f64,
 }
 
-/// An answer: the question with what came of it.
+/// An answer: the question and its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Fit {
     #[serde(flatten)]
@@ -38,7 +38,7 @@ impl Ask {
         serde_json::from_str(text).ok()
     }
 
-    /// Looks at the world.
+    /// Checks the pose in the world.
     pub(crate) fn answer(self, world: &mut World) -> Fit {
         let Wanted { class, location, yaw } = &self.fit;
         let why = match world.fit(class, *location, [0.0, 0.0, *yaw]) {

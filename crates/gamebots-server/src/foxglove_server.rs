@@ -1,4 +1,4 @@
-//! The channels of a log, live, for Foxglove and Lichtblick, and the world's time as their services.
+//! The channels of a log, live, for Foxglove and Lichtblick. Their services control the world's time.
 
 mod gate;
 
@@ -19,22 +19,22 @@ use crate::ServeError;
 use crate::connection::Event;
 use crate::control::{Actor, Control};
 
-/// Messages that may wait for one client; a client of a fast world misses the oldest.
+/// Messages that can wait for one client; if the world is fast, a client misses the oldest.
 const BACKLOG: usize = 4096;
 /// Real time between two announcements of the simulated time.
 const TIME_INTERVAL: Duration = Duration::from_millis(33);
 
-/// The running server, as the world's thread has it.
+/// The running server, owned by the world's thread.
 pub(crate) struct FoxgloveServer {
     handle: WebSocketServerHandle,
-    /// The channels live as long as their context.
+    /// Keeps the channels alive.
     _context: Arc<Context>,
     recorder: Recorder,
     states: StateTimer,
     next_time: Instant,
 }
 
-/// Starts serving on a listener. Requests of clients go to `events`; without it the services are not offered.
+/// Starts serving on a listener. Clients' requests go to `events`; without it, no services are offered.
 pub(crate) async fn start(
     listener: TcpListener,
     host: &str,
@@ -59,18 +59,18 @@ impl FoxgloveServer {
         self.recorder.record(time, record);
     }
 
-    /// Whether the states of the world are due at a simulated time, s.
+    /// True if the states of the world are due at a simulated time, s.
     pub(crate) fn wants_states(&self, time: f64) -> bool {
         self.states.is_due(time)
     }
 
-    /// Takes the states of the world.
+    /// Records the states of the world.
     pub(crate) fn record_states(&mut self, map: &MapDef, snapshot: &Snapshot) {
         let Self { states, recorder, .. } = self;
         states.records(map, snapshot).into_iter().for_each(|state| recorder.record(snapshot.time, state));
     }
 
-    /// Hands on what has come, and the time; to be called often.
+    /// Publishes new records and the simulated time; to be called often.
     pub(crate) fn publish(&mut self, now: Instant, time: f64) {
         if now >= self.next_time {
             self.next_time = now + TIME_INTERVAL;
@@ -79,7 +79,7 @@ impl FoxgloveServer {
         }
     }
 
-    /// Forgets what was: time begins anew, perhaps on another map.
+    /// Starts a new session: time restarts, perhaps on another map.
     pub(crate) fn start_over(&mut self, another_map: Option<&MapDef>) {
         if let Some(map) = another_map {
             self.recorder.record(0.0, Record::Map(Box::new(map.clone())));
@@ -90,7 +90,7 @@ impl FoxgloveServer {
     }
 }
 
-/// Gives those who subscribe late what they missed.
+/// Sends late subscribers the messages that they missed.
 struct Late(Latched);
 
 impl ServerListener for Late {
@@ -99,7 +99,7 @@ impl ServerListener for Late {
     }
 }
 
-/// Pause, step, speed and reset, with the same words as on the page.
+/// Builds the services pause, step, speed and reset, with the page's requests.
 fn services(events: &Sender<Event>) -> Vec<Service> {
     let turns = Arc::new(Semaphore::new(1));
     let service = |name: &'static str, argument: &'static str| {
@@ -125,7 +125,7 @@ fn services(events: &Sender<Event>) -> Vec<Service> {
     ]
 }
 
-/// What a service is asked for: `{"pause":true}`, `{"step":1}`, `{"speed":2}`, or nothing.
+/// Reads the request of a service: `{"pause":true}`, `{"step":1}`, `{"speed":2}`, or nothing.
 fn read(service: &str, payload: &[u8]) -> Result<Control, String> {
     if service == "reset" {
         return Ok(Control::Reset);

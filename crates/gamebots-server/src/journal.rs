@@ -1,4 +1,4 @@
-//! Every request of a world since it began, kept for the one purpose of making a panic again.
+//! A journal of every request to a world since it began, kept only to reproduce a panic.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use recorder::{End, LogWriter, Record, RecordError};
 use sim_core::World;
 
-/// Memory that is kept: hours of a controller that sends fifty lines a second. Beyond, the oldest are lost.
+/// Most memory of the journal, bytes: hours of a controller that sends fifty lines a second. Beyond it, the oldest entries are
+/// lost.
 const MAX_BYTES: usize = 16 * 1024 * 1024;
 
-/// The lines that came and the connections that ended, with their simulated times, s.
+/// Received lines and ended connections, with their simulated times, s.
 #[derive(Default)]
 pub(crate) struct Journal {
     entries: VecDeque<(f64, Record)>,
@@ -30,8 +31,8 @@ impl Journal {
         }
     }
 
-    /// Writes a log that `usarsim log replay` runs to the same panic: with the step in which it happened, and without a
-    /// digest, which nobody could know.
+    /// Writes a log in which `usarsim log replay` runs to the same panic. It includes the step that panicked. It has no digest,
+    /// because nobody knows the state after that step.
     ///
     /// # Errors
     /// When the file cannot be written.

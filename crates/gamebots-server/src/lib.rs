@@ -6,10 +6,10 @@
 //!                +------------------- outbox (bounded) <-----------------+
 //! ```
 //!
-//! One thread owns the world and everything in it; connections are tasks that move bytes and read lines. Nothing a client does
-//! or fails to do can hold up the world or another client.
+//! One thread owns the world and everything in it. Connections are tasks that move bytes and read lines. No client can hold up
+//! the world or another client.
 
-// What strangers send gets here first.
+// This crate is the first to see input from strangers.
 #![warn(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used)]
 #![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
 
@@ -41,7 +41,7 @@ use scene::{MapDef, WorldDef};
 use sim_core::Options;
 use thread_pool::ThreadPool;
 
-/// What strangers' requests go through, for the fuzz targets.
+/// Entry points to the handling of strangers' requests, for the fuzz targets.
 #[doc(hidden)]
 pub mod fuzzing {
     use std::time::Instant;
@@ -51,14 +51,14 @@ pub mod fuzzing {
     use crate::control::Control;
     use crate::pace::Pace;
 
-    /// A request of a viewer or of Foxglove; a speed is kept for an hour.
+    /// Reads a request of a viewer or of Foxglove. For a speed, computes the wait for an hour of simulated time.
     pub fn control(text: &str) {
         if let Ok(Control::Speed(speed)) = Control::read(text) {
             Pace::new(speed, Instant::now(), 0.0).wait(Instant::now(), 3600.0);
         }
     }
 
-    /// Whether the page is given to who sends these headers; not where one cannot be a header.
+    /// True if a client with these headers gets the page; false if one of them is not a valid header.
     pub fn accepts(host: &[u8], origins: &[&[u8]], own_name: &str) -> bool {
         let headers =
             std::iter::once((header::HOST, host)).chain(origins.iter().map(|origin| (header::ORIGIN, *origin)));
@@ -68,7 +68,7 @@ pub mod fuzzing {
     }
 }
 
-/// What to serve and how.
+/// Configuration of a server.
 #[derive(Debug, Clone)]
 pub struct Config {
     /// The world.
@@ -79,30 +79,30 @@ pub struct Config {
     pub options: Options,
     /// Address to listen on.
     pub host: String,
-    /// What is served, and on which ports.
+    /// Services, and the ports that they are served on.
     pub listeners: Vec<Listener>,
-    /// Simulated seconds a real second; 0 is as fast as possible.
+    /// Simulated seconds per real second; 0 is as fast as possible.
     pub real_time_factor: f64,
     /// Listening for controllers pauses while there are more connections than this.
     pub max_connections: usize,
-    /// Tell clients what was wrong with their lines, which USARSim does not.
+    /// True to tell clients what was wrong with their lines, which USARSim does not.
     pub report_errors: bool,
-    /// File of the log, numbered where it exists.
+    /// File of the log; it gets a number if the file exists.
     pub log: Option<PathBuf>,
-    /// Whether messages of ROS 2 are written as well, to `run.ros2.mcap` beside `run.mcap`.
+    /// True to write ROS 2 messages as well, to `run.ros2.mcap` beside `run.mcap`.
     pub ros2_log: bool,
-    /// File of the logs that a viewer begins, numbered where it exists.
+    /// File of logs that a viewer starts; it gets a number if the file exists.
     pub unnamed_log: PathBuf,
-    /// A client that takes nothing for this long is disconnected.
+    /// Time after which a client that reads nothing is disconnected.
     pub stall_timeout: Duration,
-    /// Who may control the world over the page and Foxglove.
+    /// Clients that may control the world over the page and Foxglove.
     pub world_control: WorldControl,
-    /// Threads on which robots that do not touch are moved, and sensors measure.
+    /// Threads that move robots that do not touch, and compute sensor readings.
     pub threads: ThreadPool,
 }
 
 impl Config {
-    /// A world with the defaults of USARSim: port 3000 on this machine, real time, 64 connections.
+    /// Creates a configuration with the defaults of USARSim: port 3000 on this machine, real time, 64 connections.
     pub fn new(world: WorldDef) -> Self {
         Self {
             maps: Vec::new(),
@@ -123,30 +123,30 @@ impl Config {
     }
 }
 
-/// A port and what is served there.
+/// A port and the service on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Listener {
-    /// What is served.
+    /// The service.
     pub service: Service,
     /// The port; 0 takes a free one.
     pub port: u16,
-    /// Whether a free port is taken where another program has this one.
+    /// True to use a free port if another program has this one.
     pub or_another: bool,
 }
 
 impl Listener {
-    /// A service on this very port, or on a free one for 0.
+    /// Creates a listener on exactly this port, or on a free one for 0.
     pub fn new(service: Service, port: u16) -> Self {
         Self { service, port, or_another: false }
     }
 }
 
-/// What a server does for who connects.
+/// A service for clients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Service {
     /// The protocol of USARSim, for controllers.
     Controllers {
-        /// The dialect of all lines; without one, the class of a robot decides.
+        /// The dialect of all lines; if none, the robot's class decides.
         dialect: Option<Dialect>,
     },
     /// The page with the 3-D view, for browsers.
@@ -155,22 +155,22 @@ pub enum Service {
     Foxglove,
 }
 
-/// Where a server that is ready listens: what is served, in the order of its configuration.
+/// Addresses of a server that is ready, with their services, in the order of its configuration.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ready(pub Vec<(Service, SocketAddr)>);
 
 impl Ready {
-    /// Where controllers connect.
+    /// Returns the address for controllers.
     pub fn controllers(&self) -> Option<SocketAddr> {
         self.address(|service| matches!(service, Service::Controllers { .. }))
     }
 
-    /// Where browsers do.
+    /// Returns the address for browsers.
     pub fn page(&self) -> Option<SocketAddr> {
         self.address(|service| service == Service::Page)
     }
 
-    /// Where Foxglove does.
+    /// Returns the address for Foxglove.
     pub fn foxglove(&self) -> Option<SocketAddr> {
         self.address(|service| service == Service::Foxglove)
     }
@@ -180,17 +180,17 @@ impl Ready {
     }
 }
 
-/// Why serving did not start, or stopped by itself.
+/// The reason why serving did not start, or stopped by itself.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// The address cannot be listened on.
+    /// The server cannot listen on the address.
     #[error("cannot listen on {host}:{port}: {reason}; is another server running? Port 0 takes a free one")]
     Listen {
         /// The address.
         host: String,
         /// The port.
         port: u16,
-        /// What the operating system says.
+        /// The operating system's error.
         reason: std::io::Error,
     },
     /// The log cannot be written.
@@ -199,17 +199,17 @@ pub enum ServeError {
     /// The runtime or a thread cannot be started.
     #[error("cannot start: {0}")]
     Start(std::io::Error),
-    /// The world's thread is gone without a word.
+    /// The world's thread ended without a report.
     #[error("the world stopped unexpectedly")]
     WorldStopped,
-    /// The world's thread has panicked: a defect of this program.
+    /// The world's thread panicked: a defect of this program.
     #[error("a defect: the world panicked at {time:.3} s: {reason}; {report}")]
     WorldPanicked {
         /// Simulated time, s.
         time: f64,
         /// The panic's message.
         reason: String,
-        /// Where the report is, or why there is none.
+        /// Path of the report, or the reason why there is none.
         report: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What listens: a port each for controllers, viewers and Foxglove. Accepting clients, and pausing when there are too many.
+//! Listeners, with a port each for controllers, viewers and Foxglove. Accepts clients, and pauses when there are too many.
 
 use std::cell::Cell;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -19,13 +19,13 @@ use crate::{
     Config, Listener, Ready, ServeError, Service, WorldControl, connection, foxglove_server, live, web, world_thread,
 };
 
-/// Longest that the last lines to all clients may take.
+/// Longest time to send the last lines to all clients.
 const FAREWELL_TIMEOUT: Duration = Duration::from_millis(500);
-/// Bytes that may wait in the operating system for one viewer.
+/// Send buffer of the operating system for one viewer, bytes.
 const MAX_UNSENT_TO_VIEWER: u32 = 64 * 1024;
 /// Viewers that may wait to be accepted.
 const BACKLOG: u32 = 128;
-/// Pause after an error of accept or bind, which otherwise comes back at once.
+/// Pause after an error of accept or bind, which would otherwise recur at once.
 const BACK_OFF: Duration = Duration::from_millis(100);
 
 pub(crate) async fn serve(
@@ -34,7 +34,7 @@ pub(crate) async fn serve(
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
     let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
-    // Not bounded by itself: whoever sends waits for a turn, see `connection::Turn`.
+    // Unbounded: each sender waits for a turn, see `connection::Turn`.
     let (events, receiver) = mpsc::channel();
     for listener in &config.listeners {
         let bound = listen(&config.host, *listener).await?;
@@ -75,11 +75,11 @@ pub(crate) async fn serve(
         _ = &mut world_gone => true,
     };
     if !is_gone {
-        // A world that is gone by now needs not be told.
+        // The world may have ended by now.
         let _ = events.send(Event::Stop);
         let _ = world_gone.await;
     }
-    // It has closed every outbox; what waits there is sent to those who take it.
+    // The world has closed every outbox; clients that read still get their last lines.
     let farewell = async {
         for clients in &mut clients {
             while clients.join_next().await.is_some() {}
@@ -92,15 +92,15 @@ pub(crate) async fn serve(
     world.join().map_err(|_| ServeError::WorldStopped)?
 }
 
-/// Runs all of them, and never ends.
+/// Runs all services, and never ends.
 async fn forever(services: impl Iterator<Item = impl Future<Output = ()>>) {
     join_all(services).await;
     std::future::pending().await
 }
 
-/// What the page needs to know.
+/// Collects the state that the page's handlers share.
 fn site(config: &Config, addresses: &Ready, channels: Channels, events: mpsc::Sender<Event>) -> Site {
-    // Without controllers there is nothing behind the page's own way to drive, and its WebSocket says so.
+    // Without controllers the page cannot drive: nothing listens at this address, and its WebSocket reports that.
     let protocol = addresses.controllers().unwrap_or_else(|| SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
     Site {
         host: config.host.clone(),
@@ -113,7 +113,7 @@ fn site(config: &Config, addresses: &Ready, channels: Channels, events: mpsc::Se
     }
 }
 
-/// What the page is told of the server beside its world.
+/// Collects the server's settings that the page shows beside the world.
 fn about(config: &Config, addresses: &Ready) -> About {
     About {
         seed: config.options.seed,
@@ -138,8 +138,7 @@ async fn listen(host: &str, Listener { service, port, or_another }: Listener) ->
     bound.map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
 }
 
-/// The page's listener. Little waits in its connections, so that a slow viewer sees the newest frame and not one of
-/// seconds ago.
+/// Listens for viewers with a small send buffer, so that a slow viewer sees the newest frame and not one that is seconds old.
 async fn listen_for_viewers(host: &str, port: u16) -> std::io::Result<TcpListener> {
     let mut result = Err(std::io::ErrorKind::AddrNotAvailable.into());
     for address in lookup_host((host, port)).await? {
@@ -154,13 +153,13 @@ async fn listen_for_viewers(host: &str, port: u16) -> std::io::Result<TcpListene
 fn listen_at(address: SocketAddr) -> std::io::Result<TcpListener> {
     let socket = if address.is_ipv4() { TcpSocket::new_v4()? } else { TcpSocket::new_v6()? };
     socket.set_reuseaddr(true)?;
-    // Those that are accepted inherit it.
+    // Accepted connections inherit the size.
     socket.set_send_buffer_size(MAX_UNSENT_TO_VIEWER)?;
     socket.bind(address)?;
     socket.listen(BACKLOG)
 }
 
-/// An address at which this machine reaches what it listens on.
+/// Returns an address at which this machine reaches its own listener.
 fn reachable(mut address: SocketAddr) -> SocketAddr {
     match address.ip() {
         IpAddr::V4(ip) if ip.is_unspecified() => address.set_ip(Ipv4Addr::LOCALHOST.into()),
@@ -170,8 +169,8 @@ fn reachable(mut address: SocketAddr) -> SocketAddr {
     address
 }
 
-/// As in USARSim the limit is passed by one: listening stops when there are more than `max` connections, and the
-/// operating system refuses clients until one leaves (BotServer.uc:46-72).
+/// Accepts clients. As in USARSim, the limit is exceeded by one: listening stops when there are more than `max` connections.
+/// The operating system then refuses clients until one leaves (BotServer.uc:46-72).
 async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
     clients: &mut JoinSet<()>,
     listener: TcpListener,

@@ -1,8 +1,8 @@
-//! What viewers get while the world runs. The world's thread makes each thing once, however many look, and only
-//! while somebody does.
+//! Live data for viewers. The world's thread makes each message once for all viewers, and no frames while nobody watches.
 //!
-//! Four channels, by what a slow viewer may miss: of frames (see [`frame`]) and [`Status`] it gets the newest; of [`Notice`]s
-//! everything, and of the wire's [`Line`]s if it wants them, until it is too far behind and is told how many it missed.
+//! Four channels differ in what a slow viewer misses. It gets only the newest frame (see [`frame`]) and [`Status`]. It gets
+//! every [`Notice`], and every [`Line`] of the wire if it wants them. If it falls too far behind, it is told how many it
+//! missed.
 
 mod frame;
 mod scene_json;
@@ -22,19 +22,19 @@ pub(crate) use scene_json::{About, scene_json};
 
 /// Real time between two frames.
 const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
-/// Real time between two statuses, unless something has happened.
+/// Real time between two statuses, unless the status changed.
 const STATUS_INTERVAL: Duration = Duration::from_millis(500);
 /// Least real time between two scans of one sensor.
 const SCAN_INTERVAL: Duration = Duration::from_millis(100);
-/// Notices, and lines, that a viewer may be behind.
+/// Most notices, and lines, that a viewer can be behind.
 const MAX_NOTICES: usize = 1024;
 
-/// Something that is published once.
+/// A message that is published once.
 #[derive(Debug, Clone)]
 pub(crate) enum Notice {
-    /// What a laser or a sonar measured, see [`frame`].
+    /// Ranges of a laser or a sonar, see [`frame`].
     Scan(Bytes),
-    /// Something that is wrong, or has happened, in words.
+    /// An event or a problem, in words.
     Said(Arc<str>),
 }
 
@@ -50,21 +50,21 @@ pub(crate) struct Line {
     pub(crate) text: String,
 }
 
-/// What changes seldom.
+/// State that seldom changes.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Status {
-    /// Seconds simulated a second, over the last half second.
+    /// Simulated seconds per real second, over the last half second.
     pub(crate) real_time_factor: f64,
-    /// What is asked for; 0 is as fast as possible.
+    /// Requested real-time factor; 0 is as fast as possible.
     pub(crate) speed: f64,
     pub(crate) paused: bool,
-    /// Another number than before means another scene: it is to be fetched anew.
+    /// Number of the scene. When it changes, a page must fetch the scene again.
     pub(crate) scene: u64,
-    /// Pages that are open.
+    /// Open pages.
     pub(crate) viewers: usize,
-    /// How often the world began anew.
+    /// Number of times that the world started over.
     pub(crate) resets: u64,
-    /// Steps of robots that ended before every contact did what it should.
+    /// Steps of robots whose contacts did not converge.
     pub(crate) unsettled_steps: u64,
     /// File of the log that is being written.
     pub(crate) recording: Option<String>,
@@ -72,7 +72,7 @@ pub(crate) struct Status {
     pub(crate) clients: Vec<ClientStatus>,
 }
 
-/// A robot that is there.
+/// A robot in the world.
 #[derive(Debug, Serialize)]
 pub(crate) struct RobotStatus {
     pub(crate) id: u64,
@@ -80,30 +80,30 @@ pub(crate) struct RobotStatus {
     pub(crate) name: String,
     /// The connection that it reports to.
     pub(crate) connection: Option<u64>,
-    /// Whole seconds that its battery lasts.
+    /// Battery life left, whole s.
     pub(crate) battery: Option<i32>,
 }
 
-/// A client that is connected.
+/// A connected client.
 #[derive(Debug, Serialize)]
 pub(crate) struct ClientStatus {
     pub(crate) connection: u64,
     /// Its address.
     pub(crate) peer: String,
-    /// Lines that came from it.
+    /// Lines received from it.
     pub(crate) lines: u64,
-    /// Periodic lines that it was too slow to take.
+    /// Periodic lines dropped because it was too slow.
     pub(crate) dropped: u64,
-    /// Bytes on their way to it.
+    /// Bytes that wait to be sent to it.
     pub(crate) waiting_bytes: usize,
 }
 
-/// What is to be published now beside where everything is.
+/// Messages that are due now, beside a frame.
 pub(crate) struct Due {
     pub(crate) status: bool,
 }
 
-/// The ends that viewers listen at.
+/// The receiving ends of the channels, for viewers.
 #[derive(Debug, Clone)]
 pub(crate) struct Channels {
     frames: watch::Receiver<Bytes>,
@@ -136,20 +136,20 @@ impl Channels {
     }
 }
 
-/// The end that the world's thread speaks at.
+/// The sending ends of the channels, for the world's thread.
 pub(crate) struct Broadcast {
     frames: watch::Sender<Bytes>,
     statuses: watch::Sender<Arc<str>>,
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
     scene: watch::Sender<Bytes>,
-    /// What the scene says of the server; none where no page is served.
+    /// The server's part of the scene; none if no page is served.
     about: Option<About>,
-    /// How often the scene has changed.
+    /// Number of changes of the scene.
     scenes: u64,
-    /// When each sensor's last scan was published.
+    /// Time of each sensor's last published scan.
     scanned: BTreeMap<(RobotId, usize), Instant>,
-    /// Viewers at the last frame.
+    /// Number of viewers at the last frame, plus one: see [`Broadcast::is_watched`].
     viewers: usize,
     next_frame: Instant,
     next_status: Instant,
@@ -157,12 +157,12 @@ pub(crate) struct Broadcast {
     measured: (Instant, f64, f64),
 }
 
-/// The scene that a page asks for; nothing where none is served.
+/// Returns the scene for pages; empty if no page is served.
 fn scene(world: &WorldDef, about: Option<&About>) -> Bytes {
     about.map_or_else(Bytes::new, |about| scene_json(world, Some(about)).into())
 }
 
-/// Makes the two ends. Without `about` no page asks for the scene.
+/// Creates both ends of the channels. Without `about` no page asks for the scene.
 pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) -> (Broadcast, Channels) {
     let (frames, frames_end) = watch::channel(Bytes::new());
     let (statuses, statuses_end) = watch::channel(Arc::from("{}"));
@@ -191,40 +191,40 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) ->
 }
 
 impl Broadcast {
-    /// Whether anybody looks. The [`Channels`] that new viewers are given hold one end themselves.
+    /// True if a viewer watches. The [`Channels`] that new viewers get hold one receiver themselves.
     fn is_watched(&self) -> bool {
         self.frames.receiver_count() > 1
     }
 
-    /// A robot has left.
+    /// Forgets the scans of a robot that has left.
     pub(crate) fn forget(&mut self, robot: RobotId) {
         self.scanned.retain(|(scanned, _), _| *scanned != robot);
     }
 
-    /// There is another map.
+    /// Publishes another map.
     pub(crate) fn show(&mut self, world: &WorldDef) {
         self.scenes += 1;
         self.scene.send_replace(scene(world, self.about.as_ref()));
     }
 
-    /// The next status is due at once: something has happened.
+    /// Makes the next status due at once: it has changed.
     pub(crate) fn changed(&mut self, now: Instant) {
         self.next_status = now;
     }
 
-    /// What is to be published now; to be asked often.
+    /// Returns what to publish now; to be called often.
     pub(crate) fn due(&mut self, now: Instant) -> Option<Due> {
         if now < self.next_frame || !self.is_watched() {
             return None;
         }
         let viewers = self.frames.receiver_count();
-        // Who has just come waits for nothing.
+        // A new viewer gets the current status at once.
         let status = now >= self.next_status || viewers > self.viewers;
         self.viewers = viewers;
         Some(Due { status })
     }
 
-    /// Publishes where everything is, and the status when it is due; its real-time factor is measured here.
+    /// Publishes a frame, and the status if it is due. The status's real-time factor is measured here.
     pub(crate) fn publish(&mut self, now: Instant, scene: &WorldDef, snapshot: &Snapshot, status: Option<Status>) {
         self.next_frame = now + FRAME_INTERVAL;
         self.frames.send_replace(frame::frame(scene, snapshot).into());
@@ -232,7 +232,7 @@ impl Broadcast {
             self.next_status = now + STATUS_INTERVAL;
             let (before, time, _) = self.measured;
             let elapsed = now.duration_since(before);
-            // A shorter time is too uneven to measure by.
+            // Shorter times are too uneven to measure.
             if elapsed >= STATUS_INTERVAL {
                 let factor = (snapshot.time - time).max(0.0) / elapsed.as_secs_f64();
                 self.measured = (now, snapshot.time, factor);
@@ -243,15 +243,15 @@ impl Broadcast {
         }
     }
 
-    /// Publishes a line of the wire to those who want them.
+    /// Publishes a line of the wire to viewers who want lines.
     pub(crate) fn line(&self, line: impl FnOnce() -> Line) {
         if self.lines.receiver_count() > 0 {
-            // Without a listener it is nobody's.
+            // The last listener may just have left.
             let _ = self.lines.send(Arc::new(line()));
         }
     }
 
-    /// Publishes what a laser or a sonar measured, but no more often than it can be looked at.
+    /// Publishes the ranges of a laser or a sonar, but no more often than a viewer can follow.
     pub(crate) fn scan(&mut self, world: &World, robot: RobotId, message: &Message) {
         let Message::Sen(Sen { reading, sensor: Some(number), .. }) = message else { return };
         let ranges = match reading {
@@ -273,7 +273,7 @@ impl Broadcast {
         }
     }
 
-    /// Publishes something in words.
+    /// Publishes a text.
     pub(crate) fn say(&self, text: &str) {
         let _ = self.notices.send(Notice::Said(text.into()));
     }

@@ -1,26 +1,26 @@
-//! Keeping simulated time in step with the clock. Pure: the clock's time is an argument.
+//! The pace of simulated time. No clock is read here: the real time is an argument.
 
 use std::time::{Duration, Instant};
 
-/// Lagging by more than this, the lag is forgiven: the world runs slower, it does not catch up in a rush.
+/// Longest lag that is made up for. A longer one is forgiven: the world runs slower and does not catch up in a rush.
 const MAX_LAG: Duration = Duration::from_millis(100);
-/// Over how long the real-time factor is measured.
+/// Real time over which the real-time factor is measured.
 const WINDOW: Duration = Duration::from_secs(5);
 /// Part of the real-time factor that counts as reached: one pause of the machine in five seconds is no lag.
 const REACHED: f64 = 0.95;
-/// By so much, as a part of the factor, it has to get worse to be said again.
+/// Further loss that is reported again, as a part of the factor.
 const WORSE: f64 = 0.1;
 
 /// Decides when the next step is due.
 pub(crate) struct Pace {
-    /// Simulated seconds a real second; 0 is as fast as possible.
+    /// Simulated seconds per real second; 0 is as fast as possible.
     factor: f64,
     start: Instant,
     /// Simulated time at `start`, s.
     start_time: f64,
     window: Instant,
     window_time: f64,
-    /// Part of the factor that was reached when that was last said; none while it is reached.
+    /// Part of the factor that was reached at the last report; none while the factor is reached.
     said: Option<f64>,
 }
 
@@ -29,12 +29,12 @@ impl Pace {
         Self { factor, start: now, start_time: time, window: now, window_time: time, said: None }
     }
 
-    /// How long to wait before the step that leads on from the simulated `time`; zero when it is due.
+    /// Returns the wait before the step that starts at simulated `time`; zero if it is due.
     pub(crate) fn wait(&mut self, now: Instant, time: f64) -> Duration {
         if self.factor <= 0.0 {
             return Duration::ZERO;
         }
-        // A factor that makes time stand still is waited for, but no clock can say until when.
+        // A tiny factor makes the wait longer than the clock can express.
         let wait = Duration::try_from_secs_f64((time - self.start_time) / self.factor).unwrap_or(Duration::MAX);
         let Some(due) = self.start.checked_add(wait) else { return Duration::MAX };
         if now > due + MAX_LAG {
@@ -43,7 +43,7 @@ impl Pace {
         due.saturating_duration_since(now)
     }
 
-    /// The real-time factor that was reached in the last five seconds, when it begins to be too small or has become worse.
+    /// Returns the real-time factor of the last five seconds if it has just become too small, or smaller still.
     pub(crate) fn lag_report(&mut self, now: Instant, time: f64) -> Option<f64> {
         let elapsed = now.duration_since(self.window);
         if elapsed < WINDOW || self.factor <= 0.0 {
@@ -62,9 +62,9 @@ impl Pace {
     }
 }
 
-/// What a person is told of a world that is too slow, and what helps.
+/// Describes a lag to the user, and what helps.
 pub(crate) fn lag_text(reached: f64, factor: f64) -> String {
-    // Half of it in any case, so that there is room for what comes.
+    // At most half the factor, to leave some reserve.
     let slower = (factor / 2.0).min((reached * 10.0).floor() / 10.0).max(0.01);
     format!(
         "behind real time: real-time factor {reached:.2} in place of {factor} in the last 5 s; `--drive-model analytic`, a larger \
@@ -78,7 +78,7 @@ mod tests {
 
     const STEP: f64 = 0.002;
 
-    /// Steps a world of which each step takes `cost` real seconds for `seconds`; returns simulated time and reports.
+    /// Runs a world for `seconds`, in which each step takes `cost` real seconds. Returns simulated time and reports.
     fn simulate(factor: f64, cost: f64, seconds: f64) -> (f64, Vec<f64>) {
         let start = Instant::now();
         let (mut now, mut time, mut reports) = (start, 0.0, Vec::new());
@@ -113,7 +113,7 @@ mod tests {
         let start = Instant::now();
         let mut pace = Pace::new(2.0, start, 0.0);
         let mut time = 0.0;
-        // Factors of five seconds each.
+        // One factor for each window of five seconds.
         let factors = [1.98, 1.6, 1.5, 1.42, 1.39, 1.96, 1.6];
         let mut said = Vec::new();
         for (window, factor) in factors.into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Recorded lines, sent to every client that comes.
+//! Playback of recorded lines to every client.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -14,27 +14,27 @@ use crate::ServeError;
 
 /// Most clients at once; more wait until one leaves.
 const MAX_CLIENTS: usize = 64;
-/// A client that takes nothing for so long is thrown out.
+/// Time after which a client that reads nothing is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Latest that a line is sent, s: years, but a time that the clock knows.
+/// Latest time at which a line is sent, s: years, but within the clock's range.
 const LONGEST_WAIT: f64 = 1e8;
 
-/// What is played, and where.
+/// A recording to play, and the address to serve it on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Playback {
     /// Host to listen on.
     pub host: String,
     /// Port to listen on; 0 takes a free one.
     pub port: u16,
-    /// Recorded seconds a second; 0 is as fast as possible.
+    /// Recorded seconds per real second; 0 is as fast as possible.
     pub real_time_factor: f64,
-    /// Lines without their ends, with the times that they were recorded at, s, in order.
+    /// Lines without line ends, with the times of their recording, s, in order.
     pub lines: Vec<(f64, String)>,
 }
 
-/// Plays from the beginning to each client until `shutdown` completes; what clients say is not looked at. `ready` is called
-/// once with the address.
+/// Plays from the beginning to each client until `shutdown` completes. Lines from clients are ignored. `ready` is called once
+/// with the address.
 ///
 /// # Errors
 /// When the address cannot be listened on.
@@ -98,7 +98,7 @@ async fn send(stream: TcpStream, lines: &[(f64, String)], real_time_factor: f64)
                 return;
             }
         }
-        // It has left: nothing is lost.
+        // An error means that the client has left: nothing is lost.
         let _ = writer.shutdown().await;
     };
     let mut unread = [0; 4096];

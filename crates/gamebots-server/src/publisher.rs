@@ -1,5 +1,5 @@
-//! Everything that looks at the world: the log, Foxglove, viewers, and the journal from which a panic is made again. What
-//! happens is published here and nowhere else.
+//! The publisher of all that happens: to the log, Foxglove, viewers, and the journal that reproduces a panic. Nothing is
+//! published elsewhere.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -18,7 +18,7 @@ pub(crate) struct Publisher {
     recording: Recording,
     live: Broadcast,
     journal: Journal,
-    /// Where everything is, made when it is first looked at after something has changed.
+    /// The present snapshot, made when first needed after a change.
     snapshot: Option<Snapshot>,
 }
 
@@ -27,7 +27,7 @@ impl Publisher {
         Self { recording, live, journal: Journal::default(), snapshot: None }
     }
 
-    /// A client has sent a line, to the robot that it has.
+    /// Publishes a line that came from a client. `pawn` is the client's newest robot.
     pub(crate) fn received(&mut self, world: &World, connection: ConnectionId, pawn: Option<RobotId>, line: &str) {
         self.snapshot = None;
         let robot = pawn.map(|robot| robot.0);
@@ -35,7 +35,7 @@ impl Publisher {
         self.live.line(|| Line { time: world.time(), direction: "in", connection, robot, text: line.to_owned() });
     }
 
-    /// Messages of a robot, or one about none, go to a client as this line.
+    /// Publishes a line that goes to a client, and records its messages. `robot` is the robot that they are about, if any.
     pub(crate) fn sent(
         &mut self,
         world: &World,
@@ -54,50 +54,50 @@ impl Publisher {
         self.live.line(|| Line { time: world.time(), direction: "out", connection, robot, text: line.to_owned() });
     }
 
-    /// A robot reports something, whether or not it has a client.
+    /// Shows viewers a robot's report, whether or not the robot has a client.
     pub(crate) fn reported(&mut self, world: &World, robot: RobotId, message: &Message) {
         self.live.scan(world, robot, message);
     }
 
-    /// Something is otherwise: a client or a robot has come, or time passes otherwise.
+    /// Notes that the status changed: a client or robot arrived, or the timing changed.
     pub(crate) fn changed(&mut self, now: Instant) {
         self.snapshot = None;
         self.live.changed(now);
     }
 
-    /// A robot has left the world.
+    /// Publishes that a robot left the world.
     pub(crate) fn left(&mut self, world: &World, robot: RobotId) {
         self.snapshot = None;
         self.live.forget(robot);
         self.keep(world, Record::Left(robot.0));
     }
 
-    /// A connection has ended.
+    /// Publishes that a connection ended.
     pub(crate) fn closed(&mut self, world: &World, connection: ConnectionId) {
         self.keep(world, Record::Closed(WireLine { connection, robot: None, line: String::new() }));
         self.live.changed(Instant::now());
     }
 
-    /// Something in the world is wrong, in words.
+    /// Publishes a warning about the world, in words.
     pub(crate) fn warn(&mut self, world: &World, warning: &str) {
         self.note(world, warning);
         self.live.say(warning);
     }
 
-    /// Keeps a warning in the log. Viewers see it in their status, so they are not told in words.
+    /// Records a warning in the log only. Viewers see it in their status.
     pub(crate) fn note(&mut self, world: &World, warning: &str) {
         if self.recording.is_wanted() {
             self.recording.record(world, Record::Warning(warning.to_owned()));
         }
     }
 
-    /// Something has become of a request of a viewer, in words.
+    /// Tells viewers the outcome of a request, in words.
     pub(crate) fn announce(&mut self, now: Instant, text: &str) {
         self.live.say(text);
         self.live.changed(now);
     }
 
-    /// The world has taken a step.
+    /// Records the states after a step, if they are due.
     pub(crate) fn stepped(&mut self, world: &World) {
         self.snapshot = None;
         if self.recording.wants_states(world.time()) {
@@ -106,8 +106,8 @@ impl Publisher {
         }
     }
 
-    /// What is due by the clock: where everything is, the status, made with the path of the log that is being written, and what has
-    /// become of logs. To be called often.
+    /// Publishes what is due by the clock: the frame, the status, and news of logs. `status` gets the path of the open log. To
+    /// be called often.
     pub(crate) fn publish(&mut self, now: Instant, world: &World, status: impl FnOnce(Option<&Path>) -> Status) {
         if let Some(due) = self.live.due(now) {
             let status = due.status.then(|| status(self.recording.path()));
@@ -120,7 +120,7 @@ impl Publisher {
         }
     }
 
-    /// Begins a log that nobody has named, or ends the one that is being written.
+    /// Starts a log without a given name, or ends the open one.
     pub(crate) fn record(&mut self, now: Instant, world: &World, on: bool) {
         if !on {
             return self.recording.stop(world);
@@ -134,15 +134,15 @@ impl Publisher {
         }
     }
 
-    /// Whether the world may begin anew now.
+    /// Checks if the world may start over now.
     ///
     /// # Errors
-    /// When a log would be followed by another too soon.
+    /// When the next log would start too soon, or too many logs are incomplete.
     pub(crate) fn may_start_over(&self, now: Instant) -> Result<(), BeginError> {
         self.recording.may_start_over(now)
     }
 
-    /// A fresh world has taken the place of the old.
+    /// Replaces the old world with a fresh one, for viewers and logs.
     pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) {
         (self.snapshot, self.journal) = (None, Journal::default());
         if old.def().map.name != new.def().map.name {
@@ -158,7 +158,7 @@ impl Publisher {
         self.recording.stop(world);
     }
 
-    /// Ends the log of a world that has panicked, and writes from what the panic can be made again.
+    /// Ends the log of a world that has panicked, and writes a log that reproduces the panic.
     ///
     /// # Errors
     /// When that file cannot be written.
@@ -167,7 +167,7 @@ impl Publisher {
         self.journal.write(Path::new(""), world, reason)
     }
 
-    /// Records what happened to the world, for logs and for the report of a panic.
+    /// Records what happened to the world, in the log and in the journal.
     fn keep(&mut self, world: &World, record: Record) {
         if self.recording.is_wanted() {
             self.recording.record(world, record.clone());

@@ -1,4 +1,4 @@
-//! Where a served world is recorded: in a log, one from the start or as many as somebody asks for, and live for Foxglove.
+//! Recording of a served world: to logs, from the start or on request, and live to Foxglove.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,28 +12,28 @@ use crate::foxglove_server::FoxgloveServer;
 
 /// Least real time between the beginnings of two logs.
 const BEGIN_INTERVAL: Duration = Duration::from_secs(1);
-/// Logs whose ends may be waiting for the disk when another begins; each may hold what is queued for it.
+/// Most ended logs that wait for the disk when another starts; each may hold queued records.
 const MAX_CLOSING: usize = 4;
 
-/// What logs are written with, and the two places where records go.
+/// Settings of logs, and the two destinations of records.
 pub(crate) struct Recording {
     options: Options,
     real_time_factor: f64,
     ros2: bool,
-    /// Where a log goes that nobody has named.
+    /// File name of a log that nobody has named.
     unnamed: PathBuf,
     open: Option<Open>,
-    /// Logs that are being ended, with their files.
+    /// Logs that are being completed, with their files.
     closing: Vec<(PathBuf, Closing)>,
     /// The last number given to a file of each name.
     numbers: BTreeMap<PathBuf, u32>,
-    /// When the last log was begun.
+    /// Time when the last log was started on request, or because the world started over.
     begun: Option<Instant>,
     foxglove: Option<FoxgloveServer>,
     storage: fn(&Path) -> std::io::Result<Box<dyn Storage>>,
 }
 
-/// The log that is being written.
+/// A log that is being written.
 struct Open {
     path: PathBuf,
     /// Its name without a number.
@@ -42,13 +42,13 @@ struct Open {
     states: StateTimer,
 }
 
-/// Why no log begins.
+/// The reason why no log starts.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum BeginError {
-    /// Somebody asks for logs without end.
+    /// A client asks for logs too often.
     #[error("the last log was begun less than a second ago: try again in a second")]
     TooSoon,
-    /// The disk does not take them.
+    /// The disk is too slow for the logs.
     #[error("{0} logs are still being written: the disk is too slow for another one now")]
     TooMany(usize),
     /// The file cannot be written.
@@ -57,7 +57,7 @@ pub(crate) enum BeginError {
 }
 
 impl Recording {
-    /// Nothing is written yet.
+    /// Creates a recording without a log.
     pub(crate) fn new(
         options: Options,
         real_time_factor: f64,
@@ -69,13 +69,13 @@ impl Recording {
         Self { options, real_time_factor, ros2, unnamed, open, closing, numbers, begun, foxglove, storage }
     }
 
-    /// The file that is being written.
+    /// Returns the file that is being written.
     pub(crate) fn path(&self) -> Option<&Path> {
         self.open.as_ref().filter(|open| open.recorder.is_writing()).map(|open| open.path.as_path())
     }
 
-    /// Begins a log of this name, or with the next free number where such a file exists: nothing is replaced. A log that is
-    /// being written ends.
+    /// Starts a log with this name. If the file exists, the name gets the next free number: no file is replaced. An open log
+    /// ends.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -84,10 +84,10 @@ impl Recording {
         self.begin(path, name, world)
     }
 
-    /// Begins a log under a name that is free.
+    /// Starts a log under a free name.
     ///
     /// # Errors
-    /// When it is too soon, or the file cannot be written.
+    /// When it is too soon, too many logs are incomplete, or the file cannot be written.
     pub(crate) fn start_unnamed(&mut self, now: Instant, world: &World) -> Result<(), BeginError> {
         self.may_begin(now)?;
         self.begun = Some(now);
@@ -96,27 +96,27 @@ impl Recording {
         Ok(self.begin(path, &name, world)?)
     }
 
-    /// Ends the log properly. The world does not wait for that: [`Recording::news`] says when it is done.
+    /// Ends the log properly. The world does not wait for the disk: [`Recording::news`] reports the end.
     pub(crate) fn stop(&mut self, world: &World) {
         self.end(world);
     }
 
-    /// Whether the world may begin anew now: a log that is being written would be followed by another.
+    /// Checks if the world may start over now: an open log would be followed by another.
     ///
     /// # Errors
-    /// When that would be too soon.
+    /// When that would be too soon, or too many logs are incomplete.
     pub(crate) fn may_start_over(&self, now: Instant) -> Result<(), BeginError> {
         self.open.as_ref().map_or(Ok(()), |_| self.may_begin(now))
     }
 
-    /// Ends the log of a world that has panicked, with the step in which it did and without a digest.
+    /// Ends the log of a world that has panicked, with the step that panicked and without a digest.
     pub(crate) fn stop_broken(&mut self, world: &World) {
         if let Some(Open { path, recorder, .. }) = self.open.take() {
             self.closing.push((path, recorder.finish(end_of(world, world.time() + world.time_step(), None))));
         }
     }
 
-    /// Ends the log of a world that is over and begins the next beside it, if one was written.
+    /// Ends the log of the old world. If one was open, starts the next beside it.
     ///
     /// # Errors
     /// When the next file cannot be written.
@@ -131,7 +131,7 @@ impl Recording {
         self.begin(path, &name, new)
     }
 
-    /// What has become of logs since the last call, in words: those that are complete, and why one ended by itself.
+    /// Returns what happened to logs since the last call: those that are complete, and the reason why one ended by itself.
     pub(crate) fn news(&mut self) -> Vec<String> {
         let mut news = Vec::new();
         if let Some(error) = self.open.as_mut().and_then(|open| open.recorder.failure()) {
@@ -147,12 +147,12 @@ impl Recording {
         news
     }
 
-    /// Whether anybody wants records.
+    /// True if records are wanted.
     pub(crate) fn is_wanted(&self) -> bool {
         self.open.is_some() || self.foxglove.is_some()
     }
 
-    /// Takes a record, if anybody wants it.
+    /// Takes a record, if records are wanted.
     pub(crate) fn record(&mut self, world: &World, record: Record) {
         let Self { open, foxglove, .. } = self;
         match (foxglove, open) {
@@ -166,13 +166,13 @@ impl Recording {
         }
     }
 
-    /// Whether states are due at a simulated time, s; to be asked after every step.
+    /// True if states are due at a simulated time, s; to be called after every step.
     pub(crate) fn wants_states(&self, time: f64) -> bool {
         self.open.as_ref().is_some_and(|open| open.states.is_due(time))
             || self.foxglove.as_ref().is_some_and(|foxglove| foxglove.wants_states(time))
     }
 
-    /// Takes the states of the world where they are due.
+    /// Records the states of the world wherever they are due.
     pub(crate) fn record_states(&mut self, map: &MapDef, snapshot: &Snapshot) {
         let time = snapshot.time;
         if let Some(Open { recorder, states, .. }) = self.open.as_mut().filter(|open| open.states.is_due(time)) {
@@ -183,7 +183,7 @@ impl Recording {
         }
     }
 
-    /// Publishes what is new to Foxglove; to be called often. The simulated time is in s.
+    /// Publishes new records to Foxglove; to be called often. The simulated time is in s.
     pub(crate) fn publish(&mut self, now: Instant, time: f64) {
         if let Some(foxglove) = &mut self.foxglove {
             foxglove.publish(now, time);
@@ -214,7 +214,7 @@ impl Recording {
         Ok(())
     }
 
-    /// Ends the log, if one is written, and gives back its name.
+    /// Ends the open log, if any, and returns its name.
     fn end(&mut self, world: &World) -> Option<PathBuf> {
         let Open { path, name, recorder, .. } = self.open.take()?;
         self.closing.push((path, recorder.finish(end_of(world, world.time(), Some(world.digest())))));
@@ -236,7 +236,7 @@ impl Recording {
     }
 }
 
-/// True if a log of this name would replace something. Devices and pipes keep nothing; a link to nowhere is somebody's.
+/// True if a log of this name would replace something. Devices and pipes keep nothing; a dangling link belongs to somebody.
 fn is_kept(path: &Path) -> bool {
     match std::fs::metadata(path) {
         Ok(found) => found.is_file(),
@@ -244,7 +244,7 @@ fn is_kept(path: &Path) -> bool {
     }
 }
 
-/// How a world ends at a time, with a digest if it has one.
+/// Describes a world's end at a time, with a digest if there is one.
 fn end_of(world: &World, time: f64, digest: Option<u64>) -> End {
     End { time, digest, unsettled_steps: world.unsettled_steps(), dropped: 0 }
 }
@@ -273,7 +273,7 @@ mod tests {
         names
     }
 
-    /// Waits until there is something to say.
+    /// Waits until there is news.
     fn news(recording: &mut Recording) -> Vec<String> {
         loop {
             let news = recording.news();
@@ -372,7 +372,7 @@ mod tests {
         first.start(&path, &world).expect("a log");
         second.start(&path, &world).expect("a log");
         assert_eq!(second.path(), Some(folder.path().join("run-2.mcap").as_path()));
-        // A server that found the name free a moment ago is refused by the lock.
+        // The lock refuses a server that found the name free a moment ago.
         let late = second.begin(path.clone(), &path, &world).expect_err("it is written").to_string();
         assert!(late.contains("another program is writing it: end that program"), "{late}");
         first.stop(&world);
@@ -380,7 +380,7 @@ mod tests {
         assert!(recorder::read(&path).is_ok_and(|log| log.damage.is_none() && !log.end.is_empty()));
     }
 
-    /// A disk that has room for the beginning of a log.
+    /// A disk with room only for the beginning of a log.
     struct Small(usize);
 
     impl Write for Small {
@@ -409,7 +409,7 @@ mod tests {
         assert!(recording.path().is_some() && recording.news().is_empty());
         let mut number = 0_u32;
         while recording.path().is_some() {
-            // Numbers that LZ4 makes nothing smaller of.
+            // LZ4 cannot compress these numbers.
             number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             recording.record(&world, Record::Warning(format!("{number:x}")));
             world.step();
@@ -436,7 +436,8 @@ mod tests {
         assert_eq!(recording.path(), None);
     }
 
-    /// A disk that takes the beginnings of logs, which other threads write than the rest, and no more for a while.
+    /// A disk that stalls. It takes the beginnings of logs, which other threads write, but nothing from the recorder's thread
+    /// for a while.
     struct Stalled;
 
     static TAKES: (Mutex<bool>, Condvar) = (Mutex::new(false), Condvar::new());

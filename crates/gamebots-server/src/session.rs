@@ -1,4 +1,4 @@
-//! One connection as the world's thread sees it: what it has sent, its outbox, its mistakes.
+//! One connection in the world's thread: its requests, its outbox, its mistakes.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,9 +11,9 @@ use tracing::warn;
 
 use crate::connection::{ConnectionId, Opened, Request, Turn};
 
-/// Problems of one connection that are logged in a second; the rest is counted.
+/// Most problems of one connection logged in a second; the rest are counted.
 const MAX_WARNINGS: u64 = 20;
-/// Different problems of one connection whose repetitions are counted; of others each is logged.
+/// Most different problems of one connection whose repetitions are counted; all others are logged each time.
 const MAX_COUNTED: usize = 50;
 /// Characters of a bad line that are logged.
 const SHOWN_CHARS: usize = 200;
@@ -23,22 +23,22 @@ pub(crate) struct Session {
     id: ConnectionId,
     /// Address of the client.
     peer: String,
-    /// The dialect of all its lines; without one, robots decide.
+    /// The dialect of all its lines; if none, robots decide.
     dialect: Option<Dialect>,
     outbox: Arc<Outbox>,
     lines: u64,
     dropped: u64,
     warnings: Budget,
-    /// Problems that were logged since the last report or before it, with how often they came again since.
+    /// Problems that were logged, with their repetitions since the last report.
     repeated: BTreeMap<String, u64>,
-    /// Whether problems go back to the client: by the server's own option, or because the client asked for it.
+    /// True to report problems to the client: by the server's own option, or at the client's request.
     report_errors: bool,
-    /// What it has sent and is not executed yet; the turn is given back with the last request.
+    /// Requests that are not executed yet. The turn is given back after the last one.
     requests: std::vec::IntoIter<Request>,
     turn: Option<Turn>,
     /// The client has left.
     is_closed: bool,
-    /// What its requests have cost of late.
+    /// Recent cost of its requests.
     cost: Duration,
 }
 
@@ -62,12 +62,12 @@ impl Session {
         }
     }
 
-    /// Takes what the client has sent. Its turn is held, so nothing of it waits already.
+    /// Takes a segment's requests. The client's turn is held, so no earlier requests are waiting.
     pub(crate) fn take(&mut self, requests: Vec<Request>, turn: Turn) {
         (self.requests, self.turn) = (requests.into_iter(), Some(turn));
     }
 
-    /// The next request to be executed; none while the client does not take the answers that it has already.
+    /// Returns the next request to execute; none while the outbox is full because the client does not read.
     pub(crate) fn next_request(&mut self) -> Option<Request> {
         let next = if self.outbox.has_room() { self.requests.next() } else { None };
         if self.requests.len() == 0 {
@@ -76,27 +76,27 @@ impl Session {
         next
     }
 
-    /// Whether there is a request that can be executed now.
+    /// True if a request can be executed now.
     pub(crate) fn is_ready(&self) -> bool {
         self.requests.len() > 0 && self.outbox.has_room()
     }
 
-    /// Whether the next request makes a robot.
+    /// True if the next request spawns a robot.
     pub(crate) fn is_next_init(&self) -> bool {
         matches!(self.requests.as_slice(), [Request { command: Some(Command::Init(_)), .. }, ..])
     }
 
-    /// The client has left; it is over when all that it had sent is executed.
+    /// Notes that the client has left. The session is over when all its requests are executed.
     pub(crate) fn close(&mut self) {
         self.is_closed = true;
     }
 
-    /// Whether nothing more comes of it.
+    /// True if the client has left and all its requests are executed.
     pub(crate) fn is_over(&self) -> bool {
         self.is_closed && self.requests.len() == 0
     }
 
-    /// What its requests have cost of late.
+    /// Returns the recent cost of its requests.
     pub(crate) fn cost(&self) -> Duration {
         self.cost
     }
@@ -109,27 +109,27 @@ impl Session {
         self.cost /= 2;
     }
 
-    /// The dialect of all its lines; without one, robots decide.
+    /// Returns the dialect of all its lines; if none, robots decide.
     pub(crate) fn dialect(&self) -> Option<Dialect> {
         self.dialect
     }
 
-    /// Address of the client.
+    /// Returns the client's address.
     pub(crate) fn peer(&self) -> &str {
         &self.peer
     }
 
-    /// Lines that came so far.
+    /// Returns the number of lines received so far.
     pub(crate) fn lines(&self) -> u64 {
         self.lines
     }
 
-    /// Periodic lines that were dropped, as far as they have been reported.
+    /// Returns the number of dropped periodic lines, as of the last report.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped
     }
 
-    /// True if the client is told what goes wrong.
+    /// True if problems are reported to the client.
     pub(crate) fn reports_errors(&self) -> bool {
         self.report_errors
     }
@@ -138,7 +138,7 @@ impl Session {
         &self.outbox
     }
 
-    /// Counts a line, and heeds what it says about the connection itself.
+    /// Counts a line, and applies a command about the connection itself.
     pub(crate) fn note(&mut self, command: Option<&Command>) {
         self.lines += 1;
         if let Some(Command::Report(report)) = command {
@@ -146,7 +146,7 @@ impl Session {
         }
     }
 
-    /// Logs what was wrong with a line; returns what the client is told of it, and what was logged.
+    /// Logs the problems of a line. Returns the answers to the client, and the logged warnings.
     pub(crate) fn refuse(&mut self, text: &str, problems: &[Problem], now: Instant) -> (Vec<Message>, Vec<String>) {
         let warnings = problems.iter().filter_map(|problem| self.warn(text, problem, now)).collect();
         let answer = |problem: &Problem| Message::Nfo(Nfo::Error(problem.to_string()));
@@ -154,15 +154,14 @@ impl Session {
         (answers, warnings)
     }
 
-    /// Logs, and returns, what has happened again and again since the last call: problems that were logged before, and periodic
-    /// lines that were dropped.
+    /// Logs and returns what recurred since the last call: repetitions of logged problems, and dropped periodic lines.
     pub(crate) fn report(&mut self) -> Vec<String> {
         let dropped = self.outbox.take_dropped();
         self.dropped += dropped;
         if dropped > 0 {
             warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
         }
-        // One that did not come again is logged in full when it does.
+        // A problem that did not recur is logged in full when it does.
         self.repeated.retain(|_, times| *times > 0);
         let again = self.repeated.iter_mut().map(|(problem, times)| (problem, std::mem::take(times)));
         let more = |times| names::count(usize::try_from(times).unwrap_or(usize::MAX), "time");
@@ -172,7 +171,7 @@ impl Session {
         said
     }
 
-    /// What is said, if it was not said before and this second has room for it.
+    /// Logs a problem and returns the text, unless it is a repetition or the budget of this second is spent.
     fn warn(&mut self, text: &str, problem: &Problem, now: Instant) -> Option<String> {
         let shown = problem.to_string();
         if let Some(times) = self.repeated.get_mut(&shown) {
@@ -195,16 +194,16 @@ impl Session {
     }
 }
 
-/// A number of warnings a second, so that a client cannot fill the disk.
+/// A limit of warnings per second, so that a client cannot fill the disk.
 #[derive(Default)]
 pub(crate) struct Budget {
     second: Option<Instant>,
     spent: u64,
 }
 
-/// Whether the present second has room for another warning.
+/// The answer to a request to log a warning.
 pub(crate) enum Spent {
-    /// Go on; so many were refused in the second before.
+    /// The warning may be logged. `suppressed` warnings were refused in the second before.
     Granted {
         suppressed: u64,
     },

@@ -1,8 +1,8 @@
-//! The page: static files, the scene of the world or of a log as JSON, and two WebSockets: what happens, and the way to the
-//! protocol's own port.
+//! The page: static files, the scene of the world or of a log as JSON, and two WebSockets. One shows the world; the other leads
+//! to the protocol's own port.
 //!
-//! A page of somebody else, open in the same browser, must not get in: a WebSocket's `Origin` has to be the page's own
-//! host, and `Host` an address or a name that no stranger can point here (DNS rebinding).
+//! A foreign page in the same browser must not get in. So a WebSocket's `Origin` must be the page's own host. `Host` must be an
+//! address or a name that no stranger can point here (DNS rebinding).
 
 mod log_scene;
 mod page;
@@ -35,40 +35,40 @@ use crate::WorldControl;
 use crate::connection::Event;
 use crate::live::Channels;
 
-/// Connections to the page at once, WebSockets among them; more wait.
+/// Most connections to the page at once, WebSockets included; more wait.
 const MAX_CONNECTIONS: usize = 256;
-/// Longest time for the head of a request, and for a client that takes nothing of what it has asked for.
+/// Longest time for the head of a request, and for a client to read its response.
 const TIMEOUT: Duration = Duration::from_secs(10);
-/// Pause after an error of accept, which otherwise comes back at once.
+/// Pause after an error of accept, which would otherwise recur at once.
 const BACK_OFF: Duration = Duration::from_millis(100);
 
-/// What the pages need to know.
+/// State that the page's handlers share.
 pub(crate) struct Site {
-    /// The name that the server was told to listen on.
+    /// The host name that the server was told to listen on.
     pub(crate) host: String,
-    /// Where the protocol is spoken.
+    /// Address of the protocol's port.
     pub(crate) protocol: SocketAddr,
     pub(crate) channels: Channels,
     pub(crate) events: Sender<Event>,
-    /// A viewer that takes nothing for this long is disconnected.
+    /// Time after which a viewer that reads nothing is disconnected.
     pub(crate) stall_timeout: Duration,
     pub(crate) world_control: WorldControl,
-    /// How many pages have been opened: each has a number.
+    /// Number of pages opened so far; it numbers the pages.
     pub(crate) pages: AtomicU64,
 }
 
-/// One of the [`MAX_CONNECTIONS`], held as long as the connection lives, also when it has become a WebSocket.
+/// One of the [`MAX_CONNECTIONS`], held while the connection lives, also after it has become a WebSocket.
 pub(crate) type Place = Arc<OwnedSemaphorePermit>;
 
-/// Where a page is open.
+/// Address and rights of a page.
 #[derive(Debug, Clone, Copy)]
 struct Peer {
     address: IpAddr,
-    /// Why it may not control the world.
+    /// The reason why it may not control the world, if any.
     refusal: Option<&'static str>,
 }
 
-/// Serves until it is dropped.
+/// Serves until the future is dropped.
 pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
     let router = Router::new()
         .route("/scene.json", get(scene).post(log_scene::answer))
@@ -104,7 +104,7 @@ pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
 }
 
 async fn serve_connection(stream: TcpStream, router: Router) {
-    // Frames are small and must not wait for each other.
+    // Frames are small and must not wait for each other (Nagle's algorithm).
     let _ = stream.set_nodelay(true);
     let mut http = hyper::server::conn::http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(TIMEOUT);
@@ -125,7 +125,7 @@ fn json(body: Bytes) -> Response {
     ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], body).into_response()
 }
 
-/// Turns strangers' pages away and tells the browser to let this page do no more than it needs.
+/// Refuses foreign pages, and tells the browser to restrict this page to what it needs.
 async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
     if let Err(reason) = check(request.headers(), &site.host, |_| false) {
         return (StatusCode::FORBIDDEN, reason).into_response();
@@ -146,12 +146,12 @@ async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> R
     response
 }
 
-/// Whether a request is meant for this server by a page of its own, or of another origin that is welcome.
+/// Checks that a request is meant for this server, and comes from its own page or from a welcome origin.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// Describes the problem.
 pub(crate) fn check(headers: &HeaderMap, own_name: &str, is_welcome: impl Fn(&str) -> bool) -> Result<(), String> {
-    // What is not text, or stands there twice, is nothing that a browser of ours sends, and not absent.
+    // A header that is not text or appears twice does not come from our page in a browser. It must not count as absent.
     let text = |name: header::HeaderName| -> Option<String> {
         let values: Vec<_> =
             headers.get_all(name).iter().map(|value| String::from_utf8_lossy(value.as_bytes())).collect();

@@ -1,4 +1,4 @@
-//! The thread that owns the world: takes events, steps at its pace, hands messages to the connections.
+//! The thread that owns the world. It takes events, steps at its pace, and sends messages to connections.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -26,24 +26,24 @@ use crate::recording::Recording;
 use crate::session::{Budget, Session, Spent};
 use crate::{Config, ServeError};
 
-/// Longest wait for an event, so that frames and logs are handed over in time even when simulated time crawls.
+/// Longest wait for an event, so that frames and logs are published in time even when simulated time crawls.
 const MAX_WAIT: Duration = Duration::from_millis(2);
-/// Events taken between two steps, so that a flood of them cannot stop time.
+/// Most events taken between two steps, so that a flood of them cannot stop time.
 const MAX_EVENTS_A_STEP: usize = 1024;
-/// Requests of one segment that are executed together whatever they cost, so that a question in INIT's own segment is
-/// answered before the first reading at any speed.
+/// Requests of one segment that are executed together, however much time they take. A question in the segment of an INIT is
+/// then answered before the first reading at any speed.
 const REQUESTS_TOGETHER: usize = 16;
-/// How long one client's requests are executed before another client has its turn.
+/// Time for one client's requests before another client has its turn.
 const SLICE: Duration = Duration::from_millis(1);
-/// Time for requests that can be saved up while a world that is due all the time steps; more only when one step takes more.
+/// Most time for requests that steps can earn while the world is always due. A longer step earns its whole duration.
 const MAX_CREDIT: Duration = Duration::from_millis(4);
-/// What a client has cost counts half after this long.
+/// Time after which the cost of a client counts half.
 const FORGETTING_INTERVAL: Duration = Duration::from_millis(100);
-/// How often dropped lines and repeated problems are reported.
+/// Interval between reports of dropped lines and repeated problems.
 const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Starts the thread. It ends when it is told to or when every sender of events is gone; `gone` is dropped when it ends,
-/// however it does.
+/// Starts the thread. It ends on request, or when every sender of events is gone. `gone` is dropped when the thread ends, even
+/// by a panic.
 pub(crate) fn spawn(
     config: Config,
     events: Receiver<Event>,
@@ -79,7 +79,7 @@ pub(crate) fn spawn(
             forgotten: now,
             controls: Budget::default(),
         };
-        // What is left of the world after a panic is only read.
+        // After a panic the world is only read.
         let result = std::panic::catch_unwind(AssertUnwindSafe(|| server.run(&events)));
         server.end(result.err())
     };
@@ -88,31 +88,31 @@ pub(crate) fn spawn(
 
 struct Server {
     world: World,
-    /// Those that a viewer may change to.
+    /// Maps that a viewer can change to.
     maps: Vec<MapDef>,
     publisher: Publisher,
     timing: Timing,
     pace: Pace,
-    /// How often the world began anew.
+    /// Number of times that the world started over.
     resets: u64,
     report_errors: bool,
     sessions: BTreeMap<ConnectionId, Session>,
     owners: Owners,
-    /// Time that requests may take while the next step is due: as much as steps have taken, so that neither side can hold
-    /// up the other.
+    /// Time that requests may take while a step is due. Steps earn as much as they take, so that neither side can hold up the
+    /// other.
     credit: Duration,
-    /// When what clients have cost was last halved.
+    /// Time when the clients' costs were last halved.
     forgotten: Instant,
-    /// Controls that are logged.
+    /// Limit of controls in the log.
     controls: Budget,
 }
 
-/// How time is to pass.
+/// Timing of the world's steps.
 struct Timing {
-    /// Simulated seconds a real second; 0 is as fast as possible.
+    /// Simulated seconds per real second; 0 is as fast as possible.
     speed: f64,
     paused: bool,
-    /// Steps to be taken while it is paused.
+    /// Steps to take while paused.
     steps: u32,
 }
 
@@ -123,13 +123,13 @@ impl Timing {
     }
 }
 
-/// The server is to stop.
+/// The server must stop.
 struct Stop;
 
 impl Server {
     fn run(&mut self, events: &Receiver<Event>) {
         let mut report = Instant::now();
-        // Nobody can tell it anything any more, or somebody has told it to stop.
+        // An error means that every sender is gone, or that the server must stop.
         while self.take_events(events).is_ok() {
             let now = Instant::now();
             self.publish(now);
@@ -155,7 +155,7 @@ impl Server {
         }
     }
 
-    /// Ends logs and connections; after a panic with a report of it.
+    /// Ends logs and connections. After a panic, also writes a report of it.
     fn end(self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
         self.sessions.values().for_each(|session| session.outbox().close());
         let Some(panic) = panic else {
@@ -190,7 +190,7 @@ impl Server {
         self.credit = (self.credit + took).min(MAX_CREDIT.max(took));
     }
 
-    /// Tells everyone of a robot that the world has removed, and its client where it asked for errors.
+    /// Tells everyone about a robot that the world has removed. Its client is told if it asked for errors.
     fn report_lost(&mut self, LostRobot { id, class, name, fault }: &LostRobot) {
         self.publisher.left(&self.world, *id);
         let text = format!("robot {} ({class} {name}) is removed: {fault}", id.0);
@@ -203,7 +203,7 @@ impl Server {
         }
     }
 
-    /// How long the next step has to wait; a paused world takes only the steps that were asked for.
+    /// Returns the wait before the next step. A paused world takes only the requested steps.
     fn wait(&mut self, now: Instant) -> Duration {
         if self.timing.paused {
             let stepping = self.timing.steps > 0;
@@ -233,7 +233,7 @@ impl Server {
         match event {
             Event::Opened(opened) => {
                 let id = opened.id;
-                // It begins behind those that cost little, so that leaving and coming again gains nothing.
+                // A new client starts at the mean cost, so that leaving and returning gains nothing.
                 let clients = self.sessions.len().max(1) as u32;
                 let mean = self.sessions.values().map(Session::cost).sum::<Duration>() / clients;
                 let mut session = Session::new(opened, self.report_errors);
@@ -257,7 +257,7 @@ impl Server {
             }
             Event::Control(control, actor, _turn) => self.control(control, &actor),
             Event::Fit(ask, answer, _turn) => {
-                // A page that has gone does not want it.
+                // The page may have left.
                 let _ = answer.send(ask.answer(&mut self.world));
             }
             Event::Stop => return Err(Stop),
@@ -265,7 +265,7 @@ impl Server {
         Ok(())
     }
 
-    /// Executes requests while a step is due, for as long as steps have earned.
+    /// Executes requests while a step is due, within the time that steps have earned.
     fn work_on_credit(&mut self, now: Instant) {
         if !self.credit.is_zero() {
             self.work(now + self.credit);
@@ -273,8 +273,8 @@ impl Server {
         }
     }
 
-    /// Executes what clients have sent until there is nothing left or time is up, the client first that has cost least; false
-    /// when there was nothing to do.
+    /// Executes clients' requests until none is left or the deadline has passed, the cheapest client first. Returns false if
+    /// there was nothing to do.
     fn work(&mut self, deadline: Instant) -> bool {
         let mut worked = false;
         while let Some(id) = self.next_client() {
@@ -291,7 +291,7 @@ impl Server {
         worked
     }
 
-    /// The client whose requests are next: with something to execute and room for the answers.
+    /// Returns the cheapest client that has requests and room for the answers.
     fn next_client(&self) -> Option<ConnectionId> {
         let ready = self.sessions.iter().filter(|(_, session)| session.is_ready());
         ready.min_by_key(|(_, session)| session.cost()).map(|(&id, _)| id)
@@ -304,7 +304,7 @@ impl Server {
             let Some(request) = self.sessions.get_mut(&id).and_then(Session::next_request) else { break };
             self.execute(id, &request);
             count += 1;
-            // Many robots in one segment are not to hold up others.
+            // A segment with many robots must not hold up other clients.
             if self.sessions.get(&id).is_some_and(Session::is_next_init) {
                 break;
             }
@@ -315,7 +315,7 @@ impl Server {
         self.end_if_done(id);
     }
 
-    /// Ends a session that is over, once everything that the client had sent is executed.
+    /// Ends a session after its last request is executed, if the client has left.
     fn end_if_done(&mut self, id: ConnectionId) {
         if !self.sessions.get(&id).is_some_and(Session::is_over) {
             return;
@@ -328,7 +328,7 @@ impl Server {
         self.publisher.closed(&self.world, id);
     }
 
-    /// The robots of a connection that has ended leave the world, or only the newest if the world keeps robots.
+    /// Removes the robots of a connection that has ended. If the world keeps robots, only the newest is removed.
     fn remove_robots(&mut self, id: ConnectionId) {
         let robots = self.owners.leave(id);
         let kept = if self.world.options().keep_robots { robots.len().saturating_sub(1) } else { 0 };
@@ -338,7 +338,7 @@ impl Server {
         }
     }
 
-    /// Does what somebody asks of the world, and says to everyone who did it.
+    /// Executes a viewer's request to the world, and tells everyone who made it.
     fn control(&mut self, control: Control, Actor(actor): &Actor) {
         let now = Instant::now();
         if let Spent::Granted { .. } = self.controls.spend(now) {
@@ -379,7 +379,7 @@ impl Server {
         self.publisher.changed(now);
     }
 
-    /// A fresh world on another map; false when there is none of that name.
+    /// Changes to a fresh world on another map. Returns false if no map has that name, or a log does not allow it.
     fn change_map(&mut self, now: Instant, name: &str) -> bool {
         let Some(map) = self.maps.iter().find(|map| map.name == name) else {
             let names: Vec<&str> = self.maps.iter().map(|map| map.name.as_str()).collect();
@@ -392,8 +392,8 @@ impl Server {
         self.start_over(now, fresh)
     }
 
-    /// A fresh world takes the place of the old; everyone who is connected gets their robots back where they were first put, in the
-    /// same order. False when a log does not let it.
+    /// Replaces the world with a fresh one. Connected clients get their robots back at their first poses, in the same order.
+    /// Returns false if a log does not allow it.
     fn start_over(&mut self, now: Instant, fresh: World) -> bool {
         if let Err(error) = self.publisher.may_start_over(now) {
             self.publisher.warn(&self.world, &format!("not reset: {error}"));
@@ -434,7 +434,7 @@ impl Server {
         self.send(id, robot, &answers);
     }
 
-    /// The dialect in which a connection is told of a robot, or of the map: its listener's, or else the robot's.
+    /// Returns the dialect of messages to a connection: its listener's, else the one of the robot's class, else UDK.
     fn dialect(&self, id: ConnectionId, robot: Option<RobotId>) -> Dialect {
         let of_robot = || {
             let robot = robot.and_then(|robot| self.world.robot(robot));
@@ -443,7 +443,7 @@ impl Server {
         self.sessions.get(&id).and_then(Session::dialect).unwrap_or_else(of_robot)
     }
 
-    /// Hands on what a robot has reported in a step.
+    /// Publishes one robot's reports of a step, and sends them to its owner.
     fn report(&mut self, reports: &[(RobotId, Message)]) {
         let Some(&(robot, _)) = reports.first() else { return };
         reports.iter().for_each(|(_, message)| self.publisher.reported(&self.world, robot, message));
@@ -452,7 +452,7 @@ impl Server {
         }
     }
 
-    /// Sends messages of a robot, or about none, that belong together.
+    /// Sends messages that belong together. `robot` is the robot that they are about, if any.
     fn send<'a>(&mut self, id: ConnectionId, robot: Option<RobotId>, messages: impl IntoIterator<Item = &'a Message>) {
         for WrittenLine { line, messages } in message::lines(messages, self.dialect(id, robot)) {
             self.publisher.sent(&self.world, id, robot, &messages, &line);

@@ -1,45 +1,45 @@
-//! Wheels that slide: the twist of a base whose wheels turn as they are told and whose friction is Coulomb's.
+//! Sliding wheels: the twist of a base with prescribed wheel speeds and Coulomb friction.
 //!
-//! A base that is slow, or light against its friction, moves so that the friction of all its contacts balances: two forces and
-//! one moment. Each pushes against its slip with its whole friction, however little it slips, and less only where it does not
-//! slip at all. Those are the conditions for the least of
+//! A base that is slow, or light against its friction, moves so that the friction of all its contacts balances: two forces and one
+//! moment. Each contact that slips, however little, pushes against its slip with its full friction. It pushes with less only if it
+//! does not slip at all. These are the conditions for the minimum of
 //!
 //! ```text
 //! P(twist) = sum over contacts of friction x |slip(twist)|
 //! ```
 //!
-//! the power that friction takes, which is convex: there is one answer, whatever the order of the contacts, and friction
-//! coefficients alone do not change it. A skid-steered base on four equal loads at (+-a, +-b), its sides at +-w R, turns with
-//! w R b / (a^2 + b^2), and not with w R / b as without slip.
+//! the power that friction dissipates. P is convex: there is one solution, whatever the order of the contacts, and a common factor
+//! of all frictions does not change it. A skid-steered base on four equal loads at (+-a, +-b), its sides at +-w R, turns with w R b
+//! / (a^2 + b^2). Without slip it would turn with w R / b.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::Twist;
 
-/// Newton's steps for one smoothing; each takes a handful.
+/// Maximum number of Newton steps per smoothing; a handful is usual.
 const MAX_STEPS: usize = 100;
-/// By how much |slip| is smoothed at first and at last, of the greatest rim speed.
+/// Start and end of the smoothing of |slip|, as a fraction of the greatest rim speed.
 const SMOOTHINGS: [f64; 2] = [1.0, 1e-10];
-/// Each smoothing against the one before.
+/// Ratio of each smoothing to the one before.
 const NEXT: f64 = 0.1;
 
-/// Where a wheel touches the ground.
+/// A contact of a wheel with the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// Forward and to the right in the frame of the base, m.
+    /// Position forward and to the right in the frame of the base, m.
     pub position: [f64; 2],
-    /// The velocity that the base would have here if nothing slid: forward and to the right, m/s. Of a plain wheel that points
-    /// ahead its speed x radius, and 0.
+    /// Velocity that the base would have here without slip: forward and to the right, m/s. For a plain wheel that points ahead it
+    /// is speed x radius, and 0.
     pub rolling: [f64; 2],
-    /// The greatest friction: coefficient x load, N.
+    /// Greatest friction: coefficient x load, N.
     pub friction: f64,
-    /// The only direction in which it can push, a unit vector: the axis of a free roller. None of a plain wheel, which pushes in
-    /// all.
+    /// Unit vector of the only direction in which it can push: the axis of a free roller. `None` for a plain wheel, which pushes in
+    /// all directions.
     pub along: Option<[f64; 2]>,
 }
 
-/// The twist at which the friction of all contacts balances. Where the contacts leave a motion open (none or one; rollers that are
-/// all parallel), the base does not make it.
+/// Returns the twist at which the friction of all contacts balances. The base does not make a motion that the contacts leave open
+/// (none or one; rollers that are all parallel).
 pub fn quasi_static(contacts: &[Contact]) -> Twist {
     let size = contacts.iter().flat_map(|it| it.position).fold(0.0, |most: f64, it| most.max(it.abs()));
     let speed = contacts.iter().flat_map(|it| it.rolling).fold(0.0, |most: f64, it| most.max(it.abs()));
@@ -47,7 +47,7 @@ pub fn quasi_static(contacts: &[Contact]) -> Twist {
     if speed == 0.0 || size == 0.0 || strongest == 0.0 {
         return Twist::default();
     }
-    // Without units: rim speeds and distances of about 1.
+    // Dimensionless: rim speeds and distances are about 1.
     let rows: Vec<Row> = contacts.iter().map(|it| Row::new(it, size, speed, strongest)).collect();
     let mut twist = Vector3::zeros();
     let mut smoothing = SMOOTHINGS[0];
@@ -58,9 +58,9 @@ pub fn quasi_static(contacts: &[Contact]) -> Twist {
     Twist { forward: twist.x * speed, right: twist.y * speed, clockwise: twist.z * speed / size }
 }
 
-/// A contact as its slip: a linear function of the twist.
+/// Slip of a contact as a linear function of the twist.
 struct Row {
-    /// The two components of its slip, or one and nothing.
+    /// Coefficients of the two components of its slip; the second is 0 for a roller.
     of_twist: [Vector3<f64>; 2],
     rolling: Vector2<f64>,
     friction: f64,
@@ -71,7 +71,7 @@ impl Row {
         let [x, y] = contact.position.map(|it| it / size);
         let rolling = Vector2::from(contact.rolling) / speed;
         let friction = contact.friction / strongest;
-        // The velocity at (x, y) of a base that turns clockwise, z being down.
+        // These give the velocity at (x, y) of a base that turns clockwise, with z down.
         let [forward, right] = [Vector3::new(1.0, 0.0, -y), Vector3::new(0.0, 1.0, x)];
         let Some([a, b]) = contact.along else { return Self { of_twist: [forward, right], rolling, friction } };
         let of_twist = [forward * a + right * b, Vector3::zeros()];
@@ -84,7 +84,7 @@ impl Row {
     }
 }
 
-/// Newton's method, damped, from a twist.
+/// Minimises the smoothed power by damped Newton steps from a twist.
 fn least(rows: &[Row], mut twist: Vector3<f64>, smoothing: f64) -> Vector3<f64> {
     let smooth = |slip: &Vector2<f64>| slip.norm().hypot(smoothing);
     let power = |twist: &Vector3<f64>| rows.iter().map(|row| row.friction * smooth(&row.slip(twist))).sum::<f64>();
@@ -118,12 +118,12 @@ mod tests {
     use super::*;
     use crate::Mecanum;
 
-    /// A P3AT on its four wheels: half its wheel base, half its track, its wheels' radius.
+    /// Half the wheel base of a P3AT on its four wheels; then half its track and its wheels' radius.
     const A: f64 = 0.124;
     const B: f64 = 0.18;
     const R: f64 = 0.098;
 
-    /// Wheels at (+-A, +-B) with loads, the left ones at one speed and the right ones at another, rad/s.
+    /// Returns wheels at (+-A, +-B) with loads, the left ones at one speed and the right ones at another, rad/s.
     fn skid(loads: [f64; 4], [left, right]: [f64; 2]) -> Vec<Contact> {
         let wheels = [([A, -B], left), ([A, B], right), ([-A, -B], left), ([-A, B], right)];
         let contact = |((position, speed), friction): (([f64; 2], f64), f64)| Contact {
@@ -172,7 +172,7 @@ mod tests {
     fn rollers_that_push_along_their_axes_alone_are_the_textbook() {
         let youbot = Mecanum { wheel_radius: 0.05, half_wheelbase: 0.228, half_track: 0.158 };
         let wheels = [([0.228, -0.158], 1.0), ([0.228, 0.158], -1.0), ([-0.228, -0.158], -1.0), ([-0.228, 0.158], 1.0)];
-        // Wheels that contradict each other slide by their loads, of which the textbook knows nothing.
+        // Wheels that contradict each other slide according to their loads, which the textbook ignores.
         for speeds in [[1.0; 4], [1.0, -1.0, -1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [2.0, 0.5, 1.0, -0.5]] {
             let contact = |((position, side), speed): (([f64; 2], f64), f64)| {
                 let along = Some([std::f64::consts::FRAC_1_SQRT_2, side * std::f64::consts::FRAC_1_SQRT_2]);
@@ -195,8 +195,7 @@ mod tests {
     }
 
     proptest! {
-        /// Every contact that slides pushes with all its friction, and what those that hold would have to push to balance it is
-        /// within theirs.
+        /// Sliding contacts push with their full friction. The contacts that hold can balance the rest within theirs.
         #[test]
         fn forces_and_moment_balance(contacts in proptest::collection::vec(contact(), 2..9)) {
             let Twist { forward, right, clockwise } = quasi_static(&contacts);

@@ -1,49 +1,49 @@
-//! Mecanum wheels with a finite number of rollers: exact where the textbook takes the mean of none.
+//! Mecanum wheels with a finite number of rollers: exact kinematics, unlike the textbook.
 //!
-//! The roller that touches the ground sits ahead of the lowest point by its phase `phi`, between -pi/N and pi/N. Its
-//! axis (roller angle g to the axle) points along `(sin g cos phi, h cos g)` on the ground, with h = +1 for the front
-//! left and back right wheel and -1 for the others, and it touches beside the hub, at `-h a tan(phi) cot g` along the
-//! axle (a: circle of the roller axes). Without slip along the axis, with the velocity v of the base at that place,
+//! The roller at the ground is ahead of the lowest point by its phase `phi`, between -pi/N and pi/N. Its axis (roller angle g to
+//! the axle) points along `(sin g cos phi, h cos g)` on the ground. h is +1 for the front left and back right wheel and -1 for the
+//! others. The roller touches beside the hub, at `-h a tan(phi) cot g` along the axle (a: circle of the roller axes). Without slip
+//! along the axis, with the velocity v of the base at that point,
 //!
 //! ```text
 //! (v_x - omega R) sin g cos phi + h v_y cos g = 0
 //! ```
 //!
-//! So a wheel of six rollers strafes at cos(phi) R omega: 0.955 of the textbook in the mean, `sin(pi/N)/(pi/N)`.
+//! So a wheel of six rollers strafes at cos(phi) R omega: on average 0.955 of the textbook, `sin(pi/N)/(pi/N)`.
 
 use nalgebra::{Matrix4x3, Vector3, Vector4};
 
 use crate::{Mecanum, Twist};
 
-/// Which way the rollers at the ground point, in the order of the wheels: +1 forward-right, -1 forward-left.
+/// Direction of the rollers at the ground, in the order of the wheels: +1 forward-right, -1 forward-left.
 const HANDS: [f64; 4] = [1.0, -1.0, -1.0, 1.0];
-/// Phases over which a mean is taken.
+/// Number of phases in a mean.
 const SAMPLES: u32 = 1000;
 
 /// A base with four Mecanum wheels of `count` rollers each. Wheel order: front left, front right, back left, back right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FiniteRollers {
-    /// Where the wheels are and how large.
+    /// Positions and size of the wheels.
     pub base: Mecanum,
-    /// Rollers of one wheel.
+    /// Number of rollers per wheel.
     pub count: u32,
     /// Distance of a roller's axis from the wheel's axis, m.
     pub axis_circle: f64,
     /// Angle between the two axes, rad.
     pub angle: f64,
-    /// How far past its front the first roller of each wheel sits when the wheel's angle is 0, rad.
+    /// Angle from the front of each wheel to its first roller at a wheel angle of 0, rad.
     pub first_rollers: [f64; 4],
 }
 
 impl FiniteRollers {
-    /// Phase of the roller at the ground, rad, for the angle that a wheel has turned forward.
+    /// Returns the phase of the roller at the ground, rad, for the angle that a wheel has turned forward.
     pub fn phase(&self, wheel: usize, angle: f64) -> f64 {
         let pitch = std::f64::consts::TAU / f64::from(self.count);
         let ahead = std::f64::consts::FRAC_PI_2 - angle - self.first_rollers[wheel];
         ahead - pitch * (ahead / pitch).round()
     }
 
-    /// Wheel speeds, rad/s, for a twist of the base at the given phases of the wheels.
+    /// Returns the wheel speeds, rad/s, for a twist of the base at the given phases of the wheels.
     pub fn inverse(&self, twist: Twist, phases: [f64; 4]) -> [f64; 4] {
         let motion = Vector3::new(twist.forward, twist.right, twist.clockwise);
         std::array::from_fn(|wheel| {
@@ -52,8 +52,8 @@ impl FiniteRollers {
         })
     }
 
-    /// Twist of the base from wheel speeds, rad/s: exact where the wheels agree, with the least slip along the rollers'
-    /// axes where they do not.
+    /// Returns the twist of the base from wheel speeds, rad/s. It is exact if the wheels agree; otherwise it has the least slip
+    /// along the rollers' axes.
     pub fn forward(&self, speeds: [f64; 4], phases: [f64; 4]) -> Twist {
         let rows: [Vector3<f64>; 4] = std::array::from_fn(|wheel| self.row(wheel, phases[wheel]));
         let matrix = Matrix4x3::from_rows(&rows.map(|row| row.transpose()));
@@ -64,15 +64,15 @@ impl FiniteRollers {
         Twist { forward: twist.x, right: twist.y, clockwise: twist.z }
     }
 
-    /// Velocity to the side over the textbook's for the same wheel speeds, mean over a turn of the wheels.
+    /// Returns the ratio of the sideways velocity to the textbook's at the same wheel speeds, as a mean over a turn of the wheels.
     pub fn mean_lateral_ratio(&self) -> f64 {
         let half_pitch = std::f64::consts::PI / f64::from(self.count);
         self.angle.tan() * half_pitch.sin() / half_pitch
     }
 
-    /// Yaw rate over the textbook's for the same wheel speeds, mean over the phases with all wheels in phase, where
-    /// the wheels disagree a little and slip least: 0.9716 for the youBot. (Each wheel by itself would have 0.9724;
-    /// with the sides in opposite phases it is 0.9708.)
+    /// Returns the ratio of the yaw rate to the textbook's at the same wheel speeds, as a mean over the phases. All wheels are in
+    /// phase, where they disagree a little and slip least: 0.9716 for the youBot. (Each wheel by itself would have 0.9724; with the
+    /// sides in opposite phases it is 0.9708.)
     pub fn mean_rotation_ratio(&self) -> f64 {
         let speeds = [1.0, -1.0, 1.0, -1.0];
         let half_pitch = std::f64::consts::PI / f64::from(self.count);
@@ -83,8 +83,8 @@ impl FiniteRollers {
         sum / f64::from(SAMPLES) / self.base.forward(speeds).clockwise
     }
 
-    /// The velocity along the axis of the roller at the ground for each component of the twist. Its first element is
-    /// also what a rim velocity contributes.
+    /// Returns the velocity along the axis of the roller at the ground for each component of the twist. Its first element is also
+    /// the contribution of a rim velocity.
     fn row(&self, wheel: usize, phase: f64) -> Vector3<f64> {
         let hand = HANDS[wheel];
         let (sin, cos) = self.angle.sin_cos();
@@ -105,7 +105,8 @@ mod tests {
         FiniteRollers { base, count, axis_circle: 0.036, angle: std::f64::consts::FRAC_PI_4, first_rollers: [0.0; 4] }
     }
 
-    /// sin(pi/N)/(pi/N); and turning, what an independent simulation with free rollers found in phase: 0.9715.
+    /// Reference means: sin(pi/N)/(pi/N), and for turning the result of an independent simulation with free rollers in phase,
+    /// 0.9715.
     #[test]
     fn means_are_those_of_the_literature() {
         for (count, lateral) in [(6, 0.9549), (8, 0.9745), (12, 0.9886)] {

@@ -1,7 +1,7 @@
 //! Four Mecanum wheels with rollers at 45 degrees, the textbook model.
 //!
-//! No slip along the roller axis of each wheel, `a_i . (v + w x r_i - omega_i r x) = 0`, gives with
-//! `L = lx + ly` (Muir and Neuman 1987):
+//! Without slip along the roller axis of each wheel, `a_i . (v + w x r_i - omega_i r x) = 0`, and with `L = lx + ly` (Muir and
+//! Neuman 1987):
 //!
 //! ```text
 //! FL = (vx + vy + L w) / r     FR = (vx - vy - L w) / r
@@ -10,13 +10,13 @@
 //!
 //! The roller axes at the ground form a diamond: FL and BR point forward-right, FR and BL forward-left.
 //!
-//! # Where this departs from the thesis, and why
+//! # Departures from the thesis
 //!
-//! The thesis "A KUKA youBot simulation in USARSim" derives Jacobians (6.29) to (6.35) whose lever arm is `ly - lx`
-//! where it is `lx + ly` here, that take circumferences for radii, read a roller's rate as a wheel's speed (whence
-//! a factor sqrt(2)/2 for sideways motion that does not exist), and that stop before the four wheels are solved together.
-//! [`crate::thesis`] has them as printed and corrected, with a test that the corrected ones are this model;
-//! [`Mecanum::slip`] is what no base velocity can explain. Its frame is y forward, x right, z up.
+//! The thesis "A KUKA youBot simulation in USARSim" derives Jacobians (6.29) to (6.35) with several errors. Their lever arm is
+//! `ly - lx` instead of `lx + ly`. They take circumferences for radii. They read a roller's rate as a wheel's speed, hence a factor
+//! sqrt(2)/2 for sideways motion that does not exist. They stop before the four wheels are solved together. [`crate::thesis`] has
+//! them as printed and corrected, with a test that the corrected ones are this model. [`Mecanum::slip`] is the part of the wheel
+//! speeds that no base velocity explains. The frame of the thesis is y forward, x right, z up.
 
 use nalgebra::{Matrix3x4, Matrix4x3, Vector3, Vector4};
 
@@ -34,7 +34,7 @@ pub struct Mecanum {
 }
 
 impl Mecanum {
-    /// Wheel speeds from the twist: the 4 x 3 matrix above, rad/s for m/s and rad/s.
+    /// Returns the 4 x 3 matrix above, from twist to wheel speeds: rad/s for m/s and rad/s.
     pub fn inverse_matrix(&self) -> Matrix4x3<f64> {
         let lever = self.half_wheelbase + self.half_track;
         #[rustfmt::skip]
@@ -47,7 +47,7 @@ impl Mecanum {
         matrix / self.wheel_radius
     }
 
-    /// Twist from the wheel speeds: the least-squares inverse of [`Self::inverse_matrix`].
+    /// Returns the matrix from wheel speeds to twist: the least-squares inverse of [`Self::inverse_matrix`].
     pub fn forward_matrix(&self) -> Matrix3x4<f64> {
         let lever = self.half_wheelbase + self.half_track;
         let turn = 1.0 / lever;
@@ -60,18 +60,19 @@ impl Mecanum {
         matrix * (self.wheel_radius / 4.0)
     }
 
-    /// Twist of the base from the wheel speeds, rad/s.
+    /// Returns the twist of the base from the wheel speeds, rad/s.
     pub fn forward(&self, speeds: [f64; 4]) -> Twist {
         let twist = self.forward_matrix() * Vector4::from(speeds);
         Twist { forward: twist.x, right: twist.y, clockwise: twist.z }
     }
 
-    /// Wheel speeds, rad/s, for a twist of the base.
+    /// Returns the wheel speeds, rad/s, for a twist of the base.
     pub fn inverse(&self, twist: Twist) -> [f64; 4] {
         (self.inverse_matrix() * Vector3::new(twist.forward, twist.right, twist.clockwise)).into()
     }
 
-    /// What no twist explains, rad/s: `FL + FR - BL - BR`. Not zero means that rollers have to slide.
+    /// Returns the part of the wheel speeds that no twist explains, rad/s: `FL + FR - BL - BR`. If it is not zero, rollers have to
+    /// slide.
     pub fn slip([front_left, front_right, back_left, back_right]: [f64; 4]) -> f64 {
         front_left + front_right - back_left - back_right
     }

@@ -12,7 +12,7 @@ pub struct Skid {
 }
 
 impl Skid {
-    /// Twist of the base from the wheel speeds of left and right, rad/s, without slip.
+    /// Returns the twist of the base from the wheel speeds of left and right, rad/s, without slip.
     pub fn forward(&self, [left, right]: [f64; 2]) -> Twist {
         Twist {
             forward: self.wheel_radius * (left + right) / 2.0,
@@ -21,7 +21,7 @@ impl Skid {
         }
     }
 
-    /// Wheel speeds of left and right, rad/s; a velocity to the right is out of reach and ignored.
+    /// Returns the wheel speeds of left and right, rad/s. A velocity to the right is impossible and ignored.
     pub fn inverse(&self, twist: Twist) -> [f64; 2] {
         let turn = twist.clockwise * self.track / 2.0;
         [twist.forward + turn, twist.forward - turn].map(|speed| speed / self.wheel_radius)
@@ -32,7 +32,7 @@ impl Skid {
 mod tests {
     use super::*;
 
-    /// P3AT: its wheels and track from P3AT.uc.
+    /// P3AT with wheels and track from P3AT.uc.
     const P3AT: Skid = Skid { wheel_radius: 0.098, track: 0.36 };
 
     #[test]

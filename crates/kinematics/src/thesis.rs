@@ -1,11 +1,11 @@
-//! The Jacobians of the thesis "A KUKA youBot simulation in USARSim", (6.29) to (6.35), as printed and as meant.
+//! Jacobians of the thesis "A KUKA youBot simulation in USARSim", (6.29) to (6.35), as printed and as meant.
 //!
-//! They are here to be compared with, not to be driven by. Frame of the thesis: x right, y forward, z up, so yaw is
-//! counter-clockwise. Wheel order of the thesis: C1 front right, C2 front left, C3 back left, C4 back right, at
-//! `(±T_x, ±T_y)` with `T_x` half the track and `T_y` half the wheelbase. A wheel's Jacobian maps its rates
-//! (wheel, roller, turning on the spot) to the velocity of the base (x, y, yaw).
+//! They serve for comparison, not for driving. The frame of the thesis is x right, y forward, z up, so yaw is counter-clockwise.
+//! Its wheels are C1 front right, C2 front left, C3 back left, C4 back right. They are at `(±T_x, ±T_y)`, with `T_x` half the track
+//! and `T_y` half the wheelbase. A wheel's Jacobian maps its rates (wheel, roller, turning on the spot) to the velocity of the base
+//! (x, y, yaw).
 //!
-//! What is wrong in them:
+//! Their errors:
 //!
 //! | printed | should be | consequence |
 //! |---|---|---|
@@ -22,30 +22,30 @@ const ROLLER_ANGLES: [f64; 4] = {
     let eta = std::f64::consts::FRAC_PI_4;
     [-eta, eta, -eta, eta]
 };
-/// Signs of `T_x` and `T_y` in the places of C1 to C4.
+/// Signs of `T_x` and `T_y` in the positions of C1 to C4.
 const PLACES: [[f64; 2]; 4] = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
 
-/// Sizes of a base: wheel and roller radius, half track (T_x) and half wheelbase (T_y), m.
+/// Dimensions of a base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sizes {
-    /// Radius of the wheels.
+    /// Radius of the wheels, m.
     pub wheel_radius: f64,
-    /// Radius of the rollers.
+    /// Radius of the rollers, m.
     pub roller_radius: f64,
-    /// Half the track, the thesis's T_x.
+    /// Half the track, the thesis's T_x, m.
     pub half_track: f64,
-    /// Half the wheelbase, the thesis's T_y.
+    /// Half the wheelbase, the thesis's T_y, m.
     pub half_wheelbase: f64,
 }
 
-/// The Jacobians (6.30) to (6.33) letter by letter, at theta = 0.
+/// Returns the Jacobians (6.30) to (6.33) exactly as printed, at theta = 0.
 pub fn printed(sizes: &Sizes) -> [Matrix3<f64>; 4] {
     let (tx, ty) = (sizes.half_track, sizes.half_wheelbase);
     let third = [[ty, tx], [ty, -tx], [-ty, -tx], [-ty, tx]];
     std::array::from_fn(|wheel| jacobian(sizes, wheel, third[wheel]))
 }
 
-/// The same with the third column of Muir and Neuman, `(d_y, -d_x, 1)`.
+/// Returns the Jacobians with the third column of Muir and Neuman, `(d_y, -d_x, 1)`.
 pub fn corrected(sizes: &Sizes) -> [Matrix3<f64>; 4] {
     std::array::from_fn(|wheel| {
         let [x, y] = PLACES[wheel];
@@ -64,11 +64,12 @@ fn jacobian(sizes: &Sizes, wheel: usize, third: [f64; 2]) -> Matrix3<f64> {
     matrix
 }
 
-/// The step that the thesis leaves out: the velocity (x, y, yaw) of the base on which all four wheels agree for these
-/// wheel rates, rad/s in the order C1 to C4, with the rates of the rollers eliminated. `None` if they leave it open.
+/// Solves the step that the thesis leaves out: the velocity (x, y, yaw) of the base on which all four wheels agree. The wheel rates
+/// are in rad/s in the order C1 to C4; the rates of the rollers are eliminated. Returns `None` if the rates leave the velocity
+/// open.
 pub fn base_velocity(jacobians: &[Matrix3<f64>; 4], rates: [f64; 4]) -> Option<Vector3<f64>> {
-    // Across the direction of its roller a wheel holds the base: n . (v - rate c1 - yaw c3) = 0 with n at right angles
-    // to the roller's column.
+    // A wheel holds the base across the direction of its roller: n . (v - rate c1 - yaw c3) = 0, with n at right angles to the
+    // roller's column.
     let normals = jacobians.map(|jacobian| Vector2::new(-jacobian[(1, 1)], jacobian[(0, 1)]).normalize());
     let column = |wheel: usize, index: usize| jacobians[wheel].fixed_view::<2, 1>(0, index).into_owned();
     let rows: [_; 4] = std::array::from_fn(|wheel| {
@@ -88,7 +89,7 @@ mod tests {
     const YOUBOT: Sizes = Sizes { wheel_radius: 0.05, roller_radius: 0.014, half_track: 0.15, half_wheelbase: 0.2355 };
     const TEXTBOOK: Mecanum = Mecanum { half_wheelbase: 0.2355, half_track: 0.15, wheel_radius: 0.05 };
 
-    /// (6.34): the first Jacobian times (0, 1, 0).
+    /// Product of (6.34): the first Jacobian times (0, 1, 0).
     #[test]
     fn the_printed_example_comes_out() {
         let got = printed(&YOUBOT)[0] * Vector3::new(0.0, 1.0, 0.0);
@@ -96,7 +97,7 @@ mod tests {
         assert!((got - Vector3::new(expected, expected, 0.0)).norm() < 1e-12, "{got}");
     }
 
-    /// From front left, front right, back left, back right to C1 to C4; from forward, right, clockwise to x, y, yaw.
+    /// Converts from front left, front right, back left, back right to C1 to C4, and from forward, right, clockwise to x, y, yaw.
     fn textbook([front_left, front_right, back_left, back_right]: [f64; 4]) -> ([f64; 4], Vector3<f64>) {
         let twist = TEXTBOOK.forward([front_left, front_right, back_left, back_right]);
         ([front_right, front_left, back_left, back_right], Vector3::new(twist.right, twist.forward, -twist.clockwise))

@@ -1,10 +1,10 @@
-//! Wrong names: what was most likely meant, and what there is. Every message about one is made of these.
+//! Parts of messages about wrong names: the nearest name, and a list of the known ones.
 
 /// Most names that a message lists.
 const MAX_LISTED: usize = 30;
 
-/// What a wrong name was most likely meant to be. Near is a name of which at most a third of the letters are others, in any case, or
-/// one that begins so.
+/// Returns the known name nearest to a wrong one, in any case. A name is near if at most a third of its letters differ, or if
+/// it begins with the wrong name.
 pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wrong = wrong.to_lowercase();
     let distance = |name: &&str| strsim::damerau_levenshtein(&name.to_lowercase(), &wrong);
@@ -13,12 +13,12 @@ pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     known.into_iter().filter(|name| is_near(name) || begins_so(name)).min_by_key(distance)
 }
 
-/// The nearest name for a message, behind the wrong one or at the end; nothing where none is near.
+/// Returns the nearest name as a suffix of a message; empty if no name is near.
 pub fn did_you_mean<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     nearest(wrong, known).map_or(String::new(), |name| format!(" (did you mean `{name}`?)"))
 }
 
-/// Names for a message.
+/// Lists names in a message.
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();
     let more = names.len().saturating_sub(MAX_LISTED);
@@ -26,7 +26,7 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     if more == 0 { text } else { format!("{text} and {more} more") }
 }
 
-/// A number of things: `1 file`, `2 files`.
+/// Formats a number of things: `1 file`, `2 files`.
 pub fn count(number: usize, thing: &str) -> String {
     let end = if number == 1 { "" } else { "s" };
     format!("{number} {thing}{end}")

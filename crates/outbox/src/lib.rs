@@ -1,29 +1,28 @@
 //! Lines on their way to one client.
 //!
-//! The policy for a client that does not keep up: its oldest periodic lines (STA, SEN) are dropped first and
-//! counted, its answers never. As answers are never dropped, neither the connection nor the world takes a further
-//! command while too many of them wait.
+//! If a client does not keep up, its oldest periodic lines (STA, SEN) are dropped first and counted. Answers are never dropped.
+//! So while too many answers wait, neither the connection nor the world takes a further command.
 //!
-//! In real time a client that keeps up gets each line in a segment of its own: many scripts take one `recv` for one line, and
-//! a longer piece for a line that is cut off.
+//! In real time, a client that keeps up gets each line in its own segment. Many scripts take one `recv` for one line, and a
+//! longer piece for a line that is cut off.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;
 use std::sync::PoisonError;
 use std::task::{Context, Poll, Waker};
 
-// The feature `loom` tries every order in which the threads can meet; see the tests.
+// The feature `loom` tries every interleaving of the threads; see the tests.
 #[cfg(feature = "loom")]
 use loom::sync::{Mutex, MutexGuard};
 #[cfg(not(feature = "loom"))]
 use std::sync::{Mutex, MutexGuard};
 
-/// Bytes of periodic lines that may wait for a client.
+/// Most bytes of periodic lines that wait for a client.
 const MAX_PERIODIC_BYTES: usize = 512 * 1024;
-/// Bytes of answers that may wait before no further command is taken.
+/// Bytes of waiting answers at which no further command is taken.
 const MAX_ANSWER_BYTES: usize = 256 * 1024;
 
-/// Lines that may wait for a client that gets them one by one; with more it is behind, and gets all at once.
+/// Most lines that wait for a client that gets them one by one. With more it is behind, and gets all at once.
 const MAX_PACED_LINES: usize = 64;
 
 /// The queue of one client: filled by the world's thread, emptied by the connection's task.
@@ -39,11 +38,11 @@ struct Queue {
     answer_bytes: usize,
     dropped: u64,
     closed: bool,
-    /// True if time is real, so that lines may leave one by one.
+    /// True in real time, where lines may leave one by one.
     is_paced: bool,
-    /// Who waits for lines: the one that writes them.
+    /// Waker of the task that writes lines, while it waits for lines.
     writer: Option<Waker>,
-    /// Who waits for room: the one that reads commands.
+    /// Waker of the task that reads commands, while it waits for room.
     reader: Option<Waker>,
 }
 
@@ -52,12 +51,12 @@ struct Outgoing {
     periodic: bool,
 }
 
-/// Lines that are written at once.
+/// Lines to write at once.
 #[derive(Debug, PartialEq)]
 pub struct Taken {
     /// Whole lines with their ends.
     pub text: String,
-    /// True for a single line that wants a segment of its own.
+    /// True for a single line that needs its own segment.
     pub is_paced: bool,
 }
 
@@ -77,7 +76,7 @@ impl Outbox {
         wake(writer);
     }
 
-    /// Nothing more is added; what waits is still sent.
+    /// Closes the queue: later lines are ignored, but waiting lines are still sent.
     pub fn close(&self) {
         let mut queue = self.lock();
         queue.closed = true;
@@ -87,12 +86,13 @@ impl Outbox {
         wake(reader);
     }
 
-    /// Lets lines leave one by one, or together.
+    /// Selects if lines leave one by one or together.
     pub fn set_paced(&self, is_paced: bool) {
         self.lock().is_paced = is_paced;
     }
 
-    /// Waits for lines and takes all of them, or one where they leave one by one; `None` when the queue is closed and empty.
+    /// Waits for lines and takes all of them, or only one if lines leave one by one. Returns `None` if the queue is closed and
+    /// empty.
     pub async fn take(&self) -> Option<Taken> {
         poll_fn(|context| self.poll_take(context)).await
     }
@@ -115,7 +115,7 @@ impl Outbox {
         Poll::Ready(Some(Taken { text, is_paced }))
     }
 
-    /// Whether the client has taken enough of its answers to be given more.
+    /// True if the client has read enough of its answers to get more.
     pub fn has_room(&self) -> bool {
         self.lock().has_room()
     }
@@ -133,13 +133,13 @@ impl Outbox {
         .await;
     }
 
-    /// Bytes that the client has not been sent yet.
+    /// Returns the number of bytes that the client has not been sent yet.
     pub fn waiting_bytes(&self) -> usize {
         let queue = self.lock();
         queue.periodic_bytes + queue.answer_bytes
     }
 
-    /// Periodic lines dropped since the last call.
+    /// Returns the number of periodic lines dropped since the last call.
     pub fn take_dropped(&self) -> u64 {
         std::mem::take(&mut self.lock().dropped)
     }
@@ -150,7 +150,7 @@ impl Outbox {
     }
 }
 
-/// Wakes without the lock, which the one that is woken takes first.
+/// Wakes a task. The lock must be free, because the task takes it first.
 fn wake(waker: Option<Waker>) {
     if let Some(waker) = waker {
         waker.wake();
@@ -185,7 +185,7 @@ impl Queue {
 #[cfg(test)]
 #[cfg(feature = "loom")]
 mod model {
-    //! Every order in which world, writer and reader can meet: `make loom`.
+    //! Every interleaving of world, writer and reader: `make loom`.
 
     use std::sync::Arc;
 
@@ -243,7 +243,7 @@ mod model {
 mod tests {
     use super::*;
 
-    /// The value of a future that is ready.
+    /// Returns the value of a future that is ready.
     fn block_on<T>(future: impl Future<Output = T>) -> T {
         match std::pin::pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
             Poll::Ready(value) => value,
@@ -268,7 +268,7 @@ mod tests {
             let rest: usize = (expected..count).map(|number| format!("SEN {number}\r\n").len()).sum();
             assert_eq!(outbox.waiting_bytes(), rest, "{count} {is_paced}");
         }
-        // Who leaves waits for nothing.
+        // After closing, all lines leave together.
         let outbox = fill(3, true);
         outbox.close();
         let all = Taken { text: "SEN 0\r\nSEN 1\r\nSEN 2\r\n".to_owned(), is_paced: false };

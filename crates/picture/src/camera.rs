@@ -4,24 +4,24 @@ use nalgebra::{Point3, Vector3};
 
 use crate::raster::axes;
 
-/// A camera. World frame, m; up is -z.
+/// A camera in the world frame, m; up is -z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Position of the eye.
     pub eye: Point3<f64>,
-    /// Place in the middle of the picture.
+    /// Point in the middle of the picture.
     pub target: Point3<f64>,
     /// Angle from the lower to the upper edge, rad.
     pub field_of_view: f64,
 }
 
-/// Part of the picture's width and height that is used.
+/// Fraction of the picture's width and height that is used.
 const FILLING: f64 = 0.94;
-/// Least distance from the eye to what is looked at, m.
+/// Least distance from the eye to the nearest point, m.
 const LEAST_DISTANCE: f64 = 0.05;
 
 impl Camera {
-    /// Looks in a direction from as near as all of some places are in a picture of that width and height.
+    /// Creates a camera that looks in a direction, as near as possible with all points in a picture of this width and height.
     pub fn fitting(places: &[Point3<f64>], ahead: Vector3<f64>, field_of_view: f64, size: [usize; 2]) -> Self {
         let axes = axes(ahead);
         let tangent = FILLING * (field_of_view / 2.0).tan();
@@ -29,7 +29,7 @@ impl Camera {
         let local: Vec<[f64; 3]> = places.iter().map(|place| axes.map(|axis| place.coords.dot(&axis))).collect();
         let far = local.iter().map(|place| place[2]).fold(f64::MIN, f64::max);
         let near = local.iter().map(|place| place[2]).fold(f64::MAX, f64::min);
-        // A place is in the picture while |across - eye| <= tangent (depth - eye's depth), for each of both axes.
+        // A point is in the picture while |across - eye| <= tangent (depth - eye's depth), for each of both axes.
         let mut eye = [0.0, 0.0, near - LEAST_DISTANCE];
         for (axis, tangent) in tangents.into_iter().enumerate() {
             let low = local.iter().map(|place| place[axis] - tangent * place[2]).fold(f64::MIN, f64::max);

@@ -1,8 +1,8 @@
 //! Pictures of a world without a graphics card.
 //!
-//! Triangles with a depth buffer, light from one side with a shadow map, and a grid of a metre on the floor. What is drawn is
-//! what collides; only the hubs between a wheel's rollers are for the eye. (The crate `euc` draws triangles too, but has had
-//! no release since 2020.)
+//! The renderer draws triangles with a depth buffer, light from one side with a shadow map, and a grid of a metre on the floor. It
+//! draws a map's solids, and a robot's visuals or else its colliding shapes. The hubs between a wheel's rollers are drawn for looks
+//! only. (The crate `euc` draws triangles too, but has had no release since 2020.)
 
 mod camera;
 mod mesh;
@@ -16,40 +16,40 @@ pub use camera::Camera;
 use mesh::Floor;
 use raster::{Depths, Projection};
 
-/// A picture, 8 bits of red, green and blue a pixel, rows from above.
+/// An image with 8 bits of red, green and blue per pixel, rows from the top.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
-    /// Pixels in a row.
+    /// Number of pixels in a row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// Red, green and blue.
+    /// Red, green and blue of each pixel.
     pub pixels: Vec<[u8; 3]>,
 }
 
-/// Pixels along an edge that make one of the picture.
+/// Number of samples along the edge of a pixel.
 const SAMPLES: usize = 3;
-/// Samples whose depths are in memory at once: 64 MB. A large picture is drawn in bands.
+/// Maximum number of samples with depths in memory at once: 64 MB. A large picture is drawn in bands.
 const BAND: usize = 4 << 20;
-/// Pixels along an edge of the shadow map.
+/// Number of pixels along an edge of the shadow map.
 const SHADOW_SIZE: usize = 2048;
-/// Half the width of what throws shadows, over the distance from eye to target.
+/// Half the width of the area that casts shadows, over the distance from eye to target.
 const SHADOW_REACH: f64 = 1.5;
-/// A shadow's surface is nearer to the light by at least this part of the reach.
+/// Least distance between a shadow's caster and a shaded surface, as a fraction of the reach.
 const SHADOW_MARGIN: f64 = 0.002;
-/// Toward the light.
+/// Direction toward the light.
 const LIGHT: [f64; 3] = [0.35, -0.6, -1.0];
-/// Part of the light that comes from everywhere.
+/// Ambient fraction of the light.
 const AMBIENT: f64 = 0.5;
-/// Above the horizon, and far away.
+/// Colour above the horizon and far away.
 const SKY: [f64; 3] = [0.91, 0.93, 0.95];
-/// Where the world begins to fade into the sky, and has, over the distance of what is looked at, but not below a few metres.
+/// Start and end of the fade into the sky, over the distance from eye to target. That distance counts as at least a few metres.
 const FADE: [f64; 2] = [3.0, 16.0];
 const LEAST_FADE_UNIT: f64 = 5.0;
 /// Half the width of a line of the grid, m.
 const GRID_LINE: f64 = 0.006;
 
-/// Draws a scene at a moment. Width and height are pixels.
+/// Draws a snapshot of a world. Width and height are in pixels.
 pub fn picture(def: &WorldDef, snapshot: &Snapshot, camera: &Camera, width: usize, height: usize) -> Image {
     let (triangles, floors) = mesh::scene(def, snapshot);
     let whole = Projection::perspective(camera, width * SAMPLES, height * SAMPLES);
@@ -96,7 +96,7 @@ pub fn picture(def: &WorldDef, snapshot: &Snapshot, camera: &Camera, width: usiz
     Image { width, height, pixels }
 }
 
-/// The colour of a floor with its lines, one a metre and a stronger one every five.
+/// Returns the colour of a floor with its grid lines, one per metre and a stronger one every five.
 fn grid(colour: [f64; 3], place: &Point3<f64>, distance: f64) -> Vector3<f64> {
     // Lines get wider with the distance, so that they do not flicker from pixel to pixel.
     let half = GRID_LINE + 0.0012 * distance;
@@ -113,7 +113,7 @@ fn grid(colour: [f64; 3], place: &Point3<f64>, distance: f64) -> Vector3<f64> {
 }
 
 impl Image {
-    /// The picture as a PNG file.
+    /// Encodes the image as a PNG file.
     ///
     /// # Errors
     /// When it has no pixels.
@@ -128,10 +128,11 @@ impl Image {
     }
 }
 
-/// Pictures of one size as a moving one, an animated PNG that begins again at its end. Of each after the first only the box that
-/// has changed is written, so a camera that stands still makes small files.
+/// Encodes images of one size as an animated PNG that repeats. Each frame after the first holds only the box that changed, so a
+/// camera that stands still makes small files.
 ///
 /// # Errors
+/// When there is no image, or it has no pixels.
 /// When there is no picture, or it has no pixels.
 pub fn film(pictures: &[Image], frames_per_second: u16) -> Result<Vec<u8>, png::EncodingError> {
     let (width, height) = pictures.first().map_or((0, 0), |first| (first.width, first.height));
@@ -158,7 +159,7 @@ pub fn film(pictures: &[Image], frames_per_second: u16) -> Result<Vec<u8>, png::
 }
 
 impl Image {
-    /// Left, top, width and height of the box in which another picture of the same size differs; a pixel where none does.
+    /// Returns left, top, width and height of the box in which an image of the same size differs, or one pixel if none does.
     fn changed_since(&self, before: &Self) -> [usize; 4] {
         let changed = self.pixels.iter().zip(&before.pixels).enumerate().filter(|(_, (now, then))| now != then);
         let places = changed.map(|(index, _)| [index % self.width, index / self.width]);
@@ -192,7 +193,7 @@ mod tests {
         picture(world.def(), &world.snapshot(), &Camera { eye, target, field_of_view: 0.6 }, 90, 60)
     }
 
-    /// Red, green and blue at a part of width and height.
+    /// Returns red, green and blue at fractions of width and height.
     fn at(image: &Image, x: f64, y: f64) -> [u8; 3] {
         image.pixels[(y * image.height as f64) as usize * image.width + (x * image.width as f64) as usize]
     }
@@ -203,7 +204,7 @@ mod tests {
         let is_orange = |[red, green, blue]: [u8; 3]| red > 180 && green < 140 && blue < 80;
         assert!(is_orange(at(&image, 0.5, 0.5)) && !is_orange(at(&empty, 0.5, 0.5)));
         assert!(!is_orange(at(&image, 0.1, 0.5)));
-        // It is longer than wide, and its length is x, which is up.
+        // It is longer than wide; its length is along x, which is up in the picture.
         let count = |pixels: &mut dyn Iterator<Item = [u8; 3]>| pixels.filter(|&pixel| is_orange(pixel)).count();
         let column = count(&mut (0..60).map(|y| image.pixels[y * 90 + 45]));
         let row = count(&mut (0..90).map(|x| image.pixels[30 * 90 + x]));
@@ -213,7 +214,7 @@ mod tests {
 
     #[test]
     fn a_picture_of_several_bands_is_that_of_one() {
-        // Wide and low: the upper half is more than a band.
+        // The picture is larger than a band.
         let world = world(true);
         let (eye, target) = (Point3::new(-2.0, 0.3, -1.0), Point3::new(0.0, 0.0, -0.1));
         let camera = Camera { eye, target, field_of_view: 0.6 };

@@ -1,25 +1,25 @@
-//! A world as triangles, and its floors without end as planes.
+//! Conversion of a world to triangles, and of its infinite floors to planes.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use scene::{Drawn, Geometry, Pose, RobotDef, RobotSnapshot, Shape, Snapshot, WorldDef};
 
-/// A piece of surface.
+/// A triangle of a surface.
 pub(crate) struct Triangle {
     pub(crate) corners: [Point3<f64>; 3],
     pub(crate) colour: [f64; 3],
 }
 
-/// A plane without end.
+/// An infinite plane.
 pub(crate) struct Floor {
     place: Point3<f64>,
-    /// Out of the ground.
+    /// Normal, out of the ground.
     pub(crate) normal: Vector3<f64>,
     pub(crate) colour: [f64; 3],
 }
 
-/// Corners around a cylinder, a ball or a roller.
+/// Number of corners around a cylinder, a ball or a roller.
 const SEGMENTS: u32 = 24;
 
 impl Triangle {
@@ -30,14 +30,14 @@ impl Triangle {
 }
 
 impl Floor {
-    /// Where a ray from a place meets it.
+    /// Returns the distance along a ray to the floor.
     pub(crate) fn distance(&self, from: &Point3<f64>, ray: &Vector3<f64>) -> Option<f64> {
         let distance = (self.place - from).dot(&self.normal) / ray.dot(&self.normal);
         (distance > 0.0 && distance.is_finite()).then_some(distance)
     }
 }
 
-/// Everything that is to be seen.
+/// Returns the triangles and floors of a snapshot.
 pub(crate) fn scene(def: &WorldDef, snapshot: &Snapshot) -> (Vec<Triangle>, Vec<Floor>) {
     let map = &def.map;
     let mut scene = Scene::default();
@@ -116,7 +116,7 @@ impl Scene {
         }
     }
 
-    /// An outline turned about the x axis: places along it and radii, closed at both ends.
+    /// Adds an outline revolved about the x axis: positions along it and radii, closed at both ends.
     fn add_lathe(&mut self, outline: &[[f64; 2]], pose: &Pose, colour: [f64; 3]) {
         let ends = [outline.first(), outline.last()].map(|end| end.map_or([0.0; 2], |&[along, _]| [along, 0.0]));
         let closed: Vec<[f64; 2]> =

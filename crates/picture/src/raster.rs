@@ -1,19 +1,19 @@
-//! Triangles to pixels, with the nearest kept.
+//! Rasterizer of triangles with a depth buffer.
 
 use nalgebra::{Point3, Vector3};
 
 use crate::Camera;
 
-/// Nearer than this to the eye nothing is drawn, m.
+/// Distance of the near plane from the eye, m.
 const NEAR: f64 = 0.02;
 
-/// How places of the world become pixels.
+/// Projection of points in the world to pixels.
 pub(crate) struct Projection {
     eye: Point3<f64>,
     right: Vector3<f64>,
     down: Vector3<f64>,
     ahead: Vector3<f64>,
-    /// Pixels a unit.
+    /// Pixels per unit.
     scale: f64,
     middle: [f64; 2],
     is_perspective: bool,
@@ -25,7 +25,7 @@ impl Projection {
         Self::new(camera.eye, camera.target - camera.eye, scale, [width, height], true)
     }
 
-    /// As the light sees it that comes from a direction.
+    /// Creates the view of a light that shines from a direction.
     pub(crate) fn parallel(target: Point3<f64>, toward: Vector3<f64>, reach: f64, size: usize) -> Self {
         let eye = target + toward.normalize() * (10.0 * reach);
         Self::new(eye, -toward, size as f64 / 2.0 / reach, [size, size], false)
@@ -36,29 +36,29 @@ impl Projection {
         Self { eye, right, down, ahead, scale, middle: size.map(|size| size as f64 / 2.0), is_perspective }
     }
 
-    /// Returns a view whose first row is farther down.
+    /// Returns a view with its first row farther down.
     pub(crate) fn below(&self, row: usize) -> Self {
         Self { middle: [self.middle[0], self.middle[1] - row as f64], ..*self }
     }
 
-    /// Direction from the eye through the middle of a pixel, of length 1.
+    /// Returns the unit vector from the eye through the middle of a pixel.
     pub(crate) fn ray(&self, x: usize, y: usize) -> Vector3<f64> {
         let [x, y] = [(x, 0), (y, 1)].map(|(pixel, axis)| (pixel as f64 + 0.5 - self.middle[axis]) / self.scale);
         (self.ahead + self.right * x + self.down * y).normalize()
     }
 
-    /// Distance from the eye along a ray to what has a depth.
+    /// Returns the distance from the eye along a ray to a depth.
     pub(crate) fn distance(&self, depth: f64, ray: &Vector3<f64>) -> f64 {
         depth / ray.dot(&self.ahead)
     }
 
-    /// Right, down and ahead of the eye, m.
+    /// Returns the coordinates right, down and ahead of the eye, m.
     fn local(&self, place: &Point3<f64>) -> Vector3<f64> {
         let from_eye = place - self.eye;
         Vector3::new(from_eye.dot(&self.right), from_eye.dot(&self.down), from_eye.dot(&self.ahead))
     }
 
-    /// Column, row, and what is linear between pixels: the depth, or of a perspective one over it.
+    /// Returns the column, the row, and a value that is linear between pixels: the depth, or its inverse in a perspective.
     fn pixel(&self, local: &Vector3<f64>) -> [f64; 3] {
         let shrink = if self.is_perspective { 1.0 / local.z } else { 1.0 };
         let linear = if self.is_perspective { 1.0 / local.z } else { local.z };
@@ -66,7 +66,7 @@ impl Projection {
         [x + self.middle[0], y + self.middle[1], linear]
     }
 
-    /// Column and row of a place in front of the eye.
+    /// Returns the column and row of a point in front of the eye.
     #[cfg(test)]
     pub(crate) fn pixel_of(&self, place: &Point3<f64>) -> Option<[f64; 2]> {
         let local = self.local(place);
@@ -79,18 +79,19 @@ impl Projection {
     }
 }
 
-/// Right, down and ahead of an eye that looks in a direction. z is down; straight from above x is up in the picture.
+/// Returns the axes right, down and ahead of an eye that looks in a direction. z is down; straight from above, x is up in the
+/// picture.
 pub(crate) fn axes(ahead: Vector3<f64>) -> [Vector3<f64>; 3] {
     let ahead = ahead.normalize();
     let right = Vector3::z().cross(&ahead).try_normalize(1e-6).unwrap_or_else(Vector3::y);
     [right, ahead.cross(&right), ahead]
 }
 
-/// What is nearest in each pixel.
+/// Depth buffer with the nearest triangle of each pixel.
 pub(crate) struct Depths {
     width: usize,
     height: usize,
-    /// Depth, and the number of the triangle.
+    /// Depth and number of the triangle.
     nearest: Vec<(f64, u32)>,
 }
 
@@ -99,13 +100,13 @@ impl Depths {
         Self { width, height, nearest: vec![(f64::INFINITY, u32::MAX); width * height] }
     }
 
-    /// Depth of what is in a pixel, and its number.
+    /// Returns the depth and the triangle number in a pixel.
     pub(crate) fn at(&self, x: usize, y: usize) -> Option<(f64, usize)> {
         let (depth, index) = self.nearest[y * self.width + x];
         (index != u32::MAX).then_some((depth, index as usize))
     }
 
-    /// Draws a triangle by its number.
+    /// Draws a triangle with a number.
     pub(crate) fn add(&mut self, projection: &Projection, corners: &[Point3<f64>; 3], index: usize) {
         let local = corners.map(|corner| projection.local(&corner));
         let polygon = if projection.is_perspective { in_front(&local) } else { local.to_vec() };
@@ -114,7 +115,7 @@ impl Depths {
         }
     }
 
-    /// Whether something is nearer to the eye than a place, by more than a margin.
+    /// True if something is nearer to the eye than a point, by more than a margin.
     pub(crate) fn hides(&self, projection: &Projection, place: &Point3<f64>, margin: f64) -> bool {
         let local = projection.local(place);
         let [x, y, _] = projection.pixel(&local);
@@ -148,12 +149,12 @@ impl Depths {
     }
 }
 
-/// Twice the area of a triangle, signed.
+/// Returns twice the signed area of a triangle.
 fn edge(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// The part of a triangle that is in front of the eye, as a polygon.
+/// Clips a triangle to the part in front of the eye, as a polygon.
 fn in_front(corners: &[Vector3<f64>; 3]) -> Vec<Vector3<f64>> {
     let mut polygon = Vec::with_capacity(4);
     for index in 0..3 {

@@ -8,12 +8,12 @@ use foxglove::messages::{
 };
 use scene::{Drawn, Geometry, Link, MapDef, Pose, RobotDef, Shape};
 
-/// Edge of the square that stands for a plane without end, m.
+/// Edge of the square that represents an infinite plane, m.
 const PLANE_EDGE: f64 = 100.0;
 /// Thickness of that square, m.
 const PLANE_THICKNESS: f64 = 0.01;
 
-/// What stands on a map, and what can be pushed, in frames of their own.
+/// Draws the solids of a map in the world, and each of its objects in the object's frame.
 pub(crate) fn map(map: &MapDef) -> Vec<SceneEntity> {
     let solid = |frame: &str, solid: &scene::Solid, pose: &Pose| {
         let mut drawn = entity(frame, &solid.name);
@@ -30,7 +30,7 @@ pub(crate) fn object_frame(number: usize) -> String {
     format!("object/{number}")
 }
 
-/// A robot's body in its frame, and what hangs on it each in the frame of its name below that.
+/// Draws a robot: its body in its frame, and every other link in the frame of its name below that.
 pub(crate) fn robot(frame: &str, def: &RobotDef) -> Vec<SceneEntity> {
     let link = |(number, (link, pieces)): (usize, (&Link, Vec<Drawn>))| {
         let mut drawn = match number {
@@ -49,7 +49,7 @@ pub(crate) fn robot(frame: &str, def: &RobotDef) -> Vec<SceneEntity> {
     def.drawn().enumerate().map(link).collect()
 }
 
-/// An outline turned about the x axis of a pose as cones.
+/// Converts an outline turned about the x axis of a pose to cones.
 fn cones(outline: &[[f64; 2]], pose: &Pose, colour: Color) -> impl Iterator<Item = CylinderPrimitive> {
     outline.windows(2).map(move |ends| {
         let ([from, bottom], [to, top]) = (ends[0], ends[1]);
@@ -110,7 +110,7 @@ fn colour([r, g, b]: [f64; 3]) -> Color {
     Color { r, g, b, a: 1.0 }
 }
 
-/// A pose as Foxglove writes it, with the same bits.
+/// Converts a pose to Foxglove's form, with the same bits.
 pub(crate) fn fox_pose(pose: &Pose) -> FoxPose {
     let [x, y, z] = pose.translation.vector.into();
     let [i, j, k, w] = pose.rotation.coords.into();

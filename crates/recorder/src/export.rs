@@ -1,4 +1,4 @@
-//! Logs in the formats of others.
+//! Export of logs to other formats.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -20,7 +20,7 @@ use crate::table::Table;
 use crate::writer::refused;
 use crate::{Log, Record, RecordError, Sensed, WireLine};
 
-/// Writes a table as Parquet, every column of doubles.
+/// Writes a table as Parquet, with every column as doubles.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -43,12 +43,12 @@ pub fn parquet(table: &Table, path: &Path) -> Result<(), RecordError> {
     write().map_err(|reason| refused(path, reason))
 }
 
-/// Writes the messages of [`crate::ros2`] that the server would have written, to a file.
+/// Writes a log as the messages of [`crate::ros2`] that the server would have written.
 ///
 /// # Errors
-/// When the log has no scene that a world can be made of, or the file cannot be written.
+/// When the log has no valid scene, or the file cannot be written.
 pub fn ros2(log: &Log, path: &Path) -> Result<(), RecordError> {
-    // Without it nothing is known of its sensors.
+    // The scene describes the sensors.
     let world = log.scene().map_err(|reason| refused(path, reason))?;
     let mut file = crate::ros2::begin(storage(path).map_err(|reason| refused(path, reason))?, path)?;
     let mut ros2 = Ros2::new(&world);
@@ -68,7 +68,7 @@ pub fn ros2(log: &Log, path: &Path) -> Result<(), RecordError> {
     file.finish()
 }
 
-/// What sensors measured, out of the line that says it: a log has no more, and a name for a sensor's number.
+/// Extracts the readings from a sent line. A log has only the line, and the sensor's name instead of its number.
 fn sensed(world: &WorldDef, classes: &BTreeMap<u64, &str>, line: &WireLine) -> Vec<Record> {
     let Some(robot) = line.robot.filter(|_| line.line.starts_with("SEN")) else { return Vec::new() };
     let Some(def) = classes.get(&robot).and_then(|class| world.robots.get(*class)) else { return Vec::new() };

@@ -14,15 +14,15 @@ use crate::records::MAX_RECORD_BYTES;
 use crate::writer::refused;
 use crate::{Publish, RecordError};
 
-/// Largest message or metadata: a chunk that has it beside the megabyte that chunks have can still be read.
+/// Largest message or metadata, bytes. A chunk with it and the usual megabyte of a chunk can still be read.
 const MAX_BYTES: usize = MAX_RECORD_BYTES - (4 << 20);
 
-/// What a log is written to, from its beginning to its end: a file, or in a test one that fails.
+/// The storage of one log: a file, or in a test a storage that fails.
 pub trait Storage: Write + Send {
     /// Waits until everything is on the disk.
     ///
     /// # Errors
-    /// When it is not.
+    /// When the storage fails.
     fn sync(&mut self) -> io::Result<()>;
 }
 
@@ -32,12 +32,12 @@ impl Storage for File {
     }
 }
 
-/// The file of a log, empty, and locked against others who write logs.
+/// Opens the file of a log, empty, and locked against other writers of logs.
 ///
 /// # Errors
-/// When it cannot be written, or somebody writes it.
+/// When the file cannot be written, or another program is writing it.
 pub fn storage(path: &Path) -> io::Result<Box<dyn Storage>> {
-    // What is in it is lost only when it is ours.
+    // The old content is lost only after the file is locked.
     let file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => {
@@ -52,20 +52,20 @@ pub fn storage(path: &Path) -> io::Result<Box<dyn Storage>> {
     Ok(Box::new(file))
 }
 
-/// A file that is being written. A chunk is made in memory and written whole, so a file that is cut off has no half-written
+/// A file that is being written. A chunk is built in memory and written whole, so a file that is cut off has no half-written
 /// lengths.
 pub(crate) struct LogFile {
     path: PathBuf,
     writer: Writer<NoSeek<BufWriter<Box<dyn Storage>>>>,
     channels: BTreeMap<String, u16>,
     sequence: u32,
-    /// Whole second of the last message: each second ends a chunk, so that a file that is cut off loses less than one.
+    /// Whole second of the last message. Each second ends a chunk, so that a file that is cut off loses less than one.
     second: u64,
     buffer: Vec<u8>,
 }
 
 impl LogFile {
-    /// Begins the file. The path is its name in messages, the profile is MCAP's: empty, or `ros2`.
+    /// Begins the file. `path` names it in errors; `profile` is MCAP's: empty, or `ros2`.
     pub(crate) fn begin(storage: Box<dyn Storage>, path: &Path, profile: &str) -> Result<Self, RecordError> {
         let library = concat!("usarsim ", env!("CARGO_PKG_VERSION"));
         let options = WriteOptions::new().compression(Some(Compression::Lz4)).profile(profile).library(library);
@@ -74,12 +74,12 @@ impl LogFile {
         Ok(Self { path, writer, channels: BTreeMap::new(), sequence: 0, second: 0, buffer: Vec::new() })
     }
 
-    /// Does something with the file; what goes wrong is said with its name.
+    /// Runs an operation on the file; its errors name the file.
     pub(crate) fn with<T>(&mut self, act: impl FnOnce(&mut Self) -> McapResult<T>) -> Result<T, RecordError> {
         act(self).map_err(|reason| refused(&self.path, reason))
     }
 
-    /// Its name.
+    /// Returns its name.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
@@ -99,7 +99,7 @@ impl LogFile {
         Ok(channel)
     }
 
-    /// Ends the chunk and hands everything to the operating system.
+    /// Ends the chunk and flushes everything to the operating system.
     pub(crate) fn flush(&mut self) -> McapResult<()> {
         self.writer.flush()
     }

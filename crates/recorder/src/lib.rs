@@ -1,13 +1,13 @@
-//! The log of a run: every line in and out, and where the robots are, in an MCAP file.
+//! The log of a run: every line in and out, and the states of robots and objects, in an MCAP file.
 //!
-//! Simulated time is log time. Messages are protobuf; [`native`] has the channels, `proto/usarsim.proto` our own messages. Beside
-//! them stand Foxglove's, so that a log opens as a moving scene. The metadata `run` holds the scene with every number in
-//! effect, seed and time step; `end` the digest of the world. [`ros2`] writes the same as messages of ROS 2 to a file of its
-//! own.
+//! Simulated time is log time. Messages are protobuf: [`native`] has the channels, and `proto/usarsim.proto` our own messages.
+//! Foxglove's messages stand beside them, so that a log opens as a moving scene. The metadata `run` holds the scene with every
+//! number in effect, seed and time step. The metadata `end` holds the digest of the world. [`ros2`] writes the run as messages
+//! of ROS 2 to a separate file.
 //!
-//! [`Live`] gives the same messages to who watches.
-//! For a live world writing happens on a thread of its own, so that a slow disk does not hold up the world; what is written reaches
-//! the file at least once a second, so a killed process leaves a file that reads up to there.
+//! [`Live`] streams the messages to viewers. For a live world, a separate thread writes the file, so that a slow disk does not
+//! hold up the world. Records reach the file at least once a second. So a killed process leaves a file that can be read up to
+//! there.
 
 mod drawing;
 pub mod export;
@@ -36,19 +36,19 @@ use gamebots_proto::message::{Message, Reading, Sen};
 use mcap::McapResult;
 use scene::{MapDef, Pose, Snapshot};
 
-/// Seconds between two recorded states of the robots.
+/// Interval between two recorded states of the robots, s.
 pub const STATE_INTERVAL: f64 = 0.02;
-/// The newest format of logs that is read, and the one that is written. 1, which logs do not say of themselves: robots are
-/// bodies with wheels. 2: robots are trees of links.
+/// The newest format of logs, which is written; older ones are read, too. In format 1, which logs do not name, robots are
+/// bodies with wheels. In format 2, robots are trees of links.
 const FORMAT: u32 = 2;
 /// Name of the metadata that describes a run.
 const RUN: &str = "run";
 /// Name of the metadata that ends a log.
 const END: &str = "end";
-/// Topic of the robots that leave.
+/// Topic of robots that leave.
 const LEFT: &str = "/robots/left";
 
-/// Says when the states of robots and objects are to be recorded.
+/// Timer of the recorded states of robots and objects.
 #[derive(Debug, Default)]
 pub struct StateTimer {
     taken: u64,
@@ -56,12 +56,12 @@ pub struct StateTimer {
 }
 
 impl StateTimer {
-    /// Whether another interval has passed at a simulated time, s; to be asked after every step.
+    /// True if another interval has passed at a simulated time, s; to be called after every step.
     pub fn is_due(&self, time: f64) -> bool {
         intervals(time) > self.taken
     }
 
-    /// The states of all robots of a map, and of its objects that have moved since the last call.
+    /// Returns the states of all robots, and of the map's objects that have moved since the last call.
     pub fn records(&mut self, map: &MapDef, snapshot: &Snapshot) -> Vec<Record> {
         self.taken = intervals(snapshot.time);
         let mut records: Vec<Record> = snapshot.robots.iter().map(RobotState::new).map(Record::State).collect();
@@ -79,70 +79,71 @@ fn intervals(time: f64) -> u64 {
     (time / STATE_INTERVAL + 1e-6) as u64
 }
 
-/// How a world ended.
+/// The end of a world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct End {
     /// Simulated time, s.
     pub time: f64,
-    /// A number that two worlds share only if every body has the same bits; none of a world that has panicked.
+    /// A number that two worlds share only if every body has the same bits; none if the world panicked.
     pub digest: Option<u64>,
-    /// Steps of robots that ended before every contact did what it should.
+    /// Steps of robots whose contacts did not converge.
     pub unsettled_steps: u64,
-    /// Records that did not get into the log; what writes it counts them.
+    /// Records that are missing in the log; its writer counts them.
     pub dropped: u64,
 }
 
-/// Where messages go.
+/// A destination of messages.
 pub(crate) trait Publish {
-    /// Takes a message of a simulated time in seconds; the channel is made when it is first used.
+    /// Publishes a message at a simulated time, s. The channel is created on its first use.
     fn publish<T: Encode>(&mut self, time: f64, topic: &str, message: &T) -> McapResult<()>;
 
-    /// Nothing that was said on the topics that begin so is true any more.
+    /// Forgets the last messages on topics with this prefix, because they are no longer true.
     fn forget(&mut self, _topics: &str) {}
 }
 
-/// One thing to record.
+/// A thing to record.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Record {
-    /// A line that came.
+    /// A received line.
     In(WireLine),
-    /// A line that was sent.
+    /// A sent line.
     Out(WireLine),
-    /// What a sensor measured, beside the line that says it; a log has the line alone.
+    /// A sensor's reading, beside the line that contains it; a log has only the line.
     Sensed(Sensed),
-    /// A connection that ended; without a robot or a line.
+    /// A connection that ended, without a robot or a line.
     Closed(WireLine),
-    /// A robot that left the world, by its number, with its connection or by itself.
+    /// The number of a robot that left the world, with its connection or alone.
     Left(u64),
-    /// Where a robot is.
+    /// State of a robot.
     State(RobotState),
-    /// Where an object is that has moved.
+    /// State of an object that has moved.
     Object(ObjectState),
-    /// Something that is wrong, in words.
+    /// A warning, in words.
     Warning(String),
-    /// Another map than before, for those who watch; a log has one.
+    /// A new map, for viewers; a log has only one map.
     Map(Box<MapDef>),
 }
 
-/// What a sensor of a robot measured.
+/// A reading of a robot's sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensed {
     /// The robot's number.
     pub robot: u64,
-    /// The number of the sensor among those of the robot's class.
+    /// Number of the sensor in the robot's class.
     pub sensor: usize,
-    /// What it measured.
+    /// The reading.
     pub reading: Reading,
 }
 
 impl Record {
-    /// What is to be recorded of a message beside its line, which is sent to the client of a robot.
+    /// Returns the record of a message beside its line, which goes to the robot's client; `None` if it is no reading.
     pub fn sensed(robot: Option<u64>, message: &Message) -> Option<Self> {
         let Message::Sen(Sen { reading, sensor, .. }) = message else { return None };
         Some(Self::Sensed(Sensed { robot: robot?, sensor: (*sensor)?, reading: reading.clone() }))
     }
 
-    /// Bytes that it takes in memory with its time, about: what it points to has no more room than it needs.
+    /// Returns the bytes of memory that the record takes with its time, approximately: spare capacity of buffers is not
+    /// counted.
     pub fn size(&self) -> usize {
         let held = match self {
             Self::In(line) | Self::Out(line) | Self::Closed(line) => line.line.len(),
@@ -153,7 +154,7 @@ impl Record {
             Self::Object(object) => object.name.len(),
             Self::Warning(text) => text.len(),
             Self::Left(_) | Self::Map(_) => 0,
-            // Of a scan its ranges; the rest is small.
+            // Only the ranges of a scan are counted; the rest is small.
             Self::Sensed(Sensed { reading: Reading::RangeScanner(scan), .. }) => size_of_val(scan.ranges.as_slice()),
             Self::Sensed(_) => 0,
         };

@@ -1,4 +1,4 @@
-//! The channels of a log as they happen, for Foxglove's WebSocket server: the same topics and messages as in the file.
+//! The channels of a log, streamed live by Foxglove's WebSocket server, with the topics and messages of the file.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,18 +12,18 @@ use crate::native::Native;
 use crate::writer::{Sink, refused};
 use crate::{End, LEFT, Publish, Record, RecordError};
 
-/// Topics whose last message says nothing about now.
+/// Topics whose last message says nothing about the present.
 const PASSING: [&str; 3] = ["/wire/", "/log", LEFT];
 
-/// Turns records into messages on the channels of a Foxglove context.
+/// Converts records to messages on the channels of a Foxglove context.
 pub struct Live {
     native: Native,
     channels: Channels,
-    /// Simulated time of the last record, s; one before it is of a fresh world.
+    /// Simulated time of the last record, s. An earlier record belongs to a fresh world.
     time: f64,
 }
 
-/// The last message of each channel, for those who subscribe later: the map and the robots are published only once.
+/// The last message of each channel, for late subscribers: the map and the robots are published only once.
 #[derive(Clone, Default)]
 pub struct Latched(Arc<Mutex<BTreeMap<String, Last>>>);
 
@@ -40,10 +40,10 @@ struct Channels {
 }
 
 impl Live {
-    /// Begins with what does not change.
+    /// Creates the channels and publishes the static messages.
     ///
     /// # Errors
-    /// When a channel cannot be made.
+    /// When a channel cannot be created.
     pub fn new(world: &WorldDef, context: Arc<Context>, latched: Latched) -> Result<Self, RecordError> {
         let mut channels = Channels { context, by_topic: BTreeMap::new(), latched };
         let native = Native::new(world, &mut channels).map_err(|reason| refused("of Foxglove", reason))?;
@@ -103,7 +103,7 @@ impl Publish for Channels {
             channel.log_with_meta(&buffer, time);
             return Ok(());
         }
-        // Under the lock, so that somebody who subscribes now gets this message once and not an older one after it.
+        // The lock stays held, so that a new subscriber gets this message once and not an older one after it.
         let mut latched = self.latched.lock();
         channel.log_with_meta(&buffer, time);
         latched.insert(topic.to_owned(), Last { channel, message: buffer, time });

@@ -8,7 +8,7 @@ use scene::{JointState, Pose, RobotDef, RobotSnapshot};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
 
-/// Every message of the file, for readers that do not know it.
+/// Descriptor of every message in the file, for readers that do not know it.
 const DESCRIPTOR: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/usarsim.desc"));
 
 macro_rules! encode {
@@ -34,7 +34,7 @@ macro_rules! encode {
 encode! { WireLine, RobotLeft, RobotState, ObjectState, }
 
 impl RobotState {
-    /// The state of a robot as the world gives it.
+    /// Creates the state of a robot from its snapshot.
     pub fn new(robot: &RobotSnapshot) -> Self {
         let RobotSnapshot { id, class, name, body, joints, .. } = robot;
         let (position, orientation) = parts(&body.pose);
@@ -51,7 +51,7 @@ impl RobotState {
         }
     }
 
-    /// Positions and speeds of the joints that have a value; what a damaged log lacks is not a number.
+    /// Returns positions and speeds of the joints that have a value. Numbers that a damaged log lacks are NaN.
     pub fn joints(&self) -> Vec<JointState> {
         let count = self.joint_positions.len().max(self.joint_speeds.len());
         let number = |numbers: &[f64], index: usize| numbers.get(index).copied().unwrap_or(f64::NAN);
@@ -62,7 +62,7 @@ impl RobotState {
         (0..count).map(joint).collect()
     }
 
-    /// The same, of wheels and of others by themselves; of a class that is not known all count as wheels'.
+    /// Returns the joints of wheels, and all other joints. If the class is unknown, all count as wheels.
     pub fn wheels_and_others(&self, def: Option<&RobotDef>) -> [Vec<JointState>; 2] {
         let known = def.into_iter().flat_map(RobotDef::with_values).map(|link| link.wheel.is_some());
         let joints = self.joints().into_iter().zip(known.chain(std::iter::repeat(true)));
@@ -70,12 +70,12 @@ impl RobotState {
         [wheels, others].map(|joints| joints.into_iter().map(|(joint, _)| joint).collect())
     }
 
-    /// Pose of the robot in the world frame.
+    /// Returns the robot's pose in the world frame.
     pub fn pose(&self) -> Pose {
         pose(self.position, self.orientation)
     }
 
-    /// Velocity, m/s, and angular velocity, rad/s, in world axes.
+    /// Returns the velocity, m/s, and the angular velocity, rad/s, in world axes.
     pub fn velocity(&self) -> (nalgebra::Vector3<f64>, nalgebra::Vector3<f64>) {
         let axes = |vector: Option<Vector>| {
             vector.map_or_else(nalgebra::Vector3::zeros, |Vector { x, y, z }| nalgebra::Vector3::new(x, y, z))
@@ -90,7 +90,7 @@ impl ObjectState {
         Self { object, name: name.to_owned(), position: Some(position), orientation: Some(orientation) }
     }
 
-    /// Pose of the object in the world frame.
+    /// Returns the object's pose in the world frame.
     pub fn pose(&self) -> Pose {
         pose(self.position, self.orientation)
     }
@@ -106,7 +106,7 @@ fn parts(pose: &Pose) -> (Vector, Quaternion) {
     (vector(&pose.translation.vector), Quaternion { x, y, z, w })
 }
 
-/// The same bits as were written: the quaternion is not normalised again.
+/// Restores a pose with the bits that were written: the quaternion is not normalised again.
 fn pose(position: Option<Vector>, orientation: Option<Quaternion>) -> Pose {
     let Vector { x, y, z } = position.unwrap_or_default();
     let turn = orientation.unwrap_or(Quaternion { w: 1.0, ..Quaternion::default() });

@@ -1,6 +1,6 @@
-//! The channels of our own log: what was said and where everything was, and Foxglove's messages to look at it.
-//! `docs/logs.md` lists the channels. The frame `map` is z up; `world` in it, half a turn about x, is the wire's: x forward, y
-//! right, z down. Every number but that one transform is in `world`, in the robot (x forward, y right, z down) or in the sensor.
+//! The channels of our own log: lines and states, and Foxglove's messages to show them. `docs/logs.md` lists the channels. The
+//! frame `map` is z up. The frame `world` in it, half a turn about x, is the wire's: x forward, y right, z down. Every number
+//! but that one transform is in `world`, in the robot (x forward, y right, z down) or in the sensor.
 
 use foxglove::messages::log::Level;
 use foxglove::messages::scene_entity_deletion::Type as DeletionType;
@@ -16,15 +16,15 @@ use crate::file::nanoseconds;
 use crate::slots::{Slots, Slotted};
 use crate::{LEFT, ObjectState, Publish, Record, RobotLeft, RobotState, Sensed, drawing};
 
-/// Turns records into messages.
+/// Converts records to messages.
 pub(crate) struct Native {
     world: WorldDef,
-    /// The robots that have been drawn.
+    /// Robots that have been drawn.
     slots: Slots,
 }
 
 impl Native {
-    /// Begins with what does not change.
+    /// Publishes the static messages: the transform of the world, and the map.
     pub(crate) fn new(world: &WorldDef, file: &mut impl Publish) -> McapResult<Self> {
         let upside_down = scene::pose([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]);
         file.publish(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
@@ -85,7 +85,7 @@ impl Native {
         file.publish(time, &topic("tf"), &transforms(all))
     }
 
-    /// A robot that is seen for the first time; its slot.
+    /// Publishes a robot that is new. Returns its slot.
     fn write_come(&mut self, time: f64, state: &RobotState, file: &mut impl Publish) -> McapResult<u64> {
         let RobotState { robot, class, name, .. } = state;
         let slot = self.slots.come(*robot, class);
@@ -106,13 +106,13 @@ impl Native {
 
     fn write_left(&mut self, time: f64, robot: u64, file: &mut impl Publish) -> McapResult<()> {
         file.publish(time, LEFT, &RobotLeft { robot })?;
-        // Without a slot it left before its first state.
+        // A robot without a slot left before its first state.
         let Some(slot) = self.slots.leave(robot) else { return Ok(()) };
         file.publish(time, "/log", &log(time, Level::Info, format!("robot {robot} left")))?;
         erase(time, slot, file)
     }
 
-    /// Every robot is gone: a fresh world begins.
+    /// Erases every robot, because a fresh world begins.
     pub(crate) fn start_over(&mut self, time: f64, file: &mut impl Publish) -> McapResult<()> {
         self.slots.clear().try_for_each(|slot| erase(time, slot, file))
     }
@@ -138,7 +138,7 @@ impl Native {
     }
 }
 
-/// Takes a robot out of the picture.
+/// Erases the drawing of a robot.
 fn erase(time: f64, slot: u64, file: &mut impl Publish) -> McapResult<()> {
     let erased = SceneUpdate { deletions: vec![deletion(time)], entities: Vec::new() };
     file.publish(time, &topic(slot, "scene"), &erased)?;
@@ -146,7 +146,7 @@ fn erase(time: f64, slot: u64, file: &mut impl Publish) -> McapResult<()> {
     Ok(())
 }
 
-/// Everything of a channel.
+/// Deletes everything on a channel.
 fn deletion(time: f64) -> SceneEntityDeletion {
     SceneEntityDeletion {
         timestamp: Some(timestamp(time)),
@@ -190,7 +190,7 @@ fn transforms(transforms: Vec<FrameTransform>) -> FrameTransforms {
     FrameTransforms { transforms }
 }
 
-/// Entities that stay until they are deleted.
+/// Adds entities, which stay until they are deleted.
 fn added(time: f64, mut entities: Vec<fox::SceneEntity>) -> SceneUpdate {
     for entity in &mut entities {
         entity.timestamp = Some(timestamp(time));

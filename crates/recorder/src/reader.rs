@@ -1,4 +1,4 @@
-//! Reading a log back, whole, cut off or damaged.
+//! Reading of logs that are whole, cut off or damaged.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -14,14 +14,14 @@ use scene::WorldDef;
 use crate::records::{self, Damage, Record as Raw};
 use crate::{END, FORMAT, LEFT, ObjectState, RUN, Record, RobotLeft, RobotState, WireLine};
 
-/// Most bytes in memory for a byte of the file; the log of a youBot takes three. More is a file that was made to fill the
-/// memory: LZ4 alone makes 255 bytes of one.
+/// Most bytes in memory for a byte of the file; the log of a youBot takes three. A file that takes more was made to fill the
+/// memory: LZ4 alone expands one byte to 255.
 const MAX_EXPANSION: u64 = 32;
-/// A small file may take as much in any case.
+/// Bytes in memory that even a small file may take.
 const ALWAYS_ALLOWED: u64 = 64 << 20;
-/// Longest line from a client: what the server takes, where each byte that is no UTF-8 has become three.
+/// Longest line from a client: the limit of the server, with room for bytes that are not UTF-8 and become longer.
 const MAX_LINE: usize = 3 * MAX_LINE_BYTES;
-/// Most joints of a robot: a table has columns for all joints of the robot that has most.
+/// Most joints of a robot: a table has columns for all joints of the robot with the most joints.
 const MAX_JOINTS: usize = scene::check::MAX_LINKS;
 
 /// One record with its simulated time, s.
@@ -29,37 +29,37 @@ const MAX_JOINTS: usize = scene::check::MAX_LINKS;
 pub struct Entry {
     /// Simulated time, s.
     pub time: f64,
-    /// What happened.
+    /// The record.
     pub record: Record,
 }
 
-/// A log as it was read.
+/// A log that was read.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Log {
-    /// What describes the run.
+    /// Metadata that describe the run.
     pub run: BTreeMap<String, String>,
-    /// How it ended: `seconds`, `digest`, `dropped`, `unsettled_steps`. Empty when the log was cut off.
+    /// Metadata of its end: `seconds`, `digest`, `dropped`, `unsettled_steps`. Empty if the log was cut off.
     pub end: BTreeMap<String, String>,
-    /// What was recorded, in its order.
+    /// The records in order.
     pub entries: Vec<Entry>,
-    /// Why the rest of the file cannot be read; `None` for a log that is whole.
+    /// The reason why the rest of the file cannot be read; `None` if the log is whole.
     pub damage: Option<String>,
 }
 
 impl Log {
-    /// The scene with every number in effect, if a world can be made of it.
+    /// Returns the scene with every number in effect, if it makes a valid world.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// Describes the problem.
     pub fn scene(&self) -> Result<WorldDef, String> {
         scene(self.run.get("scene").ok_or("no `scene` in its metadata")?.as_bytes())
     }
 }
 
-/// The scene that the metadata `run` of a log holds as JSON, also of an old one, if a world can be made of it.
+/// Reads the scene in the metadata `run` of a log, also of an old one, from JSON, if it makes a valid world.
 ///
 /// # Errors
-/// What is wrong with it, in words.
+/// Describes the problem.
 pub fn scene(json: &[u8]) -> Result<WorldDef, String> {
     let scene: WorldDef = serde_json::from_slice(json).map_err(|error| format!("its scene: {error}"))?;
     scene.check().map_err(|problem| format!("its scene: {problem}"))?;
@@ -74,10 +74,10 @@ pub struct ReadError {
     reason: String,
 }
 
-/// Reads a log. One that was cut off or is damaged gives what is whole before that.
+/// Reads a log. If it was cut off or is damaged, returns everything before the damage.
 ///
 /// # Errors
-/// When the file cannot be read, is no log of this program, or is of a newer one.
+/// When the file cannot be read, is not a log of this program, or is of a newer version.
 pub fn read(path: &Path) -> Result<Log, ReadError> {
     let (file, size) = open(path)?;
     let mut room = size.saturating_mul(MAX_EXPANSION).max(ALWAYS_ALLOWED);
@@ -90,7 +90,7 @@ pub fn read(path: &Path) -> Result<Log, ReadError> {
             Raw::Message { header, data } => {
                 let topic = topics.get(&header.channel_id).copied().unwrap_or(Topic::Other);
                 let Some(mut record) = topic.parse(data)? else { return Ok(()) };
-                // In an old log the end of a connection says which robot left with it.
+                // In an old log, the end of a connection names the robot that left with it.
                 let left = match &mut record {
                     Record::Closed(line) => line.robot.take().map(Record::Left),
                     _ => None,
@@ -118,7 +118,7 @@ pub fn read(path: &Path) -> Result<Log, ReadError> {
     Ok(log)
 }
 
-/// A log of a newer program may mean something else by the same words, so it is not read at all.
+/// Refuses a log of a newer program, in which the same words may have other meanings.
 fn check_format(run: &BTreeMap<String, String>) -> Result<(), String> {
     match run.get("format") {
         Some(format) if !format.parse().is_ok_and(|format: u32| (1..=FORMAT).contains(&format)) => {
@@ -128,7 +128,7 @@ fn check_format(run: &BTreeMap<String, String>) -> Result<(), String> {
     }
 }
 
-/// An MCAP file from its beginning, and its size in bytes.
+/// Opens an MCAP file. Returns it from its beginning, and its size in bytes.
 pub(crate) fn open(path: &Path) -> Result<(impl Read, u64), ReadError> {
     let open = || {
         let (mut magic, mut file) = (Vec::new(), File::open(path)?);
@@ -146,7 +146,7 @@ pub(crate) fn unreadable(path: &Path, reason: impl std::fmt::Display) -> ReadErr
     ReadError { file: path.display().to_string(), reason: reason.to_string() }
 }
 
-/// What a channel's messages are to a reader.
+/// The meaning of a channel to a reader.
 #[derive(Debug, Clone, Copy)]
 enum Topic {
     In,
@@ -156,7 +156,7 @@ enum Topic {
     State,
     Object,
     Log,
-    /// It only shows what another one says.
+    /// A channel that only shows the content of another one.
     Other,
 }
 

@@ -1,5 +1,5 @@
-//! The records of an MCAP file one by one, however damaged the file is. Nothing that a file says of itself is believed
-//! before it is checked: lengths are limited, and a chunk's checksum is compared before its first record is used.
+//! The records of an MCAP file one by one, however damaged the file is. Nothing in a file is trusted before it is checked:
+//! lengths are limited, and a chunk's checksum is compared before its first record is used.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -8,17 +8,17 @@ use mcap::records::{MessageHeader, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 
-/// Largest record, and largest chunk when it is decompressed. The scene of a map with meshes is one record: some millions of
+/// Largest record, and largest decompressed chunk, bytes. The scene of a map with meshes is one record: some millions of
 /// triangles.
 pub(crate) const MAX_RECORD_BYTES: usize = 256 << 20;
-/// LZ4 makes at most so many bytes of one: a byte of a length stands for up to 255.
+/// Most bytes that LZ4 makes of one: a byte of a length represents up to 255.
 const MAX_EXPANSION: usize = 255;
-/// Asked of the file at once, so that a length without bytes behind it costs nothing.
+/// Most bytes requested from the file at once, so that a length without bytes behind it costs nothing.
 const READ_BYTES: usize = 64 * 1024;
-/// Opcode and length before each record.
+/// Bytes of the opcode and length before each record.
 const HEAD_BYTES: usize = 9;
 
-/// What a log consists of; everything else is made of these.
+/// The records that make up a log; all others only serve these.
 #[derive(Debug)]
 pub(crate) enum Record<'a> {
     Header { profile: &'a str, library: &'a str },
@@ -28,12 +28,12 @@ pub(crate) enum Record<'a> {
     Metadata { name: &'a str, entries: BTreeMap<String, String> },
 }
 
-/// Why a file reads only up to here.
+/// The reason why the rest of a file cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub(crate) struct Damage(pub(crate) String);
 
-/// Why reading stopped: damage, or what the receiver of the records says.
+/// The reason why reading stopped: damage, or an error of the receiver.
 enum Stop<E> {
     Damaged(Damage),
     Refused(E),
@@ -55,7 +55,7 @@ impl<E> From<McapError> for Stop<E> {
     }
 }
 
-/// Gives each record to `take`, up to the first damage or the first error of `take`.
+/// Passes each record to `take`, up to the first damage or the first error of `take`.
 pub(crate) fn each<E: From<Damage>>(
     file: impl Read,
     mut take: impl FnMut(Record<'_>) -> Result<(), E>,
@@ -68,7 +68,7 @@ pub(crate) fn each<E: From<Damage>>(
         .with_record_length_limit(MAX_RECORD_BYTES);
     let (mut place, mut ended) = (MAGIC.len(), false);
     let stopped = split(file, options, |opcode, data| {
-        // What follows the data only repeats it.
+        // The records after the data only repeat it.
         if !ended {
             match opcode {
                 op::CHUNK => each_of_chunk(data, &mut take)?,
@@ -106,7 +106,7 @@ fn split<E>(
     Ok(())
 }
 
-/// The records of a chunk, if its checksum is right.
+/// Passes on the records of a chunk, if its checksum is right.
 fn each_of_chunk<E>(chunk: &[u8], take: &mut impl FnMut(Record<'_>) -> Result<(), E>) -> Result<(), Stop<E>> {
     let damaged = |reason: String| Err(Stop::Damaged(Damage(reason)));
     let mut fields = Fields(chunk);
@@ -128,7 +128,7 @@ fn each_of_chunk<E>(chunk: &[u8], take: &mut impl FnMut(Record<'_>) -> Result<()
             data.len()
         ));
     };
-    // The library counts on it.
+    // The library relies on this.
     if compression.is_empty() && !(size == data.len() && is_records(data)) {
         return damaged("a chunk whose records do not fill it".to_owned());
     }
@@ -142,7 +142,7 @@ fn each_of_chunk<E>(chunk: &[u8], take: &mut impl FnMut(Record<'_>) -> Result<()
     split(head.chain(chunk), options, |opcode, data| give(opcode, data, take))
 }
 
-/// Whether these bytes are records from the first to the last.
+/// True if these bytes are whole records, from the first to the last.
 fn is_records(mut bytes: &[u8]) -> bool {
     while let Some((&[_, ref length @ ..], rest)) = bytes.split_first_chunk::<HEAD_BYTES>() {
         let length = usize::try_from(u64::from_le_bytes(*length)).ok();
@@ -152,7 +152,7 @@ fn is_records(mut bytes: &[u8]) -> bool {
     bytes.is_empty()
 }
 
-/// Reads a record's fields and hands it on, if it is one that a log consists of.
+/// Parses the fields of a record and passes it on, if logs are made of its kind.
 fn give<E>(opcode: u8, data: &[u8], take: &mut impl FnMut(Record<'_>) -> Result<(), E>) -> Result<(), Stop<E>> {
     let mut fields = Fields(data);
     let record = match opcode {
@@ -182,8 +182,8 @@ fn give<E>(opcode: u8, data: &[u8], take: &mut impl FnMut(Record<'_>) -> Result<
     take(record).map_err(Stop::Refused)
 }
 
-/// What is left of a record, field by field: numbers are little-endian, texts have their length before them. The library's own
-/// parser makes room for as much as a length says.
+/// The rest of a record, read field by field. Numbers are little-endian, and each text follows its length. The library's own
+/// parser would allocate as much as a length claims.
 struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {

@@ -1,4 +1,4 @@
-//! A log that was cut off or damaged, made whole.
+//! Repair of a log that was cut off or damaged.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,21 +13,21 @@ use crate::reader::{ReadError, open};
 use crate::records::{self, Damage, Record};
 use crate::writer::refused;
 
-/// What could be saved.
+/// The result of a recovery.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recovered {
     /// Messages saved.
     pub messages: u64,
-    /// Simulated time of the last of them, s.
+    /// Latest simulated time among them, s.
     pub seconds: f64,
-    /// Why the rest could not be read; `None` for a file that was whole.
+    /// The reason why the rest could not be read; `None` if the file was whole.
     pub damage: Option<String>,
 }
 
-/// Why nothing was saved.
+/// The reason why nothing was saved.
 #[derive(Debug, thiserror::Error)]
 pub enum RecoverError {
-    /// The damaged file is no MCAP file.
+    /// The damaged file cannot be read, or is not an MCAP file.
     #[error(transparent)]
     Read(#[from] ReadError),
     /// The new file cannot be written.
@@ -35,25 +35,25 @@ pub enum RecoverError {
     Write(#[from] RecordError),
 }
 
-/// Most bytes of schemas and channels, which the index repeats and memory holds; those of a log are some thousand.
+/// Most bytes of schemas and channels, which the index repeats and memory holds; those of a log are some thousand bytes.
 const MAX_DEFINITIONS: usize = 64 << 20;
 
-/// Copies everything up to the damage to a new file, with the index that readers want. Works for any MCAP file whose chunks
-/// are compressed with LZ4 or not at all.
+/// Copies everything up to the damage to a new file, with the index that readers need. Works for any MCAP file whose chunks are
+/// compressed with LZ4 or not at all.
 ///
 /// # Errors
-/// When the file cannot be read or is not MCAP, or the new one exists or cannot be written; nothing is left of it then.
+/// When the file cannot be read or is not MCAP, or the new one exists or cannot be written. A partial new file is removed.
 pub fn recover(path: &Path, to: &Path) -> Result<Recovered, RecoverError> {
     let (source, _) = open(path)?;
     let file = File::create_new(to).map_err(|reason| refused(to, reason))?;
     copy(source, file).map_err(|reason| {
-        // Half a file would only be in the way of the next try.
+        // Half a file would hinder the next try.
         let _ = std::fs::remove_file(to);
         refused(to, reason).into()
     })
 }
 
-/// Why copying stopped.
+/// The reason why copying stopped.
 enum Stop {
     Damaged(String),
     Refused(McapError),
@@ -69,7 +69,7 @@ impl From<McapError> for Stop {
     fn from(error: McapError) -> Self {
         match error {
             McapError::Io(_) => Self::Refused(error),
-            // The writer refuses what is no MCAP: more channels than there are numbers, a schema that is not there.
+            // The writer refuses invalid MCAP: more channels than there are numbers, or a missing schema.
             error => Self::Damaged(error.to_string()),
         }
     }
@@ -105,7 +105,7 @@ fn copy(source: impl Read, file: File) -> McapResult<Recovered> {
 
 struct Copy {
     writer: Writer<BufWriter<File>>,
-    /// Numbers here by numbers there.
+    /// Numbers in the copy by numbers in the source.
     schemas: BTreeMap<u16, u16>,
     channels: BTreeMap<u16, u16>,
     definitions: usize,

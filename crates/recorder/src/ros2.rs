@@ -1,6 +1,5 @@
-//! The same as messages of ROS 2, in a file of its own: the profile is `ros2`, messages are CDR.
-//! `docs/logs.md` lists the topics.
-//! Frames are those of REP 103: x forward, y left, z up. A sensor's numbers are the wire's, with its decimals.
+//! The log as messages of ROS 2, in a separate file: the profile is `ros2`, and messages are CDR. `docs/logs.md` lists the
+//! topics. Frames are those of REP 103: x forward, y left, z up. A sensor's numbers are the wire's, with its decimals.
 
 mod messages;
 
@@ -17,18 +16,18 @@ use crate::file::{LogFile, Storage, nanoseconds};
 use crate::slots::{Slots, Slotted};
 use crate::{ObjectState, Publish, Record, RecordError, RobotState, Sensed};
 
-/// What stands in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
+/// Value in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
 const NOT_MEASURED: f64 = -1.0;
 
-/// A file for the messages.
+/// Begins a file for the messages.
 pub(crate) fn begin(storage: Box<dyn Storage>, path: &Path) -> Result<LogFile, RecordError> {
     LogFile::begin(storage, path, "ros2")
 }
 
-/// Turns records into messages.
+/// Converts records to messages.
 pub(crate) struct Ros2 {
     world: WorldDef,
-    /// The robots that have been seen.
+    /// Robots that have been seen.
     slots: Slots,
     /// Last time on `/clock`, ns.
     clock: Option<u64>,
@@ -162,7 +161,7 @@ impl Ros2 {
     }
 }
 
-/// The wire's beams go from the right to the left, as ROS's do.
+/// Converts a scan. The wire's beams go from the right to the left, as ROS's do.
 fn laser(header: ros::Header, ranges: Vec<f32>, scan_interval: f64, fan: Fan) -> ros::LaserScan {
     let steps = ranges.len().saturating_sub(1) as f64;
     ros::LaserScan {
@@ -201,7 +200,7 @@ fn sensor_frame(slot: u64, sensor: &str) -> String {
     format!("robot_{slot}/{}", name(sensor))
 }
 
-/// A name as ROS allows it: letters, digits and `_`, no digit first.
+/// Converts a name to one that ROS allows: letters, digits and `_`, no digit first.
 fn name(text: &str) -> String {
     let mut name: String = text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if name.starts_with(|c: char| c.is_ascii_digit()) || name.is_empty() {
@@ -219,12 +218,12 @@ fn header(time: f64, frame: &str) -> ros::Header {
     ros::Header { stamp: stamp(time), frame_id: frame.to_owned() }
 }
 
-/// A vector with z up.
+/// Converts a vector to z up.
 fn vector(vector: Vector3<f64>) -> ros::Vector3 {
     ros::Vector3 { x: vector.x, y: -vector.y, z: -vector.z }
 }
 
-/// A pose between two frames of which both are turned z up: half a turn about x before and after.
+/// Converts a pose between two frames that are both turned z up: half a turn about x before and after.
 fn upright(pose: &Pose) -> Pose {
     let ([x, y, z], turn) = (pose.translation.vector.into(), pose.rotation.coords);
     let turn = UnitQuaternion::new_unchecked(Quaternion::new(turn.w, turn.x, -turn.y, -turn.z));

@@ -1,29 +1,29 @@
-//! Which robots are there, and the slot that the topics and frames of each are numbered by.
+//! Slots of robots, which number the topics and frames of each.
 
 use std::collections::BTreeMap;
 
-/// The robots that are there. A log has room for 65 535 channels, so they are numbered by slots that are given back, and not by
-/// robots, which come and go without end.
+/// The robots in the world, with their slots. A log has room for 65 535 channels. So channels are numbered by slots, which are
+/// reused, and not by robots, which come and go without end.
 #[derive(Debug, Default)]
 pub(crate) struct Slots {
     robots: BTreeMap<u64, Slotted>,
 }
 
-/// A robot that is there.
+/// A robot in the world.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Slotted {
-    /// From 0; while no robot leaves it is the robot's number.
+    /// Counted from 0; while no robot leaves, it equals the robot's number.
     pub(crate) slot: u64,
     pub(crate) class: String,
 }
 
 impl Slots {
-    /// The robot, if it is there.
+    /// Returns a robot that is in the world.
     pub(crate) fn get(&self, robot: u64) -> Option<&Slotted> {
         self.robots.get(&robot)
     }
 
-    /// Gives a robot that comes the smallest free slot.
+    /// Gives a new robot the smallest free slot.
     pub(crate) fn come(&mut self, robot: u64, class: &str) -> u64 {
         let mut taken: Vec<u64> = self.robots.values().map(|slotted| slotted.slot).collect();
         taken.sort_unstable();
@@ -32,12 +32,12 @@ impl Slots {
         slot
     }
 
-    /// Takes back the slot of a robot that left.
+    /// Frees and returns the slot of a robot that left.
     pub(crate) fn leave(&mut self, robot: u64) -> Option<u64> {
         self.robots.remove(&robot).map(|slotted| slotted.slot)
     }
 
-    /// Takes back every slot.
+    /// Frees and returns every slot.
     pub(crate) fn clear(&mut self) -> impl Iterator<Item = u64> {
         std::mem::take(&mut self.robots).into_values().map(|slotted| slotted.slot)
     }

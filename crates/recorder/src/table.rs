@@ -1,4 +1,4 @@
-//! The recorded states as a table of numbers.
+//! Recorded states as a table of numbers.
 
 use scene::JointState;
 
@@ -7,9 +7,9 @@ use crate::{Log, Record, RobotState};
 /// States of robots as columns. SI units, world frame (x forward, y right, z down).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// The columns, of one length. First `time` (s) and `robot` (number), then `x`, `y`, `z` (m), `qx`, `qy`, `qz`, `qw`,
-    /// `roll`, `pitch`, `yaw` (rad), `vx`, `vy`, `vz` (m/s), `wx`, `wy`, `wz` (rad/s), and for each driven wheel
-    /// `wheel_angle_1` (rad) and `wheel_speed_1` (rad/s), for each other joint `joint_position_1` (rad or m) and
+    /// The columns, of equal length. First `time` (s) and `robot` (number), then `x`, `y`, `z` (m), `qx`, `qy`, `qz`, `qw`,
+    /// `roll`, `pitch`, `yaw` (rad), `vx`, `vy`, `vz` (m/s), `wx`, `wy`, `wz` (rad/s). Each wheel with a joint value adds
+    /// `wheel_angle_1` (rad) and `wheel_speed_1` (rad/s). Each other joint adds `joint_position_1` (rad or m) and
     /// `joint_speed_1` (rad/s or m/s).
     pub columns: Vec<Column>,
 }
@@ -19,7 +19,7 @@ pub struct Table {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// Its values; not a number where a robot has fewer wheels or joints than another.
+    /// Its values; NaN if a robot has fewer wheels or joints than another.
     pub values: Vec<f64>,
 }
 
@@ -28,7 +28,7 @@ const FIXED: [&str; 18] = [
 ];
 
 impl Table {
-    /// The states of a log, of one robot or of all.
+    /// Builds the table of a log's states, of one robot or of all.
     pub fn of(log: &Log, robot: Option<u64>) -> Self {
         let states: Vec<(f64, &RobotState)> = log
             .entries
@@ -58,17 +58,17 @@ impl Table {
         Self { columns }
     }
 
-    /// The values of a column.
+    /// Returns the values of a column.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|column| column.name == name).map(|column| column.values.as_slice())
     }
 
-    /// How many states there are.
+    /// Returns the number of states.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
-    /// The table as lines of CSV, first the names. Numbers read back with the same bits.
+    /// Formats the table as lines of CSV, the names first. Numbers read back with the same bits.
     pub fn to_csv(&self) -> impl Iterator<Item = String> {
         let names: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
         let line = |row: usize| {
@@ -78,7 +78,7 @@ impl Table {
         std::iter::once(names.join(",")).chain((0..self.rows()).map(line))
     }
 
-    /// The poses as lines that evo and the TUM tools read: `time x y z qx qy qz qw`, in the world frame.
+    /// Formats the poses as lines for evo and the TUM tools: `time x y z qx qy qz qw`, in the world frame.
     pub fn to_tum(&self) -> impl Iterator<Item = String> {
         let columns = ["time", "x", "y", "z", "qx", "qy", "qz", "qw"].map(|name| self.column(name).unwrap_or_default());
         (0..self.rows()).map(move |row| columns.map(|values| values[row].to_string()).join(" "))

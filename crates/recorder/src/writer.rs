@@ -1,4 +1,4 @@
-//! Writing: a file, and for a live world a queue and a thread before it.
+//! Writers of logs: a file, and for a live world a queue and a thread before it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,11 +14,12 @@ use crate::native::Native;
 use crate::ros2::{self, Ros2};
 use crate::{END, End, FORMAT, RUN, Record};
 
-/// Records that are worth waking the thread for.
+/// Number of records that is worth waking the thread.
 const BATCH: usize = 256;
-/// Bytes of records that may wait for the disk; more records are dropped and counted. Two minutes of ten youBots in real time.
+/// Most bytes of records that wait for the disk; further records are dropped and counted. That is two minutes of ten youBots in
+/// real time.
 const MAX_QUEUED: usize = 64 << 20;
-/// Longest time that a record stays out of the file, of a clock that nobody can set.
+/// Longest time that a record stays out of the file, on a clock that nobody can set.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 /// A log that cannot be written.
@@ -29,7 +30,7 @@ pub struct RecordError {
     reason: String,
 }
 
-/// Writes a log record by record, waiting for the disk.
+/// Writes a log record by record, and waits for the disk.
 pub struct LogWriter {
     file: LogFile,
     native: Native,
@@ -37,7 +38,7 @@ pub struct LogWriter {
 }
 
 impl LogWriter {
-    /// Creates the file, replacing an old one, and writes the scene, the options and what else describes the run.
+    /// Creates the file, replacing an old one. Writes the scene, the options and the description of the run.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -51,10 +52,10 @@ impl LogWriter {
         Self::create_on(storage, path, world, options, description)
     }
 
-    /// The same on a storage of another kind; the path is its name.
+    /// Creates the log on another storage; `path` is its name.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the storage cannot be written.
     pub fn create_on(
         storage: Box<dyn Storage>,
         path: &Path,
@@ -85,10 +86,10 @@ impl LogWriter {
         Ok(Self { file, native, ros2: None })
     }
 
-    /// Writes the messages of [`crate::ros2`] as well, to a storage of their own: `run.ros2.mcap` for `run.mcap`.
+    /// Writes the messages of [`crate::ros2`] as well, to a separate storage: `run.ros2.mcap` for `run.mcap`.
     ///
     /// # Errors
-    /// When that cannot be written.
+    /// When that storage cannot be written.
     pub fn with_ros2(
         mut self,
         world: &WorldDef,
@@ -100,7 +101,7 @@ impl LogWriter {
         Ok(self)
     }
 
-    /// Writes a record of a simulated time in seconds.
+    /// Writes a record at a simulated time, s.
     ///
     /// # Errors
     /// When the disk takes no more.
@@ -111,7 +112,7 @@ impl LogWriter {
         self.file.with(|file| self.native.write(time, record, file))
     }
 
-    /// Hands everything written so far to the operating system.
+    /// Flushes everything written so far to the operating system.
     ///
     /// # Errors
     /// When the disk takes no more.
@@ -123,7 +124,7 @@ impl LogWriter {
         Ok(())
     }
 
-    /// Ends the log with the simulated time and the digest of the world, by which a replay is checked.
+    /// Ends the log with the simulated time and the digest of the world, which checks a replay.
     ///
     /// # Errors
     /// When the disk takes no more.
@@ -144,42 +145,42 @@ impl LogWriter {
 }
 
 impl RecordError {
-    /// A file that the operating system refuses.
+    /// Creates the error of a file that the operating system refuses.
     pub fn new(file: &Path, reason: &std::io::Error) -> Self {
         Self { file: file.display().to_string(), reason: reason.to_string() }
     }
 }
 
-/// The file that has the ROS 2 messages of a log: `run.ros2.mcap` beside `run.mcap`.
+/// Returns the file of a log's ROS 2 messages: `run.ros2.mcap` beside `run.mcap`.
 pub fn ros2_path(log: &Path) -> PathBuf {
     log.with_extension("ros2.mcap")
 }
 
-/// With what the operating system says, where that is the cause.
+/// Creates an error, with the operating system's reason if that is the cause.
 pub(crate) fn refused(file: impl AsRef<Path>, reason: impl Into<Box<dyn std::error::Error>>) -> RecordError {
     let reason = reason.into();
     let cause = reason.source().map(ToString::to_string);
     RecordError { file: file.as_ref().display().to_string(), reason: cause.unwrap_or_else(|| reason.to_string()) }
 }
 
-/// What takes records one by one.
+/// A receiver of records.
 pub trait Sink: Send + 'static {
-    /// Takes a record of a simulated time in seconds.
+    /// Takes a record at a simulated time, s.
     ///
     /// # Errors
-    /// When it takes no more.
+    /// When the sink takes no more.
     fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError>;
 
-    /// Hands on everything that it has taken so far.
+    /// Flushes everything taken so far.
     ///
     /// # Errors
-    /// When it takes no more.
+    /// When the sink takes no more.
     fn flush(&mut self) -> Result<(), RecordError>;
 
-    /// Takes how the world ended.
+    /// Takes the end of the world.
     ///
     /// # Errors
-    /// When it takes no more.
+    /// When the sink takes no more.
     fn finish(self, end: End) -> Result<(), RecordError>;
 }
 
@@ -197,7 +198,7 @@ impl Sink for LogWriter {
     }
 }
 
-/// Writes a log from a thread of its own until it is finished or dropped.
+/// Writes a log on a separate thread until it is finished or dropped.
 pub struct Recorder {
     queue: Arc<Queue>,
     thread: Option<JoinHandle<Result<(), RecordError>>>,
@@ -207,10 +208,10 @@ pub struct Recorder {
 type Timed = (f64, Record);
 
 impl Recorder {
-    /// Goes on with a log that has been begun.
+    /// Starts the thread that continues a log.
     ///
     /// # Errors
-    /// When there is no thread for it.
+    /// When the thread cannot start.
     pub fn new(log: impl Sink) -> Result<Self, RecordError> {
         let queue = Arc::new(Queue::default());
         let run = {
@@ -225,28 +226,28 @@ impl Recorder {
         Ok(Self { queue, thread: Some(thread) })
     }
 
-    /// Takes a record of a simulated time in seconds; never waits for the disk.
+    /// Takes a record at a simulated time, s; never waits for the disk.
     pub fn record(&mut self, time: f64, record: Record) {
         self.queue.push(time, record);
     }
 
-    /// Wakes the thread, which otherwise takes its time: to be called where somebody is waiting for what was recorded.
+    /// Wakes the thread at once, for example because somebody waits for the records. Otherwise it waits for a batch or the next flush.
     pub fn hand_over(&mut self) {
         self.queue.hand_over();
     }
 
-    /// Whether what is recorded still goes anywhere.
+    /// True if the thread still writes records.
     pub fn is_writing(&self) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
     }
 
-    /// Why the log ended by itself; said once.
+    /// Returns the error that ended the log, once.
     pub fn failure(&mut self) -> Option<RecordError> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
         ended(thread).err()
     }
 
-    /// Ends the log properly, with how the world ended; the thread does the work.
+    /// Ends the log properly with the end of the world. The thread does the work.
     pub fn finish(mut self, end: End) -> Closing {
         self.queue.end(Ending::World(end));
         Closing { thread: self.thread.take() }
@@ -256,18 +257,18 @@ impl Recorder {
 impl Drop for Recorder {
     fn drop(&mut self) {
         self.queue.end(Ending::Abandoned);
-        // The thread has said what went wrong.
+        // The thread has reported its error.
         self.thread.take().map(ended);
     }
 }
 
-/// A log whose end is being written. To drop it is to wait for that.
+/// A log whose end is being written. Dropping it waits for that.
 pub struct Closing {
     thread: Option<JoinHandle<Result<(), RecordError>>>,
 }
 
 impl Closing {
-    /// Whether it would not have to be waited for.
+    /// True if nothing is left to wait for.
     pub fn is_done(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
@@ -283,12 +284,12 @@ impl Closing {
 
 impl Drop for Closing {
     fn drop(&mut self) {
-        // The thread has said what went wrong.
+        // The thread has reported its error.
         self.thread.take().map(ended);
     }
 }
 
-/// How a thread that writes ended.
+/// Waits for a writing thread and returns its result.
 fn ended(thread: JoinHandle<Result<(), RecordError>>) -> Result<(), RecordError> {
     thread.join().unwrap_or_else(|_| Err(refused("of this run", "its thread panicked, and has said where")))
 }
@@ -303,28 +304,28 @@ struct Queue {
 #[derive(Default)]
 struct Waiting {
     records: Vec<Timed>,
-    /// Bytes of the records that wait, and of those that are just being written.
+    /// Bytes of the records that wait, and of those that are being written.
     bytes: usize,
     dropped: u64,
-    /// The thread is to take them now.
+    /// True if the thread must take the records now.
     handed_over: bool,
     ending: Option<Ending>,
-    /// The thread is gone: nobody takes anything any more.
+    /// True if the thread has ended, so that nobody takes records.
     closed: bool,
 }
 
-/// Why nothing more comes.
+/// The reason why no more records come.
 #[derive(Clone, Copy)]
 enum Ending {
-    /// The world is over.
+    /// The world has ended.
     World(End),
-    /// Nobody has said how.
+    /// The recorder was dropped without an end.
     Abandoned,
 }
 
 impl Queue {
     fn lock(&self) -> MutexGuard<'_, Waiting> {
-        // It is valid after each statement.
+        // The state is valid after each statement.
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -343,7 +344,7 @@ impl Queue {
         }
         waiting.bytes = bytes;
         waiting.records.push((time, record));
-        // To wake the thread for each would cost more than to write it.
+        // Waking the thread for each record would cost more than writing it.
         if waiting.records.len().is_multiple_of(BATCH) {
             self.news.notify_one();
         }
@@ -362,7 +363,7 @@ impl Queue {
         self.news.notify_one();
     }
 
-    /// Takes what waits when that is a batch, when it was handed over, when nothing more comes, or at the latest at a time.
+    /// Takes the waiting records once they are a batch, are handed over, or no more come; at the latest at `latest`.
     fn take(&self, records: &mut Vec<Timed>, latest: Instant) -> Option<Ending> {
         let mut waiting = self.lock();
         while waiting.records.len() < BATCH && !waiting.handed_over && waiting.ending.is_none() {
@@ -378,7 +379,7 @@ impl Queue {
     }
 }
 
-/// Lets go of what waits when the thread ends, however it does.
+/// Drops the waiting records when the thread ends, even by a panic.
 struct Closes<'a>(&'a Queue);
 
 impl Drop for Closes<'_> {
@@ -394,7 +395,7 @@ fn write_all(mut log: impl Sink, queue: &Queue) -> Result<(), RecordError> {
         let ending = queue.take(&mut records, flush_at);
         let bytes: usize = records.iter().map(|(_, record)| record.size()).sum();
         records.drain(..).try_for_each(|(time, record)| log.write(time, &record))?;
-        // After a rush it needs no more room than before.
+        // Frees the memory that a rush has left.
         records.shrink_to(2 * BATCH);
         let dropped = {
             let mut waiting = queue.lock();

@@ -1,4 +1,4 @@
-//! Logs that were damaged on purpose or by chance: what is before the damage is given, and it is said what is wrong.
+//! Logs that were damaged on purpose or by chance: the records before the damage are read, and the damage is described.
 
 mod support;
 
@@ -13,7 +13,7 @@ use proptest::sample::Index;
 use recorder::{Log, Record, Table, export};
 use support::{line, run, state, world, write};
 
-/// A log with nothing but what it is: magic, header and the metadata `run`.
+/// The smallest log: magic, header and the metadata `run`.
 fn beginning() -> Vec<u8> {
     beginning_with("map", "none")
 }
@@ -37,14 +37,14 @@ fn text(text: &str) -> Vec<u8> {
     sized(text.as_bytes())
 }
 
-/// A chunk that says of itself what it wants.
+/// A chunk that may lie about itself.
 fn chunk(compression: &str, size: u64, checksum: u32, data: &[u8]) -> Vec<u8> {
     let head = [&[0; 16][..], &size.to_le_bytes(), &checksum.to_le_bytes()].concat();
     let body = [head, text(compression), (data.len() as u64).to_le_bytes().to_vec(), data.to_vec()].concat();
     record(op::CHUNK, &body)
 }
 
-/// Every chunk of a file with where it begins.
+/// Returns the start and length of every chunk of a file.
 fn chunks(bytes: &[u8]) -> Vec<(usize, usize)> {
     let summary = mcap::Summary::read(bytes).expect("an index").expect("an index");
     let place = |chunk: &mcap::records::ChunkIndex| (chunk.chunk_start_offset as usize, chunk.chunk_length as usize);
@@ -62,7 +62,7 @@ fn read(bytes: &[u8]) -> Result<Log, String> {
     in_file(bytes, |file| recorder::read(file).map_err(|error| error.to_string()))
 }
 
-/// The bytes of a log of these records.
+/// Returns the bytes of a log of these records.
 fn log_of(records: &[(f64, Record)]) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("log.mcap");
@@ -148,11 +148,11 @@ fn a_chunk_is_used_only_when_its_checksum_is_right() {
         assert_eq!(log.entries, entries[..log.entries.len()]);
         before.push(log.entries.len());
     }
-    // The first two have the scene, and what follows it.
+    // The first chunk has the drawing of the map, and the second the first records.
     assert_eq!(before[..2], [0, 0]);
     assert!(before.len() > 3 && before[1..].is_sorted_by(|a, b| a < b), "{before:?}");
     assert!(before.last() < Some(&entries.len()));
-    // What is in no chunk has the checksum of the whole file.
+    // The checksum of the whole file covers bytes outside chunks.
     let gravity = whole.windows(7).position(|bytes| bytes == b"gravity").expect("the scene");
     let mut bytes = whole;
     bytes[gravity + 9] ^= 1;
@@ -218,16 +218,17 @@ fn good() -> &'static Vec<u8> {
     })
 }
 
-/// Whatever is in a file: everything that reads logs comes to an end, with words or with what could be saved.
+/// Checks that every reader of logs comes to an end, whatever is in a file: with an error, or with the part that could be
+/// saved.
 fn comes_to_an_end(bytes: &[u8]) {
     in_file(bytes, |file| {
         let (copy, ros2) = (file.with_extension("copy"), file.with_extension("ros2"));
         let recovered = recorder::recover(file, &copy);
         let Ok(log) = recorder::read(file) else { return };
-        // What was recovered is what can be read.
+        // The recovered file has the same content.
         let recovered = recovered.unwrap_or_else(|error| panic!("{error}"));
         let again = recorder::read(&copy).unwrap_or_else(|error| panic!("{error}"));
-        // As text, where what is not a number is like itself.
+        // Compared as text, in which NaN equals itself.
         let text = |log: &Log| format!("{:?} {:?} {:?}", log.run, log.end, log.entries);
         assert!(text(&again) == text(&log), "{:?} but {:?}", again.damage, log.damage);
         assert!(recovered.messages >= log.entries.len() as u64 / 2, "{recovered:?}");
@@ -240,7 +241,7 @@ fn comes_to_an_end(bytes: &[u8]) {
     });
 }
 
-/// What chance does to the bytes of a file.
+/// Random damage to the bytes of a file.
 #[derive(Debug, Clone)]
 enum Harm {
     Flip(Index, u8),
@@ -286,10 +287,10 @@ fn harmed(mut bytes: Vec<u8>, harm: &Harm) -> Vec<u8> {
     bytes
 }
 
-/// A message as it is in a file: topic, time in nanoseconds, bytes.
+/// A message in a file: topic, time in nanoseconds, bytes.
 type Message = (String, u64, Vec<u8>);
 
-/// The messages of the good log, and its metadata.
+/// Returns the messages of the good log, and its metadata.
 fn parts() -> (Vec<Message>, BTreeMap<String, BTreeMap<String, String>>) {
     let messages = mcap::MessageStream::new(good()).expect("messages").map(|message| {
         let message = message.expect("a message");
@@ -299,7 +300,7 @@ fn parts() -> (Vec<Message>, BTreeMap<String, BTreeMap<String, String>>) {
     (messages.collect(), [("run".to_owned(), run), ("end".to_owned(), end)].into())
 }
 
-/// A file of these with every checksum right.
+/// Returns a file of these messages and metadata, with every checksum right.
 fn joined(messages: &[Message], metadata: &BTreeMap<String, BTreeMap<String, String>>) -> Vec<u8> {
     let options = WriteOptions::new().compression(Some(mcap::Compression::Lz4));
     let mut writer = options.create(std::io::Cursor::new(Vec::new())).expect("a writer");
@@ -318,7 +319,7 @@ fn joined(messages: &[Message], metadata: &BTreeMap<String, BTreeMap<String, Str
     writer.into_inner().into_inner()
 }
 
-/// What somebody does to what a log says, checksums and all.
+/// A false statement in a log, with right checksums.
 #[derive(Debug, Clone)]
 enum Lie {
     Byte(Index, Index, u8),
@@ -331,7 +332,7 @@ enum Lie {
     Scene(Index, char),
 }
 
-/// The metadata that replay reads, but for the scene.
+/// The metadata that replay reads, except the scene.
 const KEYS: [(&str, &str); 6] = [
     ("run", "seed"),
     ("run", "time_step"),
@@ -345,7 +346,7 @@ fn lie() -> impl Strategy<Value = Lie> {
     let number = any::<f64>().prop_map(|number| number.to_string());
     let value = prop_oneof![number, "[0-9eE.+-]{0,6}", Just("inf".to_owned()), Just(String::new())];
     let seconds = -5_000_000_000..5_000_000_000_i64;
-    // Times that are far off are far off: nothing is shown by waiting for a day of an empty world.
+    // Wrong times are far off, because simulating a day of an empty world would show nothing.
     let time = prop_oneof![Just(0), Just(u64::MAX), 10_000_000_000_000_000..u64::MAX];
     prop_oneof![
         4 => (any::<Index>(), any::<Index>(), 0..8_u8).prop_map(|(message, at, bit)| Lie::Byte(message, at, bit)),
@@ -391,7 +392,7 @@ proptest! {
                 }
                 Lie::Scene(at, with) => {
                     let scene = metadata.get_mut("run").and_then(|run| run.get_mut("scene")).expect("a scene");
-                    // A number, another way.
+                    // Changes a digit of a number.
                     let digits: Vec<usize> = scene.match_indices(|c: char| c.is_ascii_digit()).map(|(at, _)| at).collect();
                     let at = digits[at.index(digits.len())];
                     scene.replace_range(at..=at, &with.to_string());

@@ -1,4 +1,5 @@
-//! Disks that fail: at every operation in turn, once or from then on. What was flushed before is there, and it is said once.
+//! Disks that fail: at every operation in turn, once or from then on. Flushed records are kept, and the failure is reported
+//! once.
 
 mod support;
 
@@ -18,9 +19,9 @@ struct Disk(Arc<(Mutex<State>, Condvar)>);
 struct State {
     bytes: Vec<u8>,
     operations: usize,
-    /// Which operation fails, from 0, and whether all after it do as well.
+    /// Index of the operation that fails, from 0, and true if all later ones fail as well.
     fails: Option<(usize, bool)>,
-    /// Nothing is taken until this is over.
+    /// True while the disk takes nothing.
     stalled: bool,
 }
 
@@ -55,7 +56,7 @@ impl Disk {
         }
     }
 
-    /// What a reader finds of it.
+    /// Reads the log on the disk.
     fn read(&self) -> Result<recorder::Log, recorder::ReadError> {
         let file = tempfile::NamedTempFile::new().expect("a file");
         std::fs::write(file.path(), &self.state().bytes).expect("a file");
@@ -67,7 +68,7 @@ impl Write for Disk {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let mut state = self.begin();
         let result = Self::operation(&mut state);
-        // A disk that gets full takes a part first.
+        // A disk that fills up takes a part first.
         let taken = if result.is_ok() { bytes.len() } else { bytes.len() / 2 };
         state.bytes.extend_from_slice(&bytes[..taken]);
         result.map(|()| taken)
@@ -93,7 +94,8 @@ fn begin(disk: &Disk, ros2: Option<&Disk>) -> Result<LogWriter, recorder::Record
     }
 }
 
-/// Writes a run with a flush after each so many records; how many were in at the last flush that was done, and the error.
+/// Writes a run with a flush after every ten records. Returns the number of records at the last successful flush, and the
+/// error.
 fn written(disk: &Disk, ros2: Option<&Disk>, records: &[(f64, Record)], end: End) -> (usize, Option<String>) {
     let mut flushed = 0;
     let mut write = || {
@@ -166,7 +168,7 @@ fn a_recorder_that_fails_says_so_once_and_takes_on_without_harm() {
         recorder.record(time, record);
     }
     assert!(recorder.failure().is_none());
-    // Its thread flushes before a second is over, and ends.
+    // The thread flushes within a second, and ends.
     while recorder.is_writing() {
         std::thread::yield_now();
     }
@@ -210,7 +212,7 @@ fn what_waits_for_a_stalled_disk_is_bounded_and_what_is_lost_is_counted() {
     let disk = Disk::default();
     let mut recorder = Recorder::new(begin(&disk, None).expect("a log")).expect("a recorder");
     disk.stall(true);
-    // 400 MB of lines that do not compress away to nothing in memory.
+    // 400 MB of lines, which memory holds uncompressed.
     let (count, length) = (6400, 64 * 1024);
     for number in 0..count {
         let text = format!("{number} {}", "x".repeat(length));
@@ -222,7 +224,7 @@ fn what_waits_for_a_stalled_disk_is_bounded_and_what_is_lost_is_counted() {
     let log = disk.read().expect("a log");
     let dropped: usize = log.end["dropped"].parse().expect("a number");
     assert_eq!(log.entries.len() + dropped, count as usize);
-    // 64 MiB of lines, and each a little longer.
+    // 64 MiB of lines that are a little longer than 64 KiB.
     assert!((900..=1023).contains(&log.entries.len()), "{} kept", log.entries.len());
     assert!(replay::replay(&log).is_err_and(|error| error.to_string().contains("records were dropped")));
 }
@@ -263,7 +265,7 @@ fn ten_thousand_robots_come_and_go_in_one_log() {
     let mut records = Vec::new();
     for robot in 0..10_000 {
         let time = 0.02 * robot as f64;
-        // One stays while the next ones come and go.
+        // One robot stays while the others come and go.
         records.push((time, Record::State(support::state(7, "none"))));
         if robot != 7 {
             records.push((time, Record::State(support::state(robot, "none"))));
@@ -277,11 +279,11 @@ fn ten_thousand_robots_come_and_go_in_one_log() {
     topics.sort_unstable();
     let robot = ["joints", "pose", "scene", "state", "tf"].map(|name| format!("/robot/1/{name}"));
     assert_eq!(topics.iter().filter(|topic| topic.starts_with("/robot/1/")).collect::<Vec<_>>(), robot.each_ref());
-    // Of two places, and those that there are once.
+    // Topics of two slots, and those that exist once.
     assert_eq!(topics.len(), 13, "{topics:?}");
     let log = recorder::read(&file).expect("a log");
     assert_eq!(log.entries.len(), records.len());
-    // The number of a robot is in its messages.
+    // Messages contain the robot's number.
     let numbers = log.entries.iter().filter_map(|entry| match &entry.record {
         Record::State(state) => Some(state.robot),
         _ => None,

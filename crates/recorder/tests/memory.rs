@@ -1,4 +1,4 @@
-//! A small file must not fill the memory. In a process of its own: what is measured is the most that it ever had.
+//! A small file must not fill the memory. This test has its own process, because it measures the peak memory of the process.
 
 mod support;
 
@@ -10,14 +10,14 @@ use mcap::records::MessageHeader;
 use prost::Message;
 use recorder::Table;
 
-/// The most memory that this process has had, bytes, as Linux says; elsewhere it is not known.
+/// Returns the peak memory of this process, bytes, as Linux reports it; elsewhere it is unknown.
 fn peak() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix(" kB")?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }
 
-/// A log of one message, again and again.
+/// Writes a log of one message, repeated.
 fn repeated(path: &Path, topic: &str, message: &[u8], count: u32) {
     let file = std::io::BufWriter::new(std::fs::File::create(path).expect("a file"));
     let options = WriteOptions::new().compression(Some(mcap::Compression::Lz4)).emit_message_indexes(false);

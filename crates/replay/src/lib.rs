@@ -1,4 +1,4 @@
-//! A recorded run made again: the same scene, the same lines at the same steps.
+//! Replay of a recorded run: the same scene, and the same lines at the same steps.
 
 use std::collections::BTreeMap;
 
@@ -9,49 +9,50 @@ use sim_core::World;
 
 /// Longest replay, simulated seconds: a month.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
-/// Longest time without a record in a world without robots, simulated seconds: a server that was left alone for a day.
+/// Longest time without a record in a world without robots, simulated seconds: a server left alone for a day.
 const MAX_IDLE: f64 = 24.0 * 3600.0;
-/// Longest time without a record while robots are there, s: each is recorded at every interval, or at the first step after it.
+/// Longest time without a record in a world with robots, s. Each robot is recorded at every interval, or at the first step
+/// after it.
 const MAX_GAP: f64 = 2.0 * STATE_INTERVAL;
-/// Steps that a world can have, s.
+/// Valid time steps of a world, s.
 const TIME_STEPS: std::ops::RangeInclusive<f64> = 1e-4..=0.02;
-/// What a wheel-speed unit can be, rad/s: rad/s are 1 and revolutions a second 2 pi.
+/// Valid wheel-speed units, rad/s: rad/s are 1 and revolutions a second 2 pi.
 const SPEED_UNITS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
-/// What a replay came to.
+/// The result of a replay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replay {
     /// Simulated seconds replayed.
     pub seconds: f64,
     /// Digest of the world at the end.
     pub digest: u64,
-    /// The digest in the log; `None` when it was cut off.
+    /// The digest in the log; `None` if the log has no digest because it was cut off or the world panicked.
     pub recorded: Option<u64>,
     /// Recorded states of robots and objects that were compared.
     pub states: usize,
-    /// Simulated time of the first of them that came out different, s.
+    /// Simulated time of the first state that differs, s.
     pub first_difference: Option<f64>,
 }
 
 impl Replay {
-    /// Whether everything came out with the same bits.
+    /// True if everything has the same bits.
     pub fn is_same(&self) -> bool {
         self.first_difference.is_none() && self.recorded.is_none_or(|recorded| recorded == self.digest)
     }
 }
 
-/// A log that does not say what to replay.
+/// A log that cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 #[error("the log cannot be replayed: {0}")]
 pub struct ReplayError(String);
 
-/// Makes the run of a log again.
+/// Replays the run of a log.
 ///
 /// # Panics
-/// When the world does: the report of a panic is replayed to see it again.
+/// When the world panics: the report of a panic is replayed to see it again.
 ///
 /// # Errors
-/// When the log has no scene that a world can be made of, or no time step, began in a running world, has records that were dropped, or times that no run has.
+/// When the log has no valid scene or time step, began in a running world, has dropped records, or has times that no run has.
 pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     let entry = |key: &str| log.run.get(key).ok_or_else(|| ReplayError(format!("no `{key}` in its metadata")));
     let number = |key: &str| entry(key)?.parse::<f64>().map_err(|_| ReplayError(format!("`{key}` is no number")));
@@ -76,7 +77,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
         return Err(ReplayError(format!("it goes to {last} s: expected at most {MAX_SECONDS}")));
     }
     let panic_at = log.run.get("panic_at").and_then(|steps| steps.parse().ok());
-    // Who leaves, and when, is in the log.
+    // The log says which robots leave, and when: `keep_robots` has no effect.
     let mut world = World::new(def, Options { seed, speed_unit, time_step, panic_at, ..Options::default() });
     // The newest robot of each connection.
     let mut pawns: BTreeMap<u64, RobotId> = BTreeMap::new();
@@ -121,8 +122,8 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     Ok(Replay { seconds: world.time(), digest: world.digest(), recorded, states, first_difference })
 }
 
-/// Steps up to the time of the next record, if a run can have come there from the last; with robots not more than `most` seconds
-/// later.
+/// Steps to the time of the next record, if a run can reach it from the last one. With robots, the gap is at most `most`
+/// seconds.
 fn advance(world: &mut World, time: f64, most: f64) -> Result<(), ReplayError> {
     let (now, time_step) = (world.time(), world.time_step());
     // Times in a log are whole nanoseconds.

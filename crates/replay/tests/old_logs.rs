@@ -1,9 +1,9 @@
-//! Logs of earlier formats are read, and made again as they were.
+//! Logs of earlier formats can be read, and replay to the same bits.
 
 use std::path::Path;
 
-/// Of November 2026, when a robot was a body with wheels: a caster robot and a youBot drive for a second and a half. (What
-/// changes how robots move ends the same bits, and then only the reading is to be kept.)
+/// Replays a log of November 2026, when a robot was a body with wheels: a caster robot and a youBot drive for a second and a
+/// half. (A change of how robots move will end the equal bits. Then only the reading must be kept.)
 #[test]
 fn a_log_from_before_robots_were_trees_replays_to_the_same_bits() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/logs/before-trees.mcap");

@@ -1,4 +1,4 @@
-//! The robots, maps and materials built into the program, and the way from a name to a definition.
+//! Robots, maps and materials embedded in the program, and the lookup of definitions by name.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,47 +16,47 @@ use crate::{LoadError, map as map_file, robot as robot_file};
 static ASSETS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../assets");
 static MAPS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../maps");
 
-/// The maps built in, by name.
+/// Returns the names of the embedded maps.
 pub fn map_names() -> Vec<String> {
     folders(&MAPS)
 }
 
-/// The robot classes built in, by name.
+/// Returns the names of the embedded robot classes.
 pub fn robot_names() -> Vec<String> {
     ASSETS.get_dir("robots").map_or_else(Vec::new, folders)
 }
 
-/// Name and content of a file that is built in.
+/// Name and contents of an embedded file.
 pub type File = (String, &'static [u8]);
 
-/// The files of a map that is built in, `map.toml` and its meshes.
+/// Returns the files of an embedded map: `map.toml` and its meshes.
 ///
 /// # Errors
-/// An unknown name.
+/// When the name is unknown.
 pub fn map_files(name: &str) -> Result<Vec<File>, LoadError> {
     MAPS.get_dir(name).map(files).ok_or_else(|| unknown("map", name, &map_names()))
 }
 
-/// The files of a robot class that is built in, in any case: `robot.toml`, its URDF and meshes.
+/// Returns the files of an embedded robot class, in any case: `robot.toml`, its URDF and meshes.
 ///
 /// # Errors
-/// An unknown name.
+/// When the name is unknown.
 pub fn robot_files(name: &str) -> Result<Vec<File>, LoadError> {
     built_in_robot(name).map(|(_, dir)| files(dir)).ok_or_else(|| unknown("robot", name, &robot_names()))
 }
 
-/// A world on a map, built in or a file, with every robot built in and those of further robot.toml files.
+/// Loads a world: a map, embedded or a file, all embedded robots, and those of further robot.toml files.
 ///
 /// # Errors
-/// An unknown name, an unreadable file, or everything wrong with the files.
+/// Reports an unknown name, an unreadable file, or all problems of the files.
 pub fn load(map_name: &str, robot_files: &[&Path]) -> Result<WorldDef, LoadError> {
     load_with(map_name, robot_files, &[])
 }
 
-/// The same with some numbers replaced.
+/// Loads a world with overrides.
 ///
 /// # Errors
-/// As [`load`], and an override that nothing takes.
+/// As [`load`], and an override that is not used.
 pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) -> Result<WorldDef, LoadError> {
     let files = robot_files.iter().map(|file| file.display().to_string());
     let mut robots = BTreeMap::new();
@@ -71,7 +71,7 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
     Ok(world)
 }
 
-/// A map by its name, or by the path of its file.
+/// Loads a map by its name, or by the path of its file.
 ///
 /// # Errors
 /// As [`load`].
@@ -90,7 +90,7 @@ pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
     })
 }
 
-/// A robot class by its name, in any case, or by the path of its robot.toml or of a URDF.
+/// Loads a robot class by its name, in any case, or by the path of its robot.toml or of a URDF.
 ///
 /// # Errors
 /// As [`load`].
@@ -110,7 +110,7 @@ pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> 
     }
 }
 
-/// A robot from a URDF alone; what that does not say is in its assumptions.
+/// Loads a robot from only a URDF. Its assumptions list the values that a URDF does not give.
 pub(crate) fn robot_of_urdf(path: &Path, class: &str) -> Result<RobotDef, LoadError> {
     let (source, mut problems) = (Source::of_file(path), Problems::default());
     let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -119,7 +119,7 @@ pub(crate) fn robot_of_urdf(path: &Path, class: &str) -> Result<RobotDef, LoadEr
     problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
 }
 
-/// The file of that name, where a folder with it is given.
+/// Returns the file with this name in a folder; any other path stays unchanged.
 pub(crate) fn in_folder(path: &Path, file: &str) -> PathBuf {
     let inside = path.join(file);
     if path.is_dir() && inside.is_file() { inside } else { path.to_owned() }
@@ -146,8 +146,8 @@ pub(crate) fn built_in_materials(overrides: &[Override]) -> Result<Materials, Lo
     problems.into_result(materials)
 }
 
-/// `foo` of `foo/map.toml` and of `foo.toml`, with `_` for what a name on the wire cannot have. In the name
-/// of a class a point would end a package.
+/// Returns `foo` for `foo/map.toml` and `foo.toml`, with `_` for characters that a name on the wire cannot have. In the name of a
+/// class, a point would end a package.
 fn name_of(path: &Path, kind: &str) -> String {
     let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(kind);
     let folder = path.parent().and_then(Path::file_name).and_then(|name| name.to_str());
@@ -155,7 +155,7 @@ fn name_of(path: &Path, kind: &str) -> String {
     name.replace(|c: char| c.is_whitespace() || "{}".contains(c) || (kind == "robot" && c == '.'), "_")
 }
 
-/// The name of a TOML file; what else could be meant is said in `expected`.
+/// Returns the name of a TOML file; `expected` lists the accepted files in the error.
 fn file_name(path: &Path, expected: &'static str) -> Result<String, LoadError> {
     if path.extension().is_none_or(|extension| extension != "toml") {
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
@@ -163,7 +163,7 @@ fn file_name(path: &Path, expected: &'static str) -> Result<String, LoadError> {
     Ok(path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default())
 }
 
-/// A class that is built in, by its name in any case, and its folder.
+/// Returns an embedded class, by its name in any case, and its folder.
 fn built_in_robot(name: &str) -> Option<(String, &'static Dir<'static>)> {
     let class = robot_names().into_iter().find(|known| known.eq_ignore_ascii_case(name))?;
     let folder = ASSETS.get_dir(format!("robots/{class}"))?;

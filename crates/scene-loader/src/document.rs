@@ -1,4 +1,4 @@
-//! A TOML file that is read piece by piece, so that one mistake does not hide the next.
+//! A TOML file, read piece by piece so that one mistake does not hide the next.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use toml::de::{DeTable, DeValue, ValueDeserializer};
 use crate::materials::Materials;
 use crate::problem::{Problems, Unread};
 
-/// Said of tables and arrays inside each other: the parser takes 80 levels.
+/// Message for tables and arrays nested too deep: the parser takes 80 levels.
 const TOO_DEEP: &str = "nested too deep: expected at most 80 levels";
 
 /// A file, its text, and the problems found in it.
@@ -22,20 +22,20 @@ pub(crate) struct Document<'a> {
     problems: &'a mut Problems,
 }
 
-/// A table of the file with its place.
+/// A table of the file with its position.
 pub(crate) struct Table<'a> {
     span: Range<usize>,
     entries: DeTable<'a>,
 }
 
 impl<'a> Document<'a> {
-    /// Reads the syntax. The first mistake in it is noted alone: what comes behind may be meant otherwise.
+    /// Parses the syntax. Reports only the first syntax error, as later text may be misread after it.
     pub(crate) fn parse(file: &'a str, text: &'a str, problems: &'a mut Problems) -> Option<(Self, Table<'a>)> {
         match DeTable::parse(text) {
             Ok(root) => Some((Self { file, text, problems }, Table { span: 0..0, entries: root.into_inner() })),
             Err(error) => {
                 let place = error.span().map_or(0, |span| span.start);
-                // The parser gives up before it recurses too far, and says so in two ways.
+                // The parser stops before it recurses too far, and reports that in two ways.
                 match error.message() {
                     message if message.contains("recurs") => problems.at(file, text, place, TOO_DEEP),
                     message => problems.at(file, text, place, message),
@@ -45,17 +45,17 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Notes a problem at a place.
+    /// Reports a problem at a position.
     pub(crate) fn problem(&mut self, span: &Range<usize>, message: impl std::fmt::Display) {
         self.problems.at(self.file, self.text, span.start, message);
     }
 
-    /// Notes what is wrong with what stands at a place.
+    /// Reports the problems of the entry at a position.
     pub(crate) fn wrong(&mut self, span: &Range<usize>, messages: impl IntoIterator<Item = String>) {
         messages.into_iter().for_each(|message| self.problem(span, message));
     }
 
-    /// Notes a problem unless a number is within its range.
+    /// Reports a problem unless a number is within its range.
     pub(crate) fn within(&mut self, span: &Range<usize>, key: &str, value: f64, range: Bounds) -> bool {
         let problem = range.problem(key, value);
         let good = problem.is_none();
@@ -63,25 +63,25 @@ impl<'a> Document<'a> {
         good
     }
 
-    /// Notes what is wrong with everything together, where nothing else is wrong.
+    /// Reports the problems of the file as a whole, if it has no others.
     pub(crate) fn as_a_whole(&mut self, check: impl FnOnce() -> Vec<String>) {
         if self.problems.count() == 0 {
             self.wrong(&(0..0), check());
         }
     }
 
-    /// The problems, for what is read from other files.
+    /// Returns the problems, to add those of other files.
     pub(crate) fn problems(&mut self) -> &mut Problems {
         self.problems
     }
 
-    /// Takes a value out of a table; `None` where it is missing or, with a note, of the wrong type.
+    /// Takes a value out of a table. Returns `None` if it is missing, or if it has the wrong type, which is reported.
     pub(crate) fn optional<T: DeserializeOwned>(&mut self, table: &mut Table<'a>, key: &str) -> Option<T> {
         let value = table.entries.remove(key)?;
         self.read(value).map(|(_, value)| value)
     }
 
-    /// Takes a value that has to be there.
+    /// Takes a required value out of a table.
     pub(crate) fn required<T: DeserializeOwned>(&mut self, table: &mut Table<'a>, key: &str, what: &str) -> Option<T> {
         if !table.entries.contains_key(key) {
             self.problem(&table.span, format_args!("missing `{key}`: expected {what}"));
@@ -89,19 +89,19 @@ impl<'a> Document<'a> {
         self.optional(table, key)
     }
 
-    /// Takes an array of tables, each read by itself. Those with a mistake are left out.
+    /// Takes an array of tables and reads each by itself. Tables with a mistake are left out.
     pub(crate) fn list<T: DeserializeOwned>(&mut self, table: &mut Table<'a>, key: &str) -> Vec<(Range<usize>, T)> {
         let elements = self.elements(table, key);
         elements.into_iter().filter_map(|element| self.read(element)).collect()
     }
 
-    /// Takes an array of tables to be read key by key.
+    /// Takes an array of tables, to be read key by key.
     pub(crate) fn tables(&mut self, table: &mut Table<'a>, key: &str) -> Vec<Table<'a>> {
         let elements = self.elements(table, key);
         elements.into_iter().filter_map(|element| self.as_table(element)).collect()
     }
 
-    /// Takes a table to be read key by key.
+    /// Takes a table, to be read key by key.
     pub(crate) fn table(&mut self, table: &mut Table<'a>, key: &str) -> Option<Table<'a>> {
         let value = table.entries.remove(key)?;
         self.as_table(value)
@@ -118,7 +118,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Takes one table or value with its place.
+    /// Takes one table or value with its position.
     pub(crate) fn section<T: DeserializeOwned>(
         &mut self,
         table: &mut Table<'a>,
@@ -127,7 +127,7 @@ impl<'a> Document<'a> {
         table.entries.remove(key).map(|value| self.read(value).ok_or(Unread)).transpose()
     }
 
-    /// Takes every entry that is left as a table by name.
+    /// Takes all remaining entries as named tables.
     pub(crate) fn named<T: DeserializeOwned>(&mut self, table: &mut Table<'a>) -> Vec<(Range<usize>, String, T)> {
         let entries = std::mem::take(&mut table.entries);
         let read = |(key, value): (Spanned<_>, _)| {
@@ -138,7 +138,7 @@ impl<'a> Document<'a> {
         entries.into_iter().filter_map(read).collect()
     }
 
-    /// Notes every key that nobody took.
+    /// Reports every key that was not taken.
     pub(crate) fn finish(&mut self, table: Table<'a>, expected: &str) {
         for key in table.entries.keys() {
             let suggestion = did_you_mean(key.get_ref(), expected.split(", ").map(str::trim));
@@ -147,7 +147,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Reads what is left of a table as a whole.
+    /// Reads the rest of a table as a whole.
     pub(crate) fn rest<T>(
         &mut self,
         table: Table<'a>,
@@ -158,7 +158,7 @@ impl<'a> Document<'a> {
         self.result(&span, read(ValueDeserializer::from(value)))
     }
 
-    /// Looks a material up; one that is not known is noted, and what is made of it can still be checked.
+    /// Looks up a material. An unknown one is reported and replaced by the default, so that its users can still be checked.
     pub(crate) fn material(&mut self, span: &Range<usize>, name: &str, materials: &Materials) -> Material {
         materials.get(name).cloned().unwrap_or_else(|| {
             let known = || materials.keys().map(String::as_str);
@@ -168,7 +168,7 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// The number of a name among those that are known; where it is none of them, the problem names the nearest.
+    /// Returns the index of a name among the known ones. An unknown name is reported with the nearest one.
     pub(crate) fn one_of<'n>(
         &mut self,
         span: &Range<usize>,
@@ -207,7 +207,7 @@ impl<'a> Document<'a> {
             Ok(value) => Some(value),
             Err(error) => {
                 let place = error.span().unwrap_or_else(|| span.clone());
-                // serde names what is wrong first, then what it knows.
+                // serde puts the wrong name first, then the known ones.
                 let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
                 let suggestion = match names.split_first() {
                     Some((wrong, known)) if error.message().starts_with("unknown ") => {
@@ -223,12 +223,12 @@ impl<'a> Document<'a> {
 }
 
 impl Table<'_> {
-    /// Whether a key is still there.
+    /// True if a key has not been taken.
     pub(crate) fn has(&self, key: &str) -> bool {
         self.entries.contains_key(key)
     }
 
-    /// Where the table is.
+    /// Returns the position of the table.
     pub(crate) fn span(&self) -> Range<usize> {
         self.span.clone()
     }

@@ -1,8 +1,7 @@
-//! Robots, maps and materials: files in, plain definitions of `scene` out. Every file is read here.
+//! Loader of robots, maps and materials: reads files and returns plain definitions of `scene`. All files of scenes are read here.
 //!
-//! The robots, maps and materials of this repository are built into the program; others are named by their path.
-//! Files are in SI units and in the world frame (x forward, y right, z down), but for URDF and meshes, which are
-//! z up as everywhere else and are turned here.
+//! The robots, maps and materials of this repository are embedded in the program; others are named by their path. Files are in SI
+//! units and in the world frame (x forward, y right, z down). URDFs and meshes are z up, as usual, and are converted here.
 
 mod catalogue;
 mod document;
@@ -24,11 +23,10 @@ use std::path::Path;
 use problem::Problems;
 use source::Source;
 
-/// Checks a robot.toml, a map.toml, a materials.toml or a URDF. Returns what was taken to be so because a robot's file does not say
-/// it.
+/// Checks a robot.toml, a map.toml, a materials.toml or a URDF. Returns the assumptions made where a robot's file gives no value.
 ///
 /// # Errors
-/// Everything wrong with it; or when the file cannot be read or its kind is not known.
+/// Lists all problems of the file. Also fails if the file cannot be read or is of an unknown kind.
 pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
     let path = &catalogue::in_folder(&catalogue::in_folder(path, "map.toml"), "robot.toml");
     if catalogue::is_urdf(path) {
@@ -42,7 +40,7 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
     check_toml(&Source::of_file(path), name)
 }
 
-/// Materials have the name of their file, robots have wheels; the rest is a map.
+/// Checks a TOML file. A materials file is known by its name, a robot by its name or its wheels; any other file is a map.
 fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
     let text = source.text(name)?;
     let materials = catalogue::built_in_materials(&[])?;

@@ -1,4 +1,4 @@
-//! `map.toml`: what stands on a map, of what material, and where robots start.
+//! `map.toml`: solids, their materials, and start poses.
 
 use scene::{MapDef, NamedPose, Object, Shape, Solid, check};
 
@@ -32,7 +32,7 @@ pub(crate) fn read(
     for kind in ["half_space", "box", "ramp", "cylinder", "ball", "mesh"] {
         for table in document.tables(&mut root, kind) {
             match read_solid(source, &mut document, kind, table, &materials) {
-                // A mass makes a solid that can be pushed.
+                // A solid with a mass can be pushed.
                 Some((solid, Some(mass))) => objects.push(Object { solid, mass }),
                 Some((solid, None)) => solids.push(solid),
                 None => {}
@@ -118,7 +118,7 @@ fn read_solid<'a>(
     Some((solid, mass))
 }
 
-/// A wedge: its low edge lies on the y axis, it rises along x to `height` and ends in an upright face.
+/// Returns a wedge. Its low edge lies on the y axis; it rises along x to `height` and ends in a vertical face.
 fn ramp(length: f64, width: f64, height: f64) -> Shape {
     let side = |y: f64| [[0.0, y, 0.0], [length, y, 0.0], [length, y, -height]];
     Shape::Hull { points: [side(-width / 2.0), side(width / 2.0)].concat() }

@@ -1,4 +1,4 @@
-//! Materials, one table each: those of `materials.toml`, each number with its source, and a map's own.
+//! Tables of materials: those of `materials.toml`, each with a source, and a map's own.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -30,12 +30,12 @@ struct Entry {
     source: String,
 }
 
-/// What a material without a colour looks like.
+/// Returns the colour of a material without one.
 fn grey() -> [f64; 3] {
     [0.6; 3]
 }
 
-/// Those of `materials.toml`, each of which has a source.
+/// Reads the materials of `materials.toml`, each of which needs a source.
 pub(crate) fn read(file: &str, text: &str, problems: &mut Problems) -> Materials {
     let Some((mut document, root)) = Document::parse(file, text, problems) else { return Materials::new() };
     let materials = read_table(&mut document, root);
@@ -48,7 +48,7 @@ pub(crate) fn read(file: &str, text: &str, problems: &mut Problems) -> Materials
     by_name(materials)
 }
 
-/// Those of a map itself, beside which it has all others.
+/// Reads the materials of a map and adds them to all others.
 pub(crate) fn read_own<'a>(document: &mut Document<'a>, root: &mut Table<'a>, all: &Materials) -> Materials {
     let own = document.table(root, "material").map_or_else(Vec::new, |table| read_table(document, table));
     let mut materials = all.clone();
@@ -56,7 +56,7 @@ pub(crate) fn read_own<'a>(document: &mut Document<'a>, root: &mut Table<'a>, al
     materials
 }
 
-/// Every entry of a table with its place.
+/// Reads every entry of a table with its position.
 fn read_table<'a>(document: &mut Document<'a>, mut table: Table<'a>) -> Vec<(Range<usize>, Material)> {
     let entries = document.named::<Entry>(&mut table).into_iter().map(|(span, name, entry)| {
         let Entry { friction, restitution, rolling_resistance, linear_damping, angular_damping, colour, source } =

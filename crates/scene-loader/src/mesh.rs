@@ -14,27 +14,27 @@ pub(crate) use simplify::{simplified, size};
 use crate::LoadError;
 use crate::source::{MAX_MESH, Source};
 
-/// By how much a mesh is scaled: files are in metres, millimetres or inches.
+/// Scale of a mesh: files are in metres, millimetres or inches.
 pub(crate) const SCALE: Range = Range { least: 1e-6, most: 1e6, unit: "" };
-/// Of what says no colour.
+/// Colour of a mesh without one.
 pub(crate) const COLOUR: [f64; 3] = [0.72, 0.72, 0.74];
 
-/// Triangles of one colour, in the axes of their file: z up, or turned so by its reader.
+/// Triangles of one colour, in the axes of their file: z up, or converted to that by its reader.
 #[derive(Default)]
 pub(crate) struct Piece {
     pub(crate) vertices: Vec<[f32; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Red, green and blue, where the file says one.
+    /// Red, green and blue, if the file gives them.
     pub(crate) colour: Option<[f64; 3]>,
 }
 
-/// Reads a mesh as one surface and scales it along the axes of its file. Files are z up, as is usual; the result is in the frame of
+/// Reads a mesh as one surface and scales it along the axes of its file. Files are z up, as usual; the result is in the frame of
 /// the solid, z down.
 pub(crate) fn read(source: &Source, name: &str, scale: [f64; 3]) -> Result<Shape, String> {
     Ok(joined(pieces(source, name)?).scaled(scale))
 }
 
-/// Makes one piece of several, of the first colour.
+/// Joins pieces into one, with the first colour.
 pub(crate) fn joined(pieces: Vec<Piece>) -> Piece {
     let mut whole = Piece { colour: pieces.iter().find_map(|piece| piece.colour), ..Piece::default() };
     for piece in pieces {
@@ -45,7 +45,7 @@ pub(crate) fn joined(pieces: Vec<Piece>) -> Piece {
     whole
 }
 
-/// Reads a mesh in its pieces.
+/// Reads the pieces of a mesh.
 pub(crate) fn pieces(source: &Source, name: &str) -> Result<Vec<Piece>, String> {
     let bytes = || source.bytes(name, MAX_MESH).map_err(|error: LoadError| error.to_string());
     let ending = name.rsplit('.').next().map(str::to_ascii_lowercase);
@@ -65,7 +65,7 @@ pub(crate) fn pieces(source: &Source, name: &str) -> Result<Vec<Piece>, String> 
 }
 
 impl Piece {
-    /// Scaled along the axes of its file and turned z down.
+    /// Scales the piece along the axes of its file and converts it to z down.
     pub(crate) fn scaled(self, scale: [f64; 3]) -> Shape {
         let z_down = |[x, y, z]: [f32; 3]| {
             let [x, y, z] = [x, y, z].map(f64::from);
@@ -84,7 +84,7 @@ fn stl(bytes: &[u8]) -> Result<Vec<Piece>, String> {
 
 fn obj(bytes: &[u8]) -> Result<Vec<Piece>, String> {
     let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
-    // Material libraries are about looks; the physical material is the map's.
+    // Material libraries only affect looks; the physical material is the map's.
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::GenericFailure);
     let geometry = geometry(&String::from_utf8_lossy(bytes));
     let (models, _) =
@@ -97,7 +97,7 @@ fn obj(bytes: &[u8]) -> Result<Vec<Piece>, String> {
     Ok(models.into_iter().map(piece).collect())
 }
 
-/// Corners and faces alone: tobj trusts the indices of textures and normals, and nobody needs them.
+/// Keeps only corners and faces: tobj trusts the indices of textures and normals, which are not needed.
 fn geometry(text: &str) -> String {
     let mut geometry = String::with_capacity(text.len());
     for line in text.lines() {

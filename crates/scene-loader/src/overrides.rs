@@ -1,4 +1,4 @@
-//! Numbers of a file replaced from outside: `robot.wheels.gain=2.5`, `map.gravity=1.62`, `material.carpet.friction=0.5`.
+//! Overrides of numbers in files: `robot.wheels.gain=2.5`, `map.gravity=1.62`, `material.carpet.friction=0.5`.
 
 use std::collections::BTreeSet;
 use std::str::FromStr;
@@ -9,17 +9,17 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use crate::LoadError;
 
-/// The scopes that are no class of robots.
+/// Scopes other than classes of robots.
 const SCOPES: [&str; 3] = ["robot", "map", "material"];
 
 /// One `path=value`.
 ///
-/// The path begins with `robot` (every class that has what the rest names), the name of a class, `map` or `material`;
-/// the rest are the keys of the file. In an array a key is a place (0 ...), the `name` of an element, or, left out, all
-/// elements. `robot.roller_friction` is short for `robot.rollers.friction`.
+/// The path begins with a scope: `robot` (every class with a matching key), the name of a class, `map` or `material`. The rest are
+/// the keys of the file. In an array a key is an index (0 ...) or the `name` of an element; without it, all elements are set.
+/// `robot.roller_friction` is short for `robot.rollers.friction`.
 #[derive(Debug, Clone)]
 pub struct Override {
-    /// As it was written.
+    /// Original text.
     text: String,
     scope: String,
     keys: Vec<String>,
@@ -27,14 +27,14 @@ pub struct Override {
     found: Arc<Mutex<Found>>,
 }
 
-/// What the files that were read so far say about an override.
+/// Use of an override by the files read so far.
 #[derive(Debug, Default)]
 struct Found {
-    /// Whether any of them took it.
+    /// True if a file used it.
     used: bool,
-    /// What the first of them said that did not.
+    /// First message of a file that rejected it.
     refusal: Option<String>,
-    /// Every path that it could have had.
+    /// Every path that it could have named.
     paths: BTreeSet<String>,
 }
 
@@ -69,8 +69,8 @@ impl FromStr for Override {
     }
 }
 
-/// The text of a file with every override that belongs to one of its names. A text that is no TOML stays as it is: who
-/// reads it says what is wrong.
+/// Applies every override with a scope among the names to the text of a file. A text that is not TOML stays unchanged; its reader
+/// reports the problem.
 pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str]) -> String {
     let mut wanted = overrides.iter().filter(|it| names.iter().any(|name| name.eq_ignore_ascii_case(&it.scope)));
     let Some(first) = wanted.next() else { return text };
@@ -85,10 +85,10 @@ pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str]) -> Str
     document.to_string()
 }
 
-/// Says which override nothing took so far.
+/// Checks that every override was used.
 ///
 /// # Errors
-/// The first such.
+/// Reports the first one that was not.
 pub fn check_used(overrides: &[Override]) -> Result<(), LoadError> {
     let unused = overrides.iter().find(|it| !it.found().used);
     unused.map_or(Ok(()), |it| Err(it.refused(it.why_unused())))
@@ -108,7 +108,7 @@ impl Override {
             return format!("no `{}`{meant}: expected robot, map, material or a class of robots", self.scope);
         }
         let nearest = names::nearest(&path, paths.iter().map(String::as_str));
-        // Where nothing is near, the keys that a file's reader names say more.
+        // If no path is near, the keys that a file's reader lists are more helpful.
         if let Some(refusal) = refusal.as_ref().filter(|_| nearest.is_none()) {
             return refusal.clone();
         }
@@ -117,7 +117,7 @@ impl Override {
     }
 }
 
-/// The paths of every value in a table, with and without the names of an array's elements.
+/// Collects the paths of every value in a table, with and without the names of an array's elements.
 fn paths(table: &dyn TableLike, before: &str, found: &mut BTreeSet<String>) {
     for (key, item) in table.iter() {
         let path = if before.is_empty() { key.to_owned() } else { format!("{before}.{key}") };
@@ -136,8 +136,9 @@ fn paths(table: &dyn TableLike, before: &str, found: &mut BTreeSet<String>) {
     }
 }
 
-/// Reads with overrides. One with a key that this file has not is left out, as another file may have it: [`check_used`] refuses
-/// those that none has. What else is wrong only with them is said of the first that is wrong alone, else of all.
+/// Reads with overrides, and attributes errors to them. An override with a key unknown to this file is left out, as another file
+/// may have the key. [`check_used`] rejects overrides that no file used. Other errors that occur only with overrides are reported
+/// for the first override that fails alone, otherwise for all.
 ///
 /// # Errors
 /// As `read`.
@@ -174,8 +175,7 @@ pub(crate) fn blame<T>(
     })
 }
 
-/// Sets the value at a path. New keys are made in tables that are there; the reader of the file refuses those that it
-/// does not know.
+/// Sets the value at a path. New keys are inserted into existing tables; the reader of the file rejects those it does not know.
 fn set(item: &mut Item, keys: &[String], value: &Value) -> bool {
     let Some((key, rest)) = keys.split_first() else { return replace(item, value) };
     if let Some(tables) = item.as_array_of_tables_mut() {
@@ -186,7 +186,7 @@ fn set(item: &mut Item, keys: &[String], value: &Value) -> bool {
         if let Some(table) = tables.iter_mut().find(|table| named(table)) {
             return set_in(table, rest, value);
         }
-        // Every element, not only the first.
+        // A key that is neither an index nor a name sets every element, not only the first.
         return tables.iter_mut().filter_map(|table| set_in(table, keys, value).then_some(())).count() > 0;
     }
     if let Some(array) = item.as_array_mut() {
@@ -200,7 +200,7 @@ fn set_in(table: &mut toml_edit::Table, keys: &[String], value: &Value) -> bool 
     match keys {
         [] => false,
         [key] if !table.contains_key(key) => {
-            // A table of the file is not made up out of nothing, a key of it is.
+            // A missing key is created, a missing table is not.
             table.insert(key, Item::Value(value.clone()));
             true
         }

@@ -1,14 +1,14 @@
-//! What can be wrong with a file.
+//! Problems of files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use scene::check::SceneProblem;
 
-/// Most problems that are said: a file of a million mistakes is no file of this kind.
+/// Maximum number of reported problems: a file with more mistakes is no file of this kind.
 const MAX_PROBLEMS: usize = 100;
 
-/// One mistake in a file, with its place. Written as compilers do: `file:line:column: message`.
+/// One mistake in a file, with its position. Displayed as by compilers: `file:line:column: message`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileProblem {
     /// The file.
@@ -17,12 +17,12 @@ pub struct FileProblem {
     pub line: usize,
     /// Column, from 1, in characters.
     pub column: usize,
-    /// What is wrong and what was expected.
+    /// Description of the problem and of the expected value.
     pub message: String,
 }
 
 impl FileProblem {
-    /// Whether it is a key that nothing knows.
+    /// True for a key that no reader knows.
     pub(crate) fn is_unknown_key(&self) -> bool {
         ["unknown key", "unknown field"].iter().any(|begin| self.message.starts_with(begin))
     }
@@ -34,7 +34,7 @@ impl fmt::Display for FileProblem {
     }
 }
 
-/// Why a robot, map or material could not be loaded.
+/// Reason for which a robot, map or material could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// A file that cannot be read.
@@ -42,19 +42,19 @@ pub enum LoadError {
     Unreadable {
         /// The file.
         file: String,
-        /// What the operating system says.
+        /// Message of the operating system.
         reason: String,
     },
-    /// Neither a name that is built in nor a file.
+    /// Neither an embedded name nor a file.
     #[error("unknown {kind} `{got}`: expected a file or one of {expected}{suggestion}")]
     UnknownName {
         /// `map` or `robot`.
         kind: &'static str,
-        /// What was asked for.
+        /// Requested name.
         got: String,
-        /// The nearest of them, in words; nothing where none is near.
+        /// Nearest known name, in words; empty if none is near.
         suggestion: String,
-        /// The names there are.
+        /// Known names.
         expected: String,
     },
     /// A file of another kind.
@@ -62,21 +62,21 @@ pub enum LoadError {
     UnknownKind {
         /// The file.
         file: String,
-        /// The kinds there are.
+        /// Known kinds.
         expected: &'static str,
     },
-    /// An override whose path leads nowhere, or whose value is none.
+    /// An override with an unknown path or an invalid value.
     #[error("--set {text}: {reason}")]
     Override {
-        /// As it was written.
+        /// Text of the override.
         text: String,
-        /// What is wrong with it.
+        /// Description of the problem.
         reason: String,
     },
-    /// Files that are good, each by itself, but make no world.
+    /// Files that are valid by themselves, but not together.
     #[error(transparent)]
     Scene(#[from] SceneProblem),
-    /// Mistakes in a file, one a line.
+    /// Mistakes in a file, one per line.
     #[error("{}", list(.0))]
     Bad(Vec<FileProblem>),
 }
@@ -85,12 +85,12 @@ fn list(problems: &[FileProblem]) -> String {
     problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
-/// Problems as they are found; reading goes on to find the next.
+/// Problems found so far; reading continues after each.
 #[derive(Debug, Default)]
 pub(crate) struct Problems(Vec<FileProblem>);
 
 impl Problems {
-    /// Notes a problem at a byte offset of a text.
+    /// Adds a problem at a byte offset of a text.
     pub(crate) fn at(&mut self, file: &str, text: &str, offset: usize, message: impl fmt::Display) {
         if self.0.len() >= MAX_PROBLEMS {
             return;
@@ -105,12 +105,12 @@ impl Problems {
         });
     }
 
-    /// How many there are so far.
+    /// Returns the number of problems so far.
     pub(crate) fn count(&self) -> usize {
         self.0.len()
     }
 
-    /// Takes away, of the problems after the first `from`, what is said of each of `entries` alike, and returns it.
+    /// Removes and returns the messages that all of `entries` share, among the problems after the first `from`.
     pub(crate) fn take_shared(&mut self, from: usize, entries: usize) -> BTreeSet<String> {
         let mut counts: BTreeMap<String, usize> = BTreeMap::new();
         self.0[from..].iter().for_each(|problem| *counts.entry(problem.message.clone()).or_default() += 1);
@@ -124,7 +124,7 @@ impl Problems {
         shared
     }
 
-    /// The value if nothing is wrong, otherwise every problem once, in the order of the lines.
+    /// Returns the value if there are no problems. Otherwise returns every problem once, in the order of the lines.
     pub(crate) fn into_result<T>(mut self, value: T) -> Result<T, LoadError> {
         self.0.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
         self.0.dedup();
@@ -132,6 +132,6 @@ impl Problems {
     }
 }
 
-/// What could not be read; the problems say why. Nothing that follows from it is a problem of its own.
+/// Marks a value that could not be read. Its problems are already reported, so that nothing else reports consequences of it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unread;

@@ -27,7 +27,7 @@ use crate::urdf::{self, Urdf};
 const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, dialect, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
                     caster, joint, visual, actuator, gripper, sensor, battery, aerial";
 
-/// A part of the body: a solid box that gives its mass, and the shape that touches the world unless it is hidden.
+/// A part of the body: a solid box that sets its mass, and a colliding shape unless it is hidden.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PartEntry {
@@ -41,7 +41,7 @@ struct PartEntry {
     material: String,
     #[serde(default = "yes")]
     collides: bool,
-    /// The link that it is a part of; without one, the body.
+    /// Link that it belongs to; without one, the body.
     link: Option<String>,
 }
 
@@ -49,7 +49,7 @@ fn yes() -> bool {
     true
 }
 
-/// What is to differ from the URDF in a link of the body.
+/// Changes to a link of the URDF.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LinkEntry {
@@ -141,7 +141,7 @@ fn read_steering<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Optio
     document.one_of(&span, "steering", &name, names()).map(|number| Steering::ALL[number].1)
 }
 
-/// What a robot in the air can do, m/s, rad/s and rad.
+/// Flight limits of a robot, m/s, rad/s and rad.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct AerialEntry {
@@ -178,7 +178,7 @@ fn read_drive_model<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Dr
     })
 }
 
-/// Whether its clients are spoken to in the dialect of UT2004.
+/// Reads the dialect of its clients; true for that of UT2004.
 fn read_dialect<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> bool {
     let Ok(Some((span, name))) = document.section::<String>(root, "dialect") else { return false };
     if !["udk", "ut2004"].contains(&name.as_str()) {
@@ -187,7 +187,7 @@ fn read_dialect<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> bool {
     name == "ut2004"
 }
 
-/// The URDF that a robot names, and where.
+/// Reads the URDF that a robot names, with the position of its name.
 fn read_urdf<'a>(
     source: &Source,
     document: &mut Document<'a>,
@@ -206,8 +206,8 @@ fn read_urdf<'a>(
     }
 }
 
-/// A mass changes the inertia with it; a centre moves the mass and leaves the shape. Without `links` the URDF could not be
-/// read.
+/// Reads the changes to links of the URDF. A mass scales the inertia; a centre moves the mass and keeps the shape. `links` is
+/// `None` if the URDF could not be read.
 fn read_links<'a>(document: &mut Document<'a>, root: &mut Table<'a>, links: Option<&mut Vec<Link>>) {
     let entries = document.list::<LinkEntry>(root, "link");
     let Some(links) = links else { return };
@@ -254,7 +254,7 @@ fn box_inertia(mass: f64, [x, y, z]: Vector) -> Matrix3<f64> {
     Matrix3::from_diagonal(&(diagonal * (mass / 12.0)))
 }
 
-/// The sensors; `wheels` is how many driven wheels there are, if they could be read, `complete` whether all links could.
+/// Reads the sensors. `wheels` is the number of driven wheels, if they could be read; `complete` is true if all links could.
 fn read_sensors<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,

@@ -1,4 +1,4 @@
-//! Where files come from: a folder on disk, or one built into the program.
+//! Sources of files: a folder on disk, or one embedded in the program.
 
 use std::fs::File;
 use std::io::Read;
@@ -8,24 +8,24 @@ use include_dir::Dir;
 
 use crate::LoadError;
 
-/// Largest text file, bytes: ten thousand solids have 1.5 MB.
+/// Largest text file, bytes: ten thousand solids take 1.5 MB.
 const MAX_TEXT: u64 = 4 << 20;
-/// Largest mesh, bytes: a million triangles have 50 MB in a binary STL.
+/// Largest mesh, bytes: a million triangles take 50 MB in a binary STL.
 pub(crate) const MAX_MESH: u64 = 64 << 20;
 
-/// A folder that the files of a robot or map lie in.
+/// A folder with the files of a robot or a map.
 pub(crate) enum Source {
     BuiltIn(&'static Dir<'static>),
     Folder(PathBuf),
 }
 
 impl Source {
-    /// The folder of a file.
+    /// Returns the folder of a file.
     pub(crate) fn of_file(path: &Path) -> Self {
         Self::Folder(path.parent().map(Path::to_owned).unwrap_or_default())
     }
 
-    /// Whether there is such a file.
+    /// True if the file exists.
     pub(crate) fn has(&self, name: &str) -> bool {
         match self {
             Self::BuiltIn(dir) => dir.get_file(dir.path().join(name)).is_some(),
@@ -33,7 +33,7 @@ impl Source {
         }
     }
 
-    /// Bytes of a file, or 0 where it cannot be read.
+    /// Returns the size of a file in bytes, or 0 if it cannot be read.
     pub(crate) fn size(&self, name: &str) -> u64 {
         match self {
             Self::BuiltIn(dir) => dir.get_file(dir.path().join(name)).map_or(0, |file| file.contents().len() as u64),
@@ -41,7 +41,7 @@ impl Source {
         }
     }
 
-    /// The content of a file of the folder that has at most so many bytes.
+    /// Returns the contents of a file with at most `most` bytes.
     pub(crate) fn bytes(&self, name: &str, most: u64) -> Result<Vec<u8>, LoadError> {
         let unreadable = |reason: String| LoadError::Unreadable { file: self.display(name), reason };
         match self {
@@ -59,7 +59,7 @@ impl Source {
         }
     }
 
-    /// The content of a text file.
+    /// Returns the contents of a text file.
     pub(crate) fn text(&self, name: &str) -> Result<String, LoadError> {
         String::from_utf8(self.bytes(name, MAX_TEXT)?).map_err(|error| LoadError::Unreadable {
             file: self.display(name),
@@ -67,7 +67,7 @@ impl Source {
         })
     }
 
-    /// How to name a file of the folder in a message.
+    /// Returns the name of a file for messages.
     pub(crate) fn display(&self, name: &str) -> String {
         match self {
             Self::BuiltIn(dir) => dir.path().join(name).display().to_string(),
@@ -76,7 +76,7 @@ impl Source {
     }
 }
 
-/// The content of a file, cut one byte behind the most that is wanted. A pipe or a device could go on for ever.
+/// Reads a file, up to one byte beyond the limit. Refuses pipes and devices, as they could go on for ever.
 fn read_file(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(std::io::Error::other("not a regular file"));

@@ -1,7 +1,7 @@
-//! URDF: a tree of links on joints, with what they weigh, what touches the world and what is seen.
+//! URDF: a tree of links on joints, with masses, colliding shapes and visuals.
 //!
-//! Links on fixed joints become parts of what carries them. A continuous joint may be that of a wheel: shape, rollers and servo of a
-//! wheel stand in robot.toml. URDF is x forward, y left, z up; here it is turned into the robot frame, z down, once.
+//! Links on fixed joints become parts of their carriers. A continuous joint may carry a wheel; shape, rollers and servo of a wheel
+//! come from robot.toml. URDF is x forward, y left, z up. It is converted here, once, to the robot frame, z down.
 
 mod check;
 mod looks;
@@ -20,46 +20,46 @@ use crate::mesh;
 use crate::problem::{Problems, Unread};
 use crate::source::Source;
 
-/// Most elements, attributes and texts of a file.
+/// Maximum number of elements, attributes and texts of a file.
 const MAX_NODES: u32 = 500_000;
-/// Most declarations of namespaces: the XML library copies them to every element that declares one more.
+/// Maximum number of namespace declarations: the XML library copies them to every element that declares one more.
 const MAX_NAMESPACES: usize = 100;
-/// Error of the position at which a servo gives all its torque, rad or m. A URDF says no stiffness.
+/// Position error at which a servo reaches its torque limit, rad or m. A URDF gives no stiffness.
 const FULL_TORQUE_ERROR: f64 = 0.02;
-/// Part of its greatest speed by which a servo of the speed is behind when it gives all its torque.
+/// Speed error at which a speed servo reaches its torque limit, as a fraction of its greatest speed.
 pub(crate) const FULL_TORQUE_LAG: f64 = 0.1;
-/// Most folders above that of the URDF in which a mesh of a package is looked for.
+/// Maximum number of folders above that of the URDF in which a mesh of a package is searched.
 const MAX_LEVELS: usize = 4;
 /// A URDF in the robot frame.
 pub(crate) struct Urdf {
-    /// Parents before their children. The first is the body; the others have the names of their joints.
+    /// Links, parents before their children. The first is the body; the others have the names of their joints.
     pub(crate) links: Vec<Link>,
-    /// What can be a wheel.
+    /// Joints that may carry wheels.
     pub(crate) continuous: Vec<Continuous>,
-    /// What was taken to be so because the file does not say it, or cannot be had here.
+    /// Assumptions where the file gives no value, or asks for a feature that is not supported.
     pub(crate) assumptions: Vec<String>,
 }
 
-/// A continuous joint, which may be that of a wheel.
+/// A continuous joint, which may carry a wheel.
 pub(crate) struct Continuous {
     pub(crate) joint: String,
     /// Number of its link.
     pub(crate) link: usize,
-    /// Of its link without what is fixed to that, kg.
+    /// Mass of its link without the links fixed to it, kg.
     pub(crate) mass: f64,
     pub(crate) max_speed: Option<f64>,
     pub(crate) max_torque: Option<f64>,
 }
 
 impl Urdf {
-    /// A body alone.
+    /// Returns a robot with only a body.
     pub(crate) fn body() -> Self {
         let body = Link { name: ROOT.to_owned(), ..Link::default() };
         Self { links: vec![body], continuous: Vec::new(), assumptions: Vec::new() }
     }
 }
 
-/// Reads a URDF; `material` is of what its links are made.
+/// Reads a URDF; its links get the given material.
 pub(crate) fn read(
     source: &Source,
     file: &str,
@@ -109,7 +109,7 @@ pub(crate) fn read(
     if good { Ok(urdf) } else { Err(Unread) }
 }
 
-/// What stands in a URDF for other programs.
+/// Lists the elements of a URDF that are for other programs.
 fn ignored(robot: Node) -> Vec<String> {
     let mut counts = BTreeMap::<&str, usize>::new();
     for node in robot.children().filter(Node::is_element) {
@@ -121,13 +121,13 @@ fn ignored(robot: Node) -> Vec<String> {
     counts.iter().map(|(tag, count)| format!("{count} <{tag}> not used: usarsim does not read them")).collect()
 }
 
-/// A tree as it is made.
+/// A tree under construction.
 struct Tree<'a> {
     source: &'a Source,
     document: &'a roxmltree::Document<'a>,
     robot: &'a urdf_rs::Robot,
     material: &'a Material,
-    /// Mistakes, each with where it is in the text.
+    /// Mistakes with their offsets in the text.
     wrong: Vec<(usize, String)>,
     urdf: Urdf,
     looks: Looks,
@@ -137,12 +137,12 @@ impl<'a> Tree<'a> {
     fn add_all(&mut self) {
         let robot = self.robot;
         let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
-        // The URDF library has an XML reader of its own, which need not find what was checked before.
+        // The URDF library has its own XML reader, which may miss elements that were checked before.
         let Some(root) = robot.links.iter().find(|link| !is_child(&link.name)) else {
             return self.wrong.push((0, "not a URDF: no link is found that is no joint's child".to_owned()));
         };
-        // A link, its pose in the URDF's axes, and what it is a part of.
-        // The order of parts is that of the sums over them, which rounding makes a part of the robot.
+        // Each entry holds a link, its pose in the URDF's axes, and the number of the link it belongs to. The traversal orders the
+        // parts and so the sums over them. Rounding makes that order a property of the robot.
         let mut open = vec![(root, Isometry3::identity(), 0)];
         while let Some((link, pose, number)) = open.pop() {
             self.add_link(link, &pose, number);
@@ -164,7 +164,7 @@ impl<'a> Tree<'a> {
         self.add_servos();
     }
 
-    /// What a link is and shows, as a part of another one.
+    /// Adds the mass, shapes and visuals of a link to the link with this number.
     fn add_link(&mut self, link: &urdf_rs::Link, pose: &Pose, number: usize) {
         let node = self.named("link", &link.name);
         let start = |node: Option<Node>| node.map_or(0, |node| node.range().start);
@@ -194,7 +194,7 @@ impl<'a> Tree<'a> {
         self.looks.bound(&mut self.urdf.links);
     }
 
-    /// The link that a joint carries: one of its own, or that of the parent where the joint holds it.
+    /// Returns the number of the link that a joint carries: a new one, or the parent if the joint is held.
     fn add_joint(&mut self, joint: &urdf_rs::Joint, child: &urdf_rs::Link, place: &Pose, parent: usize) -> usize {
         let limits = [joint.limit.lower, joint.limit.upper];
         let kind = match joint.joint_type {
@@ -254,7 +254,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Gives every joint with an effort and a speed a servo; what moves without either swings freely.
+    /// Adds a servo to every joint with an effort and a speed; joints without them swing freely.
     fn add_servos(&mut self) {
         for number in 1..self.urdf.links.len() {
             let links = &self.urdf.links;
@@ -273,7 +273,7 @@ impl<'a> Tree<'a> {
                 Motor { max_speed, gain, max_torque, stiffness: None, integral_time: None, armature: 0.0 }
             } else {
                 let stiffness = max_torque / FULL_TORQUE_ERROR;
-                // Without overshoot.
+                // Critical damping, without overshoot.
                 let gain = 2.0 * (stiffness * inertia).sqrt();
                 Motor { max_speed, gain, max_torque, stiffness: Some(stiffness), integral_time: None, armature: 0.0 }
             };
@@ -283,7 +283,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Where a link or joint is in the text.
+    /// Returns the offset of a link or joint in the text.
     fn place(&self, tag: &str, name: &str) -> usize {
         self.named(tag, name).map_or(0, |node| node.range().start)
     }
@@ -294,7 +294,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// Inertia about a joint's axis of everything that hangs on it, kg m², or of a slide its mass, kg.
+/// Returns the inertia about a joint's axis of everything it carries, kg m²; for a slide the mass, kg.
 fn inertia_beyond(links: &[Link], joint: usize) -> f64 {
     let Some(axis) = &links[joint].joint else { return 0.0 };
     let (direction, anchor) = (Vector3::from(axis.axis), Vector3::from(axis.anchor));
@@ -315,7 +315,7 @@ fn inertia_beyond(links: &[Link], joint: usize) -> f64 {
     sum
 }
 
-/// From the URDF's axes to the robot frame: half a turn about x, exactly.
+/// Returns the rotation from the URDF's axes to the robot frame: exactly half a turn about x.
 fn z_down() -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(0.0, 1.0, 0.0, 0.0))
 }
@@ -325,7 +325,7 @@ fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {
     Isometry3::from_parts(Vector3::from(*origin.xyz).into(), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
 }
 
-/// What a link weighs; a frame weighs nothing.
+/// Returns the mass properties of a link, or `None` for a frame without mass.
 fn part(link: &urdf_rs::Link, pose: &Pose) -> Option<Part> {
     let inertial = &link.inertial;
     let mass = inertial.mass.value;
@@ -344,7 +344,7 @@ fn part(link: &urdf_rs::Link, pose: &Pose) -> Option<Part> {
     })
 }
 
-/// The shape of a link, in the robot frame.
+/// Returns the shape of a link, in the robot frame.
 fn solid(
     source: &Source,
     link: &urdf_rs::Link,
@@ -353,7 +353,7 @@ fn solid(
     material: &Material,
 ) -> Result<Solid, String> {
     let place = Isometry3::from_parts(Default::default(), z_down()) * pose * isometry(&collision.origin);
-    // Shapes are symmetric about their z axis but for meshes, which `mesh` turns z down by themselves.
+    // Primitive shapes are symmetric about their z axis. Meshes are not; `mesh` converts them to z down.
     let (shape, turn) = match &collision.geometry {
         Geometry::Mesh { filename, scale } => (hull(source, filename, scale.map(|scale| *scale))?, z_down()),
         geometry => (primitive(geometry)?, UnitQuaternion::identity()),
@@ -362,7 +362,7 @@ fn solid(
     Ok(Solid { name: link.name.clone(), shape, position, rotation, material: material.clone() })
 }
 
-/// Shapes that are symmetric about their z axis, so it does not matter whether that is up or down.
+/// Returns a primitive shape. All are symmetric about their z axis, so they need no conversion to z down.
 fn primitive(geometry: &Geometry) -> Result<Shape, String> {
     match geometry {
         Geometry::Box { size } => Ok(Shape::Box { size: **size }),
@@ -372,14 +372,14 @@ fn primitive(geometry: &Geometry) -> Result<Shape, String> {
     }
 }
 
-/// The file of a mesh. `package://` names a folder above that of the URDF, or beside one.
+/// Returns the file of a mesh. `package://` names a folder above that of the URDF, or beside one.
 fn mesh_file(source: &Source, filename: &str) -> String {
     let name = filename.rsplit("://").next().unwrap_or(filename);
     let above = |levels: usize| format!("{}{name}", "../".repeat(levels));
     (0..=MAX_LEVELS).map(above).find(|file| source.has(file)).unwrap_or_else(|| name.to_owned())
 }
 
-/// The convex hull of a mesh: only its corners, of the many that a drawing has. A mirrored scale is fine for a hull.
+/// Returns the convex hull of a mesh, which needs only few of its corners. A mirrored scale is fine for a hull.
 fn hull(source: &Source, filename: &str, scale: Option<[f64; 3]>) -> Result<Shape, String> {
     let scale = scale.unwrap_or([1.0; 3]);
     if let Some(problem) = mesh::SCALE.problem_in("scale", &scale.map(f64::abs)) {

@@ -1,11 +1,11 @@
-//! Every key that is read of a file stands in the book.
+//! Checks that the book documents every key of a file.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::fs;
 use std::path::Path;
 
-/// Headings of `docs/files.md`, the kind of file, and how a table of it begins.
+/// Headings of `docs/files.md`, the kind of file, and the header of such a table.
 const TABLES: &[(&str, &str, &str)] = &[
     ("## map.toml", "map.toml", ""),
     ("### `[material.NAME]`", "map.toml", "[material.NAME]"),
@@ -33,13 +33,13 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("### `[aerial]`", "robot.toml", "[aerial]"),
 ];
 
-/// The text under a heading, up to the next one.
+/// Returns the text under a heading, up to the next one.
 fn section<'a>(book: &'a str, heading: &str) -> &'a str {
     let (_, rest) = book.split_once(&format!("\n{heading}\n")).unwrap_or_else(|| panic!("no heading {heading}"));
     rest.split("\n#").next().unwrap_or(rest)
 }
 
-/// The keys that are expected where one is that nobody has heard of.
+/// Returns the keys that the error for an unknown key lists.
 fn keys(file: &str, table: &str) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(file);
@@ -52,7 +52,7 @@ fn keys(file: &str, table: &str) -> Vec<String> {
 }
 
 fn check(book: &str, heading: &str, file: &str, table: &str) {
-    // The keys that every solid has stand once.
+    // The keys common to all solids are documented once.
     let every = if ["[[half_space]]", "[[box]]", "[[ramp]]", "[[cylinder]]", "[[ball]]", "[[mesh]]"].contains(&table) {
         section(book, "### Every solid")
     } else {

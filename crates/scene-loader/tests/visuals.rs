@@ -1,4 +1,4 @@
-//! What is seen of a robot: shapes and meshes of every format.
+//! Visuals of robots: shapes and meshes of every format.
 
 use std::path::{Path, PathBuf};
 
@@ -31,12 +31,12 @@ position = [0.0, 0.13, 0.0]
 [[visual]]
 "#;
 
-/// A box of 2 x 1 x 0.5 m in the corner of its axes, z up, in every format.
+/// Returns a folder with a box of 2 x 1 x 0.5 m in the corner of its axes, z up, in every format.
 fn meshes() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes")
 }
 
-/// The cart with such a visual, in a folder with the meshes or with one that is given.
+/// Loads the cart with this visual, in a folder with the test meshes and an optional extra one.
 fn load(visual: &str, mesh: Option<(&str, &[u8])>) -> Result<RobotDef, String> {
     let folder = tempfile::tempdir().expect("a folder");
     for file in std::fs::read_dir(meshes()).expect("meshes").flatten() {
@@ -73,7 +73,7 @@ fn a_mesh_of_every_format_is_the_same_box() {
             let all = corners.iter().map(|corner| corner[axis]);
             [all.clone().fold(f64::MAX, f64::min), all.fold(f64::MIN, f64::max)]
         };
-        // Half as large, and z down: what was left is right of the robot's middle no more, what was up is above.
+        // The box is half as large, and z is down: y and z change their sign.
         for (axis, expected) in [[0.0, 1.0], [-0.5, 0.0], [-0.25, 0.0]].into_iter().enumerate() {
             let got = ends(axis);
             assert!(got.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{file}: {got:?} for {expected:?}");
@@ -92,7 +92,7 @@ fn a_visual_is_of_its_link_and_of_one_shape() {
     let robot = load("link = \"L\"\nradius = 0.05\nlength = 0.02\ncolour = [1.0, 0.0, 0.5]", None).expect("a cart");
     let drawn: Vec<_> = robot.drawn().collect();
     let colours: Vec<_> = drawn.iter().map(|(link, pieces)| (link.name.as_str(), pieces[0].colour[0])).collect();
-    // Body and right wheel as they are, the left wheel as it says.
+    // The body and the right wheel keep their colours, the left wheel has that of its visual.
     assert_eq!(colours, [("body", 0.93), ("L", 1.0), ("R", drawn[2].1[0].colour[0])]);
     assert_eq!(
         drawn[1].1[0].geometry,

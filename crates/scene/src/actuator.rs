@@ -1,27 +1,27 @@
-//! Actuators and grippers: joints of a robot that controllers know by a name of their own.
+//! Actuators and grippers: named groups of a robot's joints for controllers.
 
 use serde::{Deserialize, Serialize};
 
-/// A named group of joints, as an arm.
+/// A named group of joints, such as an arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Actuator {
     /// Name on the wire.
     pub name: String,
-    /// The numbers of the links that its joints move, in the order that `ACT` numbers them.
+    /// Numbers of the links that its joints move, in the order that `ACT` numbers them.
     pub links: Vec<usize>,
-    /// Its tool point in the robot frame when every joint is at 0, m.
+    /// Tool point in the robot frame when every joint is at 0, m.
     pub tip: [f64; 3],
 }
 
-/// Joints that are opened and closed together.
+/// A group of joints that open and close together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Gripper {
     /// Name on the wire.
     pub name: String,
-    /// The numbers of the links that its joints move.
+    /// Numbers of the links that its joints move.
     pub links: Vec<usize>,
-    /// Where they are when it is open, rad or m.
+    /// Joint positions when it is open, rad or m.
     pub open: Vec<f64>,
-    /// Where they go when it closes, rad or m.
+    /// Joint positions when it is closed, rad or m.
     pub closed: Vec<f64>,
 }

@@ -1,9 +1,9 @@
-//! What a scene may hold: the range of every number, and the rules between them. Files and logs are held to the same.
+//! Limits of a scene: the range of every number, and the rules between numbers. They apply to files and logs alike.
 //!
-//! The engine never says that it cannot go on: where a mass is next to nothing every number of its robot is NaN after one
-//! step. So ranges go far beyond any rescue robot and its arena, and end well before the engine does.
-//! Where they end was tried: 1200 robots drawn at random from the ranges and their ends, on a plane of any friction and
-//! gravity, in every drive model; none lost a finite state.
+//! The engine never reports a failure: with a mass near zero, every number of that robot is NaN after one step. The ranges go far
+//! beyond any rescue robot and its arena, and end well before the engine fails. The ends were tested with 1200 random robots drawn
+//! from the ranges and their ends, in every drive model. They stood on a plane of any friction and gravity; none lost a finite
+//! state.
 
 mod limits;
 mod map;
@@ -17,23 +17,23 @@ pub use limits::*;
 pub use map::{map, map_solid, material, named_pose, object};
 pub use robot::{actuator, aerial, battery, body_solid, gripper, link, part, robot, rollers, sensor, visual, wheel};
 
-/// A range of numbers, its ends included.
+/// A closed range of numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// Its lower end.
+    /// Lower end.
     pub least: f64,
-    /// Its upper end.
+    /// Upper end.
     pub most: f64,
-    /// Unit of both with a space before it; empty for plain numbers.
+    /// Unit of both ends with a space before it; empty for plain numbers.
     pub unit: &'static str,
 }
 
-/// What is wrong with a scene.
+/// A problem found in a scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneProblem {
-    /// Where, as in `robot P3AT, wheel FLWheel`.
+    /// Location, such as `robot P3AT, wheel FLWheel`.
     pub place: String,
-    /// What is wrong and what was expected.
+    /// Description of the problem and of the expected value.
     pub message: String,
 }
 
@@ -46,19 +46,19 @@ impl fmt::Display for SceneProblem {
 impl std::error::Error for SceneProblem {}
 
 impl Range {
-    /// What is wrong with a number, if anything is; `key` names it.
+    /// Describes a number outside the range, named `key`; `None` if it is within.
     pub fn problem(self, key: &str, value: f64) -> Option<String> {
         (!self.holds(value)).then(|| format!("`{key}` is {}: expected {self}", Number(value)))
     }
 
-    /// What is wrong with one of several numbers.
+    /// Describes a list with a number outside the range; `None` if all are within.
     pub fn problem_in(self, key: &str, values: &[f64]) -> Option<String> {
         let all = || values.iter().map(|&value| Number(value).to_string()).collect::<Vec<_>>().join(", ");
         (!values.iter().all(|&value| self.holds(value)))
             .then(|| format!("`{key}` is [{}]: expected numbers of {self}", all()))
     }
 
-    /// Whether a number is within it.
+    /// True if a number is within the range.
     pub fn holds(self, value: f64) -> bool {
         (self.least..=self.most).contains(&value)
     }
@@ -70,7 +70,7 @@ impl fmt::Display for Range {
     }
 }
 
-/// A number as it is best read: 1e300 has no 300 zeros.
+/// A number in its most readable form: 1e300 is not written with 300 zeros.
 struct Number(f64);
 
 impl fmt::Display for Number {
@@ -87,10 +87,10 @@ impl fmt::Display for Number {
 }
 
 impl WorldDef {
-    /// Checks everything that a world is made of: with what passes, no world panics or loses a finite state.
+    /// Checks a whole scene. A world with a scene that passes neither panics nor loses a finite state.
     ///
     /// # Errors
-    /// The first number, name or count that a world cannot be made with.
+    /// Describes the first invalid number, name or count.
     pub fn check(&self) -> Result<(), SceneProblem> {
         first("the scene", count("classes of robots", self.robots.len(), MAX_ROBOTS))?;
         map::check_map(&self.map)?;
@@ -103,7 +103,7 @@ fn first(place: &str, messages: impl IntoIterator<Item = String>) -> Result<(), 
     messages.into_iter().next().map_or(Ok(()), |message| Err(problem(message)))
 }
 
-/// A name of a stranger's scene, for a message.
+/// Shortens and escapes a name from an untrusted scene for a message.
 fn shown(name: &str) -> String {
     name.chars().take(60).flat_map(char::escape_debug).collect()
 }
@@ -117,7 +117,7 @@ fn text(key: &str, got: &str) -> Option<String> {
     (length > MAX_TEXT).then(|| format!("`{key}` has {length} characters: expected at most {MAX_TEXT}"))
 }
 
-/// A name that is only shown.
+/// Checks a name that is only displayed.
 fn name(key: &str, got: &str) -> Vec<String> {
     let length = got.chars().count();
     let good = (1..=MAX_NAME).contains(&length) && !got.contains(char::is_control);
@@ -125,7 +125,7 @@ fn name(key: &str, got: &str) -> Vec<String> {
     (!good).then(problem).into_iter().collect()
 }
 
-/// A name that is sent on the wire.
+/// Checks a name that is sent on the wire.
 fn wire_name(key: &str, got: &str) -> Vec<String> {
     let length = got.chars().count();
     let apart = |c: char| c.is_whitespace() || c.is_control() || c == '{' || c == '}';

@@ -1,4 +1,4 @@
-//! What is drawn of a robot: one list for the page, pictures, logs and Foxglove.
+//! Drawable geometry of a robot: one list for the page, pictures, logs and Foxglove.
 
 use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Link, MountedWheel, Pose, RobotDef, Shape, pose};
 
-/// What is to be seen of a link where it differs from what touches the world.
+/// Visible geometry of a link, if it differs from the colliding geometry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Visual {
     /// Geometry.
@@ -21,41 +21,41 @@ pub struct Visual {
     pub colour: [f64; 3],
 }
 
-/// A piece of a robot as it is drawn.
+/// One drawn piece of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn<'a> {
-    /// Pose in the frame of its link; of a roller with the roller at 0.
+    /// Pose in the frame of its link; for a roller, with the roller at 0.
     pub pose: Pose,
     /// Geometry.
     pub geometry: Geometry<'a>,
     /// Red, green and blue, 0 to 1, sRGB.
     pub colour: [f64; 3],
-    /// Whether it is the next one of the robot's rollers, which turns about its own x axis.
+    /// True for rollers, which turn about their own x axis and follow the order of the robot's rollers.
     pub is_roller: bool,
 }
 
-/// Geometry of what is drawn.
+/// Geometry of a drawn piece.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry<'a> {
     /// A shape.
     Shape(Cow<'a, Shape>),
-    /// An outline turned about the x axis: positions along it and radii, m.
+    /// An outline revolved about the x axis: positions along it and radii, m.
     Revolved(Vec<[f64; 2]>),
 }
 
-/// Pieces of cones that a roller is drawn by.
+/// Number of cone pieces that a roller is drawn with.
 const ROLLER_PIECES: u32 = 8;
 const BODY: [f64; 3] = [0.93, 0.45, 0.12];
 const HUB: [f64; 3] = [0.55, 0.57, 0.6];
 
 impl RobotDef {
-    /// What is drawn of each link, in the order of the links.
+    /// Returns the drawn pieces of each link, in the order of the links.
     pub fn drawn(&self) -> impl Iterator<Item = (&Link, Vec<Drawn<'_>>)> {
         self.links.iter().enumerate().map(|(number, link)| (link, drawn((number, link))))
     }
 }
 
-/// Its visuals; without any, its solids and its wheel. Rollers always, as they turn by themselves.
+/// Returns the visuals of a link, or its solids and wheel if it has none. Rollers are always drawn, as they turn by themselves.
 fn drawn<'a>((number, link): (usize, &'a Link)) -> Vec<Drawn<'a>> {
     let still = |pose, shape, colour| Drawn { pose, geometry: Geometry::Shape(shape), colour, is_roller: false };
     let to_link = Translation3::from(link.origin()).inverse();
@@ -80,7 +80,8 @@ fn drawn<'a>((number, link): (usize, &'a Link)) -> Vec<Drawn<'a>> {
     drawn
 }
 
-/// A wheel without its rollers: a ball, a disc about z, or the hub that its rollers leave free.
+/// Returns the shape and colour of a wheel without its rollers: a ball for a caster, a disc about z, or the hub between the
+/// rollers.
 fn outline(wheel: &MountedWheel) -> (Shape, [f64; 3]) {
     let disc = |radius| Shape::Cylinder { radius, length: wheel.width };
     match (wheel.drive, &wheel.rollers) {

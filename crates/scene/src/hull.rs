@@ -1,10 +1,10 @@
-//! Convex hulls, by parry's algorithm: nothing else of it is used here.
+//! Convex hulls. This is the only use of parry in this crate.
 
 use parry3d::math::Vector;
 
 use crate::Shape;
 
-/// The surface of a convex hull as a mesh. `None` for points in one plane.
+/// Returns the surface of a convex hull as a mesh, or `None` for points in one plane.
 pub fn hull_surface(corners: &[[f64; 3]]) -> Option<Shape> {
     let points: Vec<Vector> = corners.iter().map(|&point| Vector::from_array(point)).collect();
     let (vertices, triangles) = parry3d::transformation::try_convex_hull(&points).ok()?;

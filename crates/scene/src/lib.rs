@@ -1,7 +1,7 @@
-//! What a world is made of and how it is at a moment: plain data in SI units, in the world frame (x forward, y right, z down).
+//! Scenes and snapshots: plain data in SI units, in the world frame (x forward, y right, z down).
 //!
-//! The crate `scene-loader` makes these from files; nothing here reads anything, and nothing here moves. Written as JSON, as in a
-//! log, they read back with the same bits.
+//! The crate `scene-loader` builds scenes from files. This crate neither reads files nor moves anything. Values written as JSON, as
+//! in a log, read back bit for bit.
 
 mod actuator;
 pub mod check;
@@ -42,28 +42,28 @@ pub use wheel::{Motor, MountedWheel, Rollers, Wheel};
 /// Position and orientation.
 pub type Pose = Isometry3<f64>;
 
-/// A pose from a position in metres and roll, pitch, yaw in radians (yaw first, then pitch, then roll).
+/// Builds a pose from a position in metres and roll, pitch, yaw in radians (yaw first, then pitch, then roll).
 pub fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
     Pose::from_parts(Translation3::from(position), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
 }
 
-/// Position in metres and roll, pitch, yaw in radians of a pose; the inverse of [`pose`].
+/// Returns the position in metres and roll, pitch, yaw in radians of a pose; the inverse of [`pose`].
 pub fn position_and_rotation(pose: &Pose) -> ([f64; 3], [f64; 3]) {
     let (roll, pitch, yaw) = pose.rotation.euler_angles();
     (pose.translation.vector.into(), [roll, pitch, yaw])
 }
 
-/// Everything that a world needs.
+/// Scene that a world simulates: a map and classes of robots.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct WorldDef {
     /// The map.
     pub map: MapDef,
-    /// The classes that clients can ask for, by name.
+    /// Classes that clients can spawn, by name.
     pub robots: BTreeMap<String, RobotDef>,
 }
 
 impl WorldDef {
-    /// A sensor of a class by its name on the wire.
+    /// Finds a sensor of a class by its name on the wire.
     pub fn sensor(&self, class: &str, name: &str) -> Option<&SensorDef> {
         self.robots.get(class)?.sensors.iter().find(|sensor| sensor.name == name)
     }

@@ -1,103 +1,104 @@
-//! Links and the joints by which they hang on each other.
+//! Links of a robot and the joints between them.
 //!
-//! Every position, axis and orientation is in the robot frame when every joint is at 0, as in USARSim, where offsets add up and
-//! no part turns what hangs on it (robots.md 0). A link's own frame has its origin at its joint's anchor and is parallel to the
-//! robot frame then; that of the root is the robot frame.
+//! Every position, axis and orientation is in the robot frame when every joint is at 0. USARSim does the same: offsets add up, and
+//! no part rotates its children (robots.md 0). A link's own frame has its origin at its joint's anchor. With every joint at 0 it is
+//! parallel to the robot frame. The frame of the root is the robot frame.
 
 use nalgebra::{Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::{Motor, Pose, Solid, Visual, Wheel};
 
-/// Name of the root of a robot whose file does not name it.
+/// Name of the root of a robot that its file leaves unnamed.
 pub const ROOT: &str = "body";
 
-/// The axis of every wheel, the robot's left: a positive angle rolls it forward, as of USARSim's wheel joints.
+/// Axis of every wheel, the robot's left. A positive angle rolls the wheel forward, as in USARSim's wheel joints.
 pub const WHEEL_AXIS: [f64; 3] = [0.0, -1.0, 0.0];
 
-/// A rigid piece of a robot, and the joint by which it hangs on its parent.
+/// A rigid piece of a robot, and the joint to its parent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Link {
     /// Its name.
     pub name: String,
-    /// The joint to its parent; `None` of the root alone.
+    /// Joint to the parent; `None` only for the root.
     pub joint: Option<Joint>,
-    /// What it weighs, beside its wheel.
+    /// Masses, without the wheel.
     pub parts: Vec<Part>,
-    /// Shapes that touch the world, beside its wheel.
+    /// Colliding shapes, without the wheel.
     pub solids: Vec<Solid>,
-    /// The wheel that it is.
+    /// Wheel, if the link is one.
     pub wheel: Option<Wheel>,
-    /// What is seen of it; without any, its solids and its wheel.
+    /// Visible shapes; without any, the solids and the wheel are drawn.
     #[serde(default)]
     pub visuals: Vec<Visual>,
 }
 
-/// How a link moves against its parent.
+/// Motion of a link relative to its parent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
-    /// The parent's number among the links, less than that of the link itself.
+    /// Parent's number among the links, less than that of the link itself.
     pub parent: usize,
-    /// What it lets the link do.
+    /// Degrees of freedom.
     pub kind: JointKind,
-    /// Where, m.
+    /// Position, m.
     pub anchor: [f64; 3],
-    /// Unit vector. At a positive value the link is turned about it, right-handed, or moved along it; what is fixed and a ball
-    /// have no use for it.
+    /// Unit vector. At a positive value the link is turned about it, right-handed, or moved along it. Fixed joints and balls ignore
+    /// it.
     pub axis: [f64; 3],
     /// Least and greatest value, rad or m; a continuous joint has none.
     pub limits: Option<[f64; 2]>,
     /// Viscous friction, N m s/rad or N s/m.
     pub damping: f64,
-    /// Dry friction, N m or N: the same at any speed, and what it takes to set the joint in motion.
+    /// Dry friction, N m or N: independent of speed, and the least effort that sets the joint in motion.
     #[serde(default)]
     pub friction: f64,
-    /// Its motor; without one it moves freely.
+    /// Motor; without one the joint moves freely.
     pub drive: Option<Motor>,
-    /// How its servo follows another joint.
+    /// Coupling of its servo to another joint.
     #[serde(default)]
     pub coupling: Option<Coupling>,
 }
 
-/// How a joint follows another: to `multiplier` x leader + `offset`.
+/// Coupling of a joint to a leader: its target is `multiplier` x leader + `offset`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Coupling {
-    /// The number of the leader among the links. It follows none itself.
+    /// Number of the leader among the links. The leader has no coupling itself.
     pub leader: usize,
-    /// Of the leader's value.
+    /// Factor of the leader's value.
     pub multiplier: f64,
-    /// rad or m.
+    /// Offset, rad or m.
     pub offset: f64,
-    /// What of the leader counts.
+    /// Quantity of the leader that it follows.
     pub kind: CouplingKind,
 }
 
-/// What of its leader a joint follows.
+/// Quantity of the leader that a joint follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CouplingKind {
-    /// Where it is, as if by a gear: the joint has no motor of its own. `<mimic>` of a URDF, the Nao's hip (Nao.uc:24-33).
+    /// The leader's position, as if by a gear; the joint has no motor of its own. `<mimic>` of a URDF, the Nao's hip
+    /// (Nao.uc:24-33).
     Mimic,
-    /// Its target, which is added to that of the joint's own servo: the third link of the Fanuc with a multiplier of -1
+    /// The leader's target, added to the target of the joint's own servo: the third link of the Fanuc with a multiplier of -1
     /// (Fanuc_M16iB20Arm.uc:20-25).
     Target,
 }
 
-/// What a joint lets its link do.
+/// Degrees of freedom of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum JointKind {
-    /// Nothing.
+    /// No motion.
     Fixed,
-    /// Turn about its axis between limits.
+    /// Turns about its axis between limits.
     Revolute,
-    /// Turn about its axis without an end.
+    /// Turns about its axis without limits.
     Continuous,
-    /// Slide along its axis between limits.
+    /// Slides along its axis between limits.
     Prismatic,
-    /// Turn about every axis.
+    /// Turns about every axis.
     Ball,
 }
 
-/// What a piece of a link weighs and where.
+/// Mass properties of a piece of a link.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
     /// Its name.
@@ -111,7 +112,7 @@ pub struct Part {
 }
 
 impl JointKind {
-    /// All of them, with their names in robot.toml.
+    /// All kinds of joints, with their names in robot.toml.
     pub const ALL: [(&str, Self); 5] = [
         ("fixed", Self::Fixed),
         ("revolute", Self::Revolute),
@@ -120,24 +121,24 @@ impl JointKind {
         ("ball", Self::Ball),
     ];
 
-    /// Whether one number says where it is; of those a state has one each.
+    /// True if one number gives the position. A state has one value for each such joint.
     pub fn has_value(self) -> bool {
         matches!(self, Self::Revolute | Self::Continuous | Self::Prismatic)
     }
 }
 
 impl CouplingKind {
-    /// All of them, with their names in robot.toml.
+    /// All kinds of couplings, with their names in robot.toml.
     pub const ALL: [(&str, Self); 2] = [("mimic", Self::Mimic), ("target", Self::Target)];
 }
 
 impl Joint {
-    /// A joint that moves freely without an end.
+    /// Creates a joint that moves freely without limits.
     pub fn new(parent: usize, kind: JointKind, anchor: [f64; 3], axis: [f64; 3]) -> Self {
         Self { parent, kind, anchor, axis, limits: None, damping: 0.0, friction: 0.0, drive: None, coupling: None }
     }
 
-    /// How a value moves the link from where it is at 0, in the link's frame then.
+    /// Returns the pose of the link at a value, in the link's frame at value 0.
     pub fn motion(&self, value: f64) -> Pose {
         let axis = Vector3::from(self.axis);
         match self.kind {
@@ -152,42 +153,42 @@ impl Joint {
 }
 
 impl Link {
-    /// Origin of its frame in the robot frame when every joint is at 0, m.
+    /// Returns the origin of the link's frame in the robot frame when every joint is at 0, m.
     pub fn origin(&self) -> [f64; 3] {
         self.joint.as_ref().map_or([0.0; 3], |joint| joint.anchor)
     }
 
-    /// Pose of one of its solids in its own frame.
+    /// Returns the pose of one of the link's solids in the link's frame.
     pub fn pose_of(&self, solid: &Solid) -> Pose {
         Translation3::from(-Vector3::from(self.origin())) * solid.pose()
     }
 
-    /// Whether its joint has a place in a state.
+    /// True if its joint has a value in a state.
     pub fn has_value(&self) -> bool {
         self.joint.as_ref().is_some_and(|joint| joint.kind.has_value())
     }
 
-    /// Whether it is a wheel with a motor.
+    /// True for a wheel with a motor.
     pub fn is_driven_wheel(&self) -> bool {
         self.wheel.is_some() && self.joint.as_ref().is_some_and(|joint| joint.drive.is_some())
     }
 
-    /// The limits of a joint that goes to positions, as by `SET {Type Joint}`, rad or m.
+    /// Returns the limits of a position-controlled joint, as by `SET {Type Joint}`, rad or m.
     pub fn position_limits(&self) -> Option<[f64; 2]> {
         let joint = self.joint.as_ref()?;
         let goes = joint.drive.as_ref().is_some_and(|motor| motor.stiffness.is_some());
         joint.limits.filter(|_| goes)
     }
 
-    /// Which axle of a car its joint steers, 0 the front and 1 the rear: one that turns and has FRONTSTEER or REARSTEER in its name,
-    /// in any case (AckermanSteeredVehicle.uc:22-67).
+    /// Returns the axle of a car that its joint steers: 0 the front, 1 the rear. A steering joint is revolute and has FRONTSTEER or
+    /// REARSTEER in its name, in any case (AckermanSteeredVehicle.uc:22-67).
     pub fn steered_axle(&self) -> Option<usize> {
         let turns = self.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Revolute);
         let name = self.name.to_ascii_lowercase();
         ["frontsteer", "rearsteer"].iter().position(|steer| turns && name.contains(steer))
     }
 
-    /// A wheel on the body: driven by a motor about the robot's left, or a ball that is free to turn about every axis.
+    /// Creates a wheel on the root link: driven by a motor about the robot's left, or a ball that is free to turn about every axis.
     pub fn of_wheel(name: String, position: [f64; 3], drive: Option<Motor>, wheel: Wheel) -> Self {
         let kind = if drive.is_some() { JointKind::Continuous } else { JointKind::Ball };
         let joint = Joint { drive, ..Joint::new(0, kind, position, WHEEL_AXIS) };

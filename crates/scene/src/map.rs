@@ -1,19 +1,19 @@
-//! Maps: what stands and lies on them, and where robots start.
+//! Maps: solids, movable objects and start poses.
 
 use serde::{Deserialize, Serialize};
 
 use crate::Solid;
 
-/// A solid of a map that moves when it is pushed.
+/// A solid of a map that moves when pushed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Object {
-    /// Shape, first place and surface.
+    /// Shape, initial pose and surface.
     pub solid: Solid,
-    /// Mass, kg, evenly spread.
+    /// Mass, kg, with uniform density.
     pub mass: f64,
 }
 
-/// A named place of a map.
+/// A named pose on a map.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NamedPose {
     /// Name without white space or braces.
@@ -24,20 +24,20 @@ pub struct NamedPose {
     pub rotation: [f64; 3],
 }
 
-/// A map: what stands and lies on it, and where robots start.
+/// A map: solids, movable objects, start poses and path nodes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct MapDef {
     /// Name, sent as `{Level ..}`.
     pub name: String,
-    /// One sentence.
+    /// Description in one sentence.
     pub description: String,
     /// Gravity, m/s², along +z.
     pub gravity: f64,
-    /// Time limit sent in the greeting, minutes; nothing ends by it.
+    /// Time limit sent in the greeting, minutes; the server does not enforce it.
     pub time_limit: u32,
-    /// What does not move.
+    /// Solids that do not move.
     pub solids: Vec<Solid>,
-    /// What can be pushed.
+    /// Solids that can be pushed.
     pub objects: Vec<Object>,
     /// Start poses, in the order of the file.
     pub starts: Vec<NamedPose>,

@@ -1,4 +1,4 @@
-//! What a robot and its parts weigh, and how it is spread.
+//! Mass, centre of mass and inertia of robots and their parts.
 
 use std::f64::consts::PI;
 
@@ -6,33 +6,33 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::{Link, RobotDef, Rollers, Wheel};
 
-/// Mass of a body and how it is spread.
+/// Mass properties of a body.
 #[derive(Debug, Clone, Copy)]
 pub struct Mass {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
     /// Centre of mass in the frame of the robot or of the wheel, m.
     pub centre: Vector3<f64>,
-    /// About the centre, along the axes of that frame, kg m².
+    /// Inertia about the centre, along the axes of that frame, kg m².
     pub inertia: Matrix3<f64>,
 }
 
 impl RobotDef {
-    /// Mass of the robot with its joints held.
+    /// Returns the mass of the robot with its joints held at 0.
     pub fn total_mass(&self) -> Mass {
         let wheels =
             self.wheels().map(|it| Mass { centre: it.position.into(), ..it.mass_with_rollers(it.drive.is_some()) });
         combined(self.links.iter().flat_map(part_masses).chain(wheels))
     }
 
-    /// Mass of the robot's body without what hangs on it.
+    /// Returns the mass of the root link, without its wheels and child links.
     pub fn body_mass(&self) -> Mass {
         combined(self.links.iter().take(1).flat_map(part_masses))
     }
 }
 
 impl Link {
-    /// Mass of the link beside its wheel, robot frame.
+    /// Returns the mass of the link without its wheel, robot frame.
     pub fn mass(&self) -> Mass {
         combined(part_masses(self))
     }
@@ -43,8 +43,8 @@ fn part_masses(link: &Link) -> impl Iterator<Item = Mass> {
 }
 
 impl Wheel {
-    /// Mass without rollers: a driven plain wheel as a solid disc, the hub of a Mecanum wheel as a disc out to the roller axes,
-    /// a caster as a ball.
+    /// Mass without rollers: a driven plain wheel is a solid disc, the hub of a Mecanum wheel a disc out to the roller axes, a
+    /// caster a ball.
     pub fn hub_mass(&self, driven: bool) -> Mass {
         let radius = self.rollers.as_ref().map_or(self.radius, |rollers| rollers.axis_circle);
         let spin = self.mass * radius * radius / 2.0;
@@ -53,12 +53,12 @@ impl Wheel {
         Mass { mass: self.mass, centre: Vector3::zeros(), inertia: Matrix3::from_diagonal(&moments.into()) }
     }
 
-    /// Inertia of a driven wheel with its rollers about its axle, kg m²; that of the motor's rotor is not in it.
+    /// Returns the inertia of a driven wheel with its rollers about its axle, kg m², without the motor's rotor.
     pub fn spin_inertia(&self) -> f64 {
         self.mass_with_rollers(true).inertia[(1, 1)]
     }
 
-    /// Mass with its rollers, which are held.
+    /// Returns the mass with the rollers held.
     pub fn mass_with_rollers(&self, driven: bool) -> Mass {
         let hub = self.hub_mass(driven);
         let Some(rollers) = &self.rollers else { return hub };
@@ -74,13 +74,13 @@ impl Wheel {
 }
 
 impl Rollers {
-    /// Inertia of a roller along the x axis, as a solid of the exact profile, kg m².
+    /// Returns the inertia of a roller along the x axis, as a solid of the exact profile, kg m².
     pub fn inertia(&self, wheel_radius: f64) -> Matrix3<f64> {
         let (axial, transverse) = self.inertia_per_mass(wheel_radius);
         Matrix3::from_diagonal(&Vector3::new(axial, transverse, transverse)) * self.mass
     }
 
-    /// Moments of inertia about the axis and across it for a mass of 1, m², by summing thin discs.
+    /// Returns the moments of inertia about the axis and across it for a mass of 1, m², by summing thin discs.
     fn inertia_per_mass(&self, wheel_radius: f64) -> (f64, f64) {
         const DISCS: u32 = 200;
         let (mut volume, mut axial, mut transverse) = (0.0, 0.0, 0.0);
@@ -96,7 +96,7 @@ impl Rollers {
     }
 }
 
-/// Inertia of a point about the origin.
+/// Returns the inertia of a point mass about the origin.
 fn point_inertia(mass: f64, position: Vector3<f64>) -> Matrix3<f64> {
     (Matrix3::identity() * position.norm_squared() - position * position.transpose()) * mass
 }
@@ -116,7 +116,7 @@ mod tests {
     use super::*;
     use crate::Material;
 
-    /// R = 50, a = 36 mm, six rollers at 45 degrees: computed independently (fidelity.md 3.2, 3.3).
+    /// Reference roller: R = 50, a = 36 mm, six rollers at 45 degrees, computed independently (fidelity.md 3.2, 3.3).
     #[test]
     fn the_profile_has_the_known_numbers() {
         let rollers = Rollers {

@@ -1,13 +1,13 @@
-//! Unreal's rotation units, 65 536 a turn: the resolution of every angle of a USARSim scan.
+//! Unreal's rotation units, 65 536 a turn: the resolution of every angle in a USARSim scan.
 
 const PER_RADIAN: f32 = 10430.378;
 
-/// Radians to whole rotation units, truncated (UnitsConverter.uc:181-184).
+/// Converts radians to whole rotation units, truncated (UnitsConverter.uc:181-184).
 pub fn from_radians(radians: f64) -> i32 {
     (radians * 10430.3783505) as i32
 }
 
-/// Rotation units to radians, in 32 bits as USARSim does.
+/// Converts rotation units to radians, in 32 bits as USARSim does.
 pub fn to_radians(rotation_units: i32) -> f32 {
     rotation_units as f32 / PER_RADIAN
 }

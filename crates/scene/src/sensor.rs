@@ -1,6 +1,6 @@
-//! Sensors: one file each with its numbers and what they may be.
+//! Sensors: one file each with its settings and their limits.
 //!
-//! To add one: write its file, add its line to the list `sensors!` below, and what it measures to `sim-core`.
+//! To add one: write its file, add its line to the list `sensors!` below, and add its measurement to `sim-core`.
 
 pub mod battery;
 pub mod camera;
@@ -22,7 +22,7 @@ pub use range_scanner::{Fan, RangeScanner};
 pub struct SensorDef {
     /// Name on the wire.
     pub name: String,
-    /// The number of the link that carries it.
+    /// Number of the link that carries it.
     #[serde(default)]
     pub link: usize,
     /// Position in the robot frame when every joint is at 0, m.
@@ -31,13 +31,13 @@ pub struct SensorDef {
     pub direction: [f64; 3],
     /// Seconds between two readings; 0 for none.
     pub scan_interval: f64,
-    /// What it is and its numbers.
+    /// Class and settings.
     pub config: Config,
 }
 
 macro_rules! sensors {
     ($($(#[$doc:meta])* $class:literal, $interval:literal => $name:ident($config:path), $read:expr;)*) => {
-        /// The numbers of a sensor of any class.
+        /// Settings of a sensor of any class.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
         pub enum Config { $($(#[$doc])* $name($config),)* }
 
@@ -77,14 +77,14 @@ sensors! {
     "HokuyoURG04LX", 0.3 => HokuyoUrg04Lx(RangeScanner), |settings| range_scanner::HOKUYO_URG_04LX.changed(settings);
     /// One ultrasonic cone.
     "Sonar", 0.2 => Sonar(sonar::Config), Deserialize::deserialize;
-    /// A camera's line; pictures are another server's.
+    /// Status line of a camera; another server sends its pictures.
     "Camera", 0.1 => Camera(camera::Config), Deserialize::deserialize;
-    /// The battery as an item: it answers GETCONF and sends nothing.
+    /// Battery listed as a sensor: it answers GETCONF and sends nothing.
     "Battery", 0.1 => Battery(battery::Config), Deserialize::deserialize;
 }
 
 impl Config {
-    /// The beams of a laser; `None` for every other sensor.
+    /// Returns the beams of a laser, or `None` for every other sensor.
     pub fn fan(&self) -> Option<Fan> {
         match self {
             Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) => Some(config.fan()),
@@ -92,7 +92,7 @@ impl Config {
         }
     }
 
-    /// What a laser or a sonar reads where there is nothing, m; `None` for every other sensor.
+    /// Returns the reading of a laser or a sonar without a hit, m, or `None` for every other sensor.
     pub fn max_range(&self) -> Option<f64> {
         match self {
             Self::Sonar(config) => Some(config.max_range),
@@ -100,7 +100,7 @@ impl Config {
         }
     }
 
-    /// How many rays one reading casts.
+    /// Returns the number of rays that one reading casts.
     pub fn rays(&self) -> usize {
         match self {
             Self::Sonar(config) => config.rays(),
@@ -111,7 +111,7 @@ impl Config {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// What was expected, in words.
+    /// Describes the expected numbers.
     pub fn validate(&self) -> Result<(), &'static str> {
         match self {
             Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) => config.validate(),

@@ -7,7 +7,7 @@ use crate::{Material, Pose, pose};
 /// Geometry of a solid, in its own frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
-    /// Everything on the far side of the plane z = 0: up (negative z) is free.
+    /// Everything below the plane z = 0 (positive z); the space above it (negative z) is free.
     HalfSpace,
     /// A box around the origin, by its edge lengths, m.
     Box {
@@ -40,10 +40,10 @@ pub enum Shape {
     },
 }
 
-/// A shape at a place, of a material.
+/// A shape with a pose and a material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solid {
-    /// Its name, for messages and viewers.
+    /// Name for messages and viewers.
     pub name: String,
     /// Geometry.
     pub shape: Shape,
@@ -51,12 +51,12 @@ pub struct Solid {
     pub position: [f64; 3],
     /// Roll, pitch, yaw, rad.
     pub rotation: [f64; 3],
-    /// What its surface is made of.
+    /// Surface material.
     pub material: Material,
 }
 
 impl Solid {
-    /// Its place.
+    /// Returns the pose.
     pub fn pose(&self) -> Pose {
         pose(self.position, self.rotation)
     }

@@ -1,6 +1,6 @@
-//! Robots as logs have kept them.
+//! Formats of robots in logs.
 //!
-//! Until they were trees, a robot was a body of parts and solids with wheels on it.
+//! In older logs a robot is not a tree of links but a body of parts and solids with wheels.
 
 use serde::Deserialize;
 

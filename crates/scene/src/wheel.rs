@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Link, Material, Pose, Side, pose};
 
-/// What a joint carries that rolls: about the robot's y axis, or, a caster, as a ball.
+/// A wheel on a joint: it rolls about the robot's y axis, or, as a caster, is a ball.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Wheel {
-    /// Which side it is on.
+    /// Side of the robot.
     pub side: Side,
     /// Outer radius, m.
     pub radius: f64,
@@ -19,7 +19,7 @@ pub struct Wheel {
     pub width: f64,
     /// Mass without rollers, kg.
     pub mass: f64,
-    /// What its tread is made of.
+    /// Material of the tread.
     pub material: Material,
     /// Rollers of a Mecanum wheel.
     pub rollers: Option<Rollers>,
@@ -32,7 +32,7 @@ pub struct MountedWheel<'a> {
     pub name: &'a str,
     /// Centre in the robot frame, m.
     pub position: [f64; 3],
-    /// The motor of its joint; `None` makes it a caster, a ball free to turn about every axis.
+    /// Motor of its joint; `None` makes it a caster, a ball free to turn about every axis.
     pub drive: Option<&'a Motor>,
     /// Number of its link.
     pub link: usize,
@@ -43,7 +43,7 @@ pub struct MountedWheel<'a> {
 }
 
 impl<'a> MountedWheel<'a> {
-    /// The wheel that a link with a number is.
+    /// Returns the wheel on the link with this number, if it has one.
     pub fn of((number, link): (usize, &'a Link)) -> Option<Self> {
         let (joint, wheel) = (link.joint.as_ref()?, link.wheel.as_ref()?);
         Some(Self {
@@ -56,7 +56,7 @@ impl<'a> MountedWheel<'a> {
         })
     }
 
-    /// Pose of the wheel in the robot frame after it turned forward by an angle in radians.
+    /// Returns the pose of the wheel in the robot frame after it turned forward by an angle in radians.
     pub fn pose(&self, angle: f64) -> Pose {
         pose(self.position, [0.0, -angle, 0.0])
     }
@@ -71,70 +71,70 @@ impl Deref for MountedWheel<'_> {
 }
 
 impl Wheel {
-    /// How many rollers it has.
+    /// Returns the number of rollers.
     pub fn roller_count(&self) -> usize {
         self.rollers.as_ref().map_or(0, |rollers| rollers.count as usize)
     }
 }
 
-/// A servo, limited: torque = gain x (target - actual speed), or with a stiffness, stiffness x (target - actual position) -
-/// gain x speed. Of a prismatic joint N and m stand for N m and rad.
+/// A servo with a torque limit. With a stiffness, torque = stiffness x (target - position) - gain x speed; otherwise torque = gain
+/// x (target - speed). For a prismatic joint read N and m instead of N m and rad.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Motor {
-    /// Speed limit, rad/s; a position's target moves no faster.
+    /// Speed limit, rad/s. The target of a position servo moves no faster.
     pub max_speed: f64,
     /// Servo gain, N m s/rad.
     pub gain: f64,
     /// Torque limit, N m.
     pub max_torque: f64,
-    /// Stiffness of a servo of the position, N m/rad; without one it is a servo of the speed.
+    /// Stiffness of a position servo, N m/rad. Without it the servo controls speed.
     #[serde(default)]
     pub stiffness: Option<f64>,
-    /// Time constant of integral action, s; without it the speed droops under a load by torque over gain.
+    /// Time constant of integral action, s. Without it the speed droops under a load by torque over gain.
     pub integral_time: Option<f64>,
-    /// Inertia of the rotor as felt at the wheel, kg m². The engine's sliding friction leans toward the direction
-    /// in which a contact is heavier; on a skid robot, whose wheels slide sideways in every turn, this has to be
-    /// of the order of (mass / 4) radius², or the robot hardly turns.
+    /// Inertia of the rotor as felt at the wheel, kg m². The engine's sliding friction leans toward the direction in which a
+    /// contact is heavier. On a skid robot, whose wheels slide sideways in every turn, this has to be of the order of (mass / 4)
+    /// radius². Otherwise the robot hardly turns.
     pub armature: f64,
 }
 
 impl Motor {
-    /// Torque of a servo of the speed that is told to turn at its speed limit and cannot turn, N m.
+    /// Returns the torque of a blocked speed servo at the target of its speed limit, N m.
     pub fn stall_torque(&self) -> f64 {
         match self.integral_time {
-            // Integral action goes on until it meets the limit.
+            // Integral action rises until it meets the limit.
             Some(_) => self.max_torque,
             None => self.max_torque.min(self.gain * self.max_speed),
         }
     }
 }
 
-/// The free rollers of a Mecanum wheel.
+/// Free rollers of a Mecanum wheel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rollers {
-    /// How many.
+    /// Number of rollers.
     pub count: u32,
     /// Distance of a roller's axis from the wheel's axis, m.
     pub axis_circle: f64,
-    /// Angle between the two axes, rad; positive where the roller at the ground points forward-right.
+    /// Angle between the roller axis and the wheel axis, rad; positive if the roller at the ground points forward-right.
     pub angle: f64,
-    /// How far past the front of the wheel, downward, the first roller sits when the wheel's angle is 0, rad.
+    /// Angle from the front of the wheel, downward, to the first roller at a wheel angle of 0, rad.
     pub first_roller: f64,
-    /// Phase of the contact at the end of a roller, rad: pi / count hands over to the next roller without a gap or an
-    /// overlap, more makes longer rollers.
+    /// Phase of the contact at the end of a roller, rad. At pi / count the contact passes to the next roller without a gap or an
+    /// overlap. A larger phase makes longer rollers.
     pub last_phase: f64,
     /// Mass of one roller, kg.
     pub mass: f64,
-    /// Viscous friction of its bearing, N m s/rad.
+    /// Viscous friction of the bearing, N m s/rad.
     pub damping: f64,
-    /// What it is made of.
+    /// Material of a roller.
     pub material: Material,
 }
 
 impl Rollers {
-    /// Pose of a roller in the frame of its wheel, its axis along x. Roller k sits at the angle `first + k 2 pi / count`
-    /// from the front downward; its axis leans by the roller angle from the wheel's axis toward the direction of turning
-    /// (thesis Appendix A, lines 741 to 762).
+    /// Returns the pose of a roller in the frame of its wheel, with its axis along x. Roller k sits at the angle
+    /// `first + k 2 pi / count` from the front downward. Its axis leans by the roller angle from the wheel's axis toward the
+    /// direction of turning (thesis Appendix A, lines 741 to 762).
     pub fn pose(&self, index: u32) -> Pose {
         let (sin_angle, cos_angle) = self.angle.abs().sin_cos();
         let (sin, cos) = (self.first_roller + TAU * f64::from(index) / f64::from(self.count)).sin_cos();
@@ -145,7 +145,7 @@ impl Rollers {
         Pose::from_parts(centre.into(), turn.unwrap_or_default())
     }
 
-    /// The outline of a roller: places along its axis from its middle, m, and the radius there, m, from end to end.
+    /// Returns the outline of a roller from end to end: positions along its axis from its middle, m, and the radius there, m.
     pub fn outline(&self, wheel_radius: f64, pieces: u32) -> Vec<[f64; 2]> {
         let edge = |piece: u32| {
             let phase = self.last_phase * (2.0 * f64::from(piece) / f64::from(pieces) - 1.0);
@@ -154,12 +154,12 @@ impl Rollers {
         (0..=pieces).map(edge).collect()
     }
 
-    /// Radius of the hub that is drawn between the rollers, m: as far as they leave it free.
+    /// Returns the radius of the hub that fits between the rollers, m.
     pub fn hub_radius(&self, wheel_radius: f64) -> f64 {
         self.axis_circle - self.radius_at(0.0, wheel_radius)
     }
 
-    /// Radius of a roller where it touches at a phase of the contact, m; at the place [`half_length_at`] that phase.
+    /// Returns the radius of a roller at a phase of the contact, m, at the axial position [`half_length_at`] that phase.
     ///
     /// [`half_length_at`]: Self::half_length_at
     pub fn radius_at(&self, phase: f64, wheel_radius: f64) -> f64 {
@@ -167,7 +167,7 @@ impl Rollers {
         (wheel_radius * phase.cos() - self.axis_circle) * (1.0 + (cos_angle * phase.tan()).powi(2)).sqrt()
     }
 
-    /// Half the length of a roller along its axis, m, that ends at a phase (Gfrerrer, "Geometry and kinematics of the
+    /// Returns half the length along its axis of a roller that ends at a phase, m (Gfrerrer, "Geometry and kinematics of the
     /// Mecanum wheel").
     pub fn half_length_at(&self, phase: f64, wheel_radius: f64) -> f64 {
         let (sin, cos) = self.angle.abs().sin_cos();
@@ -181,8 +181,8 @@ mod tests {
 
     use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, PI};
 
-    /// Places and axes of the six rollers of either handedness, worked out from the thesis's Appendix A by the rules
-    /// of Unreal's rotators. Its ring has a radius of 0.0475 m.
+    /// Positions and axes of the six rollers of either handedness, worked out from the thesis's Appendix A by the rules of Unreal's
+    /// rotators. Its ring has a radius of 0.0475 m.
     #[test]
     fn rollers_sit_and_point_as_in_the_thesis() {
         let material = Material::default();

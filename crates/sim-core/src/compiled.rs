@@ -1,4 +1,4 @@
-//! A scene made ready for worlds.
+//! A scene prepared for worlds.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -7,8 +7,7 @@ use scene::WorldDef;
 
 use crate::physics::{CompiledMap, CompiledRobot, Materials};
 
-/// A scene with everything worked out that its worlds share: shapes, masses, joints. Made once from a definition; copies of
-/// it are one.
+/// A scene with the data that its worlds share: shapes, masses, joints. The data is computed once from a definition; copies share it.
 #[derive(Clone)]
 pub struct CompiledScene(Arc<Parts>);
 
@@ -32,7 +31,7 @@ impl From<WorldDef> for CompiledScene {
 }
 
 impl CompiledScene {
-    /// What it was made of.
+    /// Returns the definition that it was compiled from.
     pub fn def(&self) -> &WorldDef {
         &self.0.def
     }
@@ -45,7 +44,7 @@ impl CompiledScene {
         self.0.materials.clone()
     }
 
-    /// The classes that clients can ask for, by name.
+    /// Returns the robot classes that clients can spawn, by name.
     pub(crate) fn robots(&self) -> &BTreeMap<String, Arc<CompiledRobot>> {
         &self.0.robots
     }

@@ -3,7 +3,7 @@
 use kinematics::{FiniteRollers, Mecanum};
 use scene::{RobotDef, Steering};
 
-/// Kinematics of an omni robot, or `None` if it is not one. Its wheels are in Mecanum order.
+/// Returns the textbook kinematics of an omni robot with four driven wheels, in Mecanum order. `None` for other robots.
 pub fn textbook(robot: &RobotDef) -> Option<Mecanum> {
     let geometry = robot.wheel_geometry();
     (robot.steering == Steering::Omni && robot.driven().count() == 4).then_some(Mecanum {
@@ -13,7 +13,7 @@ pub fn textbook(robot: &RobotDef) -> Option<Mecanum> {
     })
 }
 
-/// The same with its rollers counted.
+/// Returns the kinematics of an omni robot that account for its finite number of rollers. `None` for other robots and without rollers.
 pub fn finite_rollers(robot: &RobotDef) -> Option<FiniteRollers> {
     let rollers = robot.driven().next()?.wheel.rollers.as_ref()?;
     let mut firsts = robot.driven().map(|wheel| wheel.rollers.as_ref().map_or(0.0, |rollers| rollers.first_roller));

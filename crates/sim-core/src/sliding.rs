@@ -1,25 +1,27 @@
-//! The kinematics of a robot on plain wheels that has to slide.
+//! The kinematics of a robot on plain wheels that slide when it turns.
 
 use kinematics::Twist;
 use kinematics::coulomb::{Contact, quasi_static};
 use nalgebra::{Matrix3, Vector3};
 use scene::RobotDef;
 
-/// Where a wheel touches the ground.
+/// A wheel's contact with the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     /// Forward and to the right in the robot frame, m.
     position: [f64; 2],
     radius: f64,
-    /// Its share of the weight.
+    /// The wheel's share of the weight.
     share: f64,
 }
 
-/// What is higher than the lowest wheels by more than this does not touch a level floor, m.
+/// Height above the lowest wheel from which a wheel does not touch a level floor, m.
 const OFF_GROUND: f64 = 0.002;
 
-/// Those of the driven wheels, all of one material, on a level floor. A rigid robot on wheels that give way alike loads them by a linear
-/// function of their places, whose middle is that of its weight; casters carry their share and hold nothing.
+/// Returns the contacts of the driven wheels, all of one material, on a level floor.
+///
+/// The robot is rigid and its wheels are equally compliant, so the load is a linear function of a wheel's position. The centroid of the
+/// loads is the centre of mass. Casters carry their share of the weight but cause no friction.
 pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
     let row = |position: [f64; 3]| Vector3::new(1.0, position[0], position[1]);
     let bottom = |wheel: &scene::MountedWheel| wheel.position[2] + wheel.wheel.radius;
@@ -38,8 +40,8 @@ pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
     robot.driven().map(place).collect()
 }
 
-/// How far the robot moves while its driven wheels turn by angles, rad: m, and rad clockwise. Friction does not know speeds, so angles
-/// stand for them.
+/// Returns the robot's displacement, in m and rad clockwise, while its driven wheels turn by the angles `turned`, rad. Coulomb friction
+/// does not depend on the magnitude of the speed, so angles can replace speeds.
 pub(crate) fn twist(places: &[Place], turned: &[f64]) -> Twist {
     let contact = |(place, turned): (&Place, &f64)| Contact {
         position: place.position,

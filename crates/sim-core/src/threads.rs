@@ -1,14 +1,14 @@
-//! Work on several threads, by whoever has them: the world itself knows none.
+//! Work on several threads. The caller supplies the threads; the world itself starts none.
 
-/// Does two things, at the same time or one after the other.
+/// Runs two tasks, at the same time or one after the other.
 ///
-/// What they do must not depend on it: the bits are the same for any number of threads.
+/// The tasks must not depend on which: the bits are the same for any number of threads.
 pub trait Threads: Send + Sync {
-    /// Returns when both are done.
+    /// Runs both tasks and returns when both are done.
     fn join(&self, one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send));
 }
 
-/// One thing after the other.
+/// Runs one task after the other on the calling thread.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct OneThread;
 
@@ -19,7 +19,7 @@ impl Threads for OneThread {
     }
 }
 
-/// Works on items, at most so many of them together.
+/// Splits items into parts of at most `most` items and runs `work` on each part, possibly in parallel.
 pub(crate) fn in_parts<T: Send>(
     threads: &dyn Threads,
     most: usize,

@@ -1,4 +1,4 @@
-//! Threads on which the steps of a world run: [`sim_core::Threads`] by rayon.
+//! Thread pool for the steps of a world: [`sim_core::Threads`] by rayon.
 
 use std::io;
 use std::sync::Arc;
@@ -6,20 +6,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use sim_core::{OneThread, Threads};
 
-/// Some threads; a copy is the same ones.
+/// A pool of threads; clones share it.
 #[derive(Debug, Clone)]
 pub struct ThreadPool(Option<Arc<rayon::ThreadPool>>);
 
 impl ThreadPool {
-    /// The thread that asks, and no other.
+    /// Creates a pool of only the calling thread.
     pub fn one() -> Self {
         Self(None)
     }
 
-    /// So many threads; one is the thread that asks.
+    /// Creates a pool of this many threads; a single one is the calling thread.
     ///
     /// # Errors
-    /// When they cannot be started.
+    /// When the threads cannot be started.
     pub fn new(threads: usize) -> io::Result<Self> {
         if threads <= 1 {
             return Ok(Self::one());
@@ -28,21 +28,21 @@ impl ThreadPool {
         Ok(Self(Some(Arc::new(pool.build().map_err(io::Error::other)?))))
     }
 
-    /// As many threads as this machine runs at a time.
+    /// Creates a pool of as many threads as this machine runs at a time.
     ///
     /// # Errors
-    /// When they cannot be started.
+    /// When the threads cannot be started.
     pub fn of_machine() -> io::Result<Self> {
         Self::new(std::thread::available_parallelism().map_or(1, usize::from))
     }
 
-    /// How many they are.
+    /// Returns the number of threads.
     pub fn threads(&self) -> usize {
         self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
-    /// Does something on one of them. From there the others are reached without waiting for this one to wake up, so whoever steps a
-    /// world does it here.
+    /// Runs a closure on one thread of the pool. From there, work reaches the other threads without waiting for this one to wake
+    /// up. Steps of a world belong in here.
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.0 {
             Some(pool) => pool.install(work),
@@ -50,8 +50,8 @@ impl ThreadPool {
         }
     }
 
-    /// The same for what gives them work all the time: the others wait for it awake, as to wake one up takes as long as a robot takes for
-    /// ten steps.
+    /// Runs a closure that hands out work all the time. The other threads wait for it awake, as waking one takes as long as ten
+    /// steps of a robot.
     pub fn run_in_a_hurry<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         let Some(pool) = &self.0 else { return work() };
         let is_done = AtomicBool::new(false);
@@ -81,7 +81,7 @@ impl Threads for ThreadPool {
     }
 }
 
-/// Sets a flag at its end, even if that is a panic.
+/// Sets a flag when dropped, even by a panic.
 struct SetAtEnd<'a>(&'a AtomicBool);
 
 impl Drop for SetAtEnd<'_> {

@@ -1,4 +1,4 @@
-//! What a server costs, measured on the program itself: `cargo bench -p usarsim --bench budget` (Linux).
+//! Cost of a server, measured on the program itself: `cargo bench -p usarsim --bench budget` (Linux).
 //!
 //! Each row starts a server of its own on a free port and reads its processor time and memory from /proc.
 
@@ -12,13 +12,13 @@ use system_tests::Usage;
 
 /// Seconds of each measurement.
 const SECONDS: f64 = 10.0;
-/// Clock ticks a second in /proc/PID/stat; fixed on Linux.
+/// Clock ticks per second in /proc/PID/stat; fixed on Linux.
 const TICKS: f64 = 100.0;
 
-/// A group to choose rows by, what is measured, how, and what is wanted.
+/// A row: its group, its label, its measurement, and the target.
 pub(crate) type Row = (&'static str, &'static str, fn() -> String, &'static str);
 
-/// Every row, in the order of its table.
+/// All rows, in the order of their tables.
 pub(crate) const ROWS: [Row; 15] = [
     ("start", "start to ready, median of 5", start, "under 1000 ms"),
     (
@@ -51,7 +51,7 @@ pub(crate) const ROWS: [Row; 15] = [
 const FOUR: [&str; 4] = ["KUKA_YouBot", "YouBot", "P3AT", "Kenaf"];
 
 fn main() {
-    // `cargo test --benches` and the like only want to know that it runs.
+    // `cargo test --benches` only checks that it runs.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
@@ -72,7 +72,7 @@ fn start() -> String {
     format!("{:.0} ms", 1e3 * starts[2])
 }
 
-/// Ten youBots as fast as possible, with a log and without, in turns.
+/// Measures ten youBots at full speed, with a log and without, in turns.
 fn log_ten(model: &str) -> String {
     let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
     let log = folder.path().join("ten.mcap").display().to_string();
@@ -89,7 +89,7 @@ fn log_ten(model: &str) -> String {
     format!("real-time factor {with:.2}, {without:.2} without: {:+.1} %", 100.0 * (with / without - 1.0))
 }
 
-/// Ten youBots as fast as possible with no viewer, one and ten, in turns.
+/// Measures ten youBots at full speed with no viewer, one and ten, in turns.
 fn watch_ten(model: &str) -> String {
     let arguments = ["--rtf", "0", "--drive-model", model];
     let mut factors = [0, 1, 10].map(|viewers| (viewers, Vec::new()));
@@ -108,7 +108,7 @@ fn watch_ten(model: &str) -> String {
     format!("real-time factor {none:.2} unseen, {one:.2} ({:+.1} %), {ten:.2} ({:+.1} %)", change(one), change(ten))
 }
 
-/// What one viewer of ten youBots with lasers is sent.
+/// Measures the bytes that one viewer of ten youBots with lasers receives.
 fn watch_in_real_time() -> String {
     let server = Server::start_with("rough", &["--drive-model", "analytic"]);
     let viewer = server.watch();
@@ -118,7 +118,7 @@ fn watch_in_real_time() -> String {
     format!("{kilobytes:.0} kB/s at real-time factor {factor:.2}")
 }
 
-/// How large the log of one youBot gets, and the one for ROS 2 beside it. The scene, which a log begins with, does not grow.
+/// Measures the size of the log of one youBot, and of the one for ROS 2 beside it. The scene at the start of a log does not grow.
 fn log_one(model: &str) -> String {
     let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
     let log = folder.path().join("one.mcap").display().to_string();
@@ -131,7 +131,7 @@ fn log_one(model: &str) -> String {
     };
     drop(Server::start_with("rough", &arguments));
     let scene = megabytes();
-    // A server replaces no log.
+    // A server does not replace an existing log.
     ["one.mcap", "one.ros2.mcap"].iter().for_each(|file| drop(std::fs::remove_file(folder.path().join(file))));
     let seconds = fastest(&Server::start_with("rough", &arguments), 1) * SECONDS;
     let whole = megabytes();
@@ -139,7 +139,7 @@ fn log_one(model: &str) -> String {
     format!("{own:.0} MB an hour beside its scene of {:.1} MB, and {ros2:.0} MB as ROS 2", scene[0])
 }
 
-/// Simulated seconds a second with so many youBots that drive.
+/// Returns simulated seconds per second with a number of driving youBots.
 fn fastest(server: &Server, count: usize) -> f64 {
     let readers: Vec<_> = (0..count)
         .map(|index| {
@@ -153,14 +153,14 @@ fn fastest(server: &Server, count: usize) -> f64 {
     factor(&lines[0])
 }
 
-/// Simulated seconds a second by the times of lines.
+/// Returns simulated seconds per second by the times of lines.
 fn factor(lines: &[(Instant, String)]) -> f64 {
     let timed: Vec<(Instant, f64)> = lines.iter().filter_map(|(at, line)| Some((*at, time_of(line)?))).collect();
     let ends = timed.last().zip(timed.first());
     ends.map_or(0.0, |(last, first)| (last.1 - first.1) / last.0.duration_since(first.0).as_secs_f64())
 }
 
-/// Robots drive in real time; how busy is the server, and does it keep its pace?
+/// Measures the server's processor share and its pace while robots drive in real time.
 fn drive(map: &str, class: &str, count: usize) -> String {
     let server = Server::start(map);
     let mut clients: Vec<Client> = (0..count)
@@ -183,7 +183,7 @@ fn drive(map: &str, class: &str, count: usize) -> String {
     format!("real-time factor {factor:.3}, {percent:.0} % of a core, {scans} scans, {megabytes:.0} MB")
 }
 
-/// Clients that only listen beside one that has a robot: does that one lose a line?
+/// Measures the lines that a client with a robot loses while other clients only listen.
 fn listen(count: usize) -> String {
     let server = Server::start("rough");
     let _idle: Vec<Client> = (0..count).map(|_| server.connect()).collect();
@@ -200,8 +200,8 @@ fn listen(count: usize) -> String {
     format!("{seen} ground truths in {SECONDS} s, {gaps} gaps, {megabytes:.0} MB")
 }
 
-/// One client puts robots at one place or above each other, in one segment: how long does another, 30 m away, hear nothing? A robot without
-/// company is heard every 100 ms or sooner.
+/// Measures the longest silence for a bystander 30 m away while another client spawns robots at one place or above each other, in one
+/// segment. A robot alone is heard every 100 ms or sooner.
 fn heap(classes: &[&str], count: usize, spacing: f64) -> String {
     let server = Server::start("rough");
     let mut bystander = server.connect();
@@ -224,7 +224,7 @@ fn heap(classes: &[&str], count: usize, spacing: f64) -> String {
     )
 }
 
-/// Every line that comes, with the moment it came.
+/// Returns every line with its time of arrival.
 fn read(mut client: Client, seconds: f64) -> Vec<(Instant, String)> {
     let end = Instant::now() + Duration::from_secs_f64(seconds);
     let next = || client.next_line(end.saturating_duration_since(Instant::now())).ok().flatten();
@@ -273,14 +273,14 @@ impl Server {
         Client::connect(("127.0.0.1", self.port)).unwrap_or_else(|error| panic!("cannot connect: {error}"))
     }
 
-    /// A viewer that takes everything until the server ends; gives back how many bytes that was.
+    /// Starts a viewer that reads until the server ends. It returns the number of bytes.
     fn watch(&self) -> JoinHandle<usize> {
         let url = format!("ws://127.0.0.1:{}/live", self.http);
         let (mut socket, _) = tungstenite::connect(url).unwrap_or_else(|error| panic!("cannot watch: {error}"));
         std::thread::spawn(move || std::iter::from_fn(|| socket.read().ok()).map(|message| message.len()).sum())
     }
 
-    /// User and system time of the process, fields 14 and 15 of /proc/PID/stat.
+    /// Returns user and system time of the process, fields 14 and 15 of /proc/PID/stat.
     fn processor_seconds(&self) -> f64 {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap_or_default();
         let after_name = stat.rsplit(')').next().unwrap_or_default();
@@ -288,7 +288,7 @@ impl Server {
         fields.filter_map(|field| field.parse::<f64>().ok()).sum::<f64>() / TICKS
     }
 
-    /// Largest resident memory so far.
+    /// Returns the largest resident memory so far.
     fn peak_megabytes(&self) -> f64 {
         Usage::of(&self.child.id().to_string()).peak as f64 / f64::from(1 << 20)
     }
@@ -296,7 +296,7 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // Asked to, so that its logs are whole. The kill of the shell: the program of that name is not on every machine.
+        // SIGTERM lets it complete its logs. The shell's own kill is used, as not every machine has a program of that name.
         let asked = Command::new("sh").args(["-c", &format!("kill -TERM {}", self.child.id())]).status();
         if !asked.is_ok_and(|asked| asked.success()) {
             let _ = self.child.kill();

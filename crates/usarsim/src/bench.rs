@@ -1,4 +1,4 @@
-//! `usarsim bench`: how fast the world is, and how exact in the same run.
+//! `usarsim bench`: measures the speed and, in the same run, the accuracy of the world.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -152,7 +152,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The step that is exact enough for a robot, s.
+/// Returns the default time step for a robot, s. It is short enough to be accurate.
 fn default_step(robot: &RobotDef) -> f64 {
     if robot.drive_model == DriveModel::Bodies { 0.004 } else { 0.016 }
 }

@@ -1,4 +1,4 @@
-//! `usarsim completions SHELL`, and the man pages of packages: both are made of the definitions of the arguments.
+//! `usarsim completions SHELL`, and the man pages of packages. Both are generated from the definitions of the arguments.
 
 use std::path::PathBuf;
 

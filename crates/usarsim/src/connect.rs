@@ -33,9 +33,9 @@ pub(crate) struct Arguments {
     address: String,
 }
 
-/// How often both sides are looked at.
+/// Interval at which both sides are polled.
 const POLL: Duration = Duration::from_millis(20);
-/// Without a terminal, how long an answer is waited for after the last line of the input.
+/// Time to wait for an answer after the last line of the input, without a terminal.
 const LAST_ANSWER: Duration = Duration::from_millis(500);
 
 /// The keys that each verb takes, for completion.
@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if std::io::stdin().is_terminal() { talk(client) } else { pass_through(client) }
 }
 
-/// Connects, or says what to do. A person wants to hear of mistakes, which the protocol has no word for; USARSim ignores the line.
+/// Connects, with a hint in the error. Asks the server to report mistakes, as a person wants to see them; USARSim ignores that line.
 pub(crate) fn connect(address: &str) -> Result<Client, Failure> {
     let failed = |error: std::io::Error| {
         let hint = "is a server running there? `usarsim serve` starts one";
@@ -92,7 +92,7 @@ pub(crate) fn connect(address: &str) -> Result<Client, Failure> {
     Ok(client)
 }
 
-/// Every line of the input to the server, every line of the server to the output.
+/// Copies every line of the input to the server, and every line of the server to the output.
 fn pass_through(mut client: Client) -> Result<(), Failure> {
     let lost = |error: std::io::Error| Failure::new(exit::UNAVAILABLE, format_args!("the connection is lost: {error}"));
     let (sender, lines) = mpsc::channel();
@@ -109,7 +109,7 @@ fn pass_through(mut client: Client) -> Result<(), Failure> {
         match client.next_line(POLL) {
             Ok(Some(line)) => print(line),
             Ok(None) => {}
-            // The server has ended the connection.
+            // The server closed the connection.
             Err(_) => return Ok(()),
         }
         if wait.is_some_and(|end| std::time::Instant::now() > end) {
@@ -118,14 +118,14 @@ fn pass_through(mut client: Client) -> Result<(), Failure> {
     }
 }
 
-/// What the person has typed.
+/// Input of the person.
 enum Typed {
     Line(String),
-    /// Lines on a timer with this word are shown; `None` hides all.
+    /// Shows lines on a timer with this word; `None` hides all.
     Watch(Option<String>),
 }
 
-/// With a person at a terminal.
+/// Talks with a person at a terminal.
 fn talk(mut client: Client) -> Result<(), Failure> {
     let failed = |error: ReadlineError| Failure::new(exit::FAILURE, error);
     let known = Known::default();
@@ -136,7 +136,7 @@ fn talk(mut client: Client) -> Result<(), Failure> {
     editor.set_helper(Some(Words(known.clone())));
     let history = history_file();
     if let Some(file) = &history {
-        // There is none the first time.
+        // The first time there is no history.
         let _ = editor.load_history(file);
     }
     let printer = editor.create_external_printer().map_err(failed)?;
@@ -149,7 +149,7 @@ fn talk(mut client: Client) -> Result<(), Failure> {
         match editor.readline("> ") {
             Ok(line) if line.trim().is_empty() => {}
             Ok(line) => {
-                // A history that cannot be kept is no reason to stop.
+                // Failing to keep the history is no reason to stop.
                 let _ = editor.add_history_entry(&line);
                 if !obey(line.trim(), &sender, &known) {
                     break;
@@ -166,7 +166,7 @@ fn talk(mut client: Client) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Does what a line says; false at the end.
+/// Executes a typed line. Returns false at the end of the session.
 fn obey(line: &str, sender: &Sender<Typed>, known: &Known) -> bool {
     let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
     let typed = match word {
@@ -186,7 +186,7 @@ fn obey(line: &str, sender: &Sender<Typed>, known: &Known) -> bool {
     true
 }
 
-/// What can be typed.
+/// Returns the help text: verbs, keys, names and commands.
 fn help(names: &Names) -> String {
     let verb = |(verb, keys): &(&str, &[&str])| match keys.len() {
         0 => format!("  {verb}\n"),
@@ -206,7 +206,7 @@ fn help(names: &Names) -> String {
     )
 }
 
-/// Sends what is typed and prints what comes, until the connection or the person is gone.
+/// Sends typed lines and prints received ones, until the connection or the session ends.
 fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalPrinter, known: &Known, colour: bool) {
     let mut watched: Option<String> = None;
     let mut unasked = 0;
@@ -221,7 +221,7 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
             }
         }
         let line = match client.next_line(POLL) {
-            // The names in it are completed later.
+            // Names in the line are offered as completions later, so it is made printable first.
             Ok(Some(line)) => printable(&line).into_owned(),
             Ok(None) => continue,
             Err(error) => {
@@ -229,7 +229,7 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
                 return;
             }
         };
-        // The person did not ask the first questions.
+        // The answers to the first questions are not shown, as the person did not ask them.
         if known.names().learn(&line) && unasked < QUESTIONS.len() {
             unasked += 1;
             continue;
@@ -243,10 +243,10 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
     }
 }
 
-/// What a terminal asks for its completion. USARSim ignores the first.
+/// Questions for the names to complete. USARSim ignores the first.
 const QUESTIONS: [&str; 2] = ["GETCLASSES", "GETSTARTPOSES"];
 
-/// The names that the server has said so far.
+/// Names learned from the server so far.
 #[derive(Clone, Default)]
 struct Known(Arc<Mutex<Names>>);
 
@@ -258,16 +258,16 @@ impl Known {
 
 #[derive(Default)]
 struct Names {
-    /// As INIT takes them.
+    /// Classes as INIT takes them.
     classes: BTreeSet<String>,
     starts: BTreeSet<String>,
-    /// Types of what robots carry, and what it is called.
+    /// Types of the sensors and actuators; then their names.
     types: BTreeSet<String>,
     items: BTreeSet<String>,
 }
 
 impl Names {
-    /// Notes the names in a line; true when it is an answer to one of the questions.
+    /// Learns the names in a line. Returns true if it answers one of the questions.
     fn learn(&mut self, line: &str) -> bool {
         let answer = line.starts_with("NFO ").then(|| Message::read(line)).flatten();
         match answer {
@@ -289,7 +289,7 @@ impl Names {
         false
     }
 
-    /// What a key can have.
+    /// Returns the known values of a key.
     fn values(&self, verb: &str, key: &str) -> Vec<&str> {
         fn of(names: &BTreeSet<String>) -> Vec<&str> {
             names.iter().map(String::as_str).collect()
@@ -306,7 +306,7 @@ impl Names {
     }
 }
 
-/// A line with its verb, keys and values told apart.
+/// Colours the verb, keys and values of a line.
 fn pretty(line: &str, colour: bool) -> Cow<'_, str> {
     if !colour {
         return line.into();
@@ -322,7 +322,7 @@ fn pretty(line: &str, colour: bool) -> Cow<'_, str> {
     text.into()
 }
 
-/// Where lines are remembered.
+/// Returns the path of the history file.
 fn history_file() -> Option<PathBuf> {
     let state = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from).filter(|path| path.is_absolute());
     let state = state.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".local/state")))?;
@@ -350,11 +350,11 @@ impl Completer for Words {
     }
 }
 
-/// Where the word at the end of a text begins, and what it may become.
+/// Returns the start of the last word of a text, and its completions.
 fn candidates(text: &str, names: &Names) -> (usize, Vec<String>) {
     let fitting = |word: &str, all: &[&str], end: &str| {
         let lower = word.to_ascii_lowercase();
-        // A class fits without its package, too.
+        // A class is also completed without its package.
         let fits = |candidate: &&&str| {
             let candidate = candidate.to_ascii_lowercase();
             candidate.starts_with(&lower) || candidate.strip_prefix("usarbot.").is_some_and(|it| it.starts_with(&lower))
@@ -369,7 +369,7 @@ fn candidates(text: &str, names: &Names) -> (usize, Vec<String>) {
     };
     let block = rest.rfind('{').map_or(rest, |open| &rest[open + 1..]);
     if block.contains('}') || !rest.contains('{') {
-        // Between two blocks the next one begins.
+        // Between two blocks, a new one starts.
         return (text.len(), keys.iter().map(|key| format!("{{{key} ")).collect());
     }
     let Some((key, value)) = block.split_once(' ') else {

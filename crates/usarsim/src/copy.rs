@@ -1,4 +1,4 @@
-//! `usarsim copy`: the files of a built-in robot or map, as a start for one's own.
+//! `usarsim copy`: copies the files of a built-in robot or map, as a start for one's own.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ pub(crate) fn run(Arguments { what, name, folder }: &Arguments) -> Result<(), Fa
     };
     let files = files.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
     let failed = |path: &Path, error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
-    // Another program may have made an empty folder for itself.
+    // The folder must be new: another program may use an empty one.
     std::fs::create_dir(folder).map_err(|error| failed(folder, error))?;
     for (file, content) in files {
         let path = folder.join(file);

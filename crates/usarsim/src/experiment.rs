@@ -1,4 +1,4 @@
-//! `usarsim experiment`: the thesis's experiments, or those of a file.
+//! `usarsim experiment`: runs the thesis's experiments, or one's own.
 
 mod socket;
 
@@ -103,7 +103,7 @@ struct Common {
     json: bool,
 }
 
-/// At most what a client keeps up with.
+/// Parses a real-time factor that a client can keep up with.
 fn real_time_factor(text: &str) -> Result<f64, String> {
     within(text, 0.01, 100.0)
 }
@@ -151,7 +151,7 @@ fn conduct(
             plan.keep_models(&common.drive_model);
         }
         if let Some(real_time_factor) = common.socket {
-            // So that its folder is not one of the same made in this process.
+            // Marks the plan, so its results are not mixed with those of runs in this process.
             plan.text.push_str(&format!("\n# through the socket at {real_time_factor} times real time\n"));
         }
         plans.push(plan);
@@ -208,7 +208,7 @@ fn conduct(
     Ok(())
 }
 
-/// A progress bar on a terminal; hidden when asked to be quiet.
+/// Creates a progress bar on a terminal; hidden if quiet.
 fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     ProgressBar::with_draw_target(length, target)

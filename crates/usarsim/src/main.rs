@@ -1,4 +1,4 @@
-//! The program `usarsim`: arguments, dispatch, and the one place where exit codes are made.
+//! The program `usarsim`: arguments, dispatch, and the only place that produces exit codes.
 
 mod bench;
 mod check;
@@ -99,7 +99,7 @@ fn main() -> ExitCode {
             complain(message);
             ExitCode::from(code)
         }
-        // The hook has said where.
+        // The panic hook has logged the place.
         Err(_) => ExitCode::from(exit::DEFECT),
     }
 }
@@ -124,7 +124,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Logs a panic in one line with its place; `RUST_BACKTRACE=1` adds the calls.
+/// Logs a panic in one line with its place. `RUST_BACKTRACE=1` adds the stack.
 fn report_panics() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map(ToString::to_string).unwrap_or_default();
@@ -150,8 +150,7 @@ impl Failure {
     }
 }
 
-/// Starts a thread that writes log lines: a reader of stderr that has stopped must not stop the server. If the queue is
-/// full, lines are dropped.
+/// Starts a thread that writes log lines, so a stopped reader of stderr does not stop the server. If the queue is full, lines are dropped.
 fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::WorkerGuard {
     use std::io::IsTerminal;
     use tracing_subscriber::filter::LevelFilter;
@@ -167,7 +166,7 @@ fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::Worke
     guard
 }
 
-/// A number from the command line, within bounds.
+/// Parses a number from the command line, within bounds.
 fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     if (least..=most).contains(&value) { Ok(value) } else { Err(format!("expected {least} to {most}")) }
@@ -185,7 +184,7 @@ fn complain(message: impl std::fmt::Display) {
     let _ = done.recv_timeout(std::time::Duration::from_secs(1));
 }
 
-/// Prints to stdout with control characters escaped; a reader that has gone away is not an error.
+/// Prints to stdout with control characters escaped. A reader that is gone is not an error.
 fn print(text: impl std::fmt::Display) {
     use std::io::Write;
     let mut stdout = std::io::stdout().lock();

@@ -6,7 +6,7 @@ use crate::{Failure, exit};
 
 /// Refuses an output file that is one of the input files, by the same path, a symbolic link or a hard link.
 ///
-/// A command opens its output after it has read its input, so it would replace the input without a word.
+/// A command opens its output after reading its input, so it would silently replace the input.
 pub(crate) fn keep_inputs(out: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), Failure> {
     let mut inputs = inputs.iter().map(AsRef::as_ref);
     let Some(input) = inputs.find(|input| is_same_file(out, input)) else { return Ok(()) };
@@ -16,13 +16,13 @@ pub(crate) fn keep_inputs(out: &Path, inputs: &[impl AsRef<Path>]) -> Result<(),
     Err(Failure::new(exit::USAGE, message))
 }
 
-/// Files that a robot or map given as `NAME|FILE` may be read from: the path itself, or a definition in that folder.
+/// Returns the files from which a robot or map given as `NAME|FILE` may be read: the path itself, or a definition in that folder.
 pub(crate) fn definition_files(given: &str) -> [PathBuf; 3] {
     let path = Path::new(given);
     [path.to_owned(), path.join("robot.toml"), path.join("map.toml")]
 }
 
-/// True if both paths lead to one regular file. Devices keep nothing, so reading and writing one is fine.
+/// True if both paths lead to one regular file. Devices store nothing, so one may be both read and written.
 #[cfg(unix)]
 fn is_same_file(a: &Path, b: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;

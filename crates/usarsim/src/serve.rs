@@ -15,7 +15,7 @@ use thread_pool::ThreadPool;
 use crate::terminal::printable;
 use crate::{Failure, exit, print};
 
-/// Port of the page unless another is asked for.
+/// Default port of the page.
 const DEFAULT_HTTP_PORT: u16 = 8080;
 
 /// Options of `serve`.
@@ -58,7 +58,7 @@ pub(crate) struct Arguments {
     /// Serve no page, even where --http or USARSIM_HTTP asks for one.
     #[arg(long)]
     no_http: bool,
-    /// Who may pause, step, reset, record, and change the speed or the map: everyone who has the page open, only pages on this machine
+    /// Pages that may pause, step, reset, record, and change the speed or the map: everyone's, only those on this machine
     /// (also through `ssh -L`), or nobody. Everybody can watch and drive their own robots.
     #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO", default_value = "everyone")]
     control: ControlChoice,
@@ -122,7 +122,7 @@ enum LogFormat {
     Ros2,
 }
 
-/// A dialect, or none: robots decide.
+/// A dialect, or `None` if the robot decides.
 #[derive(Clone, Copy)]
 struct DialectChoice(Option<Dialect>);
 
@@ -148,7 +148,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     for robot in world.robots.values() {
         for assumption in &robot.assumptions {
             let text = format!("{}: note: {assumption}", robot.class);
-            // Nobody has to listen.
+            // The reader of stderr may be gone.
             let _ = writeln!(std::io::stderr(), "{}", printable(&text));
         }
     }
@@ -198,10 +198,10 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     })
 }
 
-/// The maps that the page offers: those built in, with the same numbers replaced where they fit, and the one that is shown first.
+/// Returns the maps that the page offers: the first one, then the built-in ones with the same overrides.
 fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<MapDef> {
     let names = scene_loader::map_names().into_iter().filter(|name| *name != first.name);
-    // An override may be of the first map alone.
+    // An override may apply to the first map alone, so maps that it does not fit are left out.
     let maps = names.filter_map(|name| scene_loader::map(&name, overrides).ok());
     std::iter::once(first.clone()).chain(maps).collect()
 }
@@ -226,7 +226,7 @@ fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> Strin
     }
 }
 
-/// An address by which other machines reach this one. Nothing is sent: to connect a UDP socket only chooses a route.
+/// Returns an address by which other machines reach this one. Connecting a UDP socket only chooses a route and sends nothing.
 fn own_address() -> IpAddr {
     let local = Ipv4Addr::LOCALHOST.into();
     let socket = UdpSocket::bind("0.0.0.0:0");
@@ -234,7 +234,7 @@ fn own_address() -> IpAddr {
     routed.map_or(local, |address| address.ip())
 }
 
-/// Completes at Ctrl-C or SIGTERM; a signal that cannot be watched keeps its default effect.
+/// Completes at Ctrl-C or SIGTERM. A signal that cannot be watched keeps its default effect.
 pub(crate) async fn stop_signal() {
     let terminated = async {
         #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! `usarsim show`: every number of a robot or a map as the world gets it.
+//! `usarsim show`: prints every number of a robot or a map, as the world uses it.
 
 use clap::ValueEnum;
 use scene::DriveModel;
@@ -20,7 +20,7 @@ const MAX_SHOWN: usize = 64;
     `usarsim copy` writes, not of this list."
 )]
 pub(crate) struct Arguments {
-    /// What to show.
+    /// Kind of the definition.
     what: What,
     /// Its name, or the path of its file.
     #[arg(value_name = "NAME|FILE")]
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE. May be given several times.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
-    /// How the wheels of a Mecanum robot move it, instead of what its file says.
+    /// Drive model of a Mecanum robot, instead of the one in its file.
     #[arg(long, value_name = "MODEL")]
     drive_model: Option<DriveModel>,
     /// Print JSON.
@@ -69,7 +69,7 @@ fn text(value: &impl Serialize, json: bool) -> Result<String, Failure> {
     }
 }
 
-/// What has no value is left out, and a list too long to be read, as that of a mesh's corners, becomes its length.
+/// Removes entries without a value, and replaces long lists, such as a mesh's vertices, by their length.
 fn shorten(value: &mut Value) {
     match value {
         Value::Array(list) if list.len() > MAX_SHOWN => *value = Value::from(list.len()),

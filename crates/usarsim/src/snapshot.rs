@@ -73,7 +73,7 @@ enum View {
 }
 
 impl View {
-    /// From the middle to the eye, in the robot's axes.
+    /// Returns the direction from the target to the camera, in the robot's axes.
     fn direction(self) -> Vector3<f64> {
         match self {
             Self::Corner => Vector3::new(-0.75, -0.75, -0.65),
@@ -110,15 +110,15 @@ fn size(text: &str) -> Result<[usize; 2], String> {
         .ok_or("expected WxH of 16 to 8192".to_owned())
 }
 
-/// Pictures that a film has a second.
+/// Frames per second of a film.
 const FRAMES_PER_SECOND: u16 = 15;
-/// Angle from the lower to the upper edge of the picture, rad.
+/// Vertical field of view, rad.
 const FIELD_OF_VIEW: f64 = 0.6;
-/// Least half width of what is looked at, m.
+/// Least half width of the view, m.
 const LEAST_REACH: f64 = 0.2;
-/// Size of the view of a map on which nothing stands, m.
+/// Size of the view of an empty map, m.
 const BARE_MAP: [f64; 3] = [4.0, 4.0, 0.1];
-/// The picture's height over that of a ball around what is looked at.
+/// Height of the picture over that of a ball around the target.
 const FILLING: f64 = 1.1;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -167,7 +167,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Pictures of what happens from now on.
+/// Draws frames of the world from now on.
 fn film(world: &mut World, seconds: f64, draw: impl Fn(&World) -> Image) -> Vec<Image> {
     let count = (seconds * f64::from(FRAMES_PER_SECOND)).round().max(1.0) as u64;
     let progress = ProgressBar::new(count).with_message("frames");
@@ -184,7 +184,7 @@ fn film(world: &mut World, seconds: f64, draw: impl Fn(&World) -> Image) -> Vec<
     pictures
 }
 
-/// Puts the robot on the map, drives it, and lets time pass.
+/// Spawns the robot on the map, drives it, and runs the world for a time.
 fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), String> {
     let mut problems: Vec<Problem> = Vec::new();
     let mut command = |text: String| Command::read(&Line::parse(&text), &mut problems);
@@ -210,7 +210,7 @@ fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), St
     Ok(())
 }
 
-/// Corners of everything that stands on the map.
+/// Returns the corners of all solids and objects of the map.
 fn standing(world: &World) -> Vec<Point3<f64>> {
     let map = &world.def().map;
     let solids = map.solids.iter().chain(map.objects.iter().map(|object| &object.solid));
@@ -221,7 +221,7 @@ fn standing(world: &World) -> Vec<Point3<f64>> {
     places
 }
 
-/// How far what is drawn of a class reaches from its origin, with every joint at 0, m.
+/// Returns the largest distance of a class's drawn parts from its origin, with every joint at 0, m.
 fn reach_of(world: &World, class: &str) -> f64 {
     let def = world.def().robots.iter().find(|(name, _)| name.eq_ignore_ascii_case(class)).map(|(_, def)| def);
     let pieces = def.into_iter().flat_map(scene::RobotDef::drawn).flat_map(|(link, pieces)| {
@@ -234,7 +234,7 @@ fn reach_of(world: &World, class: &str) -> f64 {
     pieces.map(|place| place.coords.norm()).fold(0.0, f64::max)
 }
 
-/// Places that a shape reaches to.
+/// Returns points that span a shape.
 fn corners(shape: &Shape, pose: &Pose) -> Vec<Point3<f64>> {
     let reach = match shape {
         Shape::HalfSpace => return Vec::new(),

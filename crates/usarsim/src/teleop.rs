@@ -35,24 +35,24 @@ pub(crate) struct Arguments {
     name: String,
 }
 
-/// The robot stops so long after the last key: longer than a keyboard takes to repeat the first.
+/// Time after the last key at which the robot stops. A keyboard takes less to repeat the first key.
 const HOLD: Duration = Duration::from_millis(700);
-/// How often the server is listened to.
+/// Interval at which the server is polled.
 const POLL: Duration = Duration::from_millis(20);
-/// How long a line may take that is already here.
+/// Time to wait for a line that may have arrived already.
 const GLANCE: Duration = Duration::from_millis(1);
-/// Longest time for the first answer.
+/// Longest wait for the first answer.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Percent of the limits at first, and by which a key changes it.
+/// Speed at the start, percent of the limits; then the step of a key.
 const SPEED: f64 = 40.0;
 const SPEED_STEP: f64 = 10.0;
 
-/// A key that means something.
+/// A key with a meaning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Key {
-    /// Ahead, to the right, clockwise, up: -1, 0 or 1.
+    /// Motion ahead, to the right, clockwise and up: -1, 0 or 1 each.
     Move([f64; 4]),
-    /// Percent more.
+    /// Change of the speed, percent.
     Faster(f64),
     End,
 }
@@ -81,19 +81,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     result
 }
 
-/// What a robot takes, by its configuration.
+/// Steering of a robot, from its configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Steering {
     Skid,
     Omni,
-    /// With the greatest angles of front and rear, rad.
+    /// Largest angles of front and rear, rad.
     Ackermann([f64; 2]),
     Aerial,
 }
 
 impl Steering {
     fn of(conf: &Line) -> Self {
-        // The range of an axle goes to both sides; one that does not steer says 6.28.
+        // The range of an axle covers both sides. An axle that does not steer has 6.28.
         let most = |key| {
             let range: f64 = conf.get(key).and_then(|range| range.parse().ok()).unwrap_or(0.0);
             if range < 6.0 { range / 2.0 } else { 0.0 }
@@ -107,7 +107,7 @@ impl Steering {
     }
 }
 
-/// The first start of the map.
+/// Returns the first start of the map.
 fn first_start(client: &mut Client) -> std::io::Result<String> {
     client.send("GETSTARTPOSES")?;
     let end = Instant::now() + PATIENCE;
@@ -120,7 +120,7 @@ fn first_start(client: &mut Client) -> std::io::Result<String> {
     Ok(String::new())
 }
 
-/// How the robot is steered, by its configuration, and what else was wrong with INIT; or why there is no robot.
+/// Returns the robot's steering, from its configuration, and errors of INIT. Fails with the reason if there is no robot.
 fn steering(client: &mut Client, robot: &str) -> Result<(Steering, Vec<String>), Failure> {
     let end = Instant::now() + PATIENCE;
     let mut errors = Vec::new();
@@ -135,7 +135,7 @@ fn steering(client: &mut Client, robot: &str) -> Result<(Steering, Vec<String>),
             errors.push(error.to_owned());
         }
     }
-    // USARSim says nothing of a class that it does not know.
+    // USARSim does not answer to a class that it does not know.
     let reason = errors
         .into_iter()
         .next()
@@ -143,12 +143,12 @@ fn steering(client: &mut Client, robot: &str) -> Result<(Steering, Vec<String>),
     Err(Failure::new(exit::FAILURE, format_args!("{robot} was not spawned: {reason}")))
 }
 
-/// What a server of ours says is wrong.
+/// Returns the error that our server reports in a line.
 fn error_in(line: &str) -> Option<&str> {
     line.strip_prefix("NFO {Error ")?.strip_suffix('}')
 }
 
-/// The keys that this robot takes.
+/// Returns the help line for the keys of this robot.
 fn keys_of(steering: Steering) -> String {
     let aside = if matches!(steering, Steering::Omni | Steering::Aerial) { "a d left, right   " } else { "" };
     let turn = if matches!(steering, Steering::Ackermann(_)) { "steer" } else { "turn" };
@@ -156,7 +156,7 @@ fn keys_of(steering: Steering) -> String {
     format!("keys: w s forward, backward   {aside}q e {turn}   {up}space stop   + - speed   x end")
 }
 
-/// Keys to DRIVE lines, until the end.
+/// Converts keys to DRIVE lines, until the end.
 fn drive(client: &mut Client, keys: &Receiver<u8>, steering: Steering) -> std::io::Result<()> {
     let (mut percent, mut motion, mut since) = (SPEED, [0.0; 4], Instant::now());
     let (mut sent, mut pose, mut pending) = (String::new(), String::from("waiting for GroundTruth"), Vec::new());
@@ -165,7 +165,7 @@ fn drive(client: &mut Client, keys: &Receiver<u8>, steering: Steering) -> std::i
             Ok(byte) => pending.push(byte),
             Err(RecvTimeoutError::Timeout) => pending.clear(),
             Err(RecvTimeoutError::Disconnected) if motion == [0.0; 4] => return Ok(()),
-            // The last key of a file is held as long as any other.
+            // The last key of an input file is held as long as any other.
             Err(RecvTimeoutError::Disconnected) => std::thread::sleep(POLL),
         }
         match key(&pending) {
@@ -197,7 +197,7 @@ fn drive(client: &mut Client, keys: &Receiver<u8>, steering: Steering) -> std::i
     }
 }
 
-/// Position and heading of a line of GroundTruth.
+/// Returns position and heading of a line of GroundTruth, as text.
 fn shown_pose(line: &Line) -> String {
     let numbers = |key| -> Vec<f64> {
         line.get(key).unwrap_or_default().split(',').filter_map(|number| number.trim().parse().ok()).collect()
@@ -219,7 +219,7 @@ fn name_of([forward, right, clockwise, up]: [f64; 4]) -> &'static str {
     moved.map_or("stopped", |(part, names)| names[usize::from(part > 0.0)])
 }
 
-/// In percent of the limits, so that the unit of wheel speeds does not matter.
+/// Returns the DRIVE line, in percent of the limits, so the unit of wheel speeds does not matter.
 fn command([ahead, right, clockwise, up]: [f64; 4], percent: f64, steering: Steering) -> String {
     match steering {
         Steering::Omni | Steering::Aerial => {
@@ -241,7 +241,7 @@ fn command([ahead, right, clockwise, up]: [f64; 4], percent: f64, steering: Stee
     }
 }
 
-/// What has been pressed; `None` while it may become an arrow, or means nothing.
+/// Returns the key of the bytes read; `None` for an incomplete arrow key or an unknown key.
 fn key(bytes: &[u8]) -> Option<Key> {
     Some(match bytes {
         b"w" | b"W" | b"\x1b[A" => Key::Move([1.0, 0.0, 0.0, 0.0]),
@@ -261,7 +261,7 @@ fn key(bytes: &[u8]) -> Option<Key> {
     })
 }
 
-/// A terminal that gives each key at once, until it is dropped.
+/// A terminal in raw mode, which gives each key at once. It is restored on drop.
 struct RawTerminal(bool);
 
 impl RawTerminal {
@@ -273,7 +273,7 @@ impl RawTerminal {
 impl Drop for RawTerminal {
     fn drop(&mut self) {
         if self.0 {
-            // There is nothing else that could be done.
+            // There is nothing else to do on a failure.
             let _ = terminal::disable_raw_mode();
         }
     }

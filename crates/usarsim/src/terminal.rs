@@ -1,12 +1,12 @@
-//! Text of strangers, made safe for a terminal.
+//! Untrusted text, made safe for a terminal.
 
 use std::borrow::Cow;
 
-/// Escapes the control characters in a text, but for newline and tab: a line of a server, a client or a log must not move
-/// the cursor, change colours or fill the clipboard.
+/// Escapes the control characters in a text, except newline and tab. A line of a server, a client or a log must not move the cursor, change
+/// colours or fill the clipboard.
 ///
-/// DEL and the controls from U+0080 on become `\u009b`, which JSON reads back, as JSON itself escapes only those below
-/// U+0020. So the output of `--json` stays JSON.
+/// DEL and the controls from U+0080 on become `\u009b`, which JSON reads back: JSON itself escapes only those below U+0020. So the output
+/// of `--json` stays JSON.
 pub(crate) fn printable(text: &str) -> Cow<'_, str> {
     let is_harmful = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
     if !text.contains(is_harmful) {

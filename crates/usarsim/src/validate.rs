@@ -98,7 +98,7 @@ fn row(finding: &Finding, reason: Option<&str>) -> serde_json::Value {
     })
 }
 
-/// Name of a check; empty for a number that is none, which is refused when it runs.
+/// Returns the name of a check. It is empty for a number out of range, which the run of the check refuses.
 fn name_of(names: &[&'static str], check: u32) -> &'static str {
     names.get(check as usize - 1).copied().unwrap_or_default()
 }

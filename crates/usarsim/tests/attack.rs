@@ -1,4 +1,4 @@
-//! Hostile clients by the dozen against the program, beside one that must not notice. `make attack` runs it for long.
+//! Dozens of hostile clients against the program, beside an honest one that they must not disturb. `make attack` runs it at length.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -9,11 +9,11 @@ use system_tests::{Honest, Program, Watch, recordings};
 
 /// Hostile clients at once.
 const HOSTILE: u64 = 64;
-/// Seconds of the attack, unless `USARSIM_ATTACK_SECONDS` says otherwise.
+/// Seconds of the attack, unless `USARSIM_ATTACK_SECONDS` is set.
 const SECONDS: u64 = 10;
-/// What the server may take, bytes.
+/// Largest memory of the server, bytes.
 const MAX_MEMORY: u64 = 300_000_000;
-/// How long an answer may take in 99 of 100 cases when the attack is a long one.
+/// Largest latency of 99 in 100 answers in a long attack.
 const MAX_LATENCY: Duration = Duration::from_millis(50);
 /// Pause between an answer and the next question.
 const PAUSE: Duration = Duration::from_millis(5);
@@ -23,8 +23,8 @@ fn captured_clients_that_are_damaged_do_not_disturb_an_honest_one() {
     let Some(recordings) = recordings() else { return };
     let streams = streams(&recordings);
     let seconds = std::env::var("USARSIM_ATTACK_SECONDS").ok().map(|text| text.parse::<u64>().expect("seconds"));
-    // More connections than clients: one that has left is still counted until the server has seen it.
-    // A battery would be flat after 20 minutes.
+    // There are more connections than clients, as a client that left is counted until the server notices.
+    // A battery would be empty after 20 minutes.
     let arguments = ["--max-connections", "80", "--set", "P3AT.battery.life=1e6"];
     let mut server = Program::serve(env!("CARGO_BIN_EXE_usarsim"), &arguments);
     let watch = Watch::start(server.page);
@@ -45,7 +45,7 @@ fn captured_clients_that_are_damaged_do_not_disturb_an_honest_one() {
     attack.join().expect("the attack");
     let (memory, beside) = (server.usage().peak, honest.latency());
     let robots = watch.seen().most_robots;
-    // Whatever they left behind is gone, and the world goes on.
+    // All robots and clients of the attack are gone, and the world goes on.
     watch.wait_for("one robot and one client", |seen| seen.robots() == 1 && seen.clients() == 1);
     honest.ask_until(Instant::now() + Duration::from_secs(1), PAUSE, &answers);
     assert_eq!(server.stop().code(), Some(0));
@@ -75,7 +75,7 @@ fn captured_clients_that_are_damaged_do_not_disturb_an_honest_one() {
 /// Rude clients at once.
 const RUDE: u64 = 6;
 
-/// They drive through a map with objects and one with walls, ramps and rough ground.
+/// Rude clients drive through a map with objects, and through one with walls, ramps and rough ground.
 #[test]
 fn clients_that_mean_ill_to_robots_and_objects_do_not_end_the_server_or_make_absurd_numbers() {
     let seconds = std::env::var("USARSIM_ATTACK_SECONDS").ok().map(|text| text.parse::<u64>().expect("seconds"));
@@ -85,7 +85,7 @@ fn clients_that_mean_ill_to_robots_and_objects_do_not_end_the_server_or_make_abs
         let end = Instant::now() + Duration::from_secs(seconds.unwrap_or(SECONDS));
         let tally = Arc::new(Tally::default());
         play_until(|| Instant::now() >= end, server.address, RUDE, 2, &tally, |random, _| rude(random));
-        // All have gone, and the world goes on.
+        // All clients are gone, and the world goes on.
         watch.wait_for("nobody", |seen| seen.robots() == 0 && seen.clients() == 0);
         let mut honest = Honest::join(server.address);
         let answers = honest.answers();

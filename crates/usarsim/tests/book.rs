@@ -1,5 +1,5 @@
-//! The book does what it says: every command in a `console` block of docs/*.md is run, in the order of its page, with the files
-//! that the page shows, and what the page shows as output comes.
+//! Tests of the book: every command in a `console` block of docs/*.md is run, in the order of its page, with the files that the page shows.
+//! Its output must be as shown.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -14,7 +14,7 @@ use std::time::Duration;
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A fenced block: what stands behind the fence, and its lines.
+/// A fenced block: the text after the fence, and its lines.
 struct Block {
     info: String,
     lines: Vec<String>,
@@ -48,7 +48,7 @@ fn blocks(text: &str) -> Vec<Block> {
     blocks
 }
 
-/// Commands, each with the output that is shown.
+/// Returns the commands of a block, each with the output shown.
 fn commands(block: &Block) -> Vec<(String, Vec<String>)> {
     let mut commands: Vec<(String, Vec<String>)> = Vec::new();
     for line in &block.lines {
@@ -61,7 +61,7 @@ fn commands(block: &Block) -> Vec<(String, Vec<String>)> {
     commands
 }
 
-/// Numbers are not compared: they are another time, port or version.
+/// Replaces numbers, which differ by time, port or version.
 fn without_numbers(line: &str) -> String {
     let digits_as_one = line.chars().map(|letter| if letter.is_ascii_digit() { '#' } else { letter });
     let mut text = String::new();
@@ -73,7 +73,7 @@ fn without_numbers(line: &str) -> String {
     text
 }
 
-/// A page as it is run: a folder, and a server that may be running.
+/// A page under test: a folder, and a server that may be running.
 struct Page {
     folder: tempfile::TempDir,
     port: u16,
@@ -86,7 +86,7 @@ impl Page {
         Self { folder: tempfile::tempdir().unwrap(), port, server: None }
     }
 
-    /// The page's own port is replaced by a free one.
+    /// Replaces the page's ports by free ones.
     fn localised(&self, text: &str) -> String {
         text.replace("3000", &self.port.to_string()).replace("3001", &self.port.to_string()).replace("8765", "0")
     }
@@ -118,10 +118,10 @@ impl Page {
         }
     }
 
-    /// Starts a server instead of the one before it, and reads what it prints when it is ready.
+    /// Starts a server instead of the previous one. Returns the lines that it prints when it is ready.
     fn serve(&mut self, command: &str, lines: usize) -> Vec<String> {
         self.stop();
-        // Where a page names no page of the browser's, a free port is taken for it; what the book shows is with the default.
+        // The shell sets USARSIM_HTTP, so the browser's page gets a free port. The book shows the default port.
         let mut child = self.shell(command).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let stdout = BufReader::new(child.stdout.take().unwrap());
         self.server = Some(child);
@@ -185,7 +185,7 @@ fn every_command_of_the_book_runs() {
     assert!(count > 20, "{count}");
 }
 
-/// Also that every page is in the table of contents.
+/// Also checks that every page is in the table of contents.
 #[test]
 fn links_of_the_book_lead_somewhere() {
     let link = regex::Regex::new(r#"\]\(([^)#\s]+)[^)]*\)|src="([^"]+)""#).unwrap();

@@ -14,7 +14,7 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// A server process; it is killed when the test ends.
+/// A server process. It is killed on drop.
 struct Serving {
     child: Child,
     ready: serde_json::Value,
@@ -45,7 +45,7 @@ impl Serving {
     }
 
     fn signal(&self, name: &str) {
-        // The kill of the shell: the program of that name is not on every machine.
+        // The shell's own kill: not every machine has a program of that name.
         let status = Command::new("sh").args(["-c", &format!("kill -{name} {}", self.child.id())]).status();
         assert!(status.expect("kill runs").success());
     }
@@ -107,7 +107,7 @@ fn a_reader_of_stderr_that_stops_or_leaves_does_not_stop_the_server() {
         } else {
             Some(reader)
         };
-        // Three log lines each: more than a pipe holds.
+        // Three log lines for each client exceed the capacity of a pipe.
         for _ in 0..500 {
             let mut client = BufReader::new(server.connect());
             client.get_mut().set_read_timeout(Some(Duration::from_secs(30))).expect("a timeout");
@@ -137,7 +137,7 @@ fn a_panic_of_the_world_is_a_report_that_makes_it_again() {
         TcpStream::connect(("127.0.0.1", ready["port"].as_u64().expect("a port") as u16)).expect("a client");
     client.write_all(b"INIT {ClassName USARBot.P3AT} {Name R1}\r\nDRIVE {Left 1}{Right 1}\r\n").expect("taken");
     let mut lines = String::new();
-    // A clean end, and everything before it.
+    // The connection ends cleanly, after all earlier lines.
     client.read_to_string(&mut lines).expect("no reset");
     assert!(lines.contains("{Time 1.9") && lines.ends_with("\r\n"), "{lines}");
     let output = child.wait_with_output().expect("it ends");
@@ -185,7 +185,7 @@ fn an_unknown_map_is_exit_code_78_and_names_those_there_are() {
     );
 }
 
-/// A map without the usual start, and an experiment, in a folder of their own.
+/// Creates a folder with a map without the usual start, and an experiment.
 fn workplace() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("hall")).expect("a folder");
@@ -195,7 +195,7 @@ fn workplace() -> tempfile::TempDir {
     folder
 }
 
-/// Runs a line of arguments in the workplace: its exit code, and what it has said on stdout and stderr.
+/// Runs the program with a line of arguments in the workplace. Returns its exit code and its output on stdout and stderr.
 fn say(folder: &Path, line: &str) -> (Option<i32>, String) {
     let output = usarsim().args(line.split_whitespace()).current_dir(folder).output().expect("usarsim runs");
     (output.status.code(), text(&output.stdout) + &text(&output.stderr))
@@ -306,7 +306,7 @@ fn a_bad_argument_is_exit_code_2() {
     }
 }
 
-/// Every mistake of a file with its line, in one go.
+/// A map with many mistakes, which are all reported at once with their lines.
 const BROKEN_MAP: &str = r#"description = "broken"
 gravity = "down"
 colour = "red"
@@ -399,7 +399,7 @@ fn no_command_writes_over_a_file_that_it_reads() {
     }
 }
 
-/// What a stranger sends to a terminal: the clipboard, the screen, and the same with a control character of one code.
+/// Hostile text for a terminal: escape sequences for the clipboard and the screen, and one-byte control characters.
 const ESCAPES: &str = "\x1b]52;c;aGk=\x07\x1b[2J\u{9b}2J\u{7f}";
 const ESCAPED: &str = "\\x1b]52;c;aGk=\\x07\\x1b[2J\\u009b2J\\u007f";
 
@@ -422,7 +422,7 @@ fn what_a_server_says_is_shown_without_control_characters() {
             .expect("usarsim starts");
         let (mut server, _) = listener.accept().expect("a client");
         server.write_all(line.as_bytes()).expect("it is taken");
-        // The end of the input; then that of the connection.
+        // First the end of the input, then of the connection.
         drop(child.stdin.take());
         std::thread::sleep(Duration::from_millis(300));
         drop(server);
@@ -640,7 +640,7 @@ fn a_killed_server_leaves_a_log_that_reads() {
         .write_all(b"INIT {ClassName USARBot.P3AT} {Name Ann} {Location 0,0,0}\r\n")
         .expect("INIT is taken");
     client.get_mut().write_all(b"DRIVE {Left 1} {Right 1}\r\n").expect("DRIVE is taken");
-    // Once a status of two seconds later is here, the log holds what came a second before it.
+    // After a status of two seconds later, the log holds everything up to a second before that status.
     let mut line = String::new();
     while !line.contains("{Battery 1197}") {
         line.clear();

@@ -15,7 +15,7 @@ values = [
 ]
 "#;
 
-/// Run, step and travel of every step.
+/// Reads run, step and travel of every step.
 fn steps(folder: &std::path::Path) -> Vec<(String, u32, f64)> {
     let table = std::fs::read_to_string(folder.join("steps.csv")).expect("steps.csv");
     let read = |line: &str| {
@@ -42,11 +42,11 @@ fn an_experiment_through_the_socket_has_the_steps_of_one_in_process() {
     assert_eq!(here.len(), 8);
     for ((run, step, travel), (same_run, same_step, on_the_wire)) in here.iter().zip(&there) {
         assert_eq!((run, step), (same_run, same_step));
-        // Poses on the wire have millimetres; the first step begins when its line comes.
+        // Poses on the wire have millimetres. The first step begins when its line arrives.
         let allowed = if *step == 1 { 0.02 } else { 0.0015 };
         assert!((travel - on_the_wire).abs() < allowed, "{run} {step}: {travel} {on_the_wire}");
     }
-    // What came over the socket can be made again, and is not taken for what was made here.
+    // A run through the socket can be replayed, and is not confused with a run in this process.
     assert_eq!(run(&["log", "replay", "there/logs"]).0, Some(0));
     let (code, said) = conduct(&["--out", "there"]);
     assert!(code == Some(78) && said.contains("another version of `moves`"), "{said}");

@@ -26,7 +26,7 @@ struct Folder {
 }
 
 impl Folder {
-    /// A folder with `run.mcap`.
+    /// Creates a folder with `run.mcap`.
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let plan = Plan::read(Path::new("turn.toml"), FILE).unwrap_or_else(|error| panic!("{error}"));
@@ -45,14 +45,14 @@ impl Folder {
         command.arg("log").args(arguments).current_dir(&self.folder).output().expect("usarsim runs")
     }
 
-    /// What a command prints that has to work.
+    /// Returns the output of a command that must succeed.
     fn text(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).expect("text")
     }
 
-    /// What a command says that fails with an exit code.
+    /// Returns the error text of a command that must fail with an exit code.
     fn refused(&self, code: i32, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -82,12 +82,12 @@ fn a_log_cut_at_any_byte_is_recovered_up_to_its_last_complete_second() {
         let recovered = recorder::read(&folder.path(&out)).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(recovered.run, folder.log.run);
         assert_eq!(recovered.entries, folder.log.entries[..recovered.entries.len()], "cut at {cut}");
-        // What was wholly before the cut is there; of the second in which it was cut as much as reads.
+        // Chunks that end before the cut are recovered in full. Of the chunk with the cut, the readable part is.
         let whole = chunks.iter().filter(|chunk| chunk.chunk_start_offset + chunk.chunk_length <= cut as u64);
         let expected = whole.map(|chunk| seconds(chunk.message_end_time)).fold(0.0, f64::max);
         let last = recovered.entries.last().map_or(0.0, |entry| entry.time);
         assert!(last >= expected, "cut at {cut}: {last} of {expected}");
-        // It is a whole file, and its states come out again.
+        // The copy is a complete file, and its states replay.
         let copy = std::fs::read(folder.path(&out)).expect("the copy");
         assert!(mcap::Summary::read(&copy).expect("an index").is_some());
         folder.text(&["replay", &out]);
@@ -166,7 +166,7 @@ fn no_command_writes_over_the_log_that_it_reads() {
         }
     }
     folder.refused(2, &["recover", "run.mcap", "--out", "run.mcap"]);
-    // The picture of a log has its name by default.
+    // By default the picture has the name of the log.
     let said = folder.refused(2, &["plot", "run.svg"]);
     assert!(said.contains("the output run.svg is the input file run.svg"), "{said}");
     for name in ["run.mcap", "hard.png", "run.svg"] {
@@ -220,7 +220,7 @@ fn damaged_logs_are_refused_or_used_up_to_the_damage() {
             0 => bytes[at] ^= 1 << random.random_range(0..8),
             1 => bytes.splice(at..at, random.random::<[u8; 9]>()).for_each(drop),
             2 => bytes.splice(at..at, good[at / 2..at].to_vec()).for_each(drop),
-            // A length of a record, most of them.
+            // Often the length of a record.
             _ => bytes[at] = 0xff,
         }
         std::fs::write(folder.path("harmed.mcap"), &bytes).expect("a file");
@@ -238,13 +238,13 @@ fn damaged_logs_are_refused_or_used_up_to_the_damage() {
             let said = String::from_utf8_lossy(&output.stderr);
             let known = output.status.code().is_some_and(|code| [0, 1, 65].contains(&code));
             assert!(known && !said.contains("panicked"), "{number}, {arguments:?}: {}: {said}", output.status);
-            // Nothing is left out in silence.
+            // Every loss is reported.
             assert!(said.contains("harmed.mcap: ") || said.contains("differ"), "{number}, {arguments:?}: {said}");
         }
     }
 }
 
-/// The simulated time of a reading.
+/// Returns the simulated time of a reading.
 fn time_of(line: &str) -> Option<f64> {
     line.split_once("{Time ")?.1.split_once('}')?.0.parse().ok()
 }
@@ -262,7 +262,7 @@ fn a_server_killed_at_any_moment_loses_at_most_the_last_second() {
         let init = b"INIT {ClassName USARBot.P3AT} {Location 0,0,0}\r\nDRIVE {Left 2} {Right 1}\r\n";
         (&client).write_all(init).expect("it is taken");
         let lifetime = Duration::from_millis(random.random_range(100..2500));
-        // Readings with the time at which each was here.
+        // Readings with their times of arrival.
         let mut readings: Vec<(Instant, f64)> = Vec::new();
         let mut killed = None;
         for line in BufReader::new(client).lines().map_while(Result::ok) {
@@ -287,7 +287,7 @@ fn a_server_killed_at_any_moment_loses_at_most_the_last_second() {
     }
 }
 
-/// A process that is killed when the test ends.
+/// A process that is killed on drop.
 struct Playing(Child);
 
 /// Starts `usarsim` with a file as its last argument.
@@ -297,7 +297,7 @@ fn usarsim(arguments: &[&str], file: &Path) -> Playing {
     command.spawn().map(Playing).expect("usarsim starts")
 }
 
-/// The port in a line of JSON that says that it is ready.
+/// Returns the port in the ready line, which is JSON.
 fn ready_port(child: &mut Child) -> u16 {
     let mut ready = String::new();
     BufReader::new(child.stdout.take().expect("stdout")).read_line(&mut ready).expect("a ready line");

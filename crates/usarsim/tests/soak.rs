@@ -1,5 +1,5 @@
-//! The program under clients that come, drive, collide and leave for long: what it takes of the machine stays the same.
-//! `make soak` runs these for as long as they are meant to run.
+//! The program under clients that come, drive, collide and leave for a long time: its resources stay constant. `make soak` runs these tests
+//! at full length.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,21 +11,21 @@ use rand_chacha::ChaCha8Rng;
 use system_tests::sessions::{End, Piece, Session, Tally, place, play_until};
 use system_tests::{Honest, PATIENCE, Program, Usage, Watch, alone, setting};
 
-/// Simulated hours of the soak, unless `USARSIM_SOAK_HOURS` says otherwise.
+/// Simulated hours of the soak, unless `USARSIM_SOAK_HOURS` is set.
 const HOURS: f64 = 0.1;
-/// What is compared at the beginning and at the end of a long soak: simulated time, s.
+/// Span that is compared at the beginning and at the end of a long soak: simulated time, s.
 const FIRST_WINDOW: f64 = 600.0;
-/// How often the server is looked at.
+/// Interval at which the server's resources are sampled.
 const SAMPLE_INTERVAL: Duration = Duration::from_millis(50);
 /// Pause between an answer and the next question.
 const PAUSE: Duration = Duration::from_millis(5);
-/// Connections that come and leave, unless `USARSIM_SOAK_LEAVINGS` says otherwise.
+/// Connections that come and leave, unless `USARSIM_SOAK_LEAVINGS` is set.
 const CONNECTIONS: u64 = 300;
-/// Visitors at once.
+/// Number of visitors at a time.
 const VISITORS: u64 = 3;
-/// More lines than the server keeps for the report of a panic: 16 MiB.
+/// A number of lines above those that the server keeps for the report of a panic: 16 MiB.
 const MAX_JOURNAL_LINES: usize = 140_000;
-/// As long as lines of controllers are; it does nothing.
+/// A line as long as controllers' lines, without effect.
 const IDLE_LINE: &str = "IDLE {Left 12.34} {Right 12.34}\r\n";
 
 fn megabytes(bytes: u64) -> f64 {
@@ -37,7 +37,7 @@ fn check_same(what: &str, first: u64, last: u64, allowed: f64) {
     assert!(last as f64 <= 1.05 * first as f64 + allowed, "{what}: {first} at first, {last} at the end");
 }
 
-/// Lets the server keep as many lines for the report of a panic as it ever does, so that they do not count as growth.
+/// Fills the server's journal for the report of a panic, so that it does not count as growth.
 fn fill_journal(server: &Program) {
     let mut client = Client::connect(server.address).expect("a connection");
     client.send_bytes(IDLE_LINE.repeat(MAX_JOURNAL_LINES).as_bytes()).expect("all is taken");
@@ -45,7 +45,7 @@ fn fill_journal(server: &Program) {
     while !client.next_line(PATIENCE).expect("lines").expect("a line").starts_with("NFO {StartPoses") {}
 }
 
-/// Two robots at one place, the second on the first, that leave one after the other.
+/// Two robots at one place, the second on the first, leave one after the other.
 #[test]
 fn connections_that_leave_leave_nothing_behind() {
     let _alone = alone();
@@ -86,7 +86,7 @@ fn connections_that_leave_leave_nothing_behind() {
     check_same("resident memory", first, last, 2e6);
 }
 
-/// One who comes, drives about for some seconds, asks this and that, and leaves in one of the four ways.
+/// Makes a session that comes, drives for some seconds, asks questions, and leaves in one of the four ways.
 fn visitor(random: &mut ChaCha8Rng, _number: u64) -> Session {
     let class = ["P3AT", "KUKA_YouBot", "KUKA_YouBot"][random.random_range(0..3)];
     let mut pieces = vec![Piece::now(format!("INIT {{ClassName USARBot.{class}}} {}\r\n", place(random)))];
@@ -106,14 +106,14 @@ fn visitor(random: &mut ChaCha8Rng, _number: u64) -> Session {
     Session { pieces, reads: true, end }
 }
 
-/// What was seen in a part of the time: medians, so that a moment in which many leave does not count.
+/// Resources in a window of time: medians, so that a moment in which many clients leave does not count.
 #[derive(Debug)]
 struct Window {
-    /// Bytes.
+    /// Resident memory, bytes.
     resident: u64,
     descriptors: u64,
     threads: u64,
-    /// Bytes on their way to clients.
+    /// Bytes that wait to be sent to clients.
     waiting: u64,
 }
 
@@ -148,7 +148,7 @@ fn a_server_that_is_visited_for_long_takes_no_more_of_the_machine() {
         let (address, tally, over) = (server.address, tally.clone(), over.clone());
         std::thread::spawn(move || play_until(|| over.load(Ordering::Relaxed), address, VISITORS, 1, &tally, visitor))
     };
-    // The first window is the warming up; what follows it is compared with the end.
+    // The first window is for warming up. The next one is compared with the last.
     let mut windows = Vec::new();
     let (begin, window) = (honest.time(), FIRST_WINDOW.min(time / 10.0));
     for end in (1..).map(|number| f64::from(number) * window).take_while(|&end| end < time + window / 2.0) {

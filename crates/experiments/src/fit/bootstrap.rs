@@ -1,4 +1,4 @@
-//! How sure the values are.
+//! Confidence intervals of the fitted values.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -9,23 +9,23 @@ use super::search::Search;
 use super::{Fit, FitError, mean, parts};
 use crate::run::Step;
 
-/// Part of a range that a derivative is taken over, either way.
+/// Half width of the difference for a derivative, as a fraction of the range.
 const DIFFERENCE: f64 = 0.02;
-/// Times that the measurements are drawn again.
+/// Number of resampled sets of measurements.
 const RESAMPLES: usize = 2000;
-/// Blocks of which at least so many are drawn from; with fewer runs, steps are drawn.
+/// Least number of blocks for drawing whole runs; with fewer runs, steps are drawn.
 const LEAST_BLOCKS: usize = 8;
 
-/// What the resampled measurements say.
+/// Result of resampling the measurements.
 pub(super) struct Bootstrap {
-    /// Of the parameters that act.
+    /// Intervals of the active parameters.
     pub(super) intervals: Vec<[f64; 2]>,
     pub(super) correlation: DMatrix<f64>,
     pub(super) resampled: &'static str,
 }
 
-/// What other measurements of the same kind would have given: the measured runs or steps, and the samples of the simulation, are
-/// drawn again with replacement, and each time the least squares are solved with the derivatives at the best values.
+/// Estimates how the result varies over other measurements of the same kind. It draws the measured runs or steps, and the samples
+/// of the simulation, again with replacement. For each draw it solves the least squares with the derivatives at the best values.
 pub(super) fn bootstrap<P: Fn(f64) + Sync>(
     fit: &Fit,
     search: &Search<P>,
@@ -57,7 +57,7 @@ pub(super) fn bootstrap<P: Fn(f64) + Sync>(
     let mut draw = ChaCha8Rng::seed_from_u64(fit.seed);
     let mut drawn: Vec<Vec<f64>> = vec![Vec::with_capacity(RESAMPLES); count];
     for _ in 0..RESAMPLES {
-        // The simulation's samples are as much chance as the measured runs.
+        // The simulation's samples are as random as the measured runs.
         let simulated: Vec<Vec<Step>> = samples
             .iter()
             .map(|samples| mean((0..samples.len()).map(|_| &samples[draw.random_range(0..samples.len())])))
@@ -88,7 +88,7 @@ pub(super) fn bootstrap<P: Fn(f64) + Sync>(
             .map(|end| (best[index] + wider * (end.unwrap_or(f64::NAN) - best[index])).clamp(least, greatest))
     });
     let intervals = intervals.collect();
-    // Correlation of the estimates: of the inverse of the normal matrix, whose columns are scaled to be of one size first.
+    // The correlation is that of the inverse of the normal matrix. Its columns are scaled to one size first.
     let sizes: Vec<f64> = slopes.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
     let scaled = DMatrix::from_fn(slopes.nrows(), count, |row, column| slopes[(row, column)] / sizes[column]);
     let inverse = (scaled.transpose() * scaled + DMatrix::identity(count, count) * 1e-9).try_inverse();
@@ -99,8 +99,9 @@ pub(super) fn bootstrap<P: Fn(f64) + Sync>(
     Ok(Bootstrap { intervals, correlation, resampled: if by_run { "runs" } else { "steps" } })
 }
 
-/// How much wider an interval of 95 % is that was drawn from few things: draws scatter by too little, and their scatter is itself
-/// uncertain (Hesterberg, "What teachers should know about the bootstrap", 2015, section 4.3; Student's t by its expansion in 1 / n).
+/// Returns the factor that widens a 95 % interval drawn from few items. Draws scatter by too little, and their scatter is itself
+/// uncertain (Hesterberg, "What teachers should know about the bootstrap", 2015, section 4.3; Student's t by its expansion in 1 /
+/// n).
 fn small_sample_factor(count: usize) -> f64 {
     const NORMAL: f64 = 1.959964;
     let freedom = (count.max(3) - 1) as f64;

@@ -1,4 +1,4 @@
-//! The table of measured steps.
+//! Table of measured steps.
 
 use std::collections::BTreeMap;
 
@@ -7,20 +7,20 @@ use serde::Deserialize;
 use crate::plan::Run;
 use crate::run::Step;
 
-/// What was measured in a step of a run.
+/// One measured step of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Measured {
     /// Index into `Fit::settings`.
     pub(super) setting: usize,
-    /// Which repetition of which run it is of.
+    /// Index of the repetition of the run, as a block of the bootstrap.
     pub(super) block: usize,
     /// Number of the step, from 0.
     pub(super) step: usize,
     pub(super) travel: Step,
 }
 
-/// The runs that were measured, and what was measured in them, from a table `run,step,main,error,yaw`. A run is called by the values
-/// of its axes, or as in the steps.csv of an experiment.
+/// Reads the measured runs and their steps from a table `run,step,main,error,yaw`. A run is named by the values of its axes, or as
+/// in the steps.csv of an experiment.
 pub(super) fn measurements(
     text: &str,
     names: &[Run],
@@ -37,18 +37,18 @@ pub(super) fn measurements(
     let setting = |run: &Run| {
         let axes = run.labels.iter().filter(|(name, _)| name != "model" && name != "sample");
         let values = axes.map(|(_, value)| value.as_str()).collect::<Vec<_>>().join(" ");
-        // An experiment that varies nothing is called by its name.
+        // An experiment without axes is named by itself.
         if values.is_empty() { run.id.split('/').next().unwrap_or_default().to_owned() } else { values }
     };
     let mut kept: Vec<Vec<Run>> = Vec::new();
     let mut measured: Vec<Measured> = Vec::new();
-    // How often a step of a run came, and the block of each repetition.
+    // Number of times that each step of a run appeared, and the block of each repetition.
     let mut repeated: BTreeMap<(String, usize), usize> = BTreeMap::new();
     let mut blocks: BTreeMap<(String, usize), usize> = BTreeMap::new();
     for row in csv::Reader::from_reader(text.as_bytes()).deserialize() {
         let Row { run: name, step, main, error, yaw } = row.map_err(|error: csv::Error| error.to_string())?;
         let wrong = |what: String| format!("run `{name}`, step {step}: {what}");
-        // In a steps.csv the sample is the last part; there may be more of them than the simulation has.
+        // In a steps.csv the sample is the last part; the table may have more samples than the simulation.
         let stem = |id: &str| id.rsplit_once('-').map(|(stem, _)| stem.to_owned());
         let same = |run: &&Run| run.id == name || stem(&run.id).is_some_and(|of| stem(&name) == Some(of));
         let wanted = names.iter().find(same).map_or_else(|| name.clone(), setting);

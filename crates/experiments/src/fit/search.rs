@@ -1,4 +1,4 @@
-//! Simulated steps, and the values of the parameters by which they come nearest to the measured ones.
+//! Simulated steps, and the search for the parameters with the least distance from the measured ones.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -11,14 +11,14 @@ use super::{FINEST, Fit, FitError, mean};
 use crate::plan::Run;
 use crate::run::{self, Step};
 
-/// Values of a parameter in its profile.
+/// Number of values in the profile of a parameter.
 const PROFILE: usize = 9;
-/// Iterations of the search for each parameter.
+/// Iterations of the search per parameter.
 const ITERATIONS: u64 = 60;
-/// The search ends when its last values are this near to each other in distance, m.
+/// Standard deviation of the simplex's distances at which the search ends, m.
 const SETTLED: f64 = 1e-8;
 
-/// Simulated steps for values of the parameters.
+/// Simulates steps for values of the parameters.
 pub(super) struct Search<'a, P> {
     fit: &'a Fit,
     jobs: usize,
@@ -27,17 +27,17 @@ pub(super) struct Search<'a, P> {
 }
 
 impl<'a, P: Fn(f64) + Sync> Search<'a, P> {
-    /// `progress` is told the distance, m, after every set of runs.
+    /// Creates a search; `progress` is called with the distance, m, after every set of runs.
     pub(super) fn new(fit: &'a Fit, jobs: usize, progress: &'a P) -> Self {
         Self { fit, jobs: jobs.max(1), simulated: AtomicUsize::new(0), progress }
     }
 
-    /// How many runs were simulated.
+    /// Returns the number of simulated runs.
     pub(super) fn simulated(&self) -> usize {
         self.simulated.load(Ordering::Relaxed)
     }
 
-    /// The steps that the simulation has in the place of the measured ones.
+    /// Returns the simulated counterparts of the measured steps.
     pub(super) fn predict(&self, values: &[f64]) -> Result<Vec<Step>, FitError> {
         let samples = self.simulate(values)?;
         let means: Vec<Vec<Step>> = samples.iter().map(|samples| mean(samples.iter())).collect();
@@ -47,7 +47,7 @@ impl<'a, P: Fn(f64) + Sync> Search<'a, P> {
         Ok(predicted)
     }
 
-    /// The steps of every sample of every setting.
+    /// Returns the steps of every sample of every setting.
     pub(super) fn simulate(&self, values: &[f64]) -> Result<Vec<Vec<Vec<Step>>>, FitError> {
         let Fit { parameters, plan, settings, .. } = self.fit;
         let runs: Vec<&Run> = settings.iter().flatten().collect();
@@ -76,7 +76,7 @@ impl<'a, P: Fn(f64) + Sync> Search<'a, P> {
         Ok(settings.iter().map(|samples| of_runs.by_ref().take(samples.len()).collect()).collect())
     }
 
-    /// The steps for values of one parameter through its range.
+    /// Returns the steps for values of one parameter across its range.
     pub(super) fn profile(&self, values: &[f64], index: usize) -> Result<Vec<(f64, Vec<Step>)>, FitError> {
         let [least, greatest] = self.fit.parameters[index].range;
         (0..PROFILE)
@@ -88,7 +88,7 @@ impl<'a, P: Fn(f64) + Sync> Search<'a, P> {
             .collect()
     }
 
-    /// The values of least distance (Nelder and Mead), of the parameters that act.
+    /// Finds the values of the active parameters with the least distance (Nelder and Mead).
     pub(super) fn minimise(&self, start: &[f64], active: &[usize]) -> Result<Vec<f64>, FitError> {
         if active.is_empty() {
             return Ok(start.to_vec());
@@ -113,7 +113,7 @@ impl<'a, P: Fn(f64) + Sync> Search<'a, P> {
         Ok(self.values(start, active, &best))
     }
 
-    /// Parts of the ranges as values.
+    /// Converts fractions of the ranges to values.
     fn values(&self, start: &[f64], active: &[usize], parts: &[f64]) -> Vec<f64> {
         let mut values = start.to_vec();
         for (&index, part) in active.iter().zip(parts) {
@@ -124,7 +124,7 @@ impl<'a, P: Fn(f64) + Sync> Search<'a, P> {
     }
 }
 
-/// What is minimised, over parts of the ranges.
+/// Objective of the search, over fractions of the ranges.
 struct Distance<'a, P> {
     search: &'a Search<'a, P>,
     start: &'a [f64],
@@ -137,7 +137,7 @@ impl<P: Fn(f64) + Sync> CostFunction for Distance<'_, P> {
 
     fn cost(&self, parts: &Vec<f64>) -> Result<f64, argmin::core::Error> {
         let steps = self.search.predict(&self.search.values(self.start, self.active, parts))?;
-        // Outside of the ranges it only gets worse.
+        // A penalty keeps the search within the ranges.
         let outside: f64 = parts.iter().map(|part| (part - part.clamp(0.0, 1.0)).abs()).sum();
         Ok(self.search.fit.distance(&steps) * (1.0 + outside) + FINEST * outside)
     }

@@ -1,4 +1,4 @@
-//! The twelve checks of a robot on four Mecanum wheels.
+//! Checks of robots on four Mecanum wheels.
 
 use nalgebra::UnitQuaternion;
 use scene::{Material, RobotDef, Shape, Solid, WheelGeometry};
@@ -7,7 +7,7 @@ use sim_core::{WheelState, mecanum};
 use super::{Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance, turning_inertia};
 use crate::course::{MotionError, angles, drive_command, exact_step, wrapped};
 
-/// Their names.
+/// Names of the checks.
 pub(super) const CHECKS: [&str; 12] = [
     "forward and backward",
     "left and right",
@@ -23,7 +23,7 @@ pub(super) const CHECKS: [&str; 12] = [
     "determinism and convergence",
 ];
 
-/// Runs one of them.
+/// Runs the check with this number.
 pub(super) fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, MotionError> {
     let run = match number {
         1 => forward,
@@ -42,15 +42,15 @@ pub(super) fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, Moti
     run(subject)
 }
 
-/// A drive at constant speeds: what happened and what the exact kinematics say for the angles of the wheels.
+/// A drive at constant speeds: the measured motion, and the exact one for the angles of the wheels.
 struct Travel {
-    /// Forward, right (m) and clockwise (rad, not wrapped) in the start frame.
+    /// Measured motion: forward, right (m) and clockwise (rad, not wrapped) in the start frame.
     moved: [f64; 3],
-    /// The same by the kinematics, summed in the robot frame.
+    /// Exact motion by the kinematics, summed in the robot frame.
     exact: [f64; 3],
     /// Angle turned by each wheel.
     turned: [f64; 4],
-    /// Highest less lowest place of the body above the floor.
+    /// Difference between the highest and lowest position of the body above the floor.
     ripple: f64,
 }
 
@@ -123,7 +123,7 @@ fn rotation(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     ])
 }
 
-/// The front right and back left wheel alone: forward left.
+/// Drives only the front right and back left wheels: forward left.
 fn diagonal(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let Travel { moved, exact, .. } = travel(subject, [0.0; 2], [0.0, 1.0, 1.0, 0.0])?;
     let heading = (-moved[1]).atan2(moved[0]).to_degrees();
@@ -168,14 +168,15 @@ fn ride_height(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     Ok(findings)
 }
 
-/// Friction of a roller on the floor.
+/// Returns the friction of a roller on the floor.
 fn friction(subject: &Subject) -> f64 {
     let roller = subject.robot.wheels().next().and_then(|wheel| wheel.wheel.rollers.as_ref());
     roller.map_or(0.0, |roller| roller.material.pair(&subject.floor).0)
 }
 
-/// Part of a wheel's grip that acts ahead and aside: a roller at the phase phi carries force along its axis, which the
-/// ground sees at the angle `atan(tan g cos phi)` to the axle; mean of the wheels. At phase 0 both are 1 / sqrt 2.
+/// Returns the friction that acts ahead and aside, as a mean of the wheels. A roller at the phase phi carries force along its axis,
+/// which the ground sees at the angle `atan(tan g cos phi)` to the axle. With 45 degree rollers at phase 0 both parts are 1 / sqrt
+/// 2.
 fn grip(subject: &Subject, wheels: &[WheelState]) -> [f64; 2] {
     let Some(kinematics) = mecanum::finite_rollers(&subject.robot) else { return [0.0; 2] };
     let angles = (0..)
@@ -186,7 +187,7 @@ fn grip(subject: &Subject, wheels: &[WheelState]) -> [f64; 2] {
     sum.map(|sum| sum * friction(subject) / wheels.len() as f64)
 }
 
-/// Wheels held by more torque than the floor can turn them with.
+/// Locks the wheels by more torque than the floor can turn them with.
 fn slope_hold(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let mut locked = subject.clone();
     locked.floor.rolling_resistance = 0.0;
@@ -289,9 +290,9 @@ fn climb(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
 
 fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let mut findings = Vec::new();
-    // A smooth bar as high as the hubs carries no weight. It meets the chassis between the front wheels, which stand out in
-    // front and would be held by the friction of a wall. It pushes back above the ground, which takes load off the front
-    // wheels: they slide first, at F / 4 = grip (m g / 4 - F R / (2 wheel base)).
+    // A smooth bar at the height of the hubs carries no weight. It meets the chassis between the front wheels, which protrude in
+    // front and would be held by the friction of a wall. It pushes back above the ground, which unloads the front wheels. They
+    // slide first, at F / 4 = grip (m g / 4 - F R / (2 wheel base)).
     let WheelGeometry { radius, wheel_base, .. } = subject.robot.wheel_geometry();
     let ice = Material { name: "ice".to_owned(), ..Material::default() };
     let wall = Solid {
@@ -302,8 +303,8 @@ fn stall_and_energy(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
         material: ice,
     };
     let load = f64::from(subject.robot.mass()) * 9.81 * radius / 4.0;
-    // Torque over the grip of the rollers that stand at the ground, and whether the wheels go on turning forward. Held by
-    // torque alone the base may wander to a side along the wall, for which two wheels turn on and two back.
+    // Returns the torque over the grip of the rollers at the ground, and true if the wheels stall. A base held by torque alone may
+    // wander sideways along the wall; two wheels then turn on and two back.
     let stalls = |torque: f64| -> Result<(f64, bool), MotionError> {
         let mut limited = subject.clone();
         limited.floor.rolling_resistance = 0.0;
@@ -376,7 +377,7 @@ fn motors(subject: &mut Subject, change: impl FnMut(&mut scene::Motor)) {
     subject.robot.motors_mut().for_each(change);
 }
 
-/// The same robot with motors that do nothing on a floor that takes nothing.
+/// Returns the subject with motors that exert no torque, on a floor without rolling resistance.
 fn coasting(subject: &Subject) -> Subject {
     let mut free = subject.clone();
     motors(&mut free, |motor| (motor.gain, motor.integral_time) = (1e-9, None));
@@ -384,7 +385,7 @@ fn coasting(subject: &Subject) -> Subject {
     free
 }
 
-/// Mass that a push forward has to move: the robot's and what its wheels' inertia adds.
+/// Returns the effective mass of a forward push: the robot's mass plus the share of its wheels' inertia.
 fn rolling_mass(robot: &RobotDef) -> f64 {
     let wheels = robot.driven().map(|wheel| turning_inertia(&wheel) / wheel.radius.powi(2));
     f64::from(robot.mass()) + wheels.sum::<f64>()

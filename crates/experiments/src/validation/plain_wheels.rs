@@ -1,4 +1,4 @@
-//! The nine checks of a robot on plain wheels.
+//! Checks of robots on plain wheels.
 
 use gamebots_proto::command::Command;
 use scene::{Motor, RobotDef, Steering};
@@ -9,7 +9,7 @@ use super::{
 use crate::course::{Course, Motion, MotionError, Travel, angles_of};
 use crate::reference::Sliding;
 
-/// Their names.
+/// Names of the checks.
 pub(super) const CHECKS: [&str; 9] = [
     "straight on and back",
     "on the spot",
@@ -22,7 +22,7 @@ pub(super) const CHECKS: [&str; 9] = [
     "determinism and convergence",
 ];
 
-/// Runs one of them.
+/// Runs the check with this number.
 pub(super) fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, MotionError> {
     match number {
         1 => straight(subject),
@@ -37,7 +37,7 @@ pub(super) fn check(subject: &Subject, number: u32) -> Result<Vec<Finding>, Moti
     }
 }
 
-/// Changes the motors of the wheels, where nothing else brakes; an arm or a flipper stays where it is.
+/// Returns the subject with changed wheel motors and no other brakes. Motors of other joints keep an arm or a flipper in position.
 fn with_wheels(subject: &Subject, change: impl FnMut(&mut Motor)) -> Subject {
     let mut changed = subject.clone();
     changed.floor.rolling_resistance = 0.0;
@@ -60,7 +60,7 @@ fn ahead(robot: &RobotDef, speed: f64) -> Command {
     Motion::Forward.command(robot, speed)
 }
 
-/// A drive on a level floor beside what the wheels' angles and their friction make of it.
+/// Drives on a level floor and compares the travel with the wheels' angles and friction.
 fn travel(subject: &Subject, motion: Motion, speed: f64) -> Result<Option<Travel>, MotionError> {
     let class = &subject.robot.class;
     let mut course = Course::start(world(subject, [0.0; 2], Vec::new()), class, 1, motion, speed)?;
@@ -84,7 +84,7 @@ fn straight(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     Ok(findings)
 }
 
-/// Beside the twist at which the friction of its wheels balances; a car cannot turn on the spot.
+/// Compares the motion with the twist at which the friction of the wheels balances. A car cannot turn on the spot.
 fn beside_friction(subject: &Subject, motion: Motion) -> Result<Vec<Finding>, MotionError> {
     if motion == Motion::Clockwise && subject.robot.steering == Steering::Ackermann {
         return Ok(Vec::new());
@@ -98,15 +98,15 @@ fn beside_friction(subject: &Subject, motion: Motion) -> Result<Vec<Finding>, Mo
     Ok(findings)
 }
 
-/// Friction of its driven wheels on the floor.
+/// Returns the friction of the driven wheels on the floor.
 fn friction(subject: &Subject) -> f64 {
     let first = subject.robot.driven().next();
     first.map_or(0.0, |wheel| wheel.wheel.material.pair(&subject.floor).0)
 }
 
-/// What a robot stands on.
+/// Distribution of a robot's weight.
 struct Stand {
-    /// The part of its weight that each driven wheel carries; casters carry the rest and hold nothing.
+    /// Fraction of the weight on each driven wheel; casters carry the rest and do not hold the robot.
     shares: Vec<f64>,
 }
 
@@ -121,17 +121,17 @@ impl Stand {
         Ok(Self { shares: sliding.driven_loads().map(|load| load / weight).collect() })
     }
 
-    /// Whether casters carry nothing.
+    /// True if casters carry nothing.
     fn is_on_driven_wheels(&self) -> bool {
         self.shares.iter().sum::<f64>() > 0.99
     }
 
-    /// Whether every driven wheel carries enough of it to use its part of a force that is so much of its grip.
+    /// True if every driven wheel carries enough weight to exert its share of a push, which is this fraction of the whole grip.
     fn can_push(&self, part: f64) -> bool {
         self.shares.iter().all(|share| share * self.shares.len() as f64 > 1.5 * part)
     }
 
-    /// Mass that a push forward has to move: the robot's, and what the inertia of wheels adds that turn with the ground.
+    /// Returns the effective mass of a forward push: the robot's mass plus the share of the inertia of the wheels that roll.
     fn rolling_mass(&self, robot: &RobotDef) -> f64 {
         let driven = robot.driven().zip(&self.shares).filter(|(_, share)| **share > 0.0);
         let driven = driven.map(|(wheel, _)| turning_inertia(&wheel) / wheel.radius.powi(2));
@@ -141,7 +141,7 @@ impl Stand {
     }
 }
 
-/// Whether it would tip over, ahead (0) or aside (1), before its wheels slide, or nearly so.
+/// True if the robot would tip over, ahead (0) or aside (1), before its wheels slide, or nearly so.
 fn tips(subject: &Subject, axis: usize) -> bool {
     let robot = &subject.robot;
     let centre = robot.total_mass().centre;
@@ -154,13 +154,13 @@ fn tips(subject: &Subject, axis: usize) -> bool {
     friction(subject) * height > 0.95 * (most - centre[axis]).min(centre[axis] - least)
 }
 
-/// Wheels held by more torque than the floor can turn them with.
+/// Locks the wheels by more torque than the floor can turn them with.
 fn slope_hold(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let locked = with_wheels(subject, |motor| {
         (motor.gain, motor.max_torque) = (motor.gain.max(50.0), motor.max_torque.max(200.0));
     });
     if !Stand::of(subject)?.is_on_driven_wheels() {
-        // What its casters carry changes with the slope.
+        // The load on its casters changes with the slope.
         return Ok(Vec::new());
     }
     let limit = friction(subject).atan();
@@ -202,8 +202,8 @@ fn traction(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let radius = subject.robot.wheel_geometry().radius;
     let grip = limit * f64::from(subject.robot.mass()) * radius;
     if stand.is_on_driven_wheels() && !tips(subject, 0) {
-        // Each turns even under the whole weight, which goes to the rear wheels. To spin them up turns the body back, off the front ones,
-        // so they slide no faster than they have to.
+        // The torque of each wheel suffices even under the whole weight, which shifts to the rear wheels. Spinning the wheels up
+        // turns the body back and unloads the front ones. So the wheels slide no faster than needed.
         let smallest = subject.robot.driven().map(|wheel| wheel.radius).fold(radius, f64::min);
         let most = accelerates(&strong(grip), 1.5 / smallest, 0.08)?;
         findings.push(about("most acceleration, of mu g", most / limit, 1.0, 0.05));
@@ -222,7 +222,7 @@ fn traction(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     Ok(findings)
 }
 
-/// Travel for the angle of its wheels on slopes, of that on the flat.
+/// Compares the travel per wheel angle on slopes with the travel on the flat.
 fn climb(subject: &Subject) -> Result<Vec<Finding>, MotionError> {
     let smooth = with_wheels(subject, |_| {});
     let travel = |degrees: f64| -> Result<f64, MotionError> {

@@ -1,4 +1,4 @@
-//! Reasons for failed checks: what a failure usually means, and what stands out in how the robot stands.
+//! Reasons for failed checks: the usual cause of a failure, and anything unusual in the robot's stance.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,11 @@ use scene::{Link, Material, RobotDef, RobotSnapshot, Shape};
 use super::{Finding, Scene, Subject};
 use crate::course::MotionError;
 
-/// Seconds over which loads are averaged.
+/// Time over which loads are averaged, s.
 const WATCHED: f64 = 0.5;
-/// Part of the weight from which on a load is worth a word.
+/// Fraction of the weight above which a load is worth mentioning.
 const NOTABLE: f64 = 0.01;
-/// Part of the weight by which the sides may differ before it is said.
+/// Relative difference between the loads of the sides above which it is mentioned.
 const UNEVEN: f64 = 0.2;
 /// Largest distance of a contact from the outline of its wheel, m.
 const NEAR: f64 = 0.005;
@@ -20,7 +20,7 @@ const NEAR: f64 = 0.005;
 /// Usual causes of a failed check, for a value too low and too high.
 struct Meaning {
     check: &'static str,
-    /// Beginning of what was measured; empty for everything else of the check.
+    /// Beginning of the finding's description; empty for all other findings of the check.
     what: &'static str,
     low: &'static str,
     high: &'static str,
@@ -95,19 +95,19 @@ const MEANINGS: &[Meaning] = &[
     meaning("stall and energy", "", PUSH_LOW, PUSH_HIGH),
 ];
 
-/// A robot's stance on a level floor: parts of its weight.
+/// A robot's stance on a level floor, in fractions of its weight.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Stance {
-    /// On each driven wheel.
+    /// Load on each driven wheel.
     driven: Vec<f64>,
-    /// On casters.
+    /// Load on casters.
     casters: f64,
-    /// On shapes of its links, by the names of these, each with its own friction, the floor's and that of both.
+    /// Load on shapes of its links by name, and three frictions: the shape's, the floor's and that of the pair.
     shapes: BTreeMap<String, (f64, [f64; 3])>,
 }
 
 impl Stance {
-    /// Puts a robot on a level floor and weighs what it stands on.
+    /// Spawns a robot on a level floor and measures the loads on its wheels and shapes.
     ///
     /// # Errors
     /// When the robot cannot be spawned.
@@ -143,7 +143,7 @@ impl Stance {
                 if let Some(wheel) = &link.wheel {
                     let touching = if link.is_driven_wheel() { Touching::Driven(driven) } else { Touching::Caster };
                     driven += usize::from(link.is_driven_wheel());
-                    // A wheel wins over a shape that is as near.
+                    // A wheel wins over a shape at the same distance.
                     offer(outside_wheel(pose.inverse() * at, wheel.radius, wheel.width) - NEAR, touching);
                 }
                 for solid in &link.solids {
@@ -200,19 +200,19 @@ impl Stance {
     }
 }
 
-/// Part of the robot that a contact touches.
+/// Part of the robot at a contact.
 enum Touching {
     Driven(usize),
     Caster,
     Shape(String, [f64; 3]),
 }
 
-/// Distance of a place in a wheel's frame from the wheel, m; negative inside. The axle is y.
+/// Returns the distance of a point in a wheel's frame from the wheel, m; negative inside. The axle is y.
 fn outside_wheel(at: Point3<f64>, radius: f64, width: f64) -> f64 {
     (at.x.hypot(at.z) - radius).max(at.y.abs() - width / 2.0)
 }
 
-/// About how far a place in a shape's frame is outside the shape, m.
+/// Returns the approximate distance of a point in a shape's frame outside the shape, m.
 fn outside(shape: &Shape, at: Point3<f64>) -> f64 {
     match shape {
         Shape::HalfSpace => f64::INFINITY,
@@ -226,7 +226,7 @@ fn outside(shape: &Shape, at: Point3<f64>) -> f64 {
     }
 }
 
-/// Returns what it usually means that a finding is out of its bounds, and what to change. Nothing for one that passes.
+/// Returns the usual cause of a failed finding, and what to change; `None` for one that passes.
 pub fn reason(robot: &RobotDef, finding: &Finding) -> Option<&'static str> {
     if finding.passes() {
         return None;

@@ -1,4 +1,4 @@
-//! Random problems: a body of 1 to 50 kg with contacts anywhere on it, most of them on wheels that spin.
+//! Random problems: a body of 1 to 50 kg with contacts anywhere on it, most of them on spinning wheels.
 
 use std::f64::consts::TAU;
 
@@ -7,21 +7,21 @@ use nalgebra::{Matrix3, Unit, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// What a body touches.
+/// The surfaces that a body touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A floor, with 1 to 4 contacts.
     Wheels,
-    /// A floor, with 4 to 12.
+    /// A floor, with 4 to 12 contacts.
     Floor,
-    /// An uneven floor, whose normals are within 30 degrees.
+    /// An uneven floor, with normals within 30 degrees of the vertical.
     Uneven,
     /// A floor and walls.
     Walls,
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub(crate) const ALL: [Self; 4] = [Self::Wheels, Self::Floor, Self::Uneven, Self::Walls];
 
     fn contacts(self) -> std::ops::RangeInclusive<usize> {
@@ -32,7 +32,7 @@ impl Kind {
         }
     }
 
-    /// Up, about.
+    /// Returns a random contact normal.
     fn normal(self, rng: &mut ChaCha8Rng) -> Vector3<f64> {
         match self {
             Self::Wheels | Self::Floor => Vector3::z(),
@@ -49,7 +49,7 @@ impl Kind {
     }
 }
 
-/// A random problem of a kind: speeds up to 2 m/s and 3 rad/s, wheels that spin at up to 20 rad/s under stiff servos.
+/// Builds a random problem of a kind, with speeds up to 2 m/s and 3 rad/s. Wheels spin at up to 20 rad/s under stiff servos.
 pub(crate) fn random(kind: Kind, rng: &mut ChaCha8Rng) -> Problem {
     let count = rng.random_range(kind.contacts());
     let mass: f64 = rng.random_range(1.0..50.0);
@@ -93,7 +93,7 @@ pub(crate) fn random(kind: Kind, rng: &mut ChaCha8Rng) -> Problem {
         let ((axis, arm, ..), (other, other_arm, ..)) = (&rows[a], &rows[b]);
         axis.dot(other) / mass + arm.dot(&(inverse_inertia * other_arm))
     };
-    // A little softness, as a contact of compliance has: many contacts of one body say the same.
+    // A little softness, as a contact's compliance gives: many contacts of one body are nearly equal.
     let softness = 1e-3 / mass;
     let count = rows.len();
     let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));

@@ -1,10 +1,10 @@
-//! `ACT` and `MISPKG`: targets of the joints of an actuator. Their keys are the only ones whose case counts, and whose order does
-//! (BotConnection.uc:70-97, 483-512).
+//! `ACT` and `MISPKG`: targets of the joints of an actuator. Unlike in other commands, the case of their keys matters, and so
+//! does the order of their blocks (BotConnection.uc:70-97, 483-512).
 
 use super::{ReadWrite, text, with_text};
 use crate::{Block, Line, Problem, value};
 
-/// Moves the joints of an actuator: `{Link i} {Value v}` as often as wanted, links from 0. No reply.
+/// Moves the joints of an actuator: `{Link i} {Value v}`, any number of times, links from 0. No reply.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Act {
     /// Name of the actuator, in any case.
@@ -15,12 +15,12 @@ pub struct Act {
     pub gripper: Option<f64>,
 }
 
-/// The same as it was before: `{Link i} {Value v} {Order 0}`, links from 1. No reply.
+/// Moves the joints of an actuator in the form before ACT: `{Link i} {Value v} {Order 0}`, links from 1. No reply.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MisPkg {
     /// Name of the actuator, in any case.
     pub name: String,
-    /// Links from 1 with their targets, rad or m; those of another order than 0 are not kept.
+    /// Links from 1 with their targets, rad or m. Targets of another order than 0 are dropped.
     pub targets: Vec<(usize, f64)>,
     /// Opens a gripper with 0 and closes it with anything else.
     pub gripper: Option<f64>,

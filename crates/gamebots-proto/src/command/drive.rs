@@ -1,4 +1,4 @@
-//! `DRIVE`: what its keys mean is known to the locomotion of the robot that gets it.
+//! `DRIVE`. The meaning of its keys depends on the robot's locomotion.
 
 use super::ReadWrite;
 use crate::{Block, Line, Problem, value};
@@ -6,11 +6,11 @@ use crate::{Block, Line, Problem, value};
 /// Sets speeds that hold until they are replaced. No reply.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Drive {
-    /// Speeds are percent of the limit: from now on, or of an aerial robot in this line alone.
+    /// True if speeds are percent of the limit. It holds from now on, or for an aerial robot in this line alone.
     pub normalized: Option<bool>,
     /// Headlight, shown in STA.
     pub light: Option<bool>,
-    /// Everything else in the order sent.
+    /// All other blocks in the order sent.
     pub blocks: Vec<Block>,
 }
 
@@ -21,23 +21,23 @@ impl Drive {
         self
     }
 
-    /// The number of the first block with this key, whatever its case; `None` where it is missing or empty.
+    /// Returns the number of the first block with this key, in any case; `None` if it is missing or empty.
     pub fn number(&self, key: &str, problems: &mut Vec<Problem>) -> Option<f64> {
         let block = self.blocks.iter().find(|block| block.key.eq_ignore_ascii_case(key))?;
         (!block.value.is_empty()).then(|| Self::number_of(block, problems))
     }
 
-    /// The number of a block, 0 where it is none.
+    /// Returns the number of a block; 0 if it is not a number.
     pub fn number_of(block: &Block, problems: &mut Vec<Problem>) -> f64 {
         value::scalar_of(&block.key, &block.value, problems)
     }
 
-    /// The number of a block that counts things from 0; `None` where it is none.
+    /// Returns the index in a block, counted from 0; `None` if it is not an index.
     pub fn index_of(block: &Block, problems: &mut Vec<Problem>) -> Option<usize> {
         value::index_of(block, problems)
     }
 
-    /// The numbers of several keys.
+    /// Returns the numbers of several keys.
     pub fn numbers<const N: usize>(&self, keys: [&str; N], problems: &mut Vec<Problem>) -> [Option<f64>; N] {
         keys.map(|key| self.number(key, problems))
     }

@@ -1,5 +1,4 @@
-//! The questions: `GETCONF`, `GETGEO`, `GETSTARTPOSES`, `GETPATHNODES`, `GETCLOSESTPATHNODE`, and ours,
-//! `GETCLASSES`.
+//! Questions: `GETCONF`, `GETGEO`, `GETSTARTPOSES`, `GETPATHNODES`, `GETCLOSESTPATHNODE`, and our own `GETCLASSES`.
 
 use super::{ReadWrite, text, with_text, with_vector};
 use crate::{Line, Problem, value};
@@ -28,11 +27,11 @@ macro_rules! by_type_and_name {
 }
 
 by_type_and_name! {
-    /// `GETCONF {Type t} {Name n}`: one CONF line, or nothing where nothing matches.
+    /// `GETCONF {Type t} {Name n}`: one CONF line, or no line if nothing matches.
     GetConf, "GETCONF"
 }
 by_type_and_name! {
-    /// `GETGEO {Type t} {Name n}`: one GEO line, or nothing where nothing matches.
+    /// `GETGEO {Type t} {Name n}`: one GEO line, or no line if nothing matches.
     GetGeo, "GETGEO"
 }
 
@@ -78,7 +77,7 @@ impl ReadWrite for GetPathNodes {
     }
 }
 
-/// `GETCLOSESTPATHNODE {Location x,y,z}`: one `NFO {Pathnode ..}` line, or nothing without a location.
+/// `GETCLOSESTPATHNODE {Location x,y,z}`: one `NFO {Pathnode ..}` line, or no line without a location.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GetClosestPathNode {
     /// The place, m; only x and y count.

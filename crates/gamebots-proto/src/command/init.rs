@@ -3,17 +3,17 @@
 use super::{ReadWrite, text, with_text, with_vector};
 use crate::{Line, Problem, value};
 
-/// Wrong keys of a line that are named.
+/// Most wrong keys of a line that are reported.
 const MAX_UNKNOWN: usize = 5;
 
 /// Puts a robot into the world. No reply.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Init {
-    /// `USARBot.P3AT`; without a package, `USARBot` is meant.
+    /// Class, as in `USARBot.P3AT`; without a package, `USARBot` is meant.
     pub class_name: String,
     /// Name of the robot; may be empty.
     pub name: String,
-    /// Name of a start pose. Not empty: [`Self::location`] and [`Self::rotation`] are ignored.
+    /// Name of a start pose. If it is not empty, [`Self::location`] and [`Self::rotation`] are ignored.
     pub start: String,
     /// Position, m, world frame (z down).
     pub location: [f64; 3],
@@ -25,7 +25,7 @@ impl Init {
     /// Its keys.
     pub const KEYS: &'static [&'static str] = &["ClassName", "Name", "Location", "Rotation", "Start"];
 
-    /// The class without its package: `P3AT` of `USARBot.P3AT`.
+    /// Returns the class without its package: `P3AT` for `USARBot.P3AT`.
     pub fn class(&self) -> &str {
         self.class_name.rsplit('.').next().unwrap_or_default()
     }

@@ -4,10 +4,10 @@ use super::ReadWrite;
 use crate::value::boolean;
 use crate::{Line, Problem};
 
-/// What a connection wants to be told beside its answers.
+/// Chooses the reports that a connection gets beside its answers.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Report {
-    /// Whether what is wrong with its lines comes back as `NFO {Error ..}`.
+    /// True to report problems with its lines as `NFO {Error ..}`.
     pub errors: bool,
 }
 

@@ -10,14 +10,14 @@ pub struct Set {
     pub type_name: String,
     /// Its name, any case; empty means all of the type.
     pub name: String,
-    /// What to do, any case.
+    /// The operation, any case.
     pub opcode: String,
     /// Argument of the opcode, as sent.
     pub params: String,
 }
 
 impl Set {
-    /// The parameters as numbers, split at commas or white space; `None` if any is not a number.
+    /// Returns the parameters as numbers, split at commas or white space; `None` if any is not a number.
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.params
             .split(|c: char| c == ',' || c.is_whitespace())

@@ -3,7 +3,7 @@
 use crate::field::{Field, Format, record};
 
 record! {
-    /// Where the joints of an actuator are.
+    /// Positions of the joints of an actuator.
     Asta {
         /// Simulated time.
         time: f32 = Field::new("Time", Format::Rounded(4)).unit("s").ut2004(Format::Rounded(2)),
@@ -16,7 +16,7 @@ record! {
 }
 
 record! {
-    /// Where a joint of an actuator is.
+    /// Position of a joint of an actuator.
     JointSta {
         /// Its number from 1.
         link: usize = Field::new("Link", Format::Integer),
@@ -28,7 +28,7 @@ record! {
 }
 
 record! {
-    /// Whether a gripper is closed.
+    /// State of a gripper.
     Eff {
         /// Simulated time.
         time: f32 = Field::new("Time", Format::Rounded(4)).unit("s").then(&[(["Type"; 2], ["Gripper"; 2])]),

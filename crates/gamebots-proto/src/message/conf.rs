@@ -22,23 +22,23 @@ pub enum Conf {
 pub struct RobotConf {
     /// The class, or the robot's own name if the client asked by it.
     pub name: String,
-    /// What its kind of robot adds.
+    /// The part that depends on the kind of robot.
     pub vehicle: VehicleConf,
 }
 
-/// What a kind of robot adds to its configuration.
+/// The part of a configuration that depends on the kind of robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VehicleConf {
-    /// On wheels.
+    /// A robot on wheels.
     Ground(GroundConf),
-    /// Fixed to the ground.
+    /// A robot fixed to the ground.
     Static,
-    /// In the air or on legs, which add nothing.
+    /// A robot in the air or on legs, which adds nothing.
     Plain,
 }
 
 record! {
-    /// What a robot on wheels adds to its configuration.
+    /// Configuration that a robot on wheels adds.
     GroundConf {
         /// `SkidSteered`, `AckermanSteered` or `OmniDrive`.
         steering_type: String = Field::new("SteeringType", Format::Word),
@@ -50,7 +50,7 @@ record! {
         max_torque: f32 = Field::new("MaxTorque", Format::Fixed(4)).unit("N m / 5"),
         /// Range of the steering angles of the front; none where a robot does not steer so.
         max_front_steer: Option<f32> = Field::new("MaxFrontSteer", Format::FixedOrZero(4)).unit("rad").ut2004(Format::Fixed(4)),
-        /// The same of the rear.
+        /// Range of the steering angles of the rear.
         max_rear_steer: Option<f32> = Field::new("MaxRearSteer", Format::FixedOrZero(4)).unit("rad").ut2004(Format::Fixed(4)),
     }
 }
@@ -106,9 +106,9 @@ record! {
         resolution: f32 = Field::new("Resolution", Format::Fixed(4)).unit("rad"),
         /// Angle between the first and the last beam.
         fov: f32 = Field::new("Fov", Format::Fixed(4)).unit("rad"),
-        /// Whether it scans to the sides.
+        /// True if it scans to the sides.
         panning: bool = Field::new("Panning", Format::Boolean).ut2004_key("Paning"),
-        /// Whether it scans up and down.
+        /// True if it scans up and down.
         tilting: bool = Field::new("Tilting", Format::Boolean),
     }
 }
@@ -229,12 +229,12 @@ record! {
 
 macro_rules! items {
     ($($name:ident: $record:ident $($type_name:literal)*,)*) => {
-        /// Configuration of one item, by the form that its type has.
+        /// Configuration of one item, in the form of its type.
         #[derive(Debug, Clone, PartialEq)]
         #[expect(missing_docs, reason = "each variant is documented at its type")]
         pub enum ItemConf { $($name($record),)* }
 
-        /// The forms.
+        /// Tables of all forms.
         pub(crate) const TABLES: &[Table] = &[$($record::TABLE,)*];
 
         impl ItemConf {
@@ -242,7 +242,7 @@ macro_rules! items {
                 match self { $(Self::$name(item) => item.write(dialect),)* }
             }
 
-            /// By the type in lower case.
+            /// Reads an item; the type is in lower case.
             fn read(type_name: &str, item: &Line) -> Option<Self> {
                 match type_name {
                     $($($type_name => $record::read(item).map(Self::$name),)*)*
@@ -294,7 +294,7 @@ impl Conf {
 }
 
 impl RobotConf {
-    /// UDK has the name first, UT2004 the type.
+    /// Writes the line. UDK has the name first, UT2004 the type.
     fn write(&self, dialect: Dialect) -> String {
         let mut blocks = vec![Written::new("Name", self.name.as_str()).ranked(dialect.of([0, 1]))];
         let type_name = |name| Written::new("Type", name).ranked(dialect.of([1, 0]));
@@ -310,12 +310,12 @@ impl RobotConf {
             }
             VehicleConf::Plain => {}
         }
-        // With the space that USARSim leaves at its end (StaticPlatform.uc:30-33).
+        // USARSim leaves a space at the end (StaticPlatform.uc:30-33).
         let end = if self.vehicle == VehicleConf::Static { " " } else { "" };
         format!("CONF{}{end}", field::blocks(blocks))
     }
 
-    /// `None` for the answer to another question.
+    /// Reads the line; `None` if it answers another question.
     fn read(line: &Line) -> Option<Self> {
         let vehicle = match line.get("Type") {
             Some("GroundVehicle") => VehicleConf::Ground(GroundConf::read(line)?),

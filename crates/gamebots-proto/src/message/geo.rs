@@ -1,5 +1,5 @@
-//! `GEO`: geometry of the robot or of its items (protocol.md 4.7). An item of UT2004 stands within one brace, mounted `HARD` where
-//! it is on the body.
+//! `GEO`: geometry of the robot or of its items (protocol.md 4.7). An item of UT2004 is one block; its mount is `HARD` if it is
+//! on the body.
 
 use super::conf::split_items;
 use crate::field::{self, Field, Format, Record, Written, record};
@@ -31,23 +31,23 @@ pub enum Geo {
 pub struct RobotGeo {
     /// The class, or the robot's own name if the client asked by it.
     pub name: String,
-    /// What its kind of robot adds.
+    /// The part that depends on the kind of robot.
     pub vehicle: VehicleGeo,
 }
 
-/// What a kind of robot adds to its geometry.
+/// The part of a geometry that depends on the kind of robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VehicleGeo {
-    /// On wheels.
+    /// A robot on wheels.
     Ground(GroundGeo),
-    /// Fixed to the ground.
+    /// A robot fixed to the ground.
     Static,
-    /// In the air or on legs, which add nothing.
+    /// A robot in the air or on legs, which adds nothing.
     Plain,
 }
 
 record! {
-    /// What a robot on wheels adds to its geometry.
+    /// Geometry that a robot on wheels adds.
     GroundGeo {
         /// Wheel base, track and 0: axle to axle, not the outline.
         dimensions: [f32; 3] = Field::new("Dimensions", Format::Fixed(4)).unit("m"),
@@ -63,7 +63,7 @@ record! {
 }
 
 record! {
-    /// Where an item is mounted.
+    /// Mounting of an item.
     ItemGeo {
         /// Name of the item.
         name: String = Field::new("Name", Format::Word),
@@ -75,7 +75,7 @@ record! {
         mount: String = Field::new("Mount", Format::Word).tight(),
         /// The number of the actuator's joint, from 1, that moves it.
         mount_link: Option<usize> = Field::new("MountLink", Format::Integer).tight().only_udk(),
-        /// Of a gripper: its tool point against it.
+        /// Tool point of a gripper, relative to the gripper.
         tip: Option<[f32; 3]> = Field::new("Tip", Format::Rounded(2)).unit("m").tight().only_udk(),
     }
 }
@@ -167,7 +167,7 @@ impl RobotGeo {
         format!("GEO{}", field::blocks(blocks))
     }
 
-    /// `None` for the answer to another question.
+    /// Reads the line; `None` if it answers another question.
     fn read(line: &Line) -> Option<Self> {
         let vehicle = match line.get("Type") {
             Some("GroundVehicle") => VehicleGeo::Ground(GroundGeo::read(line)?),
@@ -180,7 +180,7 @@ impl RobotGeo {
 }
 
 impl ItemGeo {
-    /// `HARD` on the body, or the link of an actuator, as in `CameraPanTilt_Link2`.
+    /// Returns UT2004's mount: `HARD` on the body, or the link of an actuator, as in `CameraPanTilt_Link2`.
     fn ut2004_mount(&self) -> String {
         self.mount_link.map_or_else(|| "HARD".to_owned(), |link| format!("{}_Link{link}", self.mount))
     }

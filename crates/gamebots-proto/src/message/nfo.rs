@@ -48,7 +48,7 @@ pub enum Nfo {
     PathNode(PathNode),
     /// Answer to GETCLASSES: names of classes for INIT, without their package. Not part of USARSim.
     Classes(Vec<String>),
-    /// What was wrong with a line of the client; sent only with `--report-errors`, not part of USARSim.
+    /// A problem, such as with a line of the client; sent only with `--report-errors` or after REPORT, not part of USARSim.
     Error(String),
 }
 
@@ -85,7 +85,7 @@ impl Nfo {
     }
 }
 
-/// UDK has the values of all poses in one block, UT2004 a block of its own for each pose, with keys.
+/// Writes poses. UDK has the values of all poses in one block; UT2004 has a block with keys for each pose.
 fn write_poses(key: &str, poses: &[NamedPose], dialect: Dialect) -> String {
     let head = format!("NFO {{{key} {}}}", poses.len());
     let written = poses.iter().map(|pose| pose.write(dialect));
@@ -96,7 +96,7 @@ fn write_poses(key: &str, poses: &[NamedPose], dialect: Dialect) -> String {
     }
 }
 
-/// The second block of UDK is a plain list, so its key is the first tag.
+/// Reads poses in either dialect. UDK's second block is a plain list, so its key is the first tag.
 fn read_poses(line: &Line) -> Option<Vec<NamedPose>> {
     let Some(block) = line.blocks.get(1) else { return Some(Vec::new()) };
     let pose = |blocks| NamedPose::read(&Line { blocks, ..Line::default() });

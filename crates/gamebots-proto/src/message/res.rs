@@ -1,9 +1,9 @@
-//! `RES`, with which UT2004 answers every SET, and its answer to a question about an item that is not there (protocol.md 9).
+//! `RES`, UT2004's answer to every SET, and its answer to a question about a missing item (protocol.md 9).
 
 use crate::field::{Field, Format, record};
 
 record! {
-    /// What became of a SET.
+    /// Result of a SET.
     Res {
         /// Simulated time.
         time: f32 = Field::new("Time", Format::Rounded(2)).unit("s").only_ut2004(),
@@ -11,7 +11,7 @@ record! {
         type_name: String = Field::new("Type", Format::Word).only_ut2004(),
         /// Name of the item, if the client typed one.
         name: Option<String> = Field::new("Name", Format::Word).only_ut2004(),
-        /// Whether the robot has such an item.
+        /// True if the robot has such an item.
         found: bool = Field::new("Status", Format::Either(["Failed", "OK"])).only_ut2004(),
     }
 }

@@ -1,4 +1,4 @@
-//! `SEN`: one reading of one sensor (protocol.md 4.3, 4.4): a header, then the body of its type.
+//! `SEN`: one reading of one sensor (protocol.md 4.3, 4.4). A header comes first, then the body of its type.
 
 mod camera;
 mod encoder;
@@ -27,13 +27,13 @@ use crate::{Dialect, Line};
 pub(crate) trait Body: Record {
     /// The word in `{Type ..}`.
     const TYPE: &'static str;
-    /// How the header has the time.
+    /// Format of the time in the header.
     const TIME: [Format; 2];
-    /// Whether the readings of one step share a line in UT2004's dialect.
+    /// True if the readings of one step share a line in UT2004's dialect.
     const IS_GROUPED: bool = false;
-    /// The name of the sensor.
+    /// Returns the name of the sensor.
     fn name(&self) -> Option<&str>;
-    /// Whether what was read is all there.
+    /// True if a body that was read is complete.
     fn is_whole(&self) -> bool {
         true
     }
@@ -44,9 +44,9 @@ pub(crate) trait Body: Record {
 pub struct Sen {
     /// Simulated time, s; `None` for the types that carry none.
     pub time: Option<f32>,
-    /// What the sensor measured.
+    /// The sensor's reading.
     pub reading: Reading,
-    /// The number of the sensor among those of its robot; `None` of a line that was read, which does not say it.
+    /// Number of the sensor in its robot; `None` for a line that was read, which does not contain it.
     pub sensor: Option<usize>,
 }
 
@@ -57,27 +57,27 @@ macro_rules! readings {
         #[expect(missing_docs, reason = "each variant is documented at its type")]
         pub enum Reading { $($name($name),)* }
 
-        /// The types with the time in their header and their tables.
+        /// All types, with the time in their header and their tables.
         pub(crate) const TABLES: &[(&str, Field, Table)] = &[$(($name::TYPE, time($name::TIME), $name::TABLE),)*];
 
         impl Reading {
-            /// The word in `{Type ..}`.
+            /// Returns the word in `{Type ..}`.
             pub fn type_name(&self) -> &'static str {
                 match self { $(Self::$name(_) => $name::TYPE,)* }
             }
 
-            /// The name of its sensor; of several encoders that of the first, and of a camera none.
+            /// Returns the sensor's name. Several encoders give the first name; a camera has none.
             pub fn name(&self) -> Option<&str> {
                 match self { $(Self::$name(reading) => reading.name(),)* }
             }
 
-            /// The line's content with the simulated time in seconds, where UDK's lines carry it.
+            /// Adds the simulated time, s, if UDK's lines of this type carry it.
             pub fn at(self, time: f32) -> Sen {
                 let is_stamped = self.time().format[0] != Format::Absent;
                 Sen { time: is_stamped.then_some(time), reading: self, sensor: None }
             }
 
-            /// Whether the readings of one step share a line in a dialect.
+            /// True if the readings of one step share a line in a dialect.
             pub(crate) fn is_grouped(&self, dialect: Dialect) -> bool {
                 dialect == Dialect::Ut2004 && match self { $(Self::$name(_) => $name::IS_GROUPED,)* }
             }
@@ -112,7 +112,7 @@ const fn time(format: [Format; 2]) -> Field {
 }
 
 impl Sen {
-    /// The same by a sensor with a number among those of its robot.
+    /// Adds the number of the sensor in its robot.
     pub fn of(self, sensor: usize) -> Self {
         Self { sensor: Some(sensor), ..self }
     }
@@ -121,7 +121,8 @@ impl Sen {
         Self::write_together(&[self], dialect)
     }
 
-    /// One line for a reading, or for several of one type that share it. An empty body still leaves the space before it (Item.uc:43).
+    /// Writes one line for a reading, or for several of one type that share it. An empty body still leaves the space before it
+    /// (Item.uc:43).
     pub(super) fn write_together(readings: &[&Self], dialect: Dialect) -> String {
         let Some(first) = readings.first() else { return String::new() };
         let body: Vec<Written> = readings.iter().flat_map(|it| it.reading.write(dialect)).collect();
@@ -139,7 +140,7 @@ impl Sen {
         format!("SEN{} {{Type {}}}", field::blocks(time), self.reading.type_name())
     }
 
-    /// Reads a line of either dialect: those of UT2004 may have several readings.
+    /// Reads a line of either dialect. Lines of UT2004 can have several readings.
     pub(super) fn read(line: &Line) -> Option<Vec<Self>> {
         let type_name = line.get("Type")?;
         let (.., table) = TABLES.iter().find(|(known, ..)| *known == type_name)?;

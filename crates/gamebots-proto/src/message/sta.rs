@@ -21,34 +21,34 @@ pub struct Sta {
     pub time: f32,
     /// Estimated seconds left in the battery; 99999 without one.
     pub battery: i32,
-    /// What its kind of robot adds.
+    /// The part that depends on the kind of robot.
     pub vehicle: Vehicle,
 }
 
-/// What a kind of robot adds to its state.
+/// The part of a state that depends on the kind of robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Vehicle {
-    /// On wheels.
+    /// A robot on wheels.
     Ground(GroundSta),
-    /// On legs: its joints by name, rad.
+    /// A robot on legs: its joints by name, rad.
     Legged {
-        /// In the order of the robot.
+        /// Joints in the robot's order.
         joints: Vec<(String, f32)>,
     },
-    /// Fixed to the ground.
+    /// A robot fixed to the ground.
     Static,
-    /// In the air, which adds nothing but, for UT2004, a light that is off.
+    /// A robot in the air. It adds nothing, except a light that is off for UT2004.
     Aerial,
 }
 
 record! {
-    /// What a robot on wheels adds to its state.
+    /// State that a robot on wheels adds.
     GroundSta {
-        /// Whether the headlight is on.
+        /// True if the headlight is on.
         light: bool = Field::new("LightToggle", Format::Boolean).rank([2, 4]).then(&[(["LightIntensity"; 2], ["100", "0"])]),
         /// Steering angle of the front as it was asked for; none where a robot does not steer so.
         front_steer: Option<f32> = Field::new("FrontSteer", Format::FixedOrZero(4)).unit("rad").ut2004(Format::Fixed(4)).rank([2, 2]),
-        /// The same of the rear.
+        /// Steering angle of the rear as it was asked for.
         rear_steer: Option<f32> = Field::new("RearSteer", Format::FixedOrZero(4)).unit("rad").ut2004(Format::Fixed(4)).rank([2, 2]),
     }
 }

@@ -59,7 +59,7 @@ fn golden_lines_are_written_back_byte_for_byte() {
     }
 }
 
-/// The same of UT2004, in the form of a genuine server of 2011 and of what clients quote, with numbers that nothing is cut off of.
+/// Lines as a UT2004 server of 2011 sends them, or as clients quote them. Their numbers lose no digits.
 #[test]
 fn golden_lines_of_ut2004_are_written_back_byte_for_byte() {
     for text in [
@@ -117,7 +117,7 @@ fn angles_of_ut2004_have_one_turn() {
     }
 }
 
-/// The questions come back that nothing fits, and every SET has its answer; neither in UDK's dialect.
+/// UT2004 echoes questions that nothing matches and answers every SET; UDK does neither.
 #[test]
 fn ut2004_always_answers() {
     for (text, found, answer) in [

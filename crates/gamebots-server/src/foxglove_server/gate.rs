@@ -1,7 +1,7 @@
-//! Foxglove's own server lets every page of every site in, and any number of clients: this stands before it.
+//! A gate before Foxglove's own server, which admits every page of every site and any number of clients.
 //!
-//! The server listens on an address of this machine that no page can guess; here the head of each request is read first, and
-//! only then do bytes pass through as they are.
+//! That server listens on an address of this machine that no page can guess. The gate reads the head of each request first.
+//! Only then does it pass bytes through unchanged.
 
 use std::hash::{BuildHasher, RandomState};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -19,32 +19,32 @@ use tracing::{debug, warn};
 
 use crate::web;
 
-/// Clients at once; more wait.
+/// Most clients at once; more wait.
 const MAX_CLIENTS: usize = 64;
 /// Longest head of a request, bytes, and most headers in it.
 const MAX_HEAD: usize = 16 * 1024;
 const MAX_HEADERS: usize = 64;
 /// Longest time for the head of a request.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
-/// A client that takes nothing for this long is disconnected.
+/// Time after which a client that reads nothing is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(30);
-/// Pause after an error of accept, which otherwise comes back at once.
+/// Pause after an error of accept, which would otherwise recur at once.
 const BACK_OFF: Duration = Duration::from_millis(100);
-/// Where Foxglove's own page is.
+/// Origin of Foxglove's own page.
 const FOXGLOVE_PAGE: &str = "https://app.foxglove.dev";
 
-/// An address of this machine for the server behind: on Linux all of 127.0.0.0/8 is, and a page that tries ports finds it
-/// no sooner than it counts to 2^40.
+/// Returns a random address of this machine for the server behind the gate. On Linux all of 127.0.0.0/8 is this machine: with
+/// the port, a page would have to try 2^40 combinations.
 pub(super) fn hidden_address() -> Ipv4Addr {
     if cfg!(target_os = "linux") {
         let [a, b, c, ..] = RandomState::new().hash_one(0).to_le_bytes();
-        // Neither the network's own address nor its broadcast.
+        // Skips the network's own address and its broadcast address.
         return Ipv4Addr::new(127, a, b, c.clamp(1, 254));
     }
     Ipv4Addr::LOCALHOST
 }
 
-/// Lets clients through to the server behind until the runtime ends.
+/// Passes clients on to the server behind until the runtime ends.
 pub(super) async fn serve(listener: TcpListener, own_name: String, behind: SocketAddr) {
     let places = Arc::new(Semaphore::new(MAX_CLIENTS));
     let own_name: Arc<str> = own_name.into();
@@ -88,7 +88,7 @@ async fn pass(mut client: TcpStream, own_name: &str, behind: SocketAddr) -> Resu
     copy_bidirectional(&mut Box::pin(client), &mut server).await.map(|_| ()).map_err(said)
 }
 
-/// Everything up to the end of the head, and what came with it.
+/// Reads up to the end of the head. The result may include bytes after it.
 async fn read_head(client: &mut TcpStream) -> Result<Vec<u8>, String> {
     let mut head = Vec::new();
     while !head.windows(4).any(|end| end == b"\r\n\r\n") {
@@ -117,7 +117,8 @@ fn headers(head: &[u8]) -> Result<HeaderMap, String> {
     Ok(headers)
 }
 
-/// Foxglove's own page, a page that this machine serves (as Lichtblick does), and programs that are no page of a site.
+/// True for Foxglove's own page, pages that this machine serves (as Lichtblick does), and programs that are not a page of a
+/// site.
 fn is_welcome(origin: &str) -> bool {
     if origin == FOXGLOVE_PAGE {
         return true;
@@ -126,7 +127,7 @@ fn is_welcome(origin: &str) -> bool {
     let host = uri.host().unwrap_or_default().trim_matches(['[', ']']);
     match uri.scheme_str() {
         Some("http" | "https") => host == "localhost" || host.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback()),
-        // `null` is a page that hides where it is from.
+        // A page that hides its origin sends `null`.
         scheme => scheme.is_some(),
     }
 }

@@ -1,6 +1,6 @@
-//! The two binary messages that a viewer gets. Little-endian, world frame of the wire (z down), SI units.
+//! The two binary messages to viewers. Little-endian, world frame of the wire (z down), SI units.
 //!
-//! A frame (kind 1) says where everything is:
+//! A frame (kind 1) holds the state of every robot and object:
 //!
 //! | bytes | what |
 //! |---|---|
@@ -30,12 +30,12 @@ use std::f64::consts::PI;
 
 use scene::{Contact, Pose, RobotDef, RobotSnapshot, Snapshot, WorldDef};
 
-/// Contacts of one robot that are published, the strongest first.
+/// Most contacts of one robot that are published, the strongest first.
 const MAX_CONTACTS: usize = 64;
 /// Unit of a force, N.
 const FORCE_UNIT: f64 = 0.25;
 
-/// Where everything is.
+/// Encodes a snapshot as a frame.
 pub(super) fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
     let mut bytes = Bytes::of_kind(1);
     bytes.0.extend(snapshot.time.to_le_bytes());
@@ -51,7 +51,7 @@ pub(super) fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
     bytes.0
 }
 
-/// What a sensor of a robot measured; `None` for a sensor that the robot's class does not have.
+/// Encodes a sensor's ranges as a scan; `None` if the robot's class has no such sensor.
 pub(super) fn scan(def: &RobotDef, robot: u64, sensor: usize, ranges: &[f32]) -> Option<Vec<u8>> {
     let unit = def.sensors.get(sensor)?.config.max_range()? / f64::from(u16::MAX);
     let mut bytes = Bytes::of_kind(2);
@@ -69,7 +69,7 @@ impl Bytes {
         Self(vec![kind])
     }
 
-    /// A count; no list is longer than its field can say, or the rest of it is cut off by the caller.
+    /// Appends a number, clamped to 65535.
     fn u16(&mut self, value: usize) {
         self.0.extend((value.min(usize::from(u16::MAX)) as u16).to_le_bytes());
     }

@@ -1,6 +1,6 @@
-//! The scene as a viewer gets it: the definitions, with what a viewer would have to work out itself worked out.
+//! The scene for viewers: the definitions, together with derived values, so that a viewer needs no formulas of its own.
 //!
-//! What has shapes is written from where it is: as a tree of values the meshes of a map would take a gigabyte.
+//! Shapes are serialized directly: as a tree of JSON values, the meshes of a map would take a gigabyte.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -11,15 +11,15 @@ use scene::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// What a page has to know of the server beside the world.
+/// The server's settings that a page needs beside the world.
 #[derive(Debug, Clone)]
 pub(crate) struct About {
     pub(crate) seed: u64,
-    /// s
+    /// Time step, s.
     pub(crate) time_step: f64,
-    /// Where controllers connect.
+    /// Port for controllers.
     pub(crate) port: u16,
-    /// The maps that it can change to, each with what it is.
+    /// Maps that it can change to, with their descriptions.
     pub(crate) maps: Vec<(String, String)>,
 }
 
@@ -50,11 +50,11 @@ struct Solid<'a> {
 struct Class<'a> {
     #[serde(flatten)]
     rest: Value,
-    /// Of the body.
+    /// Pieces of the body.
     drawn: Vec<Piece<'a>>,
-    /// Beside the body and driven wheels.
+    /// Links except the body and driven wheels.
     links: Vec<Part<'a>>,
-    /// Those that are driven.
+    /// Driven wheels.
     wheels: Vec<Part<'a>>,
 }
 
@@ -62,7 +62,7 @@ struct Class<'a> {
 struct Part<'a> {
     #[serde(flatten)]
     rest: Value,
-    /// Beside rollers.
+    /// Pieces except rollers.
     drawn: Vec<Piece<'a>>,
 }
 
@@ -73,8 +73,8 @@ struct Piece<'a> {
     colour: [f64; 3],
 }
 
-/// The map and every class of robot as JSON. Poses are `[x, y, z, qx, qy, qz, qw]` in the frame of what they are in. Of the world of
-/// a log it says nothing of a server.
+/// Returns the map and every robot class as JSON. Poses are `[x, y, z, qx, qy, qz, qw]` in the frame of their parent. Without
+/// `about`, as for a log's world, it has no settings of a server.
 pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
     let maps = about.iter().flat_map(|about| &about.maps);
     let maps = maps.map(|(name, description)| json!({ "name": name, "description": description }));
@@ -86,7 +86,7 @@ pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
         "maps": maps.collect::<Vec<_>>(),
     });
     let classes = world.robots.iter().map(|(name, def)| (name.as_str(), class(def))).collect();
-    // Every key is a text, so nothing can go wrong.
+    // Every key is a string, so serialization cannot fail.
     serde_json::to_string(&Scene { rest, map: map(&world.map), classes }).unwrap_or_default()
 }
 
@@ -118,7 +118,7 @@ fn class(def: &RobotDef) -> Class<'_> {
         let wheel = MountedWheel::of((number, link)).filter(|wheel| wheel.drive.is_some())?;
         Some(self::wheel(def, wheel, pieces))
     });
-    // Where they are when every joint is at 0: logs from before robots were trees do not say it.
+    // Poses with every joint at 0: logs from before robots were trees do not have them.
     let at_rest = def.placed_links(&[]);
     let links = drawn.iter().zip(&at_rest).skip(1).filter(|((link, _), _)| !link.is_driven_wheel());
     let links = links.map(|((link, pieces), (_, at))| {
@@ -135,7 +135,7 @@ fn class(def: &RobotDef) -> Class<'_> {
         "wheel_radius": geometry.radius,
         "track": geometry.track,
         "wheel_base": geometry.wheel_base,
-        // The links that a log's joint_positions are of, in their order.
+        // Links in the order of a log's joint_positions.
         "values": def.with_values().map(|link| &link.name).collect::<Vec<_>>(),
         "joints": def.with_values().filter_map(joint).collect::<Vec<_>>(),
         "grippers": def.grippers.iter().map(|it| gripper(def, it)).collect::<Vec<_>>(),
@@ -145,26 +145,26 @@ fn class(def: &RobotDef) -> Class<'_> {
     Class { rest, drawn: body, links: links.collect(), wheels: wheels.collect() }
 }
 
-/// A joint that goes to positions by `SET {Type Joint}`, rad or m.
+/// Describes a joint that takes positions by `SET {Type Joint}`, rad or m.
 fn joint(link: &Link) -> Option<Value> {
     let [min, max] = link.position_limits()?;
     let slides = link.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Prismatic);
     Some(json!({ "name": link.name, "min": min, "max": max, "unit": if slides { "m" } else { "rad" } }))
 }
 
-/// A gripper: its joints by name, and where each is when it is open and when it is closed.
+/// Describes a gripper: its joints by name, and their positions when open and when closed.
 fn gripper(def: &RobotDef, gripper: &Gripper) -> Value {
     let joints = gripper.links.iter().filter_map(|&link| def.links.get(link));
     let joints = joints.map(|link| &link.name).collect::<Vec<_>>();
     json!({ "name": gripper.name, "joints": joints, "open": gripper.open, "closed": gripper.closed })
 }
 
-/// How far the joints of an axle steer to both sides, rad.
+/// Returns the largest angle that all joints of an axle can steer to both sides, rad.
 fn most_steered(def: &RobotDef, axle: usize) -> f64 {
     def.steering_limits(axle).map(|[least, most]| most.min(-least)).reduce(f64::min).unwrap_or(0.0)
 }
 
-/// A wheel in the frame of the link that carries it: a number among `links`, or of the body none.
+/// Describes a wheel in the frame of its carrier. `link` is the carrier's index in `links`, or null for the body.
 fn wheel<'a>(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn<'a>]) -> Part<'a> {
     let carrier = def.links.get(wheel.parent).map_or([0.0; 3], Link::origin);
     let [x, y, z] = wheel.position;
@@ -188,13 +188,13 @@ fn wheel<'a>(def: &RobotDef, wheel: MountedWheel, drawn: &[Drawn<'a>]) -> Part<'
     Part { rest, drawn: still(drawn) }
 }
 
-/// The number of a link among those that the page has; of the body none.
+/// Returns a link's index among the page's links; `None` for the body and driven wheels.
 fn link_number(def: &RobotDef, link: usize) -> Option<usize> {
     let links = def.links.iter().enumerate().skip(1).filter(|(_, link)| !link.is_driven_wheel());
     links.map(|(number, _)| number).position(|number| number == link)
 }
 
-/// What is drawn of a link beside rollers, in its frame.
+/// Returns the drawn pieces of a link, except rollers, in its frame.
 fn still<'a>(drawn: &[Drawn<'a>]) -> Vec<Piece<'a>> {
     let piece = |it: &Drawn<'a>| match &it.geometry {
         Geometry::Shape(drawn) => Some(Piece { shape: shape(drawn.clone()), pose: pose(&it.pose), colour: it.colour }),
@@ -203,7 +203,7 @@ fn still<'a>(drawn: &[Drawn<'a>]) -> Vec<Piece<'a>> {
     drawn.iter().filter_map(piece).collect()
 }
 
-/// A shape that a viewer can draw: a hull as its surface.
+/// Returns a shape that a viewer can draw: a hull becomes its surface.
 fn shape(shape: Cow<'_, Shape>) -> Cow<'_, Shape> {
     match &*shape {
         Shape::Hull { points } => scene::hull_surface(points).map_or(shape, Cow::Owned),

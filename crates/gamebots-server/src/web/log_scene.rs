@@ -1,5 +1,5 @@
-//! The scene of a log as JSON: what the log's metadata `run` holds of its world comes, what a viewer draws of it goes back. So a
-//! page draws old logs too, and no formula is written twice.
+//! The scene of a log as JSON. The page sends the world from the log's metadata `run` and gets back the scene to draw. So pages
+//! draw old logs too, and no formula exists twice.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,14 +15,14 @@ use tokio::time::timeout;
 use super::json;
 use crate::live;
 
-/// Most bytes of a scene: a map of 500 000 triangles. The largest that is shipped has 100 kB.
+/// Most bytes of a scene: a map of 500 000 triangles. The largest shipped map has 100 kB.
 const MAX_BYTES: usize = 32 << 20;
-/// Scenes at once, from their first byte to the last of the answer: each may take some 100 MB.
+/// Most scenes at once, from their first byte to the last of the answer: each may take some 100 MB.
 const MAX_AT_ONCE: usize = 2;
-/// Longest time for a scene to arrive, and to wait for others before it.
+/// Longest time for a scene to arrive, and for its wait for a free place.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Who works scenes out, a few at once.
+/// A limit of scenes that are worked out at once.
 #[derive(Clone)]
 pub(super) struct Worker(Arc<Semaphore>);
 
@@ -32,7 +32,7 @@ impl Default for Worker {
     }
 }
 
-/// An answer that keeps its place until it is sent: one that nobody takes must not make room for the next.
+/// An answer that keeps its place until it is sent. An answer that nobody reads must not free a place for the next.
 struct Answer(String, #[expect(dead_code, reason = "held")] OwnedSemaphorePermit);
 
 impl AsRef<[u8]> for Answer {
@@ -70,7 +70,7 @@ async fn work(places: Arc<Semaphore>, headers: &HeaderMap, body: Body) -> Result
         drop(scene);
         Ok(live::scene_json(&world, None))
     });
-    // A panic would be a defect of the checks; it ends this answer and nothing else.
+    // A panic would be a defect of the checks; it ends only this answer.
     let worked = worked.await.unwrap_or_else(|_| Err("a defect: its scene cannot be drawn".to_owned()));
     worked.map(|text| Answer(text, place)).map_err(|reason| (StatusCode::UNPROCESSABLE_ENTITY, reason))
 }

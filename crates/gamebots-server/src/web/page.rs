@@ -1,10 +1,10 @@
-//! The files of the page, built into the program; without them a page that says how to get them.
+//! The files of the page, built into the program. Without them, a page that says how to get them.
 
 use axum::http::{StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Response};
 use include_dir::{Dir, include_dir};
 
-/// What `npm run build` made, if it was run before this program was built, and the page that stands in for it.
+/// Output of `npm run build`, if it ran before this program was built, and the page that replaces it.
 static FILES: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../viewer/dist");
 
 pub(super) async fn file(uri: Uri) -> Response {
@@ -26,7 +26,7 @@ pub(super) async fn file(uri: Uri) -> Response {
         Some("svg") => "image/svg+xml",
         _ => "application/octet-stream",
     };
-    // Names of the built files have a hash; the page itself does not.
+    // Names of built files contain a hash; the page's own name does not.
     let keep = if path.starts_with("assets/") { "public, max-age=31536000, immutable" } else { "no-cache" };
     ([(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, keep)], file.contents()).into_response()
 }

@@ -1,4 +1,4 @@
-//! One viewer: frames, status and notices to it, requests from it.
+//! One viewer. It gets frames, status and notices, and sends requests.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -24,20 +24,20 @@ use crate::live::{Line, Notice};
 /// Longest text that a viewer may send.
 const MAX_TEXT: usize = 1024;
 
-/// Most lines of the wire that one viewer gets in a window of real time; nobody reads more.
+/// Most lines of the wire that one viewer gets in a window of real time; nobody can read more.
 const MAX_LINES: u64 = 1000;
 const LINE_WINDOW: Duration = Duration::from_secs(1);
 
-/// Least time between two answers to where a robot could stand: one may take the world's thread some milliseconds.
+/// Least time between two answers about room for a robot: one may take the world's thread some milliseconds.
 const FIT_INTERVAL: Duration = Duration::from_millis(50);
 
-/// What a viewer wants to hear beside frames and status.
+/// Lines that a viewer wants beside frames and status.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Listen {
-    /// Whether it wants every line of the wire,
+    /// True for every line of the wire.
     wire: bool,
-    /// or else what these robots say, by their numbers.
+    /// Numbers of the robots whose outgoing lines it wants, if it does not want every line.
     #[serde(default)]
     robots: Vec<u64>,
 }
@@ -64,7 +64,7 @@ pub(super) async fn upgrade(
             next_fit: tokio::time::Instant::now(),
             _place: place,
         };
-        // A viewer that has left, or takes nothing, needs no farewell.
+        // A viewer that has left or does not read needs no farewell.
         let _ = viewer.run().await;
     })
 }
@@ -78,23 +78,23 @@ impl Listen {
 struct Viewer {
     socket: WebSocket,
     site: Arc<Site>,
-    /// Who it is.
+    /// Its name, as shown to everyone.
     actor: Actor,
-    /// Why it may not control the world.
+    /// The reason why it may not control the world, if any.
     refusal: Option<&'static str>,
-    /// One request of it waits for the world.
+    /// Permit for one request that waits for the world.
     turns: Arc<Semaphore>,
-    /// The lines of the wire, while it wants them.
+    /// The lines of the wire, if it wants them.
     lines: Option<Receiver<Arc<Line>>>,
     listen: Listen,
-    /// When the present window began, and how many lines it has got since.
+    /// Start of the current window, and lines counted in it.
     shown: (Instant, u64),
-    /// When the next question where a robot could stand is answered.
+    /// Earliest time of the next answer about room for a robot.
     next_fit: tokio::time::Instant,
     _place: Place,
 }
 
-/// The viewer is gone.
+/// The viewer has left.
 struct Gone;
 
 impl Viewer {
@@ -180,7 +180,7 @@ impl Viewer {
         }
     }
 
-    /// Asks the world where a robot could stand, not too often.
+    /// Asks the world if a robot has room, at most once per [`FIT_INTERVAL`].
     async fn fit(&mut self, ask: Ask) -> Result<(), Gone> {
         tokio::time::sleep_until(self.next_fit).await;
         self.next_fit = tokio::time::Instant::now() + FIT_INTERVAL;
@@ -207,7 +207,7 @@ impl Viewer {
     }
 }
 
-/// The next line, if lines are wanted; else it never comes.
+/// Returns the next line if lines are wanted; otherwise never completes.
 async fn next(lines: &mut Option<Receiver<Arc<Line>>>) -> Result<Arc<Line>, RecvError> {
     match lines {
         Some(lines) => lines.recv().await,

@@ -1,5 +1,5 @@
-//! The protocol for browsers, which cannot open a TCP connection: each WebSocket becomes one client of the protocol's own
-//! port, with the same rights and limits as every other. Bytes pass through as they are.
+//! The protocol for browsers, which cannot open a TCP connection. Each WebSocket becomes one client of the protocol's own port,
+//! with the same rights and limits as every other. Bytes pass through unchanged.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +19,7 @@ use super::{Place, Site};
 
 /// Longest message from a browser.
 const MAX_MESSAGE: usize = 64 * 1024;
-/// Code of a WebSocket's end that says that the server cannot do it now.
+/// WebSocket close code: the server is unavailable now, try again later.
 const TRY_LATER: u16 = 1013;
 
 pub(super) async fn upgrade(
@@ -44,7 +44,7 @@ async fn bridge(mut socket: WebSocket, site: &Site) {
     };
     let (read, write) = stream.split();
     let (to_browser, from_browser) = socket.split();
-    // Each direction goes on while the other waits: a server that has to be read before it takes more is read.
+    // Each direction continues while the other waits: a server may take no more input until its output is read.
     tokio::select! {
         () = to_server(from_browser, write, site.stall_timeout) => {}
         () = to_page(read, to_browser, site.stall_timeout) => {}
@@ -68,7 +68,7 @@ async fn to_server(mut browser: SplitStream<WebSocket>, mut write: WriteHalf<'_>
 async fn to_page(mut read: ReadHalf<'_>, mut browser: SplitSink<WebSocket, Message>, stall_timeout: Duration) {
     let mut buffer = vec![0; 16 * 1024];
     while let Ok(count @ 1..) = read.read(&mut buffer).await {
-        // Binary: a piece may end within a character.
+        // Binary, because a piece may end within a character.
         let bytes = Message::Binary(buffer.iter().take(count).copied().collect::<Vec<u8>>().into());
         if !matches!(timeout(stall_timeout, browser.send(bytes)).await, Ok(Ok(()))) {
             return;

@@ -1,4 +1,4 @@
-//! The messages of ROS 2 that a log needs: names, types and order of fields as the interfaces say, each written once.
+//! The messages of ROS 2 that a log needs. Names, types and order of fields follow the interfaces, and each is written once.
 
 use byteorder::LittleEndian;
 use foxglove::{Encode, Schema};
@@ -11,17 +11,17 @@ pub(super) const ULTRASOUND: u8 = 0;
 /// Bytes before each message: plain CDR, little endian.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
-/// A type of ROS with its definition and those of the types within.
+/// A ROS type with its definition and those of its nested types.
 trait Interface {
-    /// As in `geometry_msgs/Point`.
+    /// Its name, as in `geometry_msgs/Point`.
     const NAME: &'static str;
-    /// Its fields, a line each.
+    /// Returns its fields, one per line.
     fn fields() -> String;
-    /// Adds itself and what it is made of to a list, each once.
+    /// Adds its definition and those of its nested types to a list, each once.
     fn collect(list: &mut Vec<(&'static str, String)>);
 }
 
-/// How a type of Rust is spelt in a definition.
+/// The spelling of a Rust type in a definition.
 trait Spelled {
     fn spelled() -> String;
     fn collect(_list: &mut Vec<(&'static str, String)>) {}
@@ -101,7 +101,7 @@ macro_rules! interfaces {
     )*};
 }
 
-/// The fields of a message, then those of every type within it, as MCAP's `ros2msg` wants them.
+/// Returns the fields of a message, then those of every nested type, as MCAP's `ros2msg` requires.
 fn definition<T: Interface>() -> String {
     let mut types = Vec::new();
     <T as Interface>::collect(&mut types);

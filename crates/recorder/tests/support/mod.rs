@@ -1,4 +1,4 @@
-//! A short run and its records, as tests write them.
+//! A short run and its records, for tests.
 
 #![allow(dead_code, reason = "each test uses a part")]
 
@@ -21,7 +21,7 @@ pub(crate) fn line(text: impl Into<String>) -> WireLine {
     WireLine { connection: 1, robot: None, line: text.into() }
 }
 
-/// A state as short as it can be.
+/// A state with the fewest fields.
 pub(crate) fn state(robot: u64, class: &str) -> RobotState {
     RobotState {
         robot,
@@ -69,12 +69,12 @@ pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
     (records, end)
 }
 
-/// A log of records, ended properly.
+/// Writes a log of records, ended properly.
 pub(crate) fn write(path: &Path, world: &WorldDef, records: &[(f64, Record)], end: End) {
     let mut log = LogWriter::create(path, world, Options::default(), &[]).expect("a log");
     for (index, (time, record)) in records.iter().enumerate() {
         log.write(*time, record).expect("a record");
-        // Several chunks.
+        // Makes several chunks.
         if index % 20 == 19 {
             log.flush().expect("a chunk");
         }
@@ -82,7 +82,7 @@ pub(crate) fn write(path: &Path, world: &WorldDef, records: &[(f64, Record)], en
     log.finish(end).expect("an end");
 }
 
-/// The end of a world at a time, of which nothing else is known.
+/// The end of a world at a time, with nothing else known.
 #[allow(dead_code, reason = "not every test ends one")]
 pub(crate) fn end(time: f64) -> End {
     End { time, digest: None, unsettled_steps: 0, dropped: 0 }

@@ -1,7 +1,7 @@
 //! COLLADA 1.4 and 1.5, as far as a mesh needs it: triangles and polygons in the visual scene, with diffuse colours.
 //!
-//! The libraries for it panic on files that are not as they expect, so it is read here. Which axis is up is not looked at:
-//! viewers of ROS take coordinates as they are, and URDFs are written for those.
+//! The available libraries panic on unexpected files, so this module has its own reader. It ignores the up axis: ROS viewers take
+//! coordinates as they are, and URDFs are written for those.
 
 use std::collections::HashMap;
 
@@ -11,11 +11,11 @@ use scene::check::MAX_TRIANGLES;
 
 use super::Piece;
 
-/// Most nodes inside each other, instances counted.
+/// Maximum nesting of nodes, including instances.
 const MAX_DEPTH: usize = 64;
-/// Most nodes, each counted as often as it is placed.
+/// Maximum number of placed nodes; a node counts at every place.
 const MAX_PLACED: usize = 100_000;
-/// Most elements, attributes and texts.
+/// Maximum number of elements, attributes and texts.
 const MAX_NODES: u32 = 2_000_000;
 
 pub(super) fn read(bytes: &[u8]) -> Result<Vec<Piece>, String> {
@@ -49,7 +49,7 @@ struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    /// What `#id` in an attribute names.
+    /// Returns the node that `#id` in an attribute refers to.
     fn target(&self, node: Node, attribute: &str) -> Option<Node<'a, 'a>> {
         self.ids.get(node.attribute(attribute)?.strip_prefix('#')?).copied()
     }
@@ -82,7 +82,7 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// The diffuse colour of a material.
+    /// Returns the diffuse colour of a material.
     fn colour(&self, instance: Node) -> Option<[f64; 3]> {
         let material = self.target(instance, "target")?;
         let effect = self.target(child(material, "instance_effect")?, "url")?;
@@ -136,7 +136,7 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// Coordinates of corners, and how many numbers each has.
+    /// Returns the coordinates of corners, and the number of values per corner.
     fn positions(&self, primitive: Node) -> Option<(Vec<f64>, usize)> {
         let vertices = self.target(input(primitive, "VERTEX")?, "source")?;
         let source = self.target(input(vertices, "POSITION")?, "source")?;
@@ -147,7 +147,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// The lists of indices of a primitive, one a polygon. Holes are not cut out.
+/// Returns the index lists of a primitive, one per polygon. Holes are not cut out.
 fn polygons(primitive: Node, per_corner: usize) -> Option<Vec<Vec<u32>>> {
     let lists = children(primitive, "p").map(numbers::<u32>).collect::<Option<Vec<_>>>()?;
     let cut = |list: &Vec<u32>, counts: &mut dyn Iterator<Item = usize>| {
@@ -173,11 +173,11 @@ fn polygons(primitive: Node, per_corner: usize) -> Option<Vec<Vec<u32>>> {
     }
 }
 
-/// Where in a corner's indices that of its vertex is, and how many indices a corner has.
+/// Returns the position of the vertex index among a corner's indices, and the number of indices per corner.
 fn inputs(primitive: Node) -> Option<(usize, usize)> {
     let offset = |input: Node| input.attribute("offset")?.parse::<usize>().ok();
     let most = children(primitive, "input").filter_map(offset).max()?;
-    // More than sixteen kinds of data at a corner are no mesh.
+    // A file with more than sixteen kinds of data per corner is not a mesh.
     Some((offset(input(primitive, "VERTEX")?)?, most + 1)).filter(|&(_, count)| count <= 16)
 }
 

@@ -1,4 +1,4 @@
-//! glTF 2.0: a `.glb`, or a `.gltf` with its buffers in files beside it. By its specification y is up.
+//! glTF 2.0: a `.glb`, or a `.gltf` with its buffers in files beside it. The specification defines y as up.
 
 use std::borrow::Cow;
 
@@ -12,9 +12,9 @@ use scene::check::MAX_TRIANGLES;
 use super::Piece;
 use crate::source::{MAX_MESH, Source};
 
-/// Most nodes inside each other.
+/// Maximum nesting of nodes.
 const MAX_DEPTH: usize = 64;
-/// Most nodes, each counted as often as it is placed.
+/// Maximum number of placed nodes; a node counts at every place.
 const MAX_NODES: usize = 100_000;
 
 pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Vec<Piece>, String> {
@@ -26,7 +26,7 @@ pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Vec<Piece>, String> 
     };
     let root = Root::from_slice(&json).map_err(|error| error.to_string())?;
     let mut attributes = root.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|it| it.attributes.values());
-    // The library looks these up before it has checked them.
+    // The library uses these indices before it checks them.
     if attributes.any(|accessor| accessor.value() >= root.accessors.len()) {
         return Err("a mesh of an accessor that is not there".to_owned());
     }
@@ -115,7 +115,7 @@ fn add(node: &Node, pose: &Matrix4<f32>, buffers: &[Vec<u8>], pieces: &mut Vec<P
     Ok(())
 }
 
-/// A part of a colour as screens take it, from light as glTF has it (IEC 61966-2-1).
+/// Converts a linear colour component of glTF to sRGB (IEC 61966-2-1).
 fn srgb(linear: f32) -> f64 {
     let linear = f64::from(linear).clamp(0.0, 1.0);
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }

@@ -1,22 +1,21 @@
-//! Meshes with fewer triangles, for looks alone: corners that share a cell of a grid become one.
+//! Simplification of meshes for drawing: corners that share a grid cell are merged.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 
 use scene::Shape;
 
-/// Fewest cells along the longest edge of a mesh, as a box keeps its corners in.
+/// Fewest cells along the longest edge of a mesh; a box keeps its corners with two.
 const FEWEST_CELLS: f64 = 2.0;
-/// Most grids that are tried for a mesh.
+/// Maximum number of grids tried for a mesh.
 const MAX_TRIES: usize = 8;
 
-/// Size of a shape as it counts for drawing: triangles, or corners where a file repeats them.
+/// Returns the size of a shape for drawing: its triangles, or its corners if a file repeats them.
 pub(crate) fn size(shape: &Shape) -> usize {
     if let Shape::Mesh { vertices, triangles } = shape { triangles.len().max(vertices.len()) } else { 0 }
 }
 
-/// Returns a mesh of at most so many triangles and corners, or of the few that the coarsest grid leaves. Other shapes stay
-/// as they are.
+/// Returns a mesh of at most `most` triangles and corners, or the few that the coarsest grid leaves. Other shapes stay unchanged.
 pub(crate) fn simplified(shape: Shape, most: usize) -> Shape {
     let Shape::Mesh { vertices, triangles } = shape else { return shape };
     let fits = |shape: &Shape| size(shape) <= most;
@@ -44,7 +43,7 @@ pub(crate) fn simplified(shape: Shape, most: usize) -> Shape {
     if fits(&best) { best } else { clustered(&vertices, &triangles, octant) }
 }
 
-/// Lowest and highest coordinates of some points.
+/// Returns the lowest and highest coordinates of points.
 fn bounds(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
     let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
     for point in points {
@@ -54,8 +53,8 @@ fn bounds(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
     (low, high)
 }
 
-/// Makes one corner of those in a cell: the outermost, so that an outline does not shrink. Triangles that become lines, and
-/// repetitions of others, are left out.
+/// Merges the corners of each cell into the outermost one, so that an outline does not shrink. Leaves out triangles that become
+/// lines, and repeated triangles.
 fn clustered<C: Eq + Hash>(vertices: &[[f64; 3]], triangles: &[[u32; 3]], cell: impl Fn(&[f64; 3]) -> C) -> Shape {
     let (low, high) = bounds(vertices);
     let distance =
@@ -75,7 +74,7 @@ fn clustered<C: Eq + Hash>(vertices: &[[f64; 3]], triangles: &[[u32; 3]], cell: 
     let mut left = Vec::new();
     for &[a, b, c] in triangles {
         let (Some(a), Some(b), Some(c)) = (number_of(a), number_of(b), number_of(c)) else { continue };
-        // Turned so that the first is the least: the two sides of a plate stay two.
+        // Rotating the least corner to the front keeps the orientation, so the two sides of a plate stay two.
         let turned = if a < b && a < c {
             [a, b, c]
         } else if b < c {
@@ -94,7 +93,7 @@ fn clustered<C: Eq + Hash>(vertices: &[[f64; 3]], triangles: &[[u32; 3]], cell: 
 mod tests {
     use super::*;
 
-    /// A ball of so many rings, with corners of its own for each triangle, as COLLADA has them.
+    /// Returns a ball with this number of rings. Each triangle has corners of its own, as in COLLADA.
     fn ball(rings: u32) -> Shape {
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         let corner = |ring: u32, part: u32| {

@@ -1,4 +1,4 @@
-//! `[[actuator]]` and `[[gripper]]`: joints with a name on the wire.
+//! `[[actuator]]` and `[[gripper]]`: groups of joints with a name on the wire.
 
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ struct GripperEntry {
     closed: Vec<f64>,
 }
 
-/// The actuators; where not all links could be read, none.
+/// Reads the actuators; returns none if not all links could be read.
 pub(super) fn read_actuators<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
@@ -43,7 +43,7 @@ pub(super) fn read_actuators<'a>(
     actuators
 }
 
-/// The grippers; where not all links could be read, none.
+/// Reads the grippers; returns none if not all links could be read.
 pub(super) fn read_grippers<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
@@ -61,7 +61,7 @@ pub(super) fn read_grippers<'a>(
     grippers
 }
 
-/// The numbers of links by the names of their joints.
+/// Returns the numbers of links by the names of their joints.
 fn find(document: &mut Document, span: &Range<usize>, joints: &[String], links: &[Link]) -> Option<Vec<usize>> {
     let names = || links.iter().map(|link| link.name.as_str());
     joints.iter().map(|joint| document.one_of(span, "joints", joint, names())).collect()

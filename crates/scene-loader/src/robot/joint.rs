@@ -1,4 +1,4 @@
-//! `[[joint]]`: links that hang on joints, beside wheels.
+//! `[[joint]]`: joints other than those of wheels, with their links.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::urdf::Continuous;
 struct JointEntry {
     name: String,
     kind: String,
-    /// Without one, the body.
+    /// Parent link; without one, the body.
     parent: Option<String>,
     position: Vector,
     axis: Option<Vector>,
@@ -33,7 +33,7 @@ struct JointEntry {
     coupling: Option<CouplingEntry>,
 }
 
-/// What a joint follows.
+/// Coupling of a joint to its leader.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CouplingEntry {
@@ -41,27 +41,27 @@ struct CouplingEntry {
     multiplier: f64,
     #[serde(default)]
     offset: f64,
-    /// Without one, `mimic`.
+    /// Kind of the coupling; without one, `mimic`.
     kind: Option<String>,
 }
 
-/// The links of a robot, as what is mounted on them names them.
+/// Links of a robot, for lookups by the entries mounted on them.
 pub(super) struct Links {
     pub(super) links: Vec<Link>,
-    /// Where those that hang on joints stand, with their numbers; those of a URDF where that is named.
+    /// Positions and numbers of the links on joints. Links of a URDF have the position of the URDF's name.
     pub(super) carried: Vec<(Range<usize>, usize)>,
-    /// Joints of the URDF that can be those of wheels; `None` without a URDF.
+    /// Joints of the URDF that may carry wheels; `None` without a URDF.
     pub(super) wheels: Option<Vec<Continuous>>,
     /// Numbers of the URDF's links.
     pub(super) urdf_links: Range<usize>,
-    /// Links of the URDF that are wheels.
+    /// Numbers of the URDF's links that are wheels.
     pub(super) taken: Vec<usize>,
-    /// Whether all of them could be read: otherwise a name that is not known is no mistake of its own.
+    /// True if all links could be read. Otherwise an unknown name is not reported.
     pub(super) complete: bool,
 }
 
 impl Links {
-    /// The number of a link by its name; without one, the body.
+    /// Returns the number of a link by its name; without a name, that of the body.
     pub(super) fn find(
         &self,
         document: &mut Document,
@@ -72,12 +72,12 @@ impl Links {
         find_link(document, span, key, name, &self.links, self.complete)
     }
 
-    /// Adds the links that hang on joints beside those of wheels and of a URDF.
+    /// Reads the links on joints other than those of wheels and of a URDF.
     pub(super) fn read_joints<'a>(&mut self, document: &mut Document<'a>, root: &mut Table<'a>) {
         let noted = document.problems().count();
         let entries = document.list::<JointEntry>(root, "joint");
         self.complete &= document.problems().count() == noted;
-        // Their leaders may come behind them.
+        // Leaders may come later in the file.
         let mut couplings = Vec::new();
         for (span, entry) in entries {
             if self.links.iter().any(|link| link.name == entry.name) {
@@ -93,7 +93,7 @@ impl Links {
                 let (kind, axis) = (JointKind::ALL[kind].1, Vector3::from(axis).normalize().into());
                 Joint { limits, damping, friction, drive, ..Joint::new(parent, kind, position, axis) }
             });
-            // Without a joint it only stands for its name, and what is wrong is said.
+            // A link without a joint only keeps its name; its problem is already reported.
             self.carried.extend(joint.is_some().then_some((span, self.links.len())));
             self.links.push(Link { name, joint, ..Link::default() });
         }
@@ -110,7 +110,7 @@ impl Links {
         }
     }
 
-    /// All links with the wheels behind them, checked. What is a wheel is no link of the URDF any more.
+    /// Returns all links, checked, followed by the wheels. The URDF's links that became wheels are left out.
     pub(super) fn with_wheels(self, document: &mut Document, wheels: impl Iterator<Item = Link>) -> Vec<Link> {
         for (span, number) in self.carried.iter().filter(|(_, number)| !self.taken.contains(number)) {
             let link = &self.links[*number];
@@ -119,7 +119,7 @@ impl Links {
             let after = joint.and_then(|joint| joint.coupling).is_some_and(|it| self.taken.contains(&it.leader));
             let on_wheel =
                 (on_wheel || after).then(|| "it hangs on a wheel or follows one: expected another link".to_owned());
-            // Of a URDF's joint the place does not say which.
+            // All joints of a URDF share one position, so the message names the joint.
             let of_urdf =
                 if self.urdf_links.contains(number) { format!("joint {}: ", link.name) } else { String::new() };
             let wrong = check::link(link, *number).into_iter().chain(on_wheel);
@@ -129,8 +129,8 @@ impl Links {
     }
 }
 
-/// The number of a link by its name; without one, the body. Where not all links could be read, a name that is not known is no
-/// mistake of its own and stands for the body.
+/// Returns the number of a link by its name; without a name, that of the body. If not all links could be read, an unknown name is
+/// not reported and gives the body.
 pub(super) fn find_link(
     document: &mut Document,
     span: &Range<usize>,
@@ -144,7 +144,7 @@ pub(super) fn find_link(
     number.or_else(|| document.one_of(span, key, name, known))
 }
 
-/// Links without those that are taken, and with others behind them that hang on the same ones.
+/// Returns the links without the taken ones, followed by others. Parents and leaders are renumbered.
 pub(super) fn rebuilt(links: Vec<Link>, taken: &[usize], others: impl Iterator<Item = Link>) -> Vec<Link> {
     let (mut numbers, mut kept) = (Vec::new(), 0);
     for number in 0..links.len() {
@@ -163,7 +163,7 @@ pub(super) fn rebuilt(links: Vec<Link>, taken: &[usize], others: impl Iterator<I
     links
 }
 
-/// The motor of a joint: all of its numbers, or none.
+/// Reads the motor of a joint: all of its numbers, or none.
 fn read_servo(document: &mut Document, span: &Range<usize>, entry: &JointEntry) -> Option<Motor> {
     let JointEntry { max_speed, max_torque, gain, stiffness, armature, .. } = *entry;
     let given = [("max_speed", max_speed), ("max_torque", max_torque), ("gain", gain)];

@@ -1,5 +1,5 @@
-//! A robot from a URDF alone. Which joints are those of wheels, how the robot is steered and what its motors can do is guessed, and
-//! said in the robot's assumptions; a robot.toml that names the URDF says it better.
+//! Robots from only a URDF. Wheels, steering and motors are guessed, and the guesses are listed in the robot's assumptions. A
+//! robot.toml that names the URDF is more precise.
 
 use nalgebra::{Point3, Vector3};
 use scene::{JointKind, Link, Material, Motor, Pose, RobotDef, SensorDef, Shape, Side, Steering, Wheel, check, sensor};
@@ -11,13 +11,13 @@ use crate::problem::Problems;
 use crate::source::Source;
 use crate::urdf::{self, Continuous, Urdf};
 
-/// How far an axis may lean from the one that it is taken for: cosine.
+/// Least cosine of the angle between an axis and the direction it is taken for.
 const NEARLY: f64 = 0.95;
 /// Speed limit of a wheel without one, rad/s.
 const WHEEL_SPEED: f64 = 10.0;
-/// A wheel without a torque limit can push this part of the robot's weight.
+/// Push of a wheel without a torque limit, as a fraction of the robot's weight.
 const WHEEL_PUSH: f64 = 0.5;
-/// Part of a limit that is within it however sums are rounded.
+/// Fraction of a limit that stays within it in spite of rounding.
 const ROUNDING: f64 = 0.999;
 const BODY: &str = "unreal-default";
 const TYRE: &str = "rubber-tyre";
@@ -70,7 +70,7 @@ pub(crate) fn read(
     Some(robot)
 }
 
-/// Where it is, and how it moved by its wheels.
+/// Returns a ground truth sensor, and odometry for skid robots.
 fn sensors(steering: Steering) -> Vec<SensorDef> {
     let names = [("GroundTruth", "GndTruth"), ("Odometry", "Odometry")];
     let names = names.iter().take(if steering == Steering::Skid { 2 } else { 1 });
@@ -92,13 +92,13 @@ fn sensors(steering: Steering) -> Vec<SensorDef> {
 struct Guess {
     urdf: Urdf,
     tyre: Material,
-    /// Numbers of links, with the wheels that they are.
+    /// Numbers of links, with the wheels made from them.
     wheels: Vec<(usize, Link)>,
     casters: Vec<(usize, Link)>,
 }
 
 impl Guess {
-    /// A wheel turns without an end about an axis to the side and has a shape.
+    /// Finds wheels: links with a shape on continuous joints about a sideways axis.
     fn find_wheels(&mut self) {
         let mass: f64 = self.urdf.links.iter().map(|link| link.mass().mass).sum();
         for continuous in &self.urdf.continuous {
@@ -135,7 +135,7 @@ impl Guess {
         }
     }
 
-    /// How the robot is steered. Without wheels on both sides it stands fixed, and what could be wheels are joints.
+    /// Guesses the steering. A robot without wheels on both sides is fixed, and its possible wheels are joints.
     fn steering(&mut self) -> Steering {
         let sides = [Side::Left, Side::Right];
         let is_on = |side| self.wheels.iter().any(|(_, link)| link.wheel.as_ref().is_some_and(|it| it.side == side));
@@ -170,14 +170,15 @@ impl Guess {
         self.urdf.assumptions.push(format!("{how}; its driven wheels are {wheels}"));
         if steering == Steering::Ackermann {
             for motor in self.wheels.iter_mut().filter_map(|(_, link)| link.joint.as_mut()?.drive.as_mut()) {
-                // In a bend wheels of one speed have to give way.
+                // Wheels of one speed have to yield in a bend.
                 (motor.integral_time, motor.armature) = (None, 0.0);
             }
         }
         steering
     }
 
-    /// What a caster swivels about is held, as a caster is a ball here; and what is fixed and called a caster slides.
+    /// Frees casters. A caster is a ball here, so the joint that it swivels about is held. A solid whose name says caster slides
+    /// without friction.
     fn free_casters(&mut self) {
         for (_, caster) in &self.casters {
             let Some(parent) = caster.joint.as_ref().map(|joint| joint.parent) else { continue };
@@ -195,7 +196,7 @@ impl Guess {
         }
     }
 
-    /// Lowers limits that stand in a URDF for "none": with them a robot would throw itself over walls.
+    /// Lowers limits that mean "none" in a URDF: with them a robot would throw itself over walls.
     fn limit_motors(&mut self) {
         let mass: f64 = self.urdf.links.iter().map(|link| link.mass().mass).sum();
         let most_push = ROUNDING * check::MAX_PUSH * check::EARTH_GRAVITY * mass / self.wheels.len().max(1) as f64;
@@ -227,11 +228,11 @@ impl Guess {
     }
 }
 
-/// A wheel's motor: what the URDF says of it, and a servo of the speed as other joints have.
+/// Returns a wheel's motor: the limits of the URDF, and a speed servo as other joints have.
 fn motor(continuous: &Continuous, robot_mass: f64, radius: f64) -> Motor {
     let max_speed = continuous.max_speed.unwrap_or(WHEEL_SPEED);
     let max_torque = continuous.max_torque.unwrap_or(WHEEL_PUSH * robot_mass * check::EARTH_GRAVITY * radius);
-    // A rotor as `Motor::armature` has to have one.
+    // The rotor has the inertia that `Motor::armature` requires.
     let armature = robot_mass / 4.0 * radius * radius;
     let gain = servo_gain(max_torque, max_speed);
     Motor { max_speed, gain, max_torque, stiffness: None, integral_time: Some(0.1), armature }
@@ -241,8 +242,8 @@ fn servo_gain(max_torque: f64, max_speed: f64) -> f64 {
     max_torque / (urdf::FULL_TORQUE_LAG * max_speed)
 }
 
-/// Radius of what turns with a link about its joint's axis, and how far it goes to the left (negative) and right of the joint, m: by
-/// what touches the world, or else by what is seen.
+/// Returns the radius of a link's shapes about its joint's axis, and their reach to the left (negative) and right of the joint, m.
+/// Uses the colliding shapes, or the visuals if there are none.
 fn extent(link: &Link) -> Option<[f64; 3]> {
     let solids: Vec<(Pose, &Shape)> = link.solids.iter().map(|it| (link.pose_of(it), &it.shape)).collect();
     let [x, y, z] = link.origin();
@@ -260,7 +261,7 @@ fn extent(link: &Link) -> Option<[f64; 3]> {
     (radius > 0.0 && right > left).then_some([radius, left, right])
 }
 
-/// Points of a shape's outline.
+/// Returns points of a shape's outline.
 fn corners(shape: &Shape) -> Vec<Point3<f64>> {
     const AROUND: u32 = 64;
     let around = |radius: f64, z: f64| {
@@ -289,7 +290,7 @@ fn corners(shape: &Shape) -> Vec<Point3<f64>> {
     }
 }
 
-/// Whether a wheel turns by itself: its name or that of what carries it says so, or it is in the middle.
+/// True for a caster: its name or that of its carrier says so, or it is in the middle.
 fn is_caster(links: &[Link], number: usize) -> bool {
     let link = &links[number];
     let parent = link.joint.as_ref().and_then(|joint| links.get(joint.parent));

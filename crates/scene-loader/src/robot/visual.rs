@@ -1,4 +1,4 @@
-//! `[[visual]]`: what is seen of a link instead of its shapes and its wheel.
+//! `[[visual]]`: visible shapes of a link instead of its colliding shapes and its wheel.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::source::Source;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct VisualEntry {
-    /// Without one, the body.
+    /// Link; without one, the body.
     link: Option<String>,
     size: Option<Vector>,
     radius: Option<f64>,
@@ -24,11 +24,11 @@ struct VisualEntry {
     position: Vector,
     #[serde(default)]
     rotation: Vector,
-    /// Instead of those of the mesh.
+    /// Colour instead of those of the mesh.
     colour: Option<[f64; 3]>,
 }
 
-/// Gives links what is seen of them. Where not all links could be read, a name that is not known is no mistake of its own.
+/// Adds visuals to links. If not all links could be read, an unknown name is not reported.
 pub(super) fn read_visuals<'a>(
     source: &Source,
     document: &mut Document<'a>,
@@ -49,8 +49,8 @@ pub(super) fn read_visuals<'a>(
     }
 }
 
-/// To a hundredth of a millimetre, finer than anybody sees: the digits that 32-bit numbers of a file have beyond that would
-/// make every log twice as large.
+/// Rounds corners to a hundredth of a millimetre, finer than anybody sees. The further digits of a file's 32-bit numbers would
+/// double the size of every log.
 fn rounded(shape: Shape) -> Shape {
     let Shape::Mesh { mut vertices, triangles } = shape else { return shape };
     vertices.iter_mut().flatten().for_each(|part| *part = (*part * 1e5).round() / 1e5);

@@ -11,7 +11,7 @@ use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
 use crate::problem::Unread;
 
-/// Numbers of a wheel; those missing are taken from `[wheels]`.
+/// Numbers of a wheel; missing ones are taken from `[wheels]`.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct WheelEntry {
@@ -34,7 +34,7 @@ struct WheelEntry {
     rotor_inertia: Option<f64>,
     roller_angle: Option<f64>,
     first_roller: Option<f64>,
-    /// The link that carries it; without one, the body.
+    /// Link that carries it; without one, the body.
     link: Option<String>,
 }
 
@@ -54,7 +54,7 @@ struct RollersEntry {
     mass: f64,
     damping: f64,
     material: String,
-    /// Instead of the material's.
+    /// Friction instead of the material's.
     friction: Option<f64>,
 }
 
@@ -68,7 +68,7 @@ struct CasterEntry {
     material: String,
 }
 
-/// The driven wheels, if all of them could be read.
+/// Reads the driven wheels; fails unless all of them could be read.
 pub(super) fn read_wheels<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
@@ -100,7 +100,7 @@ pub(super) fn read_wheels<'a>(
         document.wrong(span, wrong_wheel(link));
     }
     if !place.is_empty() {
-        // What is wrong with every wheel stands in [wheels].
+        // A problem of every wheel is one of [wheels].
         let shared = document.problems().take_shared(noted, count);
         document.wrong(&place, shared);
     }
@@ -200,12 +200,12 @@ fn read_wheel(
     Some(wheel)
 }
 
-/// What is wrong with the wheel that a link is; without one, nothing.
+/// Lists the problems of a link's wheel; empty without one.
 pub(super) fn wrong_wheel(link: &Link) -> Vec<String> {
     MountedWheel::of((1, link)).map_or(Vec::new(), |wheel| check::wheel(&wheel))
 }
 
-/// What follows from a motor behind a gear.
+/// Limits that follow from a motor behind a gear.
 struct Gearbox {
     /// Torque limit at the wheel, N m: gear x torque constant x current.
     max_torque: Option<f64>,
@@ -237,7 +237,7 @@ fn read_rollers(
     let RollersEntry { count, axis_circle, mass, damping, .. } = *entry;
     let last_phase = std::f64::consts::PI / f64::from(count);
     let mut rollers = Rollers { count, axis_circle, angle, first_roller: 0.0, last_phase, mass, damping, material };
-    // What a wheel of no size or an angle that is none makes of its rollers is said of those.
+    // An invalid wheel radius or roller angle is reported by itself, not as a problem of the rollers.
     let sound = check::WHEEL_RADIUS.holds(wheel_radius) && check::ROLLER_ANGLE.holds(angle.abs());
     let wrong = if sound { check::rollers(&rollers, wheel_radius) } else { Vec::new() };
     if let Some(half_length) = entry.half_length.filter(|_| sound && wrong.is_empty()) {
@@ -247,7 +247,8 @@ fn read_rollers(
     Some(rollers)
 }
 
-/// The phase at which a roller of a length ends: from the least that leaves no gap to where its axis leaves the wheel.
+/// Returns the phase at which a roller of this half length ends. It lies between the least phase without a gap and that of the
+/// longest roller.
 fn last_phase_of(
     document: &mut Document,
     place: &Range<usize>,
@@ -255,11 +256,11 @@ fn last_phase_of(
     half_length: f64,
     wheel_radius: f64,
 ) -> Option<f64> {
-    // At the end of the longest roller its radius is a tenth of that in its middle.
+    // The end of the longest roller has a tenth of the radius of its middle.
     let thin = 0.1 * (wheel_radius - rollers.axis_circle);
     let (mut low, mut high) = (rollers.last_phase, (rollers.axis_circle / (wheel_radius - thin)).acos());
     let [least, most] = [low, high].map(|phase| rollers.half_length_at(phase, wheel_radius));
-    // A tenth of a millimetre less is rounding in a data sheet.
+    // A deficit of up to a tenth of a millimetre is rounding in a data sheet.
     if !(least - 1e-4..=most).contains(&half_length) {
         let message = format!("`half_length` is {half_length}: expected {least:.5} (no gap) to {most:.5}");
         document.problem(place, message);

@@ -1,4 +1,4 @@
-//! Mistakes in a URDF with their lines, which the URDF library does not tell.
+//! Checks of a URDF that report lines, which the URDF library does not.
 
 use std::collections::BTreeMap;
 
@@ -8,12 +8,12 @@ use scene::check::{ANGLE, INERTIA, ROBOT_REACH, Range};
 
 use crate::problem::Problems;
 
-/// Most elements inside each other: the URDF library recurses into them. A URDF has six, extensions of simulators twelve.
+/// Maximum nesting of elements, as the URDF library recurses into them. A URDF has six levels, extensions of simulators twelve.
 const MAX_DEPTH: usize = 64;
-/// Most links and most joints.
+/// Maximum number of links, and of joints.
 const MAX_LINKS: usize = 1000;
 
-/// An axis is shorter than that only by mistake, and squares of smaller numbers are lost.
+/// Least length of an axis. A shorter one is a mistake, and squares of smaller numbers are lost.
 const LEAST_AXIS: f64 = 1e-9;
 
 const JOINT_TYPES: [&str; 6] = ["fixed", "continuous", "revolute", "prismatic", "floating", "planar"];
@@ -74,7 +74,7 @@ impl Check<'_> {
         }
     }
 
-    /// Links that are a tree: one without a parent, and all others with one.
+    /// Checks that the links are a tree: one without a parent, and all others with one.
     fn tree(&mut self, robot: Node, joints: Vec<Node>, links: &[&str]) {
         let mut parents = BTreeMap::<&str, Vec<(&str, &str)>>::new();
         for joint in &joints {
@@ -102,7 +102,7 @@ impl Check<'_> {
         }
     }
 
-    /// Links that carry each other in a circle have parents and yet hang on nothing.
+    /// Checks that every link reaches the root. Links in a circle of joints have parents, yet no connection to it.
     fn reached(&mut self, robot: Node, parents: &BTreeMap<&str, Vec<(&str, &str)>>, root: &str, links: &[&str]) {
         let parent_of = |link: &str| parents.get(link).and_then(|of_link| of_link.first()).map(|(_, parent)| *parent);
         let reaches = |link: &str| {
@@ -143,7 +143,7 @@ impl Check<'_> {
         value
     }
 
-    /// Attributes that are numbers everywhere in a URDF, with their range where they have one everywhere.
+    /// Checks the attributes that are numbers everywhere in a URDF, and those with a fixed range.
     fn numbers(&mut self, node: Node) {
         for attribute in node.attributes() {
             let (count, range) = match attribute.name() {
@@ -173,7 +173,7 @@ impl Check<'_> {
     }
 }
 
-/// Link at an end of a joint, `parent` or `child`.
+/// Returns the link at an end of a joint, `parent` or `child`.
 fn end_of<'n>(joint: Node<'n, '_>, tag: &str) -> Option<&'n str> {
     joint.children().find(|node| node.has_tag_name(tag))?.attribute("link")
 }
@@ -185,7 +185,7 @@ fn moves(joint: Node) -> bool {
 
 const FINITE: Range = Range { least: f64::MIN, most: f64::MAX, unit: "" };
 
-/// What in a node only xacro understands. That it is declared is no harm: it often stays when it is expanded.
+/// Returns the part of a node that needs xacro. A mere declaration of xacro is harmless: it often remains after expansion.
 fn of_xacro(node: Node) -> Option<String> {
     let substitution = |text: &str| text.contains("${") || text.contains("$(");
     match node.node_type() {
@@ -200,7 +200,7 @@ fn of_xacro(node: Node) -> Option<String> {
     }
 }
 
-/// What is said of a file with something in it that only xacro understands.
+/// Returns the message for a file that needs xacro.
 pub(super) fn unexpanded(what: &str) -> String {
     format!("`{what}` is of xacro: expected a URDF; expand it first: `xacro robot.xacro > robot.urdf`")
 }

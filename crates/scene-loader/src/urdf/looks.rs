@@ -1,5 +1,5 @@
-//! Visuals of a URDF's links. A robot is never refused because of its looks: heavy meshes lose triangles, and a link
-//! whose meshes cannot be drawn is drawn as its collision shapes.
+//! Visuals of a URDF's links. A robot is never rejected because of its looks. Heavy meshes lose triangles, and a link whose meshes
+//! cannot be drawn is drawn as its collision shapes.
 
 use nalgebra::{Isometry3, UnitQuaternion};
 use scene::check::MAX_PARTS;
@@ -10,31 +10,31 @@ use super::{isometry, mesh_file, primitive, z_down};
 use crate::mesh::{self, Piece};
 use crate::source::Source;
 
-/// Triangles, or corners, of all meshes of a URDF: two thirds of what a robot may have, as its robot.toml may add some.
+/// Maximum number of triangles, or corners, of all meshes of a URDF: two thirds of the limit of a robot, as its robot.toml may add
+/// some.
 pub(super) const MAX_TRIANGLES: usize = 200_000;
-/// Fewest triangles that a mesh is left with.
+/// Fewest triangles that simplification leaves of a mesh.
 const LEAST_TRIANGLES: usize = 24;
-/// Bytes of mesh files that are read for the looks of one URDF.
+/// Maximum number of bytes of mesh files read for the looks of one URDF.
 const MAX_BYTES: u64 = 256 << 20;
-/// Pieces of one mesh; more become one piece.
+/// Maximum number of pieces of one mesh; more are joined into one piece.
 const MAX_PIECES: usize = 64;
 
-/// Looks that have been read so far.
+/// Visuals read so far.
 #[derive(Default)]
 pub(super) struct Looks {
     bytes: u64,
-    /// Sizes of meshes as they were read, and as they are kept.
+    /// Sizes of meshes as read, and as kept.
     read: usize,
     kept: usize,
     visuals: usize,
 }
 
-/// A visual that cannot be drawn is left out, with the reason.
+/// Reason for which a visual is not drawn.
 struct Undrawn(String);
 
 impl Looks {
-    /// Returns the visuals of a link, with the solids it collides with in their place where none can be drawn, and what is
-    /// to be said.
+    /// Returns the visuals of a link and its assumptions. If no visual can be drawn, its collision solids are drawn instead.
     pub(super) fn of_link(
         &mut self,
         source: &Source,
@@ -79,14 +79,14 @@ impl Looks {
         (drawn, reasons.iter().map(|reason| format!("link {}: {reason}: {how}", link.name)).collect())
     }
 
-    /// Takes triangles away while the links have too many, so that memory stays bounded however many meshes come.
+    /// Simplifies meshes while the links have too many triangles. This bounds memory for any number of meshes.
     pub(super) fn bound(&mut self, links: &mut [Link]) {
         if self.kept > 2 * MAX_TRIANGLES {
             self.simplify(links);
         }
     }
 
-    /// Takes triangles away until the links have as few as a robot may have, and says so.
+    /// Simplifies meshes to the limit of a URDF, and returns a message if any triangles were removed.
     pub(super) fn finish(mut self, links: &mut [Link]) -> Option<String> {
         if self.kept > MAX_TRIANGLES {
             self.simplify(links);
@@ -108,12 +108,12 @@ impl Looks {
             }
             kept += mesh::size(&visual.shape);
         }
-        // A mesh of dust may be without a surface now.
+        // A mesh of tiny pieces may have lost its surface.
         links.iter_mut().for_each(|link| link.visuals.retain(|visual| scene::check::visual(visual).is_empty()));
         self.kept = kept;
     }
 
-    /// Visuals of a link in the robot frame: a mesh in the pieces of its colours.
+    /// Returns visuals of a link in the robot frame: a mesh in one piece per colour.
     fn visuals(
         &mut self,
         source: &Source,

@@ -1,4 +1,4 @@
-//! What a map may hold.
+//! Checks of maps.
 
 use nalgebra::Vector3;
 
@@ -20,7 +20,7 @@ pub(super) fn check_map(def: &MapDef) -> Result<(), SceneProblem> {
     Ok(())
 }
 
-/// What is wrong with a map as a whole; its solids and poses are checked by themselves.
+/// Lists the problems of a map as a whole; its solids and poses have their own checks.
 pub fn map(def: &MapDef) -> Vec<String> {
     let shapes = || def.solids.iter().chain(def.objects.iter().map(|object| &object.solid)).map(|solid| &solid.shape);
     let mut wrong = wire_name("name", &def.name);
@@ -35,7 +35,7 @@ pub fn map(def: &MapDef) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a material.
+/// Lists the problems of a material.
 pub fn material(def: &Material) -> Vec<String> {
     let mut wrong = wire_name("name", &def.name);
     for (range, key, value) in [
@@ -52,7 +52,7 @@ pub fn material(def: &Material) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a named place of a map.
+/// Lists the problems of a named pose on a map.
 pub fn named_pose(def: &NamedPose) -> Vec<String> {
     let mut wrong = wire_name("name", &def.name);
     wrong.extend(MAP_REACH.problem_in("position", &def.position));
@@ -60,7 +60,7 @@ pub fn named_pose(def: &NamedPose) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a solid of a map; its material is checked by itself.
+/// Lists the problems of a solid of a map; its material has its own check.
 pub fn map_solid(def: &Solid) -> Vec<String> {
     let mut wrong = wire_name("name", &def.name);
     wrong.extend(solid(def, MAP_REACH, MAP_SIZE));
@@ -70,7 +70,7 @@ pub fn map_solid(def: &Solid) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with an object of a map; its material is checked by itself.
+/// Lists the problems of an object of a map; its material has its own check.
 pub fn object(def: &Object) -> Vec<String> {
     let mut wrong = map_solid(&def.solid);
     if matches!(def.solid.shape, Shape::HalfSpace | Shape::Mesh { .. }) {
@@ -80,7 +80,7 @@ pub fn object(def: &Object) -> Vec<String> {
     wrong
 }
 
-/// From the lowest to the highest point of a solid as it stands.
+/// Checks the height from the lowest to the highest point of a solid in its pose.
 fn height(def: &Solid) -> Option<String> {
     let turn = def.pose().rotation;
     let down = turn.inverse() * Vector3::z();

@@ -1,4 +1,4 @@
-//! What a robot may be.
+//! Checks of robots.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,7 +13,7 @@ use crate::{
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     let class = format!("robot {}", shown(&def.class));
-    // Sums over parts come last: they need numbers.
+    // Sums over parts come last, as they need valid numbers.
     first(&class, counts(def))?;
     for (number, it) in def.links.iter().enumerate() {
         first(&format!("{class}, link {}", shown(&it.name)), link(it, number))?;
@@ -44,7 +44,7 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     first(&class, robot(def))
 }
 
-/// What is wrong with a solid of a robot's body; its material is checked by itself.
+/// Lists the problems of a solid of a robot's body; its material has its own check.
 pub fn body_solid(def: &Solid) -> Vec<String> {
     let mut wrong = name("name", &def.name);
     wrong.extend(solid(def, ROBOT_REACH, ROBOT_SIZE));
@@ -56,7 +56,7 @@ pub fn body_solid(def: &Solid) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with something that is seen of a link.
+/// Lists the problems of a visual of a link.
 pub fn visual(def: &Visual) -> Vec<String> {
     let mut wrong: Vec<String> = ROBOT_REACH.problem_in("position", &def.position).into_iter().collect();
     wrong.extend(ANGLE.problem_in("rotation", &def.rotation));
@@ -68,7 +68,7 @@ pub fn visual(def: &Visual) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a link that has a number among the links; its parts, solids and wheel are checked by themselves.
+/// Lists the problems of the link with this number; its parts, solids and wheel have their own checks.
 pub fn link(def: &Link, number: usize) -> Vec<String> {
     let mut wrong = name("name", &def.name);
     match &def.joint {
@@ -83,7 +83,7 @@ pub fn link(def: &Link, number: usize) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with the joint of a link that has a number. Where a wheel is and its motor are checked with it.
+/// Lists the problems of a link's joint. The check of a wheel covers the position and the motor of its joint.
 fn joint(def: &Joint, number: usize, of_wheel: bool) -> Vec<String> {
     let mut wrong = Vec::new();
     if def.parent >= number {
@@ -139,7 +139,7 @@ fn joint(def: &Joint, number: usize, of_wheel: bool) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a part of a robot's body.
+/// Lists the problems of a part of a robot's body.
 pub fn part(def: &Part) -> Vec<String> {
     let mut wrong = name("name", &def.name);
     wrong.extend(PART_MASS.problem("mass", def.mass));
@@ -148,7 +148,7 @@ pub fn part(def: &Part) -> Vec<String> {
     wrong
 }
 
-/// A moment of inertia sums the squares of two coordinates over the mass, so none is more than the other two together.
+/// Checks an inertia. A moment sums the squares of two coordinates over the mass, so none exceeds the sum of the other two.
 fn inertia(def: &Matrix3<f64>) -> Option<String> {
     if let Some(wrong) = INERTIA.problem_in("inertia", def.as_slice()) {
         return Some(wrong);
@@ -166,18 +166,18 @@ fn inertia(def: &Matrix3<f64>) -> Option<String> {
     Some(format!("`inertia` has the principal moments {least}, {middle} and {most} kg m²: {expected}"))
 }
 
-/// Principal moments of an inertia, the least first.
+/// Returns the principal moments of an inertia, the least first.
 fn principal_moments(inertia: &Matrix3<f64>) -> [f64; 3] {
-    // So small moments are not lost in squares.
+    // Scaling keeps small moments from being lost in squares.
     let size = inertia.amax().max(f64::MIN_POSITIVE);
     let mut moments: [f64; 3] = (inertia / size).symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);
-    // What rounding leaves of a moment that is zero.
+    // Rounding leaves a residue of a moment that is zero.
     moments.map(|moment| if moment.abs() < 1e-12 { 0.0 } else { moment * size })
 }
 
-/// What is wrong with a wheel or a caster; its materials are checked by themselves, and what its rollers share with those
-/// of other wheels.
+/// Lists the problems of a wheel or a caster. Its materials have their own checks, as do the numbers that its rollers share with
+/// those of other wheels.
 pub fn wheel(def: &MountedWheel) -> Vec<String> {
     let mut wrong = name("name", def.name);
     wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
@@ -214,7 +214,7 @@ pub fn wheel(def: &MountedWheel) -> Vec<String> {
     wrong
 }
 
-/// A speed and a radius that are good alone can be absurd together.
+/// Checks the speed of the rim: a valid motor speed and a valid radius together can be absurd.
 fn rim_speed(motor: &Motor, radius: f64) -> Option<String> {
     let speed = motor.max_speed * radius;
     let (turn, radius) = (Number(motor.max_speed), Number(radius));
@@ -225,7 +225,7 @@ fn rim_speed(motor: &Motor, radius: f64) -> Option<String> {
     })
 }
 
-/// Motors, radii and masses that are good alone can be absurd together.
+/// Checks the push of all wheels: valid motors, radii and masses together can be absurd.
 fn push(def: &RobotDef) -> Option<String> {
     let force: f64 = def.driven().filter_map(|wheel| Some(wheel.drive?.stall_torque() / wheel.radius)).sum();
     let weight = f64::from(def.mass()) * EARTH_GRAVITY;
@@ -253,7 +253,7 @@ fn motor(def: &Motor) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with the rollers of a wheel of a good radius; their material is checked by itself.
+/// Lists the problems of the rollers of a wheel with a valid radius; their material has its own check.
 pub fn rollers(def: &Rollers, wheel_radius: f64) -> Vec<String> {
     let mut wrong = Vec::new();
     for (range, key, value) in [
@@ -263,7 +263,7 @@ pub fn rollers(def: &Rollers, wheel_radius: f64) -> Vec<String> {
     ] {
         wrong.extend(range.problem(key, value));
     }
-    // At the ends the axis is farthest out; the roller must still be inside the wheel there.
+    // The axis is farthest out at the ends of a roller; the roller must still be inside the wheel there.
     let least_phase = std::f64::consts::PI / f64::from(def.count.max(3));
     let (least, outermost) = (LEAST_AXIS_CIRCLE * wheel_radius, (1.0 - LEAST_ROLLER_END) * wheel_radius);
     let most = outermost * least_phase.cos();
@@ -279,7 +279,7 @@ pub fn rollers(def: &Rollers, wheel_radius: f64) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a sensor.
+/// Lists the problems of a sensor.
 pub fn sensor(def: &SensorDef) -> Vec<String> {
     let mut wrong = wire_name("name", &def.name);
     wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
@@ -292,7 +292,7 @@ pub fn sensor(def: &SensorDef) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a battery.
+/// Lists the problems of a battery.
 pub fn battery(def: &Battery) -> Vec<String> {
     let energy = BATTERY_ENERGY.problem("max_energy", def.max_energy);
     energy.into_iter().chain(BATTERY_LIFE.problem("life", def.life)).collect()
@@ -321,8 +321,8 @@ fn counts(def: &RobotDef) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a robot as a whole; its parts, solids, wheels, sensors and battery are checked by themselves, and
-/// have to be right.
+/// Lists the problems of a robot as a whole. Its parts, solids, wheels, sensors and battery have their own checks, and have to be
+/// valid.
 pub fn robot(def: &RobotDef) -> Vec<String> {
     let mut wrong = counts(def);
     wrong.extend(REPORTED_TORQUE.problem("reported_max_torque", def.reported_max_torque));
@@ -358,14 +358,14 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with what a robot can do in the air.
+/// Lists the problems of a robot's flight limits.
 pub fn aerial(def: &Aerial) -> Vec<String> {
     let velocity = FLIGHT_SPEED.problem_in("max_velocity", &def.max_velocity);
     let turn = FLIGHT_TURN.problem("max_turn", def.max_turn);
     velocity.into_iter().chain(turn).chain(TILT.problem("max_tilt", def.max_tilt)).collect()
 }
 
-/// What is wrong with an actuator of a robot with such links.
+/// Lists the problems of an actuator of a robot with these links.
 pub fn actuator(def: &Actuator, links: &[Link]) -> Vec<String> {
     let mut wrong = wire_name("name", &def.name);
     wrong.extend(ROBOT_REACH.problem_in("tip", &def.tip));
@@ -373,7 +373,7 @@ pub fn actuator(def: &Actuator, links: &[Link]) -> Vec<String> {
     wrong
 }
 
-/// What is wrong with a gripper of a robot with such links.
+/// Lists the problems of a gripper of a robot with these links.
 pub fn gripper(def: &Gripper, links: &[Link]) -> Vec<String> {
     let mut wrong = wire_name("name", &def.name);
     wrong.extend(JOINT_LIMIT.problem_in("open", &def.open));
@@ -385,7 +385,7 @@ pub fn gripper(def: &Gripper, links: &[Link]) -> Vec<String> {
     wrong
 }
 
-/// The joints of an actuator have motors, and are none of wheels.
+/// Checks that the joints of an actuator have motors and are not those of wheels.
 fn driven_joints(name: &str, numbers: &[usize], links: &[Link]) -> Option<String> {
     let moves = |&number: &usize| {
         let link = links.get(number)?;
@@ -398,7 +398,7 @@ fn driven_joints(name: &str, numbers: &[usize], links: &[Link]) -> Option<String
     (!good).then(|| format!("the joints of {}: {expected}", shown(name)))
 }
 
-/// A leader leads itself: what would follow what else?
+/// Checks that each leader has no coupling itself, so that no joint depends on a chain or a cycle.
 fn couplings(def: &RobotDef) -> impl Iterator<Item = String> {
     let coupled = |link: &Link| Some((link.name.clone(), link.joint.as_ref()?.coupling?.leader));
     let leads = |link: &Link| link.has_value() && link.joint.as_ref().is_some_and(|joint| joint.coupling.is_none());
@@ -409,7 +409,7 @@ fn couplings(def: &RobotDef) -> impl Iterator<Item = String> {
     })
 }
 
-/// An omni base has four wheels with rollers in a fixed order, as its kinematics and its encoders count them.
+/// Checks that an omni base has four wheels with rollers in the fixed order that its kinematics and its encoders use.
 fn omni(def: &RobotDef) -> Option<String> {
     const ORDER: [(f64, Side, f64); 4] =
         [(1.0, Side::Left, 1.0), (1.0, Side::Right, -1.0), (-1.0, Side::Left, -1.0), (-1.0, Side::Right, 1.0)];

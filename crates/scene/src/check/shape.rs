@@ -1,4 +1,4 @@
-//! What a shape may be.
+//! Checks of shapes.
 
 use nalgebra::Vector3;
 
@@ -31,12 +31,12 @@ pub(super) fn shape(shape: &Shape, reach: Range, size: Range) -> Vec<String> {
     }
 }
 
-/// The first corner out of reach.
+/// Describes the first corner out of reach.
 fn corners(points: &[[f64; 3]], reach: Range) -> Option<String> {
     points.iter().find_map(|point| reach.problem_in("corner", point))
 }
 
-/// Volume of the convex hull of some points, m³.
+/// Returns the volume of the convex hull of points, m³.
 fn volume(points: &[[f64; 3]]) -> f64 {
     let Some(Shape::Mesh { vertices, triangles }) = hull_surface(points) else { return 0.0 };
     let corner = |index: u32| Vector3::from(vertices[index as usize]) - Vector3::from(vertices[0]);

@@ -1,30 +1,30 @@
-//! Numbers of wheel encoders (Encoder.uc).
+//! Settings of wheel encoders (Encoder.uc).
 
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-/// Numbers of an encoder.
+/// Settings of an encoder.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     /// Angle of one tick, rad.
     pub resolution: f64,
-    /// Half width of the uniform noise, as a part of the angle turned.
+    /// Half width of the uniform noise, as a fraction of the angle turned.
     pub noise: f64,
-    /// The driven wheel that it reads, from 0. Without: every wheel i for which the name contains `W<i>`, as USARSim.
+    /// Number of the driven wheel it reads, from 0. Without it: every wheel i for which the name contains `W<i>`, as in USARSim.
     pub wheel: Option<usize>,
 }
 
 impl Default for Config {
-    /// DefaultUSAR.ini:89-92.
+    /// Defaults of DefaultUSAR.ini:89-92.
     fn default() -> Self {
         Self { resolution: 0.01745, noise: 0.005, wheel: None }
     }
 }
 
 impl Config {
-    /// Numbers that ticks can be counted with.
+    /// Checks that ticks can be counted with these numbers.
     pub(super) fn validate(&self) -> Result<(), &'static str> {
         let good = (1e-6..=TAU).contains(&self.resolution) && (0.0..1.0).contains(&self.noise);
         if good { Ok(()) } else { Err("resolution 1e-6 to 2 pi, noise 0 to less than 1") }

@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
-    /// True: the pose of the robot's body. False: of the sensor.
+    /// True: reports the pose of the robot's body. False: reports the pose of the sensor.
     pub fixed_to_platform: bool,
 }
 
 impl Default for Config {
-    /// DefaultUSAR.ini:70-72.
+    /// Default of DefaultUSAR.ini:70-72.
     fn default() -> Self {
         Self { fixed_to_platform: true }
     }

@@ -1,8 +1,8 @@
-//! Numbers of an inertial measurement unit (IMU.uc).
+//! Settings of an inertial measurement unit (IMU.uc).
 
 use serde::{Deserialize, Serialize};
 
-/// It has no numbers of its own: no noise either.
+/// An IMU has no settings of its own, and no noise.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {}

@@ -1,28 +1,28 @@
-//! Numbers of an inertial navigation (INS.uc).
+//! Settings of an inertial navigation sensor (INS.uc).
 
 use serde::{Deserialize, Serialize};
 
-/// Numbers of an inertial navigation.
+/// Settings of an inertial navigation sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
-    /// Whether increments are biased, by numbers drawn once.
+    /// True if increments have a bias, drawn once.
     pub drifting: bool,
     /// Linear biases are within ±0.5 / precision, angular ones within ±0.5 / precision².
     pub precision: f64,
-    /// Standard deviation of the noise of one increment, as a part of it.
+    /// Standard deviation of the noise of one increment, as a fraction of it.
     pub sigma: f64,
 }
 
 impl Default for Config {
-    /// DefaultUSAR.ini:51-59; the sigma of its section has no effect, the one of Sensor.uc:18 counts.
+    /// Defaults of DefaultUSAR.ini:51-59. The sigma of that section has no effect; the one of Sensor.uc:18 counts.
     fn default() -> Self {
         Self { drifting: true, precision: 1000.0, sigma: 0.05 }
     }
 }
 
 impl Config {
-    /// Numbers that noise can be drawn with.
+    /// Checks that noise can be drawn from these numbers.
     pub(super) fn validate(&self) -> Result<(), &'static str> {
         let good = (1e-3..=1e9).contains(&self.precision) && (0.0..=10.0).contains(&self.sigma);
         if good { Ok(()) } else { Err("precision 0.001 to 1e9, sigma 0 to 10") }

@@ -1,15 +1,15 @@
-//! Numbers of an odometry (Odometry.uc).
+//! Settings of odometry (Odometry.uc).
 
 use serde::{Deserialize, Serialize};
 
-/// How an odometry reckons.
+/// Settings of odometry.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
-    /// Omni robots: follow the phases of the rollers. The textbook over-reports ways to the side by the 4.5 % that
-    /// six rollers lose.
+    /// Omni robots: follow the phases of the rollers. The textbook formula over-reports sideways travel by the 4.5 % that six
+    /// rollers lose.
     pub finite_rollers: bool,
-    /// Skid robots: the twist at which the friction of their wheels balances, in the place of USARSim's two wheels that roll without
-    /// slip, which say 1.45 times as much of a P3AT that turns on the spot.
+    /// Skid robots: use the twist that balances the friction of the sliding wheels. USARSim assumes two wheels that roll without
+    /// slip, which over-reports the turn of a P3AT on the spot 1.45 times.
     pub sliding: bool,
 }

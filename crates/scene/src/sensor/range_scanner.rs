@@ -1,6 +1,6 @@
-//! Lasers: a fan of beams from the right to the left (RangeScanner.uc:18-71, SICK.uc, HokuyoURG04LX.uc).
+//! Lasers: a fan of beams from right to left (RangeScanner.uc:18-71, SICK.uc, HokuyoURG04LX.uc).
 //!
-//! Angles go through USARSim's whole rotation units, which fixes the number of beams: 21, 181 and 228.
+//! Angles are rounded to USARSim's whole rotation units, which fixes the number of beams: 21, 181 and 228.
 
 #![expect(clippy::approx_constant, reason = "the numbers are those of USARSim's files")]
 
@@ -8,25 +8,25 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::rotation_units;
 
-/// Numbers of a laser.
+/// Settings of a laser.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RangeScanner {
-    /// What a miss reads, m.
+    /// Reading without a hit, m.
     pub max_range: f64,
-    /// Reported, not applied, m.
+    /// Smallest range, m; reported, not applied.
     pub min_range: f64,
     /// Angle between two beams, rad.
     pub resolution: f64,
     /// Angle of the whole fan, rad.
     pub field_of_view: f64,
-    /// Whether the fan is spread by yaw.
+    /// True if the fan is spread by yaw.
     pub yaw: bool,
-    /// Whether the fan is spread by pitch.
+    /// True if the fan is spread by pitch.
     pub pitch: bool,
 }
 
-/// The plain scanner (DefaultUSAR.ini:100-107).
+/// Plain scanner (DefaultUSAR.ini:100-107).
 pub const PLAIN: RangeScanner =
     RangeScanner { max_range: 4.0, min_range: 0.1, resolution: 0.157, field_of_view: 3.14, yaw: true, pitch: false };
 /// SICK LMS 200 (DefaultUSAR.ini:137-140).
@@ -37,27 +37,27 @@ pub const HOKUYO_URG_04LX: RangeScanner = RangeScanner { field_of_view: 4.189, r
 /// The beams of a laser.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fan {
-    /// Angle of the first beam, to the right positive, rad.
+    /// Angle of the first beam, rad; positive to the right.
     pub first: f64,
-    /// How far each beam is to the left of the one before, rad.
+    /// Angle between neighbouring beams, rad; each beam is to the left of the previous one.
     pub resolution: f64,
     /// Smallest range, m.
     pub min_range: f64,
-    /// What a miss reads, m.
+    /// Reading without a hit, m.
     pub max_range: f64,
-    /// Whether all beams are in the sensor's plane of x and y.
+    /// True if all beams are in the sensor's x-y plane.
     pub level: bool,
 }
 
 impl Fan {
-    /// How many beams it has.
+    /// Returns the number of beams.
     pub(super) fn rays(&self) -> usize {
         (2.0 * self.first / self.resolution) as usize + 1
     }
 }
 
 impl RangeScanner {
-    /// The same with the numbers that settings name.
+    /// Returns a copy with the numbers given in `settings`.
     pub(super) fn changed<'de, D: Deserializer<'de>>(&self, settings: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
@@ -80,7 +80,7 @@ impl RangeScanner {
         })
     }
 
-    /// Numbers that a scan can be made with.
+    /// Checks that these numbers make a scan.
     pub(super) fn validate(&self) -> Result<(), &'static str> {
         let good = self.max_range > 0.0
             && self.max_range <= 10_000.0
@@ -98,12 +98,12 @@ impl RangeScanner {
         }
     }
 
-    /// Angle between two beams, whole rotation units.
+    /// Returns the angle between two beams in whole rotation units, at least 1.
     pub fn resolution_units(&self) -> i32 {
         rotation_units::from_radians(self.resolution).max(1)
     }
 
-    /// The fan as it is cast.
+    /// Returns the fan of beams, with angles in whole rotation units.
     pub fn fan(&self) -> Fan {
         let first = rotation_units::from_radians(self.field_of_view) / 2;
         let [first, resolution] =

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
-    /// What silence reads, m.
+    /// Reading without an echo, m.
     pub max_range: f64,
     /// Smallest reading, m.
     pub min_range: f64,
@@ -21,7 +21,7 @@ pub struct Config {
 }
 
 impl Default for Config {
-    /// DefaultUSAR.ini:163-171.
+    /// Defaults of DefaultUSAR.ini:163-171.
     fn default() -> Self {
         Self {
             max_range: 5.0,
@@ -35,7 +35,7 @@ impl Default for Config {
 }
 
 impl Config {
-    /// Numbers that a cone can be made with.
+    /// Checks that the cones have valid ranges, angles and ray counts.
     pub(super) fn validate(&self) -> Result<(), &'static str> {
         let good = 0.0 <= self.min_range
             && self.min_range < self.max_range
@@ -47,7 +47,7 @@ impl Config {
         if good { Ok(()) } else { Err("min_range < max_range, angles 0 to pi, at most 100 cones of 1000 traces") }
     }
 
-    /// The beam ahead and those of the cones.
+    /// Returns the number of rays: one ahead, and those of the cones.
     pub(super) fn rays(&self) -> usize {
         (self.number_of_cones as usize).saturating_mul(self.traces_per_cone as usize).saturating_add(1)
     }

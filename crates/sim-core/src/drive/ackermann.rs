@@ -1,20 +1,19 @@
-//! Steered wheels: `{Speed f} {FrontSteer f} {RearSteer f}`, all of them needed (AckermanSteeredVehicle.uc:22-67). Every driven
-//! wheel gets the speed. Joints that turn and have FRONTSTEER or REARSTEER in their names, in any case, get the angle, rad, positive
-//! to the right.
+//! Steered wheels: `{Speed f} {FrontSteer f} {RearSteer f}`, all three required (AckermanSteeredVehicle.uc:22-67). Every driven wheel
+//! gets the speed. Revolute joints with FRONTSTEER or REARSTEER in their names, in any case, get the angle, rad, positive to the right.
 //!
-//! USARSim turns both wheels of an axle by the same angle, so that one of them has to slide: on rigid wheels that grip, the robot then
-//! drives the circle of the one or of the other, half a track off. Here the angle is that of the axle's middle, and each wheel
-//! stands across the line to the middle of the circle.
+//! USARSim turns both wheels of an axle by the same angle, so one of them has to slide. With rigid wheels that grip, the robot would then
+//! follow the circle of one wheel or the other, half a track off. Here the commanded angle is that of the axle's midpoint, and each wheel
+//! is perpendicular to the line from it to the turning centre.
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use scene::{Link, RobotDef};
 
-/// The range that is reported of an axle that does not steer (AckermanSteeredVehicle.uc:69-105).
+/// Reported range of an axle that does not steer (AckermanSteeredVehicle.uc:69-105).
 #[expect(clippy::approx_constant, reason = "USARSim writes so")]
 const NO_RANGE: f64 = 6.28;
 
-/// Speed of each driven wheel in the unit of the command; `None` leaves it as it is.
+/// Returns the speed of each driven wheel in the unit of the command; `None` keeps its target. Stores the steering angles in `steer`.
 pub(super) fn wheel_speeds(
     steer: &mut [f64; 2],
     robot: &RobotDef,
@@ -31,9 +30,9 @@ pub(super) fn wheel_speeds(
     robot.driven().map(|_| speed).collect()
 }
 
-/// Where the steering joints are to be.
+/// Returns the target angles of the steering joints, rad, each with the joint's number among those that have a value.
 pub(super) fn joint_targets(robot: &RobotDef, steer: [f64; 2]) -> Vec<(usize, f64)> {
-    // Beyond its limits a slope could turn the other way.
+    // Beyond a joint's limits, the tangent of the angle could change its sign.
     let within =
         |axle| robot.steering_limits(axle).fold(steer[axle], |angle: f64, [least, most]| angle.clamp(least, most));
     let steer = [0, 1].map(within);
@@ -42,20 +41,20 @@ pub(super) fn joint_targets(robot: &RobotDef, steer: [f64; 2]) -> Vec<(usize, f6
     let target = |(number, link): (usize, &Link)| {
         let angle = steer[link.steered_axle()?];
         let [x, y, _] = link.origin();
-        // The middle of the circle is to the right of the wheel by `aside`, and behind it by `behind`.
+        // The turning centre is `aside` to the right of the wheel and `behind` behind it.
         let angle = centre.map_or(angle, |[centre_x, centre_y]| {
             let (behind, aside) = (x - centre_x, centre_y - y);
             (behind / aside).atan()
         });
-        // A joint about an axis that points up turns the other way.
+        // A joint whose axis points up turns the other way.
         let axis = link.joint.as_ref()?.axis[2];
         Some((number, angle * axis.signum()))
     };
     joints.filter_map(target).collect()
 }
 
-/// The middle of the circle, x and y in the robot frame, m; `None` where the axles are parallel, or so steep that it is between the
-/// wheels.
+/// Returns the turning centre, x and y in the robot frame, m. `None` if the wheels of both axles are parallel, or if they are so steep
+/// that the centre would be between left and right wheels.
 fn turning_centre(robot: &RobotDef, [front, rear]: [f64; 2]) -> Option<[f64; 2]> {
     let geometry = robot.wheel_geometry();
     let front_x = robot.driven().map(|wheel| wheel.position[0]).reduce(f64::max)?;
@@ -65,7 +64,7 @@ fn turning_centre(robot: &RobotDef, [front, rear]: [f64; 2]) -> Option<[f64; 2]>
     is_outside.then_some([front_x - aside * front_slope, aside])
 }
 
-/// The smallest range of the steering joints of front and rear, rad: from end to end, not to one side.
+/// Returns the smallest range of the steering joints of front and rear, rad, measured from end to end, not to one side.
 pub(super) fn ranges(robot: &RobotDef) -> [f32; 2] {
     let ranges = |axle| robot.steering_limits(axle).map(|[least, most]| most - least);
     [0, 1].map(|axle| ranges(axle).reduce(f64::min).unwrap_or(NO_RANGE) as f32)

@@ -1,10 +1,10 @@
-//! A robot in the air: `{LinearVelocity f} {LateralVelocity f} {AltitudeVelocity f}`, m/s, up being positive,
-//! `{RotationalVelocity f}`, degrees a second, `{PitchAngle f} {RollAngle f}`, degrees; any of them, each held until it is replaced
-//! (AerialVehicle.uc:61-215). `{Normalized true}` makes those of its own line percent of the greatest. Moving ahead or aside leans
-//! by the greatest angle, whatever the speed; what the line says of pitch and roll wins. Every value is held within the class's
-//! limit, normalized or not; the original holds none of them.
+//! A robot in the air: `{LinearVelocity f} {LateralVelocity f} {AltitudeVelocity f}`, m/s, positive up,
+//! `{RotationalVelocity f}`, degrees a second, `{PitchAngle f} {RollAngle f}`, degrees. All keys are optional, and each value is held
+//! until it is replaced (AerialVehicle.uc:61-215). `{Normalized true}` makes the values of its own line percent of the limits. Moving
+//! ahead or aside leans the robot by the greatest angle at any speed, unless the line sets pitch or roll. Every value is clamped to the
+//! class's limit, normalized or not. The original clamps none of them.
 //!
-//! Spins of propellers (`{Spin1 f} {Spin2 f}`) move nothing in USARSim either and are not looked at.
+//! Propeller spins (`{Spin1 f} {Spin2 f}`) are ignored. They move nothing in USARSim either.
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
@@ -31,7 +31,7 @@ pub(super) fn apply(flight: &mut Flight, robot: &RobotDef, drive: &Drive, proble
     let lean = |velocity: f64| if velocity == 0.0 { 0.0 } else { max_tilt * velocity.signum() };
     let angle = |degrees: f64| turned(degrees, max_tilt);
     let [own_roll, own_pitch] = flight.attitude;
-    // Nose down is a negative pitch.
+    // Moving ahead is nose down, a negative pitch.
     flight.attitude = [
         roll.map(angle).or(lateral.map(lean)).unwrap_or(own_roll),
         pitch.map(angle).or(linear.map(|it| -lean(it))).unwrap_or(own_pitch),

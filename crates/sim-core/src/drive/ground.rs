@@ -1,11 +1,11 @@
-//! What robots on wheels have in common (WheeledVehicle.uc:19-97).
+//! CONF and GEO of robots on wheels (WheeledVehicle.uc:19-97).
 
 use gamebots_proto::message::{GroundConf, GroundGeo, VehicleConf, VehicleGeo};
 use scene::RobotDef;
 
 use crate::sensor::floats;
 
-/// The configuration. USARSim takes the smallest limit of the wheels, starting from 100.
+/// Returns the configuration. As in USARSim, the maximum speed is the smallest limit of the wheels, at most 100 rad/s.
 pub(super) fn conf(robot: &RobotDef, speed_unit: f64, max_steer: Option<[f32; 2]>) -> VehicleConf {
     let speeds = robot.driven().filter_map(|wheel| wheel.drive).map(|motor| motor.max_speed);
     let [max_front_steer, max_rear_steer] = max_steer.map_or([None; 2], |angles| angles.map(Some));

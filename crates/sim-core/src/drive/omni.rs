@@ -1,6 +1,6 @@
-//! A base with four Mecanum wheels. The thesis's keys `{Front-Left v}` ..., `{WheelNumber n} {WheelSpeed v}`,
-//! the sides `{Left v} {Right v}`, and velocities: `{LinearVelocity f} {LateralVelocity f}`, m/s, and `{RotationalVelocity f}`, rad/s,
-//! clockwise seen from above. Keys given change what they name; wheels win over sides, sides over velocities.
+//! A base with four Mecanum wheels. It takes the thesis's keys `{Front-Left v}` ..., `{WheelNumber n} {WheelSpeed v}`, the sides
+//! `{Left v} {Right v}`, and velocities: `{LinearVelocity f} {LateralVelocity f}`, m/s, and `{RotationalVelocity f}`, rad/s, clockwise
+//! seen from above. A key changes only what it names. Wheels take precedence over sides, sides over velocities.
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
@@ -14,7 +14,7 @@ const WHEELS: [&str; 4] = ["Front-Left", "Front-Right", "Back-Left", "Back-Right
 const SIDES: [&str; 2] = ["Left", "Right"];
 const VELOCITIES: [&str; 3] = ["LinearVelocity", "LateralVelocity", "RotationalVelocity"];
 
-/// Speed of each wheel that the command names by wheel or side, in the unit of the command.
+/// Returns the speed of each wheel that the command names by wheel or side, in the unit of the command.
 pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {
     let named = drive.numbers(WHEELS, problems);
     let sides = drive.numbers(SIDES, problems);
@@ -28,8 +28,8 @@ pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<P
         .collect()
 }
 
-/// `{WheelNumber n} {WheelSpeed v}`: a speed belongs to the last number before it, of wheels from 0 in the order of the robot;
-/// `WheelSteer` has no meaning for fixed wheels.
+/// Returns wheel numbers and speeds of `{WheelNumber n} {WheelSpeed v}`. A speed belongs to the last number before it. Numbers start at 0
+/// in the robot's order of wheels. `WheelSteer` has no meaning for fixed wheels.
 fn numbered(drive: &Drive, problems: &mut Vec<Problem>) -> Vec<(usize, f64)> {
     let mut wheels = Vec::new();
     let mut number = None;
@@ -44,9 +44,9 @@ fn numbered(drive: &Drive, problems: &mut Vec<Problem>) -> Vec<(usize, f64)> {
     wheels
 }
 
-/// Takes velocities into those that are held, and gives the wheel speeds for them, rad/s; `None` where the command gives none. Naming
-/// wheels or sides lets go of those that are not given again. Normalized: percent of what the base reaches with every wheel at its
-/// limit.
+/// Merges the command's velocities into the held ones and returns the wheel speeds for them, rad/s. `None` if the command has no
+/// velocities. A command that names wheels or sides first resets the held velocities to 0. Normalized velocities are percent of the
+/// velocity that the base reaches with every wheel at its limit.
 pub(super) fn follow_twist(
     held: &mut Twist,
     robot: &RobotDef,
@@ -71,7 +71,7 @@ pub(super) fn follow_twist(
     given.iter().any(Option::is_some).then(|| follow(robot, *held))
 }
 
-/// Wheel speeds, rad/s, for a twist; a twist out of reach is slowed down as a whole, so its direction stays.
+/// Returns the wheel speeds for a twist, rad/s. A twist out of reach is scaled down as a whole, which keeps its direction.
 fn follow(robot: &RobotDef, twist: Twist) -> Vec<f64> {
     let Some(mecanum) = mecanum::textbook(robot) else { return Vec::new() };
     let speeds = mecanum.inverse(twist);

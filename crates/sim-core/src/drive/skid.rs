@@ -1,4 +1,4 @@
-//! Skid steering: `{Left f} {Right f}`, both needed (SkidSteeredVehicle.uc:17-61) unless the robot takes one alone.
+//! Skid steering: `{Left f} {Right f}`, both required (SkidSteeredVehicle.uc:17-61) unless the robot accepts one side alone.
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
@@ -6,7 +6,7 @@ use scene::RobotDef;
 
 use super::of_side;
 
-/// Speed of each driven wheel in the unit of the command; `None` leaves it as it is.
+/// Returns the speed of each driven wheel in the unit of the command; `None` keeps its target.
 pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {
     let sides = drive.numbers(["Left", "Right"], problems);
     let enough = robot.one_side_drives || sides.iter().all(Option::is_some);

@@ -1,4 +1,4 @@
-//! A scene's map and classes of robots, worked out once: shapes, masses and joints.
+//! A scene's map and robot classes, compiled for the engine: shapes, masses and joints.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::surface::{Materials, Surface};
 
 /// The solids and objects of a map.
 pub(crate) struct CompiledMap {
-    /// m/s², along +z.
+    /// Gravity along +z, m/s².
     pub(super) gravity: f64,
     pub(super) solids: Vec<Surface>,
     pub(super) objects: Vec<CompiledObject>,
@@ -33,16 +33,16 @@ impl CompiledMap {
     }
 }
 
-/// A class of robots as the engine needs it.
+/// A robot class, compiled for the engine.
 pub(crate) struct CompiledRobot {
     /// Its definition.
     pub(crate) def: RobotDef,
-    /// The outlines of its solids, its wheels as discs, its casters, in its frame.
+    /// Outlines in the robot frame: solids, wheels as discs, and casters as balls.
     pub(super) outlines: Vec<(Pose, SharedShape)>,
     pub(super) mechanism: CompiledMechanism,
 }
 
-/// The tree of a class of robots, as its drive model has it.
+/// The tree of a robot class, by drive model.
 pub(super) enum CompiledMechanism {
     /// A multibody of the engine.
     Bodies(Arc<bodies::Tree>),

@@ -1,8 +1,8 @@
-//! Contacts of rollers: our own dispatcher of the engine's narrow phase; every other pair is left to parry.
+//! Contacts of rollers: our own dispatcher for the engine's narrow phase. Every other pair is left to parry.
 //!
-//! A roller touches a convex shape at one point: the sphere of its axis that is nearest to it. Against a plane this
-//! is closed-form; against anything else the gap along the axis is a convex function and its minimum is bisected.
-//! So there is no iteration over simplices, which on a large flat face lifts a roller by millimetres.
+//! A roller touches a convex shape at one point: on the sphere of its axis that is nearest to the shape. Against a plane this is
+//! closed-form. Against anything else the gap is a convex function along the axis, and bisection finds its minimum. This avoids iteration
+//! over simplices, which on a large flat face lifts a roller by millimetres.
 
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::parry::math::{Pose, Real, Vector};
@@ -19,18 +19,18 @@ use rapier3d::parry::shape::{ConvexPolyhedron, PackedFeatureId, Shape};
 
 use super::roller::{HALVINGS, RollerShape};
 
-/// Cosine above which two normals are the same plane's.
+/// Cosine above which two normals belong to one plane.
 const SAME_NORMAL: Real = 1.0 - 1e-6;
 
-/// Rollers by their own geometry, the rest as parry does it.
+/// A query dispatcher that handles rollers by their own geometry and leaves the rest to parry.
 pub(super) struct RollerDispatcher;
 
 type Manifold = ContactManifold<ContactManifoldData, ContactData>;
 
-/// Where a roller touches another shape, in the frame of that shape.
+/// A contact of a roller with another shape, in the frame of that shape.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
-    /// From the other shape to the roller.
+    /// Normal, from the other shape to the roller.
     pub(super) normal: Vector,
     /// Place on the roller's axis.
     pub(super) along: Real,
@@ -38,8 +38,8 @@ pub(super) struct Touch {
     pub(super) gap: Real,
 }
 
-/// The touch of a roller with a convex shape, or part of one, if it is as near as the prediction. `pose` is the
-/// roller's in the frame of the other.
+/// Returns the contact of a roller with a convex shape, or with a part of a shape, within a distance. `pose` is the roller's in the frame
+/// of the other.
 pub(super) fn touch_part(
     roller: &RollerShape,
     pose: &Pose,
@@ -49,14 +49,14 @@ pub(super) fn touch_part(
 ) -> Option<Touch> {
     let touch = touch(roller, pose, part, prediction)?;
     let Some(constraints) = constraints else { return Some(touch) };
-    // An edge inside of a mesh is no edge: the face beside it holds the roller.
+    // An edge inside a mesh does not count: the face beside it holds the roller.
     let (mut normal, mut back) = (touch.normal, pose.rotation.inverse() * -touch.normal);
     let allowed = (Some(constraints), None).project_local_normals(pose, &mut normal, &mut back);
     (allowed && normal.dot(touch.normal) >= SAME_NORMAL).then_some(touch)
 }
 
-/// The gap along the axis is convex: from its value and slope at one place follows the least that it can be anywhere,
-/// which spares the search where the shape is out of reach.
+/// Returns the contact without normal constraints. The gap is convex along the axis, so its value and slope at one place bound it from
+/// below. This spares the search if the shape is out of reach.
 fn touch(roller: &RollerShape, pose: &Pose, other: &dyn Shape, prediction: Real) -> Option<Touch> {
     let axis = pose.rotation * Vector::X;
     let centre = |along: Real| pose.translation + axis * along;
@@ -100,7 +100,7 @@ fn within(touch: Touch, prediction: Real) -> Option<Touch> {
     (touch.gap <= prediction).then_some(touch)
 }
 
-/// Signed distance of a point from a convex shape and the direction away from it.
+/// Returns the signed distance of a point from a convex shape, and the direction away from the shape.
 pub(super) fn distance(shape: &dyn Shape, point: Vector) -> Option<(Real, Vector)> {
     if let Some(hull) = shape.as_convex_polyhedron()
         && let Some(found) = distance_from_face(hull, point)
@@ -124,7 +124,7 @@ pub(super) fn distance(shape: &dyn Shape, point: Vector) -> Option<(Real, Vector
     Some((sign * length, normal?))
 }
 
-/// The face that a point is over, if it is over one: exact however large the hull is.
+/// Returns height and normal of the face that the point is over, if any. It is exact however large the hull is.
 fn distance_from_face(hull: &ConvexPolyhedron, point: Vector) -> Option<(Real, Vector)> {
     let faces = hull.faces();
     let corner = |face: usize, index: u32| {
@@ -142,7 +142,7 @@ fn distance_from_face(hull: &ConvexPolyhedron, point: Vector) -> Option<(Real, V
 }
 
 impl RollerDispatcher {
-    /// The one contact of a roller with a convex shape; `pose` is the roller's in the frame of the other.
+    /// Computes the one contact of a roller with a convex shape. `pose` is the roller's in the frame of the other.
     fn collide(
         roller: &RollerShape,
         other: &dyn Shape,
@@ -234,7 +234,7 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for RollerDispa
     }
 }
 
-/// Everything but contacts: parry's own, which knows a roller by its support points.
+/// All queries but contact manifolds are parry's own, which treats a roller as a support map.
 impl QueryDispatcher for RollerDispatcher {
     fn intersection_test(
         &self,

@@ -1,4 +1,4 @@
-//! Between nalgebra's types, which the world has, and the engine's.
+//! Conversions between nalgebra's types, which the world uses, and the engine's.
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 use rapier3d::dynamics::MassProperties;
@@ -24,7 +24,7 @@ pub(super) fn from_pose(value: &EnginePose) -> Pose {
     Pose::from_parts(Translation3::from(from_vector(value.translation)), rotation)
 }
 
-/// Of a body whose frame has its principal axes.
+/// Converts the mass of a body whose frame is along its principal axes.
 pub(super) fn principal_mass(value: &Mass) -> MassProperties {
     MassProperties::new(vector(value.centre), value.mass, vector(value.inertia.diagonal()))
 }

@@ -1,12 +1,12 @@
-//! States that end a robot: what no wire, log or page may carry.
+//! Faults that remove a robot: states that no protocol, log or page can carry.
 
 use std::fmt;
 
 use scene::{BodyState, check};
 
-/// Largest speed of a robot, m/s. A fall from 50 km ends with it.
+/// Largest speed of a robot, m/s, reached by a fall from 50 km.
 const MAX_SPEED: f64 = 1e3;
-/// Distance by which a robot may leave what a map can hold before it counts as outside, m: one that starts at the end has a length.
+/// Distance beyond the reach of a map at which a robot counts as outside, m. A robot at the edge of the map extends beyond it.
 const MARGIN: f64 = 10.0;
 /// Largest turn rate of a robot's body, rad/s.
 const MAX_TURN: f64 = 1e4;
@@ -21,7 +21,7 @@ pub enum Fault {
         /// Its position, m.
         position: [f64; 3],
     },
-    /// It moved faster than anything here can.
+    /// It moved faster than any body here can.
     TooFast {
         /// Its speed, m/s.
         speed: f64,
@@ -31,7 +31,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// The fault of a body, if it has one.
+    /// Returns the fault of a body's state, if it has one.
     pub(super) fn of(state: &BodyState) -> Option<Self> {
         let BodyState { pose, linear, angular } = state;
         let position: [f64; 3] = pose.translation.vector.into();

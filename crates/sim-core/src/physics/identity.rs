@@ -1,30 +1,30 @@
-//! What a collider is, kept with it, so that a ray and a contact know what they met.
+//! Identities of colliders, stored in them so that rays and contacts know what they hit.
 
 use rapier3d::prelude::*;
 
 use crate::RobotId;
 
-/// What something in a world is.
+/// An entity of a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Identity {
-    /// What does not move, by its number among the map's solids.
+    /// A fixed body, by its number among the map's solids.
     Solid(u32),
-    /// What can be pushed, by its number among the map's objects.
+    /// A movable body, by its number among the map's objects.
     Object(u32),
     /// A link of a robot.
     Link {
         /// The robot.
         robot: RobotId,
-        /// 0 is its body; then come its wheels, each with its rollers behind it.
+        /// The link's number in the tree of the robot's drive model; 0 is its body.
         link: u32,
     },
 }
 
-/// What is kept with a collider.
+/// Data stored in a collider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Mark {
     pub(super) identity: Identity,
-    /// Its number in the table of the scene's materials.
+    /// Number of its material in the scene's table.
     pub(super) material: u32,
 }
 
@@ -33,7 +33,7 @@ const OBJECT: u8 = 1;
 const LINK: u8 = 2;
 
 impl Mark {
-    /// From the highest bits down: robot 64, material 32, index 24, kind 8.
+    /// Packs the mark, from the highest bits down: robot 64, material 32, index 24, kind 8.
     pub(super) fn to_bits(self) -> u128 {
         let (kind, index, robot) = match self.identity {
             Identity::Solid(index) => (SOLID, index, 0),
@@ -43,7 +43,7 @@ impl Mark {
         u128::from(robot) << 64 | u128::from(self.material) << 32 | u128::from(index) << 8 | u128::from(kind)
     }
 
-    /// The mark of a collider; every one has one.
+    /// Unpacks the mark of a collider. Every collider has one.
     pub(super) fn of(collider: &Collider) -> Self {
         let bits = collider.user_data;
         let index = (bits >> 8) as u32 & 0xff_ffff;
@@ -55,7 +55,7 @@ impl Mark {
         Self { identity, material: (bits >> 32) as u32 }
     }
 
-    /// Whether a collider is part of a robot.
+    /// True if a collider is part of a robot.
     pub(super) fn is_of(collider: &Collider, robot: RobotId) -> bool {
         matches!(Self::of(collider).identity, Identity::Link { robot: owner, .. } if owner == robot)
     }

@@ -1,4 +1,4 @@
-//! Rollers and contacts of a robot, which only viewers ask for.
+//! Rollers and contacts of a robot, computed for viewers only.
 
 use std::f64::consts::TAU;
 
@@ -8,13 +8,13 @@ use scene::Contact;
 use super::{Physics, RobotBodies};
 
 impl Physics {
-    /// Angles of a robot's rollers about their own axes, rad, -pi to pi, wheel by wheel.
+    /// Returns the angles of a robot's rollers about their own axes, rad, -pi to pi, wheel by wheel.
     pub(crate) fn roller_angles(&self, bodies: &RobotBodies) -> Vec<f64> {
         bodies.mechanism().roller_angles(&self.world).into_iter().map(wrapped).collect()
     }
 
-    /// Everything that pushed a robot in the last step. Rolling resistance is a force on a hub; it is added to the
-    /// contacts of its wheel, so that the sum is what the ground did.
+    /// Returns the contacts of a robot in the last step. Rolling resistance, a force on a hub, is added to the contacts of its wheel, so
+    /// the sum is the ground's force.
     pub(crate) fn contacts(&self, bodies: &RobotBodies) -> Vec<Contact> {
         let found = bodies.mechanism().contacts(&self.world);
         let on = |part: Option<usize>| found.iter().filter(move |it| it.0 == part).map(|it| it.1);
@@ -28,7 +28,7 @@ impl Physics {
     }
 }
 
-/// Adds a force to contacts, to each by what it carries.
+/// Adds a force to contacts, in proportion to their own.
 fn share(contacts: &mut [Contact], force: Vector3<f64>) {
     let total: f64 = contacts.iter().map(|contact| contact.force.norm()).sum();
     for contact in contacts.iter_mut().filter(|_| total > 0.0) {
@@ -36,7 +36,7 @@ fn share(contacts: &mut [Contact], force: Vector3<f64>) {
     }
 }
 
-/// An angle between -pi and pi.
+/// Wraps an angle to -pi to pi.
 fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }

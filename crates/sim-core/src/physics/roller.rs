@@ -1,10 +1,9 @@
 //! The exact roller of a Mecanum wheel, as a shape of the engine.
 //!
-//! A roller is the envelope of spheres strung on its axis: the sphere at `s` has the radius
-//! `lambda(s) = R - sqrt(a² + s² sin² g)` with the wheel radius R, the circle of the roller axes a and the roller
-//! angle g, so that a wheel of such rollers rolls like a cylinder (Gfrerrer, "Geometry and kinematics of the Mecanum
-//! wheel"). `lambda` is concave, so the envelope is convex and every question about it is a search along the axis
-//! for the minimum of a convex function: closed for planes, bisection for all else. The axis is x.
+//! A roller is the envelope of spheres strung on its axis. The sphere at `s` has the radius `lambda(s) = R - sqrt(a² + s² sin² g)`. R is
+//! the wheel radius, a the circle of the roller axes and g the roller angle. A wheel of such rollers rolls like a cylinder (Gfrerrer,
+//! "Geometry and kinematics of the Mecanum wheel"). `lambda` is concave, so the envelope is convex. Every query is a search along the axis
+//! for the minimum of a convex function: closed-form for planes, bisection for all else. The axis is x.
 
 use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use rapier3d::parry::mass_properties::MassProperties;
@@ -14,25 +13,25 @@ use rapier3d::parry::shape::{FeatureId, Shape, ShapeType, SupportMap, TypedShape
 
 use scene::Rollers;
 
-/// Halvings of the axis in a search: 60 mm become 4 nm, less than any contact is known to.
+/// Halvings of the axis in a search: they narrow 60 mm to 4 nm, less than the accuracy of any contact.
 pub(super) const HALVINGS: u32 = 24;
-/// A ray ends where it is this close to the surface, m.
+/// Distance from the surface at which a ray ends, m.
 const RAY_TOLERANCE: Real = 1e-5;
-/// Most steps of a ray; each goes as far as the surface is away, so few are needed.
+/// Most steps of a ray. Each step goes as far as the surface is away, so few are needed.
 const MAX_RAY_STEPS: u32 = 128;
 
-/// The shape of a roller, its axis along x, its middle at the origin.
+/// The shape of a roller, with its axis along x and its middle at the origin.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RollerShape {
     wheel_radius: Real,
     axis_circle: Real,
     sin_angle: Real,
-    /// The spheres sit at -half_axis to half_axis.
+    /// Largest distance of a sphere's centre from the middle, along the axis.
     half_axis: Real,
 }
 
 impl RollerShape {
-    /// The roller of a wheel.
+    /// Builds the roller of a wheel.
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
         let sin = rollers.angle.abs().sin();
         Self {
@@ -43,22 +42,22 @@ impl RollerShape {
         }
     }
 
-    /// Places of the outermost spheres.
+    /// Returns the places of the outermost spheres.
     pub(super) fn axis_ends(&self) -> (Real, Real) {
         (-self.half_axis, self.half_axis)
     }
 
-    /// Radius of the sphere at a place on the axis.
+    /// Returns the radius of the sphere at a place on the axis.
     pub(super) fn radius_at(&self, along: Real) -> Real {
         self.wheel_radius - self.axis_circle.hypot(along * self.sin_angle)
     }
 
-    /// How fast the radius falls along the axis: `-d lambda / d s`.
+    /// Returns the decrease of the radius along the axis: `-d lambda / d s`.
     pub(super) fn taper_at(&self, along: Real) -> Real {
         along * self.sin_angle * self.sin_angle / self.axis_circle.hypot(along * self.sin_angle)
     }
 
-    /// The place on the axis whose sphere reaches farthest in a direction that has this cosine with the axis.
+    /// Returns the place on the axis whose sphere reaches farthest in a direction with this cosine to the axis.
     pub(super) fn farthest_along(&self, cosine: Real) -> Real {
         let rest = self.sin_angle * self.sin_angle - cosine * cosine;
         if rest <= 1e-9 {
@@ -68,7 +67,7 @@ impl RollerShape {
         along.clamp(-self.half_axis, self.half_axis)
     }
 
-    /// The place on the axis where a function that grows along it passes zero, or the end next to it.
+    /// Returns the place on the axis where an increasing function passes zero, or the end next to it.
     fn search(&self, mut grows: impl FnMut(Real) -> Real) -> Real {
         let (mut low, mut high) = (-self.half_axis, self.half_axis);
         for _ in 0..HALVINGS {
@@ -82,7 +81,7 @@ impl RollerShape {
         (low + high) / 2.0
     }
 
-    /// Distance of a point from the surface, negative inside, and the outward direction there.
+    /// Returns the distance of a point from the surface, negative inside, and the outward direction there.
     fn signed_distance(&self, point: Vector) -> (Real, Vector) {
         let radial = point.y.hypot(point.z);
         let toward = |along: Real| (along - point.x) / radial.hypot(point.x - along).max(1e-9);
@@ -93,7 +92,7 @@ impl RollerShape {
     }
 
     fn half_extents(&self, axis: Vector) -> Vector {
-        // By symmetry the box is centred; each half extent is the support in a direction of the box.
+        // By symmetry the box is centred. Each half extent is the support in a direction of the box.
         let reach = |cosine: Real| {
             let along = self.farthest_along(cosine);
             along * cosine + self.radius_at(along)
@@ -124,7 +123,7 @@ impl PointQuery for RollerShape {
 }
 
 impl RayCast for RollerShape {
-    /// Goes along the ray by the distance from the surface until it is there.
+    /// Casts a ray by sphere tracing: each step is the distance from the surface.
     fn cast_local_ray_and_get_normal(&self, ray: &Ray, max_toi: Real, solid: bool) -> Option<RayIntersection> {
         let speed = ray.dir.length();
         let starts_inside = self.signed_distance(ray.origin).0 < 0.0;
@@ -168,7 +167,7 @@ impl Shape for RollerShape {
         None
     }
 
-    /// Rollers get their mass from `shape::roller_mass`.
+    /// Returns no mass: the caller sets a roller's mass from its definition.
     fn mass_properties(&self, _density: Real) -> MassProperties {
         MassProperties::default()
     }
@@ -221,7 +220,7 @@ mod tests {
         RollerShape::new(&rollers, 0.05)
     }
 
-    /// A wheel of six rollers stands as high at every angle: the outline is a circle of the wheel's radius.
+    /// A wheel of six rollers stands equally high at every angle: its outline is a circle of the wheel's radius.
     #[test]
     fn a_ring_of_rollers_is_round() {
         let roller = youbot();

@@ -10,7 +10,7 @@ use scene::MountedWheel;
 
 use super::convert;
 
-/// A hull or mesh that has no volume or no triangle becomes a dot; `scene-loader` refuses such before.
+/// Builds the engine's shape. A hull without volume, or a mesh without triangles, becomes a dot; `scene-loader` refuses these before.
 pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
     let points = |points: &[[f64; 3]]| points.iter().map(|&point| convert::vector(point)).collect::<Vec<_>>();
     let dot = || SharedShape::ball(1e-6);
@@ -27,7 +27,7 @@ pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
     }
 }
 
-/// A wheel as a plain disc about the y axis, a caster as a ball.
+/// Builds the outline of a wheel: a plain disc about the y axis, or a ball for a caster.
 pub(super) fn outline(wheel: &MountedWheel) -> SharedShape {
     match wheel.drive {
         Some(_) => SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
@@ -35,7 +35,7 @@ pub(super) fn outline(wheel: &MountedWheel) -> SharedShape {
     }
 }
 
-/// The engine's cylinders stand along y.
+/// Builds a cylinder with a rotation. The engine's cylinders are along y.
 fn cylinder(radius: f64, length: f64, rotation: Rotation) -> SharedShape {
     let cylinder = SharedShape::cylinder(length / 2.0, radius);
     SharedShape::compound(vec![(EnginePose::from_rotation(rotation), cylinder)])

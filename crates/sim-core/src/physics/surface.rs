@@ -1,4 +1,4 @@
-//! Surfaces that touch: shapes with a material, and the table of a scene's materials.
+//! Surfaces of contacts: shapes with a material, and the scene's table of materials.
 
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
@@ -12,7 +12,7 @@ use super::identity::{Identity, Mark};
 pub(crate) struct Materials(Vec<Material>);
 
 impl Materials {
-    /// The number of a material, which enters the table with its first use.
+    /// Returns the number of a material. Its first use adds it to the table.
     fn number(&mut self, material: &Material) -> u32 {
         let known = self.0.iter().position(|known| known == material);
         known.unwrap_or_else(|| {
@@ -21,13 +21,13 @@ impl Materials {
         }) as u32
     }
 
-    /// The material of a collider's surface.
+    /// Returns the material of a collider's surface.
     pub(super) fn of(&self, collider: &Collider) -> &Material {
         &self.0[Mark::of(collider).material as usize]
     }
 }
 
-/// A template of colliders: every world and robot has its own, with one shape.
+/// A template of colliders. All worlds and robots share its shape.
 #[derive(Clone)]
 pub(super) struct Surface {
     builder: ColliderBuilder,
@@ -35,8 +35,8 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// A shape at a pose of its parent, without mass of its own. Both sides of a contact average, which is
-    /// [`Material::pair`].
+    /// Builds a massless surface at a pose in its parent's frame. The engine averages the coefficients of both sides of a contact, as
+    /// [`Material::pair`] does.
     pub(super) fn new(shape: SharedShape, pose: &Pose, material: &Material, materials: &mut Materials) -> Self {
         let builder = ColliderBuilder::new(shape)
             .position(convert::pose(pose))
@@ -48,12 +48,12 @@ impl Surface {
         Self { builder, material: materials.number(material) }
     }
 
-    /// Its shape, and the pose of that on what carries it.
+    /// Returns the shape, and its pose in the parent's frame.
     pub(super) fn placed(&self) -> (SharedShape, EnginePose) {
         (self.builder.shape.clone(), self.builder.position)
     }
 
-    /// A collider of it, marked with an identity.
+    /// Builds a collider that is marked with an identity.
     pub(super) fn collider(&self, identity: Identity) -> ColliderBuilder {
         let mark = Mark { identity, material: self.material };
         self.builder.clone().user_data(mark.to_bits())

@@ -14,12 +14,12 @@ use super::robot::{Robot, unknown};
 use crate::physics::Physics;
 use crate::sensor::floats;
 
-/// USARSim's unit of torque: 5 to 1 N m.
+/// USARSim's torque units in 1 N m.
 const TORQUE_UNIT: f64 = 5.0;
 
 impl Robot {
-    /// Moves joints of the actuator of a name, in any case, by their numbers from `first`; and opens or closes the gripper of that
-    /// name, or those that the actuator carries.
+    /// Sets joint targets of the actuator called `name`, in any case. Joint numbers start at `first`. Opens or closes the gripper of that name
+    /// and those that the actuator carries.
     pub(super) fn act(
         &mut self,
         name: &str,
@@ -67,8 +67,8 @@ impl Robot {
         }
     }
 
-    /// Opens and closes grippers: `Open`, `Close`, or `Grip` with 0 or 1, in any case; without a name all (Gripper.uc:34-45).
-    /// Says whether there is one.
+    /// Opens and closes grippers: `Open`, `Close`, or `Grip` with 0 or 1, in any case. An empty name means all (Gripper.uc:34-45). Returns
+    /// true if the opcode is known and a gripper matches.
     pub(super) fn set_grippers(&mut self, set: &Set) -> bool {
         let closed = match set.opcode.to_ascii_uppercase().as_str() {
             "OPEN" => false,
@@ -93,7 +93,7 @@ impl Robot {
         self.note_gripper(number, closed);
     }
 
-    /// The state of every actuator, then of every gripper.
+    /// Sends the state of every actuator, then of every gripper.
     pub(super) fn report_actuators(&self, physics: &Physics, time: f64, mut send: impl FnMut(Message)) {
         let def = self.def();
         if def.actuators.is_empty() && def.grippers.is_empty() {
@@ -104,7 +104,7 @@ impl Robot {
             let joint = |(link, &number): (usize, &usize)| {
                 let state = joints.get(def.value_of(number)?)?;
                 let torque = -max_torque(def.links.get(number)?.joint.as_ref()?);
-                // Four decimals: a joint at rest at 0 would else show the sign of a rounding error.
+                // The wire has four decimals. Without this, a joint at rest at 0 would show the sign of a rounding error.
                 let value = if state.position.abs() < 5e-5 { 0.0 } else { state.position as f32 };
                 Some(JointSta { link, value, torque })
             };
@@ -117,7 +117,7 @@ impl Robot {
     }
 }
 
-/// CONF of what a robot has of a type that is no sensor's; a name, in any case, chooses one.
+/// Returns CONF of the actuators or grippers that a type asks for. A name, in any case, selects one; an empty one selects all.
 pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf> {
     let actuators = def.actuators.iter().filter(|it| is_asked(&it.name, name));
     let (own, joints) = (|it: &Actuator| it.name.clone(), |it: &Actuator| joint_confs(def, it));
@@ -136,7 +136,7 @@ pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf
     }
 }
 
-/// The limit of a joint's motor, in USARSim's unit of torque, or in N.
+/// Returns the limit of a joint's motor, in USARSim's torque units, or in N for a prismatic joint.
 fn max_torque(joint: &Joint) -> f32 {
     let unit = if joint.kind == JointKind::Prismatic { 1.0 } else { TORQUE_UNIT };
     joint.drive.as_ref().map_or(0.0, |motor| motor.max_torque * unit) as f32
@@ -157,7 +157,8 @@ fn joint_confs(def: &RobotDef, actuator: &Actuator) -> Vec<JointConf> {
     (1..).zip(&actuator.links).filter_map(joint).collect()
 }
 
-/// GEO of the actuators; a name, in any case, chooses one. Everything is parallel to the robot frame when every joint is at 0.
+/// Returns GEO of the actuators. A name, in any case, selects one; an empty one selects all. All frames are parallel to the robot frame
+/// when every joint is at 0.
 pub(super) fn geos(def: &RobotDef, name: &str) -> Vec<ActuatorGeo> {
     let actuators = def.actuators.iter().filter(|it| is_asked(&it.name, name));
     let origin = |link: usize| def.links.get(link).map_or_else(Vector3::zeros, |link| link.origin().into());
@@ -188,7 +189,7 @@ pub(super) fn geos(def: &RobotDef, name: &str) -> Vec<ActuatorGeo> {
     actuators.map(geo).collect()
 }
 
-/// GEO of the grippers, where a type asks for them: each is amid its fingers' joints, which is also its tool point.
+/// Returns GEO of the grippers if the type asks for them. A gripper's place, and its tool point, is the midpoint of its finger joints.
 pub(super) fn gripper_geos(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemGeo> {
     let asked = type_name.eq_ignore_ascii_case("Gripper");
     let grippers = def.grippers.iter().filter(|it| asked && is_asked(&it.name, name));
@@ -201,12 +202,12 @@ pub(super) fn gripper_geos(def: &RobotDef, type_name: &str, name: &str) -> Vec<I
     grippers.filter_map(geo).collect()
 }
 
-/// Whether a name, in any case, asks for an item of its own name; an empty one asks for all.
+/// True if the requested `name`, in any case, is the item's `own` name or is empty, which asks for all items.
 pub(super) fn is_asked(own: &str, name: &str) -> bool {
     name.is_empty() || own.eq_ignore_ascii_case(name)
 }
 
-/// Whether a link is another one or hangs on it.
+/// True if `link` is the link `on` or one of its descendants.
 fn hangs_on(def: &RobotDef, link: usize, on: usize) -> bool {
     let parent = |&link: &usize| def.links.get(link)?.joint.as_ref().map(|joint| joint.parent);
     std::iter::successors(Some(link), parent).any(|link| link == on)

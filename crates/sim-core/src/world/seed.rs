@@ -1,9 +1,9 @@
-//! Named streams of randomness, and the hash behind them and the digest.
+//! Named random streams, and the hash for them and for the digest.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// FNV-1a, 64 bits: small, stable over platforms and versions, no secret needed.
+/// The hash FNV-1a, 64 bits: small, and stable across platforms and versions. No secret is needed.
 pub(super) struct Fnv(u64);
 
 impl Default for Fnv {
@@ -24,7 +24,7 @@ impl Fnv {
     }
 }
 
-/// The stream of one sensor: adding a sensor or a robot does not change the numbers that others draw.
+/// Returns the random stream of one sensor. Appending a sensor or a robot does not change the numbers that others draw.
 pub(super) fn stream(seed: u64, robot: u64, sensor: &str, index: usize) -> ChaCha8Rng {
     let mut hash = Fnv::default();
     hash.mix(&seed.to_le_bytes());

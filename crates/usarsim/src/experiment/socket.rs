@@ -1,4 +1,4 @@
-//! A run of an experiment through the socket: a server of its own, and a client that knows only what the wire says.
+//! A run of an experiment through the socket, with a server of its own and a client that uses only the wire.
 
 use std::path::Path;
 use std::sync::mpsc;
@@ -15,17 +15,17 @@ use scene::{JointState, Pose};
 
 /// Longest wait for a line of the server.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Times on the wire have four decimals.
+/// Tolerance of times on the wire, which have four decimals, s.
 const TIME_TOLERANCE: f64 = 1e-4;
 
-/// Makes a run through the socket and logs it. Poses are the wire's, rounded to a millimetre.
+/// Executes a run through the socket and logs it. Poses come from the wire, rounded to a millimetre.
 ///
 /// # Errors
-/// When something does not load, the server does not start, or the robot does not report its pose.
+/// If something does not load, the server does not start, or the robot does not report its pose.
 pub(super) fn run(plan: &Plan, run: &Run, log: &Path, real_time_factor: f64) -> Result<Outcome, RunError> {
     let refuse = |reason: &dyn std::fmt::Display| RunError::Setup { id: run.id.clone(), reason: reason.to_string() };
     let Prepared { world, options, init, lines } = prepare(plan, run)?;
-    // Its poses have a millimetre; in the other dialect they have a centimetre.
+    // UDK's dialect has poses to a millimetre, the other one to a centimetre.
     let listeners = vec![Listener::new(Service::Controllers { dialect: Some(Dialect::Udk) }, 0)];
     let config = Config { options, listeners, real_time_factor, log: Some(log.to_owned()), ..Config::new(world) };
     let (ready, address) = mpsc::channel();
@@ -33,7 +33,7 @@ pub(super) fn run(plan: &Plan, run: &Run, log: &Path, real_time_factor: f64) -> 
     let server = std::thread::spawn(move || {
         let shutdown = async { drop(stopped.await) };
         let ready = |addresses: Ready| {
-            // It is waited for below.
+            // The receiver waits for it below.
             let _ = ready.send(addresses.controllers());
         };
         gamebots_server::run(config, ready, shutdown)
@@ -66,7 +66,7 @@ struct Driven {
     to: f64,
 }
 
-/// Drives as Iridium did: lines go out at their times after the first reading that counts, by the time on the wire.
+/// Drives as Iridium did: lines are sent at their times after the first reading that counts, by the time on the wire.
 fn drive(plan: &Plan, run: &Run, client: &mut Client, init: &str, lines: &[(f64, String)]) -> Result<Driven, String> {
     let said = |error: std::io::Error| error.to_string();
     client.send(init).map_err(said)?;
@@ -101,7 +101,7 @@ fn drive(plan: &Plan, run: &Run, client: &mut Client, init: &str, lines: &[(f64,
     }
 }
 
-/// Mean angle that the driven wheels turned between two times, either way counting, rad.
+/// Returns the mean angle that the driven wheels turned between two times, rad. Both directions count as positive.
 fn wheels_turned(log: &recorder::Log, from: f64, to: f64) -> f64 {
     let robots = log.scene().map(|scene| scene.robots).unwrap_or_default();
     let states: Vec<Vec<JointState>> = log

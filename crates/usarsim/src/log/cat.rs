@@ -66,7 +66,7 @@ pub(super) fn run(Arguments { file, kind, robot, connection, from, to, json }: &
     Ok(())
 }
 
-/// Whether a line has a word as its verb or type.
+/// True if a line has a word as its verb or type.
 fn is(text: &str, wanted: &str) -> bool {
     let line = gamebots_proto::Line::parse(text);
     let names = [Some(line.verb.as_str()), line.get("Type")];

@@ -48,10 +48,10 @@ pub(super) fn run(Arguments { file, field, robot, out }: &Arguments) -> Result<(
     Ok(())
 }
 
-/// Largest coordinate that is drawn, either way, in the unit of its axis: with larger ones an axis has no numbers.
+/// Largest absolute coordinate that is drawn, in the unit of its axis. Beyond it an axis has no numbers.
 const MAX_DRAWN: f64 = 1e12;
 
-/// What robots are called: by name, where that is one robot's alone, else with their numbers.
+/// Returns the labels of the robots: names that are unique, or else names with numbers.
 fn labels(log: &Log) -> BTreeMap<u64, String> {
     let robots = super::robots(log);
     let name = |&(class, name): &(&str, &str)| if name.is_empty() { class.to_owned() } else { name.to_owned() };
@@ -63,13 +63,13 @@ fn labels(log: &Log) -> BTreeMap<u64, String> {
     robots.keys().zip(&names).map(label).collect()
 }
 
-/// A line of angles in pieces: one that goes from +π to -π has turned on, and not all the way back.
+/// Splits a line of angles where it wraps from +π to -π, so that no line is drawn back across.
 fn unwrapped(line: Vec<(f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     let is_near = |a: &(f64, f64), b: &(f64, f64)| (b.1 - a.1).abs() < std::f64::consts::PI;
     line.chunk_by(is_near).map(<[_]>::to_vec).collect()
 }
 
-/// Lines of a robot each, by its number.
+/// Returns the lines of a table by robot number.
 fn by_robot(table: &Table, x: &str, y: &str) -> BTreeMap<u64, Vec<(f64, f64)>> {
     let column = |name| table.column(name).unwrap_or_default();
     let mut lines: BTreeMap<u64, Vec<(f64, f64)>> = BTreeMap::new();
@@ -82,7 +82,7 @@ fn by_robot(table: &Table, x: &str, y: &str) -> BTreeMap<u64, Vec<(f64, f64)>> {
     lines
 }
 
-/// Seen from above, x ahead to the right of the picture, the wire's y down.
+/// Draws the paths seen from above: x to the right, the wire's y down.
 fn path(log: &Log, table: &Table, names: &BTreeMap<u64, String>) -> Chart {
     let paths = by_robot(table, "x", "y").into_iter();
     let paths: Vec<(u64, Vec<(f64, f64)>)> =
@@ -109,7 +109,7 @@ fn path(log: &Log, table: &Table, names: &BTreeMap<u64, String>) -> Chart {
     }
 }
 
-/// The hull of a solid in the plane, with y up; `None` for what has no edge.
+/// Returns the hull of a solid in the plane, with y up, or `None` if it has no edge.
 fn outline(solid: &Solid) -> Option<Vec<(f64, f64)>> {
     let sign = [-1.0, 1.0];
     let corners: Vec<[f64; 3]> = match &solid.shape {
@@ -187,7 +187,7 @@ fn fields(table: &Table, fields: &[String], names: &BTreeMap<u64, String>) -> Re
     })
 }
 
-/// The unit of a column.
+/// Returns the unit of a column.
 fn unit(name: &str) -> &'static str {
     match name {
         "x" | "y" | "z" => "m",

@@ -51,7 +51,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
                 different += u32::from(!replay.is_same());
                 report(file, &replay, arguments.json);
             }
-            // One bad log among many does not hide the others.
+            // One bad log among many does not hide the results of the others.
             Err(failure) if files.len() > 1 => {
                 crate::complain(&failure.message);
                 unreadable += 1;
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
     }
 }
 
-/// A file, or every log below a folder, in the order of their names.
+/// Collects a file, or every log in a folder, recursively, in the order of names.
 fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
     if !path.is_dir() {
         files.push(path.to_owned());

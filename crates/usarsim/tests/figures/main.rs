@@ -1,9 +1,8 @@
-//! The measured numbers that README.md and docs/*.md show are those that the program gives, with robots and maps as
-//! shipped.
+//! The measured numbers in README.md and docs/*.md are those that the program gives, with robots and maps as shipped.
 //!
-//! They stand between `<!-- figures: NAME -->` and `<!-- end -->`. `cargo test` makes each of them anew and compares,
-//! and leaves alone what no two machines agree on: times, sizes of logs, memory. With `UPDATE_FIGURES=1` it writes what
-//! it made; in a release build, which is `make figures`, it measures those, too.
+//! They stand between `<!-- figures: NAME -->` and `<!-- end -->`. `cargo test` recomputes and compares them, apart from values that differ
+//! between machines: times, sizes of logs, memory. With `UPDATE_FIGURES=1` it writes the results. In a release build, as in `make figures`,
+//! it also measures those values.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -19,10 +18,10 @@ use std::thread;
 
 use regex::{Captures, Regex};
 
-/// What stands for a number that was not measured.
+/// Placeholder of a number that was not measured.
 const UNTIMED: &str = "~";
 
-/// Makes the text of a figure; with `true` it takes times as well.
+/// Makes the text of a figure. With `true` it also measures times.
 type Maker = fn(bool) -> String;
 
 const FIGURES: [(&str, Maker); 15] = [
@@ -71,7 +70,7 @@ fn figures_in_the_documents_are_those_that_the_program_gives() {
     assert!(update || wrong.is_empty(), "not what the program gives (`make figures` renews them):\n{wrong}");
 }
 
-/// Every figure; side by side unless times are taken.
+/// Makes every figure, in parallel unless times are measured.
 fn make(timed: bool) -> BTreeMap<&'static str, String> {
     if timed {
         return FIGURES.iter().map(|(name, make)| (*name, make(true))).collect();
@@ -82,7 +81,7 @@ fn make(timed: bool) -> BTreeMap<&'static str, String> {
     })
 }
 
-/// A row with what was not measured filled in from the old row that begins alike.
+/// Returns a row whose unmeasured values are taken from the old row with the same start.
 fn with_old_times(new: &str, old: &str) -> String {
     let old = new.split_once(UNTIMED).and_then(|(label, _)| old.lines().find(|line| line.starts_with(label)));
     let Some(old) = old else { return new.to_owned() };

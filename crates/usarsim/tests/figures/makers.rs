@@ -1,4 +1,4 @@
-//! What each figure is made of. Makers take `true` where times are to be measured, too.
+//! Makers of the figures. With `true` they also measure times.
 
 use std::path::Path;
 use std::process::Command;
@@ -16,14 +16,14 @@ use sim_core::{Options, World};
 
 use crate::{UNTIMED, budget, repository};
 
-/// A table in Markdown, with the empty lines around it.
+/// Returns a table in Markdown, with the empty lines around it.
 fn table(head: &str, rows: impl IntoIterator<Item = String>) -> String {
     let rule = "---|".repeat(head.matches('|').count() - 1);
     let rows: String = rows.into_iter().map(|row| row + "\n").collect();
     format!("\n\n{head}\n|{rule}\n{rows}\n")
 }
 
-/// A number with three digits at least, or what stands for it.
+/// Returns a number with at least three digits, or the placeholder.
 fn time(timed: bool, number: &serde_json::Value) -> String {
     let number = number.as_f64().unwrap();
     match timed {
@@ -34,10 +34,10 @@ fn time(timed: bool, number: &serde_json::Value) -> String {
     }
 }
 
-/// The youBot whose figures are shown: the thesis's.
+/// Class of the youBot in the figures: the thesis's.
 const THESIS: &str = "KUKA_YouBot";
 
-/// What `usarsim bench --json` reports with these arguments. Of times, the fastest of three.
+/// Returns the report of `usarsim bench --json` with these arguments. If times are measured, it is the fastest of three.
 fn bench(timed: bool, arguments: &[&str]) -> serde_json::Value {
     let run = || -> serde_json::Value {
         eprintln!("usarsim bench {}", arguments.join(" "));
@@ -121,20 +121,20 @@ pub(crate) fn cost(timed: bool, groups: &[&str]) -> String {
     table("| measured | got | wanted |", rows)
 }
 
-/// A world as shipped.
+/// Loads a world as shipped.
 fn world(map: &str) -> WorldDef {
     scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The motions of the youBot, their units, and the signs of its wheels: front left, front right, back left, back right.
+/// Motions of the youBot, their units, and the signs of its wheels: front left, front right, back left, back right.
 const MOTIONS: [(Motion, &str, &str, [f64; 4]); 3] = [
     (Motion::Forward, "forward", "m", [1.0, 1.0, 1.0, 1.0]),
     (Motion::Right, "to the right", "m", [1.0, -1.0, -1.0, 1.0]),
     (Motion::Clockwise, "turning", "rad", [1.0, -1.0, 1.0, -1.0]),
 ];
 
-/// Ten seconds of a youBot whose wheels are commanded 1 rad/s, by its own drive model or another, from as far
-/// along x and along y, m.
+/// Drives a youBot for ten seconds with wheels commanded to 1 rad/s, in its own drive model or another. `away` is the start's distance from
+/// the origin along x and along y, m.
 fn youbot(map: &str, model: Option<DriveModel>, motion: Motion, away: f64) -> Travel {
     let mut def = world(map);
     def.map.starts[0].position = [away, away, 0.0];
@@ -144,8 +144,8 @@ fn youbot(map: &str, model: Option<DriveModel>, motion: Motion, away: f64) -> Tr
     course.travel().unwrap()
 }
 
-/// What a radian of the youBot's wheels gives, m or rad: by the textbook, by finite rollers in the mean over their
-/// phases, and by the Jacobians of the thesis as printed.
+/// Returns the displacement per radian of the youBot's wheels, m or rad: by the textbook, by finite rollers in the mean over their phases,
+/// and by the Jacobians of the thesis as printed.
 fn by_kinematics(motion: Motion, signs: [f64; 4]) -> [f64; 3] {
     let rollers = sim_core::mecanum::finite_rollers(&world("rough").robots["KUKA_YouBot"]).unwrap();
     let FiniteRollers { base, axis_circle, .. } = rollers;
@@ -161,11 +161,11 @@ fn by_kinematics(motion: Motion, signs: [f64; 4]) -> [f64; 3] {
     let velocity = base_velocity(&jacobians, [front_right, front_left, back_left, back_right]).unwrap();
     let axis = motion as usize;
     let textbook = [twist.forward, twist.right, twist.clockwise][axis];
-    // Its x is to the right, its y ahead, its yaw counterclockwise.
+    // In the thesis x is to the right, y ahead, and yaw counterclockwise.
     [textbook, textbook * part[axis], [velocity.y, velocity.x, -velocity.z][axis]]
 }
 
-/// How far robots on plain wheels go of what the balance of friction gives.
+/// Compares the motion of robots on plain wheels with the balance of friction.
 pub(crate) fn sliding() -> String {
     let def = world("rough");
     let on_plain_wheels =
@@ -237,7 +237,7 @@ fn p3at() -> String {
     )
 }
 
-/// Does what a line says for the newest robot, and returns what it answers.
+/// Executes a line for the newest robot and returns the answers.
 fn execute(world: &mut World, robot: &mut Option<RobotId>, line: &str) -> Vec<Message> {
     let command = gamebots_proto::Command::parse(line, &mut Vec::new()).unwrap();
     let executed = world.execute(*robot, &command, &mut Vec::new());
@@ -245,13 +245,13 @@ fn execute(world: &mut World, robot: &mut Option<RobotId>, line: &str) -> Vec<Me
     executed.answers
 }
 
-/// Lets time pass and returns the lines that are sent.
+/// Runs a world for a time and returns its messages.
 fn run_for(world: &mut World, seconds: f64) -> Vec<Message> {
     let steps = (seconds / world.time_step()).round() as u64;
     (0..steps).flat_map(|_| world.step()).map(|(_, message)| message).collect()
 }
 
-/// What is typed, and the answers; of what streams for some seconds after it, the last status and ground truth.
+/// Shows a session: typed lines and their answers, and the last status and ground truth of the stream that follows.
 pub(crate) fn session() -> String {
     let mut world = World::new(world("rough"), Options::default());
     let mut robot = None;
@@ -279,7 +279,7 @@ pub(crate) fn session() -> String {
     text + "```\n\n"
 }
 
-/// Every field of every message, from the tables by which they are written.
+/// Lists every field of every message, from the tables that write them.
 pub(crate) fn messages() -> String {
     let head = "| key | UDK | UT2004 | unit | meaning |\n|---|---|---|---|---|\n";
     let either = |[udk, ut2004]: [&str; 2], mark: &str| match () {
@@ -311,7 +311,7 @@ pub(crate) fn messages() -> String {
     text
 }
 
-/// The three kinematics beside what the model without inertia of rollers gives.
+/// Compares the three kinematics with the model whose rollers have no inertia.
 pub(crate) fn kinematics() -> String {
     let rows = MOTIONS.map(|(motion, name, unit, signs)| {
         let Travel { moved, turned, .. } = youbot("rough", Some(DriveModel::Analytic), motion, 0.0);
@@ -333,7 +333,7 @@ fn thesis_plans() -> Vec<Plan> {
     files.map(|(file, text)| Plan::read(Path::new(&file), text).unwrap_or_else(|error| panic!("{error}"))).collect()
 }
 
-/// Claims of the thesis about its simulation forward that need no more than some of the runs of one experiment.
+/// Checks the thesis's claims about forward motion that need only some runs of one experiment.
 pub(crate) fn thesis() -> String {
     let mut plan = thesis_plans().into_iter().find(|plan| plan.name == "forward").unwrap();
     plan.keep_models(&[DriveModel::Bodies]);

@@ -1,4 +1,4 @@
-//! An empty body: a camera sends its line, its pictures go elsewhere (protocol.md 0.9).
+//! An empty body. A camera sends only this line; its pictures take another way (protocol.md 0.9).
 
 use super::Body;
 use crate::field::{Format, record};

@@ -1,4 +1,5 @@
-//! `{Name W1} {Tick n}`, once for each wheel that the sensor reads (Encoder.uc:29-52); all encoders of a UT2004 robot are one line.
+//! `{Name W1} {Tick n}`, once for each wheel that the sensor reads (Encoder.uc:29-52); all encoders of a UT2004 robot share a
+//! line.
 
 use super::Body;
 use crate::field::{Field, Format, record};
@@ -17,7 +18,7 @@ record! {
     /// Ticks of wheel encoders.
     Encoder {
         ;
-        /// Of each wheel, in order; none when the sensor reads no wheel.
+        /// Ticks of each wheel, in order; none if the sensor reads no wheel.
         ticks: [Tick]
     }
 }

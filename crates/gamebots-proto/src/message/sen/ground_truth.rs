@@ -5,7 +5,7 @@ use super::Body;
 use crate::field::{Field, Format, record};
 
 record! {
-    /// Where the robot is.
+    /// True pose of the robot.
     GroundTruth {
         /// Name of the sensor.
         name: String = Field::new("Name", Format::Word),

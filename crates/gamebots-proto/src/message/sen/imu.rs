@@ -4,7 +4,7 @@ use super::Body;
 use crate::field::{Field, Format, record};
 
 record! {
-    /// How a sensor is accelerated and turns.
+    /// Acceleration and rotation of a sensor.
     Imu {
         /// Name of the sensor.
         name: String = Field::new("Name", Format::Word),

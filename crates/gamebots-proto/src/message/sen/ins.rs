@@ -4,7 +4,7 @@ use super::Body;
 use crate::field::{Field, Format, record};
 
 record! {
-    /// Where the inertial navigation believes the robot to be.
+    /// Pose of the robot by inertial navigation.
     Ins {
         /// Name of the sensor.
         name: String = Field::new("Name", Format::Word),

@@ -4,7 +4,7 @@ use super::Body;
 use crate::field::{Field, Format, record};
 
 record! {
-    /// Where the wheels say the robot is.
+    /// Pose of the robot by its wheels.
     Odometry {
         /// Name of the sensor.
         name: String = Field::new("Name", Format::Word),

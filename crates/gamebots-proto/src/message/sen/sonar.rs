@@ -1,4 +1,4 @@
-//! `{Name n} {Range d}`, one line a sonar (SonarSensor.uc:38-90); all sonars of a UT2004 robot are one line.
+//! `{Name n} {Range d}`, one line per sonar (SonarSensor.uc:38-90); all sonars of a UT2004 robot share a line.
 
 use super::Body;
 use crate::field::{Field, Format, record};

@@ -1,4 +1,4 @@
-//! A class of robots as a tree, worked out once.
+//! A robot class compiled to a tree in reduced coordinates.
 
 use std::sync::Arc;
 
@@ -16,25 +16,25 @@ use super::super::{convert, shape};
 use super::following::Following;
 use super::ring::RollerRing;
 
-/// What robots of a class share.
+/// Data that the robots of a class share.
 pub(in super::super) struct Articulated {
     pub(super) tree: Arc<Tree>,
-    /// Mass with everything that it carries, kg.
+    /// Mass of the robot with its load, kg.
     pub(super) mass: f64,
-    /// Of every link of the definition the link of the tree that it is a part of, and its origin there, m.
+    /// The tree's link of each link of the definition, and the origin of the latter in it, m.
     pub(super) places: Vec<(usize, Vector3<f64>)>,
     pub(super) surfaces: Vec<Surface>,
-    /// Every joint that has a value, in the order of the definition's links.
+    /// Joints that have a value, in the order of the definition's links.
     pub(super) joints: Vec<JointValue>,
     pub(super) gears: Vec<Gear>,
-    /// The hubs of its wheels, casters too.
+    /// Hubs of the wheels, including casters.
     pub(super) wheels: Vec<Hub>,
     pub(super) rings: Vec<Ring>,
-    /// What makes it follow its commands, if it does.
+    /// Data to make the base follow its commands, if it does.
     pub(super) following: Option<Following>,
 }
 
-/// An object of a map that can be pushed.
+/// A movable object of a map.
 pub(in super::super) struct CompiledObject {
     /// Pose in the map.
     pub(in super::super) pose: scene::Pose,
@@ -47,7 +47,8 @@ pub(super) struct Ring {
     pub(super) shape: RollerRing,
     /// The link of the wheel.
     pub(super) wheel: usize,
-    /// The link of the first roller, the others behind it; without them rollers weigh on the wheel and turn as they like.
+    /// Link of the first roller, with the others behind it. `None` if rollers are not links: then their mass is on the wheel and they turn
+    /// without inertia.
     pub(super) first_link: Option<usize>,
     /// Bearing friction of a roller, N m s/rad.
     pub(super) damping: f64,
@@ -62,7 +63,7 @@ pub(super) struct JointValue {
     pub(super) friction: f64,
 }
 
-/// A joint that is moved by another: each by its link and degree of freedom.
+/// A joint coupled to another. Each is given by its link and degree of freedom.
 pub(super) struct Gear {
     pub(super) leader: (usize, usize),
     pub(super) follower: (usize, usize),
@@ -71,29 +72,29 @@ pub(super) struct Gear {
     pub(super) offset: f64,
 }
 
-/// Something of a link that touches.
+/// A part of a link that makes contacts.
 pub(super) struct Surface {
     pub(super) link: usize,
     pub(super) form: Form,
     pub(super) material: Material,
-    /// What the engine has of it.
+    /// The engine's template of its collider.
     pub(super) seen: Seen,
     pub(super) shape: SharedShape,
-    /// In the frame of the link.
+    /// Pose in the frame of the link.
     pub(super) pose: EnginePose,
-    /// A box around it along its own axes.
+    /// Bounding box in its own axes.
     pub(super) around: Aabb,
-    /// Middle and half the size of one along the axes of the link, m.
+    /// Centre and half extents of its bounding box in the axes of the link, m.
     pub(super) middle: Vector3<f64>,
     pub(super) half: Vector3<f64>,
-    /// The wheel that it is, by its number among them.
+    /// Number of the wheel that it belongs to.
     pub(super) wheel: Option<usize>,
 }
 
-/// How its contacts are found.
+/// The geometry that finds its contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Form {
-    /// By the engine's geometry.
+    /// The engine's geometry.
     Solid,
     /// A wheel about the y axis of its link.
     Wheel {
@@ -102,7 +103,7 @@ pub(super) enum Form {
         /// m.
         half_width: f64,
     },
-    /// The rollers of a wheel, by their number among the rings.
+    /// The rollers of a wheel, by the number of their ring.
     Rollers(usize),
     /// A ball about the origin of its link.
     Ball {
@@ -145,7 +146,7 @@ impl Articulated {
         made
     }
 
-    /// Adds a link to those of the tree, or to the one that it is fixed to.
+    /// Adds a link to the tree, or merges it into the link that it is fixed to.
     fn add_link(
         &mut self,
         def: &RobotDef,
@@ -273,12 +274,12 @@ impl Surface {
     }
 }
 
-/// Whether the rollers of a robot's wheels are links of their own.
+/// True if the rollers of a robot's wheels are links of their own.
 fn rollers_are_links(def: &RobotDef) -> bool {
     def.drive_model == DriveModel::Articulated
 }
 
-/// Adds the rollers of a wheel as links that turn about their axes, and gives the number of the first.
+/// Adds the rollers of a wheel as links that turn about their axes. Returns the number of the first.
 fn add_rollers(rollers: &Rollers, wheel_radius: f64, wheel: usize, links: &mut Vec<Link>) -> usize {
     let first = links.len();
     let own = rollers.inertia(wheel_radius);

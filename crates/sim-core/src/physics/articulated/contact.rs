@@ -1,4 +1,4 @@
-//! What a robot touches, as the solver takes it, and what that did to it.
+//! Contacts of a robot as the solver takes them, and their effects on the robot.
 
 use articulated::{Contact, JointRow, Side};
 use nalgebra::Vector3;
@@ -10,23 +10,24 @@ use super::finding::{Found, MARGIN, Second};
 use super::object::MapObject;
 use super::wheel::{RollerTouch, SIDE, Touch};
 
-/// Stiffness of what touches, N/m. It shares the load between contacts.
+/// Stiffness of a contact, N/m. It shares the load between contacts.
 const STIFFNESS: f64 = 1e8;
-/// Stiffness of a contact with the ground of an object, or of a robot that touches something else that moves, and of a contact between
-/// two of these, N/m: 30 kg sink in by 0.1 mm, or 1 mm. In heaps stiffer contacts take Newton's method several times as many steps.
+/// Stiffness of contacts in heaps, N/m: 30 kg sink in by 0.1 mm, or 1 mm. The first is that of a contact with the ground of an object, or
+/// of a robot that touches another body. The second is that of a contact between two moving bodies. Stiffer contacts in heaps take Newton's
+/// method several times as many steps.
 const STIFFNESS_TOGETHER: [f64; 2] = [1e6, 1e5];
 /// Time in which an overlap is pushed out, s.
 const RECOVERY_TIME: f64 = 0.02;
-/// Fastest that it is, m/s.
+/// Largest speed at which an overlap is pushed out, m/s.
 const MAX_RECOVERY: f64 = 1.0;
-/// Below this speed nothing bounces, m/s.
+/// Approach speed below which nothing bounces, m/s.
 const LEAST_BOUNCE: f64 = 0.2;
-/// A bearing that gives way by more than so many times the robot's own speed under a push brakes next to nothing.
+/// Ratio of a bearing's compliance to the robot's (one over its mass) above which the bearing hardly brakes.
 const WEAK: f64 = 1e4;
 
 impl ArticulatedRobot {
-    /// One of its touches as the solver takes it. It is the body of a number among those that are solved together; what it touches moves
-    /// with a velocity there.
+    /// Returns a contact as the solver takes it. `body` is the robot's number among the bodies solved together. `moves` is the velocity of
+    /// the other body at the contact.
     pub(super) fn contact(
         &mut self,
         found: &Found,
@@ -65,14 +66,14 @@ impl ArticulatedRobot {
         contact
     }
 
-    /// The link that a touch pushes.
+    /// Returns the link that a contact pushes.
     fn link_of(&self, found: &Found) -> usize {
         let surface = &self.made_of.surfaces[found.key.surface];
         let (Form::Rollers(ring), Some(roller)) = (surface.form, found.touch.roller) else { return surface.link };
         self.made_of.rings[ring].first_link.map_or(surface.link, |first| first + roller.index)
     }
 
-    /// In which directions friction acts: along the way that a wheel rolls, or along a roller's axis, and across.
+    /// Returns the directions of friction: the way that a wheel rolls, or a roller's axis, and the direction across.
     fn tangents(&self, found: &Found) -> [Option<Vector3<f64>>; 2] {
         let normal = found.touch.normal;
         let surface = &self.made_of.surfaces[found.key.surface];
@@ -90,8 +91,8 @@ impl ArticulatedRobot {
         [Some(along), Some(normal.cross(&along))]
     }
 
-    /// Lets a roller without inertia turn, which carries force along its axis alone but for its bearing; a base that follows its
-    /// commands slides where it has to.
+    /// Lets a roller without inertia turn: it carries force along its axis only, but for its bearing friction. A base that follows its
+    /// commands gets no friction, as its wheels may slide.
     fn free_roller(&mut self, found: &Found, contact: &mut Contact, velocity: Vector3<f64>, time_step: f64) {
         let made_of = &self.made_of;
         let (Some(RollerTouch { index, radius, .. }), Form::Rollers(ring)) =
@@ -102,7 +103,7 @@ impl ArticulatedRobot {
         let ring_of = &made_of.rings[ring];
         let Some(across) = contact.tangents[1].filter(|_| ring_of.first_link.is_none()) else { return };
         let passing = across.dot(&velocity);
-        // It rolls as fast as what it touches passes by.
+        // The roller's surface moves as fast as the ground passes.
         if found.touch.gap < MARGIN {
             self.roller_angles[ring][index] -= passing / radius * time_step;
         }
@@ -119,25 +120,25 @@ impl ArticulatedRobot {
         if free * made_of.mass < WEAK {
             contact.compliance[2] = free;
         } else {
-            // So little does not need to be solved for.
+            // A weak bearing is applied as a force, which saves a row of the solver.
             contact.tangents[1] = None;
             self.body.push(ring_of.wheel, contact.point, across * (-passing / (free * time_step)));
         }
     }
 
-    /// Forgets what pushed it in the last step.
+    /// Drops the contacts, impulses and loads of the last step.
     pub(super) fn forget(&mut self) {
         self.contacts.clear();
         self.known.clear();
         self.loads.fill(Load::default());
     }
 
-    /// Notes what the rows of its joints did in a step.
+    /// Stores the impulses of the joints' rows after a step.
     pub(super) fn note_joints(&mut self, rows: &[JointRow], time_step: f64) {
         self.joint_impulses.clear();
         self.joint_impulses.extend(rows.iter().map(|row| row.impulse));
         if self.made_of.following.is_some() {
-            // A force of the ground on its wheels, which it stands for.
+            // The rows of a base that follows its commands stand for ground forces on its wheels.
             let linear = |row: &JointRow| Vector3::from_column_slice(&row.root[3..]) * row.impulse;
             let force = rows.iter().map(linear).sum::<Vector3<f64>>();
             let share = force / (time_step * self.resistances.len().max(1) as f64);
@@ -145,7 +146,7 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Notes what a contact did to one of its surfaces: of the second of both it is turned about, with a sign of -1.
+    /// Records the impulse of a contact on one of the surfaces. `sign` is 1 for the first body and -1 for the second.
     pub(super) fn note(&mut self, surface: usize, found: &Found, contact: &Contact, sign: f64, time_step: f64) {
         let push = contact.impulse.dot(&contact.normal);
         if push <= 0.0 {

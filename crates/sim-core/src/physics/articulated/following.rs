@@ -1,4 +1,4 @@
-//! Mecanum bases that follow the twist of their wheels' commands, with no more force than they weigh times their grip.
+//! Mecanum bases that follow the twist of their wheels' commands, with no more force than their weight times their grip.
 
 use articulated::{Body, JointRow};
 use friction::Constraint;
@@ -8,23 +8,23 @@ use scene::{DriveModel, RobotDef};
 
 use crate::mecanum;
 
-/// How a base counts its twist from its wheels' speeds.
+/// The map from wheel speeds to a base's twist.
 pub(super) enum Counting {
     Textbook(Mecanum),
     FiniteRollers(FiniteRollers),
 }
 
-/// What makes a base follow.
+/// Data to make a base follow its commands.
 pub(super) struct Following {
     counting: Counting,
-    /// Friction of its wheels.
+    /// Friction coefficient of the wheels.
     grip: f64,
-    /// How far its wheels are from its origin, m.
+    /// Largest distance of a wheel from the origin, m.
     lever: f64,
 }
 
 impl Following {
-    /// That of a robot, if its drive model is one.
+    /// Builds the data for a robot, if its drive model follows commands.
     pub(super) fn of(def: &RobotDef) -> Option<Self> {
         let counting = match def.drive_model {
             DriveModel::Kinematic => Counting::FiniteRollers(mecanum::finite_rollers(def)?),
@@ -37,7 +37,7 @@ impl Following {
         Some(Self { counting, grip, lever })
     }
 
-    /// The twist for wheels at angles, rad, that are asked for speeds, rad/s.
+    /// Returns the twist for wheel speeds, rad/s, at wheel angles, rad.
     fn twist(&self, speeds: [f64; 4], angles: [f64; 4]) -> Twist {
         match &self.counting {
             Counting::Textbook(mecanum) => mecanum.forward(speeds),
@@ -47,7 +47,8 @@ impl Following {
         }
     }
 
-    /// Rows that make the robot frame of a body, which has a number, move so. They push no harder than real wheels could, so walls hold.
+    /// Returns the rows that move the robot frame with the commanded twist. They push no harder than real wheels could, so walls hold.
+    /// `number` is the body's number in the system.
     pub(super) fn rows(
         &self,
         number: usize,
@@ -69,7 +70,7 @@ impl Following {
             compliance: 0.0,
             impulse: 0.0,
         };
-        // The velocity of the frame's origin along an axis.
+        // Row of the velocity of the frame's origin along a direction.
         let along = |direction: Vector3<f64>, target| row(frame.origin.cross(&direction), direction, target, most);
         [
             along(axis(Vector3::x()), forward),

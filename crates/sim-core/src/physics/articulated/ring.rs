@@ -1,4 +1,4 @@
-//! Where the rollers of a wheel touch the world, without bodies for rollers: the same geometry as theirs.
+//! Contacts of a Mecanum wheel's rollers without a body for each roller, with the same geometry.
 
 use nalgebra::Vector3;
 use rapier3d::parry::bounding_volume::Aabb;
@@ -11,22 +11,22 @@ use super::super::contact::{Touch, distance, touch_part};
 use super::super::convert;
 use super::super::roller::RollerShape;
 
-/// Rollers this far off the direction to a surface are looked at beside the nearest one, rad: a contact is up to 21 mm
-/// beside the hub, so where a surface ends obliquely its point nearest to the hub is up to 15 mm before or behind it.
+/// Angle beside the direction to a surface within which rollers are tested, beyond a roller's half sector, rad. A contact is up to 21 mm
+/// beside the hub. Where a surface ends obliquely, its point nearest to the hub is up to 15 mm before or behind it.
 const MARGIN: f64 = 0.3;
-/// Contacts nearer to each other than this are one, m.
+/// Distance below which two contacts are one, m.
 const SAME_PLACE: f64 = 1e-5;
-/// A surface whose normal leans toward the axle by more than this cosine can touch any roller of the wheel.
+/// Cosine of the normal with the axle above which a surface can touch any roller of the wheel.
 const FACING: f64 = 0.5;
 
-/// A touch of one roller, world axes.
+/// A contact of one roller, world axes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WheelContact {
-    /// Where.
+    /// Contact point.
     pub(super) point: Vector3<f64>,
-    /// From the other to the wheel.
+    /// Normal, from the other body to the wheel.
     pub(super) normal: Vector3<f64>,
-    /// Which of the wheel's rollers.
+    /// Number of the roller.
     pub(super) roller: usize,
     /// Axis of the roller.
     pub(super) axis: Vector3<f64>,
@@ -40,7 +40,7 @@ pub(super) struct WheelContact {
 #[derive(Debug, Clone)]
 pub(super) struct RollerRing {
     shape: RollerShape,
-    /// Nothing of the ring is farther than this from the hub, m.
+    /// Largest distance of a point of the ring from the hub, m.
     reach: f64,
     /// Half the sector that a roller covers, rad.
     last_phase: f64,
@@ -51,7 +51,7 @@ pub(super) struct RollerRing {
 }
 
 impl RollerRing {
-    /// The ring of a wheel.
+    /// Builds the ring of a wheel.
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
         let half_width = rollers.half_length_at(rollers.last_phase, wheel_radius) * rollers.angle.cos()
             + (wheel_radius - rollers.axis_circle);
@@ -64,12 +64,12 @@ impl RollerRing {
         }
     }
 
-    /// How many rollers it has.
+    /// Returns the number of rollers.
     pub(super) fn len(&self) -> usize {
         self.rollers.len()
     }
 
-    /// Finds every touch of the ring with a shape at a pose. `hub` is the pose of the wheel when its angle is 0.
+    /// Finds every contact of the ring with a shape at a pose. `hub` is the pose of the wheel at angle 0.
     pub(super) fn touch(
         &self,
         hub: &Pose,
@@ -88,7 +88,7 @@ impl RollerRing {
                 let frame = part_frame.map_or(frame, |pose| frame * pose);
                 self.touch_part(&local, angle, prediction, part, constraints, |index, roller, touch| {
                     let contact = self.contact(&frame, index, roller, touch);
-                    // On an edge between two triangles both hold the roller at the same place.
+                    // Two triangles that share an edge find the same contact there.
                     if !contacts.iter().any(|known| (known.point - contact.point).amax() < SAME_PLACE) {
                         contacts.push(contact);
                     }
@@ -105,7 +105,7 @@ impl RollerRing {
         }
     }
 
-    /// The touches with one convex part, in its frame.
+    /// Finds the contacts with one convex part, in its frame.
     fn touch_part(
         &self,
         hub: &Pose,

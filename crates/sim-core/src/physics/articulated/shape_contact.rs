@@ -1,4 +1,4 @@
-//! Where a surface of a robot touches a shape.
+//! Contacts of a robot's surface with a shape.
 
 use nalgebra::Vector3;
 use rapier3d::geometry::{ContactData, ContactManifoldData};
@@ -13,12 +13,12 @@ use super::super::convert;
 use super::compile::{Form, Surface};
 use super::wheel::{Touch, Wheel};
 
-/// Touches nearer to each other than this are one, m.
+/// Distance below which two contacts are one, m.
 const SAME_PLACE: f64 = 1e-5;
-/// Most touches of one face with another.
+/// Most contacts between two faces.
 const MAX_POINTS: usize = 4;
 
-/// Adds the touches of a surface at a pose with a shape at another within a distance, m; world axes.
+/// Adds the contacts of a surface with a shape, each at a pose, within a distance, m, in world axes.
 pub(super) fn touches(
     own: &Surface,
     own_pose: &EnginePose,
@@ -73,7 +73,7 @@ pub(super) fn touches(
                 gap: touch.gap,
                 roller: None,
             };
-            // On an edge between two triangles both hold it at the same place.
+            // Two triangles that share an edge find the same contact there.
             if !found[before..].iter().any(|known| (known.point - world.point).amax() < SAME_PLACE) {
                 found.push(world);
             }
@@ -93,7 +93,7 @@ pub(super) fn touches(
     }
 }
 
-/// The touches with a plane; not those of solids that reach it, nor that of a wheel's side: whether that is all.
+/// Adds the contact with a plane. Returns false if it needs the engine's geometry: a solid that reaches the plane, or a wheel's side.
 fn on_plane(
     own: &Surface,
     pose: &EnginePose,
@@ -116,7 +116,7 @@ fn on_plane(
             Touch { normal, point: centre - normal * radius, gap: height - radius, roller: None }
         }
         Form::Solid | Form::Rollers(_) => {
-            // The box around it, in the surface's own axes.
+            // The bounding box, in the surface's own axes.
             let middle = convert::from_vector(*pose * own.around.center());
             let half = own.around.half_extents().to_array();
             let axes = [Vector::X, Vector::Y, Vector::Z].map(|axis| convert::from_vector(pose.rotation * axis));
@@ -141,7 +141,7 @@ fn on_ball(
     (touch.gap <= prediction).then_some(touch)
 }
 
-/// An edge inside of a mesh is no edge: the face beside it holds what touches.
+/// True if a contact is on an inner edge of a mesh. The face beside the edge holds the surface.
 fn is_inner_edge(within: &dyn NormalConstraints, pose: &EnginePose, touch: &Touch) -> bool {
     use rapier3d::parry::query::details::NormalConstraintsPair;
     let mut normal = convert::vector(touch.normal);
@@ -150,7 +150,7 @@ fn is_inner_edge(within: &dyn NormalConstraints, pose: &EnginePose, touch: &Touc
     !allowed || convert::from_vector(normal).dot(&touch.normal) < 1.0 - 1e-6
 }
 
-/// The touches that the engine's geometry finds.
+/// Adds the contacts that the engine's geometry finds.
 fn on_solid(
     own: &Surface,
     own_pose: &EnginePose,
@@ -179,8 +179,7 @@ fn on_solid(
     }
 }
 
-/// Of many touches of one face those that hold it: the deepest, the one farthest from it, and the ones farthest from their line on
-/// either side.
+/// Reduces many contacts of one face to four: the deepest, the one farthest from it, and those farthest from their line on either side.
 fn spread(touches: Vec<Touch>, found: &mut Vec<Touch>) {
     if touches.len() <= MAX_POINTS {
         return found.extend(touches);

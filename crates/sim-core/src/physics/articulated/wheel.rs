@@ -1,49 +1,50 @@
-//! Where a plain wheel touches a convex shape.
+//! Contacts of a plain wheel with a convex shape.
 //!
-//! The wheel is a cylinder that gives way a little: flat on a plane its load is in the middle, and moves to an edge as the wheel leans.
-//! On anything else it is a row of discs, each of which touches the plane that holds it off the shape: its edges count, and the nearest.
+//! The wheel is a cylinder that gives way a little. Flat on a plane, its load is in the middle, and it moves to an edge as the wheel leans.
+//! On other shapes the wheel is a row of discs. Each touches the plane that separates it from the shape. The two edges and the nearest disc
+//! count.
 
 use nalgebra::Vector3;
 
-/// Sine of the angle at which a wheel leans on its edge alone: a tyre is round there.
+/// Sine of the lean at which a wheel stands on its edge alone. A tyre is round there.
 const LEANING: f64 = 0.1;
-/// A surface whose normal leans toward the axle by more than this cosine meets the side of the wheel.
+/// Cosine of the normal with the axle above which a surface meets the side of the wheel.
 pub(super) const SIDE: f64 = 0.7;
-/// Cosine above which two normals are of one plane, and distance of two planes that are one, m.
+/// Limits within which two planes are one: the cosine of their normals, and their distance, m.
 const SAME_NORMAL: f64 = 1.0 - 1e-9;
 const SAME_HEIGHT: f64 = 1e-7;
-/// Rounds in which the point of a disc nearest to a shape is found.
+/// Iterations of the search for the point of a disc nearest to a shape.
 const ROUNDS: usize = 4;
-/// Steps in which the nearest disc of a wheel is found: a width of 0.1 m is a tenth of a millimetre then.
+/// Iterations of the search for the nearest disc. They narrow a width of 0.1 m to a tenth of a millimetre.
 const HALVINGS: usize = 15;
-/// The part of a disc's radius from its rim inward that is taken for round there.
+/// Part of a disc's radius, inward from the rim, that is treated as round.
 const RIM: f64 = 0.25;
 
-/// A touch, in whatever frame it was asked for.
+/// A contact, in the frame of the query.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
-    /// From the other to the wheel.
+    /// Normal, from the other body to the wheel.
     pub(super) normal: Vector3<f64>,
-    /// On the wheel.
+    /// Point on the wheel.
     pub(super) point: Vector3<f64>,
     /// Gap; negative where they overlap, m.
     pub(super) gap: f64,
-    /// The roller that touches.
+    /// The roller in contact, if any.
     pub(super) roller: Option<RollerTouch>,
 }
 
-/// How a roller touches.
+/// Contact of a roller.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RollerTouch {
-    /// Which of the wheel's.
+    /// Number of the roller in its wheel.
     pub(super) index: usize,
-    /// Its axis.
+    /// Axis of the roller.
     pub(super) axis: Vector3<f64>,
     /// Distance of the point from the axis along the normal, m.
     pub(super) radius: f64,
 }
 
-/// A wheel in the frame of what it may touch.
+/// A wheel in the frame of the other shape.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wheel {
     pub(super) hub: Vector3<f64>,
@@ -54,7 +55,7 @@ pub(super) struct Wheel {
 }
 
 impl Wheel {
-    /// The touch with a plane through a place.
+    /// Returns the contact with a plane through a point.
     pub(super) fn on_plane(&self, normal: Vector3<f64>, place: Vector3<f64>) -> Touch {
         let lean = normal.dot(&self.axle);
         let along = (-lean / LEANING).clamp(-1.0, 1.0) * self.half_width;
@@ -62,18 +63,19 @@ impl Wheel {
         Touch { normal, point, gap: normal.dot(&(point - place)), roller: None }
     }
 
-    /// From the axle to where the rim is nearest to a plane.
+    /// Returns the unit vector from the axle to the rim's nearest point to a plane.
     fn toward(&self, normal: &Vector3<f64>) -> Vector3<f64> {
         let across = normal - self.axle * normal.dot(&self.axle);
         across.try_normalize(1e-9).map_or_else(Vector3::zeros, |across| -across)
     }
 
-    /// How far any of it is from its hub.
+    /// Returns the largest distance of the wheel's points from its hub.
     pub(super) fn reach(&self) -> f64 {
         self.radius.hypot(self.half_width)
     }
 
-    /// The touches of its tread with a shape within a distance, m, `None` where it meets it with its side; `nearest` is the distance of a point from it, and the normal there.
+    /// Returns the contacts of the tread with a shape within a distance, m, or `None` if the side of the wheel faces it. `nearest` gives a
+    /// point's distance from the shape, and the normal there.
     pub(super) fn on_shape(
         &self,
         prediction: f64,
@@ -106,8 +108,8 @@ impl Wheel {
         Some([edges[0], edges[1], between])
     }
 
-    /// The touch of the disc that is nearest. The gap of a convex shape is a convex function of the place on the axle, so the ends of
-    /// a part of the axle close in on it (golden section).
+    /// Returns the contact of the nearest disc. The gap to a convex shape is a convex function of the place on the axle, so a golden
+    /// section search finds its minimum.
     fn nearest_disc(&self, at: impl Fn(f64) -> Option<Touch>) -> Option<Touch> {
         const SHARE: f64 = 0.618_033_988_749_895;
         let (mut low, mut high) = (-self.half_width, self.half_width);
@@ -128,7 +130,7 @@ impl Wheel {
         Some(if left.1.gap < right.1.gap { left.1 } else { right.1 })
     }
 
-    /// The plane that holds the disc at a place on the axle off a shape: its normal and a point of it.
+    /// Returns the plane that separates the disc at a place on the axle from a shape: its normal and a point on it.
     fn plane_under(
         &self,
         along: f64,
@@ -162,7 +164,7 @@ mod tests {
         wheel.on_shape(0.001, nearest).into_iter().flatten().flatten().collect()
     }
 
-    /// Up is z; a box with a corner at an edge line x = edge, below z = 0.
+    /// Signed distance to a step: a box with its edge on the line x = `edge`, z = 0. Up is z.
     fn step_at(edge: f64) -> impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
         move |point| {
             let off = Vector3::new((point.x - edge).max(0.0), 0.0, point.z.max(0.0));
@@ -191,7 +193,7 @@ mod tests {
         assert!((found[0].gap - (0.1 - 0.1 * cos - 0.03 * sin)).abs() < 1e-9, "{found:?}");
     }
 
-    /// Beyond the edge of a step it is the edge that holds the wheel, on the line from there to the hub.
+    /// Beyond a step's edge, the edge holds the wheel. The normal points from there to the hub.
     #[test]
     fn a_wheel_rolls_over_an_edge() {
         let (back, height) = (0.06, 0.08);
@@ -205,7 +207,7 @@ mod tests {
         assert!(!found.is_empty());
     }
 
-    /// A rail under a part of its width holds it there.
+    /// A rail under a part of the width holds the wheel there.
     #[test]
     fn a_wheel_stands_on_a_rail_between_its_edges() {
         // A cylinder along x.
@@ -218,7 +220,7 @@ mod tests {
         assert!(found.iter().any(|touch| touch.gap.abs() < 1e-5 && (touch.point.y - aside).abs() < 1e-3), "{found:?}");
     }
 
-    /// Half on a kerb it stands on the edge that is above it.
+    /// A wheel half on a kerb stands on the edge above the kerb.
     #[test]
     fn half_on_a_kerb_it_stands_on_one_edge() {
         let kerb = step_at(0.01);

@@ -11,8 +11,8 @@ use super::super::surface::Materials;
 use super::{Landing, MultibodyRobot, contact};
 use crate::flight::Flight;
 
-/// A robot without a loaded wheel falls when it goes down at such a speed, m/s. Put onto a surface it comes down with
-/// 0.14 m/s; a faster one has fallen off the map and lands nowhere.
+/// Downward speeds at which a robot without a loaded wheel counts as falling, m/s. A robot put onto a surface comes down with 0.14 m/s. A
+/// faster one has fallen off the map and lands nowhere.
 const FALLING_SPEEDS: std::ops::Range<f64> = 0.2..20.0;
 
 impl MultibodyRobot {
@@ -54,7 +54,7 @@ impl MultibodyRobot {
         }
     }
 
-    /// Ends the forces of the last step: rolling resistance, and reactions of robots in reduced coordinates.
+    /// Clears the forces of the last step: rolling resistance, and reactions of robots in reduced coordinates.
     fn reset_forces(&self, world: &mut PhysicsWorld) {
         for &handle in &self.links {
             let pushed = |body: &RigidBody| body.user_force() != Vector::ZERO || body.user_torque() != Vector::ZERO;
@@ -81,7 +81,7 @@ impl MultibodyRobot {
         }
     }
 
-    /// Gives the hubs their rolling resistance, and notices a fall: both follow from the loads.
+    /// Applies rolling resistance to the hubs, and detects a fall. Both follow from the loads.
     fn set_rolling_resistance(&mut self, world: &mut PhysicsWorld, materials: &Materials, landing: &mut Landing) {
         let Self { tree, links, treads, resistances, .. } = self;
         let time_step = world.integration_parameters.dt;

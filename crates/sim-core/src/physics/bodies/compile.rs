@@ -1,4 +1,4 @@
-//! A class of robots as a tree of the engine's bodies, worked out once.
+//! A robot class compiled to a tree of the engine's bodies.
 
 use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
@@ -10,20 +10,20 @@ use super::super::{convert, shape};
 use super::joint::{Gear, Joint, Role, axis_of};
 use super::shape::{roller, tread};
 
-/// A class of robots as the engine inserts it.
+/// A robot class, ready to be inserted into the engine.
 pub(in super::super) struct Tree {
-    /// Mass with everything that it carries, as it is reported, kg.
+    /// Mass of the robot with its load, as it is reported, kg.
     pub(super) mass: f64,
     /// Origin of the root's body in the robot frame, m.
     pub(super) centre: Vector3<f64>,
     pub(super) footing: Footing,
-    /// Numbers of the definition's links among `links`.
+    /// Numbers among `links` of the definition's links.
     pub(super) numbers: Vec<usize>,
-    /// Its links, parents before their children.
+    /// Links, parents before their children.
     pub(super) links: Vec<Link>,
-    /// The hubs of its wheels, casters too.
+    /// Hubs of the wheels, including casters.
     pub(super) hubs: Vec<Hub>,
-    /// Joints that are moved by others.
+    /// Joints coupled to others.
     pub(super) gears: Vec<Gear>,
     /// Damping of the root's velocity, N s/m, and angular velocity, N m s/rad.
     pub(super) root_damping: [f64; 2],
@@ -32,30 +32,30 @@ pub(in super::super) struct Tree {
 /// The support of a tree's root.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Footing {
-    /// It stands on what is below it.
+    /// Stands on the ground.
     Free,
-    /// Its velocities are given; it weighs nothing.
+    /// Has its velocities set and no weight.
     Flying,
-    /// Its root does not move.
+    /// Has a fixed root.
     Fixed,
 }
 
-/// A body and how it hangs on its parent.
+/// A body and its joint to the parent.
 pub(super) struct Link {
-    /// Pose in the parent's frame when every joint is at 0. The root's frame is the robot frame.
+    /// Pose in the parent's frame when every joint is at 0. The root's is that of the robot frame.
     pub(super) pose: Pose,
     pub(super) mass: MassProperties,
     pub(super) surfaces: Vec<Surface>,
-    /// `None` of the root alone.
+    /// Joint to the parent, `None` for the root.
     pub(super) joint: Option<Joint>,
-    /// The wheel that it is a part of, by its number among them.
+    /// Number of the wheel that it is part of.
     pub(super) wheel: Option<usize>,
 }
 
 impl Tree {
     pub(in super::super) fn new(def: &RobotDef, shapes: &[SharedShape], materials: &mut Materials) -> Self {
         let body = def.body_mass();
-        // The engine moves the origin of a multibody's root with the velocity of its centre of mass, so they have to be one.
+        // The engine moves the origin of a multibody's root with the velocity of its centre of mass, so the two must coincide.
         let centre = body.centre;
         let root = Link {
             pose: Pose::identity(),
@@ -84,7 +84,7 @@ impl Tree {
             let Some(joint) = &link.joint else { continue };
             let parent = numbers[joint.parent];
             let offset = Vector3::from(joint.anchor) - Vector3::from(def.links[joint.parent].origin());
-            // Where the joint is in the frame of the parent's body.
+            // Anchor in the frame of the parent's body.
             let anchor = if parent == 0 { offset - centre } else { offset };
             numbers.push(tree.links.len());
             match MountedWheel::of((number, link)) {
@@ -101,7 +101,7 @@ impl Tree {
         tree
     }
 
-    /// Couples the joint of a link to another; `numbers` are those of the links here.
+    /// Couples the joint of a link to another. `numbers` are the tree's numbers of the definition's links.
     fn add_coupling(&mut self, def: &RobotDef, numbers: &[usize], follower: usize, coupling: Coupling) {
         let Coupling { leader, multiplier, offset, kind } = coupling;
         let axis = |link: usize| Some((numbers[link], axis_of(def.links[link].joint.as_ref()?.kind)?));
@@ -187,7 +187,7 @@ impl Tree {
     }
 }
 
-/// The shapes of a robot's body, whose origin is at `centre` in the robot frame.
+/// Returns the surfaces of a robot's body, whose origin is at `centre` in the robot frame.
 fn body_surfaces(
     def: &RobotDef,
     shapes: &[SharedShape],

@@ -55,9 +55,9 @@ impl MultibodyRobot {
     }
 }
 
-/// Sets what joints have beside their motors. The robot does not collide with itself (the thesis lists 81 disabled pairs, all within
-/// one robot; collision groups could not tell 64 robots apart). Damping: by default the engine brakes every turning joint with
-/// 0.1 N m s/rad, far too much for a roller, so each is set.
+/// Sets self-contacts, damping, armature, friction and couplings. The robot does not collide with itself: the thesis lists 81 disabled
+/// pairs, all within one robot, and collision groups could not tell 64 robots apart. Damping is set on every joint, as the engine's default
+/// of 0.1 N m s/rad is far too much for a roller.
 fn set_joint_parameters(world: &mut PhysicsWorld, tree: &Tree, links: &[RigidBodyHandle]) {
     let ids: Vec<_> = links.iter().map(|&body| world.multibody_joints.rigid_body_link(body).copied()).collect();
     let Some(multibody) = ids[0].and_then(|id| world.multibody_joints.get_multibody_mut(id.multibody)) else {
@@ -95,7 +95,7 @@ fn set_joint_parameters(world: &mut PhysicsWorld, tree: &Tree, links: &[RigidBod
     }
 }
 
-/// The engine puts bodies to sleep below 0.4 m/s; a youBot drives at 0.05.
+/// Builds a dynamic body that never sleeps. The engine puts bodies to sleep below 0.4 m/s, but a youBot drives at 0.05.
 fn dynamic_body(pose: &Pose, mass: MassProperties) -> RigidBodyBuilder {
     RigidBodyBuilder::dynamic().pose(convert::pose(pose)).additional_mass_properties(mass).can_sleep(false)
 }

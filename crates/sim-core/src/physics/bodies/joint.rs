@@ -1,4 +1,4 @@
-//! Joints of a tree as the engine has them.
+//! Joints of a tree in the engine's terms.
 
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
@@ -11,11 +11,11 @@ use super::super::motor::Value;
 pub(super) struct Joint {
     pub(super) parent: usize,
     pub(super) joint: GenericJoint,
-    /// Damping of every degree of freedom, N m s/rad.
+    /// Damping of each degree of freedom, N m s/rad.
     pub(super) damping: f64,
-    /// Dry friction of every degree of freedom, N m or N.
+    /// Dry friction of each degree of freedom, N m or N.
     pub(super) friction: f64,
-    /// Inertia of a rotor as felt at the joint, kg m².
+    /// Inertia of the motor's rotor at the joint, kg m².
     pub(super) armature: f64,
     pub(super) role: Role,
 }
@@ -23,15 +23,15 @@ pub(super) struct Joint {
 /// The purpose of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Role {
-    /// Has a value in the robot's state, along the engine's axis.
+    /// A value in the robot's state, along the engine's axis.
     Value(JointAxis, Value),
-    /// Lets a roller spin.
+    /// The axle of a roller.
     Roller,
-    /// Holds, or lets a caster turn.
+    /// A joint without a value: fixed or ball.
     Free,
 }
 
-/// A joint that is moved by another: each by its link's number and its axis.
+/// A joint coupled to another. Each is given by its link's number and its axis.
 pub(super) struct Gear {
     pub(super) leader: (usize, JointAxis),
     pub(super) follower: (usize, JointAxis),
@@ -41,7 +41,7 @@ pub(super) struct Gear {
 }
 
 impl Joint {
-    /// A joint of a definition at an anchor in the frame of the body of a link with a number.
+    /// Compiles a joint of a definition. `anchor` is in the frame of the parent's body.
     pub(super) fn new(def: &scene::Joint, parent: usize, anchor: Vector3<f64>, is_wheel: bool) -> Self {
         Self {
             parent,
@@ -54,7 +54,7 @@ impl Joint {
     }
 }
 
-/// The engine's joint at an anchor in the frame of the parent's body; that of the child is its origin.
+/// Builds the engine's joint at an anchor in the frame of the parent's body. The child's anchor is its origin.
 fn engine_joint(joint: &scene::Joint, anchor: Vector3<f64>) -> GenericJoint {
     let (anchor, axis) = (convert::vector(anchor), convert::vector(joint.axis));
     let mut built: GenericJoint = match joint.kind {
@@ -75,7 +75,7 @@ fn engine_joint(joint: &scene::Joint, anchor: Vector3<f64>) -> GenericJoint {
     built
 }
 
-/// The engine's axis of a joint with one value: its x axis is the joint's.
+/// Returns the engine's axis of a joint with one value. The engine's x axis is the joint's axis.
 pub(super) fn axis_of(kind: JointKind) -> Option<JointAxis> {
     match kind {
         JointKind::Revolute | JointKind::Continuous => Some(JointAxis::AngX),
