@@ -29,6 +29,7 @@ import math
 import os
 import re
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -281,7 +282,7 @@ def trees(seconds, repeat):
         for dt in (0.002, 0.004, 0.008):
             best = [0.0] * 3
             for turn in range(repeat):
-                print(f"\r{turn + 1}/{repeat} {name} {1e3 * dt:g} ms {'':60}", end="", flush=True)
+                print(f"\r{turn + 1}/{repeat} {name} {1e3 * dt:g} ms {'':60}", end="", flush=True, file=sys.stderr)
                 found = [mujoco_tree_row(definition, floor, cone, dt, seconds) for cone in ("pyramidal", "elliptic")]
                 found.append(usarsim_row("articulated", dt, seconds, name, (), floor or "rough")["factor"])
                 best = [max(pair) for pair in zip(best, found)]
@@ -355,7 +356,7 @@ def crowds(seconds, repeat, folder):
         for dt in (0.002, 0.004):
             best, longest, unstable = [math.inf] * 3, math.inf, 0
             for turn in range(repeat):
-                print(f"\r{turn + 1}/{repeat} {robots} robots, {boxes} boxes, {1e3 * dt:g} ms {'':60}", end="", flush=True)
+                print(f"\r{turn + 1}/{repeat} {robots} robots, {boxes} boxes, {1e3 * dt:g} ms {'':60}", end="", flush=True, file=sys.stderr)
                 found = [mujoco_crowd_row(robots, boxes, cone, dt, seconds) for cone in ("pyramidal", "elliptic")]
                 unstable = max(unstable, *(count for _, count in found))
                 own, worst = usarsim_crowd_row(robots, boxes, dt, seconds, folder)
@@ -456,7 +457,7 @@ def table(runs, head, repeat):
     best = {}
     for turn in range(repeat):
         for key, run in runs.items():
-            print(f"\r{turn + 1}/{repeat} {key:70}", end="", flush=True)
+            print(f"\r{turn + 1}/{repeat} {key:70}", end="", flush=True, file=sys.stderr)
             row = run()
             if key not in best or row["factor"] > best[key]["factor"]:
                 best[key] = row

@@ -1,7 +1,7 @@
 //! Robots on a grid that all drive to its middle, where they push, climb and heap up.
 
 use gamebots_proto::command::Init;
-use sim_core::{RobotId, World};
+use sim_core::World;
 
 use crate::{Motion, MotionError};
 
@@ -10,22 +10,20 @@ const SPACING: f64 = 0.75;
 /// Speed of all wheels, rad/s.
 const SPEED: f64 = 5.0;
 
-/// A world in which a crowd drives.
+/// A world with a crowd of robots in motion.
 pub struct Crowd {
     world: World,
-    robots: Vec<RobotId>,
 }
 
 impl Crowd {
-    /// Puts `count` robots, whose classes take turns, on a square grid around the first start of the map, and has them drive ahead. Each
-    /// faces the middle of the grid; a single one faces along the start's x axis.
+    /// Spawns `count` robots on a square grid around the first start of the map, and drives them ahead. Their classes take turns.
+    /// Each robot faces the middle of the grid; a single one faces along the start's x axis.
     ///
     /// # Errors
     /// When a class is unknown or there is no room.
     pub fn start(mut world: World, classes: &[String], count: u32) -> Result<Self, MotionError> {
         let [x, y, z] = world.def().map.starts.first().map_or([0.0; 3], |start| start.position);
         let side = f64::from(count).sqrt().ceil();
-        let mut robots = Vec::new();
         for (number, class) in (0..count).zip(classes.iter().cycle()) {
             let robot = world.def().robots.get(class).ok_or_else(|| MotionError::UnknownRobot(class.clone()))?;
             let drive = Motion::Forward.command(robot, SPEED);
@@ -39,9 +37,8 @@ impl Crowd {
             let mut problems = Vec::new();
             let id = world.init(&init, &mut problems).ok_or(MotionError::Refused(problems))?;
             world.execute(Some(id), &drive, &mut Vec::new());
-            robots.push(id);
         }
-        Ok(Self { world, robots })
+        Ok(Self { world })
     }
 
     /// Advances by one step.
@@ -49,13 +46,8 @@ impl Crowd {
         self.world.step();
     }
 
-    /// The world.
+    /// Returns the world.
     pub fn world(&self) -> &World {
         &self.world
-    }
-
-    /// The robots, in the order in which they were placed.
-    pub fn robots(&self) -> &[RobotId] {
-        &self.robots
     }
 }

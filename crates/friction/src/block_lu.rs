@@ -1,7 +1,7 @@
-//! A sparse matrix of small blocks, factorised without exchanging blocks.
+//! A sparse matrix of small blocks, factorised without pivoting between blocks.
 //!
 //! Nodes are groups of coordinates that the same constraints touch. They are eliminated in the order of least degree, which keeps most
-//! blocks between nodes empty; which are not is known before any number is.
+//! blocks between nodes empty. The pattern of filled blocks is known before the numbers.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,16 +14,17 @@ use crate::sparse::SparseProblem;
 pub(crate) struct Pattern {
     /// Nodes in the order of elimination.
     nodes: Vec<Node>,
-    /// The node of each coordinate; `usize::MAX` where no constraint touches it.
+    /// The node of each coordinate; `usize::MAX` if no constraint touches it.
     node_of: Vec<usize>,
-    /// Later nodes that share a block with each node, ascending.
+    /// For each node, its later nodes that share a block with it, ascending; then the first column of each of these.
     later: Vec<usize>,
-    /// Numbers of all blocks.
+    starts: Vec<usize>,
+    /// Total length of all blocks.
     size: usize,
-    /// For every constraint its parts: its entries by node.
+    /// For every constraint, its parts: its entries by node.
     parts: Vec<Part>,
     parts_of: Vec<Range<usize>>,
-    /// For every pair of parts of one constraint where their block begins, and the length of its rows.
+    /// Start of the block of every pair of parts of one constraint, and the length of its rows.
     places: Vec<(usize, usize)>,
     scratch: Scratch,
 }
@@ -32,10 +33,10 @@ pub(crate) struct Pattern {
 #[derive(Debug, Clone, Copy)]
 struct Part {
     node: usize,
-    /// Its entries among those of the constraint.
+    /// Range of its entries among those of the constraint.
     start: usize,
     end: usize,
-    /// Where the places of its pairs begin.
+    /// Start of its pairs in `places`.
     places: usize,
 }
 
@@ -46,13 +47,13 @@ struct Node {
     first: usize,
     /// Number of its coordinates.
     size: usize,
-    /// The body that it belongs to.
+    /// Body of the node.
     body: usize,
-    /// Its later nodes.
+    /// Range of its later nodes.
     later: (usize, usize),
-    /// Coordinates of its later nodes.
+    /// Number of coordinates of its later nodes.
     width: usize,
-    /// Where its own block begins; behind it the blocks of its row, `size` x `width`, then those of its column, `width` x `size`.
+    /// Start of its own block. The blocks of its row follow, `size` x `width`, then those of its column, `width` x `size`.
     place: usize,
 }
 
@@ -60,17 +61,17 @@ struct Node {
 #[derive(Debug, Clone, Default)]
 struct Scratch {
     marks: Vec<u64>,
-    near: Vec<Vec<usize>>,
+    near: Neighbours,
     touched: Vec<usize>,
 }
 
 impl Pattern {
-    /// Finds nodes, their order and the blocks that their elimination fills. Returns the multiplications that took, roughly.
+    /// Finds the nodes, their order and the blocks that elimination fills. Returns the multiplications spent, roughly.
     pub(crate) fn find(&mut self, problem: &SparseProblem) -> u64 {
-        let count = problem.bodies.last().copied().unwrap_or(0);
-        let Self { nodes, node_of, later, size, scratch, .. } = self;
+        let count = problem.coordinate_count();
+        let Self { nodes, node_of, later, starts, size, scratch, .. } = self;
         let Scratch { marks, near, touched } = scratch;
-        // Coordinates that the same constraints touch have the same sum of marks. Two that share one by chance make a block with zeros.
+        // Coordinates that the same constraints touch have the same sum of marks. A chance collision only makes a block with zeros.
         marks.clear();
         marks.resize(count, 0);
         for (number, range) in problem.ranges.iter().enumerate() {
@@ -104,33 +105,31 @@ impl Pattern {
                 node_of[coordinate] = nodes.len() - 1;
             }
         }
-        near.iter_mut().for_each(Vec::clear);
-        near.resize_with(near.len().max(nodes.len()), Vec::new);
+        near.clear(nodes.len());
         for range in &problem.ranges {
             touched.clear();
             touched.extend(problem.entries[range.clone()].iter().map(|(coordinate, _)| node_of[*coordinate]));
             touched.dedup();
-            for &one in touched.iter() {
-                near[one].extend(touched.iter().filter(|&&other| other != one));
-            }
+            near.join(touched);
         }
-        near.iter_mut().for_each(|near| {
-            near.sort_unstable();
-            near.dedup();
-        });
         let mut work = 0;
-        let order = order(nodes, near, &mut work);
-        // From here on nodes are numbered in that order.
+        let order = near.order(nodes, &mut work);
+        // From here on, nodes are numbered in elimination order.
         let mut place_of = vec![0; nodes.len()];
         order.iter().enumerate().for_each(|(place, &node)| place_of[node] = place);
         let sizes: Vec<usize> = nodes.iter().map(|node| node.size).collect();
         later.clear();
+        starts.clear();
         *size = 0;
         let ordered = order.iter().map(|&number| {
             let start = later.len();
-            later.extend(near[number].iter().map(|&other| place_of[other]));
+            later.extend(near.of(number).map(|other| place_of[other]));
             later[start..].sort_unstable();
-            let width = near[number].iter().map(|&other| sizes[other]).sum();
+            let mut width = 0;
+            for &place in &later[start..] {
+                starts.push(width);
+                width += sizes[order[place]];
+            }
             let node = Node { later: (start, later.len()), width, place: *size, ..nodes[number] };
             *size += node.size * (node.size + 2 * width);
             node
@@ -179,7 +178,7 @@ impl Pattern {
         }
     }
 
-    /// Adds the gain of a constraint between the coordinates that it touches. Returns the multiplications.
+    /// Adds the gain of a constraint to the blocks of its coordinates. Returns the multiplications.
     pub(crate) fn add(
         &self,
         constraint: usize,
@@ -197,7 +196,7 @@ impl Pattern {
                 }
                 for (its, &(place, width)) in parts.iter().zip(&self.places[own.places..]) {
                     let line = &mut matrix[place + (coordinate - own_first) * width..];
-                    // Its coordinates are consecutive.
+                    // The coordinates of a part are consecutive.
                     let its_entries = &entries[its.start..its.end];
                     let first = its_entries[0].0 - self.nodes[its.node].first;
                     for (to, (_, entry)) in line[first..].iter_mut().zip(its_entries) {
@@ -213,15 +212,14 @@ impl Pattern {
         &self.later[node.later.0..node.later.1]
     }
 
-    /// Returns where the block of two nodes begins, and the length of its rows. There has to be one.
+    /// Returns the start of the block of two nodes, and the length of its rows. The block must exist.
     fn block(&self, row: usize, column: usize) -> (usize, usize) {
         let (first, second) = (row.min(column), row.max(column));
         let node = &self.nodes[first];
         if row == column {
             return (node.place, node.size);
         }
-        let before: usize =
-            self.later(node).iter().take_while(|&&other| other < second).map(|&other| self.nodes[other].size).sum();
+        let before = self.starts[node.later.0 + self.later(node).partition_point(|&other| other < second)];
         let panel = node.place + node.size * node.size;
         if row == first {
             (panel + before, node.width)
@@ -230,8 +228,8 @@ impl Pattern {
         }
     }
 
-    /// Factorises a matrix in place and solves for a right-hand side in place, for the coordinates of moving bodies alone. Returns the
-    /// multiplications, or `None` without an answer.
+    /// Factorises a matrix and solves for a right-hand side, both in place, for the coordinates of moving bodies alone. Returns the
+    /// multiplications, or `None` if there is no solution.
     pub(crate) fn solve(&self, matrix: &mut [f64], right: &mut [f64], moves: &[bool]) -> Option<u64> {
         let mut work = 0;
         let is_active = |node: &Node| moves[node.body];
@@ -255,7 +253,7 @@ impl Pattern {
                 if !is_active(row_node) {
                     continue;
                 }
-                // The column's block times the inverse of the node's own.
+                // The column's block times the inverse of the diagonal block.
                 let block = &mut lower[start * size..][..row_node.size * size];
                 scale_block(block, diagonal, size);
                 for (to, factors) in right[row_node.first..].iter_mut().zip(block.chunks_exact(size)) {
@@ -269,7 +267,7 @@ impl Pattern {
                 if !is_active(&self.nodes[row]) {
                     continue;
                 }
-                // Blocks of this row and of this column from here on: the same places in both panels.
+                // Blocks of this row and column from here on. They have the same places in both panels.
                 let target = &self.nodes[row];
                 let (mut at, mut slot) = (0, 0);
                 let slots = self.later(target);
@@ -340,52 +338,115 @@ impl Pattern {
 /// Most coordinates of a node.
 const MAX_NODE: usize = 16;
 
-/// Orders nodes by least degree. Leaves each with the nodes that are eliminated after it and share a block with it.
-fn order(nodes: &[Node], near: &mut [Vec<usize>], work: &mut u64) -> Vec<usize> {
-    let degree = |near: &[usize]| near.iter().map(|&other| nodes[other].size).sum::<usize>();
-    let mut queue: BinaryHeap<Reverse<(usize, usize)>> =
-        (0..nodes.len()).map(|node| Reverse((degree(&near[node]), node))).collect();
-    let (mut order, mut merged) = (Vec::with_capacity(nodes.len()), Vec::new());
-    let mut is_done = vec![false; nodes.len()];
-    while let Some(Reverse((known, node))) = queue.pop() {
-        if is_done[node] || degree(&near[node]) != known {
-            continue;
+/// The neighbours of each node, as sets with one bit per node: a few words for the nodes of a heap.
+#[derive(Debug, Clone, Default)]
+struct Neighbours {
+    /// Words per set.
+    words: usize,
+    bits: Vec<u64>,
+    /// The union under construction.
+    union: Vec<u64>,
+    /// For each bit of the nodes' sizes, the set of nodes that have it.
+    sizes: Vec<u64>,
+}
+
+impl Neighbours {
+    /// Resets the sets for a number of nodes.
+    fn clear(&mut self, count: usize) {
+        self.words = count.div_ceil(64);
+        self.bits.clear();
+        self.bits.resize(count * self.words, 0);
+    }
+
+    /// Makes every node a neighbour of the others, and of itself.
+    fn join(&mut self, nodes: &[usize]) {
+        self.union.clear();
+        self.union.resize(self.words, 0);
+        nodes.iter().for_each(|&node| self.union[node / 64] |= 1 << (node % 64));
+        for &node in nodes {
+            let own = &mut self.bits[node * self.words..][..self.words];
+            own.iter_mut().zip(&self.union).for_each(|(own, union)| *own |= union);
         }
-        is_done[node] = true;
-        order.push(node);
-        let own = std::mem::take(&mut near[node]);
-        *work += (own.len() * own.len()) as u64;
-        for &other in &own {
-            merged.clear();
-            merge(&near[other], &own, &mut merged);
-            merged.retain(|&it| it != node && it != other);
-            if near[other] != merged {
-                std::mem::swap(&mut near[other], &mut merged);
-                queue.push(Reverse((degree(&near[other]), other)));
+    }
+
+    /// Returns the neighbours of a node, ascending.
+    fn of(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
+        members(&self.bits[node * self.words..][..self.words])
+    }
+
+    /// Counts the coordinates of a set. `sizes` has, for each bit of `used`, the nodes whose size has that bit.
+    fn size_of(set: &[u64], sizes: &[u64], used: usize) -> usize {
+        let bits = (0..usize::BITS).filter(|bit| used >> bit & 1 == 1);
+        let count = |nodes: &[u64]| {
+            set.iter().zip(nodes).map(|(one, other)| (one & other).count_ones() as usize).sum::<usize>()
+        };
+        sizes.chunks_exact(set.len()).zip(bits).map(|(nodes, bit)| count(nodes) << bit).sum()
+    }
+
+    /// Orders nodes by least degree. On return each set holds the nodes that are eliminated later and share a block with its node.
+    fn order(&mut self, nodes: &[Node], work: &mut u64) -> Vec<usize> {
+        let Self { words, bits, union, sizes } = self;
+        let words = *words;
+        sizes.clear();
+        let used = nodes.iter().fold(0, |used, node| used | node.size);
+        for bit in (0..usize::BITS).filter(|bit| used >> bit & 1 == 1) {
+            let start = sizes.len();
+            sizes.resize(start + words, 0);
+            for (number, _) in nodes.iter().enumerate().filter(|(_, node)| node.size >> bit & 1 == 1) {
+                sizes[start + number / 64] |= 1 << (number % 64);
             }
         }
-        near[node] = own;
+        for number in 0..nodes.len() {
+            bits[number * words + number / 64] &= !(1 << (number % 64));
+        }
+        let mut degrees: Vec<usize> =
+            (0..nodes.len()).map(|node| Self::size_of(&bits[node * words..][..words], sizes, used)).collect();
+        let mut queue: BinaryHeap<Reverse<(usize, usize)>> =
+            degrees.iter().enumerate().map(|(node, &degree)| Reverse((degree, node))).collect();
+        let mut order = Vec::with_capacity(nodes.len());
+        let mut is_done = vec![false; nodes.len()];
+        while let Some(Reverse((known, node))) = queue.pop() {
+            if is_done[node] || degrees[node] != known {
+                // A degree that has grown is queued again with its new value.
+                if !is_done[node] && degrees[node] > known {
+                    queue.push(Reverse((degrees[node], node)));
+                }
+                continue;
+            }
+            is_done[node] = true;
+            order.push(node);
+            union.clear();
+            union.extend_from_slice(&bits[node * words..][..words]);
+            for other in members(union) {
+                let own = &mut bits[other * words..][..words];
+                own.iter_mut().zip(&*union).for_each(|(own, union)| *own |= union);
+                own[node / 64] &= !(1 << (node % 64));
+                own[other / 64] &= !(1 << (other % 64));
+                *work += words as u64;
+                let degree = Self::size_of(own, sizes, used);
+                if degree < degrees[other] {
+                    queue.push(Reverse((degree, other)));
+                }
+                degrees[other] = degree;
+            }
+        }
+        order
     }
-    order
 }
 
-/// Merges two ascending lists.
-fn merge(one: &[usize], other: &[usize], merged: &mut Vec<usize>) {
-    let (mut left, mut right) = (one.iter().peekable(), other.iter().peekable());
-    while let (Some(&&a), Some(&&b)) = (left.peek(), right.peek()) {
-        merged.push(a.min(b));
-        if a <= b {
-            left.next();
-        }
-        if b <= a {
-            right.next();
-        }
-    }
-    merged.extend(left);
-    merged.extend(right);
+/// Returns the members of a set, ascending.
+fn members(set: &[u64]) -> impl Iterator<Item = usize> + '_ {
+    set.iter().enumerate().flat_map(|(word, &bits)| {
+        let mut left = bits;
+        std::iter::from_fn(move || {
+            let bit = (left != 0).then(|| left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(64 * word + bit)
+        })
+    })
 }
 
-/// Subtracts a product: `to` (rows x columns) less `one` (rows x inner) times `other` (inner x columns), each with its length of rows.
+/// Subtracts a product: `to` (rows x columns) less `one` (rows x inner) times `other` (inner x columns). Each has its own row length.
 #[inline]
 fn subtract(
     to: &mut [f64],
@@ -440,82 +501,45 @@ fn subtract_of<const INNER: usize, const COLUMNS: usize>(
 
 /// Multiplies the rows of a block by a square matrix, in place.
 fn scale_block(block: &mut [f64], square: &[f64], size: usize) {
-    if let ([], Some(square), 6) = (block.as_chunks::<6>().1, square.as_chunks::<6>().0.first_chunk::<6>(), size) {
-        for row in block.as_chunks_mut::<6>().0 {
-            let mut scaled = [0.0; 6];
-            for (factor, from) in row.iter().zip(square) {
-                scaled.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
-            }
-            *row = scaled;
-        }
-        return;
-    }
-    if size == 1 {
-        return block.iter_mut().for_each(|it| *it *= square[0]);
-    }
-    let mut scaled = [0.0; MAX_NODE];
-    for row in block.chunks_exact_mut(size) {
-        let scaled = &mut scaled[..size];
-        scaled.fill(0.0);
-        for (factor, from) in row.iter().zip(square.chunks_exact(size)) {
-            scaled.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
-        }
-        row.copy_from_slice(scaled);
+    match size {
+        1 => block.iter_mut().for_each(|it| *it *= square[0]),
+        // Most nodes are a free body's six coordinates. A constant size is faster.
+        6 => scale_block_of(block, square, 6),
+        _ => scale_block_of(block, square, size),
     }
 }
 
-/// Inverts a square matrix in place, with exchange of rows. Returns false if it has no inverse.
+#[inline(always)]
+fn scale_block_of(block: &mut [f64], square: &[f64], size: usize) {
+    for row in block.chunks_exact_mut(size) {
+        let mut scaled = [0.0; MAX_NODE];
+        for (factor, from) in row.iter().zip(square.chunks_exact(size)) {
+            scaled[..size].iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
+        }
+        row.copy_from_slice(&scaled[..size]);
+    }
+}
+
+/// Inverts a square matrix in place. Returns false if it has no inverse.
 fn invert(matrix: &mut [f64], size: usize) -> bool {
     match size {
         1 => {
             matrix[0] = 1.0 / matrix[0];
             matrix[0].is_finite()
         }
-        6 => matrix.as_chunks_mut::<6>().0.first_chunk_mut::<6>().is_some_and(invert_six),
-        _ => invert_any(matrix, size),
+        6 => invert_of(matrix, 6),
+        _ => invert_of(matrix, size),
     }
 }
 
-/// [`invert_any`] for a free body's six coordinates, most of all nodes.
-fn invert_six(matrix: &mut [[f64; 6]; 6]) -> bool {
-    let mut swaps = [0; 6];
-    for pivot in 0..6 {
-        let mut chosen = pivot;
-        for row in pivot + 1..6 {
-            if matrix[row][pivot].abs() > matrix[chosen][pivot].abs() {
-                chosen = row;
-            }
-        }
-        swaps[pivot] = chosen;
-        matrix.swap(chosen, pivot);
-        let inverse = 1.0 / matrix[pivot][pivot];
-        if !inverse.is_finite() {
-            return false;
-        }
-        matrix[pivot][pivot] = 1.0;
-        matrix[pivot].iter_mut().for_each(|it| *it *= inverse);
-        let used = matrix[pivot];
-        for (number, row) in matrix.iter_mut().enumerate() {
-            if number != pivot {
-                let factor = std::mem::take(&mut row[pivot]);
-                row.iter_mut().zip(&used).for_each(|(to, from)| *to -= factor * from);
-            }
-        }
-    }
-    for (pivot, &chosen) in swaps.iter().enumerate().rev() {
-        matrix.iter_mut().for_each(|row| row.swap(pivot, chosen));
-    }
-    true
-}
-
-/// Gauss-Jordan elimination.
-fn invert_any(matrix: &mut [f64], size: usize) -> bool {
+/// Inverts by Gauss-Jordan elimination with row exchange.
+#[inline(always)]
+fn invert_of(matrix: &mut [f64], size: usize) -> bool {
     let mut swaps = [0; MAX_NODE];
     for pivot in 0..size {
-        let by_size = |&row: &usize| matrix[row * size + pivot].abs();
         let mut chosen = pivot;
         for row in pivot + 1..size {
-            if by_size(&row) > by_size(&chosen) {
+            if matrix[row * size + pivot].abs() > matrix[chosen * size + pivot].abs() {
                 chosen = row;
             }
         }
@@ -527,21 +551,20 @@ fn invert_any(matrix: &mut [f64], size: usize) -> bool {
         if !inverse.is_finite() {
             return false;
         }
-        matrix[pivot * size + pivot] = 1.0;
-        matrix[pivot * size..][..size].iter_mut().for_each(|it| *it *= inverse);
-        for row in (0..size).filter(|&row| row != pivot) {
-            let factor = matrix[row * size + pivot];
-            matrix[row * size + pivot] = 0.0;
-            for column in 0..size {
-                matrix[row * size + column] -= factor * matrix[pivot * size + column];
+        let mut used = [0.0; MAX_NODE];
+        let row = &mut matrix[pivot * size..][..size];
+        row[pivot] = 1.0;
+        row.iter_mut().for_each(|it| *it *= inverse);
+        used[..size].copy_from_slice(row);
+        for (number, row) in matrix.chunks_exact_mut(size).enumerate() {
+            if number != pivot {
+                let factor = std::mem::take(&mut row[pivot]);
+                row.iter_mut().zip(&used).for_each(|(to, from)| *to -= factor * from);
             }
         }
     }
-    for pivot in (0..size).rev() {
-        let chosen = swaps[pivot];
-        if chosen != pivot {
-            (0..size).for_each(|row| matrix.swap(row * size + chosen, row * size + pivot));
-        }
+    for (pivot, &chosen) in swaps[..size].iter().enumerate().rev() {
+        matrix.chunks_exact_mut(size).for_each(|row| row.swap(pivot, chosen));
     }
     true
 }

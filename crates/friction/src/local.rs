@@ -1,17 +1,19 @@
-//! One contact, solved exactly for the impulses of all others.
+//! Exact solution of one contact for the impulses of all others.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Steps of the search for a compliance.
+/// Most steps of the search for a compliance.
 const MAX_STEPS: usize = 80;
+/// Least share of the normal's own response that must remain when friction helps the normal impulse to push.
+const LEAST_SHARE: f64 = 0.1;
 
-/// The impulses of a contact with a response of its own to the velocity that the others leave missing.
+/// Solves one contact: `response` is its block of the Delassus matrix, and `missing` its right-hand side with the impulses of the others.
 ///
-/// A contact that needs no push has none. One that can hold without passing its cone holds. Otherwise it slides: with a compliance
-/// of its tangents at which the push aside is just what friction can give. The more compliance, the smaller that push against the
-/// normal impulse, so there is one such value.
+/// A contact that needs no push gets none. A contact that can hold within its friction cone holds. Otherwise it slides. Sliding is modelled
+/// by a compliance of the tangents at which the tangent impulse equals the limit of friction. That impulse falls with the compliance
+/// relative to the normal impulse, so there is one such value.
 ///
-/// Tangents that the contact does not have respond to their own impulse alone, and miss nothing. A sliding contact's friction is within
+/// Tangents that the contact does not have need a unit response of their own and no right-hand side. A sliding contact's friction is within
 /// `accuracy` times the normal impulse.
 pub(crate) fn solve(
     response: &Matrix3<f64>,
@@ -27,7 +29,7 @@ pub(crate) fn solve(
     if friction == 0.0 || tangents == 0 {
         return Vector3::x() * (missing.x / normal);
     }
-    // Without the normal, and along the directions in which the tangents do not answer each other.
+    // Eliminate the normal, and turn the tangents to the directions that do not couple.
     let [one, other] = [response[(1, 0)], response[(2, 0)]];
     let block = [
         response[(1, 1)] - one * one / normal,
@@ -43,13 +45,13 @@ pub(crate) fn solve(
         let push = (missing.x - one * one_push - other * other_push) / normal;
         Vector3::new(push, one_push, other_push)
     };
-    // How far beyond its cone; one that pulls is.
+    // Distance beyond the friction cone. A pulling contact is beyond it.
     let beyond = |push: &Vector3<f64>| (push.y * push.y + push.z * push.z).sqrt() - friction * push.x;
     let held = at(0.0);
     if held.x >= 0.0 && beyond(&held) <= 0.0 {
         return held;
     }
-    // Eight times as much until it is within, then between the two by false position, each end kept once at most (Illinois).
+    // Bracket the compliance by factors of eight, then narrow it by false position, keeping each end at most once (Illinois).
     let unit = if tangents == 1 { response[(1, 1)] } else { response[(1, 1)].max(response[(2, 2)]) };
     let (mut least, mut most) = (0.0, unit);
     let (mut off_least, mut push) = (beyond(&held), at(most));
@@ -81,12 +83,52 @@ pub(crate) fn solve(
     push
 }
 
-/// The principal values of a symmetric matrix of two rows, given by its three entries, and the direction of the first.
+/// Solves a contact that holds, or slides along the direction of `holding`. It takes a few products instead of the search of [`solve`],
+/// whose other arguments it shares. If friction along that direction would lift the contact, it falls back to [`solve`].
+pub(crate) fn approach(
+    response: &Matrix3<f64>,
+    missing: &Vector3<f64>,
+    friction: f64,
+    tangents: usize,
+    holding: [f64; 2],
+    accuracy: f64,
+) -> Vector3<f64> {
+    if missing.x <= 0.0 {
+        return Vector3::zeros();
+    }
+    let normal = response[(0, 0)];
+    if friction == 0.0 || tangents == 0 {
+        return Vector3::x() * (missing.x / normal);
+    }
+    let [one, other] = [response[(1, 0)], response[(2, 0)]];
+    let (first, both, second) = (
+        response[(1, 1)] - one * one / normal,
+        response[(2, 1)] - one * other / normal,
+        response[(2, 2)] - other * other / normal,
+    );
+    let left = [missing.y - one * missing.x / normal, missing.z - other * missing.x / normal];
+    let determinant = first * second - both * both;
+    let [along, across] =
+        [(second * left[0] - both * left[1]) / determinant, (first * left[1] - both * left[0]) / determinant];
+    let push = (missing.x - one * along - other * across) / normal;
+    let length = (holding[0] * holding[0] + holding[1] * holding[1]).sqrt();
+    if push >= 0.0 && along * along + across * across <= (friction * push).powi(2) {
+        return Vector3::new(push, along, across);
+    }
+    let share = normal + friction * (one * holding[0] + other * holding[1]) / length;
+    if share > LEAST_SHARE * normal {
+        let push = missing.x / share;
+        return Vector3::new(push, friction * push * holding[0] / length, friction * push * holding[1] / length);
+    }
+    solve(response, missing, friction, tangents, accuracy)
+}
+
+/// Returns the principal values of a symmetric 2 x 2 matrix, given by its three entries, and the direction of the first.
 fn principal([xx, xy, yy]: [f64; 3]) -> ([f64; 2], [f64; 2]) {
     let (mean, half) = ((xx + yy) / 2.0, (xx - yy) / 2.0);
     let spread = (half * half + xy * xy).sqrt();
     let values = [mean + spread, mean - spread];
-    // The longer of two ways to write the same direction.
+    // Two expressions give this direction. The longer one is more accurate.
     let (x, y) = if half > 0.0 { (half + spread, xy) } else { (xy, spread - half) };
     let length = (x * x + y * y).sqrt();
     if length == 0.0 { (values, [1.0, 0.0]) } else { (values, [x / length, y / length]) }

@@ -1,60 +1,87 @@
-//! What is to be solved, and how well an answer solves it.
+//! The problem of contacts, and the residual of an answer.
 
-/// Rows that belong together, and what their impulses may be.
+/// Rows that belong together, with the bounds of their impulses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Constraint {
-    /// A contact: its normal, then so many tangents. Two at a surface; one at a free roller, whose axis it is; none at the end of a
-    /// joint. The normal impulse is 0 or more, that of the tangents together at most the coefficient of friction times as much.
+    /// A contact: its normal row, then its tangent rows. A surface has two tangents. A free roller has one, along its axis. The end of a
+    /// joint has none. The normal impulse is at least 0. The tangent impulse is at most the coefficient of friction times the normal one.
     Contact {
         /// Coefficient of friction.
         friction: f64,
-        /// 0 to 2.
+        /// Number of tangents, 0 to 2.
         tangents: usize,
     },
-    /// One row whose impulse is at most so much either way, N s: dry friction of a joint, or a coupling where it is infinite.
+    /// One row whose impulse is bounded in both directions, N s: dry friction of a joint, or a coupling if the bound is infinite.
     Within(f64),
 }
 
 impl Constraint {
-    /// How many rows it has.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         match self {
             Self::Contact { tangents, .. } => 1 + tangents,
             Self::Within(_) => 1,
         }
     }
+
+    /// Computes the residual of the constraint, as velocities, m/s. The slices begin at its first row. `own` is the velocity that an
+    /// impulse of 1 N s gives on its own row, for the constraint's rows alone; then come the impulses and the residual velocities.
+    pub(crate) fn residual(self, own: &[f64], impulse: &[f64], velocity: &[f64]) -> Residual {
+        match self {
+            Self::Within(most) => {
+                let wanted = (impulse[0] - velocity[0] / own[0]).clamp(-most, most);
+                Residual { normal: 0.0, tangent: (impulse[0] - wanted).abs() * own[0] }
+            }
+            Self::Contact { friction, tangents } => {
+                // Impulses are scaled by their response to velocities. Complementarity: the smaller of the two must be 0.
+                let normal = (impulse[0] * own[0]).min(velocity[0]).abs();
+                if tangents == 0 {
+                    return Residual { normal, tangent: 0.0 };
+                }
+                let own = own[1..].iter().copied().fold(f64::INFINITY, f64::min);
+                // The tangent impulse is the projection onto its disc of itself less the slip (De Saxcé).
+                let most = friction * impulse[0].max(0.0);
+                let wanted = |row: usize| impulse[row] - velocity[row] / own;
+                let length = (1..=tangents).map(|row| wanted(row).powi(2)).sum::<f64>().sqrt();
+                let share = if length > most { most / length } else { 1.0 };
+                let off = (1..=tangents).map(|row| (impulse[row] - wanted(row) * share).powi(2)).sum::<f64>();
+                Residual { normal, tangent: off.sqrt() * own }
+            }
+        }
+    }
 }
 
-/// Constraints of bodies that act on each other. Rows are ordered constraint by constraint.
+/// Constraints of bodies that interact. Rows are ordered constraint by constraint.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Problem {
-    /// The velocity that an impulse of 1 N s on a row gives on each row, m/s, row after row: symmetric and positive definite. What a
-    /// constraint itself gives way, as a servo or a spring does, is on the diagonal.
+    /// Delassus matrix, row after row: the velocity that an impulse of 1 N s on a row gives on each row, m/s. It is symmetric and positive
+    /// definite. The compliance of a constraint, as of a servo or spring, is on the diagonal.
     pub response: Vec<f64>,
-    /// The velocity that is missing on each row without impulses, m/s: to the least normal velocity that is allowed, and to no slip.
+    /// Right-hand side of each row: target velocity minus free velocity, m/s. The target is the least permitted normal velocity, and no
+    /// slip.
     pub missing: Vec<f64>,
     /// The constraints.
     pub constraints: Vec<Constraint>,
 }
 
-/// By how much an answer misses, at the constraint where it misses most; relative to the greatest velocity that was missing.
+/// Residual of the constraint with the largest one, relative to the largest entry of the right-hand side.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Residual {
-    /// A contact pulls or goes on to penetrate.
+    /// Violation by a contact that pulls or penetrates further.
     pub normal: f64,
-    /// A contact pushes aside with more than its friction, or slides without pushing against its slip with all of it.
+    /// Violation by a contact that exceeds its friction, or slides without full friction against its slip.
     pub tangent: f64,
 }
 
 impl Residual {
-    /// The worse of both.
+    /// Returns the larger of both.
     pub fn worst(self) -> f64 {
         self.normal.max(self.tangent)
     }
 }
 
 impl Problem {
-    /// Every constraint with its first row.
+    /// Returns every constraint with its first row.
     pub(crate) fn constraints(&self) -> impl Iterator<Item = (usize, Constraint)> {
         let mut next = 0;
         self.constraints.iter().map(move |&constraint| {
@@ -64,77 +91,52 @@ impl Problem {
         })
     }
 
-    /// What an impulse on a row gives on every one, m/s.
+    /// Returns a row of the Delassus matrix, m/s for an impulse of 1 N s.
     pub(crate) fn of_row(&self, row: usize) -> &[f64] {
         let count = self.missing.len();
         &self.response[row * count..][..count]
     }
 
-    /// What an impulse on a row gives on itself, m/s.
+    /// Returns the diagonal entry of a row, m/s for an impulse of 1 N s.
     pub(crate) fn own(&self, row: usize) -> f64 {
         self.response[row * (self.missing.len() + 1)]
     }
 
-    /// The velocity that an impulse of 1 N s along a tangent gives there, m/s: of so many from a row on the one that gives way less.
-    pub(crate) fn tangent_response(&self, first: usize, tangents: usize) -> f64 {
-        (first..first + tangents).map(|row| self.own(row)).fold(f64::INFINITY, f64::min)
-    }
-
-    /// What velocities are measured by: the greatest that is missing, m/s.
+    /// Returns the unit of velocity for residuals: the largest entry of the right-hand side, m/s.
     pub fn scale(&self) -> f64 {
         self.missing.iter().fold(f64::MIN_POSITIVE, |most, missing| most.max(missing.abs()))
     }
 
-    /// Puts the velocity on every row with impulses, m/s, beside what was to be reached, in the place of `velocity`.
+    /// Stores in `velocity` the residual velocity of every row, m/s: the velocity with impulses minus its target.
     pub(crate) fn velocity(&self, impulses: &[f64], velocity: &mut Vec<f64>) {
         velocity.clear();
         velocity
             .extend(self.missing.iter().enumerate().map(|(row, missing)| dot(self.of_row(row), impulses) - missing));
     }
 
-    /// How well impulses solve it, N s.
+    /// Computes the residual of impulses, N s.
     pub fn residual(&self, impulses: &[f64]) -> Residual {
         let mut velocity = Vec::new();
         self.velocity(impulses, &mut velocity);
         self.residual_at(impulses, &velocity)
     }
 
-    /// The same for impulses whose velocity is known.
+    /// Computes the residual of impulses whose residual velocity is known.
     pub(crate) fn residual_at(&self, impulses: &[f64], velocity: &[f64]) -> Residual {
         let scale = self.scale();
         let mut worst = Residual::default();
         for (row, constraint) in self.constraints() {
-            match constraint {
-                Constraint::Within(most) => {
-                    let own = self.own(row);
-                    let wanted = (impulses[row] - velocity[row] / own).clamp(-most, most);
-                    worst.tangent = worst.tangent.max((impulses[row] - wanted).abs() * own / scale);
-                }
-                Constraint::Contact { friction, tangents } => {
-                    // An impulse in terms of the velocity that it gives its own contact.
-                    let (pushed, gap) = (impulses[row] * self.own(row), velocity[row]);
-                    // Complementarity: the one that is not positive is to be 0.
-                    worst.normal = worst.normal.max(pushed.min(gap).abs() / scale);
-                    if tangents == 0 {
-                        continue;
-                    }
-                    let own = self.tangent_response(row + 1, tangents);
-                    // The impulse is the point of its disc nearest to itself less the slip (De Saxcé's projection).
-                    let most = friction * impulses[row].max(0.0);
-                    let wanted = |row: usize| impulses[row] - velocity[row] / own;
-                    let rows = row + 1..=row + tangents;
-                    let length = rows.clone().map(|row| wanted(row).powi(2)).sum::<f64>().sqrt();
-                    let share = if length > most { most / length } else { 1.0 };
-                    let off = rows.map(|row| (impulses[row] - wanted(row) * share).powi(2)).sum::<f64>();
-                    worst.tangent = worst.tangent.max(off.sqrt() * own / scale);
-                }
-            }
+            let count = constraint.rows();
+            let own: [f64; 3] = std::array::from_fn(|it| if it < count { self.own(row + it) } else { 0.0 });
+            let Residual { normal, tangent } = constraint.residual(&own[..count], &impulses[row..], &velocity[row..]);
+            worst.normal = worst.normal.max(normal / scale);
+            worst.tangent = worst.tangent.max(tangent / scale);
         }
         worst
     }
 }
 
-/// The sum of products, in four sums that a processor can make at once.
+/// Returns the dot product, in four sums for SIMD.
 pub(crate) fn dot(one: &[f64], other: &[f64]) -> f64 {
     let (fours, rest) = one.as_chunks::<4>();
     let (other_fours, other_rest) = other.as_chunks::<4>();

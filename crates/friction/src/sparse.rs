@@ -1,26 +1,26 @@
-//! Problems of many bodies, of which each touches only a few others.
+//! Problems of many bodies, each of which touches only a few others.
 
 use std::ops::Range;
 
 use crate::problem::Constraint;
 
-/// Constraints of many bodies, by what an impulse does to each body.
+/// Constraints of many bodies, given by the effect of an impulse on each body.
 ///
-/// A body has coordinates: velocities in which its inertia is the identity, so that an impulse changes each by the row's entry. Memory
-/// grows with the entries; the Delassus matrix is never formed.
+/// A body has coordinates: velocities in which its inertia is the identity, so an impulse changes each by the row's entry. Memory grows
+/// with the entries, as the Delassus matrix is never formed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SparseProblem {
-    /// The first coordinate of every body, and behind them the number of all coordinates.
+    /// First coordinate of every body, followed by the number of all coordinates.
     pub bodies: Vec<usize>,
     /// Constraints; rows are ordered constraint by constraint.
     pub constraints: Vec<Constraint>,
     /// Right-hand side of each row: target velocity minus free velocity, m/s.
     pub missing: Vec<f64>,
-    /// Velocity by which each row gives way under an impulse of 1 N s, m/s. Positive.
+    /// Compliance of each row: velocity per impulse of 1 N s, m/s. Positive.
     pub compliance: Vec<f64>,
-    /// The entries of each constraint: those of one body or two, the lower number first.
+    /// Ranges of the entries of each constraint. They belong to one body or to two, the lower number first.
     pub ranges: Vec<Range<usize>>,
-    /// Coordinates with the velocity that a unit of each gives on the rows of a constraint. Within a constraint they ascend.
+    /// Coordinates, each with the velocity that a unit of it gives on the rows of a constraint. They ascend within a constraint.
     pub entries: Vec<(usize, [f64; 3])>,
 }
 
@@ -44,7 +44,7 @@ impl SparseProblem {
         &self.entries[self.ranges[constraint].clone()]
     }
 
-    /// Adds the change that the impulses of a constraint make to the coordinates.
+    /// Adds the changes of the coordinates by the impulses of a constraint.
     pub(crate) fn push(&self, constraint: usize, impulses: &[f64; 3], coordinates: &mut [f64]) {
         for &(coordinate, [x, y, z]) in self.entries_of(constraint) {
             coordinates[coordinate] += x * impulses[0] + y * impulses[1] + z * impulses[2];
@@ -69,18 +69,18 @@ pub(crate) struct Rows {
     /// First row among all.
     pub(crate) first: usize,
     pub(crate) count: usize,
-    /// Velocity that an impulse of 1 N s gives on its own row, m/s.
+    /// Velocity that an impulse of 1 N s gives on its own row, with the compliance, m/s.
     pub(crate) own: [f64; 3],
     /// Target velocity minus free velocity, m/s.
     pub(crate) missing: [f64; 3],
-    /// Velocity per impulse by which the row gives way, m/s.
+    /// Velocity per impulse of 1 N s by which the row gives way, m/s.
     pub(crate) compliance: [f64; 3],
-    /// The bodies that it touches; twice the same where it is one.
+    /// The two bodies of the constraint; equal if there is only one.
     pub(crate) bodies: [usize; 2],
 }
 
 impl Rows {
-    /// Collects the rows of every constraint. Returns the unit of velocity by which residuals are measured, m/s.
+    /// Collects the rows of every constraint. Returns the unit of velocity for residuals, m/s.
     pub(crate) fn collect(problem: &SparseProblem, rows: &mut Vec<Self>) -> f64 {
         rows.clear();
         let mut first = 0;
@@ -101,42 +101,31 @@ impl Rows {
         problem.missing.iter().fold(f64::MIN_POSITIVE, |most, missing| most.max(missing.abs()))
     }
 
-    /// Returns its part of all impulses, 0 on rows that it does not have.
+    /// Returns the constraint's impulses out of all. They are 0 on missing rows.
     pub(crate) fn of(&self, impulses: &[f64]) -> [f64; 3] {
         std::array::from_fn(|row| if row < self.count { impulses[self.first + row] } else { 0.0 })
     }
 
-    /// Returns the residual velocity with an impulse, m/s, where the coordinates give `velocity`.
+    /// Returns the residual velocity, m/s, with an impulse and the `velocity` of the coordinates.
     pub(crate) fn residual_velocity(&self, velocity: [f64; 3], impulse: &[f64; 3]) -> [f64; 3] {
         std::array::from_fn(|row| velocity[row] + self.compliance[row] * impulse[row] - self.missing[row])
     }
 
-    /// Returns how far the constraint is from holding, m/s: as [`crate::Residual`], the worse of both.
+    /// Returns the larger response of the tangents, m/s for an impulse of 1 N s. With the smaller one a holding contact could be taken for
+    /// a sliding one.
+    pub(crate) fn tangent_response(&self) -> f64 {
+        self.own[1..self.count].iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Returns the tangent impulses with which the contact would hold, estimated from its impulse and residual velocity. If they exceed its
+    /// friction, the contact slides and friction has their direction.
+    pub(crate) fn holding(&self, impulse: &[f64; 3], velocity: &[f64; 3]) -> [f64; 2] {
+        let own = self.tangent_response();
+        [1, 2].map(|row| if row < self.count { impulse[row] - velocity[row] / own } else { 0.0 })
+    }
+
+    /// Returns the residual of the constraint, m/s: the larger of [`crate::Residual`]'s two.
     pub(crate) fn residual(&self, impulse: &[f64; 3], velocity: &[f64; 3]) -> f64 {
-        let own = &self.own;
-        match self.constraint {
-            Constraint::Within(most) => {
-                let wanted = (impulse[0] - velocity[0] / own[0]).clamp(-most, most);
-                (impulse[0] - wanted).abs() * own[0]
-            }
-            Constraint::Contact { friction, tangents } => {
-                let normal = (impulse[0] * own[0]).min(velocity[0]).abs();
-                if tangents == 0 {
-                    return normal;
-                }
-                let own = own[1..=tangents].iter().copied().fold(f64::INFINITY, f64::min);
-                let most = friction * impulse[0].max(0.0);
-                let wanted = [1, 2].map(|row| impulse[row] - velocity[row] / own);
-                let length = if tangents == 1 {
-                    wanted[0].abs()
-                } else {
-                    (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt()
-                };
-                let share = if length > most { most / length } else { 1.0 };
-                let off = |row: usize| impulse[row] - wanted[row - 1] * share;
-                let off = if tangents == 1 { off(1).abs() } else { (off(1).powi(2) + off(2).powi(2)).sqrt() };
-                normal.max(off * own)
-            }
-        }
+        self.constraint.residual(&self.own[..self.count], impulse, velocity).worst()
     }
 }

@@ -1,7 +1,7 @@
 //! One Newton step of a sparse problem, with the impulses eliminated instead of the velocities.
 //!
-//! The linearised conditions of a constraint give its impulses as `start - gain velocity`. Put into the coordinates that the impulses
-//! give, they leave one system: the identity plus each constraint's gain between the coordinates that it touches.
+//! The linearised conditions of a constraint give its impulses as `start - gain velocity`. Inserted into the equation of the coordinates,
+//! they leave one system: the identity plus each constraint's gain on the coordinates that it touches.
 
 use crate::block_lu::Pattern;
 use crate::problem::Constraint;
@@ -14,20 +14,20 @@ pub(crate) struct Conditions {
     start: [f64; 3],
 }
 
-/// Buffers of a step.
+/// Scratch buffers of a step.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Newton {
     pub(crate) pattern: Pattern,
     matrix: Vec<f64>,
-    /// The right-hand side, and then the coordinates that the step goes to.
+    /// The right-hand side; after the solution, the coordinates at the end of a full step.
     right: Vec<f64>,
     conditions: Vec<(usize, Conditions)>,
 }
 
 impl Newton {
-    /// Moves the impulses by a share of one step, and the coordinates with them. Only bodies that `moves` names take part: constraints
+    /// Moves the impulses by a share of one step, and the coordinates with them. Only bodies marked in `moves` take part. Constraints
     /// between these and others keep their impulses. `velocities` are the residual velocities, m/s. Adds the multiplications to `work`.
-    /// Returns false without an answer.
+    /// Returns false if there is no solution.
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn step(
         &mut self,
@@ -103,9 +103,7 @@ fn linearise(rows: &Rows, impulse: &[f64; 3], velocity: &[f64; 3]) -> Conditions
         Constraint::Contact { .. } if wanted(0, own[0]) <= 0.0 => {}
         Constraint::Contact { friction, tangents } => {
             hold(0, &mut conditions);
-            // The lighter tangent's, so that one that holds is not taken for one that slides.
-            let own = own[1..=tangents].iter().copied().fold(0.0, f64::max);
-            let wanted = [1, 2].map(|row| if row <= tangents { wanted(row, own) } else { 0.0 });
+            let (own, wanted) = (rows.tangent_response(), rows.holding(impulse, velocity));
             let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
             let most = friction * impulse[0].max(0.0);
             if length <= most {
@@ -118,13 +116,12 @@ fn linearise(rows: &Rows, impulse: &[f64; 3], velocity: &[f64; 3]) -> Conditions
     conditions
 }
 
-/// Linearises the friction of a contact that slides along a direction. `share` is the limit of its friction over the length of the impulse
-/// that would hold it.
+/// Linearises the friction of a contact that slides along a direction. `share` is the limit of friction over the impulse that would hold.
 fn slide(rows: &Rows, friction: f64, direction: [f64; 2], share: f64, own: f64, conditions: &mut Conditions) {
     let Rows { missing, compliance, count, .. } = rows;
     let (tangents, Conditions { gain, start }) = (count - 1, conditions);
-    // `left` times the impulses along the tangents is friction times the normal impulse along the direction, and `turn` times the
-    // missing velocity: the direction follows the slip.
+    // `left` times the tangent impulses equals friction times the normal impulse along the direction, plus `turn` times the missing
+    // velocity: the direction follows the slip.
     let (mut left, mut turn) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
     for row in 0..2 {
         for column in 0..2 {

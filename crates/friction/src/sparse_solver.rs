@@ -8,22 +8,24 @@ use crate::solver::TOLERANCE;
 use crate::sparse::{Rows, SparseProblem};
 use crate::sparse_newton::Newton;
 
-/// Residual above which the impulses of the step before are no start for Newton's method, relative to the scale.
+/// Residual above which the last step's impulses are no start for Newton's method, relative to the scale.
 const NEAR: f64 = 1e-3;
-/// Sweeps from a worse start before the first try of Newton's method: they find most of the contacts that came or left.
-const FIRST_SWEEPS: usize = 4;
-/// Sweeps after a try has failed; then twice as many.
+/// Sweeps from a worse start before the first try of Newton's method. They find most of the contacts that came or left.
+const FIRST_SWEEPS: usize = 8;
+/// Sweeps after the first failed try. They double after each further one.
 const SWEEPS: usize = 5;
-/// Accuracy of the friction of a contact in a sweep, which only prepares Newton's method.
+/// Accuracy of the friction of a contact in a sweep, if its exact solution is needed.
 const ACCURACY: f64 = 1e-3;
 /// Residual up to which a sweep leaves a contact as it is, relative to the scale.
 const STILL: f64 = 1e-5;
-/// Share of each Newton step that is taken, and most steps, of the first try.
+/// Newton steps after which [`Effort::enough`] counts as settled.
+const GOOD_STEPS: usize = 3;
+/// Share of each Newton step that is taken, and most steps, in the first try.
 const FIRST_TRY: [(f64, usize); 1] = [(1.0, 8)];
-/// The same of later tries, one after the other from the same start.
+/// Shares and most steps of later tries. All start from the same impulses.
 const TRIES: [(f64, usize); 3] = [(1.0, 20), (0.7, 40), (0.4, 40)];
 
-/// How an answer of a sparse problem was found.
+/// Outcome of a sparse solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SparseOutcome {
     /// Sweeps over the contacts.
@@ -32,10 +34,19 @@ pub struct SparseOutcome {
     pub newton_steps: usize,
     /// Multiplications that the answer took, roughly.
     pub work: u64,
-    /// How far the answer misses, relative to the largest missing velocity.
+    /// Residual of the answer, relative to the largest entry of the right-hand side.
     pub residual: f64,
-    /// True if the answer misses by no more than [`TOLERANCE`]; otherwise it is the best that the budget allowed.
+    /// True if the residual is within [`TOLERANCE`] or [`Effort::enough`]. Otherwise the answer is the best within the budget.
     pub is_settled: bool,
+}
+
+/// Aim of a solution, and its limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Residual velocity that is good enough where a few Newton steps do not reach [`TOLERANCE`], m/s.
+    pub enough: f64,
+    /// Multiplications after which the search ends, at its next step.
+    pub budget: u64,
 }
 
 /// Scratch buffers that one sparse problem after the other reuses.
@@ -43,7 +54,7 @@ pub struct SparseOutcome {
 pub struct SparseWorkspace {
     rows: Vec<Rows>,
     newton: Newton,
-    /// Present impulses, the coordinates and the residual velocities that they give, and every constraint's residual.
+    /// Present impulses; their coordinates and residual velocities; and the residual of every constraint.
     impulses: Vec<f64>,
     coordinates: Vec<f64>,
     velocities: Vec<[f64; 3]>,
@@ -51,19 +62,18 @@ pub struct SparseWorkspace {
     /// True for bodies that the next step moves.
     moves: Vec<bool>,
     is_unsettled: Vec<bool>,
-    /// Response of each contact to its own impulse; empty until the first sweep.
+    /// Block of each constraint in the Delassus matrix; empty until the first sweep.
     responses: Vec<Matrix3<f64>>,
     /// The best impulses so far, and those from which tries start.
     best: Vec<f64>,
     start: Vec<f64>,
 }
 
-/// Finds the impulses of a sparse problem. On entry `impulses` are those of the step before, or 0. The search ends within about one Newton
-/// step of `budget` multiplications.
+/// Finds the impulses of a sparse problem. On entry `impulses` are those of the last step, or 0.
 pub fn solve_sparse(
     problem: &SparseProblem,
     impulses: &mut [f64],
-    budget: u64,
+    effort: Effort,
     workspace: &mut SparseWorkspace,
 ) -> SparseOutcome {
     if impulses.iter().any(|it| !it.is_finite()) {
@@ -71,8 +81,14 @@ pub fn solve_sparse(
     }
     let scale = Rows::collect(problem, &mut workspace.rows);
     let work = workspace.newton.pattern.find(problem);
-    let mut search =
-        Search { problem, scale, budget, workspace, outcome: SparseOutcome { work, ..Default::default() } };
+    let mut search = Search {
+        problem,
+        scale,
+        effort,
+        tolerance: TOLERANCE,
+        workspace,
+        outcome: SparseOutcome { work, ..Default::default() },
+    };
     search.run(impulses);
     impulses.copy_from_slice(&search.workspace.best);
     search.outcome
@@ -83,7 +99,9 @@ struct Search<'a> {
     problem: &'a SparseProblem,
     /// Unit of residuals, m/s.
     scale: f64,
-    budget: u64,
+    effort: Effort,
+    /// Residual that is good enough now, relative to the scale.
+    tolerance: f64,
     workspace: &'a mut SparseWorkspace,
     outcome: SparseOutcome,
 }
@@ -93,6 +111,8 @@ impl Search<'_> {
         self.outcome.residual = f64::INFINITY;
         self.workspace.responses.clear();
         self.go_to(impulses);
+        // Drops the last problem's best impulses, in case none of this search improves on its start.
+        self.workspace.best.clone_from(&self.workspace.impulses);
         if self.judge() {
             return;
         }
@@ -121,7 +141,7 @@ impl Search<'_> {
         }
     }
 
-    /// Takes up impulses.
+    /// Sets the present impulses and their coordinates.
     fn go_to(&mut self, impulses: &[f64]) {
         let SparseWorkspace { rows, coordinates, impulses: present, .. } = &mut *self.workspace;
         present.clear();
@@ -134,7 +154,7 @@ impl Search<'_> {
         self.outcome.work += 3 * self.problem.entries.len() as u64;
     }
 
-    /// Finds what every constraint misses, and keeps the impulses if they are the best so far. Returns true at the end of the search.
+    /// Computes the residual of every constraint, and keeps the impulses if they are the best so far. Returns true if the search is over.
     fn judge(&mut self) -> bool {
         let SparseWorkspace { rows, impulses, coordinates, velocities, residuals, best, .. } = &mut *self.workspace;
         velocities.clear();
@@ -150,15 +170,15 @@ impl Search<'_> {
         }
         let outcome = &mut self.outcome;
         outcome.work += 3 * self.problem.entries.len() as u64 + 20 * rows.len() as u64;
-        if worst < outcome.residual || best.len() != impulses.len() {
+        if worst < outcome.residual {
             outcome.residual = worst;
             best.clone_from(impulses);
         }
-        outcome.is_settled = worst <= TOLERANCE;
-        outcome.is_settled || outcome.work >= self.budget
+        outcome.is_settled = worst <= self.tolerance;
+        outcome.is_settled || outcome.work >= self.effort.budget
     }
 
-    /// Tries Newton's method from the present impulses. Returns true at the end of the search.
+    /// Tries Newton's method from the present impulses. Returns true if the search is over.
     fn newton(&mut self, share: f64, most: usize) -> bool {
         for step in 0.. {
             if self.judge() {
@@ -170,6 +190,9 @@ impl Search<'_> {
             self.choose();
             let SparseWorkspace { rows, newton, impulses, coordinates, velocities, moves, .. } = &mut *self.workspace;
             self.outcome.newton_steps += 1;
+            if self.outcome.newton_steps == GOOD_STEPS {
+                self.tolerance = self.tolerance.max(self.effort.enough / self.scale);
+            }
             let work = &mut self.outcome.work;
             if !newton.step(self.problem, rows, moves, velocities, share, impulses, coordinates, work) {
                 break;
@@ -178,12 +201,12 @@ impl Search<'_> {
         false
     }
 
-    /// Chooses the bodies that the next step moves: those of unsettled constraints, and those that share a constraint with them.
+    /// Chooses the bodies that the next step moves: those of unsettled constraints, and their neighbours.
     fn choose(&mut self) {
         let SparseWorkspace { rows, residuals, moves, is_unsettled, .. } = &mut *self.workspace;
         is_unsettled.clear();
         is_unsettled.resize(self.problem.bodies.len() - 1, false);
-        for (rows, _) in rows.iter().zip(&*residuals).filter(|(_, residual)| **residual > TOLERANCE) {
+        for (rows, _) in rows.iter().zip(&*residuals).filter(|(_, residual)| **residual > self.tolerance) {
             rows.bodies.into_iter().for_each(|body| is_unsettled[body] = true);
         }
         moves.clone_from(is_unsettled);
@@ -193,8 +216,8 @@ impl Search<'_> {
         }
     }
 
-    /// Solves every constraint of unsettled bodies and their neighbours in turn, exactly, for the impulses of the others, several times
-    /// (nonsmooth Gauss-Seidel; Jean and Moreau 1992).
+    /// Solves every constraint of unsettled bodies and their neighbours in turn for the impulses of the others, several times (nonsmooth
+    /// Gauss-Seidel; Jean and Moreau 1992). Sliding contacts keep their direction in a sweep.
     fn sweep(&mut self, times: usize) {
         self.choose();
         let problem = self.problem;
@@ -203,7 +226,7 @@ impl Search<'_> {
             responses.extend(rows.iter().enumerate().map(|(number, rows)| response(problem, number, rows)));
         }
         for _ in 0..times {
-            if self.outcome.work >= self.budget {
+            if self.outcome.work >= self.effort.budget {
                 return;
             }
             self.outcome.sweeps += 1;
@@ -223,9 +246,11 @@ impl Search<'_> {
                     Constraint::Contact { friction, tangents } => {
                         let response = &responses[number];
                         let mut left = response * Vector3::from(before) - Vector3::from(velocity);
-                        // Rows that it does not have miss nothing.
+                        // Missing rows have no right-hand side.
                         (rows.count..3).for_each(|row| left[row] = 0.0);
-                        local::solve(response, &left, friction, tangents, ACCURACY).into()
+                        let own = rows.tangent_response();
+                        let wanted = [1, 2].map(|row| before[row] - velocity[row] / own);
+                        local::approach(response, &left, friction, tangents, wanted, ACCURACY).into()
                     }
                 };
                 let change: [f64; 3] = std::array::from_fn(|row| after[row] - before[row]);
@@ -238,7 +263,7 @@ impl Search<'_> {
     }
 }
 
-/// Computes the velocity that a constraint's impulses give on its own rows; the unit matrix on rows that it does not have.
+/// Computes a constraint's block of the Delassus matrix. Missing rows have a unit diagonal.
 fn response(problem: &SparseProblem, number: usize, rows: &Rows) -> Matrix3<f64> {
     let mut response = Matrix3::zeros();
     for &(_, entry) in problem.entries_of(number) {

@@ -1,13 +1,13 @@
-//! Sparse problems of random heaps: every answer is checked against the Delassus matrix that the solver never forms.
+//! Sparse problems of random heaps. Every answer is checked against the Delassus matrix, which the solver never forms.
 
-use friction::{Constraint, Problem, SparseProblem, SparseWorkspace, TOLERANCE, solve_sparse};
+use friction::{Constraint, Effort, Problem, SparseProblem, SparseWorkspace, TOLERANCE, solve_sparse};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Multiplications that no problem here should need.
-const PLENTY: u64 = 50_000_000;
+/// A budget that no problem here should need.
+const PLENTY: Effort = Effort { enough: 0.0, budget: 50_000_000 };
 
-/// Bodies of six coordinates in a row: each stands on the ground at two to four contacts and touches the next at one to three.
+/// Builds a row of bodies with six coordinates. Each stands on the ground at two to four contacts and touches the next at one to three.
 fn heap(count: usize, rng: &mut ChaCha8Rng) -> SparseProblem {
     let mut problem = SparseProblem { bodies: (0..=count).map(|body| 6 * body).collect(), ..SparseProblem::default() };
     for body in 0..count {
@@ -23,7 +23,7 @@ fn heap(count: usize, rng: &mut ChaCha8Rng) -> SparseProblem {
     problem
 }
 
-/// Adds a contact of one body or two, or now and then a joint with dry friction.
+/// Adds a contact of one body or two, or sometimes a joint with dry friction.
 fn add(problem: &mut SparseProblem, bodies: &[usize], rng: &mut ChaCha8Rng) {
     let constraint = match rng.random_range(0..10) {
         0 => Constraint::Within(rng.random_range(0.01..0.5)),
@@ -45,7 +45,7 @@ fn add(problem: &mut SparseProblem, bodies: &[usize], rng: &mut ChaCha8Rng) {
     problem.ranges.push(start..problem.entries.len());
 }
 
-/// The same problem with its Delassus matrix.
+/// Converts the problem to one with a Delassus matrix.
 fn dense(problem: &SparseProblem) -> Problem {
     let count = problem.missing.len();
     let mut columns = vec![vec![0.0; *problem.bodies.last().unwrap_or(&0)]; count];
@@ -81,7 +81,7 @@ fn what_settles_is_right_and_nearly_all_does() {
         assert_eq!(outcome.is_settled, outcome.residual <= TOLERANCE, "{number}");
         unsettled += usize::from(!outcome.is_settled);
         worst = worst.max(residual);
-        // In steady motion the impulses of the step before are the answer.
+        // In steady motion the last step's impulses are the answer.
         if outcome.is_settled {
             let again = solve_sparse(&problem, &mut impulses, PLENTY, &mut workspace);
             assert_eq!((again.sweeps, again.newton_steps), (0, 0), "{number}");
@@ -91,15 +91,16 @@ fn what_settles_is_right_and_nearly_all_does() {
     assert!(unsettled <= 3, "{unsettled} not settled");
 }
 
-/// The answer is finite whatever the budget, and the search ends soon behind it.
+/// The answer is finite for any budget, and the search ends soon after the budget.
 #[test]
 fn a_budget_ends_the_search() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let problem = heap(20, &mut rng);
     let mut last = f64::INFINITY;
-    for budget in [0, 100_000, PLENTY] {
+    for budget in [0, 100_000, PLENTY.budget] {
         let mut impulses = vec![0.0; problem.missing.len()];
-        let outcome = solve_sparse(&problem, &mut impulses, budget, &mut SparseWorkspace::default());
+        let outcome =
+            solve_sparse(&problem, &mut impulses, Effort { budget, ..PLENTY }, &mut SparseWorkspace::default());
         assert!(impulses.iter().all(|it| it.is_finite()));
         assert!(outcome.work <= budget + 400_000, "{} of {budget}", outcome.work);
         assert!(outcome.residual <= last, "more work makes no worse answer");
@@ -108,14 +109,14 @@ fn a_budget_ends_the_search() {
     assert!(last <= TOLERANCE, "{last:e}");
 }
 
-/// Twice as many bodies take about twice as many multiplications: nothing grows with the square.
+/// Twice as many bodies take about twice as many multiplications: work does not grow with the square.
 #[test]
 fn work_grows_with_the_bodies() {
     let work = |count: usize| {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let problem = heap(count, &mut rng);
         let mut impulses = vec![0.0; problem.missing.len()];
-        let outcome = solve_sparse(&problem, &mut impulses, u64::MAX, &mut SparseWorkspace::default());
+        let outcome = solve_sparse(&problem, &mut impulses, PLENTY, &mut SparseWorkspace::default());
         outcome.work as f64 / (outcome.newton_steps + outcome.sweeps).max(1) as f64 / count as f64
     };
     let (few, many) = (work(10), work(320));

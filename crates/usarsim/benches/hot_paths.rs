@@ -1,4 +1,4 @@
-//! What a step of the world and a line of the wire cost: `cargo bench -p usarsim --bench hot_paths`.
+//! Time of a step of the world and of a line of the wire: `cargo bench -p usarsim --bench hot_paths`.
 
 use divan::Bencher;
 use gamebots_proto::command::{Drive, Init};
@@ -10,7 +10,7 @@ fn main() {
     divan::main();
 }
 
-/// Robots of a class driving side by side on carpet.
+/// Builds a world with robots of a class that drive side by side on carpet.
 fn world(class: &str, model: DriveModel, robots: u32) -> World {
     let mut def = scene_loader::load("rough", &[]).unwrap_or_else(|error| panic!("{error}"));
     def.robots.get_mut("KUKA_YouBot").expect("a youBot").drive_model = model;
@@ -80,4 +80,15 @@ fn a_world_of_the_arena_with_a_youbot(bencher: Bencher) {
         world.init(&init, &mut Vec::new()).expect("a robot");
         world
     });
+}
+
+/// A planner copies a world for each of its tries.
+#[divan::bench(args = ["YouBot", "YouBotArm", "KUKA_YouBot"])]
+fn copy_of_the_arena(bencher: Bencher, class: &str) {
+    let def = scene_loader::load("arena", &[]).unwrap_or_else(|error| panic!("{error}"));
+    let mut world = World::new(def, Options::default());
+    let init = Init { class_name: class.to_owned(), location: [-3.0, 1.0, -0.2], ..Init::default() };
+    world.init(&init, &mut Vec::new()).expect("a robot");
+    (0..500).for_each(|_| drop(world.step()));
+    bencher.bench_local(|| world.clone());
 }
