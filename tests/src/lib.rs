@@ -1,5 +1,6 @@
-//! Helpers of the system tests: worlds in this process, servers on a socket or as a process, clients good and bad, transcripts.
+//! Helpers of the system tests: worlds in this process, servers on a socket or as a process, clients and transcripts.
 
+mod busy;
 mod honest;
 mod measuring;
 mod program;
@@ -9,6 +10,7 @@ pub mod sessions;
 mod transcript;
 mod watch;
 
+pub use busy::{busy_scene, busy_world};
 pub use honest::Honest;
 pub use measuring::{alone, setting};
 pub use program::{Program, Usage};
@@ -23,7 +25,7 @@ use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Dialect, Line};
 use sim_core::{Options, RobotId, Room, TIME_STEP, World};
 
-/// A world on a built-in map.
+/// Builds a world on a built-in map.
 ///
 /// # Panics
 /// If the map or a built-in robot does not load.
@@ -35,7 +37,7 @@ pub fn world(map: &str, seed: u64) -> World {
 /// Copies the folder of a shipped robot, with the meshes that its file names.
 ///
 /// # Panics
-/// If it cannot be copied.
+/// If the copy fails.
 pub fn copy_robot(class: &str, into: &Path) {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/robots").join(class);
     let files = std::fs::read_dir(&shipped).unwrap_or_else(|error| panic!("{}: {error}", shipped.display()));
@@ -45,15 +47,15 @@ pub fn copy_robot(class: &str, into: &Path) {
     }
 }
 
-/// Reads a line that is a command.
+/// Reads a command from a line.
 ///
 /// # Panics
-/// If it is none.
+/// If the line is not a command.
 pub fn command(text: &str) -> Command {
     Command::read(&Line::parse(text), &mut Vec::new()).unwrap_or_else(|| panic!("not a command: {text}"))
 }
 
-/// Puts a robot into a world.
+/// Spawns a robot in a world.
 ///
 /// # Panics
 /// If the world refuses it.
@@ -63,10 +65,10 @@ pub fn init(world: &mut World, text: &str) -> RobotId {
     world.init(&init, &mut problems).unwrap_or_else(|| panic!("{problems:?}"))
 }
 
-/// Puts a robot on whatever stands at a place, or on the floor.
+/// Spawns a robot on top of the objects and robots at a place, or on the floor.
 ///
 /// # Panics
-/// If there is no room up to 20 m above.
+/// If there is no free place up to 20 m above.
 pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -> RobotId {
     let mut is_free =
         |up: f64| matches!(world.fit(class, [x, y, -up], [0.0, 0.0, yaw]), Some(Ok(Room { beside: None, .. })));
@@ -77,7 +79,7 @@ pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -
     init(world, &format!("INIT {{ClassName USARBot.{class}}} {{Location {x},{y},{}}} {{Rotation 0,0,{yaw}}}", -up))
 }
 
-/// Gives a robot a line and returns the lines that it answers.
+/// Gives a robot a command line and returns the answers.
 pub fn apply(world: &mut World, robot: RobotId, text: &str) -> Vec<String> {
     world
         .execute(Some(robot), &command(text), &mut Vec::new())
@@ -87,7 +89,7 @@ pub fn apply(world: &mut World, robot: RobotId, text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Lets time pass and returns every message.
+/// Runs a world for a time and returns every message.
 pub fn run(world: &mut World, seconds: f64) -> Vec<Message> {
     let steps = (seconds / TIME_STEP).round() as u64;
     (0..steps).flat_map(|_| world.step()).map(|(_, message)| message).collect()

@@ -7,15 +7,15 @@ use nalgebra::{DMatrix, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuat
 use crate::inertia::{Acceleration, Composite};
 use crate::{Joint, Link, Mass, Pose, Tree, factor, inertia};
 
-/// A tree, where it is and how it moves.
+/// A tree with its pose and velocity.
 #[derive(Debug, Clone)]
 pub struct Body {
     pub(crate) tree: Arc<Tree>,
-    /// Of the root's frame.
+    /// Pose of the root's frame.
     pose: Pose,
-    /// Where the root's centre of mass is.
+    /// The root's centre of mass in the world, m.
     centre: Vector3<f64>,
-    /// Position of the joint of every link that has one value, rad or m.
+    /// Joint position of every link whose joint has one value, rad or m.
     positions: Vec<f64>,
     /// Orientation of every link on a ball joint in its parent's frame.
     turns: Vec<UnitQuaternion<f64>>,
@@ -23,36 +23,36 @@ pub struct Body {
     pub(crate) velocity: Vec<f64>,
     pub(crate) frames: Vec<Frame>,
     pub(crate) axes: Vec<Axis>,
-    /// m/s².
+    /// Gravity, m/s².
     pub(crate) gravity: Vector3<f64>,
     /// Servo of every degree of freedom.
     pub(crate) drives: Vec<Drive>,
-    /// Generalised force of the coming step beside gravity and servos, N m or N.
+    /// Generalised force of the coming step besides gravity and servos, N m or N.
     pub(crate) force: Vec<f64>,
-    /// Inertia with servos, and then its factors.
+    /// Inertia matrix with implicit servos; after factorisation, its factors.
     pub(crate) factors: Vec<f64>,
     /// Velocity at the end of the step without contacts.
     pub(crate) free: Vec<f64>,
-    /// Room for the links' inertia and acceleration.
+    /// Scratch buffers for the links' inertia and acceleration.
     pub(crate) composites: Vec<Composite>,
     pub(crate) accelerations: Vec<Acceleration>,
-    /// Of one that something else moves.
+    /// Response of a body that another program moves.
     given: Option<Given>,
 }
 
-/// How something gives way that something else moves.
+/// Response to impulses of a body that another program moves.
 #[derive(Debug, Clone)]
 struct Given {
-    /// As the factors have it.
+    /// Inertia matrix, stored as the factors are.
     inertia: Vec<f64>,
-    /// Of every link.
+    /// Twists of every link, one for each speed.
     links: Vec<Vec<Axis>>,
 }
 
-/// A link at a moment. Positions are from [`Body::centre`], in world axes.
+/// The current motion of a link. Positions are from [`Body::centre`], in world axes.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame {
-    /// World axes from the link's. Of a round link as if it had not turned.
+    /// Rotation from the link's axes to the world's. A round link has that of its parent.
     pub rotation: Matrix3<f64>,
     /// Origin, m.
     pub origin: Vector3<f64>,
@@ -62,33 +62,42 @@ pub struct Frame {
     pub linear: Vector3<f64>,
 }
 
-/// What a degree of freedom does at a speed of 1: an angular velocity, and a velocity at the centre.
+/// Twist of a degree of freedom at a speed of 1: an angular velocity, and a velocity at the centre.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Axis {
     pub(crate) angular: Vector3<f64>,
     pub(crate) linear: Vector3<f64>,
 }
 
-/// A servo as a function of the speed at the end of a step: `at_rest - gain speed`, within a limit. N m or N.
+/// Position and velocity of a tree as plain data.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Motion {
+    pose: Pose,
+    positions: Vec<f64>,
+    turns: Vec<UnitQuaternion<f64>>,
+    velocity: Vec<f64>,
+}
+
+/// A servo's force as a function of the speed at the end of a step: `at_rest - gain speed`, within a limit. N m or N.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Drive {
-    /// At speed 0.
+    /// Force at speed 0.
     pub at_rest: f64,
-    /// N m s/rad or N s/m.
+    /// Decrease of the force with speed, N m s/rad or N s/m.
     pub gain: f64,
-    /// Most, either way.
+    /// Largest force in either direction.
     pub most: f64,
 }
 
 impl Axis {
-    /// The velocity at a point from the centre.
+    /// Returns the velocity of a point, given from the centre.
     pub(crate) fn at(&self, point: Vector3<f64>) -> Vector3<f64> {
         self.linear + self.angular.cross(&point)
     }
 }
 
 impl Body {
-    /// At rest, every joint at 0.
+    /// Creates a body at rest, with every joint at 0.
     pub fn new(tree: Arc<Tree>, pose: Pose) -> Self {
         let (links, dofs) = (tree.links.len(), tree.dof_count());
         let zero = Vector3::zeros();
@@ -114,8 +123,9 @@ impl Body {
         body
     }
 
-    /// Something that another program moves, as its contacts feel it: its generalised velocity at the end of a step without them, the
-    /// inertia that belongs to it, and for every link the twist that each speed gives it about the centre, the angular part first.
+    /// Creates a body that another program moves, as its contacts see it. `velocity` is its generalised velocity at the end of a step
+    /// without these contacts, and `inertia` the matrix for it. `links` has, for every link, the twist of each speed about the centre, the
+    /// angular part first.
     pub fn given(
         centre: Vector3<f64>,
         velocity: &[f64],
@@ -138,7 +148,8 @@ impl Body {
         body
     }
 
-    /// The degrees of freedom that move a link, from the root down, by the last of them, and what each does; `None` where nothing does.
+    /// Returns the degrees of freedom that move a link, from the root down, with their twists. The first part is the last of them. `None`
+    /// if nothing moves the link.
     pub(crate) fn axes_of(&self, link: usize) -> Option<(usize, impl Iterator<Item = (usize, &Axis)>)> {
         let tip = if self.given.is_some() { self.velocity.len().checked_sub(1) } else { self.tree.tip(link) }?;
         let own = self.given.as_ref().map(|given| &given.links[link]);
@@ -146,42 +157,42 @@ impl Body {
         Some((tip, self.tree.chain(tip).iter().map(axis)))
     }
 
-    /// What it is made of.
+    /// Returns the tree of links.
     pub fn tree(&self) -> &Tree {
         &self.tree
     }
 
-    /// Pose of the root's frame.
+    /// Returns the pose of the root's frame.
     pub fn pose(&self) -> &Pose {
         &self.pose
     }
 
-    /// Where the root's centre of mass is, m: what the positions of frames are from.
+    /// Returns the position of the root's centre of mass, m, from which positions of frames are given.
     pub fn centre(&self) -> Vector3<f64> {
         self.centre
     }
 
-    /// The links as they are now.
+    /// Returns the current frames of the links.
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
-    /// Position of the joint of a link, rad or m.
+    /// Returns the position of a link's joint, rad or m.
     pub fn position(&self, link: usize) -> f64 {
         self.positions[link]
     }
 
-    /// Generalised velocity.
+    /// Returns the generalised velocity.
     pub fn velocity(&self) -> &[f64] {
         &self.velocity
     }
 
-    /// The same, to be set.
+    /// Returns the generalised velocity for changes. Frames follow with [`Body::place`].
     pub fn velocity_mut(&mut self) -> &mut [f64] {
         &mut self.velocity
     }
 
-    /// Velocity of a point of a link in the world, m/s.
+    /// Returns the velocity of a point of a link, given in the world, m/s.
     pub fn velocity_at(&self, link: usize, point: Vector3<f64>) -> Vector3<f64> {
         if self.given.is_some() {
             let at = point - self.centre();
@@ -193,7 +204,7 @@ impl Body {
         linear + angular.cross(&(point - self.centre() - origin))
     }
 
-    /// Sets what it falls with, m/s²; at first nothing.
+    /// Sets gravity, m/s². It is 0 at first.
     pub fn set_gravity(&mut self, gravity: Vector3<f64>) {
         self.gravity = gravity;
     }
@@ -203,7 +214,7 @@ impl Body {
         self.drives[dof] = drive;
     }
 
-    /// Pushes a link at a point in the coming step with a force, N.
+    /// Applies a force, N, at a point of a link in the coming step.
     pub fn push(&mut self, link: usize, point: Vector3<f64>, force: Vector3<f64>) {
         let at = point - self.centre();
         let Some(tip) = self.tree.tip(link) else { return };
@@ -212,7 +223,7 @@ impl Body {
         }
     }
 
-    /// Energy of its motion, J.
+    /// Computes the kinetic energy, J.
     pub fn kinetic_energy(&self) -> f64 {
         let of_link = |(link, frame): (&crate::Link, &Frame)| {
             let velocity = frame.linear + frame.angular.cross(&(frame.rotation * link.mass.centre));
@@ -223,7 +234,7 @@ impl Body {
         self.tree.links.iter().zip(&self.frames).map(of_link).sum::<f64>() + rotors.sum::<f64>()
     }
 
-    /// Works out frames and axes from positions and velocities.
+    /// Computes frames and axes from positions and velocities.
     pub fn place(&mut self) {
         self.centre = (self.pose * Point3::from(self.tree.links[0].mass.centre)).coords;
         let Self { tree, pose, positions, turns, velocity, frames, axes, .. } = self;
@@ -285,7 +296,7 @@ impl Body {
         }
     }
 
-    /// Works out inertia and free velocity for a step, with the servos in it.
+    /// Computes the inertia matrix and the free velocity for a step, with implicit servos.
     pub(crate) fn prepare(&mut self, time_step: f64) {
         if let Some(given) = &self.given {
             self.factors.copy_from_slice(&given.inertia);
@@ -299,7 +310,7 @@ impl Body {
         self.free.iter_mut().zip(&self.velocity).for_each(|(free, now)| *free += now);
     }
 
-    /// Moves on by a step with the velocity that it has, and works out where its links are then.
+    /// Moves the body by a step with its present velocity, and updates its frames.
     pub fn advance(&mut self, time_step: f64) {
         let Self { tree, pose, centre, positions, turns, velocity, frames, force, .. } = self;
         let turned = |rotation: UnitQuaternion<f64>, angular: Vector3<f64>| {
@@ -317,7 +328,7 @@ impl Body {
                     *pose = Pose::from_parts(Translation3::from(origin), rotation);
                 }
                 Joint::Revolute(_) | Joint::Prismatic(_) => positions[number] += velocity[dof] * time_step,
-                // It turns with what carries it; its own frame is that in the world.
+                // Its speeds are in world axes, its orientation in the parent's frame.
                 Joint::Ball if !link.is_round => {
                     let angular = frames[link.parent].rotation.transpose() * three(&velocity[dof..]);
                     turns[number] = turned(turns[number], angular);
@@ -329,7 +340,29 @@ impl Body {
         self.place();
     }
 
-    /// Whether every number of it is one.
+    /// Returns position and velocity.
+    pub fn motion(&self) -> Motion {
+        let Self { pose, positions, turns, velocity, .. } = self;
+        Motion { pose: *pose, positions: positions.clone(), turns: turns.clone(), velocity: velocity.clone() }
+    }
+
+    /// Takes position and velocity. Returns false, and changes nothing, if they are another tree's or not finite.
+    pub fn set_motion(&mut self, motion: &Motion) -> bool {
+        let Motion { pose, positions, turns, velocity } = motion;
+        let is_like = [positions.len(), turns.len(), velocity.len()]
+            == [self.positions.len(), self.turns.len(), self.velocity.len()];
+        let mut moved = self.clone();
+        (moved.pose, moved.positions, moved.turns, moved.velocity) =
+            (*pose, positions.clone(), turns.clone(), velocity.clone());
+        let fits = is_like && moved.is_finite();
+        if fits {
+            moved.place();
+            *self = moved;
+        }
+        fits
+    }
+
+    /// True if no number of the state is infinite or NaN.
     pub fn is_finite(&self) -> bool {
         let numbers = self.pose.translation.vector.iter().chain(self.pose.rotation.coords.iter());
         numbers.chain(&self.positions).chain(&self.velocity).all(|it| it.is_finite())

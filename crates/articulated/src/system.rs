@@ -1,134 +1,137 @@
-//! Bodies with everything that holds them in one step, solved as one system.
+//! One step of bodies with their contacts and joints, solved as one system.
 
-use friction::{Constraint, Problem, SparseProblem};
+use friction::{Constraint, Effort, Problem, SparseProblem};
 use nalgebra::Vector3;
 
 use crate::{Body, Drive, factor};
 
-/// Part of a tangent's own response that is added to it: contacts of one body that say the same need it to have one answer.
+/// Share of a tangent's own response that is added to it. Nearly equal contacts of one body need it for a unique answer.
 const SOFTNESS: f64 = 1e-6;
-/// The same part between two bodies. It makes Newton's method settle in heaps, where many contacts hold each other up; a contact that
-/// holds creeps by a thousandth of the velocity that its friction stops in a step.
-const SOFTNESS_BETWEEN: f64 = 1e-3;
+/// Share that is added between two bodies. It makes Newton's method converge in heaps, where many contacts hold each other up. A contact
+/// that holds creeps by a ten-thousandth of the velocity that its friction stops in a step.
+const SOFTNESS_BETWEEN: f64 = 1e-4;
 
-/// Rows of a single body up to which its dense system is solved: nearly all share its root. Robots in steady motion have up to 60.
+/// Largest number of rows of a single body for the dense solver: nearly all rows share its root. Robots in steady motion have up to 60.
 const DENSE_ROWS: usize = 96;
-/// Multiplications that a step of several bodies may take: so many for each of a few, at most so many for all of these, and so many more for
-/// each. A millisecond has about a million. Less is no faster: an answer that misses is a bad start for the next step.
-const WORK: [u64; 3] = [500_000, 3_000_000, 30_000];
+/// Multiplications that a step of several bodies may take: for each of the first [`FEW`] bodies, and for each of all. A millisecond has
+/// about a million. A smaller budget is no faster, as an inaccurate answer is a bad start for the next step.
+const WORK: [u64; 2] = [500_000, 30_000];
+const FEW: usize = 6;
+/// Residual velocity that is good enough between bodies where a few Newton steps do not settle, m/s. Most further steps chase single contacts
+/// that alternate between holding and sliding.
+const ENOUGH: f64 = 1e-4;
 
-/// Most solutions of several bodies in a step: each may find servos that pass their limits, which the next one holds there.
+/// Most solutions of several bodies in a step. Each may find servos beyond their limits, which the next one holds there.
 const MAX_PASSES: usize = 4;
 
-/// Where a contact acts: a link of a body, by their numbers.
+/// A side of a contact: a link of a body, by their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Side {
-    /// Among the bodies of the system.
+    /// Number among the bodies of the system.
     pub body: usize,
-    /// Among the links of its tree.
+    /// Number among the links of the body's tree.
     pub link: usize,
 }
 
-/// A touch of two bodies, or of one and the world.
+/// A contact of two bodies, or of a body and the world.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact {
-    /// Where, m.
+    /// Contact point, m.
     pub point: Vector3<f64>,
-    /// Unit vector from the second to the first.
+    /// Unit vector from the second side to the first.
     pub normal: Vector3<f64>,
-    /// In which directions friction acts, unit vectors: of a free roller along its axis alone, otherwise two across each other.
+    /// Directions of friction, unit vectors: one along the axis of a free roller, otherwise two at right angles.
     pub tangents: [Option<Vector3<f64>>; 2],
     /// Coefficient of friction.
     pub friction: f64,
     /// Least speed along the normal at the end of the step, m/s.
     pub target: f64,
-    /// How it gives way along the normal and each tangent, m/s per N s.
+    /// Compliance along the normal and each tangent, m/s per N s.
     pub compliance: [f64; 3],
-    /// What is pushed along the normal.
+    /// Side that is pushed along the normal.
     pub first: Side,
-    /// What is pushed against it; `None` is the world.
+    /// Side that is pushed against it; `None` is the world.
     pub second: Option<Side>,
-    /// Before a step a guess of the impulse on the first, N s; after it what it was.
+    /// Impulse on the first side, N s: a guess before a step, the result after it.
     pub impulse: Vector3<f64>,
 }
 
-/// What a joint does beside its servo: an end, dry friction, a coupling. Or what makes a root follow a velocity.
+/// A row of a joint besides its servo: an end, dry friction or a coupling. Also a row that makes a root follow a velocity.
 #[derive(Debug, Clone, Copy)]
 pub struct JointRow {
-    /// Among the bodies of the system.
+    /// Number among the bodies of the system.
     pub body: usize,
     /// Degrees of freedom with their factors.
     pub terms: [Option<(usize, f64)>; 2],
-    /// Factors of a free root's generalised velocity, where there are no terms.
+    /// Factors of a free root's generalised velocity, used if there are no terms.
     pub root: [f64; 6],
-    /// What its impulse may be: a row.
+    /// Bounds of the impulse, for one row.
     pub constraint: Constraint,
-    /// Speed, or least speed of an end, rad/s or m/s.
+    /// Target speed, or least speed of an end, rad/s or m/s.
     pub target: f64,
-    /// How it gives way, speed per impulse.
+    /// Compliance, speed per impulse.
     pub compliance: f64,
-    /// Before a step a guess of the impulse, N m s or N s; after it what it was.
+    /// Impulse, N m s or N s: a guess before a step, the result after it.
     pub impulse: f64,
 }
 
-/// How a step was solved.
+/// Outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Outcome {
-    /// Whether every contact does what it should.
+    /// True if the solver converged.
     pub is_settled: bool,
-    /// Sweeps over the contacts: none in steady motion.
+    /// Sweeps over the contacts; 0 in steady motion.
     pub sweeps: usize,
     /// Steps of Newton's method.
     pub newton_steps: usize,
-    /// Multiplications that the system took, roughly; 0 of a small single body.
+    /// Multiplications that the system took, roughly; 0 for a small single body.
     pub work: u64,
 }
 
-/// Up to three rows that belong together.
+/// Up to three rows that belong together: a contact or a joint row.
 struct Block {
-    /// Its first row among all.
+    /// Number of its first row.
     row: usize,
     rows: usize,
     parts: [Option<Part>; 2],
 }
 
-/// What a block does to one body: for every degree of freedom of a chain an entry for each row, from the root down.
+/// The Jacobian of a block for one body: for every degree of freedom of a chain, from the root down, an entry for each row.
 struct Part {
     body: usize,
     tip: usize,
     entries: std::ops::Range<usize>,
 }
 
-/// Room that one step after the other can use.
+/// Scratch buffers that one step after the other reuses.
 #[derive(Default)]
 pub struct Workspace {
     blocks: Vec<Block>,
-    /// Rows of the contacts, multiplied by the inverse of L'.
+    /// Jacobian entries of the blocks, multiplied by the inverse of L'.
     entries: Vec<[f64; 3]>,
     compliance: Vec<f64>,
     problem: Problem,
     sparse: SparseProblem,
     impulses: Vec<f64>,
-    /// Change of every body's velocity by the impulses, multiplied likewise.
+    /// Change of every body's velocity by the impulses, multiplied by L.
     change: Vec<f64>,
-    /// Where each body's part of it begins.
+    /// First coordinate of every body, followed by the number of all coordinates.
     places: Vec<usize>,
     friction: friction::Workspace,
     sparse_friction: friction::SparseWorkspace,
-    /// Multiplications that are left for the step of several bodies.
+    /// Multiplications left for a step of several bodies.
     budget: u64,
-    /// Servos that would pass their limits, as rows that do not.
+    /// Servos that would exceed their limits, as rows bounded by those.
     limited: Vec<JointRow>,
 }
 
-/// Returns the multiplications after which the search for the impulses of so many bodies ends with its next step.
+/// Returns the multiplications after which the search for the impulses of a number of bodies ends, at its next step.
 pub fn most_work(bodies: usize) -> u64 {
-    let [of_few, most, each] = WORK;
-    let bodies = bodies as u64;
-    (of_few * bodies).min(most) + each * bodies
+    let [of_few, of_all] = WORK;
+    of_few * bodies.min(FEW) as u64 + of_all * bodies as u64
 }
 
-/// Finds the velocities of bodies at the end of a step. They stay where they are: [`Body::advance`] moves them.
+/// Finds the velocities of bodies at the end of a step. It does not move them: [`Body::advance`] does.
 pub fn step(
     bodies: &mut [&mut Body],
     contacts: &mut [Contact],
@@ -139,9 +142,10 @@ pub fn step(
     workspace.limited.clear();
     workspace.budget = most_work(bodies.len());
     if bodies.len() > 1 {
-        // Each that turns out to be limited only later takes another solution of the whole system.
+        // A servo that is found at its limit only later costs another solution of the whole system.
         for (number, body) in bodies.iter_mut().enumerate() {
-            body.limit_servos(number, time_step, Speeds::Present, &mut workspace.limited);
+            body.free.copy_from_slice(&body.velocity);
+            body.limit_servos(number, time_step, &mut workspace.limited);
         }
     }
     bodies.iter_mut().for_each(|body| body.prepare(time_step));
@@ -165,7 +169,7 @@ pub fn step(
         joints.iter_mut().for_each(|joint| joint.impulse = take());
         let before = workspace.limited.len();
         for (number, body) in bodies.iter_mut().enumerate() {
-            body.limit_servos(number, time_step, Speeds::Next, &mut workspace.limited);
+            body.limit_servos(number, time_step, &mut workspace.limited);
         }
         let is_limited = workspace.limited.len() == before;
         if is_limited || bodies.len() > 1 && passes == MAX_PASSES {
@@ -176,21 +180,11 @@ pub fn step(
     }
 }
 
-/// Speeds by which servos are judged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Speeds {
-    /// Those before the step.
-    Present,
-    /// Those after it, as far as they are known.
-    Next,
-}
-
 impl Body {
-    /// Makes rows of the servos that would pass their limits at some speeds: a row gives way as its servo does, and gives no more than it
-    /// can. The body has a number among all.
-    fn limit_servos(&mut self, number: usize, time_step: f64, speeds: Speeds, limited: &mut Vec<JointRow>) {
-        let speeds = if speeds == Speeds::Present { &self.velocity } else { &self.free };
-        for (dof, (drive, speed)) in self.drives.iter_mut().zip(speeds).enumerate() {
+    /// Converts servos that would exceed their limits at the free speeds to rows. A row has its servo's compliance and limit. `number` is
+    /// the body's number in the system.
+    fn limit_servos(&mut self, number: usize, time_step: f64, limited: &mut Vec<JointRow>) {
+        for (dof, (drive, speed)) in self.drives.iter_mut().zip(&self.free).enumerate() {
             let Drive { at_rest, gain, most } = *drive;
             let wanted = at_rest - gain * speed;
             if gain > 0.0 && wanted.abs() > most {
@@ -209,8 +203,8 @@ impl Body {
     }
 }
 
-/// The velocity that impulses on the rows of one block give on those of another, column by column; `None` where they have no body in
-/// common.
+/// Computes a block of the Delassus matrix, column by column: the velocity on the rows of `one` by impulses on those of `other`. `None` if
+/// they have no body in common.
 fn shared(bodies: &[&mut Body], entries: &[[f64; 3]], one: &Block, other: &Block) -> Option<[[f64; 3]; 3]> {
     let mut sum = None;
     for own in one.parts.iter().flatten() {
@@ -231,7 +225,7 @@ fn shared(bodies: &[&mut Body], entries: &[[f64; 3]], one: &Block, other: &Block
 }
 
 impl Workspace {
-    /// Solves for the impulse on every row, and leaves the velocities at the end of the step in the bodies' free ones.
+    /// Finds the impulse on every row, and stores the velocities at the end of the step in the bodies' `free`.
     fn solve(&mut self, bodies: &mut [&mut Body], contacts: &[Contact], joints: &[JointRow]) -> Outcome {
         self.blocks.clear();
         self.entries.clear();
@@ -248,13 +242,18 @@ impl Workspace {
         if count == 0 {
             return Outcome { is_settled: true, ..Outcome::default() };
         }
+        self.places.clear();
+        self.places.push(0);
+        for body in bodies.iter() {
+            self.places.push(self.places[self.places.len() - 1] + body.free.len());
+        }
         let is_small = bodies.len() == 1 && count <= DENSE_ROWS;
         let outcome = if is_small { self.solve_dense(bodies) } else { self.solve_sparse(bodies) };
         self.apply(bodies);
         outcome
     }
 
-    /// Finds the impulses of one body, whose rows nearly all share its root, by its Delassus matrix.
+    /// Finds the impulses of one body by its Delassus matrix, as nearly all rows share its root.
     fn solve_dense(&mut self, bodies: &[&mut Body]) -> Outcome {
         let Self { blocks, entries, compliance, problem, impulses, friction, .. } = self;
         let count = impulses.len();
@@ -280,22 +279,17 @@ impl Workspace {
         Outcome { is_settled, sweeps, newton_steps, work: 0 }
     }
 
-    /// Finds the impulses of several bodies, each of which touches a few others.
+    /// Finds the impulses of several bodies, each of which touches few others.
     fn solve_sparse(&mut self, bodies: &[&mut Body]) -> Outcome {
-        let Self { blocks, entries, compliance, problem, sparse, impulses, sparse_friction, budget, .. } = self;
+        let Self { blocks, entries, compliance, problem, sparse, impulses, places, sparse_friction, budget, .. } = self;
         sparse.clear();
-        let mut next = 0;
-        sparse.bodies.extend(bodies.iter().map(|body| {
-            next += body.free.len();
-            next - body.free.len()
-        }));
-        sparse.bodies.push(next);
+        sparse.bodies.extend_from_slice(places);
         sparse.constraints.append(&mut problem.constraints);
         sparse.missing.append(&mut problem.missing);
         for block in blocks {
             let start = sparse.entries.len();
             for part in block.parts.iter().flatten() {
-                let first = sparse.bodies[part.body];
+                let first = places[part.body];
                 let chain = bodies[part.body].tree.chain(part.tip);
                 for (&dof, &entry) in chain.iter().zip(&entries[part.entries.clone()]) {
                     let known = sparse.entries[start..].iter_mut().find(|(coordinate, _)| *coordinate == first + dof);
@@ -316,23 +310,19 @@ impl Workspace {
             }
             sparse.ranges.push(start..sparse.entries.len());
         }
-        let found = friction::solve_sparse(sparse, impulses, *budget, sparse_friction);
+        let enough = if bodies.len() == 1 { 0.0 } else { ENOUGH };
+        let effort = Effort { enough, budget: *budget };
+        let found = friction::solve_sparse(sparse, impulses, effort, sparse_friction);
         let friction::SparseOutcome { sweeps, newton_steps, work, is_settled, .. } = found;
         *budget = budget.saturating_sub(work);
         Outcome { is_settled, sweeps, newton_steps, work }
     }
 
-    /// Adds what the impulses give to the bodies' free velocities.
+    /// Adds the velocity changes by the impulses to the bodies' free velocities.
     fn apply(&mut self, bodies: &mut [&mut Body]) {
         let Self { blocks, entries, impulses, change, places, .. } = self;
-        places.clear();
-        let mut next = 0;
-        for body in bodies.iter() {
-            places.push(next);
-            next += body.free.len();
-        }
         change.clear();
-        change.resize(next, 0.0);
+        change.resize(places[bodies.len()], 0.0);
         for block in blocks.iter() {
             let own = &impulses[block.row..][..block.rows];
             for part in block.parts.iter().flatten() {

@@ -3,7 +3,7 @@
 //! Frame: x forward, y right, z down, so a positive yaw rate is clockwise seen from above. SI units, radians.
 //! A wheel speed is positive when the wheel rolls the base forward.
 //!
-//! A Mecanum base has three models here. With R the wheel radius, L = lx + ly, N rollers a wheel and phases phi:
+//! A Mecanum base has three models here. R is the wheel radius, L = lx + ly, N the number of rollers per wheel, and phi the phases:
 //!
 //! | all wheels at omega | [`Mecanum`], the textbook | [`FiniteRollers`], exact | [`thesis::printed`] |
 //! |---|---|---|---|
@@ -22,7 +22,7 @@ pub use mecanum::Mecanum;
 pub use skid::Skid;
 
 /// Velocity of a base in the plane, in its own frame.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Twist {
     /// Forward velocity, m/s.
     pub forward: f64,
@@ -35,16 +35,16 @@ pub struct Twist {
 /// Position and heading in the plane, in the frame of the start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlanarPose {
-    /// Metres forward.
+    /// Distance forward, m.
     pub x: f64,
-    /// Metres to the right.
+    /// Distance to the right, m.
     pub y: f64,
     /// Heading, rad, clockwise seen from above, not wrapped.
     pub theta: f64,
 }
 
 impl PlanarPose {
-    /// Moves by a twist held for `dt` seconds, with the heading of the beginning (Odometry.uc:99-135).
+    /// Returns the pose after a twist held for `dt` seconds, with the heading of the beginning (Odometry.uc:99-135).
     #[must_use]
     pub fn moved(self, twist: Twist, dt: f64) -> Self {
         let (sin, cos) = self.theta.sin_cos();

@@ -1,35 +1,47 @@
-//! What surfaces are made of.
+//! Materials of surfaces.
 
+use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 /// A physical material.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Material {
-    /// Its name in `materials.toml`.
+    /// Name in `materials.toml`.
     pub name: String,
-    /// Coulomb friction, one number for static and sliding.
+    /// Coulomb friction coefficient, for both static and sliding friction.
     pub friction: f64,
     /// Restitution, 0 to 1.
     pub restitution: f64,
-    /// Rolling resistance: force against the motion of a wheel's hub over its load; a pair has the sum of both.
+    /// Rolling resistance coefficient: force against the motion of a wheel's hub over its load. A pair has the sum of both.
     pub rolling_resistance: f64,
-    /// Damping of the linear velocity of a body made of it, 1/s.
+    /// Damping of the linear velocity of a body of this material, 1/s.
     pub linear_damping: f64,
-    /// Damping of its angular velocity, 1/s.
+    /// Damping of the angular velocity, 1/s.
     pub angular_damping: f64,
-    /// Red, green and blue in which it is shown, 0 to 1. A scene written before there were colours reads as black.
+    /// Displayed red, green and blue, 0 to 1. A scene written before colours existed reads as black.
     #[serde(default)]
     pub colour: [f64; 3],
-    /// Where the numbers come from.
+    /// Source of the numbers.
     pub source: String,
 }
 
 impl Material {
-    /// Friction and restitution between two materials: the mean of each, PhysX's rule and rapier's default.
+    /// Returns the friction and restitution between two materials: the mean of each, PhysX's rule and rapier's default.
     ///
-    /// So the thesis's roller (0.9) on Unreal's default material (0.7) has 0.8.
+    /// For example, the thesis's roller (0.9) on Unreal's default material (0.7) has 0.8.
     pub fn pair(&self, other: &Self) -> (f64, f64) {
         ((self.friction + other.friction) / 2.0, (self.restitution + other.restitution) / 2.0)
+    }
+
+    /// Returns the rolling resistance between two materials: the sum of both, as both deform.
+    pub fn pair_rolling_resistance(&self, other: &Self) -> f64 {
+        self.rolling_resistance + other.rolling_resistance
+    }
+
+    /// Returns the damping of a body's velocity, N s/m, and angular velocity, N m s/rad, from its mass, kg, and inertia, kg m².
+    /// Damping a velocity by d per second takes a force of d times the mass, and a torque of d times the mean inertia.
+    pub fn damping(&self, mass: f64, inertia: &Matrix3<f64>) -> [f64; 2] {
+        [self.linear_damping * mass, self.angular_damping * (inertia.trace() / 3.0)]
     }
 }
 

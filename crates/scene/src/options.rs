@@ -1,21 +1,21 @@
-//! How a world runs.
+//! Run options of a world.
 
-/// Length of a step, s, unless it is chosen: 500 Hz, where free rollers are within 0.3 % of their exact kinematics.
+/// Default length of a step, s: 500 Hz, where free rollers are within 0.3 % of their exact kinematics.
 pub const TIME_STEP: f64 = 0.002;
 
-/// How a world runs, beside what it is made of.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Run options of a world, independent of its scene.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Options {
     /// Seed of all randomness.
     pub seed: u64,
-    /// What one wheel-speed unit of the wire is in rad/s: 1 for rad/s, 2 pi for revolutions a second.
+    /// Wheel-speed unit of the wire in rad/s: 1 for rad/s, 2 pi for revolutions a second.
     pub speed_unit: f64,
     /// Length of a step, s.
     pub time_step: f64,
-    /// Whether only the newest robot of a connection leaves with it, as in USARSim (BotConnection.uc:765-787), where every
-    /// other one stands for ever.
+    /// True if only the newest robot of a connection leaves when it closes, as in USARSim (BotConnection.uc:765-787). Its other
+    /// robots then stay for ever.
     pub keep_robots: bool,
-    /// For tests of what happens then: the number of steps after which the world panics.
+    /// Number of steps after which the world panics, to test a crash.
     pub panic_at: Option<u64>,
 }
 

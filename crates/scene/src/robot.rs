@@ -7,25 +7,25 @@ use crate::{
     Actuator, Gripper, JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid, Wheel, pose, stored,
 };
 
-/// How a robot is steered.
+/// Steering of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Steering {
     /// Left and right wheels turn by side.
     Skid,
     /// Four Mecanum wheels, in the order front left, front right, back left, back right.
     Omni,
-    /// Wheels that joints with FRONTSTEER or REARSTEER in their names steer.
+    /// Wheels steered by joints with FRONTSTEER or REARSTEER in their names.
     Ackermann,
-    /// In the air.
+    /// Flight.
     Aerial,
-    /// By its joints alone.
+    /// Joints alone.
     Legged,
-    /// Not at all: it is fixed to the ground.
+    /// No steering: the robot is fixed to the ground.
     None,
 }
 
 impl Steering {
-    /// All of them, with their names in robot.toml.
+    /// All kinds of steering, with their names in robot.toml.
     pub const ALL: [(&str, Self); 6] = [
         ("skid", Self::Skid),
         ("omni", Self::Omni),
@@ -35,12 +35,12 @@ impl Steering {
         ("none", Self::None),
     ];
 
-    /// Whether wheels on the ground move it.
+    /// True if wheels on the ground move the robot.
     pub fn is_on_wheels(self) -> bool {
         matches!(self, Self::Skid | Self::Omni | Self::Ackermann)
     }
 
-    /// The word in `{SteeringType ..}` of CONF, as clients know it.
+    /// Returns the word in `{SteeringType ..}` of CONF, as clients know it.
     pub fn wire_name(self) -> &'static str {
         match self {
             Self::Skid => "SkidSteered",
@@ -53,24 +53,24 @@ impl Steering {
     }
 }
 
-/// How a robot is moved.
+/// Model of a robot's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum DriveModel {
-    /// Chassis, wheels and rollers are bodies of the engine, their contacts Coulomb's: an independent reference.
+    /// Chassis, wheels and rollers are bodies of the engine with Coulomb contacts: an independent reference.
     Bodies,
-    /// The same with rollers that have no inertia, and carry force along their axes alone.
+    /// Like `Bodies`, but rollers have no inertia and carry force only along their axes.
     Analytic,
-    /// A tree of links in reduced coordinates, its servos and contacts solved together, friction to the end. Rollers are links.
+    /// A tree of links in reduced coordinates. Servos, contacts and friction are solved together to convergence. Rollers are links.
     #[default]
     Articulated,
-    /// The base follows the twist of its wheels' commands, counted with finite rollers, as long as it stands on something.
+    /// The base follows the twist of its wheel commands while it stands on something. The twist accounts for finite rollers.
     Kinematic,
-    /// The same by the textbook's matrix.
+    /// Like `Kinematic`, with the textbook's matrix.
     KinematicTextbook,
 }
 
 impl DriveModel {
-    /// All of them, with their names in robot.toml and on the command line.
+    /// All drive models, with their names in robot.toml and on the command line.
     pub const ALL: [(&str, Self); 5] = [
         ("bodies", Self::Bodies),
         ("analytic", Self::Analytic),
@@ -79,7 +79,7 @@ impl DriveModel {
         ("kinematic-textbook", Self::KinematicTextbook),
     ];
 
-    /// Its name.
+    /// Returns its name in robot.toml and on the command line.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].0
     }
@@ -97,7 +97,7 @@ impl std::str::FromStr for DriveModel {
     }
 }
 
-/// The side of a wheel.
+/// Side of a wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Side {
     /// Driven by `{Left ..}`.
@@ -112,48 +112,47 @@ pub enum Side {
 pub struct RobotDef {
     /// Class name as in `USARBot.<class>`; the name of its folder.
     pub class: String,
-    /// One sentence.
+    /// Description in one sentence.
     pub description: String,
-    /// How it is steered.
+    /// Steering.
     pub steering: Steering,
-    /// What CONF reports instead of the way it is steered: the NIST bridge and the Player drivers refuse OmniDrive, and drive
-    /// a Mecanum robot well that says SkidSteered.
+    /// Steering type that CONF reports instead of the real one. The NIST bridge and the Player drivers refuse OmniDrive, but drive
+    /// a Mecanum robot well if it reports SkidSteered.
     pub reported_steering: Option<String>,
-    /// How its wheels move it.
+    /// Drive model.
     pub drive_model: DriveModel,
-    /// Whether `{Left ..}` or `{Right ..}` alone moves its side. USARSim (UDK) wants both; controllers of UT2004's
-    /// robots send one.
+    /// True if `{Left ..}` or `{Right ..}` alone moves its side. USARSim (UDK) wants both; controllers of UT2004's robots send one.
     pub one_side_drives: bool,
-    /// Whether only USARSim for UT2004 had it, so that its clients are spoken to in that dialect.
+    /// True if only USARSim for UT2004 had this class. The server then speaks that dialect to its clients.
     pub speaks_ut2004: bool,
-    /// Its tree: parents before their children, so the first is the root. Driven wheels come before casters, in the order that
-    /// encoders and tachometers number them.
+    /// Tree of links: parents before their children, so the first is the root. Driven wheels come before casters, in the order of
+    /// encoders and tachometers.
     pub links: Vec<Link>,
-    /// What it carries, in mounting order.
+    /// Sensors, in mounting order.
     pub sensors: Vec<SensorDef>,
-    /// Its actuators.
+    /// Actuators.
     pub actuators: Vec<Actuator>,
-    /// Its grippers.
+    /// Grippers.
     pub grippers: Vec<Gripper>,
-    /// Its battery; without one STA reports 99999.
+    /// Battery; without one STA reports 99999.
     pub battery: Option<Battery>,
     /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).
     pub reported_max_torque: f64,
-    /// What it can do in the air; of aerial robots alone.
+    /// Flight limits; only of aerial robots.
     pub aerial: Option<Aerial>,
-    /// What was taken to be so because its file does not say it.
+    /// Assumptions where its file gives no value.
     pub assumptions: Vec<String>,
 }
 
 impl RobotDef {
-    /// Takes another drive model, where one is given that can move the robot.
+    /// Sets the drive model if one is given and it can move the robot.
     pub fn set_drive_model(&mut self, model: Option<DriveModel>) {
         if let Some(model) = model.filter(|&model| self.can_have(model)) {
             self.drive_model = model;
         }
     }
 
-    /// Whether a drive model can move it: those of rollers only what has Mecanum wheels.
+    /// True if a drive model can move the robot. The models of rollers need Mecanum wheels.
     pub fn can_have(&self, model: DriveModel) -> bool {
         match model {
             DriveModel::Bodies | DriveModel::Articulated => true,
@@ -163,42 +162,39 @@ impl RobotDef {
         }
     }
 
-    /// `{SteeringType ..}` of CONF.
+    /// Returns the `{SteeringType ..}` of CONF.
     pub fn reported_steering(&self) -> &str {
         self.reported_steering.as_deref().unwrap_or(self.steering.wire_name())
     }
 
-    /// The shapes of its body.
+    /// Returns the shapes of the root link.
     pub fn body_solids(&self) -> &[Solid] {
         self.links.first().map_or(&[], |root| &root.solids)
     }
 
-    /// Damping of its body's velocity, N s/m, and angular velocity, N m s/rad: that of its first shape's material.
+    /// Returns the damping of the body's velocity, N s/m, and angular velocity, N m s/rad, from the material of its first shape.
     pub fn body_damping(&self) -> [f64; 2] {
-        let material = self.body_solids().first().map(|solid| &solid.material);
-        let [linear, angular] =
-            material.map_or([0.0; 2], |material| [material.linear_damping, material.angular_damping]);
         let body = self.body_mass();
-        // Damping of a velocity by d per second is a force of d times the mass, a torque of d times the inertia.
-        [linear * body.mass, angular * (body.inertia.trace() / 3.0)]
+        let solid = self.body_solids().first();
+        solid.map_or([0.0; 2], |solid| solid.material.damping(body.mass, &body.inertia))
     }
 
-    /// Its wheels, casters too, in the order of its links.
+    /// Returns all wheels, casters included, in the order of the links.
     pub fn wheels(&self) -> impl Iterator<Item = MountedWheel<'_>> + Clone {
         self.links.iter().enumerate().filter_map(MountedWheel::of)
     }
 
-    /// The driven wheels.
+    /// Returns the driven wheels.
     pub fn driven(&self) -> impl Iterator<Item = MountedWheel<'_>> + Clone {
         self.wheels().filter(|wheel| wheel.drive.is_some())
     }
 
-    /// Whether it has joints beside those of wheels.
+    /// True if the robot has joints other than those of wheels.
     pub fn has_joints(&self) -> bool {
         self.links.iter().any(|link| link.joint.is_some() && link.wheel.is_none())
     }
 
-    /// All links with their poses in the robot frame, where its joints have the values of a state; what is missing is 0.
+    /// Returns all links with their poses in the robot frame at the given joint positions. Missing positions are 0.
     pub fn placed_links(&self, joints: &[JointState]) -> Vec<(&Link, Pose)> {
         let mut values = joints.iter().map(|joint| joint.position);
         let mut placed: Vec<(&Link, Pose)> = Vec::with_capacity(self.links.len());
@@ -215,56 +211,56 @@ impl RobotDef {
         placed
     }
 
-    /// The link that carries a sensor, by its number too, and the sensor's pose in that link's frame.
+    /// Returns the number of the link that carries a sensor, the link, and the sensor's pose in the link's frame.
     pub fn mount_of(&self, sensor: &SensorDef) -> Option<(usize, &Link, Pose)> {
         let link = self.links.get(sensor.link)?;
         let to_link = Translation3::from(link.origin()).inverse();
         Some((sensor.link, link, to_link * pose(sensor.position, sensor.direction)))
     }
 
-    /// The number of a link's joint among those that have a value.
+    /// Returns the index of a link's joint among the joints that have a value.
     pub fn value_of(&self, link: usize) -> Option<usize> {
         self.links.get(link).filter(|link| link.has_value())?;
         Some(self.links.iter().take(link).filter(|link| link.has_value()).count())
     }
 
-    /// The actuator that moves a link, and the number of the joint, from 1, that does.
+    /// Returns the actuator that moves a link, and the number of its joint there, from 1.
     pub fn actuator_of(&self, link: usize) -> Option<(&Actuator, usize)> {
         self.actuators.iter().find_map(|it| Some((it, it.links.iter().position(|&other| other == link)? + 1)))
     }
 
-    /// The limits of the joints that steer an axle, 0 the front and 1 the rear, rad.
+    /// Returns the limits of the joints that steer an axle, 0 the front and 1 the rear, rad.
     pub fn steering_limits(&self, axle: usize) -> impl Iterator<Item = [f64; 2]> {
         let joints = self.links.iter().filter(move |link| link.steered_axle() == Some(axle));
         joints.filter_map(|link| link.joint.as_ref()?.limits)
     }
 
-    /// The links whose joints have a value, in the order of a state's joints.
+    /// Returns the links whose joints have a value, in the order of a state's joints.
     pub fn with_values(&self) -> impl Iterator<Item = &Link> + Clone {
         self.links.iter().filter(|link| link.has_value())
     }
 
-    /// Everything that its links weigh beside wheels.
+    /// Returns the parts of all links, without wheels.
     pub fn parts(&self) -> impl Iterator<Item = &Part> + Clone {
         self.links.iter().flat_map(|link| &link.parts)
     }
 
-    /// The same, to be changed.
+    /// Returns the parts of all links for modification.
     pub fn parts_mut(&mut self) -> impl Iterator<Item = &mut Part> {
         self.links.iter_mut().flat_map(|link| &mut link.parts)
     }
 
-    /// Its wheels, to be changed.
+    /// Returns the wheels for modification.
     pub fn wheels_mut(&mut self) -> impl Iterator<Item = &mut Wheel> {
         self.links.iter_mut().filter_map(|link| link.wheel.as_mut())
     }
 
-    /// The motors of its joints, to be changed.
+    /// Returns the motors of all joints for modification.
     pub fn motors_mut(&mut self) -> impl Iterator<Item = &mut Motor> {
         self.links.iter_mut().filter_map(|link| link.joint.as_mut()?.drive.as_mut())
     }
 
-    /// Mass of every part, wheel and roller in kg, summed in 32 bits in the order of the links, as USARSim reports it.
+    /// Sums the masses of every part, wheel and roller in kg, in 32 bits in the order of the links, as USARSim reports it.
     pub fn mass(&self) -> f32 {
         let of_wheel = |wheel: &Wheel| {
             let (mass, count) = wheel.rollers.as_ref().map_or((0.0, 0), |it| (it.mass, it.count as usize));
@@ -277,7 +273,7 @@ impl RobotDef {
         masses.fold(0.0, |sum, mass| sum + mass as f32)
     }
 
-    /// Wheel radius, track and wheel base, m: of the foremost left and the rearmost right driven wheel
+    /// Returns the wheel radius, track and wheel base, m, from the foremost left and the rearmost right driven wheel
     /// (WheeledVehicle.uc:19-66).
     pub fn wheel_geometry(&self) -> WheelGeometry {
         let on = |side| self.driven().filter(move |wheel| wheel.side == side);
@@ -294,7 +290,7 @@ impl RobotDef {
     }
 }
 
-/// The numbers of a base that odometry and clients use, m.
+/// Dimensions of a base for odometry and clients, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WheelGeometry {
     /// Radius of the wheels.
@@ -305,22 +301,22 @@ pub struct WheelGeometry {
     pub wheel_base: f64,
 }
 
-/// What a robot in the air can do: what percents are of.
+/// Flight limits of a robot; percentages in commands refer to these.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Aerial {
-    /// Greatest velocity ahead, aside and up, m/s.
+    /// Greatest forward, sideways and vertical velocity, m/s.
     pub max_velocity: [f64; 3],
     /// Greatest turn rate, rad/s.
     pub max_turn: f64,
-    /// How far it leans, rad.
+    /// Greatest lean, rad.
     pub max_tilt: f64,
 }
 
-/// A battery that falls linearly, whatever the robot does (Battery.uc:44-129).
+/// A battery with a linear discharge, independent of what the robot does (Battery.uc:44-129).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Battery {
     /// Energy at the start, J.
     pub max_energy: f64,
-    /// Seconds from full to empty.
+    /// Time from full to empty, s.
     pub life: f64,
 }

@@ -1,14 +1,15 @@
-//! A moment of a world: where everything is and how it moves.
+//! Snapshots of a world: poses and velocities at one time.
 
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 use crate::Pose;
 
-/// Identifies a robot for as long as its world lives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// Identifies a robot while its world lives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct RobotId(pub u64);
 
-/// Where a body is and how it moves.
+/// Pose and velocity of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyState {
     /// Pose of the robot frame in the world.
@@ -19,7 +20,7 @@ pub struct BodyState {
     pub angular: Vector3<f64>,
 }
 
-/// How a wheel turns.
+/// Angle and speed of a wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WheelState {
     /// Angle turned since the spawn, rad, not wrapped; positive = forward.
@@ -28,7 +29,7 @@ pub struct WheelState {
     pub speed: f64,
 }
 
-/// Where a joint is and how it moves.
+/// Position and speed of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
     /// Angle, rad, not wrapped, or displacement, m, since the spawn.
@@ -37,43 +38,43 @@ pub struct JointState {
     pub speed: f64,
 }
 
-/// A moment of a world, which whatever looks at it shares.
+/// Snapshot of a world, shared by all its viewers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapshot {
     /// Simulated time, s.
     pub time: f64,
-    /// The robots, in the order that they came.
+    /// Robots, in the order of their spawns.
     pub robots: Vec<RobotSnapshot>,
-    /// Poses of the map's objects, in its order.
+    /// Poses of the map's objects, in the map's order.
     pub objects: Vec<Pose>,
 }
 
-/// A robot at a moment.
+/// State of a robot in a snapshot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotSnapshot {
-    /// Its number.
+    /// Robot number.
     pub id: RobotId,
-    /// Its class.
+    /// Class name.
     pub class: String,
-    /// Its name from INIT.
+    /// Robot name from INIT.
     pub name: String,
     /// Pose and velocity of the robot frame.
     pub body: BodyState,
-    /// Every joint that has a value, wheels too, in the order of the links.
+    /// Every joint that has a value, wheels included, in the order of the links.
     pub joints: Vec<JointState>,
     /// Target speeds of the driven wheels, rad/s.
     pub targets: Vec<f64>,
     /// Angles of the rollers about their own axes, rad, wheel by wheel.
     pub rollers: Vec<f64>,
-    /// Everything that pushed it in the last step.
+    /// Contacts of the last step.
     pub contacts: Vec<Contact>,
 }
 
-/// A point where something pushes a robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A point at which something pushes a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Where, world frame, m.
+    /// Position in the world frame, m.
     pub point: Vector3<f64>,
-    /// Force on the robot over the last step, world axes, N: the normal force, friction and rolling resistance together.
+    /// Force on the robot over the last step, world axes, N: the sum of the normal force, friction and rolling resistance.
     pub force: Vector3<f64>,
 }

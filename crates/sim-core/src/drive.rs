@@ -1,5 +1,5 @@
-//! How robots move: one file a family, which owns its keys of `DRIVE`, what it asks of joints and body, and what it adds to STA,
-//! CONF and GEO. The maths is in the crate `kinematics`.
+//! Drive families, one file each. A family owns its keys of `DRIVE`, its targets for joints and body, and its fields of STA, CONF and
+//! GEO. The maths is in the crate `kinematics`.
 
 mod ackermann;
 mod aerial;
@@ -12,28 +12,29 @@ use gamebots_proto::command::Drive;
 use gamebots_proto::message::{GroundSta, Vehicle, VehicleConf, VehicleGeo};
 use kinematics::Twist;
 use scene::{JointState, RobotDef, Side, Steering};
+use serde::{Deserialize, Serialize};
 
 use crate::flight::Flight;
 
-/// What a robot remembers between two `DRIVE` lines.
-#[derive(Debug, Clone, PartialEq)]
+/// A robot's drive state, kept between two `DRIVE` lines.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DriveState {
-    /// Speeds of the driven wheels, rad/s, in the order of the robot's wheels.
+    /// Target speeds of the driven wheels, rad/s, in the order of the robot's wheels.
     pub targets: Vec<f64>,
-    /// Headlight.
+    /// True if the headlight is on.
     light: bool,
-    /// Sticky: numbers are percent of the limit (BotConnection.uc:195-197).
+    /// True if numbers are percent of the limit. Sticky (BotConnection.uc:195-197).
     normalized: bool,
     family: Family,
 }
 
-/// What a family remembers.
-#[derive(Debug, Clone, PartialEq)]
+/// State of a drive family.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Family {
     Skid,
-    /// Velocities held until they are replaced.
+    /// Target velocities, held until a command replaces them.
     Omni(Twist),
-    /// Steering angles of front and rear as they were asked for, rad.
+    /// Commanded steering angles of front and rear, rad.
     Ackermann([f64; 2]),
     Aerial(Flight),
     /// Moved by its joints alone.
@@ -43,7 +44,7 @@ enum Family {
 }
 
 impl DriveState {
-    /// At rest.
+    /// Returns the drive state of a robot at rest.
     pub fn new(robot: &RobotDef) -> Self {
         let family = match robot.steering {
             Steering::Skid => Family::Skid,
@@ -56,7 +57,13 @@ impl DriveState {
         Self { targets: vec![0.0; robot.driven().count()], light: false, normalized: false, family }
     }
 
-    /// Takes a command. `speed_unit` is what one wheel-speed unit of the wire is in rad/s.
+    /// True if both are states of robots of one family with as many driven wheels.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let family = |state: &Self| std::mem::discriminant(&state.family);
+        self.targets.len() == other.targets.len() && family(self) == family(other)
+    }
+
+    /// Applies a command. `speed_unit` is one wheel-speed unit of the wire in rad/s.
     pub fn apply(&mut self, robot: &RobotDef, drive: &Drive, speed_unit: f64, problems: &mut Vec<Problem>) {
         self.normalized = drive.normalized.unwrap_or(self.normalized);
         self.light = drive.light.unwrap_or(self.light);
@@ -82,7 +89,7 @@ impl DriveState {
         }
     }
 
-    /// Where joints beside those of wheels are to be: each by its number among those that have a value, rad.
+    /// Returns the target angles of joints other than wheels, rad, each with the joint's number among those that have a value.
     pub(crate) fn joint_targets(&self, robot: &RobotDef) -> Vec<(usize, f64)> {
         match &self.family {
             Family::Ackermann(steer) => ackermann::joint_targets(robot, *steer),
@@ -90,12 +97,12 @@ impl DriveState {
         }
     }
 
-    /// How its body is to fly; `None` for one that does not.
+    /// Returns the targets of its flight; `None` if it does not fly.
     pub(crate) fn flight(&self) -> Option<Flight> {
         if let Family::Aerial(flight) = self.family { Some(flight) } else { None }
     }
 
-    /// What it adds to STA.
+    /// Returns its fields of STA.
     pub(crate) fn status(&self, robot: &RobotDef, joints: impl FnOnce() -> Vec<JointState>) -> Vehicle {
         match &self.family {
             Family::Skid | Family::Omni(_) => self.ground([None; 2]),
@@ -114,7 +121,7 @@ impl DriveState {
     }
 }
 
-/// What a robot adds to CONF; `speed_unit` is what one wheel-speed unit of the wire is in rad/s.
+/// Returns a robot's fields of CONF. `speed_unit` is one wheel-speed unit of the wire in rad/s.
 pub(crate) fn conf(robot: &RobotDef, speed_unit: f64) -> VehicleConf {
     match robot.steering {
         Steering::Skid | Steering::Omni => ground::conf(robot, speed_unit, None),
@@ -124,7 +131,7 @@ pub(crate) fn conf(robot: &RobotDef, speed_unit: f64) -> VehicleConf {
     }
 }
 
-/// What a robot adds to GEO.
+/// Returns a robot's fields of GEO.
 pub(crate) fn geo(robot: &RobotDef) -> VehicleGeo {
     match robot.steering {
         Steering::Skid | Steering::Omni | Steering::Ackermann => ground::geo(robot),
@@ -133,7 +140,7 @@ pub(crate) fn geo(robot: &RobotDef) -> VehicleGeo {
     }
 }
 
-/// The speed that `{Left ..}` or `{Right ..}` gives a wheel of this side.
+/// Returns the speed that `{Left ..}` or `{Right ..}` gives to a wheel on this side.
 fn of_side([left, right]: [Option<f64>; 2], side: Side) -> Option<f64> {
     match side {
         Side::Left => left,

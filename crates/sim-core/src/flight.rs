@@ -1,24 +1,26 @@
-//! What a robot in the air is asked to do: no thrust, but velocities that it simply has (AerialVehicle.uc:47-51, 276-288).
+//! Targets of a robot in the air. As in USARSim it has no thrust and takes its target velocities at once
+//! (AerialVehicle.uc:47-51, 276-288).
 
 use nalgebra::{UnitQuaternion, Vector3};
 use scene::Pose;
 
-/// How fast roll and pitch come to what is asked for, rad/s: 7000 of USARSim's units of 65536 to a turn (AerialVehicle.uc:217-273).
+/// Speed at which roll and pitch approach their targets, rad/s: 7000 of USARSim's units of 65536 to a turn (AerialVehicle.uc:217-273).
 const ATTITUDE_SPEED: f64 = 0.671_115_6;
 
-/// Velocities and attitude that an aerial robot keeps until it is asked for others.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// Target velocities and attitude of an aerial robot, kept until a command replaces them.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Flight {
     /// Forward, to the right and up, m/s, along the robot's heading.
     pub(crate) velocity: [f64; 3],
     /// Turn rate about the vertical, rad/s, clockwise seen from above.
     pub(crate) turn: f64,
-    /// Roll and pitch that it takes on, rad.
+    /// Target roll and pitch, rad.
     pub(crate) attitude: [f64; 2],
 }
 
 impl Flight {
-    /// The velocity of a point at `centre` in the robot frame and the angular velocity that a robot at a pose has for a step.
+    /// Returns the linear and the angular velocity for one step of a robot at a pose. The linear one is that of the point at `centre` in
+    /// the robot frame.
     pub(crate) fn velocity(&self, pose: &Pose, centre: Vector3<f64>, time_step: f64) -> (Vector3<f64>, Vector3<f64>) {
         let (roll, pitch, yaw) = pose.rotation.euler_angles();
         let heading = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw);

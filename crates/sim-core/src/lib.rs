@@ -1,10 +1,10 @@
 //! The simulated world.
 //!
-//! A [`World`] is made of plain definitions ([`scene`]) and a seed, takes commands and gives messages. It knows
-//! no socket, clock, file, environment or thread: time is the number of steps taken, and the same scene, seed
-//! and commands by step give the same bits, on however many [`Threads`] it is given.
+//! A [`World`] consists of plain definitions ([`scene`]) and a seed. It takes commands and returns messages. It uses no socket, clock,
+//! file, environment variable or thread of its own. Time is the number of steps taken. The same scene, seed and commands by step give
+//! the same bits on any number of [`Threads`].
 //!
-//! World frame = the wire's: x forward, y right, z down, right-handed; metres, kilograms, seconds, radians.
+//! The world frame is that of the wire: x forward, y right, z down, right-handed. Units: metres, kilograms, seconds, radians.
 
 mod compiled;
 pub mod drive;
@@ -20,4 +20,4 @@ pub use compiled::CompiledScene;
 pub use physics::Fault;
 pub use scene::{BodyState, Options, RobotId, TIME_STEP, WheelState};
 pub use threads::{OneThread, Threads};
-pub use world::{Executed, LostRobot, Room, World};
+pub use world::{Executed, LoadError, LostRobot, Room, SaveError, SavedWorld, World};

@@ -27,8 +27,10 @@ pub use fault::Fault;
 pub(crate) use identity::Identity;
 pub(crate) use placing::Placement;
 pub(crate) use query::Sight;
-pub(crate) use robot::RobotBodies;
+pub(crate) use robot::{RobotBodies, SavedBodies};
 pub(crate) use surface::Materials;
+
+pub(crate) use articulated::SavedObject;
 
 use articulated::MapObject;
 use bodies::Landing;
@@ -40,23 +42,72 @@ pub(crate) struct Physics {
     materials: Arc<Materials>,
     /// The map's objects, in its order.
     objects: Vec<MapObject>,
-    /// How many robots the engine moves.
+    /// Number of robots that the engine moves.
     robots_of_engine: usize,
-    /// Whether something came or left, which the engine notices with a step.
+    /// True if a robot came or left since the engine's last step, so the engine has to step to notice.
     is_changed: bool,
     landing: Landing,
-    /// Where systems of robots in reduced coordinates are solved.
+    /// Scratch buffers for solving systems of robots in reduced coordinates.
     rooms: Vec<articulated::Room>,
-    /// Number of systems that did not settle.
+    /// Number of systems that did not converge.
     unsettled: u64,
     /// Multiplications of the last step's systems of several bodies.
     work: u64,
-    /// What stands until the next step in the places of colliders that were removed.
+    /// Disabled colliders that occupy the slots of removed ones until the next step.
     placeholders: Vec<ColliderHandle>,
 }
 
+impl Clone for Physics {
+    /// Copies the state; scratch buffers begin empty.
+    fn clone(&self) -> Self {
+        let Self {
+            world,
+            materials,
+            objects,
+            robots_of_engine,
+            is_changed,
+            landing,
+            unsettled,
+            work,
+            placeholders,
+            ..
+        } = self;
+        Self {
+            world: engine_copy(world),
+            materials: materials.clone(),
+            objects: objects.clone(),
+            robots_of_engine: *robots_of_engine,
+            is_changed: *is_changed,
+            landing: landing.clone(),
+            rooms: Vec::new(),
+            unsettled: *unsettled,
+            work: *work,
+            placeholders: placeholders.clone(),
+        }
+    }
+}
+
+/// Copies the engine's state. Its pipelines are scratch buffers, which its own snapshots leave out, too.
+fn engine_copy(world: &PhysicsWorld) -> PhysicsWorld {
+    PhysicsWorld {
+        gravity: world.gravity,
+        integration_parameters: world.integration_parameters,
+        physics_pipeline: PhysicsPipeline::new(),
+        collision_pipeline: CollisionPipeline::new(),
+        islands: world.islands.clone(),
+        broad_phase: world.broad_phase.clone(),
+        narrow_phase: world.narrow_phase.clone(),
+        bodies: world.bodies.clone(),
+        colliders: world.colliders.clone(),
+        impulse_joints: world.impulse_joints.clone(),
+        multibody_joints: world.multibody_joints.clone(),
+        soft_bodies: world.soft_bodies.clone(),
+        ccd_solver: world.ccd_solver.clone(),
+    }
+}
+
 impl Physics {
-    /// What is on a map, and no robot yet.
+    /// Builds the bodies of a map, without robots.
     pub(crate) fn new(map: &CompiledMap, materials: Arc<Materials>, time_step: f64) -> Self {
         let mut world = PhysicsWorld::new();
         world.narrow_phase.set_query_dispatcher(contact::RollerDispatcher);
@@ -70,7 +121,7 @@ impl Physics {
         for (index, object) in (0..).zip(&map.objects) {
             objects.push(MapObject::spawn(&mut world, object, index));
         }
-        // The colliders enter the query structure with the first step; of nothing, it moves nothing.
+        // The colliders enter the query structure with the first step. It moves nothing, as the engine has no robots yet.
         world.step();
         Self {
             world,
@@ -86,44 +137,64 @@ impl Physics {
         }
     }
 
-    /// Whether the engine has anything to move, or to notice.
+    /// True if the engine has a robot to move or a change to notice.
     pub(crate) fn is_engine_needed(&self) -> bool {
         self.robots_of_engine > 0 || self.is_changed
     }
 
-    /// Advances by one time step what the engine moves.
+    /// Advances the engine's bodies by one time step.
     pub(crate) fn step(&mut self) {
         self.is_changed = false;
         self.landing.set_sweeps(&mut self.world.integration_parameters);
-        // Backwards, so that their places are taken again in the order in which they would have been.
+        // Backwards, so that the slots are reused in the order they would have had without placeholders.
         for placeholder in self.placeholders.drain(..).rev() {
             self.world.remove_collider(placeholder);
         }
         self.world.step();
     }
 
-    /// How many systems of robots were solved in which not every contact came to do what it should.
+    /// Returns the states of the map's objects, in its order.
+    pub(crate) fn save_objects(&self) -> Vec<SavedObject> {
+        self.objects.iter().map(MapObject::save).collect()
+    }
+
+    /// Takes saved states of the map's objects, and the number of unsettled systems. Returns the number of the first object that the state
+    /// of another was saved for; the objects before it have theirs.
+    ///
+    /// # Errors
+    /// If an object or a state has no counterpart.
+    pub(crate) fn load_objects(&mut self, saved: &[SavedObject], unsettled: u64) -> Result<(), usize> {
+        self.unsettled = unsettled;
+        let mut pairs = self.objects.iter_mut().zip(saved).enumerate();
+        match pairs.find_map(|(number, (object, saved))| (!object.load(saved)).then_some(number)) {
+            Some(number) => Err(number),
+            None if self.objects.len() == saved.len() => Ok(()),
+            None => Err(self.objects.len().min(saved.len())),
+        }
+    }
+
+    /// Returns the number of systems of robots, over all steps, whose solver did not converge.
     pub(crate) fn unsettled_steps(&self) -> u64 {
         self.unsettled
     }
 
-    /// Multiplications that systems of several bodies took in the last step, roughly.
+    /// Returns the multiplications that systems of several bodies took in the last step, roughly.
     pub(crate) fn work(&self) -> u64 {
         self.work
     }
 
-    /// Where the map's objects are, in its order.
+    /// Returns the poses of the map's objects, in its order.
     pub(crate) fn objects(&self) -> impl Iterator<Item = Pose> {
         self.objects.iter().map(MapObject::pose)
     }
 
-    /// Puts every object whose state is a fault back where the map has it, at rest. Returns their numbers with the faults.
+    /// Puts objects whose state is a fault back to their poses in the map, at rest. Returns their numbers and faults.
     pub(crate) fn restore_objects(&mut self) -> Vec<(usize, Fault)> {
         let faulty = self.objects.iter_mut().enumerate();
         faulty.filter_map(|(number, object)| Some((number, object.restore()?))).collect()
     }
 
-    /// Mixes the state of every body into a digest, in the order that they were made.
+    /// Mixes the state of every body into a digest, in order of creation.
     pub(crate) fn digest(&self, mut mix: impl FnMut(f64)) {
         let numbers = self.world.bodies.iter().filter(|(_, body)| !body.is_kinematic()).flat_map(|(_, body)| {
             let (position, velocity) = (body.position(), body.vels());

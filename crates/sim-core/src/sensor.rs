@@ -1,6 +1,6 @@
-//! Sensors: one file each, with its measurement and its CONF. Their numbers are in the crate `scene`.
+//! Sensors, one file each, with measurement and CONF. Their parameters are in the crate `scene`.
 //!
-//! To add one: write its numbers there and its file here, then add its line to [`mount`].
+//! To add one, write its parameters there and its file here, then add its lines to `kinds` and [`mount`].
 
 mod battery;
 mod camera;
@@ -19,20 +19,21 @@ use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use scene::sensor::Config;
 use scene::{Pose, RobotDef, SensorDef};
+use serde::{Deserialize, Serialize};
 
 use crate::RobotId;
 use crate::physics::{Physics, RobotBodies, Sight};
 use crate::{BodyState, WheelState};
 
-/// What a sensor may see. It cannot change the world.
+/// The data that a sensor may read. A sensor cannot change the world.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     /// Simulated time, s.
     pub(crate) time: f64,
     /// The robot's body.
     pub(crate) body: BodyState,
-    /// The robot frame as it moves with the link that carries the sensor, when every joint was at 0: a pose that stands there stands
-    /// in the world by this. Of the body it is [`View::body`].
+    /// The frame that moves with the link that carries the sensor and is the robot frame when every joint is at 0. It maps poses in the
+    /// robot frame, such as the sensor's, into the world. For a sensor on the body it is [`View::body`].
     pub(crate) carrier: BodyState,
     /// The driven wheels, in order.
     pub(crate) wheels: &'a [WheelState],
@@ -41,23 +42,23 @@ pub(crate) struct View<'a> {
     /// One wheel-speed unit of the wire, rad/s.
     pub(crate) speed_unit: f64,
     pub(crate) physics: &'a Physics,
-    /// The robot itself, which no ray meets.
+    /// The robot's number. Rays do not hit this robot.
     pub(crate) id: RobotId,
 }
 
 impl View<'_> {
-    /// What a sensor on a link sees, by the link's number.
+    /// Returns the view of a sensor on a link, by the link's number.
     pub(crate) fn on_link(self, bodies: &RobotBodies, link: usize) -> Self {
         Self { carrier: self.physics.carrier(bodies, link).unwrap_or(self.body), ..self }
     }
 
-    /// What rays from a place in world coordinates can meet.
+    /// Prepares a query for rays from a point in world coordinates.
     pub(crate) fn sight(&self, origin: &Point3<f64>, max_distance: f64) -> Sight<'_> {
         self.physics.sight(origin, max_distance, self.id)
     }
 }
 
-/// What every sensor is given when it is mounted.
+/// The data that a sensor gets when it is mounted.
 pub(crate) struct Mount<'a> {
     /// Name on the wire.
     pub(crate) name: &'a str,
@@ -65,56 +66,144 @@ pub(crate) struct Mount<'a> {
     pub(crate) pose: Pose,
     /// Seconds between two readings.
     pub(crate) scan_interval: f64,
-    /// Randomness of this sensor alone: a stream named after seed, robot and sensor.
+    /// Random stream of this sensor alone, named after seed, robot and sensor.
     pub(crate) rng: ChaCha8Rng,
-    /// The world at that moment.
+    /// The world at the time of mounting.
     pub(crate) view: &'a View<'a>,
 }
 
-/// What a `SET` does beside changing the sensor.
+/// Side effect of a `SET`, beside changing the sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Effect {
-    /// Nothing more.
+    /// No side effect.
     None,
     /// One reading goes out at once.
     Scan,
 }
 
-/// A mounted sensor.
-pub(crate) trait Sensor: Send {
-    /// The word in `{Type ..}`.
+/// The part of a sensor that changes, to be saved or loaded.
+#[derive(Default)]
+pub(crate) struct State<'a> {
+    numbers: Vec<&'a mut f64>,
+    flags: Vec<&'a mut bool>,
+    random: Option<&'a mut ChaCha8Rng>,
+}
+
+/// A sensor's state as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SavedSensor {
+    numbers: Vec<f64>,
+    flags: Vec<bool>,
+    random: Option<ChaCha8Rng>,
+}
+
+impl Mounted {
+    /// Returns the sensor's state.
+    pub(crate) fn save(&self) -> SavedSensor {
+        let mut copy = self.clone();
+        let State { numbers, flags, random } = copy.get_mut().state();
+        SavedSensor {
+            numbers: numbers.into_iter().map(|number| *number).collect(),
+            flags: flags.into_iter().map(|flag| *flag).collect(),
+            random: random.cloned(),
+        }
+    }
+
+    /// Takes a saved state. Returns false, and changes nothing, if the state is another sensor's.
+    pub(crate) fn load(&mut self, saved: &SavedSensor) -> bool {
+        let State { numbers, flags, random } = self.get_mut().state();
+        let fits = numbers.len() == saved.numbers.len()
+            && saved.numbers.iter().all(|number| number.is_finite())
+            && flags.len() == saved.flags.len()
+            && random.is_some() == saved.random.is_some();
+        if fits {
+            numbers.into_iter().zip(&saved.numbers).for_each(|(own, saved)| *own = *saved);
+            flags.into_iter().zip(&saved.flags).for_each(|(own, saved)| *own = *saved);
+            random.into_iter().zip(&saved.random).for_each(|(own, saved)| *own = saved.clone());
+        }
+        fits
+    }
+}
+
+/// Verbs of a mounted sensor.
+pub(crate) trait Sensor {
+    /// Returns the word in `{Type ..}`.
     fn type_name(&self) -> &'static str;
-    /// One measurement; `None` for what sends nothing.
+    /// Takes one measurement. `None` if the sensor sends nothing.
     fn sense(&mut self, view: &View) -> Option<Reading>;
-    /// Takes an opcode, upper case; unknown ones are ignored, as in USARSim.
+    /// Executes an opcode, given in upper case. Unknown ones are ignored, as in USARSim.
     fn set(&mut self, _opcode: &str, _set: &Set, _view: &View) -> Effect {
         Effect::None
     }
-    /// Its configuration.
+    /// Returns the part of the sensor that changes; nothing by default.
+    fn state(&mut self) -> State<'_> {
+        State::default()
+    }
+    /// Returns its configuration.
     fn conf(&self) -> ItemConf;
 }
 
+/// Defines the enum of mounted sensors. An enum can be cloned, unlike boxed traits, so a world can be copied.
+macro_rules! kinds {
+    ($($kind:ident($file:ident)),* $(,)?) => {
+        /// A mounted sensor of any kind.
+        #[derive(Clone)]
+        pub(crate) enum Mounted {
+            $($kind($file::Mounted)),*
+        }
+
+        impl Mounted {
+            /// Returns the sensor for reading.
+            pub(crate) fn get(&self) -> &dyn Sensor {
+                match self {
+                    $(Self::$kind(sensor) => sensor),*
+                }
+            }
+
+            /// Returns the sensor for measuring or setting.
+            pub(crate) fn get_mut(&mut self) -> &mut dyn Sensor {
+                match self {
+                    $(Self::$kind(sensor) => sensor),*
+                }
+            }
+        }
+    };
+}
+
+kinds! {
+    Battery(battery),
+    Camera(camera),
+    Encoder(encoder),
+    GroundTruth(ground_truth),
+    Imu(imu),
+    Ins(ins),
+    Odometry(odometry),
+    RangeScanner(range_scanner),
+    Sonar(sonar),
+    Tachometer(tachometer),
+}
+
 /// Mounts a sensor on a robot.
-pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Box<dyn Sensor> {
+pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Mounted {
     let pose = scene::pose(def.position, def.direction);
     let mount = Mount { name: &def.name, pose, scan_interval: def.scan_interval, rng, view };
     match &def.config {
-        Config::GroundTruth(config) => Box::new(ground_truth::build(config, mount)),
-        Config::Ins(config) => Box::new(ins::build(config, mount)),
-        Config::Imu(_) => Box::new(imu::build(mount)),
-        Config::Odometry(config) => Box::new(odometry::build(config, mount)),
-        Config::Encoder(config) => Box::new(encoder::build(config, mount)),
-        Config::Tachometer(_) => Box::new(tachometer::build(mount)),
+        Config::GroundTruth(config) => Mounted::GroundTruth(ground_truth::build(config, mount)),
+        Config::Ins(config) => Mounted::Ins(ins::build(config, mount)),
+        Config::Imu(_) => Mounted::Imu(imu::build(mount)),
+        Config::Odometry(config) => Mounted::Odometry(odometry::build(config, mount)),
+        Config::Encoder(config) => Mounted::Encoder(encoder::build(config, mount)),
+        Config::Tachometer(_) => Mounted::Tachometer(tachometer::build(mount)),
         Config::RangeScanner(config) | Config::Sick(config) | Config::HokuyoUrg04Lx(config) => {
-            Box::new(range_scanner::build(config, mount))
+            Mounted::RangeScanner(range_scanner::build(config, mount))
         }
-        Config::Sonar(config) => Box::new(sonar::build(config, mount)),
-        Config::Camera(config) => Box::new(camera::build(config, mount)),
-        Config::Battery(_) => Box::new(battery::build(mount)),
+        Config::Sonar(config) => Mounted::Sonar(sonar::build(config, mount)),
+        Config::Camera(config) => Mounted::Camera(camera::build(config, mount)),
+        Config::Battery(_) => Mounted::Battery(battery::build(mount)),
     }
 }
 
-/// A vector for a message.
+/// Converts a vector for a message.
 pub(crate) fn floats(vector: [f64; 3]) -> [f32; 3] {
     vector.map(|component| component as f32)
 }

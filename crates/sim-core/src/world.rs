@@ -3,6 +3,7 @@
 mod actuator;
 mod answer;
 mod robot;
+mod saved;
 mod seed;
 
 use std::collections::BTreeMap;
@@ -17,47 +18,50 @@ use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
 use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
 use robot::Robot;
+pub use saved::{LoadError, SaveError, SavedWorld};
 use scene::{
     BodyState, NamedPose, Options, Pose, RobotDef, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef, check,
 };
 
-/// Most characters of a robot's name that are kept.
+/// Maximum length of a robot's name, characters. Longer names are truncated.
 const MAX_NAME_CHARS: usize = 256;
 
-/// Most robots in one world; further ones are refused.
+/// Maximum number of robots in a world. Further ones are refused.
 const MAX_ROBOTS: usize = 256;
 
-/// A deterministic function of (definition, options, commands by step).
+/// A simulated world: a deterministic function of definition, options and commands by step. A copy is independent and continues as the
+/// original would.
+#[derive(Clone)]
 pub struct World {
     scene: CompiledScene,
     options: Options,
     physics: Physics,
-    /// Whether the engine took part in the last step.
+    /// True if the engine took part in the last step.
     is_engine_running: bool,
     steps: u64,
     robots: BTreeMap<RobotId, Robot>,
     next_id: u64,
     lost: Vec<LostRobot>,
-    /// Objects that were put back.
+    /// Names and faults of restored objects, until [`World::take_restored`].
     restored: Vec<(String, Fault)>,
     threads: Arc<dyn Threads>,
 }
 
-/// What came of a command.
+/// The result of a command.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Executed {
-    /// What goes back to the client, in order.
+    /// Messages to the client, in order.
     pub answers: Vec<Message>,
-    /// Whether the robot has what a SET, GETCONF or GETGEO names.
+    /// True if the robot has the item that a SET, GETCONF or GETGEO names.
     pub found: bool,
-    /// The robot that came into being: from now on the commands of the client go to it (BotConnection.uc:37-47).
+    /// The spawned robot. From now on the client's commands go to it (BotConnection.uc:37-47).
     pub spawned: Option<RobotId>,
 }
 
-/// A place for a robot.
+/// A free place for a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Room {
-    /// Pose of its frame.
+    /// Pose of the robot frame.
     pub pose: Pose,
     /// The obstacle at the wanted place, in words, if the robot is put beside it.
     pub beside: Option<String>,
@@ -77,7 +81,7 @@ pub struct LostRobot {
 }
 
 impl World {
-    /// A world without robots at time zero.
+    /// Returns a world at time zero without robots.
     pub fn new(scene: impl Into<CompiledScene>, options: Options) -> Self {
         let scene = scene.into();
         let physics = Physics::new(scene.map(), scene.materials(), options.time_step);
@@ -95,64 +99,64 @@ impl World {
         }
     }
 
-    /// The same on so many threads as these are.
+    /// Runs the steps on these threads.
     #[must_use]
     pub fn on_threads(self, threads: Arc<dyn Threads>) -> Self {
         Self { threads, ..self }
     }
 
-    /// A world without robots at time zero that runs as this one does.
+    /// Returns a world at time zero without robots, with the same scene, options and threads.
     #[must_use]
     pub fn anew(&self) -> Self {
         Self::new(self.scene.clone(), self.options).on_threads(self.threads.clone())
     }
 
-    /// The same of another definition.
+    /// Returns a world of another definition at time zero without robots, with the same options and threads.
     #[must_use]
     pub fn anew_with(&self, world: WorldDef) -> Self {
         Self::new(world, self.options).on_threads(self.threads.clone())
     }
 
-    /// Simulated time, s.
+    /// Returns the simulated time, s.
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.options.time_step
     }
 
-    /// Whether nothing has happened in it yet: no time has passed and no robot has come.
+    /// True if no step was taken and no robot was ever spawned.
     pub fn is_untouched(&self) -> bool {
         self.steps == 0 && self.next_id == 0
     }
 
-    /// Length of a step, s.
+    /// Returns the length of a step, s.
     pub fn time_step(&self) -> f64 {
         self.options.time_step
     }
 
-    /// How it runs.
+    /// Returns the options that it runs with.
     pub fn options(&self) -> Options {
         self.options
     }
 
-    /// What the world is made of.
+    /// Returns the definition of the world.
     pub fn def(&self) -> &WorldDef {
         self.scene.def()
     }
 
-    /// The same for another world.
+    /// Returns the compiled scene, which other worlds can share.
     pub fn scene(&self) -> &CompiledScene {
         &self.scene
     }
 
-    /// The greeting of a connection.
+    /// Returns the greeting of a new connection.
     pub fn greeting(&self) -> Message {
         let map = &self.def().map;
         Message::Nfo(Nfo::Greeting(Greeting { level: map.name.clone(), time_limit: map.time_limit }))
     }
 
-    /// Puts a robot into the world. `None`, with the reason in `problems`, for an unknown class, and where there is no room.
+    /// Spawns a robot. `None`, with the reason in `problems`, if the class is unknown, the world is full or there is no free place.
     ///
-    /// A pose inside or below the ground is lifted onto it; one above it falls. Where something else stands, the robot is put
-    /// beside it, which `problems` says. An unknown start is the origin, as in USARSim (BotConnection.uc:452-473).
+    /// A pose inside or below the ground is lifted onto it; a robot above the ground falls. If the place is occupied, the robot is put beside
+    /// the obstacle, and `problems` reports it. An unknown start means the origin, as in USARSim (BotConnection.uc:452-473).
     pub fn init(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<RobotId> {
         let class = self.class(init, problems)?;
         if self.robots.len() >= MAX_ROBOTS {
@@ -187,20 +191,20 @@ impl World {
         Some(id)
     }
 
-    /// Finds where a robot of a class would be put; `location` and `rotation` are those of INIT. `None` for an unknown class.
+    /// Finds the place that a robot of a class would get. `location` and `rotation` are those of INIT. `None` if the class is unknown.
     ///
     /// # Errors
-    /// If there is no room, with the reason in words.
+    /// If there is no free place, with the reason in words.
     pub fn fit(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Result<Room, String>> {
         let class = self.scene.robots().get(class)?.clone();
-        // The engine keeps its shapes in place while it runs, and a question must not change what it does next.
+        // A running engine keeps its shapes in place, and a query must not change its next step.
         if !self.is_engine_running {
             self.enter_shapes();
         }
         Some(self.find_room(&class, &scene::pose(location, rotation)))
     }
 
-    /// Finds where a robot wanted at a pose is put. Fails with the reason in words.
+    /// Finds the place for a robot that is wanted at a pose. Fails with the reason in words.
     fn find_room(&self, class: &CompiledRobot, wanted: &Pose) -> Result<Room, String> {
         if let Some(number) = wanted.translation.vector.iter().find(|&&number| !check::MAP_REACH.holds(number)) {
             return Err(format!("it is outside the map: got {number}, expected {}", check::MAP_REACH));
@@ -210,7 +214,7 @@ impl World {
         Ok(Room { pose, beside: obstacle.map(takes_it) })
     }
 
-    /// Names something for people.
+    /// Describes a body in words, for an error message.
     fn describe(&self, identity: Identity) -> String {
         let map = &self.def().map;
         match identity {
@@ -229,15 +233,15 @@ impl World {
         }
     }
 
-    /// Takes a robot out of the world.
+    /// Removes a robot from the world.
     pub fn remove(&mut self, id: RobotId) {
         if let Some(robot) = self.robots.remove(&id) {
             self.physics.remove(robot.bodies());
         }
     }
 
-    /// Does what a command says; one for a robot goes to the pawn, which is the newest robot of the client that sent it. What is
-    /// wrong with it is noted in `problems`. With a flat battery a robot ignores everything.
+    /// Executes a command and adds its errors to `problems`. A command for a robot goes to `pawn`, the newest robot of the client that sent
+    /// it. A robot with a flat battery ignores everything.
     pub fn execute(&mut self, pawn: Option<RobotId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
         if let Command::Set(_) = command {
             self.enter_shapes();
@@ -261,7 +265,7 @@ impl World {
                 let nodes = &self.def().map.path_nodes;
                 ask.location.map(|position| Message::Nfo(closest(nodes, position))).into_iter().collect()
             }
-            // It is about the connection.
+            // The server executes it, as it concerns the connection.
             (Command::Report(_), _) => Vec::new(),
             (_, None) => {
                 problems.push(Problem::NoRobot { verb: command.verb() });
@@ -306,16 +310,16 @@ impl World {
         Executed { answers, found, spawned: None }
     }
 
-    /// One time step: physics first, then the wheels are read, then whatever is due reports, robot by robot.
+    /// Advances the world by one time step. Returns the messages that are due after it, robot by robot.
     ///
     /// # Panics
-    /// After the steps of [`Options::panic_at`].
+    /// If the number of steps taken is [`Options::panic_at`].
     pub fn step(&mut self) -> Vec<(RobotId, Message)> {
         assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
         let is_engine_needed = self.physics.is_engine_needed();
         if is_engine_needed && !self.is_engine_running {
-            // The engine has them where they were when it was needed last.
+            // The engine's shapes are still where they were in its last step.
             self.enter_shapes();
         }
         self.physics.solve_articulated(self.robots.values_mut().map(Robot::bodies_mut), &*self.threads);
@@ -330,7 +334,7 @@ impl World {
         if !self.robots.values().any(|robot| robot.is_about_to_report(steps)) {
             return Vec::new();
         }
-        // Rays are the only ones that ask the engine where such robots are.
+        // In reports, only rays query the engine's shapes of robots in reduced coordinates.
         if !is_engine_needed && self.robots.values().any(|robot| robot.is_about_to_look(steps)) {
             self.enter_shapes();
         }
@@ -352,8 +356,7 @@ impl World {
         self.physics.enter_shapes(self.robots.values().map(Robot::bodies));
     }
 
-    /// Removes robots and restores objects whose state is a fault, before anything of it is sent. One broken robot does not break
-    /// the others.
+    /// Removes robots and restores objects whose state is a fault, before any of it is sent. So one broken robot does not break the others.
     fn remove_faulty(&mut self) {
         let faulty = self.robots.iter().filter_map(|(&id, robot)| Some((id, self.physics.fault(robot.bodies())?)));
         for (id, fault) in faulty.collect::<Vec<_>>() {
@@ -369,39 +372,40 @@ impl World {
         self.restored.extend(restored.map(|(number, fault)| (name(number), fault)));
     }
 
-    /// Takes the robots that were removed because of their state since the last call.
+    /// Takes the robots that were removed because of a fault since the last call.
     pub fn take_lost(&mut self) -> Vec<LostRobot> {
         std::mem::take(&mut self.lost)
     }
 
-    /// Takes the names of the objects that were put back because of their state since the last call.
+    /// Takes the names and faults of the objects that were restored since the last call.
     pub fn take_restored(&mut self) -> Vec<(String, Fault)> {
         std::mem::take(&mut self.restored)
     }
 
-    /// The robots with their class and their name, in the order that they came.
+    /// Returns the robots with class and name, in the order of their arrival.
     pub fn robots(&self) -> impl Iterator<Item = (RobotId, &str, &str)> {
         self.robots.iter().map(|(&id, robot)| (id, robot.def().class.as_str(), robot.name()))
     }
 
-    /// Pose and velocity of a robot, and its wheels.
+    /// Returns the state of a robot's body and of its driven wheels.
     pub fn state(&self, id: RobotId) -> Option<(BodyState, Vec<WheelState>)> {
         let robot = self.robots.get(&id)?;
         Some((self.physics.body(robot.bodies()), self.physics.wheels(robot.bodies())))
     }
 
-    /// How many steps of a robot, or of robots that touch each other, ended before every contact did what it should: what there was was
-    /// taken. See [`friction::Outcome::is_settled`].
+    /// Returns the number of systems, over all steps, whose contact solver did not converge. A system is a robot, or several that touch each
+    /// other. Its step uses the solver's answer anyway. See [`friction::Outcome::is_settled`].
     pub fn unsettled_steps(&self) -> u64 {
         self.physics.unsettled_steps()
     }
 
-    /// Multiplications that bodies which touch each other took in the last step, roughly: at most a constant and a share for each body.
+    /// Returns the approximate number of multiplications for touching bodies in the last step. Its limit is a constant plus a share for each
+    /// body.
     pub fn work(&self) -> u64 {
         self.physics.work()
     }
 
-    /// Where everything is now.
+    /// Returns a snapshot of all robots and objects.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {
             time: self.time(),
@@ -410,28 +414,28 @@ impl World {
         }
     }
 
-    /// The same of one robot.
+    /// Returns a snapshot of one robot.
     pub fn observe(&self, id: RobotId) -> Option<RobotSnapshot> {
         self.robots.get(&id).map(|robot| robot.snapshot(&self.physics))
     }
 
-    /// What a robot is made of.
+    /// Returns the definition of a robot.
     pub fn robot(&self, id: RobotId) -> Option<&RobotDef> {
         self.robots.get(&id).map(Robot::def)
     }
 
-    /// Whole seconds that a robot's battery lasts; `None` without one.
+    /// Returns the whole seconds that a robot's battery still lasts. `None` without a battery.
     pub fn battery(&self, id: RobotId) -> Option<i32> {
         let robot = self.robots.get(&id).filter(|robot| robot.def().battery.is_some())?;
         Some(robot.battery_left(self.time()))
     }
 
-    /// Where the map's objects are, in its order.
+    /// Returns the poses of the map's objects, in the order of the map.
     pub fn objects(&self) -> impl Iterator<Item = scene::Pose> {
         self.physics.objects()
     }
 
-    /// A number that two worlds share only if every body has the same bits in the same step.
+    /// Returns a hash of the number of steps and of the bits of every body. Worlds with different digests differ.
     pub fn digest(&self) -> u64 {
         let mut hash = seed::Fnv::default();
         hash.mix(&self.steps.to_le_bytes());
@@ -445,7 +449,7 @@ impl World {
         hash.value()
     }
 
-    /// The class asked for: of the package USARBot, which may be left out; any case.
+    /// Finds the class that INIT names, in any case. Its package is USARBot and may be left out.
     fn class(&self, init: &Init, problems: &mut Vec<Problem>) -> Option<Arc<CompiledRobot>> {
         if init.class_name.is_empty() {
             problems.push(Problem::MissingKey { verb: "INIT", key: "ClassName" });
@@ -457,7 +461,7 @@ impl World {
             return Some(robot.clone());
         }
         let classes: Vec<String> = self.scene.robots().keys().map(|class| format!("USARBot.{class}")).collect();
-        // The package is the same in all names, and would make any two of them alike.
+        // Compared without the package, which is the same in all names and would make any two of them similar.
         let meant = names::nearest(init.class(), self.scene.robots().keys().map(String::as_str));
         problems.push(Problem::UnknownName {
             key: "ClassName",
@@ -483,7 +487,7 @@ impl World {
     }
 }
 
-/// The place that an INIT asks for, as the line has it.
+/// Returns the place that an INIT asks for, as written in its line.
 fn wire_place(init: &Init) -> String {
     if !init.start.is_empty() {
         return format!("{{Start {}}}", shown(&init.start));
@@ -492,7 +496,7 @@ fn wire_place(init: &Init) -> String {
     format!("{{Location {x},{y},{z}}}")
 }
 
-/// A position with the digits that people read.
+/// Formats a position with two decimals, for people.
 fn numbers(pose: &Pose) -> String {
     let [x, y, z] = pose.translation.vector.into();
     format!("{x:.2},{y:.2},{z:.2}")
@@ -502,7 +506,7 @@ fn wire_pose(pose: &NamedPose) -> WirePose {
     WirePose { name: pose.name.clone(), location: floats(pose.position), rotation: floats(pose.rotation) }
 }
 
-/// The node nearest in the plane (BotConnection.uc:394-432).
+/// Finds the path node that is nearest in the horizontal plane (BotConnection.uc:394-432).
 fn closest(nodes: &[NamedPose], position: [f64; 3]) -> Nfo {
     let distance = |node: &NamedPose| (node.position[0] - position[0]).hypot(node.position[1] - position[1]);
     let nearest = nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));

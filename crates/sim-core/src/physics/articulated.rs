@@ -1,6 +1,6 @@
-//! Robots as trees in reduced coordinates (the crate `articulated`): how they are made, driven and read.
+//! Robots as trees in reduced coordinates (the crate `articulated`): spawning, driving and reading them.
 //!
-//! The engine has their shapes, on bodies that it does not move, so that rays and its own bodies meet them.
+//! The engine holds their shapes on kinematic bodies, so rays and the engine's own bodies meet them.
 
 mod compile;
 mod contact;
@@ -8,6 +8,7 @@ mod finding;
 mod following;
 mod object;
 mod ring;
+mod saved;
 mod shape_contact;
 mod together;
 mod wheel;
@@ -19,12 +20,13 @@ use friction::Constraint;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
-use scene::{BodyState, Contact, JointState, Pose};
+use scene::{BodyState, Contact, JointState, Motor, Pose};
 
 use super::convert;
 use super::fault::Fault;
 use super::identity::Identity;
-use super::motor::{Servo, Torque, follow_targets};
+use super::motor::{self, Servo, Torque};
+use super::query::set_box;
 use super::rolling::Load;
 use crate::RobotId;
 use crate::flight::Flight;
@@ -33,66 +35,70 @@ pub(super) use compile::{Articulated, CompiledObject};
 use compile::{JointValue, Ring};
 use finding::{Found, Key, Placed};
 pub(super) use object::MapObject;
+pub(crate) use saved::{SavedObject, SavedTree};
 pub(super) use together::{Room, Surroundings, solve};
 
-/// The end of a joint gives way over this time, s: what is beyond it comes back in it.
+/// Time over which the end of a joint gives way, s. A joint beyond its end returns within it.
 const END_TIME: f64 = 0.02;
 
-/// Gain of what does what it is asked for, whatever it takes: the wheels of a base that follows its commands, the attitude of one that
-/// flies, N m s/rad.
+/// Gain of a drive that reaches its target against any load, N m s/rad: wheels of a base that follows its commands, and the attitude of a
+/// flying robot.
 const STIFF: f64 = 1e6;
 
-/// Angle that a body may turn by in a step before its energy is watched, rad.
+/// Turn of a body in one step above which the energy of its group is limited, rad.
 const MAX_TURN: f64 = 0.1;
 
-/// Largest acceleration of a flying robot that touches something, m/s²: a quadrotor's rotors lift three times its weight at most.
+/// Largest acceleration of a flying robot that touches something, m/s². A quadrotor's rotors lift three times its weight at most.
 const MAX_FLIGHT_ACCELERATION: f64 = 30.0;
 
-/// A robot and its state; or an object, which has no joints.
+/// A tree in motion: a robot, or an object without joints.
+#[derive(Clone)]
 pub(crate) struct ArticulatedRobot {
     id: RobotId,
     made_of: Arc<Articulated>,
     body: Body,
     servos: Vec<Servo>,
-    /// Targets of the joints with a value as they were set, before couplings.
+    /// Targets of the joints that have a value, as they were set, before couplings.
     targets: Vec<f64>,
-    /// Angles of rollers that are no links, ring by ring, rad: to be looked at.
+    /// Angles of rollers that are not links, ring by ring, rad. Only viewers use them.
     roller_angles: Vec<Vec<f64>>,
-    /// Impulses of the rows of its joints in the last step.
+    /// Impulses of the joints' rows in the last step.
     joint_impulses: Vec<f64>,
-    /// What each wheel stood on in the last step.
+    /// Loads of the wheels in the last step.
     loads: Vec<Load>,
-    /// Forces of the ground on each wheel in the last step that no contact has, N: rolling resistance, and what makes it follow.
+    /// Ground forces on each wheel in the last step that are not in a contact, N: rolling resistance, and the forces that make a base
+    /// follow its commands.
     resistances: Vec<Vector3<f64>>,
-    /// What pushed it in the last step, with the wheel that it pushed.
+    /// Contacts of the last step, each with the wheel that it pushed.
     contacts: Vec<(Option<usize>, Contact)>,
-    /// Where its surfaces are, in the step that is made.
+    /// Poses and bounds of the surfaces in the current step.
     placed: Vec<Placed>,
     standing: Standing,
-    /// Whether it flies.
+    /// True if the robot flies.
     flies: bool,
-    /// What they touch in the step that is made, but for what notes it itself, and the impulses of the last.
+    /// Contacts of the current step that this robot holds, and impulses of those of the last step.
     found: Vec<Found>,
     known: Vec<(Key, Vector3<f64>)>,
-    /// The engine's bodies of its links, and their colliders.
+    /// The engine's bodies of the links, with their colliders.
     in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
-    /// Fixed colliders that it may touch until it leaves a box.
+    /// A box, and the fixed colliders near it. They are valid until the robot leaves the box.
     near: Option<(Aabb, Vec<ColliderHandle>)>,
 }
 
-/// What whoever has others to look at needs to know of a robot after a step: one line of a cache, as another core made it.
+/// The state that a search over all robots needs. It fills one cache line, as other cores write it.
+#[derive(Clone)]
 #[repr(align(64))]
 struct Standing {
-    /// A box around all of its surfaces.
+    /// A box around all surfaces.
     around: Option<Aabb>,
-    /// Whether that is where they are now, and what they touch that does not move is known.
+    /// True if the box and the contacts with fixed bodies are up to date.
     is_known: bool,
-    /// The fault of its state.
+    /// Fault of the state, if any.
     fault: Option<Fault>,
 }
 
 impl ArticulatedRobot {
-    /// Puts a robot at a pose of its frame, at rest.
+    /// Spawns a robot at a pose of its frame, at rest.
     pub(super) fn spawn(world: &mut PhysicsWorld, made_of: Arc<Articulated>, id: RobotId, pose: &Pose) -> Self {
         let body = Body::new(made_of.tree.clone(), *pose);
         let mut in_engine = Vec::new();
@@ -115,7 +121,7 @@ impl ArticulatedRobot {
         Self::at_rest(made_of, id, pose, in_engine)
     }
 
-    /// One whose shapes the engine has already, by link.
+    /// Creates a robot at rest, with bodies and colliders that the engine already has, by link.
     fn at_rest(
         made_of: Arc<Articulated>,
         id: RobotId,
@@ -144,33 +150,30 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Puts it at a pose of its frame, at rest, as if it had just been spawned.
+    /// Returns the robot to a pose of its frame, at rest, as if just spawned.
     fn return_to(&mut self, pose: &Pose) {
         let in_engine = std::mem::take(&mut self.in_engine);
         *self = Self::at_rest(self.made_of.clone(), self.id, pose, in_engine);
     }
 
-    /// The engine's bodies.
+    /// Returns the engine's bodies.
     pub(super) fn bodies(&self) -> impl Iterator<Item = RigidBodyHandle> {
         self.in_engine.iter().map(|(body, _)| *body)
     }
 
     /// Sets the targets of the wheels' servos, rad/s.
     pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
-        let wheels = self.made_of.joints.iter().zip(&mut self.servos).filter(|(joint, _)| joint.value.is_wheel);
-        wheels.zip(speeds).for_each(|((_, servo), &speed)| servo.set_target(speed));
+        motor::set_wheel_speeds(self.made_of.joints.iter().map(|joint| &joint.value), &mut self.servos, speeds);
     }
 
-    /// Sets the target of a joint by its number among those with a value.
+    /// Sets the target of a joint, by its number among the joints that have a value.
     pub(super) fn set_joint_target(&mut self, joint: usize, target: f64) {
-        if let Some(made_of) = self.made_of.joints.get(joint) {
-            self.targets[joint] = made_of.value.within_limits(target);
-            self.servos[joint].set_target(self.targets[joint]);
-        }
+        let value = self.made_of.joints.get(joint).map(|joint| &joint.value);
+        motor::set_target(value, joint, target, &mut self.targets, &mut self.servos);
     }
 
-    /// Gives a flying robot its velocities for the coming step. In free air it simply has them (AerialVehicle.uc:276-288). While it
-    /// touches something it reaches them by a bounded force and torque, so that it pushes no harder than its rotors could.
+    /// Sets the velocity of a flying robot for the coming step. In free air the velocity is set directly (AerialVehicle.uc:276-288). A
+    /// robot in contact reaches it by a bounded force and torque, so it pushes no harder than its rotors could.
     fn fly(&mut self, flight: &Flight, time_step: f64) {
         let (linear, angular) = flight.velocity(self.body.pose(), self.body.tree().links()[0].mass.centre, time_step);
         let is_touching = !self.contacts.is_empty();
@@ -193,11 +196,11 @@ impl ArticulatedRobot {
         self.standing.is_known = false;
     }
 
-    /// Gives servos and rolling resistance their part in the coming step.
+    /// Applies servos, gravity and rolling resistance for the coming step.
     fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64) {
         let Self { made_of, body, servos, targets, loads, resistances, .. } = self;
         body.set_gravity(if self.flies { Vector3::zeros() } else { gravity });
-        follow_targets(made_of.joints.iter().map(|joint| &joint.value), targets, servos);
+        motor::follow_targets(made_of.joints.iter().map(|joint| &joint.value), targets, servos);
         for (number, joint) in made_of.joints.iter().enumerate() {
             let Some(motor) = &joint.value.motor else { continue };
             if made_of.following.is_some() && joint.value.is_wheel {
@@ -223,7 +226,7 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Ends, dry friction and couplings of its joints in the coming step; it is the body of a number.
+    /// Returns the rows of joint ends, dry friction and couplings for the coming step. `number` is the robot's number among the bodies.
     fn joint_rows(&self, number: usize, time_step: f64) -> impl Iterator<Item = JointRow> {
         let row = move |terms, constraint, target| JointRow {
             body: number,
@@ -239,7 +242,7 @@ impl ArticulatedRobot {
         let of_joints = self.made_of.joints.iter().flat_map(move |joint| {
             let JointState { position, speed } = joint.state(&self.body);
             let [low, high] = joint.value.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-            // Ends that are far away are left out: of what a joint does in a few steps.
+            // Only ends that the joint can reach in a few steps get a row.
             let reach = 0.01 + 4.0 * speed.abs() * time_step;
             let low = (position - low < reach).then(|| row([Some((joint.dof, 1.0)), None], end, back(low - position)));
             let high =
@@ -257,8 +260,8 @@ impl ArticulatedRobot {
         of_joints.chain(of_gears)
     }
 
-    /// Adds the rows of its joints, with the impulses of the last step, and of what makes it follow its commands while it touches
-    /// something. `gravity` is what a kilogram weighs.
+    /// Adds the rows of the joints, warm-started with the last step's impulses. A robot in contact also gets the rows that make it follow
+    /// its commands. `gravity` is the weight of a kilogram, N.
     fn add_joint_rows(&self, number: usize, gravity: f64, time_step: f64, rows: &mut Vec<JointRow>) {
         let before = rows.len();
         rows.extend(self.joint_rows(number, time_step));
@@ -271,7 +274,7 @@ impl ArticulatedRobot {
         }
     }
 
-    /// What makes it follow its commands in the coming step, if it does; it is the body of a number. `gravity` is what a kilogram weighs.
+    /// Returns the rows that make a base follow its commands, if it does. `gravity` is the weight of a kilogram, N.
     fn following_rows(&self, number: usize, gravity: f64, time_step: f64) -> Option<[JointRow; 3]> {
         let following = self.made_of.following.as_ref()?;
         let mut wheels = self.made_of.joints.iter().zip(&self.servos).filter(|(joint, _)| joint.value.is_wheel);
@@ -283,12 +286,12 @@ impl ArticulatedRobot {
         Some(following.rows(number, &self.body, [wheels.map(|it| it.0), wheels.map(|it| it.1)], weight, time_step))
     }
 
-    /// How far a wheel has turned beyond its frame, rad.
+    /// Returns the angle of a wheel beyond the one in its link's frame, rad.
     fn turned(&self, ring: &Ring) -> f64 {
         if ring.first_link.is_some() { 0.0 } else { self.body.position(ring.wheel) }
     }
 
-    /// Angles of its rollers about their own axes, wheel by wheel, rad.
+    /// Returns the angles of the rollers about their own axes, wheel by wheel, rad.
     pub(super) fn roller_angles(&self) -> Vec<f64> {
         let of_ring = |(ring, angles): (&Ring, &Vec<f64>)| -> Vec<f64> {
             ring.first_link.map_or_else(
@@ -299,26 +302,27 @@ impl ArticulatedRobot {
         self.made_of.rings.iter().zip(&self.roller_angles).flat_map(of_ring).collect()
     }
 
-    /// True if it turns or flies so fast that a step of the integrator may gain energy.
+    /// True if the robot turns or moves so fast that a step of the integrator may gain energy.
     fn is_fast(&self, time_step: f64) -> bool {
         let Frame { angular, linear, .. } = &self.body.frames()[0];
         angular.norm() * time_step > MAX_TURN || linear.norm() * time_step > finding::MAX_PREDICTION
     }
 
-    /// Computes the work that its servos can have done in the last step at most, J.
+    /// Computes the most work that the servos can have done in the last step, J. A servo drives no faster than its speed limit; it brakes
+    /// a joint that turns faster.
     fn servo_work(&self, time_step: f64) -> f64 {
         let joints = self.made_of.joints.iter().filter_map(|joint| Some((joint, joint.value.motor.as_ref()?)));
-        let work = joints.map(|(joint, motor)| motor.max_torque * self.body.velocity()[joint.dof].abs() * time_step);
-        work.sum()
+        let driven = |speed: f64, motor: &Motor| speed.abs().min(motor.max_speed);
+        joints.map(|(joint, motor)| motor.max_torque * driven(self.body.velocity()[joint.dof], motor) * time_step).sum()
     }
 
-    /// Scales its velocities.
+    /// Scales the velocities.
     fn slow_down(&mut self, share: f64) {
         self.body.velocity_mut().iter_mut().for_each(|speed| *speed *= share);
         self.body.place();
     }
 
-    /// Tells the engine where its shapes come to be in the coming step of the engine.
+    /// Tells the engine the poses of the shapes at the end of its coming step.
     pub(super) fn lead_engine(&self, world: &mut PhysicsWorld) {
         for (link, (handle, _)) in self.in_engine.iter().enumerate() {
             let place = convert::pose(&link_pose(&self.body, link));
@@ -328,7 +332,7 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Puts its shapes where they are, for rays and for those who look for room.
+    /// Moves the engine's shapes to their current poses, for rays and the search for free places.
     pub(super) fn enter_queries(&self, world: &mut PhysicsWorld) {
         for (link, (handle, colliders)) in self.in_engine.iter().enumerate() {
             let place = convert::pose(&link_pose(&self.body, link));
@@ -339,19 +343,20 @@ impl ArticulatedRobot {
                 let PhysicsWorld { broad_phase, integration_parameters, colliders, .. } = world;
                 if let Some(collider) = colliders.get_mut(handle) {
                     collider.set_position(place * self.made_of.surfaces[number].pose);
-                    broad_phase.set_aabb(integration_parameters, handle, collider.compute_aabb());
+                    set_box(broad_phase, integration_parameters, handle, collider);
                 }
             }
         }
     }
 
-    /// Pose and velocity of the robot frame.
+    /// Returns pose and velocity of the robot frame.
     pub(super) fn state(&self) -> BodyState {
         let frame = &self.body.frames()[0];
         BodyState { pose: *self.body.pose(), linear: frame.linear, angular: frame.angular }
     }
 
-    /// The robot frame as it moves with a link of the definition, whose origin is at `origin` in it when every joint is at 0.
+    /// Returns the robot frame as it moves with a link of the definition. `origin` is the link's origin in the robot frame when every joint
+    /// is at 0.
     pub(super) fn carrier(&self, link: usize, origin: Vector3<f64>) -> Option<BodyState> {
         let &(own, offset) = self.made_of.places.get(link)?;
         let (frame, pose) = (&self.body.frames()[own], link_pose(&self.body, own));
@@ -360,27 +365,27 @@ impl ArticulatedRobot {
         Some(BodyState { pose, linear: frame.linear + frame.angular.cross(&lever), angular: frame.angular })
     }
 
-    /// Every joint with a value, in the order of the links.
+    /// Returns every joint that has a value, in the order of the links. The flag is true for wheels.
     pub(super) fn joints(&self) -> impl Iterator<Item = (bool, JointState)> {
         self.made_of.joints.iter().map(|joint| (joint.value.is_wheel, joint.state(&self.body)))
     }
 
-    /// What pushed it in the last step, with the wheel that it pushed.
+    /// Returns the contacts of the last step, each with the wheel that it pushed.
     pub(super) fn contacts(&self) -> &[(Option<usize>, Contact)] {
         &self.contacts
     }
 
-    /// Rolling resistance of each wheel in the last step, N.
+    /// Returns the ground forces on each wheel in the last step that are not in a contact, N.
     pub(super) fn resistances(&self) -> &[Vector3<f64>] {
         &self.resistances
     }
 
-    /// The fault of its state, if it has one.
+    /// Returns the fault of the state, if it has one.
     pub(super) fn fault(&self) -> Option<Fault> {
         self.standing.fault
     }
 
-    /// Pose and generalised velocity.
+    /// Returns pose and generalised velocity as numbers.
     pub(super) fn numbers(&self) -> Vec<f64> {
         let pose = self.body.pose();
         let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter()).chain(self.body.velocity());
@@ -394,13 +399,13 @@ impl JointValue {
     }
 }
 
-/// Pose of a link in the world.
+/// Computes the pose of a link in the world.
 fn link_pose(body: &Body, link: usize) -> Pose {
     let frame = &body.frames()[link];
     let of = &body.tree().links()[link];
     let rotation = match link {
         0 => body.pose().rotation,
-        // It turns with its parent alone.
+        // A round link's frame turns with its parent alone.
         _ if of.is_round && of.parent == 0 => body.pose().rotation,
         _ => UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(frame.rotation)),
     };

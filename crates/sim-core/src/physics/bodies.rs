@@ -1,7 +1,7 @@
-//! Robots of the drive model `bodies`: one multibody of rapier each, for the chassis, the wheels and their rollers.
+//! Robots of the drive model `bodies`: one multibody of rapier per robot, with its chassis, wheels and rollers.
 //!
-//! This is the thesis's model, and an independent program to compare [`super::articulated`] with. It is frozen: new mechanics are made
-//! for `articulated` alone.
+//! This is the thesis's model, and an independent program to compare [`super::articulated`] with. It is frozen: new mechanics are added to
+//! `articulated` alone.
 
 mod apply;
 mod compile;
@@ -19,30 +19,32 @@ use scene::{BodyState, JointState};
 
 use super::convert;
 use super::fault::Fault;
-use super::motor::{Servo, Value};
+use super::motor::{self, Servo, Value};
 
 pub(super) use compile::Tree;
 pub(super) use solver::{Landing, set_parameters};
 
 /// A robot that the engine moves.
+#[derive(Clone)]
 pub(super) struct MultibodyRobot {
     tree: Arc<Tree>,
-    /// The body of every link, parents before their children.
+    /// Bodies of the links, parents before their children.
     links: Vec<RigidBodyHandle>,
-    /// Every joint that has a value, in the order of the links.
+    /// Joints that have a value, in the order of the links.
     joints: Vec<ValueJoint>,
     servos: Vec<Servo>,
-    /// Targets of the joints as they were set, before couplings.
+    /// Targets of the joints, as they were set, before couplings.
     targets: Vec<f64>,
-    /// The joints of the rollers, wheel by wheel.
+    /// Joints of the rollers, wheel by wheel.
     rollers: Vec<MultibodyJointHandle>,
-    /// The colliders of every wheel that touch the ground; casters are wheels, too.
+    /// Colliders of each wheel that touch the ground. Casters count as wheels.
     treads: Vec<Vec<ColliderHandle>>,
-    /// Rolling resistance of every wheel in the last step, N.
+    /// Rolling resistance of each wheel in the last step, N.
     resistances: Vec<Vector3<f64>>,
 }
 
 /// A joint that has a value.
+#[derive(Clone)]
 struct ValueJoint {
     handle: MultibodyJointHandle,
     axis: JointAxis,
@@ -50,48 +52,47 @@ struct ValueJoint {
 }
 
 impl MultibodyRobot {
-    /// The body of every link, parents before their children.
+    /// Returns the bodies of the links, parents before their children.
     pub(super) fn bodies(&self) -> &[RigidBodyHandle] {
         &self.links
     }
 
     /// Sets the targets of the wheels' servos, rad/s.
     pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
-        let wheels = self.joints.iter().zip(&mut self.servos).filter(|(joint, _)| joint.value.is_wheel);
-        wheels.zip(speeds).for_each(|((_, servo), &speed)| servo.set_target(speed));
+        motor::set_wheel_speeds(self.joints.iter().map(|joint| &joint.value), &mut self.servos, speeds);
     }
 
-    /// Sets the target of a joint by its number among those with a value.
+    /// Sets the target of a joint, by its number among the joints that have a value.
     pub(super) fn set_joint_target(&mut self, joint: usize, target: f64) {
-        if let Some(ValueJoint { value, .. }) = self.joints.get(joint) {
-            self.targets[joint] = value.within_limits(target);
-            self.servos[joint].set_target(self.targets[joint]);
-        }
+        let value = self.joints.get(joint).map(|joint| &joint.value);
+        motor::set_target(value, joint, target, &mut self.targets, &mut self.servos);
     }
 
-    /// Every joint with a value, in the order of the links; true if it is a wheel's.
+    /// Returns every joint that has a value, in the order of the links. The flag is true for wheels.
     pub(super) fn joints(&self, world: &PhysicsWorld) -> impl Iterator<Item = (bool, JointState)> {
         self.joints.iter().map(|joint| (joint.value.is_wheel, joint.state(world)))
     }
 
-    /// Angles of its rollers about their own axes, wheel by wheel, rad.
+    /// Returns the angles of the rollers about their own axes, wheel by wheel, rad.
     pub(super) fn roller_angles(&self, world: &PhysicsWorld) -> Vec<f64> {
         self.rollers.iter().map(|&roller| joint_state(world, roller, JointAxis::AngX).position).collect()
     }
 
-    /// Pose and velocity of the robot frame.
+    /// Returns pose and velocity of the robot frame.
     pub(super) fn state(&self, world: &PhysicsWorld) -> BodyState {
         let body = &world.bodies[self.links[0]];
         frame_at(body, body.linvel(), self.tree.centre)
     }
 
-    /// The robot frame as it moves with a link of the definition, whose origin is at `origin` in it when every joint is at 0.
+    /// Returns the robot frame as it moves with a link of the definition. `origin` is the link's origin in the robot frame when every joint
+    /// is at 0.
     pub(super) fn carrier(&self, world: &PhysicsWorld, link: usize, origin: Vector3<f64>) -> Option<BodyState> {
         let body = world.bodies.get(self.links[*self.tree.numbers.get(link)?])?;
         Some(frame_at(body, body.velocity_at_point(body.translation()), origin))
     }
 
-    /// The fault of its state, if it has one. The engine holds a body whose state is not finite where it was last, which is no better.
+    /// Returns the fault of the state, if it has one. The engine quarantines a body whose state is infinite or NaN at its last pose, which
+    /// counts as a fault, too.
     pub(super) fn fault(&self, world: &PhysicsWorld) -> Option<Fault> {
         let mut joints = self.joints(world).flat_map(|(_, joint)| [joint.position, joint.speed]);
         let held = world.quarantine();
@@ -105,7 +106,7 @@ impl MultibodyRobot {
         if is_finite { Fault::of(&self.state(world)) } else { Some(Fault::NotFinite) }
     }
 
-    /// Rolling resistance of each wheel in the last step, N.
+    /// Returns the rolling resistance of each wheel in the last step, N.
     pub(super) fn resistances(&self) -> &[Vector3<f64>] {
         &self.resistances
     }
@@ -117,7 +118,7 @@ impl ValueJoint {
     }
 }
 
-/// Position and speed of a joint with one value along an axis.
+/// Returns position and speed of a joint with one value along an axis.
 fn joint_state(world: &PhysicsWorld, handle: MultibodyJointHandle, axis: JointAxis) -> JointState {
     let found = world.multibody_joints.get(handle);
     let Some((multibody, Some(link))) = found.map(|(multibody, link)| (multibody, multibody.link(link))) else {
@@ -127,7 +128,7 @@ fn joint_state(world: &PhysicsWorld, handle: MultibodyJointHandle, axis: JointAx
     JointState { position: link.joint.coords()[axis as usize], speed }
 }
 
-/// The frame in which a body has its origin at `origin`, and that moves with it; `linear` is the velocity there.
+/// Returns the frame that moves with a body and has the body's origin at `origin`. `linear` is the velocity of the body's origin.
 fn frame_at(body: &RigidBody, linear: Vector, origin: Vector3<f64>) -> BodyState {
     let pose = convert::from_pose(body.position()) * Translation3::from(-origin);
     let (linear, angular) = (convert::from_vector(linear), convert::from_vector(body.angvel()));

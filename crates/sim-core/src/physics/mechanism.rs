@@ -1,4 +1,4 @@
-//! A robot as its drive model moves it: one verb of either side for each that the world needs.
+//! Robots of either mechanics behind one interface.
 
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
@@ -12,7 +12,8 @@ use super::surface::Materials;
 use crate::RobotId;
 use crate::flight::Flight;
 
-/// A robot of one of the two mechanics.
+/// A robot in one of the two mechanics.
+#[derive(Clone)]
 pub(super) enum Mechanism {
     /// A multibody of the engine.
     Bodies(Box<MultibodyRobot>),
@@ -38,17 +39,17 @@ impl Mechanism {
         matches!(self, Self::Bodies(_))
     }
 
-    /// The robot in reduced coordinates, if it is one.
+    /// Returns the robot in reduced coordinates, if it is one.
     pub(super) fn articulated(&self) -> Option<&ArticulatedRobot> {
         if let Self::Articulated(robot) = self { Some(robot) } else { None }
     }
 
-    /// The robot in reduced coordinates, if it is one.
+    /// Returns the robot in reduced coordinates, if it is one.
     pub(super) fn articulated_mut(&mut self) -> Option<&mut ArticulatedRobot> {
         if let Self::Articulated(robot) = self { Some(robot) } else { None }
     }
 
-    /// The engine's body of every link, parents before their children.
+    /// Returns the engine's body of every link, parents before their children.
     pub(super) fn bodies(&self) -> Vec<RigidBodyHandle> {
         match self {
             Self::Bodies(robot) => robot.bodies().to_vec(),
@@ -64,7 +65,7 @@ impl Mechanism {
         }
     }
 
-    /// Sets the target of a joint by its number among those with a value.
+    /// Sets the target of a joint, by its number among the joints that have a value.
     pub(super) fn set_joint_target(&mut self, joint: usize, target: f64) {
         match self {
             Self::Bodies(robot) => robot.set_joint_target(joint, target),
@@ -72,8 +73,8 @@ impl Mechanism {
         }
     }
 
-    /// Applies motors, rolling resistance and flight to the coming step of the engine. Robots in reduced coordinates do that
-    /// themselves, where they are solved.
+    /// Applies motors, rolling resistance and flight to the coming step of the engine. Does nothing for robots in reduced coordinates:
+    /// their own solver applies these.
     pub(super) fn apply(
         &mut self,
         world: &mut PhysicsWorld,
@@ -86,7 +87,7 @@ impl Mechanism {
         }
     }
 
-    /// Every joint with a value, in the order of the links; true if it is a wheel's.
+    /// Returns every joint that has a value, in the order of the links. The flag is true for wheels.
     pub(super) fn joints(&self, world: &PhysicsWorld) -> Vec<(bool, JointState)> {
         match self {
             Self::Bodies(robot) => robot.joints(world).collect(),
@@ -94,7 +95,7 @@ impl Mechanism {
         }
     }
 
-    /// Pose and velocity of the robot frame.
+    /// Returns pose and velocity of the robot frame.
     pub(super) fn state(&self, world: &PhysicsWorld) -> BodyState {
         match self {
             Self::Bodies(robot) => robot.state(world),
@@ -102,7 +103,8 @@ impl Mechanism {
         }
     }
 
-    /// The robot frame as it moves with a link of the definition, whose origin is at `origin` in it when every joint is at 0.
+    /// Returns the robot frame as it moves with a link of the definition. `origin` is the link's origin in the robot frame when every joint
+    /// is at 0.
     pub(super) fn carrier(&self, world: &PhysicsWorld, link: usize, origin: Vector3<f64>) -> Option<BodyState> {
         match self {
             Self::Bodies(robot) => robot.carrier(world, link, origin),
@@ -110,7 +112,7 @@ impl Mechanism {
         }
     }
 
-    /// The fault of its state, if it has one.
+    /// Returns the fault of the state, if it has one.
     pub(super) fn fault(&self, world: &PhysicsWorld) -> Option<Fault> {
         match self {
             Self::Bodies(robot) => robot.fault(world),
@@ -118,12 +120,12 @@ impl Mechanism {
         }
     }
 
-    /// Its state as numbers; none of a robot whose bodies the engine moves, as they have it.
+    /// Returns the state as numbers. They are empty for a robot of the engine, whose bodies hold its state.
     pub(super) fn numbers(&self) -> Vec<f64> {
         self.articulated().map_or_else(Vec::new, ArticulatedRobot::numbers)
     }
 
-    /// Angles of its rollers about their own axes, wheel by wheel, rad.
+    /// Returns the angles of the rollers about their own axes, wheel by wheel, rad.
     pub(super) fn roller_angles(&self, world: &PhysicsWorld) -> Vec<f64> {
         match self {
             Self::Bodies(robot) => robot.roller_angles(world),
@@ -131,7 +133,7 @@ impl Mechanism {
         }
     }
 
-    /// Contacts of the last step, each with the number of the wheel that it pushed.
+    /// Returns the contacts of the last step, each with the number of the wheel that it pushed.
     pub(super) fn contacts(&self, world: &PhysicsWorld) -> Vec<(Option<usize>, Contact)> {
         match self {
             Self::Bodies(robot) => robot.contacts(world),
@@ -139,7 +141,7 @@ impl Mechanism {
         }
     }
 
-    /// Forces of the ground on each wheel in the last step that no contact has, N.
+    /// Returns the ground forces on each wheel in the last step that are not in a contact, N.
     pub(super) fn resistances(&self) -> &[Vector3<f64>] {
         match self {
             Self::Bodies(robot) => robot.resistances(),

@@ -1,49 +1,49 @@
-//! Servos of joints, for every drive model.
+//! Joint servos, for every drive model.
 
 use scene::{Coupling, Motor};
 
-/// A wheel commanded to stand that turns slower than this is held where it is, rad/s.
+/// Speed below which a wheel that is told to stop is held in place, rad/s.
 const HOLDING_SPEED: f64 = 0.5;
-/// Time constant of holding, s: the servo's gain over this is the stiffness of a held wheel.
+/// Time constant of holding, s. The servo's gain over this is the stiffness of a held wheel.
 const HOLDING_TIME: f64 = 0.05;
 
-/// A joint with one number for its position.
+/// A joint whose position is one number.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Value {
-    /// Its servo of the position has no targets beyond.
+    /// Limits of the targets of a position servo.
     pub(super) limits: Option<[f64; 2]>,
     pub(super) motor: Option<Motor>,
-    /// The coupling that its servo's target follows, with the leader's number among the joints with a value.
+    /// Coupling of the servo's target to a leader, by the leader's number among the joints that have a value.
     pub(super) follows: Option<Coupling>,
     pub(super) is_wheel: bool,
 }
 
-/// A joint's target, and what its servo remembers.
-#[derive(Debug, Clone, Copy, Default)]
+/// The target of a joint, and the state of its servo.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct Servo {
     target: f64,
-    /// Angle at which it is to be, rad, where it has one.
+    /// Angle that the servo holds or follows, rad, if any.
     reference: Option<f64>,
-    /// Angle that a servo of the position asks for now, rad, on its way to the target.
+    /// Present set point of a position servo on its way to the target, rad.
     asked: Option<f64>,
 }
 
 /// Torque as a function of the speed at the end of a step: `at_rest - gain speed`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Torque {
-    /// N m.
+    /// Torque at speed 0, N m.
     pub(super) at_rest: f64,
-    /// N m s/rad.
+    /// Decrease of the torque with speed, N m s/rad.
     pub(super) gain: f64,
 }
 
 impl Value {
-    /// The value of a joint of a definition.
+    /// Builds the value of a joint of a definition.
     pub(super) fn new(def: &scene::Joint, is_wheel: bool) -> Self {
         Self { limits: def.limits, motor: def.drive.clone(), follows: None, is_wheel }
     }
 
-    /// The nearest target that its servo may have: a position within its ends, or a speed.
+    /// Clamps a target to the servo's range: the joint's limits for a position, the motor's largest speed for a speed.
     pub(super) fn within_limits(&self, target: f64) -> f64 {
         let Some(motor) = &self.motor else { return target };
         let limits = if motor.stiffness.is_some() { self.limits } else { Some([-motor.max_speed, motor.max_speed]) };
@@ -52,7 +52,7 @@ impl Value {
 }
 
 impl Servo {
-    /// Sets the speed, rad/s, or of a servo with a stiffness the angle, rad.
+    /// Sets the target: a speed, rad/s, or for a servo with a stiffness an angle, rad.
     pub(super) fn set_target(&mut self, target: f64) {
         if target != self.target {
             self.reference = None;
@@ -60,14 +60,14 @@ impl Servo {
         self.target = target;
     }
 
-    /// The target that is set.
+    /// Returns the target.
     pub(super) fn target(&self) -> f64 {
         self.target
     }
 
-    /// The torque in the coming step. A servo of the speed alone gives way under a load for ever; told to stand, it
-    /// holds the angle where the wheel has come to rest, as the position loop of a real controller does. With integral
-    /// action it follows the angle that its speed asks for.
+    /// Computes the torque in the coming step. A plain speed servo gives way under a load for ever. Told to stop, it holds the angle at
+    /// which the wheel came to rest, as the position loop of a real controller does. With integral action it follows the angle that its
+    /// target speed demands.
     pub(super) fn torque(&mut self, motor: &Motor, angle: f64, speed: f64, time_step: f64) -> Torque {
         if let Some(stiffness) = motor.stiffness {
             return self.torque_to_position(motor, stiffness, angle, time_step);
@@ -80,15 +80,15 @@ impl Servo {
             return Torque { at_rest: motor.gain * self.target, gain: motor.gain };
         };
         let stiffness = motor.gain / motor.integral_time.unwrap_or(HOLDING_TIME);
-        // A wheel that is dragged away is held where it comes to be, not pulled back all the way.
+        // A wheel that is dragged away is held near its new angle, not pulled back all the way.
         let slack = motor.max_torque / stiffness;
         let ahead = (reference - angle).clamp(-slack, slack) + self.target * time_step;
         self.reference = Some(angle + ahead);
         Torque { at_rest: motor.gain * self.target + stiffness * ahead, gain: motor.gain + stiffness * time_step }
     }
 
-    /// Toward a position, which is asked for no faster than the motor's speed limit. Stiffness and gain act on where the joint
-    /// is at the end of the step, so that no stiffness is too much for a step.
+    /// Computes the torque towards a position. The set point moves no faster than the motor's speed limit. Stiffness and gain act on the
+    /// position at the end of the step, so any stiffness is stable.
     fn torque_to_position(&mut self, motor: &Motor, stiffness: f64, angle: f64, time_step: f64) -> Torque {
         let from = self.asked.unwrap_or(angle);
         let most = motor.max_speed * time_step;
@@ -99,7 +99,21 @@ impl Servo {
     }
 }
 
-/// Sets the targets of servos that follow another's. `targets` are the joints' own, which they add to the leader's.
+/// Sets the targets of the wheels' servos, rad/s.
+pub(super) fn set_wheel_speeds<'a>(values: impl Iterator<Item = &'a Value>, servos: &mut [Servo], speeds: &[f64]) {
+    let wheels = values.zip(servos).filter(|(value, _)| value.is_wheel);
+    wheels.zip(speeds).for_each(|((_, servo), &speed)| servo.set_target(speed));
+}
+
+/// Sets the target of a joint, by its number, within its limits. `value` is the joint's, if the joint exists.
+pub(super) fn set_target(value: Option<&Value>, joint: usize, target: f64, targets: &mut [f64], servos: &mut [Servo]) {
+    if let Some(value) = value {
+        targets[joint] = value.within_limits(target);
+        servos[joint].set_target(targets[joint]);
+    }
+}
+
+/// Sets the targets of servos that follow another's. `targets` are the joints' own, which are added to the leader's share.
 pub(super) fn follow_targets<'a>(values: impl Iterator<Item = &'a Value>, targets: &[f64], servos: &mut [Servo]) {
     for (number, value) in values.enumerate() {
         let Some(Coupling { leader, multiplier, offset, .. }) = value.follows else { continue };
@@ -117,7 +131,7 @@ mod tests {
         Motor { max_speed: 10.0, gain: 4.0, max_torque: 100.0, stiffness: None, integral_time, armature: 0.0 }
     }
 
-    /// Torque at the speed that the wheel goes on with.
+    /// Computes the torque at the speed that the wheel keeps.
     fn given(servo: &mut Servo, motor: &Motor, angle: f64, speed: f64) -> f64 {
         let Torque { at_rest, gain } = servo.torque(motor, angle, speed, 0.01);
         at_rest - gain * speed
@@ -161,7 +175,7 @@ mod tests {
     fn with_integral_action_it_makes_up_for_what_it_lost() {
         let (mut servo, motor) = (Servo::default(), motor(Some(0.1)));
         servo.set_target(2.0);
-        // The wheel lags at 1 rad/s: each step it is 0.01 rad further behind, 0.4 N m more.
+        // The wheel lags by 1 rad/s: each step it falls 0.01 rad further behind, which is 0.4 N m more.
         let torques: Vec<f64> = (0..4).map(|step| given(&mut servo, &motor, 0.01 * f64::from(step), 1.0)).collect();
         assert!(torques.windows(2).all(|pair| (pair[1] - pair[0] - 0.4).abs() < 1e-9), "{torques:?}");
     }

@@ -1,4 +1,4 @@
-//! Places where robots can stand: on the surface at the wanted place, clear of everything solid, or else beside it.
+//! Free places for robots: on the surface at the wanted place and clear of all solids, or else beside it.
 
 use nalgebra::{Point3, Vector3};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -10,31 +10,31 @@ use super::compile::CompiledRobot;
 use super::identity::{Identity, Mark};
 use super::{Physics, convert};
 
-/// A clear gap left under a robot that is put on a surface, m: it settles by this in a few steps.
+/// Gap left under a robot that is put on a surface, m. It settles by this in a few steps.
 const CLEARANCE: f64 = 0.001;
-/// Surfaces are looked for from this far above the wanted place, m.
+/// Height above the wanted place from which surfaces are searched, m.
 const SKY: f64 = 1000.0;
-/// Most surfaces above each other that are looked at.
+/// Most surfaces above each other that are searched.
 const MAX_LAYERS: usize = 64;
 
-/// Overlap with a solid that a robot is put down with, m: contacts push it out gently.
+/// Overlap with a solid that is accepted, m. Contacts push it out gently.
 const OVERLAP: f64 = 0.005;
-/// Most that a robot is raised out of a slope or a kerb between its wheels, m.
+/// Largest height by which a robot is raised out of a slope, or out of a kerb between its wheels, m.
 const MAX_RAISE: f64 = 0.15;
-/// Heights that are tried.
+/// Number of heights that are tried.
 const RAISES: u32 = 30;
 
-/// Places on either side that are tried in each direction, so that a full world of robots finds room at one place.
+/// Number of places tried on either side in each direction, so a full world of robots fits around one place.
 const RINGS: i32 = 40;
-/// Distance of two neighbouring places that are tried, as a part of the robot's larger half size.
+/// Distance between neighbouring places, as a part of the robot's larger half size.
 const SPACING: f64 = 0.6;
-/// Most places that are looked at closely. Those that another robot takes are ruled out by their boxes before.
+/// Most places that are checked closely. Places that another robot takes are ruled out by boxes before.
 const MAX_TRIES: usize = 400;
-/// Room left between a robot that is put beside another and everything that moves, m.
+/// Gap between a robot that is put beside another and everything that moves, m.
 const GAP: f64 = 0.02;
-/// Most difference in height of the floors under a robot's wheels, and at a wanted place and beside it, m.
+/// Largest difference in height between the floors under a robot's wheels, and between the floors at a wanted place and beside it, m.
 const MAX_DROP: f64 = 0.3;
-/// Height over the floor at which nothing may stand between the two, m.
+/// Height above the floor at which no solid may stand between two places, m.
 const KERB: f64 = 0.1;
 
 /// A place for a robot.
@@ -42,15 +42,15 @@ const KERB: f64 = 0.1;
 pub(crate) struct Placement {
     /// Pose of the robot frame.
     pub(crate) pose: Pose,
-    /// The obstacle that takes the wanted place, if the robot is put beside it.
+    /// Obstacle at the wanted place, if the robot is put beside it.
     pub(crate) obstacle: Option<Identity>,
 }
 
 impl Physics {
-    /// Finds the pose of a robot that is wanted at `pose`: there if it stands free above a surface, lifted onto the surface if it is
-    /// inside the floor or below it, and otherwise at the nearest free place beside it.
+    /// Finds a pose for a robot that is wanted at `pose`. It stays there if it stands free above a surface. It is lifted onto the surface
+    /// if it is inside the floor or below it. Otherwise it goes to the nearest free place beside.
     ///
-    /// A robot stands on another one only where it is wanted above it. Fails with the obstacle where there is no free place.
+    /// A robot stands on another one only if it is wanted above it. Fails with the obstacle if there is no free place.
     pub(crate) fn place(&self, robot: &CompiledRobot, wanted: &Pose) -> Result<Placement, Identity> {
         let pose = self.standing_pose(robot, wanted);
         let Err(obstacle) = self.check_room(robot, &pose) else { return Ok(Placement { pose, obstacle: None }) };
@@ -58,8 +58,8 @@ impl Physics {
         Ok(Placement { pose: beside, obstacle: Some(obstacle) })
     }
 
-    /// The nearest free place beside a wanted one, where the robot would stand at `standing`. Robots are not put behind walls, on top
-    /// of them or below.
+    /// Finds the nearest free place beside a wanted one, where the robot would stand at `standing`. Places behind walls, on top of them or
+    /// below them do not count.
     fn place_beside(&self, robot: &CompiledRobot, wanted: &Pose, standing: &Pose, obstacle: Identity) -> Option<Pose> {
         let bounds = self.bounds(robot, standing);
         let half = bounds.half_extents();
@@ -69,7 +69,9 @@ impl Physics {
         let candidates = rings().into_iter().filter_map(|(x, y)| {
             let offset = Vector3::new(f64::from(x) * step, f64::from(y) * step, 0.0);
             let moved = around.translated(convert::vector(offset));
-            let is_taken = movers.intersect_aabb_conservative(moved).next().is_some();
+            // The boxes in the tree are larger than those of the colliders.
+            let mut near = movers.intersect_aabb_conservative(moved);
+            let is_taken = near.any(|(_, collider)| collider.compute_aabb().intersects(&moved));
             (!is_taken).then(|| Pose::from_parts((wanted.translation.vector + offset).into(), wanted.rotation))
         });
         let here = wanted.translation.vector;
@@ -78,8 +80,8 @@ impl Physics {
         standing.find(|pose| self.check_room(robot, pose).is_ok())
     }
 
-    /// True if two places have floors of nearly one height and no solid stands between them. Out of a solid every side is open that
-    /// is not inside one.
+    /// True if the floors of two places have nearly the same height and no solid stands between them. If the obstacle is a solid, every
+    /// side of it is open, apart from places inside a solid.
     fn is_near(&self, here: Vector3<f64>, there: Vector3<f64>, obstacle: Identity) -> bool {
         let floor = self.floor_below(there);
         if matches!(obstacle, Identity::Solid(_)) {
@@ -90,14 +92,14 @@ impl Physics {
             (None, None) => (here.z, there.z),
             _ => return false,
         };
-        // A pose may lie in the floor.
+        // A pose may be inside the floor.
         let above = |place: Vector3<f64>, floor: f64| Vector3::new(place.x, place.y, place.z.min(floor - KERB));
         let (from, to) = (above(here, from), above(there, to));
         let ray = Ray::new(convert::vector(from), convert::vector(to - from));
         self.fixed().cast_ray(&ray, 1.0, true).is_none()
     }
 
-    /// Height of the first floor at a place or below it, or above it where it lies in a solid.
+    /// Returns the height (z) of the first floor at a place or below it, or above it if the place is inside a solid.
     fn floor_below(&self, place: Vector3<f64>) -> Option<f64> {
         self.surface_to_stand_on(&Point3::from(place), place.z)
     }
@@ -106,13 +108,13 @@ impl Physics {
         self.world.query_pipeline_with_filter(QueryFilter::only_fixed())
     }
 
-    /// A box around a robot at a pose.
+    /// Returns a box around a robot at a pose.
     fn bounds(&self, robot: &CompiledRobot, pose: &Pose) -> Aabb {
         let boxes = robot.outlines.iter().map(|(local, part)| part.compute_aabb(&convert::pose(&(pose * local))));
         boxes.reduce(|one, other| one.merged(&other)).unwrap_or_else(Aabb::new_invalid)
     }
 
-    /// Fails with what a robot at a pose would overlap.
+    /// Fails with the obstacle that a robot at a pose would overlap.
     fn check_room(&self, robot: &CompiledRobot, pose: &Pose) -> Result<(), Identity> {
         let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());
         for (local, part) in &robot.outlines {
@@ -127,7 +129,8 @@ impl Physics {
         }
     }
 
-    /// The deepest overlap of a robot at a pose with a solid, m, and which; a robot that is fixed to the ground may have any.
+    /// Returns the deepest overlap of a robot at a pose with a solid, m, and the solid. `None` for a robot that is fixed to the ground,
+    /// which may overlap.
     fn deepest_overlap(&self, robot: &CompiledRobot, pose: &Pose) -> Option<(f64, Identity)> {
         if robot.def.steering == Steering::None {
             return None;
@@ -144,7 +147,8 @@ impl Physics {
         overlaps.max_by(|(one, _), (other, _)| one.total_cmp(other))
     }
 
-    /// The pose of a robot on the surface at a place: as it is above a surface, otherwise lifted onto the surface next above.
+    /// Returns the pose of a robot on the surface at a place. It stays as it is above a surface, and is otherwise lifted onto the next
+    /// surface above.
     fn standing_pose(&self, robot: &CompiledRobot, pose: &Pose) -> Pose {
         if robot.def.steering == Steering::None {
             return *pose;
@@ -160,13 +164,13 @@ impl Physics {
         }
         let on_surface = |point: &Point3<f64>| Some((point.z, self.surface_to_stand_on(point, pose.translation.z)?));
         let stands: Vec<(f64, f64)> = lowest.iter().filter_map(on_surface).collect();
-        // A robot that has one wheel in a wall does not belong on top of the wall: it stays in it, and is put beside it.
+        // A robot with one wheel in a wall does not belong on top of the wall. It stays in it, and is put beside it.
         let floor = stands.iter().map(|&(_, surface)| surface).fold(f64::NEG_INFINITY, f64::max);
         let lifts =
             stands.iter().filter(|&(_, surface)| floor - surface <= MAX_DROP).map(|(point, surface)| point - surface);
         let lift = lifts.fold(f64::NEG_INFINITY, f64::max);
         let mut standing = *pose;
-        // What hangs below the wheels is not put into the floor.
+        // Parts that hang below the wheels must not be in the floor.
         let hanging = lowest_wheel.map_or(0.0, |lowest| (self.bounds(robot, pose).maxs.z - lowest).max(0.0));
         let lift = lift + hanging;
         if lift > 0.0 && lift.is_finite() {
@@ -175,7 +179,7 @@ impl Physics {
         self.raised(robot, standing)
     }
 
-    /// A pose raised out of a slope under the wheels, or of a kerb between them; as it was where that is not enough.
+    /// Raises a pose out of a slope under the wheels, or out of a kerb between them. Returns it unchanged if that is not enough.
     fn raised(&self, robot: &CompiledRobot, pose: Pose) -> Pose {
         let is_clear = |lift: f64| {
             let raised = Pose::from_parts((pose.translation.vector - Vector3::z() * lift).into(), pose.rotation);
@@ -185,8 +189,8 @@ impl Physics {
         lifts.filter_map(is_clear).next().unwrap_or(pose)
     }
 
-    /// Height (z) of the surface that something at a place belongs on: the first one below the reference height
-    /// if there is any and the place is not inside its solid, otherwise the nearest one above.
+    /// Returns the height (z) of the surface to stand on at a place. It is the first one below the reference height, unless there is none
+    /// or the place is inside a solid. Otherwise it is the nearest one above.
     fn surface_to_stand_on(&self, place: &Point3<f64>, reference: f64) -> Option<f64> {
         let layers = self.layers(place, reference);
         let inside = layers.iter().any(|layer| layer.top < reference && reference <= layer.bottom);
@@ -198,14 +202,14 @@ impl Physics {
         }
     }
 
-    /// The solids crossed by the vertical line through a place, from above to below.
+    /// Returns the solids on the vertical line through a place, from above to below.
     fn layers(&self, place: &Point3<f64>, reference: f64) -> Vec<Layer> {
         let ray = Ray::new(convert::vector([place.x, place.y, reference - SKY]), Vector::Z);
         let fixed = self.fixed();
         let met = fixed.intersect_ray(ray, 2.0 * SKY, true);
         let mut layers: Vec<Layer> = met.flat_map(|(_, collider, _)| layers_of(collider, ray)).collect();
         layers.sort_by(|a, b| a.top.total_cmp(&b.top));
-        // What touches or overlaps is one: a box on the floor goes on in the floor.
+        // Solids that touch or overlap are one layer: a box on the floor continues in the floor.
         layers.dedup_by(|lower, upper| {
             let joined = lower.top <= upper.bottom + CLEARANCE;
             if joined {
@@ -217,7 +221,7 @@ impl Physics {
     }
 }
 
-/// Steps to the places around one, the nearest first.
+/// Returns the offsets of the places around one, the nearest first.
 fn rings() -> Vec<(i32, i32)> {
     let all = (-RINGS..=RINGS).flat_map(|x| (-RINGS..=RINGS).map(move |y| (x, y)));
     let mut around: Vec<(i32, i32)> = all.filter(|&place| place != (0, 0)).collect();
@@ -226,7 +230,7 @@ fn rings() -> Vec<(i32, i32)> {
     around
 }
 
-/// The layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh.
+/// Returns the layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh.
 fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
     let cast = |ray: &Ray| collider.shape().cast_ray_and_get_normal(collider.position(), ray, 2.0 * SKY, false);
     let mut layers = Vec::new();
@@ -237,7 +241,7 @@ fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
         let top = ray.point_at(hit.time_of_impact).z;
         ray.origin = ray.point_at(hit.time_of_impact + 1e-3);
         match (mesh, hit.feature) {
-            // A face hit from behind has a number beyond those of the faces.
+            // A face hit from behind has a number beyond the number of faces.
             (Some(faces), FeatureId::Face(face)) if face >= faces => {}
             (Some(_), _) => layers.push(Layer { top, bottom: top }),
             (None, _) => {
@@ -251,8 +255,8 @@ fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
 
 /// One solid on a vertical line.
 struct Layer {
-    /// z where the line enters it from above.
+    /// z at which the line enters the solid from above.
     top: f64,
-    /// z where it leaves it; `top` for a surface without volume.
+    /// z at which the line leaves the solid; `top` for a surface without volume.
     bottom: f64,
 }

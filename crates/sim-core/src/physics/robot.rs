@@ -1,31 +1,41 @@
-//! Robots of a world: how they come, leave, are moved and read.
+//! Robots of a world: spawning, removing, moving and reading them.
 
 use std::sync::Arc;
 
 use rapier3d::prelude::*;
 use scene::{BodyState, JointState, Pose, Steering, WheelState};
+use serde::{Deserialize, Serialize};
 
-use super::articulated::{self, Surroundings};
+use super::articulated::{self, SavedTree, Surroundings};
 use super::compile::CompiledRobot;
 use super::mechanism::Mechanism;
+use super::query::set_box;
 use super::{Fault, Physics};
 use crate::RobotId;
 use crate::flight::Flight;
 use crate::threads::Threads;
 
-/// Position of placeholders, m: no ray comes there.
+/// Position of placeholders, m, out of reach of rays.
 const FAR_AWAY: Vector = Vector::new(1e6, 1e6, 1e6);
 
-/// A robot as the physics has it.
+/// A robot in the physics.
+#[derive(Clone)]
 pub(crate) struct RobotBodies {
     robot: Arc<CompiledRobot>,
     mechanism: Mechanism,
-    /// Its flight, if it flies.
+    /// Flight command of an aerial robot.
+    flight: Option<Flight>,
+}
+
+/// The state of a robot in the physics as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SavedBodies {
+    tree: SavedTree,
     flight: Option<Flight>,
 }
 
 impl RobotBodies {
-    /// Its compiled class.
+    /// Returns the compiled class.
     pub(crate) fn robot(&self) -> &Arc<CompiledRobot> {
         &self.robot
     }
@@ -39,13 +49,28 @@ impl RobotBodies {
         self.mechanism.set_wheel_speeds(speeds);
     }
 
-    /// Sets the target of the servo of a joint by its number among those that have a value: rad or m within its limits, or
-    /// rad/s or m/s, as its motor is a servo of.
+    /// Sets the target of a joint's servo, by the joint's number among those that have a value. It is rad or m within its limits, or rad/s
+    /// or m/s for a speed servo.
     pub(crate) fn set_joint_target(&mut self, joint: usize, target: f64) {
         self.mechanism.set_joint_target(joint, target);
     }
 
-    /// Sets the flight of a robot in the air.
+    /// Returns the state. `None` for a robot of the engine, which keeps part of its state to itself.
+    pub(crate) fn save(&self) -> Option<SavedBodies> {
+        Some(SavedBodies { tree: self.mechanism.articulated()?.save(), flight: self.flight })
+    }
+
+    /// Takes a saved state. Returns false, and changes nothing, if the state is another robot's.
+    pub(crate) fn load(&mut self, saved: &SavedBodies) -> bool {
+        let fits = self.flight.is_some() == saved.flight.is_some()
+            && self.mechanism.articulated_mut().is_some_and(|robot| robot.load(&saved.tree));
+        if fits {
+            self.flight = saved.flight;
+        }
+        fits
+    }
+
+    /// Sets the flight command of an aerial robot.
     pub(crate) fn set_flight(&mut self, flight: Option<Flight>) {
         self.flight = flight;
     }
@@ -62,23 +87,23 @@ impl Physics {
         RobotBodies { robot, mechanism, flight }
     }
 
-    /// Colliders enter the engine's tree with its next step only. Rays and the next robot that is spawned have to meet them
-    /// at once, however many are spawned between two steps.
+    /// Inserts colliders into the query structure. The engine would do it with its next step only. Rays and the next spawn must hit them at
+    /// once, however many robots are spawned between two steps.
     fn enter_queries(&mut self, bodies: &[RigidBodyHandle]) {
         let PhysicsWorld { broad_phase, integration_parameters, colliders, bodies: engine, .. } = &mut self.world;
         for body in bodies.iter().filter_map(|&body| engine.get(body)) {
             for &handle in body.colliders() {
                 if let Some(collider) = colliders.get(handle) {
-                    broad_phase.set_aabb(integration_parameters, handle, collider.compute_aabb());
+                    set_box(broad_phase, integration_parameters, handle, collider);
                 }
             }
         }
     }
 
-    /// Takes a robot out of the world.
+    /// Removes a robot from the world.
     ///
-    /// The engine forgets what a removed collider was near to only if no other one has taken its place by the next step;
-    /// otherwise it keeps that for ever. So something that touches nothing takes the places until then.
+    /// The engine forgets the neighbours of a removed collider only if its slot is still free at the next step. Otherwise it keeps them for
+    /// ever. So disabled colliders occupy the slots until then.
     pub(crate) fn remove(&mut self, robot: &RobotBodies) {
         self.is_changed = true;
         self.robots_of_engine -= usize::from(robot.mechanism.is_of_engine());
@@ -92,13 +117,13 @@ impl Physics {
         }
     }
 
-    /// Applies motors, wheels and flight of a robot that the engine moves to the coming step.
+    /// Applies motors, wheels and flight to the coming step, for a robot that the engine moves.
     pub(crate) fn before_step(&mut self, robot: &mut RobotBodies) {
         let flight = robot.flight.as_ref();
         robot.mechanism.apply(&mut self.world, &self.materials, flight, &mut self.landing);
     }
 
-    /// Advances the robots in reduced coordinates by one step; those that touch each other are one system.
+    /// Advances the robots in reduced coordinates by one step. Robots that touch each other are one system.
     pub(crate) fn solve_articulated<'a>(
         &mut self,
         robots: impl Iterator<Item = &'a mut RobotBodies>,
@@ -127,41 +152,41 @@ impl Physics {
         robots.for_each(|robot| robot.lead_engine(&mut self.world));
     }
 
-    /// Moves the engine's shapes of the robots in reduced coordinates to where they are, for rays and for the search for room.
+    /// Moves the engine's shapes of the robots in reduced coordinates to their current poses, for rays and the search for free places.
     pub(crate) fn enter_shapes<'a>(&mut self, robots: impl Iterator<Item = &'a RobotBodies>) {
         self.objects.iter_mut().for_each(|object| object.enter_queries(&mut self.world));
         let robots = robots.filter_map(|robot| robot.mechanism.articulated());
         robots.for_each(|robot| robot.enter_queries(&mut self.world));
     }
 
-    /// Pose and generalised velocity of a robot in reduced coordinates as numbers; the engine's are its bodies'.
+    /// Returns pose and generalised velocity of a robot in reduced coordinates as numbers. They are empty for robots of the engine.
     pub(crate) fn numbers(&self, robot: &RobotBodies) -> Vec<f64> {
         robot.mechanism.numbers()
     }
 
-    /// Every joint that has a value, in the order of the links.
+    /// Returns every joint that has a value, in the order of the links.
     pub(crate) fn joints(&self, robot: &RobotBodies) -> Vec<JointState> {
         robot.mechanism.joints(&self.world).into_iter().map(|(_, state)| state).collect()
     }
 
-    /// The driven wheels, in order.
+    /// Returns the driven wheels, in order.
     pub(crate) fn wheels(&self, robot: &RobotBodies) -> Vec<WheelState> {
         let wheels = robot.mechanism.joints(&self.world).into_iter().filter(|(is_wheel, _)| *is_wheel);
         wheels.map(|(_, JointState { position, speed })| WheelState { angle: position, speed }).collect()
     }
 
-    /// The fault of a robot's state, if it has one.
+    /// Returns the fault of a robot's state, if it has one.
     pub(crate) fn fault(&self, robot: &RobotBodies) -> Option<Fault> {
         robot.mechanism.fault(&self.world)
     }
 
-    /// Pose and velocity of the robot frame.
+    /// Returns pose and velocity of the robot frame.
     pub(crate) fn body(&self, robot: &RobotBodies) -> BodyState {
         robot.mechanism.state(&self.world)
     }
 
-    /// The robot frame as it moves with a link by its number in the definition, when every joint was at 0. `None` of the body,
-    /// whose own it is.
+    /// Returns the frame that moves with a link, by its number in the definition, and is the robot frame when every joint is at 0. `None`
+    /// for the body, which carries the robot frame itself.
     pub(crate) fn carrier(&self, robot: &RobotBodies, link: usize) -> Option<BodyState> {
         let origin = robot.robot.def.links.get(link).filter(|_| link > 0)?.origin();
         robot.mechanism.carrier(&self.world, link, origin.into())

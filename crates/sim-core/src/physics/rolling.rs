@@ -1,21 +1,21 @@
-//! Rolling resistance: a force against the motion of a wheel's hub, as large as the load times a coefficient.
+//! Rolling resistance: a force against the motion of a wheel's hub. Its size is the load times a coefficient.
 //!
-//! The coefficient of a pair is the sum of both materials', as both are deformed. The load is that of the step before.
+//! The coefficient of a pair is the sum of both materials', as both are deformed. The load is that of the last step.
 
 use nalgebra::Vector3;
 
 /// The hub of a wheel, on which its rolling resistance acts.
 pub(super) struct Hub {
-    /// The link that carries the wheel, by its number.
+    /// Number of the link that carries the wheel.
     pub(super) carrier: usize,
     /// Centre in the frame of that link's body, m.
     pub(super) centre: Vector3<f64>,
-    /// A plain wheel rolls ahead; to the side it slides. Others roll every way.
+    /// True for a plain wheel, which rolls ahead and slides sideways. Other wheels roll in every direction.
     pub(super) rolls_ahead_only: bool,
 }
 
 /// The load of one wheel.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct Load {
     /// Sum of the impulses of the last step times their normals, N s.
     pub(super) normal: Vector3<f64>,
@@ -24,8 +24,8 @@ pub(super) struct Load {
 }
 
 impl Hub {
-    /// Computes the rolling resistance in a step, N. `velocity` is that of the hub without it, `ahead` the x axis of the carrier, and
-    /// `mass` what the hub carries of the robot, kg.
+    /// Computes the rolling resistance in a step, N. `velocity` is the hub's velocity without it, `ahead` the x axis of the carrier, and
+    /// `mass` the hub's share of the robot's mass, kg.
     pub(super) fn resistance(
         &self,
         load: &Load,
@@ -40,7 +40,7 @@ impl Hub {
 }
 
 impl Load {
-    /// Impulse on a hub that moves with a velocity and carries a mass: never more than stops it.
+    /// Returns the impulse on a hub that moves with a velocity and carries a mass. It never exceeds the impulse that stops the hub.
     fn impulse(&self, velocity: Vector3<f64>, mass: f64) -> Vector3<f64> {
         let Some(normal) = self.normal.try_normalize(0.0) else { return Vector3::zeros() };
         let along = velocity - normal * normal.dot(&velocity);
@@ -53,7 +53,7 @@ impl Load {
 mod tests {
     use super::*;
 
-    /// Resistance of a hub that carries 10 kg under a load of 1 N s, in steps of 0.01 s.
+    /// Computes the resistance of a hub that carries 10 kg under a load of 1 N s, in steps of 0.01 s.
     fn resistance(rolls_ahead_only: bool, velocity: [f64; 3]) -> Vector3<f64> {
         let hub = Hub { carrier: 0, centre: Vector3::zeros(), rolls_ahead_only };
         let load = Load { normal: -Vector3::z(), resistance: 0.02 };

@@ -1,11 +1,12 @@
-//! The battery as an item: it answers `GETCONF {Type Sensor}` and sends nothing (Battery.uc:45-77). What it holds
-//! is the robot's `battery`.
+//! The battery as an item: it answers `GETCONF {Type Sensor}` and sends nothing (Battery.uc:45-77). Its capacity is the robot's
+//! `battery`.
 
 use gamebots_proto::message::{ItemConf, PlainConf, Reading};
 
 use super::{Mount, Sensor, View};
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
 }
 

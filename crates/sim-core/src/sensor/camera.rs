@@ -1,13 +1,14 @@
-//! A camera as USARSim shows it on the control connection: an empty line ten times a second and its zoom
-//! (USARCamera.uc). Its pictures belong to the image server.
+//! A camera on the control connection, as in USARSim: it has a zoom and sends an empty line ten times a second (USARCamera.uc). Its
+//! pictures belong to the image server.
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{Camera, CameraConf, ItemConf, Reading};
 use scene::sensor::camera::Config;
 
-use super::{Effect, Mount, Sensor, View};
+use super::{Effect, Mount, Sensor, State, View};
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     /// Default, narrowest and widest field of view, whole degrees.
     default: f64,
@@ -31,7 +32,7 @@ impl Sensor for Mounted {
         Some(Camera {}.into())
     }
 
-    /// `ZOOM` or `FOV` in radians, truncated to whole degrees; 0 is the default.
+    /// Sets the field of view: `ZOOM` or `FOV` in radians, truncated to whole degrees. 0 restores the default.
     fn set(&mut self, opcode: &str, set: &Set, _view: &View) -> Effect {
         if (opcode == "ZOOM" || opcode == "FOV")
             && let Some([angle]) = set.numbers().as_deref()
@@ -40,6 +41,10 @@ impl Sensor for Mounted {
             self.now = if degrees == 0.0 { self.default } else { degrees.clamp(self.min, self.max) };
         }
         Effect::None
+    }
+
+    fn state(&mut self) -> State<'_> {
+        State { numbers: vec![&mut self.now], ..State::default() }
     }
 
     fn conf(&self) -> ItemConf {

@@ -1,5 +1,5 @@
-//! Ticks of wheel encoders (Encoder.uc:29-60): `trunc(((1 + u) spin mod 2 pi) / resolution)`, where `u` is drawn
-//! anew for each reading, so the scatter grows with the angle turned.
+//! Ticks of wheel encoders (Encoder.uc:29-60): `trunc(((1 + u) spin mod 2 pi) / resolution)`. The random number `u` is drawn again for
+//! each wheel and reading, so the scatter grows with the angle turned.
 
 use std::f64::consts::TAU;
 
@@ -9,9 +9,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use scene::sensor::encoder::Config;
 
-use super::{Effect, Mount, Sensor, View};
+use super::{Effect, Mount, Sensor, State, View};
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     resolution: f64,
     noise: f64,
@@ -54,7 +55,7 @@ impl Sensor for Mounted {
         Some(Encoder { ticks: ticks.collect() }.into())
     }
 
-    /// `RESET`: the angle of now counts as zero.
+    /// Executes `RESET`: the current angle of each wheel counts as zero.
     fn set(&mut self, opcode: &str, _set: &Set, view: &View) -> Effect {
         if opcode == "RESET" {
             for (_, wheel, reference) in &mut self.wheels {
@@ -62,6 +63,11 @@ impl Sensor for Mounted {
             }
         }
         Effect::None
+    }
+
+    fn state(&mut self) -> State<'_> {
+        let numbers = self.wheels.iter_mut().map(|(_, _, reference)| reference).collect();
+        State { numbers, random: Some(&mut self.rng), ..State::default() }
     }
 
     fn conf(&self) -> ItemConf {

@@ -6,7 +6,8 @@ use scene::{Pose, position_and_rotation};
 
 use super::{Mount, Sensor, View, floats};
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     scan_interval: f64,
     /// Pose of the sensor in the robot frame; `None` reports the robot's body.

@@ -1,5 +1,5 @@
-//! Accelerations and turn rates as differences between two readings (IMU.uc:25-65): of the velocity, without gravity, along the
-//! sensor's axes with z up; and of roll, pitch and yaw, whose rates are not those about the body's axes.
+//! Accelerations and turn rates as differences between two readings (IMU.uc:25-65). The acceleration is along the sensor's axes with z
+//! up, without gravity. The turn rates are those of roll, pitch and yaw, which differ from the rates about the body's axes.
 
 use std::f64::consts::TAU;
 
@@ -7,15 +7,17 @@ use gamebots_proto::message::{Imu, ItemConf, PlainConf, Reading};
 use nalgebra::Vector3;
 use scene::{Pose, position_and_rotation};
 
-use super::{Mount, Sensor, View, floats};
+use super::{Mount, Sensor, State, View, floats};
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     pose: Pose,
     last: Last,
 }
 
-/// What the last reading saw.
+/// State at the last reading.
+#[derive(Clone)]
 struct Last {
     time: f64,
     velocity: Vector3<f64>,
@@ -39,7 +41,7 @@ impl Sensor for Mounted {
         let View { time, carrier, .. } = *view;
         let (_, angles) = position_and_rotation(&carrier.pose);
         let passed = time - self.last.time;
-        // In no time nothing changes.
+        // Two readings at the same time: no division by zero.
         let rate = |change: f64| if passed > 0.0 { change / passed } else { 0.0 };
         let changed = (carrier.linear - self.last.velocity).map(rate);
         let along = (carrier.pose.rotation * self.pose.rotation).inverse() * changed;
@@ -57,6 +59,12 @@ impl Sensor for Mounted {
             rotation: floats(angles),
         };
         Some(reading.into())
+    }
+
+    fn state(&mut self) -> State<'_> {
+        let Last { time, velocity, angles, rates } = &mut self.last;
+        let numbers = [time].into_iter().chain(velocity.iter_mut()).chain(angles).chain(rates);
+        State { numbers: numbers.collect(), ..State::default() }
     }
 
     fn conf(&self) -> ItemConf {

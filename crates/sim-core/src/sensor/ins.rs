@@ -1,8 +1,7 @@
 //! Inertial navigation: integrates noisy increments of the true pose (INS.uc:59-147).
 //!
-//! Each reading adds `change x (1 + G(bias, sigma))` to every angle and `change + distance x G(bias, sigma)` to
-//! every coordinate, so a sideways axis drifts as much as the one travelled along. It starts integrating after
-//! the first reading at which the robot did not turn.
+//! Each reading adds `change x (1 + G(bias, sigma))` to every angle and `change + distance x G(bias, sigma)` to every coordinate. So a
+//! sideways axis drifts as much as the direction of travel. Integration starts after the first reading at which the robot did not turn.
 
 use std::f64::consts::TAU;
 
@@ -14,11 +13,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use scene::rotation_units;
 
-use super::{Effect, Mount, Sensor, View, floats};
+use super::{Effect, Mount, Sensor, State, View, floats};
 use scene::sensor::ins::Config;
 use scene::{Pose, position_and_rotation};
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     scan_interval: f64,
     sigma: f64,
@@ -59,7 +59,7 @@ impl Mounted {
     fn integrate(&mut self, pose: &Pose) {
         let ((now, angles), (before, last_angles)) = (position_and_rotation(pose), position_and_rotation(&self.last));
         let turned: [f64; 3] = std::array::from_fn(|axis| {
-            // In whole rotation units, as the engine's angles are: a resting robot does not turn at all.
+            // In whole rotation units, like the angles of USARSim's engine, so that a resting robot does not turn at all.
             let change = rotation_units::from_radians(angles[axis]) - rotation_units::from_radians(last_angles[axis]);
             let change = f64::from(rotation_units::to_radians(change));
             change - TAU * (change / TAU).round()
@@ -92,7 +92,7 @@ impl Sensor for Mounted {
         Some(reading.into())
     }
 
-    /// `POSE` with exactly six numbers x, y, z, roll, pitch, yaw: sets the estimate and clears the drift.
+    /// Executes `POSE` with exactly six numbers x, y, z, roll, pitch, yaw: sets the estimate and clears the drift.
     fn set(&mut self, opcode: &str, set: &Set, view: &View) -> Effect {
         if opcode == "POSE"
             && let Some([x, y, z, roll, pitch, yaw]) = set.numbers().as_deref()
@@ -105,6 +105,13 @@ impl Sensor for Mounted {
             self.integrating = true;
         }
         Effect::None
+    }
+
+    fn state(&mut self) -> State<'_> {
+        let Self { position, angles, angle_bias, position_bias, last, integrating, rng, .. } = self;
+        let last = last.translation.vector.iter_mut().chain(last.rotation.as_mut_unchecked().coords.iter_mut());
+        let numbers = position.iter_mut().chain(angles).chain(angle_bias).chain(position_bias).chain(last);
+        State { numbers: numbers.collect(), flags: vec![integrating], random: Some(rng) }
     }
 
     fn conf(&self) -> ItemConf {

@@ -1,7 +1,7 @@
-//! Pose from the wheels' angles, without noise: slip is its only error (Odometry.uc:40-135).
+//! Pose from the wheels' angles, without noise. Slip is its only error (Odometry.uc:40-135).
 //!
-//! Skid robots use the foremost left and right wheels as USARSim does, or the balance of friction on all of them; omni robots, which USARSim left silent, the
-//! textbook Mecanum kinematics as the real youBot's driver does, or those of finite rollers.
+//! Skid robots use the foremost left and right wheels, as USARSim does, or the friction balance of all driven wheels. Omni robots send no
+//! odometry in USARSim. Here they use the textbook Mecanum kinematics, as the real youBot's driver does, or those of finite rollers.
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Odometry, Reading, WheelsConf};
@@ -9,24 +9,26 @@ use kinematics::{FiniteRollers, Mecanum, PlanarPose, Skid, Twist};
 use scene::sensor::odometry::Config;
 use scene::{RobotDef, Side, Steering};
 
-use super::{Effect, Mount, Sensor, View};
+use super::{Effect, Mount, Sensor, State, View};
 use crate::{WheelState, mecanum, sliding};
 
+#[derive(Clone)]
 enum Base {
     Skid {
         kinematics: Skid,
         left: usize,
         right: usize,
     },
-    /// Where the wheels touch the ground and what they carry.
+    /// The ground contacts of the driven wheels and their loads.
     Sliding(Vec<sliding::Place>),
     Omni(Mecanum),
     FiniteOmni(FiniteRollers),
-    /// A robot without wheels to read.
+    /// No odometry: the robot has no wheels that it could use.
     None,
 }
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     scan_interval: f64,
     base: Base,
@@ -76,13 +78,13 @@ impl Sensor for Mounted {
         let angles = angles(view.wheels);
         let turned: Vec<f64> = angles.iter().zip(&self.last_angles).map(|(now, before)| now - before).collect();
         self.last_angles = angles;
-        // Turned angles in place of speeds give a displacement in place of a twist: time cancels out.
+        // Angles instead of speeds give a displacement instead of a twist, because time cancels out.
         let displacement = match &self.base {
             Base::Skid { kinematics, left, right } => kinematics.forward([turned[*left], turned[*right]]),
             Base::Sliding(places) => sliding::twist(places, &turned),
             Base::Omni(kinematics) => kinematics.forward(std::array::from_fn(|wheel| turned[wheel])),
             Base::FiniteOmni(kinematics) => {
-                // Half-way through the interval.
+                // The phase at the middle of the interval.
                 let phase = |wheel: usize| kinematics.phase(wheel, self.last_angles[wheel] - turned[wheel] / 2.0);
                 kinematics.forward(std::array::from_fn(|wheel| turned[wheel]), std::array::from_fn(phase))
             }
@@ -93,12 +95,18 @@ impl Sensor for Mounted {
         Some(Odometry { name: self.name.clone(), pose }.into())
     }
 
-    /// `RESET` puts the pose to zero; the references of the wheels stay.
+    /// Executes `RESET`: sets the pose to zero and keeps the reference angles of the wheels.
     fn set(&mut self, opcode: &str, _set: &Set, _view: &View) -> Effect {
         if opcode == "RESET" {
             self.pose = PlanarPose::default();
         }
         Effect::None
+    }
+
+    fn state(&mut self) -> State<'_> {
+        let PlanarPose { x, y, theta } = &mut self.pose;
+        let numbers = [x, y, theta].into_iter().chain(&mut self.last_angles).collect();
+        State { numbers, ..State::default() }
     }
 
     fn conf(&self) -> ItemConf {

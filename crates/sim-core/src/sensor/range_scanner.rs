@@ -1,7 +1,7 @@
-//! Lasers: a fan of beams from the right to the left (RangeScanner.uc:18-71, SICK.uc, HokuyoURG04LX.uc).
+//! Laser scanners: a fan of beams from right to left (RangeScanner.uc:18-71, SICK.uc, HokuyoURG04LX.uc).
 //!
-//! Angles go through USARSim's whole rotation units, which fixes the number of beams: 21, 181 and 228.
-//! No noise and no minimum range, as there; a miss reads the maximum range.
+//! Angles are rounded to USARSim's whole rotation units, which fixes the numbers of beams at 21, 181 and 228. As in USARSim there is no
+//! noise and no minimum range, and a miss reads the maximum range.
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, RangeScanner as Scan, RangeScannerConf, Reading};
@@ -27,7 +27,8 @@ pub(super) fn build(config: &RangeScanner, mount: Mount) -> Mounted {
     }
 }
 
-/// Directions in the sensor frame: the first at +field of view / 2 (right, or up), then on by the resolution.
+/// Returns the beam directions in the sensor frame. The first is at +field of view / 2 (right, or up); the angle falls by the resolution
+/// from beam to beam.
 fn beams(resolution: i32, field_of_view: i32, yaw: bool, pitch: bool) -> Vec<Vector3<f64>> {
     let first = field_of_view / 2;
     let mut angles = Vec::new();
@@ -43,7 +44,8 @@ fn beams(resolution: i32, field_of_view: i32, yaw: bool, pitch: bool) -> Vec<Vec
     angles.into_iter().map(direction).collect()
 }
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     pose: Pose,
     max_range: f64,
@@ -76,7 +78,7 @@ impl Sensor for Mounted {
         Some(reading.into())
     }
 
-    /// `SCAN`: one more reading at once.
+    /// Executes `SCAN`: one more reading goes out at once.
     fn set(&mut self, opcode: &str, _set: &Set, _view: &View) -> Effect {
         if opcode == "SCAN" { Effect::Scan } else { Effect::None }
     }
@@ -109,7 +111,7 @@ mod tests {
         assert!((yaw(&beams[count - 1]) - last).abs() < 2e-5, "{}", yaw(&beams[count - 1]));
     }
 
-    /// Counts and angles of the real ones (sensors.md 4.2).
+    /// Checks counts and angles against those of USARSim (sensors.md 4.2).
     #[test]
     fn fans_have_the_beams_of_usarsim() {
         check(0.157, 3.14, 21, 1.56993, -1.56897);

@@ -1,8 +1,8 @@
-//! Ultrasonic range: the nearest echo within a cone, as SonarSensor.uc:28-101 means it.
+//! Ultrasonic range: the nearest echo within a cone, as intended by SonarSensor.uc:28-101.
 //!
-//! One beam straight ahead, then cones of beams around it. A surface off the axis echoes only if it faces the
-//! sensor within the largest angle of incidence. (USARSim compares with the reversed normal, so that none of its
-//! cone beams ever counts; the intended rule is built here.)
+//! One beam points straight ahead, and cones of beams surround it. A surface off the axis echoes only if it faces the sensor within the
+//! largest angle of incidence. USARSim compares with the reversed normal, so none of its cone beams ever counts; this code follows the
+//! intended rule.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,8 @@ use super::{Mount, Sensor, View};
 use scene::Pose;
 use scene::sensor::sonar::Config;
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     scan_interval: f64,
     pose: Pose,

@@ -3,9 +3,10 @@
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Reading, Tachometer, WheelsConf};
 
-use super::{Effect, Mount, Sensor, View};
+use super::{Effect, Mount, Sensor, State, View};
 
-pub(super) struct Mounted {
+#[derive(Clone)]
+pub(crate) struct Mounted {
     name: String,
     scan_interval: f64,
     /// Time and angles of the last reading.
@@ -31,7 +32,7 @@ impl Sensor for Mounted {
         "Tachometer"
     }
 
-    /// The speed is the mean since the last reading; the angle is the one of the last reading, one interval late.
+    /// Returns the mean speeds since the last reading, and the angles at the last reading, which are one interval late.
     fn sense(&mut self, view: &View) -> Option<Reading> {
         let elapsed = view.time - self.last_time;
         let (velocities, positions) = if elapsed < 1e-6 {
@@ -47,7 +48,7 @@ impl Sensor for Mounted {
         Some(Tachometer { name: self.name.clone(), velocities, positions }.into())
     }
 
-    /// `RESET`: the angles of now count as zero.
+    /// Executes `RESET`: the current angles count as zero.
     fn set(&mut self, opcode: &str, _set: &Set, view: &View) -> Effect {
         if opcode == "RESET" {
             self.reference = view.wheels.iter().map(|wheel| wheel.angle).collect();
@@ -55,6 +56,11 @@ impl Sensor for Mounted {
             self.last_time = view.time;
         }
         Effect::None
+    }
+
+    fn state(&mut self) -> State<'_> {
+        let Self { last_time, last, reference, .. } = self;
+        State { numbers: [last_time].into_iter().chain(last).chain(reference).collect(), ..State::default() }
     }
 
     fn conf(&self) -> ItemConf {

@@ -1,4 +1,4 @@
-//! What GETCONF and GETGEO answer (protocol.md 4.7).
+//! Answers to GETCONF and GETGEO (protocol.md 4.7).
 
 use gamebots_proto::command::{GetConf, GetGeo};
 use gamebots_proto::message::{Conf, Geo, ItemGeo, RobotConf, RobotGeo};
@@ -10,19 +10,19 @@ use super::robot::Robot;
 use crate::drive;
 use crate::sensor::floats;
 
-/// The robot's configuration, or that of every matching item; `None` where nothing matches.
+/// Returns the robot's configuration, or that of every matching item. `None` if nothing matches.
 pub(super) fn conf(robot: &Robot, ask: &GetConf) -> Option<Conf> {
     if ask.type_name == "Robot" {
         return Some(Conf::Robot(robot_conf(robot)));
     }
-    let sensors = matching(robot, &ask.type_name, &ask.name).map(|item| item.sensor.conf());
+    let sensors = matching(robot, &ask.type_name, &ask.name).map(|item| item.sensor.get().conf());
     let items: Vec<_> = sensors.chain(actuator::confs(robot.def(), &ask.type_name, &ask.name)).collect();
-    // The deprecated mission packages are always answered.
+    // A request for the deprecated mission packages is always answered.
     let answered = !items.is_empty() || ask.type_name == "MisPkg";
     answered.then(|| Conf::Items { type_name: ask.type_name.clone(), items })
 }
 
-/// The robot's geometry, or that of every matching item; `None` where nothing matches.
+/// Returns the robot's geometry, or that of every matching item. `None` if nothing matches.
 pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
     if ask.type_name == "Robot" {
         return Some(Geo::Robot(robot_geo(robot)));
@@ -39,7 +39,7 @@ pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
     (!items.is_empty()).then(|| Geo::Items { type_name: ask.type_name.clone(), items })
 }
 
-/// Where an item on a link is when every joint is at 0: in the robot frame, or against the actuator's link that carries it.
+/// Returns the pose of an item when every joint is at 0, in the robot frame or relative to the actuator's link that carries it.
 pub(super) fn item_geo(
     def: &RobotDef,
     name: &str,
@@ -62,7 +62,7 @@ pub(super) fn item_geo(
     }
 }
 
-/// The name is the class, whatever name was asked for: clients compare it with the mount of the sensors (clients.md 4).
+/// Returns the robot's configuration. Its name is always the class, as clients compare it with the mount of the sensors (clients.md 4).
 fn robot_conf(robot: &Robot) -> RobotConf {
     let def = robot.def();
     RobotConf { name: def.class.clone(), vehicle: drive::conf(def, robot.speed_unit()) }

@@ -6,40 +6,94 @@ use gamebots_proto::command::{Drive, MultiDrive, Set};
 use gamebots_proto::message::{Message, Sta};
 use gamebots_proto::{Problem, shown};
 use scene::{Pose, RobotDef, RobotSnapshot, SensorDef};
+use serde::{Deserialize, Serialize};
 
 use super::actuator::is_asked;
 use super::{Options, RobotId, seed};
 use crate::WheelState;
 use crate::drive::DriveState;
-use crate::physics::{CompiledRobot, Physics, RobotBodies};
-use crate::sensor::{self, Effect, Sensor, View};
+use crate::physics::{CompiledRobot, Physics, RobotBodies, SavedBodies};
+use crate::sensor::{self, Effect, Mounted, SavedSensor, View};
 
 /// Seconds between two STA lines (USARVehicle.uc:264).
 const STATUS_INTERVAL: f64 = 0.1;
-/// What STA reports without a battery (BaseVehicle.uc:106-109).
+/// Battery level that STA reports without a battery (BaseVehicle.uc:106-109).
 const NO_BATTERY: i32 = 99999;
 
+#[derive(Clone)]
 pub(super) struct Robot {
     id: RobotId,
     name: String,
     bodies: RobotBodies,
     drive: DriveState,
     items: Vec<Item>,
-    /// Which of its grippers are closed.
+    /// True for each gripper that is closed.
     closed: Vec<bool>,
     spawned: u64,
-    /// The step in which it reports next.
+    /// The step of its next report.
     next_report: u64,
     options: Options,
 }
 
 /// A mounted sensor and its definition.
+#[derive(Clone)]
 pub(super) struct Item {
     pub(super) def: SensorDef,
-    pub(super) sensor: Box<dyn Sensor>,
+    pub(super) sensor: Mounted,
+}
+
+/// The state of a robot as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct SavedRobot {
+    pub(super) id: RobotId,
+    pub(super) class: String,
+    pub(super) name: String,
+    bodies: SavedBodies,
+    drive: DriveState,
+    sensors: Vec<SavedSensor>,
+    closed: Vec<bool>,
+    spawned: u64,
 }
 
 impl Robot {
+    /// Returns the state. `None` for a robot of the engine, which keeps part of its state to itself.
+    pub(super) fn save(&self) -> Option<SavedRobot> {
+        Some(SavedRobot {
+            id: self.id,
+            class: self.def().class.clone(),
+            name: self.name.clone(),
+            bodies: self.bodies.save()?,
+            drive: self.drive.clone(),
+            sensors: self.items.iter().map(|item| item.sensor.save()).collect(),
+            closed: self.closed.clone(),
+            spawned: self.spawned,
+        })
+    }
+
+    /// Inserts a robot with a saved state at the end of a step. `None` if the state is another class's.
+    pub(super) fn load(
+        physics: &mut Physics,
+        class: Arc<CompiledRobot>,
+        saved: &SavedRobot,
+        step: u64,
+        options: Options,
+    ) -> Option<Self> {
+        if saved.spawned > step {
+            return None;
+        }
+        let mut robot =
+            Self::spawn(physics, class, saved.name.clone(), &Pose::identity(), saved.id, saved.spawned, options);
+        let fits = robot.items.len() == saved.sensors.len()
+            && robot.items.iter_mut().zip(&saved.sensors).all(|(item, saved)| item.sensor.load(saved))
+            && robot.closed.len() == saved.closed.len()
+            && robot.drive.is_like(&saved.drive)
+            && robot.bodies.load(&saved.bodies);
+        robot.drive = saved.drive.clone();
+        robot.closed.clone_from(&saved.closed);
+        robot.next_report = robot.report_after(step);
+        fits.then_some(robot)
+    }
+
     pub(super) fn spawn(
         physics: &mut Physics,
         class: Arc<CompiledRobot>,
@@ -62,6 +116,10 @@ impl Robot {
         robot.items = class.def.sensors.iter().enumerate().map(mount).collect();
         robot.next_report = robot.report_after(spawned);
         robot
+    }
+
+    pub(super) fn id(&self) -> RobotId {
+        self.id
     }
 
     pub(super) fn def(&self) -> &RobotDef {
@@ -98,14 +156,14 @@ impl Robot {
         self.options.speed_unit
     }
 
-    /// Whole seconds left. It falls linearly from the second tenth of a second on, and counts as flat when less
+    /// Returns the whole seconds that the battery still lasts. They fall linearly from 0.1 s after the spawn. The battery is flat when less
     /// than one second is left (Battery.uc:45-135).
     pub(super) fn battery_left(&self, time: f64) -> i32 {
         let age = time - self.spawned as f64 * self.options.time_step;
         self.def().battery.map_or(NO_BATTERY, |battery| (battery.life - (age - 0.1).max(0.0)).max(0.0) as i32)
     }
 
-    /// Where it is and what it does now.
+    /// Returns a snapshot of its state.
     pub(super) fn snapshot(&self, physics: &Physics) -> RobotSnapshot {
         RobotSnapshot {
             id: self.id,
@@ -128,9 +186,9 @@ impl Robot {
         self.bodies.set_flight(self.drive.flight());
     }
 
-    /// Sets the targets of joints beside wheels: `SET {Type Joint}` with the opcode `Angle` or `Target`, both in exact case, and
-    /// the name of a link in any case, or `AllAngles` or `AllJoints` (BotConnection.uc:515-544, USARVehicle.uc:274-316).
-    /// Says whether there is one.
+    /// Sets the targets of joints other than wheels: `SET {Type Joint}` with the opcode `Angle` or `Target`, both in exact case, and the name
+    /// of a link in any case, or `AllAngles` or `AllJoints` (BotConnection.uc:515-544, USARVehicle.uc:274-316). Returns true if a joint
+    /// matches.
     fn set_joints(&mut self, set: &Set) -> bool {
         let target = set.numbers().and_then(|numbers| numbers.first().copied());
         let Some(target) = target.filter(|_| matches!(set.opcode.as_str(), "Angle" | "Target")) else { return false };
@@ -138,7 +196,7 @@ impl Robot {
         self.set_targets(target, |name| all || name.eq_ignore_ascii_case(&set.name))
     }
 
-    /// Sets the targets of joints beside wheels by their names, in any case.
+    /// Sets the targets of joints other than wheels by their names, in any case.
     pub(super) fn multi_drive(&mut self, drive: &MultiDrive, problems: &mut Vec<Problem>) {
         for (joint, target) in &drive.targets {
             if !self.set_targets(*target, |name| name.eq_ignore_ascii_case(joint)) {
@@ -148,7 +206,7 @@ impl Robot {
         }
     }
 
-    /// Sets the target of every joint beside wheels whose name fits, and says whether there is one.
+    /// Sets the target of every joint other than a wheel whose name fits. Returns true if there is one.
     fn set_targets(&mut self, target: f64, fits: impl Fn(&str) -> bool) -> bool {
         let joints = self.def().with_values().enumerate();
         let named = joints.filter(|(_, link)| link.wheel.is_none() && fits(&link.name));
@@ -157,7 +215,8 @@ impl Robot {
         !numbers.is_empty()
     }
 
-    /// Delivers a SET to every item that it names, or to joints, and says whether there is one; a scan asked for goes out at once.
+    /// Delivers a SET to the sensors, grippers or joints that it names. Returns the readings of requested scans, which go out at once, and
+    /// true if anything matched.
     pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> (Vec<Message>, bool) {
         if set.type_name == "Joint" {
             return (Vec::new(), self.set_joints(set));
@@ -173,17 +232,18 @@ impl Robot {
         for (number, item) in named {
             found = true;
             let view = view.on_link(bodies, item.def.link);
-            if item.sensor.set(&opcode, set, &view) == Effect::Scan {
-                messages
-                    .extend(item.sensor.sense(&view).map(|reading| Message::Sen(reading.at(time as f32).of(number))));
+            if item.sensor.get_mut().set(&opcode, set, &view) == Effect::Scan {
+                messages.extend(
+                    item.sensor.get_mut().sense(&view).map(|reading| Message::Sen(reading.at(time as f32).of(number))),
+                );
             }
         }
         (messages, found)
     }
 
-    /// Says that no item fits a SET, and which there are.
+    /// Returns the problem of a SET that matches nothing, with a list of the robot's items.
     pub(super) fn no_item(&self, set: &Set) -> Problem {
-        let sensors = self.items.iter().map(|item| format!("{} {}", item.sensor.type_name(), item.def.name));
+        let sensors = self.items.iter().map(|item| format!("{} {}", item.sensor.get().type_name(), item.def.name));
         let grippers = self.def().grippers.iter().map(|gripper| format!("Gripper {}", gripper.name));
         let joints = self.def().with_values().filter(|link| link.wheel.is_none());
         let joints = joints.map(|link| format!("Joint {} (opcode Angle)", link.name));
@@ -191,7 +251,7 @@ impl Robot {
         Problem::NoItem { type_name: shown(&set.type_name), name: shown(&set.name), expected: known.join(", ") }
     }
 
-    /// The sensors, to be changed, beside what they see, which is not.
+    /// Borrows the sensors mutably together with their view, which is read-only.
     fn items_and_view<'a>(
         &'a mut self,
         physics: &'a Physics,
@@ -206,25 +266,26 @@ impl Robot {
         physics.before_step(&mut self.bodies);
     }
 
-    /// Whether it has anything to report at a step.
+    /// True if it has something to report at a step.
     pub(super) fn is_about_to_report(&self, step: u64) -> bool {
         step >= self.next_report
     }
 
-    /// The first step after another in which it has something to report.
+    /// Returns the first step after `step` in which it has something to report.
     fn report_after(&self, step: u64) -> u64 {
         let intervals = self.items.iter().map(|item| item.def.scan_interval).chain([STATUS_INTERVAL]);
         let next = intervals.map(|interval| due_after(step - self.spawned, self.options.time_step, interval)).min();
         next.map_or(u64::MAX, |age| age.saturating_add(self.spawned))
     }
 
-    /// Whether one of its sensors measures at a step.
+    /// True if one of its sensors measures at a step.
     pub(super) fn is_about_to_look(&self, step: u64) -> bool {
         let age = step - self.spawned;
         self.items.iter().any(|item| is_due(age, self.options.time_step, item.def.scan_interval))
     }
 
-    /// Sends what is due at a step: the status, then the sensors in mounting order unless the battery is flat.
+    /// Sends the messages that are due at a step: the status and, unless the battery is flat, actuators, grippers, and sensors in mounting
+    /// order.
     pub(super) fn report(&mut self, physics: &Physics, time: f64, step: u64, mut send: impl FnMut(Message)) {
         let age = step - self.spawned;
         self.next_report = self.report_after(step);
@@ -248,7 +309,7 @@ impl Robot {
         let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
         for (number, item) in items.iter_mut().enumerate().filter(|(_, item)| due(item)) {
             let view = view.on_link(bodies, item.def.link);
-            if let Some(reading) = item.sensor.sense(&view) {
+            if let Some(reading) = item.sensor.get_mut().sense(&view) {
                 send(Message::Sen(reading.at(time as f32).of(number)));
             }
         }
@@ -256,9 +317,9 @@ impl Robot {
 }
 
 impl Item {
-    /// Type and name in any case; an empty name is every item of the type.
+    /// True if type and name match, in any case. An empty name matches every item of the type.
     pub(super) fn matches(&self, type_name: &str, name: &str) -> bool {
-        self.sensor.type_name().eq_ignore_ascii_case(type_name) && is_asked(&self.def.name, name)
+        self.sensor.get().type_name().eq_ignore_ascii_case(type_name) && is_asked(&self.def.name, name)
     }
 }
 
@@ -274,7 +335,7 @@ fn view<'a>(
     View { time, body, carrier: body, wheels, robot, speed_unit: options.speed_unit, physics, id }
 }
 
-/// A name that none of the robot's joints or actuators has.
+/// Returns the problem of a name that none of the robot's joints, actuators or grippers has.
 pub(super) fn unknown<'a>(key: &'static str, got: &str, known: impl Iterator<Item = &'a str> + Clone) -> Problem {
     const NONE: &str = "none: this robot has nothing of the kind";
     let none = known.clone().next().is_none().then_some(NONE);
@@ -287,14 +348,14 @@ fn is_due(age: u64, time_step: f64, interval: f64) -> bool {
     interval > 0.0 && age > 0 && passed(age) > passed(age - 1)
 }
 
-/// The first age after another that is due.
+/// Returns the first age after `age` that is due, in steps since the spawn. `u64::MAX` if there is none.
 fn due_after(age: u64, time_step: f64, interval: f64) -> u64 {
     if interval <= 0.0 {
         return u64::MAX;
     }
     let passed = (age as f64 * time_step / interval + 1e-9).floor();
     let guess = (passed + 1.0) * interval / time_step;
-    // No world gets as old as that.
+    // No world gets that old.
     if guess > 2f64.powi(52) {
         return u64::MAX;
     }
@@ -315,7 +376,7 @@ mod tests {
         assert!(is_due(50, 0.002, 0.1) && !is_due(49, 0.002, 0.1) && !is_due(51, 0.002, 0.1));
     }
 
-    /// What is known of the next report leaves none out.
+    /// `due_after` skips no report.
     #[test]
     fn the_next_report_is_the_next_step_that_is_due() {
         for time_step in [0.001, 0.002, 0.016, 0.02, 0.1] {

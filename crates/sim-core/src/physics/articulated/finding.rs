@@ -1,4 +1,4 @@
-//! What robots in reduced coordinates touch.
+//! Search for contacts of robots in reduced coordinates.
 
 use articulated::Body;
 use nalgebra::{DMatrix, Vector3};
@@ -20,78 +20,80 @@ use super::shape_contact::touches;
 use super::wheel::{RollerTouch, Touch};
 use crate::RobotId;
 
-/// Contacts are looked for over this distance and what a surface does in a step, m.
+/// Distance over which contacts are found, beyond the distance that a surface moves in a step, m.
 const PREDICTION: f64 = 0.001;
-/// Largest distance over which contacts are looked for, m: what moves farther in a step is swept.
+/// Largest distance over which contacts are found, m. A surface that moves farther in a step is swept.
 pub(super) const MAX_PREDICTION: f64 = 0.1;
-/// What does not move is looked for over this distance around a robot, and looked for again when it has left that, m.
+/// Margin around a robot in which fixed colliders are cached, m. The search repeats when the robot leaves it.
 const NEAR: f64 = 0.1;
-/// A roller that stays farther away than this in a step, as it moves now, leaves its surface to a nearer one, m.
+/// Gap beyond which a roller leaves its surface to a nearer one, at the end of the step with the present velocity, m.
 pub(super) const MARGIN: f64 = 1e-6;
-/// Most contacts of two bodies, and of a body with all that does not move; the deepest are kept.
+/// Most contacts of two bodies, and of a body with everything fixed. The deepest are kept.
 const MAX_CONTACTS: [usize; 2] = [32, 128];
-/// In place of the number of a robot that the engine moves: neither a robot's nor an object's.
+/// Id of robots that the engine moves, in contact keys: neither a robot's id nor an object's.
 const OF_ENGINE: u64 = u64::MAX / 2;
-/// Cosine above which two normals are of one surface.
+/// Cosine above which two normals belong to one surface.
 const SAME_SURFACE: f64 = 0.99;
 
-/// What a robot touches with what: a surface of its own, a surface of another or a collider, and which of their touches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Key that recognises a contact in the next step: the robot's surface, the other surface or collider, and the contact's number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Key {
     pub(super) surface: usize,
     other: (Option<u64>, usize),
     number: usize,
 }
 
-/// A touch of a surface of a robot.
+/// A contact of a robot's surface.
+#[derive(Clone)]
 pub(super) struct Found {
     pub(super) key: Key,
     pub(super) second: Second,
     pub(super) touch: Touch,
-    /// Friction, restitution and rolling resistance of the pair.
+    /// Coefficients of the pair: friction, restitution and rolling resistance.
     pub(super) friction: f64,
     pub(super) restitution: f64,
     pub(super) resistance: f64,
 }
 
-/// What is touched.
+/// The other side of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Second {
-    /// Something that does not move.
+    /// A fixed body.
     Fixed,
-    /// A surface of a robot.
+    /// A robot or object, by its number, and its surface.
     Robot(usize, usize),
-    /// A robot that the engine moves, by its number among those that are touched, and its link.
+    /// A robot of the engine, by its number among those touched, and its link.
     OfEngine(usize, usize),
 }
 
-/// A robot that the engine moves and others touch.
+/// A robot of the engine in contact with robots in reduced coordinates.
 pub(super) struct OfEngine {
     pub(super) links: Vec<RigidBodyHandle>,
     pub(super) body: Body,
-    /// What it gets of it: which link, where and how much.
+    /// Impulses on it: link, point and impulse.
     pub(super) reactions: Vec<(usize, Vector3<f64>, Vector3<f64>)>,
 }
 
-/// A surface where it is.
+/// A surface at its current pose.
+#[derive(Clone)]
 pub(super) struct Placed {
     pub(super) pose: EnginePose,
     pub(super) around: Aabb,
-    /// Distance that its points may move in a step, and a little more, m.
+    /// Distance over which contacts are found, m: the most that its points move in a step, and a margin.
     prediction: f64,
-    /// Way of its middle in a step, m.
+    /// Motion of its centre in a step, m.
     motion: Vector3<f64>,
 }
 
 impl Key {
-    /// The robot or object that is touched, if it is one in reduced coordinates.
+    /// Returns the id of the other robot or object, if it is in reduced coordinates.
     pub(super) fn body(&self) -> Option<RobotId> {
         self.other.0.map(RobotId).filter(|id| id.0 != OF_ENGINE)
     }
 }
 
 impl ArticulatedRobot {
-    /// Works out where its surfaces are, and which of them touch what does not move.
+    /// Updates the bounds of the surfaces, the contacts with fixed bodies and the fault.
     pub(super) fn look_around(&mut self, world: &PhysicsWorld, materials: &Materials, time_step: f64) {
         self.standing.is_known = true;
         let is_finite = self.body.is_finite();
@@ -103,7 +105,7 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Has it look anew for what is near: something came or left.
+    /// Drops the cached neighbours, as a robot came or left.
     pub(super) fn forget_near(&mut self) {
         self.near = None;
         self.standing.is_known = false;
@@ -117,7 +119,7 @@ impl ArticulatedRobot {
             let frame = &frames[surface.link];
             let pose = convert::pose(&link_pose(body, surface.link)) * surface.pose;
             let arm = frame.rotation * surface.middle;
-            // Its own turning brings a wheel nowhere.
+            // A wheel's own turning does not move its outline.
             let (velocity, speed) = if surface.form == Form::Solid {
                 let velocity = frame.linear + frame.angular.cross(&arm);
                 (velocity, velocity.norm() + frame.angular.norm() * surface.half.norm())
@@ -136,7 +138,7 @@ impl ArticulatedRobot {
         self.standing.around = placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other));
     }
 
-    /// A box around all of them; `None` without any.
+    /// Returns a box around all surfaces, or `None` without surfaces.
     pub(super) fn around(&self) -> Option<Aabb> {
         self.standing.around
     }
@@ -182,8 +184,8 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Adds the contacts of one of its surfaces with a shape at a pose, towards which it moves by `motion` in the step, m. One that moves far
-    /// is swept.
+    /// Adds the contacts of a surface with a shape at a pose. `motion` is the surface's motion towards the shape in the step, m. A surface
+    /// that moves far is swept.
     #[allow(clippy::too_many_arguments)]
     fn meet(
         &self,
@@ -214,7 +216,7 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Adds the contacts of one of its surfaces at a pose with a shape at another.
+    /// Adds the contacts of a surface at a pose with a shape at another.
     fn meet_at(
         &self,
         surface: &Surface,
@@ -236,8 +238,8 @@ impl ArticulatedRobot {
         }));
     }
 
-    /// Takes out rollers that hand their load over. Where one follows the next, both share the load only while both press; that the
-    /// wheel turns does not bring the next one nearer: it comes down where the last leaves, on the same circle.
+    /// Drops the contacts of rollers that leave the load to the next roller. Two rollers share the load only while both press. The wheel's
+    /// turning brings no roller nearer: the next one lands where the last leaves, on the same circle.
     pub(super) fn hand_over(&mut self, time_step: f64) {
         let Self { found, made_of, body, .. } = self;
         if found.iter().all(|it| it.touch.roller.is_none()) {
@@ -263,7 +265,7 @@ impl ArticulatedRobot {
     }
 }
 
-/// Adds the robots of the engine that a robot touches; says which, by their numbers.
+/// Adds the contacts of a robot with robots of the engine. Returns the numbers of the latter.
 pub(super) fn touch_engine(
     world: &PhysicsWorld,
     materials: &Materials,
@@ -302,7 +304,7 @@ pub(super) fn touch_engine(
     touched
 }
 
-/// Keeps so many contacts of the least gap.
+/// Keeps at most `most` contacts, those with the smallest gaps.
 fn keep_deepest<T>(found: &mut Vec<T>, most: usize, gap: impl Fn(&T) -> f64) {
     if found.len() > most {
         found.sort_by(|one, other| gap(one).total_cmp(&gap(other)));
@@ -319,7 +321,7 @@ struct Other<'a> {
     second: Second,
 }
 
-/// Adds the contacts of two bodies, by their numbers, each with the body whose surface it is. A sleeping body has none.
+/// Adds the contacts of two bodies, given by number, each with the body whose surface finds it. That body is never a sleeping one.
 pub(super) fn touch_each_other(
     robots: &[&mut ArticulatedRobot],
     (one, other): (usize, usize),
@@ -332,7 +334,7 @@ pub(super) fn touch_each_other(
             if !own_at.around.intersects(&its_at.around) {
                 continue;
             }
-            // Wheels and balls have a geometry of their own, so they are the ones that touch. Objects, which may sleep, have none.
+            // Wheels and balls have a geometry of their own, so their surfaces come first. Objects, which may sleep, have no such surfaces.
             let rank = |robot: usize, index: usize| robots[robot].made_of.surfaces[index].form.rank();
             let is_first = rank(one, own_index) >= rank(other, its_index) && !is_asleep[one];
             let ((first, index, at), (second, its_index, its_at)) = if is_first {
@@ -355,7 +357,7 @@ pub(super) fn touch_each_other(
 }
 
 impl Form {
-    /// Of two that touch the higher one says how.
+    /// Returns the precedence of a form. In a pair the surface of the higher rank finds the contacts.
     fn rank(self) -> u32 {
         match self {
             Self::Solid => 0,
@@ -366,7 +368,7 @@ impl Form {
     }
 }
 
-/// What two materials do to each other.
+/// Coefficients of a pair of materials.
 struct Pair {
     friction: f64,
     restitution: f64,
@@ -376,11 +378,11 @@ struct Pair {
 impl Pair {
     fn of(one: &Material, other: &Material) -> Self {
         let (friction, restitution) = one.pair(other);
-        Self { friction, restitution, resistance: one.rolling_resistance + other.rolling_resistance }
+        Self { friction, restitution, resistance: one.pair_rolling_resistance(other) }
     }
 }
 
-/// Adds what was met as touches of a pair, whose key is that of the first.
+/// Turns the contacts found for a pair into `Found` entries. Their keys differ from `key` in the contact's number.
 fn add(met: &mut Vec<Touch>, key: Key, second: Second, pair: &Pair, found: &mut Vec<Found>) {
     let &Pair { friction, restitution, resistance } = pair;
     found.extend(met.drain(..).enumerate().map(|(number, touch)| Found {
@@ -394,7 +396,7 @@ fn add(met: &mut Vec<Touch>, key: Key, second: Second, pair: &Pair, found: &mut 
 }
 
 impl OfEngine {
-    /// A robot of the engine as its contacts feel it in the coming step. `None` before its first.
+    /// Builds the body of a robot of the engine as its contacts see it in the coming step. `None` before the robot's first step.
     fn new(world: &PhysicsWorld, handle: RigidBodyHandle) -> Option<Self> {
         let index = world.multibody_joints.rigid_body_link(handle)?.multibody;
         let multibody = world.multibody_joints.get_multibody(index)?;
@@ -420,7 +422,7 @@ impl OfEngine {
         });
         let twists: Vec<Vec<[Vector3<f64>; 2]>> = twists.collect();
         let mut velocity: Vec<f64> = multibody.generalized_velocity().iter().copied().collect();
-        // What is free falls; what stands on the ground is held by its own contacts, which come after these.
+        // A free robot falls. One on the ground is held by its own contacts, which the engine solves later.
         let fall = convert::from_vector(world.gravity) * world.integration_parameters.dt;
         let is_free = multibody.root().joint().ndofs() == 6;
         velocity.iter_mut().zip(&fall).filter(|_| is_free).for_each(|(speed, fall)| *speed += fall);

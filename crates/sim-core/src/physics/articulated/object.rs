@@ -1,7 +1,7 @@
-//! The map's objects: free bodies, solved with the robots that touch them. One at rest sleeps.
+//! The map's objects: free bodies, solved with the robots that touch them. An object at rest falls asleep.
 //!
-//! A sleeping object is no body of a system: what touches it meets something that does not move. It wakes when its neighbours push it
-//! differently than in the step in which it fell asleep.
+//! A sleeping object is not part of a system: to its neighbours it is a fixed body. It wakes when their push differs from that in the step
+//! in which it fell asleep.
 
 use std::sync::Arc;
 
@@ -20,36 +20,38 @@ use crate::RobotId;
 
 /// Speed of the fastest point below which an object is at rest, m/s.
 const REST_SPEED: f64 = 1e-3;
-/// Time at rest after which it sleeps, s.
+/// Time at rest after which an object sleeps, s.
 const REST_TIME: f64 = 0.1;
-/// Change of the impulse on a sleeping object that wakes it, as part of its weight.
+/// Change of the impulse on a sleeping object that wakes it, as a share of its weight's impulse in a step.
 const WAKING_SHARE: f64 = 0.05;
-/// More than a map can have: identities behind are robots'.
+/// Bound on the number of objects. It separates their ids, which count down, from robots' ids.
 const MAX_OBJECTS: usize = 1 << 32;
-/// Least impulse that wakes it without gravity, as a velocity, m/s.
+/// Least change that wakes an object if there is no gravity, as a velocity, m/s.
 const WAKING_SPEED: f64 = 1e-5;
 
 /// An object of the map in a world.
+#[derive(Clone)]
 pub(in super::super) struct MapObject {
     /// Pose in the map.
     start: Pose,
     pub(super) body: Box<ArticulatedRobot>,
-    /// Time that it has been at rest, s.
-    still: f64,
-    /// Its sleep, if it sleeps.
-    sleep: Option<Sleep>,
-    /// True if the engine has its shape where it is.
-    is_entered: bool,
+    /// Time at rest, s.
+    pub(super) still: f64,
+    /// State of the sleep, `None` if awake.
+    pub(super) sleep: Option<Sleep>,
+    /// True if the engine's shape is at the pose at which the object sleeps.
+    pub(super) is_entered: bool,
 }
 
 /// The state of a sleeping object.
-struct Sleep {
-    /// Neighbours with the impulses that they gave it in the step in which it fell asleep, N s.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(super) struct Sleep {
+    /// Neighbours, with their impulses on the object in the step in which it fell asleep, N s.
     neighbours: Vec<(RobotId, Vector3<f64>)>,
 }
 
 impl Articulated {
-    /// Compiles something rigid that is free.
+    /// Compiles a rigid free body.
     pub(in super::super) fn of_object(seen: Seen, mass: f64, material: &scene::Material) -> Self {
         let (shape, _) = seen.placed();
         let mut properties = shape.mass_properties(1.0);
@@ -57,8 +59,8 @@ impl Articulated {
         let inertia = properties.reconstruct_inertia_matrix().to_cols_array_2d().into();
         let centre = convert::from_vector(properties.local_com);
         let root = Link::new(0, Joint::Free, Vector3::zeros(), Mass { mass, centre, inertia });
-        let damping = material.angular_damping * (inertia.trace() / 3.0);
-        let tree = Tree::new(vec![Link { damping, linear_damping: material.linear_damping * mass, ..root }]);
+        let [linear_damping, damping] = material.damping(mass, &inertia);
+        let tree = Tree::new(vec![Link { damping, linear_damping, ..root }]);
         let surface = Surface::new(0, Form::Solid, material, seen, None);
         Self {
             tree: Arc::new(tree),
@@ -75,37 +77,37 @@ impl Articulated {
 }
 
 impl MapObject {
-    /// Puts an object of a number where the map has it.
+    /// Spawns an object at its pose in the map. `number` is its number there.
     pub(in super::super) fn spawn(world: &mut PhysicsWorld, object: &CompiledObject, number: u32) -> Self {
         let body = RigidBodyBuilder::kinematic_position_based().pose(convert::pose(&object.pose));
         let in_engine = world.insert_body(body);
         let surface = object.surface.collider(Identity::Object(number)).solver_groups(InteractionGroups::none());
         let collider = world.insert_collider(surface, Some(in_engine));
-        // Robots count up from 0.
+        // Objects count down from the largest id, robots up from 0.
         let id = RobotId(u64::MAX - u64::from(number));
         let in_engine = vec![(in_engine, vec![(collider, 0)])];
         let body = ArticulatedRobot::at_rest(object.made_of.clone(), id, &object.pose, in_engine);
         Self { start: object.pose, body: Box::new(body), still: 0.0, sleep: None, is_entered: false }
     }
 
-    /// Pose of its frame.
+    /// Returns the pose of the object's frame.
     pub(in super::super) fn pose(&self) -> Pose {
         *self.body.body.pose()
     }
 
-    /// Pose and velocity as numbers.
+    /// Returns pose and velocity as numbers.
     pub(in super::super) fn numbers(&self) -> Vec<f64> {
         self.body.numbers()
     }
 
-    /// Tells the engine its pose at the end of the engine's coming step.
+    /// Tells the engine the pose at the end of its coming step.
     pub(in super::super) fn lead_engine(&self, world: &mut PhysicsWorld) {
         if self.sleep.is_none() {
             self.body.lead_engine(world);
         }
     }
 
-    /// Moves the engine's shape to where it is.
+    /// Moves the engine's shape to the object's pose.
     pub(in super::super) fn enter_queries(&mut self, world: &mut PhysicsWorld) {
         if !self.is_entered {
             self.body.enter_queries(world);
@@ -113,7 +115,7 @@ impl MapObject {
         }
     }
 
-    /// Puts an object whose state is a fault back where the map has it, at rest. Returns the fault.
+    /// Puts an object whose state is a fault back to its pose in the map, at rest. Returns the fault.
     pub(in super::super) fn restore(&mut self) -> Option<Fault> {
         if self.sleep.is_some() {
             return None;
@@ -124,12 +126,12 @@ impl MapObject {
         Some(fault)
     }
 
-    /// The number of the object that has an identity among robots.
+    /// Returns the number of the object with an id, or `None` for a robot's id.
     pub(super) fn number_of(id: RobotId) -> Option<usize> {
         usize::try_from(u64::MAX - id.0).ok().filter(|&number| number < MAX_OBJECTS)
     }
 
-    /// True if it has to know the impulses on it in a step: it sleeps or may fall asleep.
+    /// True if the object needs the impulses on it in this step: it sleeps or may fall asleep.
     pub(super) fn is_listening(&self, time_step: f64) -> bool {
         self.sleep.is_some() || self.still + time_step > REST_TIME
     }
@@ -143,7 +145,7 @@ impl MapObject {
         self.body.forget_near();
     }
 
-    /// Lets it fall asleep after a step in which neighbours gave it impulses, N s, if it has been at rest for long.
+    /// Updates the time at rest after a step, and lets the object fall asleep. `neighbours` are the impulses on it, N s.
     pub(super) fn note_rest(&mut self, neighbours: Vec<(RobotId, Vector3<f64>)>, time_step: f64) {
         let BodyState { linear, angular, .. } = self.body.state();
         let surface = &self.body.made_of.surfaces[0];
@@ -156,7 +158,7 @@ impl MapObject {
         }
     }
 
-    /// True if its awake neighbours push it differently than when it fell asleep. `impulses` are theirs in this step, N s.
+    /// True if awake neighbours push the object differently than when it fell asleep. `impulses` are theirs in this step, N s.
     pub(super) fn is_disturbed(
         &self,
         impulses: &[(RobotId, Vector3<f64>)],

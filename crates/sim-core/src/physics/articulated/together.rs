@@ -1,7 +1,7 @@
-//! A step of all robots in reduced coordinates and of the map's objects.
+//! One step of all robots in reduced coordinates and of the map's objects.
 //!
-//! Bodies that touch each other are one system, whatever their order; the others are solved each by itself, on as many threads as there
-//! are. At their new poses each finds its contacts with what does not move, for the next step.
+//! Bodies that touch each other are one system, whatever their order. Systems are solved on all threads. At their new poses the bodies find
+//! their contacts with fixed bodies for the next step.
 
 use articulated::{Body, Contact, JointRow, Side};
 use nalgebra::Vector3;
@@ -21,9 +21,9 @@ use crate::threads::{Threads, in_parts};
 const TOGETHER: usize = 2;
 /// Batch size of the search for contacts between bodies, pairs per task.
 const PAIRS: usize = 8;
-/// Parts in which systems are handed to threads at most.
+/// Largest number of parts into which systems are divided for the threads.
 const PARTS: usize = 64;
-/// Bodies of a system up to which its thread also finds their next contacts, while they are in its cache.
+/// Largest system whose next contacts are found by the thread that solved it, while its bodies are in the cache.
 const SMALL: usize = 4;
 
 /// Scratch buffers that one thread reuses between systems.
@@ -33,20 +33,20 @@ pub(in super::super) struct Room {
     joints: Vec<JointRow>,
     workspace: articulated::Workspace,
     cost: Cost,
-    /// Impulses on objects that listen.
+    /// Impulses on objects that need to know them.
     pushes: Vec<Push>,
 }
 
 /// The cost of a step's systems.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in super::super) struct Cost {
-    /// Systems that did not settle.
+    /// Systems that did not converge.
     pub(in super::super) unsettled: u64,
     /// Multiplications of systems of several bodies, roughly.
     pub(in super::super) work: u64,
 }
 
-/// An impulse on an object of a number, N s, by a body.
+/// An impulse on an object, N s, and the body that gave it.
 #[derive(Clone, Copy)]
 struct Push {
     object: usize,
@@ -59,12 +59,12 @@ struct Push {
 pub(in super::super) struct Surroundings<'a> {
     pub(in super::super) materials: &'a Materials,
     pub(in super::super) robots_of_engine: usize,
-    /// True if something came or left since the last step.
+    /// True if a robot came or left since the last step.
     pub(in super::super) is_changed: bool,
     pub(in super::super) threads: &'a dyn Threads,
 }
 
-/// Two bodies by their numbers whose boxes overlap, and their contacts: each with the body whose surface it is.
+/// Two bodies, by number, whose boxes overlap, and their contacts, each with the body of its first surface.
 struct Pair {
     bodies: (usize, usize),
     found: Vec<(usize, Found)>,
@@ -119,7 +119,7 @@ pub(in super::super) fn solve<'a>(
     let step = Step { robots: robots.len(), listening: &listening, gravity, time_step };
     let mut members = members(robots, &mut of_engine, &touching, &is_asleep);
     let mut groups: Vec<&mut [Member]> = members.chunk_by_mut(|one, other| one.group == other.group).collect();
-    // No group is left in a step in which all objects sleep.
+    // A step in which all objects sleep has no groups.
     let size = groups.len().div_ceil(PARTS).max(1);
     rooms.resize_with(PARTS, Room::default);
     let mut parts: Vec<(&mut [&mut [Member]], &mut Room)> = groups.chunks_mut(size).zip(rooms.iter_mut()).collect();
@@ -162,7 +162,7 @@ fn look_around<'a>(
     });
 }
 
-/// Lets objects fall asleep, and wakes those whose neighbours push them differently. `pushes` are in the order of the objects.
+/// Lets objects fall asleep, and wakes those whose neighbours push differently. `pushes` are in the order of the objects.
 fn rest(objects: &mut [MapObject], was_asleep: &[bool], mut pushes: &[Push], gravity: f64, time_step: f64) {
     let mut own = |number: usize| {
         let (own, others) = pushes.split_at(pushes.partition_point(|push| push.object <= number));
@@ -185,8 +185,8 @@ fn rest(objects: &mut [MapObject], was_asleep: &[bool], mut pushes: &[Push], gra
     }
 }
 
-/// Gives an impulse to a link of a robot of the engine. It has its velocity from the multibody, and an impulse on it is lost: it gets a
-/// force for one step.
+/// Applies an impulse to a link of a robot of the engine, as a force for one step. An impulse would be lost, as the link's velocity comes
+/// from the multibody.
 fn react(world: &mut PhysicsWorld, handle: RigidBodyHandle, point: Vector3<f64>, impulse: Vector3<f64>) {
     let time_step = world.integration_parameters.dt;
     if let Some(link) = world.bodies.get_mut(handle) {
@@ -194,7 +194,7 @@ fn react(world: &mut PhysicsWorld, handle: RigidBodyHandle, point: Vector3<f64>,
     }
 }
 
-/// Finds the contacts between bodies of which one is awake.
+/// Finds the contacts between bodies, of which at least one is awake.
 fn find_pairs(robots: &[&mut ArticulatedRobot], is_asleep: &[bool], threads: &dyn Threads) -> Vec<Pair> {
     let pair = |bodies| Pair { bodies, found: Vec::new() };
     let mut pairs: Vec<Pair> = near_each_other(robots, is_asleep).into_iter().map(pair).collect();
@@ -206,7 +206,7 @@ fn find_pairs(robots: &[&mut ArticulatedRobot], is_asleep: &[bool], threads: &dy
     pairs
 }
 
-/// Finds pairs of bodies, by their numbers, whose boxes overlap and of which one is awake.
+/// Finds pairs of bodies, by number, whose boxes overlap and of which at least one is awake.
 fn near_each_other(robots: &[&mut ArticulatedRobot], is_asleep: &[bool]) -> Vec<(usize, usize)> {
     if robots.len() < 2 {
         return Vec::new();
@@ -215,7 +215,7 @@ fn near_each_other(robots: &[&mut ArticulatedRobot], is_asleep: &[bool]) -> Vec<
     let mut boxes: Vec<(usize, Aabb)> = boxes.collect();
     let axis = longest_axis(&boxes);
     boxes.sort_by(|(_, one), (_, other)| one.mins[axis].total_cmp(&other.mins[axis]));
-    // Sleeping ones alone are looked for before an awake one, too.
+    // The sweep starts at awake bodies, so it looks for sleeping ones in both directions.
     let reach = boxes.iter().filter(|(number, _)| is_asleep[*number]);
     let reach = reach.map(|(_, around)| around.maxs[axis] - around.mins[axis]).fold(0.0, f64::max);
     let mut pairs = Vec::new();
@@ -230,7 +230,7 @@ fn near_each_other(robots: &[&mut ArticulatedRobot], is_asleep: &[bool]) -> Vec<
     pairs
 }
 
-/// Finds the axis along which boxes are spread most: fewest overlap there.
+/// Finds the axis along which boxes are spread most. The fewest overlap there.
 fn longest_axis(boxes: &[(usize, Aabb)]) -> usize {
     let spread = |axis: usize| {
         let ends = boxes.iter().map(|(_, around)| around.mins[axis]);
@@ -241,9 +241,9 @@ fn longest_axis(boxes: &[(usize, Aabb)]) -> usize {
     if spread(1) > spread(0) { 1 } else { 0 }
 }
 
-/// What takes part in a step.
+/// A body that takes part in a step.
 struct Member<'a> {
-    /// The number of the first of those that it touches, or that they touch.
+    /// Lowest number in the group of bodies that are connected by contacts.
     group: usize,
     number: usize,
     is: Is<'a>,
@@ -254,15 +254,14 @@ enum Is<'a> {
     OfEngine(&'a mut OfEngine),
 }
 
-/// Collects all bodies that are awake, those that touch each other together; `touching` has their numbers, the engine's bodies behind the
-/// robots.
+/// Collects all awake bodies, grouped by contact. `touching` has pairs of their numbers, with the engine's bodies behind the robots.
 fn members<'a>(
     robots: Vec<&'a mut ArticulatedRobot>,
     of_engine: &'a mut [OfEngine],
     touching: &[(usize, usize)],
     is_asleep: &[bool],
 ) -> Vec<Member<'a>> {
-    // Each points to one that it touches, or that they touch, of a lower number.
+    // Union-find: each body points to one of its group with a lower number.
     let mut lower: Vec<usize> = (0..robots.len() + of_engine.len()).collect();
     let lowest = |lower: &mut [usize], mut body: usize| {
         while lower[body] != body {
@@ -287,7 +286,7 @@ fn members<'a>(
 }
 
 impl Second {
-    /// Its number among all that take part, robots first; `None` of what does not move.
+    /// Returns the number among all bodies, robots first, or `None` for a fixed body.
     fn number(self, robots: usize) -> Option<usize> {
         match self {
             Self::Fixed => None,
@@ -322,14 +321,14 @@ impl Member<'_> {
 struct Step<'a> {
     /// Number of robots and objects.
     robots: usize,
-    /// True for objects that need to know what pushes them.
+    /// True for objects that need the impulses on them.
     listening: &'a [bool],
     gravity: Vector3<f64>,
     time_step: f64,
 }
 
 impl Step<'_> {
-    /// Moves a group on by the step, and notes what pushed it.
+    /// Advances a group by one step, and records its contacts.
     fn solve(self, group: &mut [Member], room: &mut Room) {
         let Room { contacts, joints, workspace, cost, pushes } = room;
         contacts.clear();
@@ -339,7 +338,7 @@ impl Step<'_> {
             let Some(robot) = group[body].robot() else { continue };
             robot.before_step(self.gravity, self.time_step);
             robot.hand_over(self.time_step);
-            // The second of a touch is another member.
+            // The other side of a contact may be another member.
             let found = std::mem::take(&mut robot.found);
             for it in &found {
                 let second = self.side(it.second, group);
@@ -403,51 +402,49 @@ impl Step<'_> {
         }
     }
 
-    /// Computes the energy of a group before a step, J, if one of its bodies is fast. Flying robots have velocities given to them, and a
-    /// base that follows its commands takes what it needs.
+    /// Computes the energy of a group before a step, J, if one of its bodies is fast. `None` for groups with flying robots or bases that
+    /// follow their commands: their velocities are imposed.
     fn watched_energy(self, group: &mut [Member]) -> Option<f64> {
         let mut robots = group.iter_mut().filter_map(Member::robot);
-        let is_watched = robots.any(|robot| robot.is_fast(self.time_step));
+        if !robots.any(|robot| robot.is_fast(self.time_step)) {
+            return None;
+        }
         let mut robots = group.iter_mut().filter_map(Member::robot);
         let is_given = robots.any(|robot| robot.flies || robot.made_of.following.is_some());
-        (is_watched && !is_given).then(|| self.energy(group))
+        (!is_given).then(|| self.energy(group).iter().sum())
     }
 
-    /// Computes the energy of a group's motion and height, J.
-    fn energy(self, group: &mut [Member]) -> f64 {
-        let robots = group.iter_mut().filter_map(Member::robot);
-        robots
-            .map(|robot| {
-                let height = -self.gravity.dot(&robot.body.centre()) * robot.made_of.mass;
-                robot.body.kinetic_energy() + height
-            })
-            .sum()
+    /// Computes the kinetic and the potential energy of a group, J.
+    fn energy(self, group: &mut [Member]) -> [f64; 2] {
+        group.iter_mut().filter_map(Member::robot).fold([0.0; 2], |[motion, height], robot| {
+            let weight = self.gravity * robot.made_of.mass;
+            [motion + robot.body.kinetic_energy(), height - weight.dot(&robot.body.centre())]
+        })
     }
 
-    /// Slows a group down that has gained more energy in a step than its servos can have given: a step turns what is fast along the
-    /// tangent, which gains a part of the square of its angle.
+    /// Slows a group that gained more energy in a step than its servos can have supplied. A step moves along the tangent, which gains
+    /// energy with the square of the angle.
     fn limit_energy(self, group: &mut [Member], before: f64) {
-        let after = self.energy(group);
-        let moving: f64 = group.iter_mut().filter_map(Member::robot).map(|robot| robot.body.kinetic_energy()).sum();
+        let [motion, height] = self.energy(group);
         let work: f64 = group.iter_mut().filter_map(Member::robot).map(|robot| robot.servo_work(self.time_step)).sum();
-        let gained = after - before - work;
-        if gained > 0.0 && moving > 0.0 {
-            let share = ((moving - gained).max(0.0) / moving).sqrt();
+        let gained = motion + height - before - work;
+        if gained > 0.0 && motion > 0.0 {
+            let share = ((motion - gained).max(0.0) / motion).sqrt();
             group.iter_mut().filter_map(Member::robot).for_each(|robot| robot.slow_down(share));
         }
     }
 
-    /// Notes an impulse on an object that listens.
+    /// Records an impulse on an object, if the object needs it.
     fn note_push(self, pushed: RobotId, by: RobotId, impulse: Vector3<f64>, pushes: &mut Vec<Push>) {
         if let Some(object) = MapObject::number_of(pushed).filter(|&object| self.listening.get(object) == Some(&true)) {
             pushes.push(Push { object, by, impulse });
         }
     }
 
-    /// The side of a member of a group that is touched; `None` of what does not move.
+    /// Returns the side of the member that a contact touches, or `None` for a fixed or sleeping body.
     fn side(self, second: Second, group: &[Member]) -> Option<Side> {
         let number = second.number(self.robots)?;
-        // Members of a group are in the order of their numbers. One that sleeps is of none.
+        // Members of a group are in the order of their numbers. Sleeping bodies are in no group.
         let body = group.binary_search_by_key(&number, |member| member.number).ok()?;
         let link = match (&group[body].is, second) {
             (Is::Robot(robot), Second::Robot(_, surface)) => robot.made_of.surfaces[surface].link,

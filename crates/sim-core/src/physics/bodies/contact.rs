@@ -1,4 +1,4 @@
-//! Contacts of a robot as the engine solved them.
+//! Contacts of a robot, with the engine's solution.
 
 use rapier3d::geometry::ContactData;
 use rapier3d::prelude::*;
@@ -10,7 +10,7 @@ use super::super::surface::Materials;
 use super::MultibodyRobot;
 
 impl MultibodyRobot {
-    /// Contacts of its chassis and its wheels in the last step, each with its wheel's number.
+    /// Returns the contacts of the chassis and the wheels in the last step, each with its wheel's number.
     pub(in super::super) fn contacts(&self, world: &PhysicsWorld) -> Vec<(Option<usize>, Contact)> {
         let chassis = world.bodies.get(self.links[0]).map_or(&[][..], RigidBody::colliders);
         let wheels = self.treads.iter().enumerate().map(|(number, tread)| (Some(number), tread.as_slice()));
@@ -20,7 +20,7 @@ impl MultibodyRobot {
     }
 }
 
-/// Contacts of some colliders.
+/// Returns the contacts of some colliders.
 fn contacts(world: &PhysicsWorld, colliders: &[ColliderHandle]) -> Vec<Contact> {
     let time_step = world.integration_parameters.dt;
     let mut contacts = Vec::new();
@@ -45,15 +45,15 @@ fn contacts(world: &PhysicsWorld, colliders: &[ColliderHandle]) -> Vec<Contact> 
     contacts
 }
 
-/// The load on the colliders of a wheel.
+/// Computes the load on the colliders of a wheel.
 pub(super) fn load(world: &PhysicsWorld, materials: &Materials, wheel: &[ColliderHandle]) -> Load {
     let mut load = Load::default();
     for &own in wheel {
         for pair in world.narrow_phase.contact_pairs_with(own).filter(|pair| pair.has_any_active_contact()) {
             let (sign, other) = if pair.collider1 == own { (-1.0, pair.collider2) } else { (1.0, pair.collider1) };
-            // A collider that left since the last step is listed until the next, and holds nothing.
+            // A removed collider is listed until the next step, and carries nothing.
             let (Some(own), Some(other)) = (world.colliders.get(own), world.colliders.get(other)) else { continue };
-            let coefficient = materials.of(own).rolling_resistance + materials.of(other).rolling_resistance;
+            let coefficient = materials.of(own).pair_rolling_resistance(materials.of(other));
             let push = |manifold: &ContactManifold| {
                 manifold.data.normal * solved(manifold).map(|data| data.impulse).sum::<Real>()
             };
@@ -65,8 +65,8 @@ pub(super) fn load(world: &PhysicsWorld, materials: &Materials, wheel: &[Collide
     load
 }
 
-/// The contacts of a manifold that the last step solved for. The engine chooses four of its points at most; the others
-/// keep the impulses that they had when they were last chosen, which its own sums count in.
+/// Returns the contacts of a manifold that the last step solved. The engine chooses at most four of its points. The others keep the
+/// impulses of their last solution, which the engine's own sums include.
 fn solved(manifold: &ContactManifold) -> impl Iterator<Item = &ContactData> {
     let chosen = |index: usize| {
         let mut contacts = manifold.data.solver_contacts.iter();

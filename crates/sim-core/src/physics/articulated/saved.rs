@@ -1,0 +1,95 @@
+//! The state of a tree and of a map's object as plain data.
+
+use articulated::Motion;
+use nalgebra::Vector3;
+use scene::Contact;
+use serde::{Deserialize, Serialize};
+
+use super::super::motor::Servo;
+use super::super::rolling::Load;
+use super::finding::Key;
+use super::object::Sleep;
+use super::{ArticulatedRobot, MapObject};
+
+/// The state of a tree at the end of a step, as far as later steps depend on it or viewers show it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SavedTree {
+    motion: Motion,
+    servos: Vec<Servo>,
+    targets: Vec<f64>,
+    roller_angles: Vec<Vec<f64>>,
+    joint_impulses: Vec<f64>,
+    loads: Vec<Load>,
+    resistances: Vec<Vector3<f64>>,
+    contacts: Vec<(Option<usize>, Contact)>,
+    flies: bool,
+    known: Vec<(Key, Vector3<f64>)>,
+}
+
+/// The state of an object of the map.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SavedObject {
+    tree: SavedTree,
+    still: f64,
+    sleep: Option<Sleep>,
+}
+
+impl ArticulatedRobot {
+    /// Returns the state.
+    pub(in super::super) fn save(&self) -> SavedTree {
+        SavedTree {
+            motion: self.body.motion(),
+            servos: self.servos.clone(),
+            targets: self.targets.clone(),
+            roller_angles: self.roller_angles.clone(),
+            joint_impulses: self.joint_impulses.clone(),
+            loads: self.loads.clone(),
+            resistances: self.resistances.clone(),
+            contacts: self.contacts.clone(),
+            flies: self.flies,
+            known: self.known.clone(),
+        }
+    }
+
+    /// Takes a saved state. Returns false, and changes nothing, if the state is another tree's.
+    pub(in super::super) fn load(&mut self, saved: &SavedTree) -> bool {
+        let rollers = |angles: &[Vec<f64>]| angles.iter().map(Vec::len).collect::<Vec<_>>();
+        let is_like = saved.servos.len() == self.servos.len()
+            && saved.targets.len() == self.targets.len()
+            && rollers(&saved.roller_angles) == rollers(&self.roller_angles)
+            && saved.loads.len() == self.loads.len()
+            && saved.resistances.len() == self.resistances.len()
+            && saved.contacts.iter().all(|(wheel, _)| wheel.is_none_or(|wheel| wheel < self.loads.len()));
+        let fits = is_like && self.body.set_motion(&saved.motion);
+        if fits {
+            let saved = saved.clone();
+            self.servos = saved.servos;
+            self.targets = saved.targets;
+            self.roller_angles = saved.roller_angles;
+            self.joint_impulses = saved.joint_impulses;
+            self.loads = saved.loads;
+            self.resistances = saved.resistances;
+            self.contacts = saved.contacts;
+            self.flies = saved.flies;
+            self.known = saved.known;
+            self.forget_near();
+        }
+        fits
+    }
+}
+
+impl MapObject {
+    /// Returns the state.
+    pub(in super::super) fn save(&self) -> SavedObject {
+        SavedObject { tree: self.body.save(), still: self.still, sleep: self.sleep.clone() }
+    }
+
+    /// Takes a saved state. Returns false, and changes nothing, if the state is another object's.
+    pub(in super::super) fn load(&mut self, saved: &SavedObject) -> bool {
+        let fits = self.body.load(&saved.tree);
+        if fits {
+            (self.still, self.sleep, self.is_entered) = (saved.still, saved.sleep.clone(), false);
+        }
+        fits
+    }
+}

@@ -1,0 +1,190 @@
+//! A copy of a world, and a world that was saved and loaded, go on as the world does. Neither disturbs the other.
+
+use gamebots_proto::Dialect;
+use scene::{DriveModel, WorldDef};
+use sim_core::{LoadError, RobotId, SaveError, SavedWorld, World};
+use system_tests::{apply, busy_scene, busy_world, init, world};
+
+/// Steps for which a world and its copy are compared.
+const STEPS: usize = 60;
+
+/// Advances by one step. Returns the digest and every line.
+fn step(world: &mut World) -> (u64, Vec<String>) {
+    let messages = world.step();
+    let lines = messages.into_iter().map(|(id, message)| format!("{id:?} {}", message.write(Dialect::Udk)));
+    (world.digest(), lines.collect())
+}
+
+/// Compares a world with its copy over the coming steps.
+#[track_caller]
+fn check_alike(world: &mut World, copy: &mut World, name: &str) {
+    for number in 0..STEPS {
+        let (own, its) = (step(world), step(copy));
+        assert_eq!(own.0, its.0, "{name}: digest of step {number} after the copy");
+        assert_eq!(own.1, its.1, "{name}: lines of step {number} after the copy");
+    }
+}
+
+/// Robots that stand on each other, are moved by the engine, fly, push crates and measure.
+#[test]
+fn a_copy_of_a_busy_world_goes_on_with_the_same_bits() {
+    let mut world = busy_world(busy_scene());
+    let mut has_scan = false;
+    for pause in [0, 1, 3, 17, 100, 300] {
+        for _ in 0..pause {
+            has_scan |= step(&mut world).1.iter().any(|line| line.contains("RangeScanner"));
+        }
+        let mut copy = world.clone();
+        check_alike(&mut world, &mut copy, &format!("after {pause} more steps"));
+    }
+    assert!(has_scan, "no laser measured before a copy");
+}
+
+#[test]
+fn a_copy_of_any_class_on_any_map_goes_on_with_the_same_bits() {
+    for map in scene_loader::map_names() {
+        let mut world = world(&map, 3);
+        for (number, class) in scene_loader::robot_names().into_iter().enumerate() {
+            let (row, column) = (number / 4, number % 4);
+            let place = format!("{},{},-0.3", 1.5 * row as f64 - 2.5, 1.5 * column as f64 - 2.5);
+            let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location {place}}}"));
+            apply(&mut world, robot, "DRIVE {Left 2}{Right 1}");
+        }
+        (0..45).for_each(|_| drop(step(&mut world)));
+        let mut copy = world.clone();
+        check_alike(&mut world, &mut copy, &map);
+    }
+}
+
+/// Robots come, leave, drive and are configured in a copy, and the world does not notice; one that gets the same goes the same way.
+#[test]
+fn a_copy_is_a_world_of_its_own() {
+    let mut world = busy_world(busy_scene());
+    (0..30).for_each(|_| drop(step(&mut world)));
+    let (mut untouched, mut copy, mut other) = (world.clone(), world.clone(), world.clone());
+    let change = |world: &mut World| {
+        world.remove(RobotId(3));
+        world.remove(RobotId(7));
+        let robot = init(world, "INIT {ClassName USARBot.YouBot} {Location 3,3,-0.2}");
+        apply(world, robot, "DRIVE {Left 3}{Right 3}");
+        apply(world, RobotId(0), "SET {Type Odometry} {Name Odometry} {Opcode RESET}");
+    };
+    change(&mut copy);
+    change(&mut other);
+    check_alike(&mut copy, &mut other, "two copies with the same changes");
+    check_alike(&mut world, &mut untouched, "the world after its copies changed");
+    assert_ne!(world.digest(), copy.digest());
+}
+
+/// Returns the busy scene with a drive model that can be saved for every robot.
+fn scene_without_engine() -> WorldDef {
+    let mut scene = busy_scene();
+    scene.robots.get_mut("KUKA_YouBot").expect("the thesis's youBot").drive_model = DriveModel::Articulated;
+    scene
+}
+
+fn through_json(saved: &SavedWorld) -> SavedWorld {
+    let text = serde_json::to_string(saved).expect("JSON");
+    serde_json::from_str(&text).expect("a saved world")
+}
+
+#[test]
+fn a_saved_world_goes_on_with_the_same_bits() {
+    let mut world = busy_world(scene_without_engine());
+    for pause in [0, 1, 3, 17, 100, 300] {
+        (0..pause).for_each(|_| drop(step(&mut world)));
+        let saved = through_json(&world.save().expect("no robot of the engine"));
+        let mut loaded = World::load(scene_without_engine(), &saved).expect("its own scene");
+        assert_eq!(loaded.digest(), world.digest(), "after {pause} more steps");
+        assert_eq!(loaded.save().as_ref(), Ok(&saved), "after {pause} more steps");
+        check_alike(&mut world, &mut loaded, &format!("after {pause} more steps"));
+    }
+}
+
+/// Objects that lie, roll and sleep, every class that can be saved, and a robot that has left.
+#[test]
+fn a_saved_world_of_any_map_goes_on_with_the_same_bits() {
+    for map in scene_loader::map_names() {
+        let mut world = world(&map, 3);
+        for (number, class) in
+            scene_loader::robot_names().into_iter().filter(|class| class != "KUKA_YouBot").enumerate()
+        {
+            let (row, column) = (number / 4, number % 4);
+            let place = format!("{},{},-0.3", 1.5 * row as f64 - 2.5, 1.5 * column as f64 - 2.5);
+            let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location {place}}}"));
+            apply(&mut world, robot, "DRIVE {Left 2}{Right 1}");
+        }
+        (0..245).for_each(|_| drop(step(&mut world)));
+        world.remove(RobotId(2));
+        let saved = through_json(&world.save().expect("no robot of the engine"));
+        let mut loaded = World::load(world.scene().clone(), &saved).expect("its own scene");
+        check_alike(&mut world, &mut loaded, &map);
+        let late = "INIT {ClassName USARBot.P3AT} {Location 4,4,-0.3}";
+        assert_eq!(init(&mut world, late), init(&mut loaded, late), "{map}");
+        check_alike(&mut world, &mut loaded, &map);
+    }
+}
+
+#[test]
+fn a_robot_of_the_engine_is_not_saved() {
+    let world = busy_world(busy_scene());
+    assert_eq!(world.save(), Err(SaveError::OfEngine { id: RobotId(7), class: "KUKA_YouBot".to_owned() }));
+}
+
+/// Every change makes the saved world one of another scene, or of none.
+#[test]
+fn a_saved_world_that_does_not_fit_is_refused() {
+    type Row = (&'static str, fn(&mut serde_json::Value, &mut WorldDef), fn(&LoadError) -> bool);
+    let changes: [Row; 8] = [
+        (
+            "a class is gone",
+            |_, scene| drop(scene.robots.remove("Kenaf")),
+            |it| matches!(it, LoadError::UnknownClass { .. }),
+        ),
+        (
+            "a sensor is gone",
+            |_, scene| scene.robots.get_mut("P3AT").expect("a P3AT").sensors.truncate(1),
+            |it| matches!(it, LoadError::OtherClass { .. }),
+        ),
+        (
+            "another model",
+            |_, scene| scene.robots.get_mut("P2AT").expect("a P2AT").drive_model = DriveModel::Bodies,
+            |it| matches!(it, LoadError::OtherClass { .. }),
+        ),
+        (
+            "a crate is gone",
+            |_, scene| drop(scene.map.objects.pop()),
+            |it| matches!(it, LoadError::OtherMap { number: 2 }),
+        ),
+        (
+            "a number twice",
+            |saved, _| saved["robots"][1]["id"] = 0.into(),
+            |it| matches!(it, LoadError::OutOfOrder { id: RobotId(0) }),
+        ),
+        (
+            "a number to come",
+            |saved, _| saved["robots"][13]["id"] = 99.into(),
+            |it| matches!(it, LoadError::OutOfOrder { id: RobotId(99) }),
+        ),
+        (
+            "a wheel too few",
+            |saved, _| drop(saved["robots"][0]["bodies"]["tree"]["servos"].as_array_mut().and_then(Vec::pop)),
+            |it| matches!(it, LoadError::OtherClass { id: RobotId(0), .. }),
+        ),
+        (
+            "a robot of the future",
+            |saved, _| saved["robots"][0]["spawned"] = 1_000_000.into(),
+            |it| matches!(it, LoadError::OtherClass { id: RobotId(0), .. }),
+        ),
+    ];
+    let mut world = busy_world(scene_without_engine());
+    (0..30).for_each(|_| drop(step(&mut world)));
+    let saved = serde_json::to_value(world.save().expect("no robot of the engine")).expect("JSON");
+    for (name, change, is_expected) in changes {
+        let (mut saved, mut scene) = (saved.clone(), scene_without_engine());
+        change(&mut saved, &mut scene);
+        let saved: SavedWorld = serde_json::from_value(saved).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let error = World::load(scene, &saved).err();
+        assert!(error.as_ref().is_some_and(is_expected), "{name}: {error:?}");
+    }
+}
