@@ -1,4 +1,4 @@
-//! A server in this process and clients that talk to it over a real socket.
+//! A server in this process, and clients that talk to it over a real socket.
 
 use std::net::SocketAddr;
 use std::path::Path;
@@ -12,23 +12,23 @@ use gamebots_proto::{Dialect, Line};
 use gamebots_server::{Config, Listener, ServeError, Service};
 use tokio::sync::oneshot;
 
-/// Longest that a test waits for what has to come.
+/// Longest wait of a test for an expected event.
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A running server; it stops when it is dropped.
+/// A running server. It stops on drop.
 pub struct Server {
-    /// Where it listens.
+    /// Address of the controllers' port.
     pub address: SocketAddr,
-    /// Where its page is.
+    /// Address of the page.
     pub page: Option<SocketAddr>,
-    /// The port for Foxglove.
+    /// Port for Foxglove.
     pub foxglove: Option<u16>,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
 }
 
 impl Server {
-    /// Starts a server on a free port, on a built-in map and with further robots; `change` edits its configuration.
+    /// Starts a server on a free port, with a built-in map and additional robots. `change` edits its configuration.
     ///
     /// # Panics
     /// If it does not start.
@@ -41,7 +41,7 @@ impl Server {
         let (ready, addresses) = channel();
         let run = move || {
             let shutdown = async {
-                // A dropped sender stops the server as well.
+                // Dropping the sender stops the server, too.
                 let _ = stopped.await;
             };
             gamebots_server::run(
@@ -60,7 +60,7 @@ impl Server {
     /// Connects a client and reads its greeting.
     ///
     /// # Panics
-    /// If it is not greeted.
+    /// If there is no greeting.
     pub fn client(&self) -> Peer {
         let mut peer = Peer::connect(self.address).unwrap_or_else(|error| panic!("cannot connect: {error}"));
         let greeting = peer.line();
@@ -68,10 +68,21 @@ impl Server {
         peer
     }
 
-    /// Stops the server and returns how it ended.
+    /// Connects a client with a robot that other clients must not disturb.
     ///
     /// # Panics
-    /// If it panicked.
+    /// If no ground truth comes.
+    pub fn bystander(&self) -> Peer {
+        let mut peer = self.client();
+        peer.send("INIT {ClassName USARBot.P3AT} {Name Bystander} {Location 10,10,0}");
+        peer.ground_truth();
+        peer
+    }
+
+    /// Stops the server and returns its result.
+    ///
+    /// # Panics
+    /// If the server panicked.
     pub fn stop(mut self) -> Result<(), ServeError> {
         self.stop = None;
         let thread = self.thread.take().unwrap_or_else(|| panic!("stopped twice"));
@@ -88,18 +99,29 @@ impl Drop for Server {
     }
 }
 
-/// A client that fails the test when what has to come does not.
+/// A client that fails the test if an expected line does not come.
 pub struct Peer {
     client: Client,
-    /// The dialect in which it expects to be spoken to.
+    /// Dialect of the lines that it expects.
     pub dialect: Dialect,
 }
 
 impl Peer {
+    /// Checks that a bystander's readings come at their rate, and nothing else.
+    ///
+    /// # Panics
+    /// If they do not.
+    pub fn check_undisturbed(&mut self) {
+        let lines = self.lines_for(1.0);
+        let truths = lines.iter().filter(|line| line.contains("{Type GroundTruth}")).count();
+        assert!((9..=11).contains(&truths), "{truths} ground truths in a second");
+        self.nothing();
+    }
+
     /// Connects without reading the greeting.
     ///
     /// # Errors
-    /// As the operating system says.
+    /// The operating system's error if the connection fails.
     pub fn connect(address: SocketAddr) -> std::io::Result<Self> {
         Ok(Self { client: Client::connect(address)?, dialect: Dialect::Udk })
     }
@@ -120,7 +142,7 @@ impl Peer {
         self.client.send_bytes(bytes).unwrap_or_else(|error| panic!("sending: {error}"));
     }
 
-    /// Ends the sending side.
+    /// Closes the sending side.
     ///
     /// # Panics
     /// If the connection is gone.
@@ -128,10 +150,10 @@ impl Peer {
         self.client.finish().unwrap_or_else(|error| panic!("ending: {error}"));
     }
 
-    /// The next line, whatever it is. No session of UDK's dialect ever has the lines that only older versions sent.
+    /// Returns the next line of any kind. Checks that a session in UDK's dialect gets no lines that only older versions sent.
     ///
     /// # Panics
-    /// If none comes.
+    /// If no line comes.
     pub fn line(&mut self) -> String {
         let line = self.client.next_line(PATIENCE);
         let line = line.unwrap_or_else(|error| panic!("reading: {error}")).unwrap_or_else(|| panic!("no line comes"));
@@ -140,24 +162,24 @@ impl Peer {
         line
     }
 
-    /// The next line, or `None` when the server closes the connection.
+    /// Returns the next line, or `None` if the server closes the connection.
     pub fn line_or_end(&mut self) -> Option<String> {
         self.client.next_line(PATIENCE).ok().flatten()
     }
 
-    /// Every line that comes until a moment of the clock, or until the server ends.
+    /// Returns all lines until a deadline, or until the server closes the connection.
     pub fn lines_until(&mut self, end: Instant) -> Vec<String> {
         let next = || self.client.next_line(end.saturating_duration_since(Instant::now())).ok().flatten();
         std::iter::from_fn(next).collect()
     }
 
-    /// The next line that is not on a timer.
+    /// Returns the next line that is not on a timer.
     pub fn reply(&mut self) -> String {
         let periodic = |line: &str| line.split(' ').next().is_some_and(|verb| PERIODIC_VERBS.contains(&verb));
         std::iter::repeat_with(|| self.line()).find(|line| !periodic(line)).unwrap_or_default()
     }
 
-    /// Checks that nothing was answered to what was sent before: the answer to a question asked now comes next.
+    /// Checks that earlier lines got no answer: the answer to a question asked now comes next.
     ///
     /// # Panics
     /// If there was an answer.
@@ -167,7 +189,7 @@ impl Peer {
         assert!(reply.starts_with("NFO {StartPoses "), "expected no answer, got: {reply}");
     }
 
-    /// The first line that fits, within half a minute.
+    /// Returns the first line that fits, within half a minute.
     ///
     /// # Panics
     /// If none comes.
@@ -183,7 +205,7 @@ impl Peer {
         panic!("never came: {what}; last line: {last}");
     }
 
-    /// The next reading of a type, or with `STA`, `ASTA` and `EFF` the next line of that kind.
+    /// Returns the next reading of a type, or for `STA`, `ASTA`, `MISSTA` and `EFF` the next line of that kind.
     pub fn next_of(&mut self, kind: &str) -> String {
         let head = format!("{{Type {kind}}}");
         let fits = |line: &str| {
@@ -197,7 +219,7 @@ impl Peer {
         self.wait_for(kind, fits)
     }
 
-    /// Reads until the simulated time of the lines has advanced; returns what came.
+    /// Reads lines for a span of simulated time, by the times in the lines, and returns them.
     pub fn lines_for(&mut self, seconds: f64) -> Vec<String> {
         let mut lines = Vec::new();
         let mut start = None;
@@ -212,7 +234,7 @@ impl Peer {
         }
     }
 
-    /// The next ground truth: position and roll, pitch, yaw.
+    /// Returns the next ground truth: position, and roll, pitch, yaw.
     ///
     /// # Panics
     /// If it cannot be read.
@@ -228,7 +250,7 @@ impl Peer {
     }
 }
 
-/// The simulated time that a line carries.
+/// Returns the simulated time in a line.
 pub fn time_of(line: &str) -> Option<f64> {
     line.split_once("{Time ")?.1.split('}').next()?.parse().ok()
 }

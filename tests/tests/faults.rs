@@ -1,4 +1,4 @@
-//! What strangers send: nobody else is disturbed, nothing panics, and only what USARSim would send comes back.
+//! Malformed and malicious input: no other client is disturbed, nothing panics, and only answers that USARSim would send come back.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -6,27 +6,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use system_tests::{Peer, Server, Usage};
-
-/// A client with a robot that must not notice anything.
-fn bystander(server: &Server) -> Peer {
-    let mut peer = server.client();
-    peer.send("INIT {ClassName USARBot.P3AT} {Name Bystander} {Location 10,10,0}");
-    peer.ground_truth();
-    peer
-}
-
-fn check_undisturbed(bystander: &mut Peer) {
-    let lines = bystander.lines_for(1.0);
-    let truths = lines.iter().filter(|line| line.contains("{Type GroundTruth}")).count();
-    assert!((9..=11).contains(&truths), "{truths} ground truths in a second");
-    bystander.nothing();
-}
+use system_tests::{Peer, Server};
 
 #[test]
 fn bad_lines_get_no_answer_and_leave_the_connection_working() {
     let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
-    let mut bystander = bystander(&server);
+    let mut bystander = server.bystander();
     let mut peer = server.client();
     peer.send("INIT {ClassName USARBot.P3AT} {Name R1} {Location 0,0,0}");
     for line in [
@@ -54,14 +39,14 @@ fn bad_lines_get_no_answer_and_leave_the_connection_working() {
         peer.send(line);
     }
     peer.nothing();
-    check_undisturbed(&mut bystander);
+    bystander.check_undisturbed();
     peer.ground_truth();
 }
 
 #[test]
 fn places_that_make_no_sense_do_not_break_the_world() {
     let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
-    let mut bystander = bystander(&server);
+    let mut bystander = server.bystander();
     for place in ["{Location NaN,inf,300}", "{Location 9e4,-9e4,0} {Rotation 1e9,1e9,1e9}"] {
         let mut peer = server.client();
         peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {place}"));
@@ -82,45 +67,45 @@ fn places_that_make_no_sense_do_not_break_the_world() {
         peer.send("DRIVE {Left 1} {Right 1}");
         assert!(peer.reply().contains("there is no robot on this connection"));
     }
-    check_undisturbed(&mut bystander);
+    bystander.check_undisturbed();
 }
 
 #[test]
 fn a_megabyte_without_a_line_end_is_discarded_and_the_next_line_works() {
     let server = Server::start("rough", &[], |_| {});
-    let mut bystander = bystander(&server);
+    let mut bystander = server.bystander();
     let mut peer = server.client();
     peer.send_bytes(&vec![b'x'; 1 << 20]);
     peer.send_bytes(b"\r\n");
     peer.nothing();
-    check_undisturbed(&mut bystander);
+    bystander.check_undisturbed();
 }
 
 #[test]
 fn binary_is_no_line_and_harms_nobody() {
     let server = Server::start("rough", &[], |_| {});
-    let mut bystander = bystander(&server);
+    let mut bystander = server.bystander();
     let mut peer = server.client();
-    // A fixed stream of every byte value, in an order that is no text.
+    // A fixed stream of every byte value, in an order that makes no text.
     let bytes: Vec<u8> = (0u32..200_000).map(|index| (index.wrapping_mul(2_654_435_761) >> 23) as u8).collect();
     peer.send_bytes(&bytes);
     peer.send_bytes(b"\r\n");
     peer.nothing();
-    check_undisturbed(&mut bystander);
+    bystander.check_undisturbed();
 }
 
 #[test]
 fn clients_that_vanish_take_their_robot_with_them() {
     let server = Server::start("rough", &[], |config| config.real_time_factor = 5.0);
-    let mut bystander = bystander(&server);
+    let mut bystander = server.bystander();
     for _ in 0..5 {
         let mut peer = server.client();
         peer.send("INIT {ClassName USARBot.P3AT} {Name Gone} {Location 0,0,0}");
         peer.next_of("STA");
-        // Leaves with bytes unread, which resets the connection, in the middle of a line.
+        // It leaves with unread bytes, which resets the connection, in the middle of a line.
         peer.send_bytes(b"DRIVE {Left 1} {Rig");
     }
-    // The place becomes free again: a robot stands on the floor, not on those before it.
+    // The place becomes free again: a robot stands on the floor, not on earlier robots.
     let mut tries = 0;
     loop {
         let mut peer = server.client();
@@ -133,14 +118,14 @@ fn clients_that_vanish_take_their_robot_with_them() {
         assert!(tries < 300, "never free: {height}");
         std::thread::sleep(Duration::from_millis(10));
     }
-    check_undisturbed(&mut bystander);
+    bystander.check_undisturbed();
 }
 
 #[test]
 fn what_was_asked_before_leaving_is_answered() {
     let server = Server::start("rough", &[], |_| {});
     let mut peer = server.client();
-    // No line end either.
+    // Without a line end, too.
     peer.send_bytes(b"GETSTARTPOSES");
     peer.finish();
     assert!(peer.reply().starts_with("NFO {StartPoses 3}"));
@@ -151,7 +136,7 @@ fn what_was_asked_before_leaving_is_answered() {
 fn answers_are_never_lost_however_late_they_are_read() {
     const QUESTIONS: usize = 20_000;
     let server = Server::start("rough", &[], |_| {});
-    let mut bystander = bystander(&server);
+    let mut bystander = server.bystander();
     let mut stream = TcpStream::connect(server.address).expect("a connection");
     let mut sender = stream.try_clone().expect("a second handle");
     let thread = std::thread::spawn(move || {
@@ -159,8 +144,8 @@ fn answers_are_never_lost_however_late_they_are_read() {
         sender.write_all(questions.as_bytes()).expect("all is taken");
         sender.shutdown(std::net::Shutdown::Write).expect("the end is taken");
     });
-    // Not a byte is read while the other is served.
-    check_undisturbed(&mut bystander);
+    // No byte is read while the bystander is served.
+    bystander.check_undisturbed();
     let mut text = String::new();
     stream.read_to_string(&mut text).expect("the answers");
     thread.join().expect("the sender");
@@ -176,7 +161,7 @@ fn a_client_that_never_reads_loses_sensor_lines_and_is_thrown_out() {
     let mut silent = TcpStream::connect(server.address).expect("a connection");
     silent.write_all(b"INIT {ClassName USARBot.P2AT} {Location 0,0,0}\r\n").expect("INIT is taken");
     let mut other = server.client();
-    // As long as its robot is there, one put at the same place stands on it.
+    // While its robot is there, another one spawned at the place stands on it.
     let mut tries = 0;
     loop {
         let mut probe = server.client();
@@ -231,7 +216,7 @@ fn a_connection_is_told_its_mistakes_when_it_asks_for_them() {
         peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Name Twin}} {{Location {x},5,0}}"));
     }
     assert!(peer.reply().starts_with("NFO {Error 'Name Twin' is the name of another robot too"));
-    // Nobody else hears of it.
+    // Other clients do not get it.
     let mut other = server.client();
     other.send("FOO");
     other.nothing();
@@ -240,7 +225,7 @@ fn a_connection_is_told_its_mistakes_when_it_asks_for_them() {
     peer.nothing();
 }
 
-/// Real time in which a second of simulated time goes by for a client that also asks something.
+/// Returns the real time of a second of simulated time, for a client that also asks a question.
 fn second(peer: &mut Peer) -> Duration {
     let start = Instant::now();
     peer.lines_for(1.0);
@@ -258,7 +243,7 @@ fn clients_that_never_stop_talking_do_not_hold_up_others() {
         format!("A{{{}{{\r\n", "}".repeat(60_000)),
     ] {
         let server = Server::start("rough", &[], |_| {});
-        let mut bystander = bystander(&server);
+        let mut bystander = server.bystander();
         let alone = second(&mut bystander);
         let stop = Arc::new(AtomicBool::new(false));
         let flood = |index: usize| {
@@ -266,7 +251,7 @@ fn clients_that_never_stop_talking_do_not_hold_up_others() {
             let mut reader = stream.try_clone().expect("a second handle");
             let init = format!("INIT {{ClassName USARBot.P3AT}} {{Location {},0,0}}\r\n", 3 * index);
             let (line, stop) = (line.clone(), stop.clone());
-            // It takes what it is sent, so nothing but the world limits it.
+            // It reads all that it is sent, so only the world limits it.
             std::thread::spawn(move || while reader.read(&mut [0; 65536]).is_ok_and(|count| count > 0) {});
             std::thread::spawn(move || {
                 let sent = stream.write_all(init.as_bytes());
@@ -279,33 +264,9 @@ fn clients_that_never_stop_talking_do_not_hold_up_others() {
         println!("{:.30}: a second takes {alone:?}, beside floods {beside:?}", line.lines().next().unwrap_or_default());
         stop.store(true, Ordering::Relaxed);
         assert!(beside < 4 * alone, "{beside:?} beside floods, {alone:?} alone");
-        // Nor do they hold up the end.
+        // They do not delay the shutdown, either.
         server.stop().expect("a clean end");
         floods.into_iter().for_each(|flood| flood.join().expect("a flood"));
-    }
-}
-
-#[test]
-fn questions_whose_answers_are_never_read_wait_outside() {
-    let server = Server::start("rough", &[], |_| {});
-    let mut bystander = bystander(&server);
-    let before = Usage::of("self").resident;
-    for line in ["GETGEO {Type Sonar}\r\n", "A\r\n", "GETPATHNODES\r\n"] {
-        let mut silent = TcpStream::connect(server.address).expect("a connection");
-        silent.set_write_timeout(Some(Duration::from_secs(2))).expect("a timeout");
-        silent
-            .write_all(b"REPORT {Errors true}\r\nINIT {ClassName USARBot.P2AT} {Location 0,0,0}\r\n")
-            .expect("INIT is taken");
-        let (lines, mut taken) = (line.repeat(1000), 0);
-        while taken < 40_000_000
-            && let Ok(count) = silent.write(lines.as_bytes())
-        {
-            taken += count;
-        }
-        let grown = Usage::of("self").resident.saturating_sub(before) / 1_000_000;
-        println!("{}: {taken} bytes taken, {grown} MB more", line.trim_end());
-        assert!(grown < 100, "{line}: {grown} MB");
-        check_undisturbed(&mut bystander);
     }
 }
 
@@ -319,7 +280,7 @@ fn web_pages_cannot_talk_to_the_port_of_the_protocol() {
             let mut stream = TcpStream::connect(server.address).expect("a connection");
             let request = format!("{first}\r\nHost: localhost\r\nContent-Length: {}\r\n\r\n{body}", body.len());
             for piece in request.as_bytes().chunks(if pieces == 1 { request.len() } else { 3 }).take(200) {
-                // The server may have hung up already.
+                // The server may have closed the connection already.
                 let _ = stream.write_all(piece);
             }
             let mut answer = Vec::new();
@@ -347,7 +308,7 @@ fn a_client_that_leaves_takes_all_of_its_robots_with_it_unless_robots_are_kept()
         let stands = [0, 3, 6].map(|x| {
             let mut probe = server.client();
             probe.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Location {x},0,0}}"));
-            // Beside one that is still there.
+            // Beside another robot that is still there.
             let [at, aside, _] = probe.ground_truth().0;
             (at - f64::from(x)).hypot(aside) > 0.3
         });
@@ -355,7 +316,7 @@ fn a_client_that_leaves_takes_all_of_its_robots_with_it_unless_robots_are_kept()
     }
 }
 
-/// A scan that starts again at each brace takes ten thousand times as long as one over as much text.
+/// A scan that restarts at each brace takes ten thousand times as long as one scan of the text.
 #[test]
 fn stray_braces_are_passed_over_once() {
     let time = |line: &str| {

@@ -1,4 +1,4 @@
-//! Heaps, towers and impacts: what touches costs in proportion, comes to rest and gains nothing.
+//! Heaps, towers and impacts: their cost grows in proportion, they come to rest and gain no energy.
 
 use experiments::Crowd;
 use nalgebra::Vector3;
@@ -6,7 +6,7 @@ use scene::{Object, Shape, Solid, WorldDef};
 use sim_core::{Options, World};
 use system_tests::{apply, init, init_on_top, run};
 
-/// Multiplications for each body by which a step may pass its budget: one more step of Newton's method.
+/// Multiplications per body by which a step may exceed its budget: one more step of Newton's method.
 const SLACK: u64 = 40_000;
 
 fn def(map: &str) -> WorldDef {
@@ -17,7 +17,7 @@ fn world(map: &str, time_step: f64) -> World {
     World::new(def(map), Options { time_step, ..Options::default() })
 }
 
-/// Boxes of 0.2 m and 1 kg above each other, the lowest at a place on the floor.
+/// Adds boxes of 0.2 m and 1 kg on top of each other, the lowest at a place on the floor.
 fn tower(def: &mut WorldDef, count: u32, [x, y]: [f64; 2]) {
     let like = def.map.solids[0].clone();
     for number in 0..count {
@@ -32,7 +32,7 @@ fn fastest(world: &World) -> f64 {
     world.snapshot().robots.iter().map(|robot| robot.body.linear.norm()).fold(0.0, f64::max)
 }
 
-/// Every class but the one that flies. Where wheels roll on a roof, that takes longer than 5 s.
+/// Every class but the flying one. If wheels roll on a roof, it takes longer than 5 s.
 #[test]
 fn six_robots_on_each_other_rest() {
     let classes: Vec<String> = def("rough").robots.keys().filter(|class| *class != "AirRobot").cloned().collect();
@@ -46,7 +46,9 @@ fn six_robots_on_each_other_rest() {
             run(&mut world, 5.0);
             let (speed, unsettled) = (fastest(&world), world.unsettled_steps());
             println!("six {class} at {time_step} s: {speed:.1e} m/s, {unsettled} unsettled");
-            if speed >= 2e-3 {
+            // The engine's robot creeps.
+            let most = if class == "KUKA_YouBot" { 2e-3 } else { 5e-4 };
+            if speed >= most {
                 moving.push(format!("{class} at {time_step} s: {speed:.1e} m/s"));
             }
         }
@@ -77,7 +79,7 @@ fn a_tower_of_ten_boxes_stands_until_a_robot_drives_into_it() {
     }
 }
 
-/// A sleeping object hears that what carries it moves or leaves.
+/// A sleeping object wakes when its support moves or leaves.
 #[test]
 fn a_box_falls_when_the_robot_below_it_leaves() {
     let mut def = def("rough");
@@ -94,7 +96,7 @@ fn a_box_falls_when_the_robot_below_it_leaves() {
     assert!((height(&world) - 0.1).abs() < 1e-3, "it lies on the floor, at {} m", height(&world));
 }
 
-/// Robots that fall from kilometres, on the floor and on others, have no more energy afterwards, and stay.
+/// Robots that fall from kilometres, on the floor and on others, gain no energy and stay in the map.
 #[test]
 fn a_fall_from_kilometres_gains_no_energy() {
     let alone = |class: &str, height: f64, rotation: &str| {
@@ -105,6 +107,9 @@ fn a_fall_from_kilometres_gains_no_energy() {
         (4000.0, alone("P3AT", 4000.0, "0.8,0.5,0")),
         (3000.0, alone("YouBotArm", 3000.0, "0.8,0.5,0")),
         (2000.0, [alone("P3AT", 0.0, "0,0,0"), alone("P3AT", 2000.0, "0.3,0.2,0")].concat()),
+        (1000.0, [alone("YouBot", 0.0, "0,0,0"), alone("Kenaf", 1000.0, "0.3,0.2,0")].concat()),
+        (500.0, [alone("Kenaf", 0.0, "0,0,0"), alone("YouBotArm", 500.0, "0.8,0.5,0")].concat()),
+        (100.0, [alone("P2AT", 0.0, "0,0,0"), alone("FrontAckerman", 100.0, "0,0.2,1")].concat()),
     ];
     let classes = ["P3AT", "YouBot", "Kenaf", "P2AT", "P2DX", "BasicSkidRobot", "CasterSkidRobot", "FrontAckerman"];
     let apart = |number: usize| {
@@ -118,7 +123,7 @@ fn a_fall_from_kilometres_gains_no_energy() {
             for line in lines {
                 init(&mut world, line);
             }
-            // Damping of the air is none.
+            // The bound assumes no damping by air.
             let falling = (2.0 * height / 9.81_f64).sqrt();
             let most = 9.81 * (height + 2.0);
             for _ in 0..((falling + 8.0) / time_step) as u64 {
@@ -133,7 +138,7 @@ fn a_fall_from_kilometres_gains_no_energy() {
     }
 }
 
-/// Towers of robots of four classes in the air, which fall on each other: the work of a step has a bound.
+/// Towers of robots of four classes fall on each other: the work of a step is bounded.
 #[test]
 fn robots_dropped_at_one_place_cost_no_more_than_their_budget() {
     let classes = ["KUKA_YouBot", "YouBot", "P3AT", "Kenaf"];
@@ -172,7 +177,7 @@ fn check_work(world: &mut World, seconds: f64, bodies: usize) {
         most = most.max(world.work());
     }
     println!("{bodies}: {most} multiplications in a step at most, {} unsettled", world.unsettled_steps());
-    // Each of a few systems has its own share.
+    // Each of several systems has its own budget.
     let bar = bodies as u64 * (articulated::most_work(1) + SLACK);
     assert!(most <= bar, "{bodies} bodies: {most} multiplications of {bar}");
 }

@@ -1,4 +1,4 @@
-//! What is absent, by ARCHITECTURE.md, is absent.
+//! Invariants of ARCHITECTURE.md: the things that must be absent are absent.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,7 +7,7 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Every file below a folder with one of the extensions.
+/// Returns every file in a folder, recursively, with one of the extensions.
 fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
@@ -27,7 +27,7 @@ fn text(path: &Path) -> String {
 
 const PURE: [&str; 6] = ["articulated", "friction", "gamebots-proto", "kinematics", "scene", "sim-core"];
 
-/// The dependencies as a list: negating an inverted tree would take a dev-dependency for a dependency.
+/// Returns the dependencies as a list. Negating an inverted tree would count a dev-dependency as a dependency.
 fn dependencies(package: &str) -> String {
     let output = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()))
         .args(["tree", "--offline", "--package", package, "--edges", "normal", "--prefix", "none"])
@@ -122,5 +122,52 @@ fn nothing_is_left_undone_in_the_code() {
         for word in ["todo!(", "unimplemented!(", "#[ignore", "dbg!("] {
             assert!(!source.contains(word), "{} has {word}", path.display());
         }
+    }
+}
+
+/// True if a line begins a doc comment with a word that leaves its noun or its verb for later.
+fn begins_obliquely(before: &str, line: &str) -> bool {
+    let doc = |line: &str| line.starts_with("///") || line.starts_with("//!");
+    let (before, line) = (before.trim_start(), line.trim_start());
+    if !doc(line) || doc(before) {
+        return false;
+    }
+    let words = line[3..].trim_start();
+    ["Of ", "What ", "Who ", "Whose ", "Where ", "Whether ", "The same ", "By "]
+        .iter()
+        .any(|word| words.starts_with(word))
+}
+
+#[test]
+fn doc_comments_begin_with_a_noun_or_a_verb() {
+    let mut oblique = Vec::new();
+    for folder in ["crates", "tests", "fuzz"] {
+        for path in files(&repository().join(folder), &["rs"]) {
+            let text = text(&path);
+            let lines: Vec<&str> = text.lines().collect();
+            let numbered = lines.iter().enumerate();
+            oblique.extend(
+                numbered
+                    .filter(|&(number, line)| begins_obliquely(number.checked_sub(1).map_or("", |it| lines[it]), line))
+                    .map(|(number, line)| format!("{}:{}: {}", path.display(), number + 1, line.trim())),
+            );
+        }
+    }
+    assert!(oblique.is_empty(), "{}", oblique.join("\n"));
+}
+
+#[test]
+fn a_doc_comment_is_judged_by_its_first_line() {
+    for (before, line, is_oblique) in [
+        ("", "/// Of a wheel, rad/s.", true),
+        ("fn it() {}", "    /// The same of the rear.", true),
+        ("", "//! What the page shows.", true),
+        ("/// The speed", "/// of a wheel. Of a caster, none.", false),
+        ("/// The speed", "/// Of a wheel.", false),
+        ("", "/// Offers a service.", false),
+        ("", "// Of a wheel.", false),
+        ("", "/// The samples.", false),
+    ] {
+        assert_eq!(begins_obliquely(before, line), is_oblique, "{before} / {line}");
     }
 }

@@ -1,25 +1,27 @@
-//! A world that robots come to and leave, for long: its memory stays the same, and so does what comes of a seed.
-//! `make soak` runs these for as long as they are meant to run.
+//! A world in which robots come and leave for a long time. Its memory stays constant, and a seed always gives the same result. `make soak`
+//! runs these tests at full length.
 
-use std::time::Instant;
+use std::io::Write;
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
 
 use gamebots_proto::Problem;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use scene::DriveModel;
 use sim_core::{Options, RobotId, TIME_STEP, World};
-use system_tests::{Usage, alone, command, init, init_on_top, sessions, setting};
+use system_tests::{Server, Usage, alone, command, init, init_on_top, sessions, setting};
 
-/// Robots that come and leave, unless `USARSIM_SOAK_LEAVINGS` says otherwise.
+/// Number of robots that come and leave, unless `USARSIM_SOAK_LEAVINGS` is set.
 const LEAVINGS: u64 = 2_000;
-/// Steps in which a robot has fallen onto what it was put on.
+/// Most steps until a robot has fallen onto the one below it.
 const MAX_FALL: u64 = 100;
-/// Hours of simulated time, unless `USARSIM_SOAK_HOURS` says otherwise.
+/// Hours of simulated time, unless `USARSIM_SOAK_HOURS` is set.
 const HOURS: f64 = 2.0 / 60.0;
 /// Steps in a second.
 const SECOND: u64 = (1.0 / TIME_STEP) as u64;
 
-/// Both kinds of Mecanum robots: `KUKA_YouBot` as one body, `YouBot` with its rollers.
+/// Builds a world with both kinds of Mecanum robots: `KUKA_YouBot` as one body, `YouBot` with its rollers.
 fn world(map: &str, seed: u64) -> World {
     let mut def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
     for (class, model) in [("KUKA_YouBot", DriveModel::Analytic), ("YouBot", DriveModel::Bodies)] {
@@ -29,7 +31,7 @@ fn world(map: &str, seed: u64) -> World {
     World::new(def, Options { seed, ..Options::default() })
 }
 
-/// Sends a line of a client that has this robot, and returns the one that it has then.
+/// Executes a line of a client with this robot. Returns the client's robot after it.
 fn send(robot: Option<RobotId>, world: &mut World, line: &str) -> Option<RobotId> {
     let mut problems = Vec::new();
     let spawned = world.execute(robot, &command(line), &mut problems).spawned;
@@ -51,7 +53,7 @@ fn robots_that_leave_leave_nothing_behind() {
     let (start, mut touching, mut first) = (Instant::now(), 0, 0);
     let mut world = world("rough", 0);
     for pair in 0..leavings / 2 {
-        // The second robot stands on the first; every other time the lower one is the first to leave.
+        // The second robot stands on the first. In every other pair the lower one leaves first.
         let classes = match pair % 16 {
             0 => ["YouBot", "P3AT"],
             1..4 => ["KUKA_YouBot", "KUKA_YouBot"],
@@ -64,7 +66,7 @@ fn robots_that_leave_leave_nothing_behind() {
         for robot in robots {
             send(Some(robot), &mut world, "DRIVE {Left 1} {Right 1}");
         }
-        // Nothing but the lower robot can push the upper one.
+        // Only the lower robot can push the upper one.
         let upper = robots[1];
         let is_pushed = |world: &World| {
             let contacts = world.observe(upper).expect("the upper robot").contacts;
@@ -108,26 +110,26 @@ fn robots_that_leave_in_the_step_in_which_others_come_leave_nothing_behind() {
     check_memory("robots that come where one left", first, Usage::of("self").resident);
 }
 
-/// One who comes, drives and leaves, time and again.
+/// A client that repeatedly comes, drives and leaves.
 struct Visitor {
     robot: Option<RobotId>,
-    /// The step of its coming or leaving.
+    /// Step of its next arrival or departure.
     next: u64,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Outcome {
-    /// Of the world in every second.
+    /// Digest of the world in every second.
     digest: u64,
     messages: u64,
     visits: u64,
     commands: u64,
-    /// Robots in all seconds together.
+    /// Sum of the number of robots over all seconds.
     robots: u64,
 }
 
-/// Lets visitors come, drive, collide and leave, and reports every second.
+/// Runs a world with visitors that come, drive, collide and leave, and reports every second.
 fn soak(map: &str, seed: u64, seconds: u64, mut report: impl FnMut(u64, &Outcome)) -> Outcome {
     let mut world = world(map, seed);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -227,4 +229,29 @@ fn check_hours(map: &str) {
     assert_eq!(one, other);
     assert!(one.visits >= seconds / 30, "{one:?}");
     check_memory("robots that collide", resident[0], resident[resident.len() - 1]);
+}
+
+#[test]
+fn questions_whose_answers_are_never_read_wait_outside() {
+    let _alone = alone();
+    let server = Server::start("rough", &[], |_| {});
+    let mut bystander = server.bystander();
+    let before = Usage::of("self").resident;
+    for line in ["GETGEO {Type Sonar}\r\n", "A\r\n", "GETPATHNODES\r\n"] {
+        let mut silent = TcpStream::connect(server.address).expect("a connection");
+        silent.set_write_timeout(Some(Duration::from_secs(2))).expect("a timeout");
+        silent
+            .write_all(b"REPORT {Errors true}\r\nINIT {ClassName USARBot.P2AT} {Location 0,0,0}\r\n")
+            .expect("INIT is taken");
+        let (lines, mut taken) = (line.repeat(1000), 0);
+        while taken < 40_000_000
+            && let Ok(count) = silent.write(lines.as_bytes())
+        {
+            taken += count;
+        }
+        let grown = Usage::of("self").resident.saturating_sub(before) / 1_000_000;
+        println!("{}: {taken} bytes taken, {grown} MB more", line.trim_end());
+        assert!(grown < 100, "{line}: {grown} MB");
+        bystander.check_undisturbed();
+    }
 }
