@@ -6,7 +6,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use gamebots_proto::{Command, Dialect};
 use scene::{DriveModel, WorldDef};
-use sim_core::{CompiledScene, Options, RobotId, World};
+use sim_core::{CompiledScene, Options, PawnId, World};
 
 use crate::assert_finite;
 
@@ -59,7 +59,7 @@ fn run(text: &str) -> (u64, String) {
     let (scene, lines) = text.split_once('\n').unwrap_or((text, ""));
     let mut world = World::new(compiled(scene), Options::default());
     // The robots of three clients, the newest last.
-    let mut clients: [Vec<RobotId>; 3] = Default::default();
+    let mut clients: [Vec<PawnId>; 3] = Default::default();
     let (mut steps, mut sent) = (0, String::new());
     for line in lines.lines().take(MAX_LINES) {
         if let Ok(wanted) = line.trim().parse::<u32>() {
@@ -87,7 +87,7 @@ fn compiled(scene: &str) -> CompiledScene {
     scenes.entry((map, model.map(DriveModel::name))).or_insert_with(compile).clone()
 }
 
-fn act(line: &str, clients: &mut [Vec<RobotId>; 3], world: &mut World, sent: &mut String) {
+fn act(line: &str, clients: &mut [Vec<PawnId>; 3], world: &mut World, sent: &mut String) {
     let connection = line.bytes().next().unwrap_or_default();
     let text = line.get(1..).unwrap_or_default().trim();
     let robots = &mut clients[usize::from(connection) % 3];
@@ -109,7 +109,7 @@ fn act(line: &str, clients: &mut [Vec<RobotId>; 3], world: &mut World, sent: &mu
 
 fn step(world: &mut World, sent: &mut String) {
     let before = world.time();
-    for (RobotId(robot), message) in world.step() {
+    for (PawnId(robot), message) in world.step() {
         assert_finite("a message", &message);
         let _ = writeln!(sent, "{robot} {}", message.write(Dialect::Udk));
     }

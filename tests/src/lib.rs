@@ -23,7 +23,7 @@ use std::path::Path;
 
 use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Dialect, Line};
-use sim_core::{Options, RobotId, Room, TIME_STEP, World};
+use sim_core::{Options, PawnId, Room, TIME_STEP, World};
 
 /// Builds a world on a built-in map.
 ///
@@ -59,7 +59,7 @@ pub fn command(text: &str) -> Command {
 ///
 /// # Panics
 /// If the world refuses it.
-pub fn init(world: &mut World, text: &str) -> RobotId {
+pub fn init(world: &mut World, text: &str) -> PawnId {
     let Command::Init(init) = command(text) else { panic!("not INIT: {text}") };
     let mut problems = Vec::new();
     world.init(&init, &mut problems).unwrap_or_else(|| panic!("{problems:?}"))
@@ -69,7 +69,7 @@ pub fn init(world: &mut World, text: &str) -> RobotId {
 ///
 /// # Panics
 /// If there is no free place up to 20 m above.
-pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -> RobotId {
+pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -> PawnId {
     let mut is_free =
         |up: f64| matches!(world.fit(class, [x, y, -up], [0.0, 0.0, yaw]), Some(Ok(Room { beside: None, .. })));
     let coarse = (0..2_000).map(|number| 0.01 * f64::from(number)).find(|&up| is_free(up));
@@ -80,7 +80,7 @@ pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -
 }
 
 /// Gives a robot a command line and returns the answers.
-pub fn apply(world: &mut World, robot: RobotId, text: &str) -> Vec<String> {
+pub fn apply(world: &mut World, robot: PawnId, text: &str) -> Vec<String> {
     world
         .execute(Some(robot), &command(text), &mut Vec::new())
         .answers

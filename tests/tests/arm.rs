@@ -4,7 +4,7 @@ use gamebots_proto::Command;
 use gamebots_proto::message::{Message, Reading};
 use nalgebra::Vector3;
 use scene::{Material, Object, Shape, Solid, WorldDef};
-use sim_core::{Options, RobotId, World};
+use sim_core::{Options, PawnId, World};
 use system_tests::{apply, command, copy_robot, init, run};
 
 /// Edge of the cube in tests that do not grip it, m.
@@ -32,7 +32,7 @@ fn scene(edge: f64) -> WorldDef {
     scene
 }
 
-fn world(edge: f64) -> (World, RobotId) {
+fn world(edge: f64) -> (World, PawnId) {
     let mut world = World::new(scene(edge), Options::default());
     let robot = init(&mut world, "INIT {ClassName USARBot.YouBotArm} {Location 0,0,0}");
     run(&mut world, 1.0);

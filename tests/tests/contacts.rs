@@ -1,12 +1,12 @@
 //! Robots in contact in many ways: falling robots come to rest on the surface below, and no energy is gained.
 
 use nalgebra::Vector3;
-use scene::{BodyState, RobotId};
+use scene::{BodyState, PawnId};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
 /// Builds a world with robots, each given by class, location and rotation.
-fn world_with(map: &str, time_step: f64, robots: &[(&str, [f64; 3], [f64; 3])]) -> (World, Vec<RobotId>) {
+fn world_with(map: &str, time_step: f64, robots: &[(&str, [f64; 3], [f64; 3])]) -> (World, Vec<PawnId>) {
     let def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
     let mut world = World::new(def, Options { time_step, ..Options::default() });
     let line = |(class, [x, y, z], [roll, pitch, yaw]): &(&str, [f64; 3], [f64; 3])| {
@@ -16,15 +16,15 @@ fn world_with(map: &str, time_step: f64, robots: &[(&str, [f64; 3], [f64; 3])]) 
     (world, robots)
 }
 
-fn body(world: &World, robot: RobotId) -> BodyState {
+fn body(world: &World, robot: PawnId) -> BodyState {
     world.state(robot).expect("the robot is there").0
 }
 
-fn place(world: &World, robot: RobotId) -> Vector3<f64> {
+fn place(world: &World, robot: PawnId) -> Vector3<f64> {
     body(world, robot).pose.translation.vector
 }
 
-fn fastest(world: &World, robots: &[RobotId]) -> f64 {
+fn fastest(world: &World, robots: &[PawnId]) -> f64 {
     robots.iter().map(|&robot| body(world, robot).linear.norm()).fold(0.0, f64::max)
 }
 

@@ -2,7 +2,7 @@
 
 use gamebots_proto::Dialect;
 use scene::{DriveModel, WorldDef};
-use sim_core::{LoadError, RobotId, SaveError, SavedWorld, World};
+use sim_core::{LoadError, PawnId, SaveError, SavedWorld, World};
 use system_tests::{apply, busy_scene, busy_world, init, world};
 
 /// Steps for which a world and its copy are compared.
@@ -63,11 +63,11 @@ fn a_copy_is_a_world_of_its_own() {
     (0..30).for_each(|_| drop(step(&mut world)));
     let (mut untouched, mut copy, mut other) = (world.clone(), world.clone(), world.clone());
     let change = |world: &mut World| {
-        world.remove(RobotId(3));
-        world.remove(RobotId(7));
+        world.remove(PawnId(3));
+        world.remove(PawnId(7));
         let robot = init(world, "INIT {ClassName USARBot.YouBot} {Location 3,3,-0.2}");
         apply(world, robot, "DRIVE {Left 3}{Right 3}");
-        apply(world, RobotId(0), "SET {Type Odometry} {Name Odometry} {Opcode RESET}");
+        apply(world, PawnId(0), "SET {Type Odometry} {Name Odometry} {Opcode RESET}");
     };
     change(&mut copy);
     change(&mut other);
@@ -115,7 +115,7 @@ fn a_saved_world_of_any_map_goes_on_with_the_same_bits() {
             apply(&mut world, robot, "DRIVE {Left 2}{Right 1}");
         }
         (0..245).for_each(|_| drop(step(&mut world)));
-        world.remove(RobotId(2));
+        world.remove(PawnId(2));
         let saved = through_json(&world.save().expect("no robot of the engine"));
         let mut loaded = World::load(world.scene().clone(), &saved).expect("its own scene");
         check_alike(&mut world, &mut loaded, &map);
@@ -128,7 +128,7 @@ fn a_saved_world_of_any_map_goes_on_with_the_same_bits() {
 #[test]
 fn a_robot_of_the_engine_is_not_saved() {
     let world = busy_world(busy_scene());
-    assert_eq!(world.save(), Err(SaveError::OfEngine { id: RobotId(7), class: "KUKA_YouBot".to_owned() }));
+    assert_eq!(world.save(), Err(SaveError::OfEngine { id: PawnId(7), class: "KUKA_YouBot".to_owned() }));
 }
 
 /// Every change makes the saved world one of another scene, or of none.
@@ -159,22 +159,22 @@ fn a_saved_world_that_does_not_fit_is_refused() {
         (
             "a number twice",
             |saved, _| saved["robots"][1]["id"] = 0.into(),
-            |it| matches!(it, LoadError::OutOfOrder { id: RobotId(0) }),
+            |it| matches!(it, LoadError::OutOfOrder { id: PawnId(0) }),
         ),
         (
             "a number to come",
             |saved, _| saved["robots"][13]["id"] = 99.into(),
-            |it| matches!(it, LoadError::OutOfOrder { id: RobotId(99) }),
+            |it| matches!(it, LoadError::OutOfOrder { id: PawnId(99) }),
         ),
         (
             "a wheel too few",
             |saved, _| drop(saved["robots"][0]["bodies"]["tree"]["servos"].as_array_mut().and_then(Vec::pop)),
-            |it| matches!(it, LoadError::OtherClass { id: RobotId(0), .. }),
+            |it| matches!(it, LoadError::OtherClass { id: PawnId(0), .. }),
         ),
         (
             "a robot of the future",
             |saved, _| saved["robots"][0]["spawned"] = 1_000_000.into(),
-            |it| matches!(it, LoadError::OtherClass { id: RobotId(0), .. }),
+            |it| matches!(it, LoadError::OtherClass { id: PawnId(0), .. }),
         ),
     ];
     let mut world = busy_world(scene_without_engine());

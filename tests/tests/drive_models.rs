@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use scene::{DriveModel, Part, WorldDef};
-use sim_core::{BodyState, Options, RobotId, World};
+use sim_core::{BodyState, Options, PawnId, World};
 use system_tests::{apply, init, run};
 
 /// Builds a carpet with additional solids, and the youBots in a drive model.
@@ -24,23 +24,23 @@ fn of_model(map: &str, model: DriveModel) -> WorldDef {
 }
 
 /// Builds a world with a settled youBot.
-fn youbot(def: WorldDef) -> (World, RobotId) {
+fn youbot(def: WorldDef) -> (World, PawnId) {
     let mut world = World::new(def, Options::default());
     let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Start Start}");
     run(&mut world, 0.5);
     (world, robot)
 }
 
-fn body(world: &World, robot: RobotId) -> BodyState {
+fn body(world: &World, robot: PawnId) -> BodyState {
     world.state(robot).expect("the robot").0
 }
 
-fn place(world: &World, robot: RobotId) -> Vector3<f64> {
+fn place(world: &World, robot: PawnId) -> Vector3<f64> {
     body(world, robot).pose.translation.vector
 }
 
 /// Returns the mean speed of the wheels over another second.
-fn mean_wheel_speed(world: &mut World, robot: RobotId) -> f64 {
+fn mean_wheel_speed(world: &mut World, robot: PawnId) -> f64 {
     let turned = |world: &World| world.state(robot).expect("the robot").1.iter().map(|wheel| wheel.angle).sum::<f64>();
     let before = turned(world);
     run(world, 1.0);
@@ -225,7 +225,7 @@ fn several_robots_repeat_themselves_and_do_not_change_each_other() {
     for (name, model) in DriveModel::ALL.into_iter().skip(1) {
         let play = |count: u32| {
             let mut world = World::new(carpet(model, ""), Options::default());
-            let robots: Vec<RobotId> = (0..count)
+            let robots: Vec<PawnId> = (0..count)
                 .map(|index| {
                     init(
                         &mut world,

@@ -1,10 +1,10 @@
 //! Robots move as their wheels drive them.
 
-use sim_core::{Options, RobotId, World};
+use sim_core::{Options, PawnId, World};
 use system_tests::{Server, apply, init, run, world};
 
 /// Returns position, yaw and wheel angles of a robot.
-fn place(world: &World, robot: RobotId) -> ([f64; 3], f64, Vec<f64>) {
+fn place(world: &World, robot: PawnId) -> ([f64; 3], f64, Vec<f64>) {
     let (body, wheels) = world.state(robot).expect("the robot is in the world");
     let (_, _, yaw) = body.pose.rotation.euler_angles();
     (body.pose.translation.vector.into(), yaw, wheels.iter().map(|wheel| wheel.angle).collect())

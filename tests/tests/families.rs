@@ -3,10 +3,10 @@
 use gamebots_proto::Dialect;
 use nalgebra::Vector3;
 use scene::{BodyState, Steering};
-use sim_core::{Options, RobotId, World};
+use sim_core::{Options, PawnId, World};
 use system_tests::{apply, command, init, run};
 
-fn world_with(map: &str, class: &str) -> (World, RobotId) {
+fn world_with(map: &str, class: &str) -> (World, PawnId) {
     let mut world = World::new(scene_loader::load(map, &[]).expect("a map"), Options::default());
     let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}}"));
     run(&mut world, 1.0);

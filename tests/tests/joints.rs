@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use scene::{JointState, WorldDef};
-use sim_core::{Options, RobotId, World};
+use sim_core::{Options, PawnId, World};
 use system_tests::{apply, init, run};
 
 /// A heavy cart with a joint to a link of 0.5 kg, whose centre of mass is 0.2 m from the joint.
@@ -68,13 +68,13 @@ fn load(robot: &str) -> Result<WorldDef, String> {
 }
 
 /// Builds a world with such a robot.
-fn world_of(robot: &str) -> (World, RobotId) {
+fn world_of(robot: &str) -> (World, PawnId) {
     let mut world = World::new(load(robot).unwrap_or_else(|error| panic!("{error}")), Options::default());
     let robot = init(&mut world, "INIT {ClassName USARBot.Cart} {Location 0,0,0}");
     (world, robot)
 }
 
-fn world(joint: &str, centre: &str) -> (World, RobotId) {
+fn world(joint: &str, centre: &str) -> (World, PawnId) {
     world_of(&cart(joint, centre))
 }
 

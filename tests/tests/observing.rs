@@ -17,7 +17,7 @@ fn world(map: &str, model: DriveModel) -> World {
 }
 
 /// Returns the mean force on a robot over a second, as hand-overs between rollers make single steps uneven.
-fn force(world: &mut World, robot: sim_core::RobotId) -> Vector3<f64> {
+fn force(world: &mut World, robot: sim_core::PawnId) -> Vector3<f64> {
     let steps = 500;
     let sum = |robot: RobotSnapshot| robot.contacts.iter().map(|contact| contact.force).sum::<Vector3<f64>>();
     let total: Vector3<f64> = (0..steps)

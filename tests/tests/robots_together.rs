@@ -3,7 +3,7 @@
 use gamebots_proto::Dialect;
 use nalgebra::Vector3;
 use scene::DriveModel;
-use sim_core::{Options, RobotId, World};
+use sim_core::{Options, PawnId, World};
 use system_tests::{apply, init, init_on_top, run};
 
 const MODELS: [DriveModel; 3] = [DriveModel::Bodies, DriveModel::Analytic, DriveModel::Kinematic];
@@ -15,11 +15,11 @@ fn world(map: &str, model: DriveModel) -> World {
     World::new(def, Options::default())
 }
 
-fn position(world: &World, robot: RobotId) -> Vector3<f64> {
+fn position(world: &World, robot: PawnId) -> Vector3<f64> {
     world.state(robot).expect("the robot is there").0.pose.translation.vector
 }
 
-fn speed(world: &World, robot: RobotId) -> f64 {
+fn speed(world: &World, robot: PawnId) -> f64 {
     world.state(robot).expect("the robot is there").0.linear.norm()
 }
 
@@ -61,12 +61,12 @@ fn a_robot_can_leave_in_the_step_that_it_came_in() {
 #[track_caller]
 fn check_come_together(model: DriveModel, lines: &[String]) {
     let mut world = world("rough", model);
-    let robots: Vec<RobotId> = lines.iter().map(|line| init(&mut world, line)).collect();
+    let robots: Vec<PawnId> = lines.iter().map(|line| init(&mut world, line)).collect();
     check_stands(world, &robots, &format!("{lines:?} {model:?}"));
 }
 
 #[track_caller]
-fn check_stands(mut world: World, robots: &[RobotId], what: &str) {
+fn check_stands(mut world: World, robots: &[PawnId], what: &str) {
     let highest = |world: &World| robots.iter().map(|&robot| -position(world, robot).z).fold(0.0, f64::max);
     let (start, mut top, mut fastest) = (highest(&world), 0.0f64, 0.0f64);
     for _ in 0..500 {
@@ -105,7 +105,7 @@ fn a_stack_of_analytic_robots_stands() {
                 let (x, yaw) = (away * f64::from(index % 3), turned * f64::from(index));
                 init_on_top(&mut world, "KUKA_YouBot", [x, 0.0], yaw)
             };
-            let robots: Vec<RobotId> = (0..count).map(&mut put).collect();
+            let robots: Vec<PawnId> = (0..count).map(&mut put).collect();
             check_stands(world, &robots, &format!("{count} robots, {away} m, {turned} rad"));
         }
     }
@@ -117,7 +117,7 @@ fn pushed(model: DriveModel, pusher_comes_first: bool) -> [Vector3<f64>; 2] {
     let mut world = world("rough", model);
     let places = [-0.575, 0.0];
     let order = if pusher_comes_first { [0, 1] } else { [1, 0] };
-    let mut robots = [RobotId(0); 2];
+    let mut robots = [PawnId(0); 2];
     for index in order {
         robots[index] =
             init(&mut world, &format!("INIT {{ClassName USARBot.KUKA_YouBot}} {{Location {},0,0}}", places[index]));

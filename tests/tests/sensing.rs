@@ -2,7 +2,7 @@
 
 use gamebots_proto::message::{Message, Reading, Tick};
 use scene::{NamedPose, Shape, Solid, WorldDef};
-use sim_core::{Options, RobotId, World};
+use sim_core::{Options, PawnId, World};
 use system_tests::{apply, init, run};
 
 /// Builds a world with the floor and boxes on it, given by centre and edge lengths.
@@ -45,7 +45,7 @@ fn assert_ranges(ranges: &[f32], expected: &[(usize, f32)]) {
     }
 }
 
-fn p3at(world: &mut World) -> RobotId {
+fn p3at(world: &mut World) -> PawnId {
     init(world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}")
 }
 

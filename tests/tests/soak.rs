@@ -9,7 +9,7 @@ use gamebots_proto::Problem;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use scene::DriveModel;
-use sim_core::{Options, RobotId, TIME_STEP, World};
+use sim_core::{Options, PawnId, TIME_STEP, World};
 use system_tests::{Server, Usage, alone, command, init, init_on_top, sessions, setting};
 
 /// Number of robots that come and leave, unless `USARSIM_SOAK_LEAVINGS` is set.
@@ -32,7 +32,7 @@ fn world(map: &str, seed: u64) -> World {
 }
 
 /// Executes a line of a client with this robot. Returns the client's robot after it.
-fn send(robot: Option<RobotId>, world: &mut World, line: &str) -> Option<RobotId> {
+fn send(robot: Option<PawnId>, world: &mut World, line: &str) -> Option<PawnId> {
     let mut problems = Vec::new();
     let spawned = world.execute(robot, &command(line), &mut problems).spawned;
     problems.retain(|problem| !matches!(problem, Problem::Beside { .. }));
@@ -112,7 +112,7 @@ fn robots_that_leave_in_the_step_in_which_others_come_leave_nothing_behind() {
 
 /// A client that repeatedly comes, drives and leaves.
 struct Visitor {
-    robot: Option<RobotId>,
+    robot: Option<PawnId>,
     /// Step of its next arrival or departure.
     next: u64,
 }

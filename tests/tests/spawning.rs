@@ -2,15 +2,15 @@
 
 use gamebots_proto::command::Command;
 use nalgebra::Vector3;
-use sim_core::{RobotId, World};
+use sim_core::{PawnId, World};
 use system_tests::{command, init, run, world};
 
-fn position(world: &World, robot: RobotId) -> Vector3<f64> {
+fn position(world: &World, robot: PawnId) -> Vector3<f64> {
     world.state(robot).expect("the robot is there").0.pose.translation.vector
 }
 
 /// Spawns a robot in a world. Returns it, and the messages about its place.
-fn try_init(world: &mut World, line: &str) -> (Option<RobotId>, Vec<String>) {
+fn try_init(world: &mut World, line: &str) -> (Option<PawnId>, Vec<String>) {
     let Command::Init(init) = command(line) else { panic!("not INIT: {line}") };
     let mut problems = Vec::new();
     let robot = world.init(&init, &mut problems);
@@ -41,7 +41,7 @@ fn a_robot_at_a_start_that_is_taken_stands_beside_it_and_it_is_said() {
 fn many_robots_at_one_start_stand_side_by_side() {
     for (class, count, widest) in [("P3AT", 100, 8.0), ("YouBot", 30, 6.0), ("AirRobot", 60, 8.0)] {
         let mut world = world("rough", 0);
-        let robots: Vec<RobotId> = (0..count)
+        let robots: Vec<PawnId> = (0..count)
             .map(|_| try_init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,-1}}")).0)
             .map(|robot| robot.expect("a robot"))
             .collect();

@@ -7,7 +7,7 @@ use gamebots_proto::{Command, Problem};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::{UnitQuaternion, Vector3};
 use scene::{RobotDef, Steering};
-use sim_core::{BodyState, RobotId, WheelState, World};
+use sim_core::{BodyState, PawnId, WheelState, World};
 
 use crate::reference::Reference;
 
@@ -124,7 +124,7 @@ const LOOKING_INTERVAL: f64 = 0.05;
 /// Robots that drive side by side, ready for measurement.
 pub struct Course {
     world: World,
-    robots: Vec<RobotId>,
+    robots: Vec<PawnId>,
     /// Exact kinematics for each robot.
     references: Vec<Reference>,
     from: Vec<BodyState>,

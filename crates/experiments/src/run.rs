@@ -7,7 +7,7 @@ use gamebots_proto::{Command, Dialect, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
-use scene::{MapDef, Pose, RobotDef, RobotId, WorldDef};
+use scene::{MapDef, PawnId, Pose, RobotDef, WorldDef};
 use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
 use sim_core::{Options, World};
@@ -262,7 +262,7 @@ impl Run {
 /// A world with its log and its only client.
 struct Stage {
     world: World,
-    robot: Option<RobotId>,
+    robot: Option<PawnId>,
     log: Option<LogWriter>,
     states: StateTimer,
 }

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use gamebots_proto::command::{Command, Init};
 use nalgebra::Vector3;
 use scene::{DriveModel, MapDef, Material, MountedWheel, RobotDef, Shape, Solid, WorldDef};
-use sim_core::{BodyState, Options, RobotId, WheelState, World, mecanum};
+use sim_core::{BodyState, Options, PawnId, WheelState, World, mecanum};
 
 pub use reason::{Stance, reason};
 
@@ -123,7 +123,7 @@ fn world(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> World {
 /// A settled robot on a floor.
 struct Scene {
     world: World,
-    robot: RobotId,
+    robot: PawnId,
 }
 
 impl Scene {

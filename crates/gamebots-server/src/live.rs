@@ -15,7 +15,7 @@ use axum::body::Bytes;
 use gamebots_proto::message::{Message, Reading, Sen};
 use scene::{Snapshot, WorldDef};
 use serde::Serialize;
-use sim_core::{RobotId, World};
+use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
 pub(crate) use scene_json::{About, scene_json};
@@ -148,7 +148,7 @@ pub(crate) struct Broadcast {
     /// Number of changes of the scene.
     scenes: u64,
     /// Time of each sensor's last published scan.
-    scanned: BTreeMap<(RobotId, usize), Instant>,
+    scanned: BTreeMap<(PawnId, usize), Instant>,
     /// Number of viewers at the last frame, plus one: see [`Broadcast::is_watched`].
     viewers: usize,
     next_frame: Instant,
@@ -197,7 +197,7 @@ impl Broadcast {
     }
 
     /// Forgets the scans of a robot that has left.
-    pub(crate) fn forget(&mut self, robot: RobotId) {
+    pub(crate) fn forget(&mut self, robot: PawnId) {
         self.scanned.retain(|(scanned, _), _| *scanned != robot);
     }
 
@@ -252,7 +252,7 @@ impl Broadcast {
     }
 
     /// Publishes the ranges of a laser or a sonar, but no more often than a viewer can follow.
-    pub(crate) fn scan(&mut self, world: &World, robot: RobotId, message: &Message) {
+    pub(crate) fn scan(&mut self, world: &World, robot: PawnId, message: &Message) {
         let Message::Sen(Sen { reading, sensor: Some(number), .. }) = message else { return };
         let ranges = match reading {
             Reading::RangeScanner(scan) => scan.ranges.as_slice(),
@@ -293,13 +293,13 @@ mod tests {
         let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about));
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::Sonar(Sonar { name: "F1".to_owned(), range: 1.0 });
-            broadcast.scan(&world, RobotId(robot), &Message::Sen(Sen { time: Some(0.0), reading, sensor: Some(0) }));
+            broadcast.scan(&world, PawnId(robot), &Message::Sen(Sen { time: Some(0.0), reading, sensor: Some(0) }));
             broadcast.scanned.len()
         };
         assert_eq!(scan(&mut broadcast, 0), 0);
         let viewer = channels.frames();
         assert_eq!([scan(&mut broadcast, 0), scan(&mut broadcast, 0), scan(&mut broadcast, 1)], [1, 1, 2]);
-        broadcast.forget(RobotId(0));
+        broadcast.forget(PawnId(0));
         assert_eq!(broadcast.scanned.keys().map(|(robot, _)| robot.0).collect::<Vec<_>>(), [1]);
         drop(viewer);
         assert_eq!(scan(&mut broadcast, 1), 0);

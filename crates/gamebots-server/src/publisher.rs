@@ -7,7 +7,7 @@ use std::time::Instant;
 use gamebots_proto::message::Message;
 use recorder::{Record, RecordError, WireLine};
 use scene::Snapshot;
-use sim_core::{RobotId, World};
+use sim_core::{PawnId, World};
 
 use crate::connection::ConnectionId;
 use crate::journal::Journal;
@@ -28,7 +28,7 @@ impl Publisher {
     }
 
     /// Publishes a line that came from a client. `pawn` is the client's newest robot.
-    pub(crate) fn received(&mut self, world: &World, connection: ConnectionId, pawn: Option<RobotId>, line: &str) {
+    pub(crate) fn received(&mut self, world: &World, connection: ConnectionId, pawn: Option<PawnId>, line: &str) {
         self.snapshot = None;
         let robot = pawn.map(|robot| robot.0);
         self.keep(world, Record::In(WireLine { connection, robot, line: line.to_owned() }));
@@ -40,7 +40,7 @@ impl Publisher {
         &mut self,
         world: &World,
         connection: ConnectionId,
-        robot: Option<RobotId>,
+        robot: Option<PawnId>,
         messages: &[&Message],
         line: &str,
     ) {
@@ -55,7 +55,7 @@ impl Publisher {
     }
 
     /// Shows viewers a robot's report, whether or not the robot has a client.
-    pub(crate) fn reported(&mut self, world: &World, robot: RobotId, message: &Message) {
+    pub(crate) fn reported(&mut self, world: &World, robot: PawnId, message: &Message) {
         self.live.scan(world, robot, message);
     }
 
@@ -66,7 +66,7 @@ impl Publisher {
     }
 
     /// Publishes that a robot left the world.
-    pub(crate) fn left(&mut self, world: &World, robot: RobotId) {
+    pub(crate) fn left(&mut self, world: &World, robot: PawnId) {
         self.snapshot = None;
         self.live.forget(robot);
         self.keep(world, Record::Left(robot.0));

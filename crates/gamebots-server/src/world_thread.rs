@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use gamebots_proto::Dialect;
 use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
 use scene::{MapDef, WorldDef};
-use sim_core::{Executed, LostRobot, RobotId, World};
+use sim_core::{Executed, LostRobot, PawnId, World};
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
@@ -435,7 +435,7 @@ impl Server {
     }
 
     /// Returns the dialect of messages to a connection: its listener's, else the one of the robot's class, else UDK.
-    fn dialect(&self, id: ConnectionId, robot: Option<RobotId>) -> Dialect {
+    fn dialect(&self, id: ConnectionId, robot: Option<PawnId>) -> Dialect {
         let of_robot = || {
             let robot = robot.and_then(|robot| self.world.robot(robot));
             if robot.is_some_and(|def| def.speaks_ut2004) { Dialect::Ut2004 } else { Dialect::Udk }
@@ -444,7 +444,7 @@ impl Server {
     }
 
     /// Publishes one robot's reports of a step, and sends them to its owner.
-    fn report(&mut self, reports: &[(RobotId, Message)]) {
+    fn report(&mut self, reports: &[(PawnId, Message)]) {
         let Some(&(robot, _)) = reports.first() else { return };
         reports.iter().for_each(|(_, message)| self.publisher.reported(&self.world, robot, message));
         if let Some(owner) = self.owners.of(robot) {
@@ -453,7 +453,7 @@ impl Server {
     }
 
     /// Sends messages that belong together. `robot` is the robot that they are about, if any.
-    fn send<'a>(&mut self, id: ConnectionId, robot: Option<RobotId>, messages: impl IntoIterator<Item = &'a Message>) {
+    fn send<'a>(&mut self, id: ConnectionId, robot: Option<PawnId>, messages: impl IntoIterator<Item = &'a Message>) {
         for WrittenLine { line, messages } in message::lines(messages, self.dialect(id, robot)) {
             self.publisher.sent(&self.world, id, robot, &messages, &line);
             if let Some(session) = self.sessions.get(&id) {
@@ -465,7 +465,7 @@ impl Server {
     /// Publishes what is due by the clock.
     fn publish(&mut self, now: Instant) {
         let Self { publisher, world, owners, sessions, timing, resets, .. } = self;
-        let robot = |(id, class, name): (RobotId, &str, &str)| RobotStatus {
+        let robot = |(id, class, name): (PawnId, &str, &str)| RobotStatus {
             id: id.0,
             class: class.to_owned(),
             name: name.to_owned(),

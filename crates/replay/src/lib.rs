@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use gamebots_proto::Command;
 use recorder::{Log, Record, RobotState, STATE_INTERVAL};
-use scene::{Options, RobotId};
+use scene::{Options, PawnId};
 use sim_core::World;
 
 /// Longest replay, simulated seconds: a month.
@@ -80,7 +80,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     // The log says which robots leave, and when: `keep_robots` has no effect.
     let mut world = World::new(def, Options { seed, speed_unit, time_step, panic_at, ..Options::default() });
     // The newest robot of each connection.
-    let mut pawns: BTreeMap<u64, RobotId> = BTreeMap::new();
+    let mut pawns: BTreeMap<u64, PawnId> = BTreeMap::new();
     let (mut states, mut first_difference) = (0, None);
     // The report of a panic has no states.
     let most = if log.run.contains_key("panic") { MAX_IDLE } else { MAX_GAP };
@@ -98,7 +98,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
             Record::Closed(line) => {
                 pawns.remove(&line.connection);
             }
-            Record::Left(robot) => world.remove(RobotId(*robot)),
+            Record::Left(robot) => world.remove(PawnId(*robot)),
             Record::State(state) => {
                 states += 1;
                 if first_difference.is_none() && now(&world, state.robot).as_ref() != Some(state) {

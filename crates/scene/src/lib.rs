@@ -36,7 +36,7 @@ pub use options::{Options, TIME_STEP};
 pub use robot::{Aerial, Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
 pub use sensor::SensorDef;
 pub use shape::{Shape, Solid};
-pub use state::{BodyState, Contact, JointState, RobotId, RobotSnapshot, Snapshot, WheelState};
+pub use state::{BodyState, Contact, JointState, PawnId, RobotSnapshot, Snapshot, WheelState};
 pub use wheel::{Motor, MountedWheel, Rollers, Wheel};
 
 /// Position and orientation.

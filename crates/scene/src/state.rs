@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::Pose;
 
-/// Identifies a robot while its world lives.
+/// Identifies a pawn while its world lives: a robot or a world controller. Numbers count up from 0, in the order of the INIT lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct RobotId(pub u64);
+pub struct PawnId(pub u64);
 
 /// Pose and velocity of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +53,7 @@ pub struct Snapshot {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotSnapshot {
     /// Robot number.
-    pub id: RobotId,
+    pub id: PawnId,
     /// Class name.
     pub class: String,
     /// Robot name from INIT.

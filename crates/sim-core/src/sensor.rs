@@ -21,7 +21,7 @@ use scene::sensor::Config;
 use scene::{Pose, RobotDef, SensorDef};
 use serde::{Deserialize, Serialize};
 
-use crate::RobotId;
+use crate::PawnId;
 use crate::physics::{Physics, RobotBodies, Sight};
 use crate::{BodyState, WheelState};
 
@@ -43,7 +43,7 @@ pub(crate) struct View<'a> {
     pub(crate) speed_unit: f64,
     pub(crate) physics: &'a Physics,
     /// The robot's number. Rays do not hit this robot.
-    pub(crate) id: RobotId,
+    pub(crate) id: PawnId,
 }
 
 impl View<'_> {

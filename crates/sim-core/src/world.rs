@@ -20,7 +20,7 @@ use crate::threads::{OneThread, Threads, in_parts};
 use robot::Robot;
 pub use saved::{LoadError, SaveError, SavedWorld};
 use scene::{
-    BodyState, NamedPose, Options, Pose, RobotDef, RobotId, RobotSnapshot, Snapshot, WheelState, WorldDef, check,
+    BodyState, NamedPose, Options, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WheelState, WorldDef, check,
 };
 
 /// Maximum length of a robot's name, characters. Longer names are truncated.
@@ -39,7 +39,7 @@ pub struct World {
     /// True if the engine took part in the last step.
     is_engine_running: bool,
     steps: u64,
-    robots: BTreeMap<RobotId, Robot>,
+    robots: BTreeMap<PawnId, Robot>,
     next_id: u64,
     lost: Vec<LostRobot>,
     /// Names and faults of restored objects, until [`World::take_restored`].
@@ -55,7 +55,7 @@ pub struct Executed {
     /// True if the robot has the item that a SET, GETCONF or GETGEO names.
     pub found: bool,
     /// The spawned robot. From now on the client's commands go to it (BotConnection.uc:37-47).
-    pub spawned: Option<RobotId>,
+    pub spawned: Option<PawnId>,
 }
 
 /// A free place for a robot.
@@ -71,7 +71,7 @@ pub struct Room {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LostRobot {
     /// Its number.
-    pub id: RobotId,
+    pub id: PawnId,
     /// Its class.
     pub class: String,
     /// Its name from INIT.
@@ -157,7 +157,7 @@ impl World {
     ///
     /// A pose inside or below the ground is lifted onto it; a robot above the ground falls. If the place is occupied, the robot is put beside
     /// the obstacle, and `problems` reports it. An unknown start means the origin, as in USARSim (BotConnection.uc:452-473).
-    pub fn init(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<RobotId> {
+    pub fn init(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<PawnId> {
         let class = self.class(init, problems)?;
         if self.robots.len() >= MAX_ROBOTS {
             problems.push(Problem::TooManyRobots { limit: MAX_ROBOTS });
@@ -176,7 +176,7 @@ impl World {
                 return None;
             }
         };
-        let id = RobotId(self.next_id);
+        let id = PawnId(self.next_id);
         self.next_id += 1;
         let name: String = init.name.chars().take(MAX_NAME_CHARS).collect();
         if name.len() < init.name.len() {
@@ -234,7 +234,7 @@ impl World {
     }
 
     /// Removes a robot from the world.
-    pub fn remove(&mut self, id: RobotId) {
+    pub fn remove(&mut self, id: PawnId) {
         if let Some(robot) = self.robots.remove(&id) {
             self.physics.remove(robot.bodies());
         }
@@ -242,7 +242,7 @@ impl World {
 
     /// Executes a command and adds its errors to `problems`. A command for a robot goes to `pawn`, the newest robot of the client that sent
     /// it. A robot with a flat battery ignores everything.
-    pub fn execute(&mut self, pawn: Option<RobotId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
+    pub fn execute(&mut self, pawn: Option<PawnId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
         if let Command::Set(_) = command {
             self.enter_shapes();
         }
@@ -314,7 +314,7 @@ impl World {
     ///
     /// # Panics
     /// If the number of steps taken is [`Options::panic_at`].
-    pub fn step(&mut self) -> Vec<(RobotId, Message)> {
+    pub fn step(&mut self) -> Vec<(PawnId, Message)> {
         assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
         let is_engine_needed = self.physics.is_engine_needed();
@@ -346,7 +346,7 @@ impl World {
                 robot.report(physics, time, steps, |message| messages.push(message));
             }
         });
-        let of_robot = |(id, _, messages): (RobotId, &mut Robot, Vec<Message>)| {
+        let of_robot = |(id, _, messages): (PawnId, &mut Robot, Vec<Message>)| {
             messages.into_iter().map(move |message| (id, message))
         };
         reports.into_iter().flat_map(of_robot).collect()
@@ -383,12 +383,12 @@ impl World {
     }
 
     /// Returns the robots with class and name, in the order of their arrival.
-    pub fn robots(&self) -> impl Iterator<Item = (RobotId, &str, &str)> {
+    pub fn robots(&self) -> impl Iterator<Item = (PawnId, &str, &str)> {
         self.robots.iter().map(|(&id, robot)| (id, robot.def().class.as_str(), robot.name()))
     }
 
     /// Returns the state of a robot's body and of its driven wheels.
-    pub fn state(&self, id: RobotId) -> Option<(BodyState, Vec<WheelState>)> {
+    pub fn state(&self, id: PawnId) -> Option<(BodyState, Vec<WheelState>)> {
         let robot = self.robots.get(&id)?;
         Some((self.physics.body(robot.bodies()), self.physics.wheels(robot.bodies())))
     }
@@ -415,17 +415,17 @@ impl World {
     }
 
     /// Returns a snapshot of one robot.
-    pub fn observe(&self, id: RobotId) -> Option<RobotSnapshot> {
+    pub fn observe(&self, id: PawnId) -> Option<RobotSnapshot> {
         self.robots.get(&id).map(|robot| robot.snapshot(&self.physics))
     }
 
     /// Returns the definition of a robot.
-    pub fn robot(&self, id: RobotId) -> Option<&RobotDef> {
+    pub fn robot(&self, id: PawnId) -> Option<&RobotDef> {
         self.robots.get(&id).map(Robot::def)
     }
 
     /// Returns the whole seconds that a robot's battery still lasts. `None` without a battery.
-    pub fn battery(&self, id: RobotId) -> Option<i32> {
+    pub fn battery(&self, id: PawnId) -> Option<i32> {
         let robot = self.robots.get(&id).filter(|robot| robot.def().battery.is_some())?;
         Some(robot.battery_left(self.time()))
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use gamebots_proto::{Command, Dialect};
 use recorder::{End, LogWriter, Record, RobotState, StateTimer, Vector, WireLine};
-use scene::{RobotId, WorldDef};
+use scene::{PawnId, WorldDef};
 use sim_core::{Options, World};
 
 /// The map `rough` and the class of one robot.
@@ -36,7 +36,7 @@ pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
     let (mut world, mut states) = (World::new(world(), Options::default()), StateTimer::default());
     let mut records = Vec::new();
     let mut robots = Vec::new();
-    let send = |world: &mut World, records: &mut Vec<_>, connection: u64, robot: Option<RobotId>, text: &str| {
+    let send = |world: &mut World, records: &mut Vec<_>, connection: u64, robot: Option<PawnId>, text: &str| {
         let line = WireLine { connection, robot: robot.map(|robot| robot.0), line: text.to_owned() };
         records.push((world.time(), Record::In(line)));
         let command = Command::parse(text, &mut Vec::new()).expect("a command");

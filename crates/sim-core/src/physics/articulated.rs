@@ -28,7 +28,7 @@ use super::identity::Identity;
 use super::motor::{self, Servo, Torque};
 use super::query::set_box;
 use super::rolling::Load;
-use crate::RobotId;
+use crate::PawnId;
 use crate::flight::Flight;
 
 pub(super) use compile::{Articulated, CompiledObject};
@@ -54,7 +54,7 @@ const MAX_FLIGHT_ACCELERATION: f64 = 30.0;
 /// A tree in motion: a robot, or an object without joints.
 #[derive(Clone)]
 pub(crate) struct ArticulatedRobot {
-    id: RobotId,
+    id: PawnId,
     made_of: Arc<Articulated>,
     body: Body,
     servos: Vec<Servo>,
@@ -99,7 +99,7 @@ struct Standing {
 
 impl ArticulatedRobot {
     /// Spawns a robot at a pose of its frame, at rest.
-    pub(super) fn spawn(world: &mut PhysicsWorld, made_of: Arc<Articulated>, id: RobotId, pose: &Pose) -> Self {
+    pub(super) fn spawn(world: &mut PhysicsWorld, made_of: Arc<Articulated>, id: PawnId, pose: &Pose) -> Self {
         let body = Body::new(made_of.tree.clone(), *pose);
         let mut in_engine = Vec::new();
         for link in 0..made_of.tree.links().len() {
@@ -124,7 +124,7 @@ impl ArticulatedRobot {
     /// Creates a robot at rest, with bodies and colliders that the engine already has, by link.
     fn at_rest(
         made_of: Arc<Articulated>,
-        id: RobotId,
+        id: PawnId,
         pose: &Pose,
         in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
     ) -> Self {

@@ -2,7 +2,7 @@
 
 use rapier3d::prelude::*;
 
-use crate::RobotId;
+use crate::PawnId;
 
 /// An entity of a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub(crate) enum Identity {
     /// A link of a robot.
     Link {
         /// The robot.
-        robot: RobotId,
+        robot: PawnId,
         /// The link's number in the tree of the robot's drive model; 0 is its body.
         link: u32,
     },
@@ -50,13 +50,13 @@ impl Mark {
         let identity = match bits as u8 {
             SOLID => Identity::Solid(index),
             OBJECT => Identity::Object(index),
-            _ => Identity::Link { robot: RobotId((bits >> 64) as u64), link: index },
+            _ => Identity::Link { robot: PawnId((bits >> 64) as u64), link: index },
         };
         Self { identity, material: (bits >> 32) as u32 }
     }
 
     /// True if a collider is part of a robot.
-    pub(super) fn is_of(collider: &Collider, robot: RobotId) -> bool {
+    pub(super) fn is_of(collider: &Collider, robot: PawnId) -> bool {
         matches!(Self::of(collider).identity, Identity::Link { robot: owner, .. } if owner == robot)
     }
 }
@@ -70,8 +70,8 @@ mod tests {
         for identity in [
             Identity::Solid(7),
             Identity::Object(0xff_ffff),
-            Identity::Link { robot: RobotId(0), link: 0 },
-            Identity::Link { robot: RobotId(u64::MAX), link: 28 },
+            Identity::Link { robot: PawnId(0), link: 0 },
+            Identity::Link { robot: PawnId(u64::MAX), link: 28 },
         ] {
             for material in [0, u32::MAX] {
                 let mark = Mark { identity, material };

@@ -9,7 +9,7 @@ use super::bodies::{Landing, MultibodyRobot};
 use super::compile::CompiledMechanism;
 use super::fault::Fault;
 use super::surface::Materials;
-use crate::RobotId;
+use crate::PawnId;
 use crate::flight::Flight;
 
 /// A robot in one of the two mechanics.
@@ -23,7 +23,7 @@ pub(super) enum Mechanism {
 
 impl Mechanism {
     /// Inserts a robot at a pose of its frame, at rest.
-    pub(super) fn insert(world: &mut PhysicsWorld, tree: &CompiledMechanism, id: RobotId, pose: &Pose) -> Self {
+    pub(super) fn insert(world: &mut PhysicsWorld, tree: &CompiledMechanism, id: PawnId, pose: &Pose) -> Self {
         match tree {
             CompiledMechanism::Bodies(tree) => {
                 Self::Bodies(Box::new(MultibodyRobot::insert(world, tree.clone(), id, pose)))

@@ -7,7 +7,7 @@ use rapier3d::prelude::*;
 
 use super::identity::{Identity, Mark};
 use super::{Physics, convert};
-use crate::RobotId;
+use crate::PawnId;
 
 /// Most colliders in reach that each ray tests one by one.
 const FEW: usize = 6;
@@ -29,7 +29,7 @@ pub(crate) struct RayHit {
 /// A query for the rays of one sensor.
 pub(crate) struct Sight<'a> {
     world: &'a PhysicsWorld,
-    robot: RobotId,
+    robot: PawnId,
     origin: Vector,
     max_distance: f64,
     /// All colliders in reach, if so few that testing each costs less than a tree of boxes.
@@ -81,7 +81,7 @@ pub(super) fn set_box(
 
 impl Physics {
     /// Prepares a query for the rays of a sensor. They do not hit the robot that carries it, and inside a solid they read 0.
-    pub(crate) fn sight(&self, origin: &Point3<f64>, max_distance: f64, robot: RobotId) -> Sight<'_> {
+    pub(crate) fn sight(&self, origin: &Point3<f64>, max_distance: f64, robot: PawnId) -> Sight<'_> {
         let (world, origin) = (&self.world, convert::vector(origin.coords));
         let around = Aabb::from_half_extents(origin, Vector::splat(max_distance));
         let not_own = |_: ColliderHandle, collider: &Collider| !Mark::is_of(collider, robot);

@@ -11,7 +11,7 @@ use super::compile::CompiledRobot;
 use super::mechanism::Mechanism;
 use super::query::set_box;
 use super::{Fault, Physics};
-use crate::RobotId;
+use crate::PawnId;
 use crate::flight::Flight;
 use crate::threads::Threads;
 
@@ -78,7 +78,7 @@ impl RobotBodies {
 
 impl Physics {
     /// Puts a robot at a pose of its frame, at rest.
-    pub(crate) fn spawn(&mut self, robot: Arc<CompiledRobot>, id: RobotId, pose: &Pose) -> RobotBodies {
+    pub(crate) fn spawn(&mut self, robot: Arc<CompiledRobot>, id: PawnId, pose: &Pose) -> RobotBodies {
         let mechanism = Mechanism::insert(&mut self.world, &robot.mechanism, id, pose);
         self.is_changed = true;
         self.robots_of_engine += usize::from(mechanism.is_of_engine());

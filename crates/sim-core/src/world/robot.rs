@@ -9,7 +9,7 @@ use scene::{Pose, RobotDef, RobotSnapshot, SensorDef};
 use serde::{Deserialize, Serialize};
 
 use super::actuator::is_asked;
-use super::{Options, RobotId, seed};
+use super::{Options, PawnId, seed};
 use crate::WheelState;
 use crate::drive::DriveState;
 use crate::physics::{CompiledRobot, Physics, RobotBodies, SavedBodies};
@@ -22,7 +22,7 @@ const NO_BATTERY: i32 = 99999;
 
 #[derive(Clone)]
 pub(super) struct Robot {
-    id: RobotId,
+    id: PawnId,
     name: String,
     bodies: RobotBodies,
     drive: DriveState,
@@ -45,7 +45,7 @@ pub(super) struct Item {
 /// The state of a robot as plain data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct SavedRobot {
-    pub(super) id: RobotId,
+    pub(super) id: PawnId,
     pub(super) class: String,
     pub(super) name: String,
     bodies: SavedBodies,
@@ -99,7 +99,7 @@ impl Robot {
         class: Arc<CompiledRobot>,
         name: String,
         pose: &Pose,
-        id: RobotId,
+        id: PawnId,
         spawned: u64,
         options: Options,
     ) -> Self {
@@ -118,7 +118,7 @@ impl Robot {
         robot
     }
 
-    pub(super) fn id(&self) -> RobotId {
+    pub(super) fn id(&self) -> PawnId {
         self.id
     }
 
@@ -324,7 +324,7 @@ impl Item {
 }
 
 fn view<'a>(
-    id: RobotId,
+    id: PawnId,
     bodies: &'a RobotBodies,
     options: Options,
     physics: &'a Physics,

@@ -1,6 +1,6 @@
 //! Saving a world as plain data, and going on from it.
 
-use scene::{Options, RobotId};
+use scene::{Options, PawnId};
 use serde::{Deserialize, Serialize};
 
 use super::World;
@@ -26,7 +26,7 @@ pub enum SaveError {
     #[error("robot {} of class {class} is moved by the engine (drive model `bodies`), which cannot be saved; expected another drive model", id.0)]
     OfEngine {
         /// The robot.
-        id: RobotId,
+        id: PawnId,
         /// Its class.
         class: String,
     },
@@ -39,7 +39,7 @@ pub enum LoadError {
     #[error("robot {}: got the class {class}, expected one of {expected}", id.0)]
     UnknownClass {
         /// The robot.
-        id: RobotId,
+        id: PawnId,
         /// Its class when it was saved.
         class: String,
         /// Classes of the scene.
@@ -49,7 +49,7 @@ pub enum LoadError {
     #[error("robot {}: its state does not fit the class {class} of this scene", id.0)]
     OtherClass {
         /// The robot.
-        id: RobotId,
+        id: PawnId,
         /// Its class.
         class: String,
     },
@@ -63,7 +63,7 @@ pub enum LoadError {
     #[error("robot {}: its number is out of order", id.0)]
     OutOfOrder {
         /// The robot.
-        id: RobotId,
+        id: PawnId,
     },
 }
 

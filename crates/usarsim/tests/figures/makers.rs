@@ -11,7 +11,7 @@ use gamebots_proto::Dialect;
 use gamebots_proto::message::{self, Field, Message, Reading};
 use kinematics::FiniteRollers;
 use kinematics::thesis::{Sizes, base_velocity, printed};
-use scene::{DriveModel, RobotId, Steering, WorldDef};
+use scene::{DriveModel, PawnId, Steering, WorldDef};
 use sim_core::{Options, World};
 
 use crate::{UNTIMED, budget, repository};
@@ -218,7 +218,7 @@ pub(crate) fn motion() -> String {
 fn p3at() -> String {
     let mut world = World::new(world("rough"), Options::default());
     let mut robot = None;
-    let state = |world: &World, robot: Option<RobotId>| {
+    let state = |world: &World, robot: Option<PawnId>| {
         let (body, wheels) = world.state(robot.unwrap()).unwrap();
         (body.pose.translation.x, wheels.iter().map(|wheel| wheel.angle).sum::<f64>() / wheels.len() as f64)
     };
@@ -238,7 +238,7 @@ fn p3at() -> String {
 }
 
 /// Executes a line for the newest robot and returns the answers.
-fn execute(world: &mut World, robot: &mut Option<RobotId>, line: &str) -> Vec<Message> {
+fn execute(world: &mut World, robot: &mut Option<PawnId>, line: &str) -> Vec<Message> {
     let command = gamebots_proto::Command::parse(line, &mut Vec::new()).unwrap();
     let executed = world.execute(*robot, &command, &mut Vec::new());
     *robot = executed.spawned.or(*robot);

@@ -18,7 +18,7 @@ use super::link_pose;
 use super::ring::WheelContact;
 use super::shape_contact::touches;
 use super::wheel::{RollerTouch, Touch};
-use crate::RobotId;
+use crate::PawnId;
 
 /// Distance over which contacts are found, beyond the distance that a surface moves in a step, m.
 const PREDICTION: f64 = 0.001;
@@ -87,8 +87,8 @@ pub(super) struct Placed {
 
 impl Key {
     /// Returns the id of the other robot or object, if it is in reduced coordinates.
-    pub(super) fn body(&self) -> Option<RobotId> {
-        self.other.0.map(RobotId).filter(|id| id.0 != OF_ENGINE)
+    pub(super) fn body(&self) -> Option<PawnId> {
+        self.other.0.map(PawnId).filter(|id| id.0 != OF_ENGINE)
     }
 }
 

@@ -16,7 +16,7 @@ use super::super::identity::Identity;
 use super::super::surface::Surface as Seen;
 use super::ArticulatedRobot;
 use super::compile::{Articulated, CompiledObject, Form, Surface};
-use crate::RobotId;
+use crate::PawnId;
 
 /// Speed of the fastest point below which an object is at rest, m/s.
 const REST_SPEED: f64 = 1e-3;
@@ -47,7 +47,7 @@ pub(in super::super) struct MapObject {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Sleep {
     /// Neighbours, with their impulses on the object in the step in which it fell asleep, N s.
-    neighbours: Vec<(RobotId, Vector3<f64>)>,
+    neighbours: Vec<(PawnId, Vector3<f64>)>,
 }
 
 impl Articulated {
@@ -84,7 +84,7 @@ impl MapObject {
         let surface = object.surface.collider(Identity::Object(number)).solver_groups(InteractionGroups::none());
         let collider = world.insert_collider(surface, Some(in_engine));
         // Objects count down from the largest id, robots up from 0.
-        let id = RobotId(u64::MAX - u64::from(number));
+        let id = PawnId(u64::MAX - u64::from(number));
         let in_engine = vec![(in_engine, vec![(collider, 0)])];
         let body = ArticulatedRobot::at_rest(object.made_of.clone(), id, &object.pose, in_engine);
         Self { start: object.pose, body: Box::new(body), still: 0.0, sleep: None, is_entered: false }
@@ -127,7 +127,7 @@ impl MapObject {
     }
 
     /// Returns the number of the object with an id, or `None` for a robot's id.
-    pub(super) fn number_of(id: RobotId) -> Option<usize> {
+    pub(super) fn number_of(id: PawnId) -> Option<usize> {
         usize::try_from(u64::MAX - id.0).ok().filter(|&number| number < MAX_OBJECTS)
     }
 
@@ -146,7 +146,7 @@ impl MapObject {
     }
 
     /// Updates the time at rest after a step, and lets the object fall asleep. `neighbours` are the impulses on it, N s.
-    pub(super) fn note_rest(&mut self, neighbours: Vec<(RobotId, Vector3<f64>)>, time_step: f64) {
+    pub(super) fn note_rest(&mut self, neighbours: Vec<(PawnId, Vector3<f64>)>, time_step: f64) {
         let BodyState { linear, angular, .. } = self.body.state();
         let surface = &self.body.made_of.surfaces[0];
         let speed = linear.norm() + angular.norm() * (surface.middle.norm() + surface.half.norm());
@@ -161,8 +161,8 @@ impl MapObject {
     /// True if awake neighbours push the object differently than when it fell asleep. `impulses` are theirs in this step, N s.
     pub(super) fn is_disturbed(
         &self,
-        impulses: &[(RobotId, Vector3<f64>)],
-        is_asleep: impl Fn(RobotId) -> bool,
+        impulses: &[(PawnId, Vector3<f64>)],
+        is_asleep: impl Fn(PawnId) -> bool,
         gravity: f64,
         time_step: f64,
     ) -> bool {

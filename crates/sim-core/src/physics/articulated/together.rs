@@ -13,7 +13,7 @@ use super::super::surface::Materials;
 use super::ArticulatedRobot;
 use super::finding::{Found, OfEngine, Second, touch_each_other, touch_engine};
 use super::object::MapObject;
-use crate::RobotId;
+use crate::PawnId;
 use crate::flight::Flight;
 use crate::threads::{Threads, in_parts};
 
@@ -50,7 +50,7 @@ pub(in super::super) struct Cost {
 #[derive(Clone, Copy)]
 struct Push {
     object: usize,
-    by: RobotId,
+    by: PawnId,
     impulse: Vector3<f64>,
 }
 
@@ -177,7 +177,7 @@ fn rest(objects: &mut [MapObject], was_asleep: &[bool], mut pushes: &[Push], gra
             object.wake();
         } else {
             let is_asleep =
-                |id: RobotId| MapObject::number_of(id).is_some_and(|other| was_asleep.get(other) == Some(&true));
+                |id: PawnId| MapObject::number_of(id).is_some_and(|other| was_asleep.get(other) == Some(&true));
             if object.is_disturbed(&impulses, is_asleep, gravity, time_step) {
                 object.wake();
             }
@@ -435,7 +435,7 @@ impl Step<'_> {
     }
 
     /// Records an impulse on an object, if the object needs it.
-    fn note_push(self, pushed: RobotId, by: RobotId, impulse: Vector3<f64>, pushes: &mut Vec<Push>) {
+    fn note_push(self, pushed: PawnId, by: PawnId, impulse: Vector3<f64>, pushes: &mut Vec<Push>) {
         if let Some(object) = MapObject::number_of(pushed).filter(|&object| self.listening.get(object) == Some(&true)) {
             pushes.push(Push { object, by, impulse });
         }

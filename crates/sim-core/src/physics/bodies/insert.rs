@@ -12,11 +12,11 @@ use super::super::motor::Servo;
 use super::compile::{Footing, Tree};
 use super::joint::{Gear, Joint, Role};
 use super::{MultibodyRobot, ValueJoint};
-use crate::RobotId;
+use crate::PawnId;
 
 impl MultibodyRobot {
     /// Inserts a robot at a pose of its frame, at rest.
-    pub(in super::super) fn insert(world: &mut PhysicsWorld, tree: Arc<Tree>, id: RobotId, pose: &Pose) -> Self {
+    pub(in super::super) fn insert(world: &mut PhysicsWorld, tree: Arc<Tree>, id: PawnId, pose: &Pose) -> Self {
         let (mut frames, mut links) = (Vec::new(), Vec::new());
         let (mut joints, mut rollers) = (Vec::new(), Vec::new());
         let mut treads = vec![Vec::new(); tree.hubs.len()];
