@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gamebots_client::Client;
-use gamebots_proto::message::PERIODIC_VERBS;
+use gamebots_proto::message::is_periodic_line;
 use gamebots_proto::{Dialect, Line};
 use gamebots_server::{Config, Listener, ServeError, Service};
 use tokio::sync::oneshot;
@@ -175,8 +175,7 @@ impl Peer {
 
     /// Returns the next line that is not on a timer.
     pub fn reply(&mut self) -> String {
-        let periodic = |line: &str| line.split(' ').next().is_some_and(|verb| PERIODIC_VERBS.contains(&verb));
-        std::iter::repeat_with(|| self.line()).find(|line| !periodic(line)).unwrap_or_default()
+        std::iter::repeat_with(|| self.line()).find(|line| !is_periodic_line(line)).unwrap_or_default()
     }
 
     /// Checks that earlier lines got no answer: the answer to a question asked now comes next.

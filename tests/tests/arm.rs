@@ -60,7 +60,7 @@ fn to_height(height: f64) -> String {
 }
 
 fn cube(world: &World) -> Vector3<f64> {
-    world.snapshot().objects[0].translation.vector
+    world.snapshot().objects[0].pose.translation.vector
 }
 
 /// Runs a world for a time. Returns the arm's values in the last ASTA, and true if the gripper reports that it is closed.

@@ -78,6 +78,11 @@ fn static_platform() {
 }
 
 #[test]
+fn world_controller() {
+    check("controller.txt");
+}
+
+#[test]
 fn battery() {
     check("battery.txt");
 }

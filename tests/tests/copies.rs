@@ -2,7 +2,7 @@
 
 use gamebots_proto::Dialect;
 use scene::{DriveModel, WorldDef};
-use sim_core::{LoadError, PawnId, SaveError, SavedWorld, World};
+use sim_core::{LoadError, ObjectId, PawnId, SaveError, SavedWorld, World};
 use system_tests::{apply, busy_scene, busy_world, init, world};
 
 /// Steps for which a world and its copy are compared.
@@ -53,6 +53,39 @@ fn a_copy_of_any_class_on_any_map_goes_on_with_the_same_bits() {
         (0..45).for_each(|_| drop(step(&mut world)));
         let mut copy = world.clone();
         check_alike(&mut world, &mut copy, &map);
+    }
+}
+
+/// A controller's objects fall, are held, follow paths and turn; one of the map is gone.
+#[test]
+fn a_world_with_a_controller_goes_on_with_the_same_bits() {
+    let mut world = world("hall", 3);
+    let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,-0.9}");
+    let controller = init(&mut world, "INIT {ClassName USARBotAPI.WorldController} {Location 0,0,0}");
+    for order in [
+        "{Type Create} {ClassName WCCrate} {Name falls} {Location 1.5,0,-2} {Physics RigidBody}",
+        "{Type Create} {ClassName WCPallet} {Name lift} {Location 0,0,-0.2}",
+        "{Type Create} {ClassName gear} {Name turns} {Location 3,0,-0.2} {Physics RigidBody}",
+        "{Type AddWP} {Name lift} {WP 0,0,-0.2;0.5,0,-0.2}",
+        "{Type SetWP} {Name lift} {Speed 0.2}",
+        "{Type Rotate} {Name turns} {Speed 0,0,1}",
+    ] {
+        apply(&mut world, controller, &format!("CONTROL {order}"));
+    }
+    let of_map = world.objects().nth(1).expect("an object of the map").def.solid.name.clone();
+    apply(&mut world, controller, &format!("CONTROL {{Type Kill}} {{Name {of_map}}}"));
+    apply(&mut world, robot, "DRIVE {Left 1}{Right 1}");
+    for pause in [0, 1, 200, 700, 1500] {
+        (0..pause).for_each(|_| drop(step(&mut world)));
+        let text = serde_json::to_string(&world.save().expect("a saved world")).expect("JSON");
+        let saved: SavedWorld = serde_json::from_str(&text).expect("a saved world");
+        let mut loaded = World::load(world.scene().clone(), &saved).expect("a world");
+        assert_eq!(loaded.objects().collect::<Vec<_>>(), world.objects().collect::<Vec<_>>());
+        let mut copy = world.clone();
+        check_alike(&mut world.clone(), &mut copy, &format!("a copy after {pause} more steps"));
+        check_alike(&mut world, &mut loaded, &format!("loaded after {pause} more steps"));
+        let asked = "CONTROL {Type GetSTA}";
+        assert_eq!(apply(&mut world, controller, asked), apply(&mut loaded, controller, asked));
     }
 }
 
@@ -154,7 +187,7 @@ fn a_saved_world_that_does_not_fit_is_refused() {
         (
             "a crate is gone",
             |_, scene| drop(scene.map.objects.pop()),
-            |it| matches!(it, LoadError::OtherMap { number: 2 }),
+            |it| matches!(it, LoadError::OtherMap { id: ObjectId(2) }),
         ),
         (
             "a number twice",

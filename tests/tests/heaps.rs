@@ -65,16 +65,16 @@ fn a_tower_of_ten_boxes_stands_until_a_robot_drives_into_it() {
         let mut world = World::new(def, Options { time_step, ..Options::default() });
         let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
         run(&mut world, 5.0);
-        let stands: Vec<Vector3<f64>> = world.objects().map(|pose| pose.translation.vector).collect();
+        let stands: Vec<Vector3<f64>> = world.objects().map(|object| object.pose.translation.vector).collect();
         for (place, start) in stands.iter().zip(start) {
             assert!((place - Vector3::new(1.0, 0.0, start)).norm() < 2e-3, "at {time_step} s: {stands:?}");
         }
         run(&mut world, 1.0);
-        let after: Vec<Vector3<f64>> = world.objects().map(|pose| pose.translation.vector).collect();
+        let after: Vec<Vector3<f64>> = world.objects().map(|object| object.pose.translation.vector).collect();
         assert_eq!(after, stands, "what sleeps does not move");
         apply(&mut world, robot, "DRIVE {Left 4} {Right 4}");
         run(&mut world, 6.0);
-        let lowest = world.objects().map(|pose| pose.translation.z).fold(f64::INFINITY, f64::min);
+        let lowest = world.objects().map(|object| object.pose.translation.z).fold(f64::INFINITY, f64::min);
         assert!(lowest > -1.5, "at {time_step} s the highest box is still at {lowest} m");
     }
 }
@@ -87,7 +87,7 @@ fn a_box_falls_when_the_robot_below_it_leaves() {
     def.map.objects[0].solid.position[2] = -0.6;
     let mut world = World::new(def, Options::default());
     let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
-    let height = |world: &World| -world.objects().next().map_or(0.0, |pose| pose.translation.z);
+    let height = |world: &World| -world.objects().next().map_or(0.0, |object| object.pose.translation.z);
     run(&mut world, 3.0);
     let on_robot = height(&world);
     assert!(on_robot > 0.3, "it lies on the robot, at {on_robot} m");

@@ -698,7 +698,8 @@ fn what_cannot_be_loaded_is_said_in_one_line() {
 
 /// Spawns a robot on a map and drives it. Fails with the first result that is infinite or NaN.
 fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
-    let def = WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into() };
+    let def =
+        WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into(), ..WorldDef::default() };
     def.check().map_err(|problem| problem.to_string())?;
     let commands = match robot.steering {
         Steering::Skid => ["{Left 60} {Right 60}", "{Left -100} {Right 100}", "{Left 0} {Right 0}"],
@@ -740,7 +741,7 @@ fn drive(map: &MapDef, robot: &RobotDef, seconds: f64) -> Result<(), String> {
         numbers.extend(joints.iter().flat_map(|joint| [joint.position, joint.speed]));
         numbers.extend([body.linear, body.angular].iter().flatten());
         numbers.extend(contacts.iter().flat_map(|contact| [contact.point, contact.force]).flat_map(<[f64; 3]>::from));
-        for pose in world.objects().chain([body.pose]) {
+        for pose in world.objects().map(|object| object.pose).chain([body.pose]) {
             numbers.extend(pose.translation.vector.iter().chain(pose.rotation.coords.iter()));
         }
         if !numbers.iter().all(|number| number.is_finite()) {
@@ -960,7 +961,8 @@ fn joints_drawn_at_random_that_pass_stay_finite() {
                 part.mass = mass;
             }
         }
-        let def = WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into() };
+        let def =
+            WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into(), ..WorldDef::default() };
         if def.check().is_ok() {
             passed += 1;
             drive(&map, &robot, 1.0).unwrap_or_else(|problem| panic!("{passed}: {problem}\n{robot:#?}"));
@@ -1032,7 +1034,8 @@ fn robots_drawn_at_random_that_pass_stay_finite() {
                 rollers.material.friction = friction;
             }
         }
-        let def = WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into() };
+        let def =
+            WorldDef { map: map.clone(), robots: [(robot.class.clone(), robot.clone())].into(), ..WorldDef::default() };
         if def.check().is_ok() {
             passed += 1;
             drive(&map, &robot, 1.0).unwrap_or_else(|problem| panic!("{passed}: {problem}\n{robot:#?}"));

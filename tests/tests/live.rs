@@ -8,6 +8,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use gamebots_server::{Config, Listener, Service, WorldControl};
+use recorder::Record;
 use serde_json::Value;
 use system_tests::{PATIENCE, Peer, Server};
 use tungstenite::client::IntoClientRequest;
@@ -38,6 +39,8 @@ struct Frame {
     /// Number, position, and angle and target speed of the first wheel.
     robots: Vec<(u32, [f32; 3], f32, f32)>,
     contacts: usize,
+    /// Numbers of the objects.
+    objects: Vec<u32>,
     /// Positions of the joints with a position servo, of all robots.
     joints: Vec<f32>,
 }
@@ -129,9 +132,14 @@ fn frame(message: &Message) -> Option<Frame> {
         robots.push((id, [0, 1, 2].map(|index| f32_at(&pose, index)), first.0, first.1));
     }
     let objects = usize::from(u16_of(take(2)));
-    take(28 * objects);
+    let objects = (0..objects).map(|_| {
+        let number = u32::from_le_bytes(take(4).try_into().unwrap());
+        take(28);
+        number
+    });
+    let objects: Vec<u32> = objects.collect();
     assert!(rest.is_empty(), "{} bytes too many", rest.len());
-    Some(Frame { time, bytes: bytes.len(), robots, contacts, joints })
+    Some(Frame { time, bytes: bytes.len(), robots, contacts, objects, joints })
 }
 
 fn robot(peer: &mut Peer) {
@@ -314,6 +322,48 @@ fn a_viewer_begins_and_ends_a_log_and_a_reset_begins_the_next() {
     assert!(refused.contains("began in a running world"), "{refused}");
     let second = replay::replay(&read(&folder.path().join("run-2.mcap"))).unwrap_or_else(|error| panic!("{error}"));
     assert!(second.is_same() && second.states > 10 && second.recorded.is_some(), "{second:?}");
+}
+
+/// A page hears of objects that a controller creates and removes; the log has them, too, and replays.
+#[test]
+fn objects_of_a_world_controller_are_on_the_page_and_in_the_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let server = serve("hall", |config| config.log = Some(path.clone()));
+    let mut viewer = Viewer::open(&server, "/live");
+    let of_map = viewer.frame("the map's objects", |frame| !frame.objects.is_empty()).objects;
+    assert_eq!(of_map, (0..of_map.len() as u32).collect::<Vec<_>>());
+    let before = viewer.status("a status", |_| true)["objects"].as_u64();
+    let mut peer = server.client();
+    robot(&mut peer);
+    let mut controller = server.client();
+    controller.send("INIT {ClassName USARBotAPI.WorldController} {Name WC}");
+    controller
+        .send("CONTROL {Type Create} {ClassName WCCrate} {Name my_crate} {Location -3,0,-0.5} {Physics RigidBody}");
+    let created = of_map.len() as u32;
+    viewer.frame("the crate", |frame| frame.objects.contains(&created));
+    viewer.status("other objects", |status| status["objects"].as_u64() != before);
+    let (_, objects) = get(&server, "/objects.json", "Host: localhost\r\n");
+    let objects: Value = serde_json::from_str(&objects).unwrap();
+    assert_eq!((&objects[0]["number"], &objects[0]["name"]), (&created.into(), &"my_crate".into()), "{objects}");
+    assert!(objects[0]["shape"]["Box"]["size"].is_array() && objects[0]["pose"].is_array(), "{objects}");
+    peer.lines_for(0.5);
+    controller.send("CONTROL {Type Kill} {Name MY_CRATE}");
+    viewer.frame("no crate", |frame| frame.objects == of_map);
+    controller.send("CONTROL {Type Create} {ClassName WCPallet} {Name lift} {Location -3,0,-0.5}");
+    viewer.frame("a pallet", |frame| frame.objects.contains(&(created + 1)));
+    controller.finish();
+    viewer.frame("no pallet", |frame| frame.objects == of_map);
+    peer.lines_for(0.2);
+    server.stop().unwrap();
+    let log = recorder::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    let count = |is_it: fn(&Record) -> bool| log.entries.iter().filter(|entry| is_it(&entry.record)).count();
+    assert_eq!(count(|it| matches!(it, Record::ObjectSpawned(it) if it.def().is_some())), 2);
+    assert_eq!(count(|it| matches!(it, Record::ObjectRemoved(_))), 2);
+    let falls = |it: &Record| matches!(it, Record::Object(state) if state.name == "my_crate");
+    assert!(count(falls) > 5);
+    let replay = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    assert!(replay.is_same() && replay.recorded.is_some(), "{replay:?}");
 }
 
 #[test]

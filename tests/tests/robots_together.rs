@@ -203,7 +203,7 @@ fn the_last_robot_may_leave_after_it_pushed_an_object() {
         let moved = world
             .objects()
             .zip(&before)
-            .any(|(now, was)| (now.translation.vector - was.translation.vector).norm() > 0.1);
+            .any(|(now, was)| (now.pose.translation.vector - was.pose.translation.vector).norm() > 0.1);
         assert!(moved, "{class} pushed nothing");
         world.remove(robot);
         run(&mut world, 1.0);

@@ -7,7 +7,7 @@ use system_tests::{apply, init, run};
 
 /// Builds a world with the floor and boxes on it, given by centre and edge lengths.
 fn scene(boxes: &[([f64; 3], [f64; 3])], seed: u64) -> World {
-    let WorldDef { mut map, robots } = scene_loader::load("rough", &[]).expect("a built-in map");
+    let WorldDef { mut map, robots, .. } = scene_loader::load("rough", &[]).expect("a built-in map");
     let material = map.solids[0].material.clone();
     map.solids.extend(boxes.iter().map(|&(centre, size)| Solid {
         name: "box".to_owned(),
@@ -17,7 +17,7 @@ fn scene(boxes: &[([f64; 3], [f64; 3])], seed: u64) -> World {
         material: material.clone(),
     }));
     map.path_nodes = vec![NamedPose { name: "Far".to_owned(), position: [9.0, 9.0, 0.0], rotation: [0.0; 3] }];
-    World::new(WorldDef { map, robots }, Options { seed, ..Options::default() })
+    World::new(WorldDef { map, robots, ..WorldDef::default() }, Options { seed, ..Options::default() })
 }
 
 fn readings(messages: Vec<Message>) -> impl Iterator<Item = Reading> {
@@ -165,13 +165,13 @@ fn odometry_of_the_youbot_follows_its_ground_truth_forward_and_turning() {
 #[test]
 fn odometry_can_count_the_rollers() {
     for (finite, expected) in [(false, 1.0 / 0.955), (true, 1.0)] {
-        let WorldDef { map, mut robots } = scene_loader::load("rough", &[]).expect("a built-in map");
+        let WorldDef { map, mut robots, .. } = scene_loader::load("rough", &[]).expect("a built-in map");
         for sensor in &mut robots.get_mut("KUKA_YouBot").expect("the youBot").sensors {
             if let scene::sensor::Config::Odometry(config) = &mut sensor.config {
                 config.finite_rollers = finite;
             }
         }
-        let mut world = World::new(WorldDef { map, robots }, Options::default());
+        let mut world = World::new(WorldDef { map, robots, ..WorldDef::default() }, Options::default());
         let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}");
         apply(&mut world, robot, "DRIVE {LateralVelocity 0.1}");
         let pose = last(run(&mut world, 10.0), |reading| match reading {
@@ -194,7 +194,7 @@ fn odometry_can_know_that_wheels_slide() {
         ("Kenaf", true, 1.0, 0.005),
         ("P2DX", true, 1.0, 0.005),
     ] {
-        let WorldDef { mut map, mut robots } = scene_loader::load("rough", &[]).expect("a built-in map");
+        let WorldDef { mut map, mut robots, .. } = scene_loader::load("rough", &[]).expect("a built-in map");
         map.solids.iter_mut().for_each(|solid| solid.material.rolling_resistance = 0.0);
         let mut sensor = robots["P3AT"].sensors[0].clone();
         let robot = robots.get_mut(class).expect("the robot");
@@ -202,7 +202,7 @@ fn odometry_can_know_that_wheels_slide() {
         let config = scene::sensor::Config::Odometry(scene::sensor::odometry::Config { sliding, ..Default::default() });
         (sensor.name, sensor.scan_interval, sensor.config) = ("Odometry".to_owned(), 0.02, config);
         robot.sensors = vec![sensor];
-        let mut world = World::new(WorldDef { map, robots }, Options::default());
+        let mut world = World::new(WorldDef { map, robots, ..WorldDef::default() }, Options::default());
         let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,0}}"));
         run(&mut world, 0.5);
         apply(&mut world, robot, "DRIVE {Left 1} {Right -1}");

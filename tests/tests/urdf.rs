@@ -456,6 +456,7 @@ fn a_heavy_urdf_is_drawn_with_fewer_triangles_and_says_so() {
     let def = scene::WorldDef {
         map: scene_loader::map("smooth", &[]).unwrap_or_else(|error| panic!("{error}")),
         robots: [(robot.class.clone(), robot)].into(),
+        ..scene::WorldDef::default()
     };
     assert_eq!(def.check(), Ok(()));
 }

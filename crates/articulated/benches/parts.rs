@@ -50,6 +50,7 @@ fn contacts(body: &Body, rollers: usize) -> Vec<Contact> {
             target: 0.0,
             compliance: [1e-4, 0.0, 0.0],
             first: Side { body: 0, link },
+            drift: Vector3::zeros(),
             second: None,
             impulse: Vector3::zeros(),
         }

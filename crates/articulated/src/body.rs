@@ -340,6 +340,12 @@ impl Body {
         self.place();
     }
 
+    /// Moves the root's frame to a pose. Joints and velocities stay.
+    pub fn set_pose(&mut self, pose: Pose) {
+        self.pose = pose;
+        self.place();
+    }
+
     /// Returns position and velocity.
     pub fn motion(&self) -> Motion {
         let Self { pose, positions, turns, velocity, .. } = self;

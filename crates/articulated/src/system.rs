@@ -52,6 +52,8 @@ pub struct Contact {
     pub first: Side,
     /// Side that is pushed against it; `None` is the world.
     pub second: Option<Side>,
+    /// Velocity of the world's surface at the contact, m/s, in world axes; zero if the second side is a body.
+    pub drift: Vector3<f64>,
     /// Impulse on the first side, N s: a guess before a step, the result after it.
     pub impulse: Vector3<f64>,
 }
@@ -367,7 +369,7 @@ impl Workspace {
         self.blocks.push(Block { row, rows, parts });
         let targets = [contact.target, 0.0, 0.0];
         for (number, direction) in directions.iter().enumerate().take(rows) {
-            self.problem.missing.push(targets[number] - velocity[number]);
+            self.problem.missing.push(targets[number] + direction.dot(&contact.drift) - velocity[number]);
             self.compliance.push(contact.compliance[number]);
             self.impulses.push(contact.impulse.dot(direction));
         }

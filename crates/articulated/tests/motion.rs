@@ -204,6 +204,7 @@ fn a_skid_robot_turns_on_the_spot_by_coulombs_friction() {
                     compliance: [1.0 / (time_step * 1e6 * (time_step + 0.02)), 0.0, 0.0],
                     first: Side { body: 0, link: 1 + wheel },
                     second: None,
+                    drift: Vector3::zeros(),
                     impulse: impulses[wheel],
                 });
             }

@@ -120,7 +120,7 @@ pub fn prepare(plan: &Plan, run: &Run) -> Result<Prepared, RunError> {
     let init = format!("INIT {{ClassName USARBot.{class}}} {{Location {location}}} {{Rotation {rotation}}}");
     let options = Options { seed, time_step: plan.time_step, ..Options::default() };
     let robots = [(robot.class.clone(), robot)].into();
-    Ok(Prepared { world: WorldDef { map, robots }, options, init, lines: run.setup.lines() })
+    Ok(Prepared { world: WorldDef { map, robots, ..WorldDef::default() }, options, init, lines: run.setup.lines() })
 }
 
 /// Returns the start pose of the setup, or the map's first start.

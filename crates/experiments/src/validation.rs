@@ -116,7 +116,7 @@ fn world(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> World {
         path_nodes: Vec::new(),
     };
     let class = subject.robot.class.clone();
-    let def = WorldDef { map, robots: BTreeMap::from([(class, subject.robot.clone())]) };
+    let def = WorldDef { map, robots: BTreeMap::from([(class, subject.robot.clone())]), ..WorldDef::default() };
     World::new(def, subject.options)
 }
 

@@ -1,6 +1,7 @@
 //! The client's commands to the server, one file each. Reading and writing a command stand side by side.
 
 mod act;
+mod control;
 mod drive;
 mod get;
 mod init;
@@ -9,6 +10,7 @@ mod report;
 mod set;
 
 pub use act::{Act, MisPkg};
+pub use control::{Control, Create, Move, SetPath};
 pub use drive::Drive;
 pub use get::{GetClasses, GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
 pub use init::Init;
@@ -89,6 +91,8 @@ commands! {
     "GETPATHNODES" => GetPathNodes,
     /// Asks for the path node nearest to a place.
     "GETCLOSESTPATHNODE" => GetClosestPathNode,
+    /// Creates, moves and removes objects; for world controllers.
+    "CONTROL" => Control,
     /// Asks for reports of the problems with this connection's lines. Not part of USARSim.
     "REPORT" => Report,
     /// Asks for the robot classes that INIT takes. Not part of USARSim.
@@ -112,6 +116,7 @@ fn text(line: &Line, key: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::command;
     use proptest::prelude::*;
 
     /// Golden lines: a client's line, and the command written back.
@@ -157,6 +162,35 @@ mod tests {
             ("GETCLOSESTPATHNODE {Location 1 2 3}", "GETCLOSESTPATHNODE {Location 1,2,3}"),
             ("GETCLOSESTPATHNODE", "GETCLOSESTPATHNODE"),
             ("GetClasses", "GETCLASSES"),
+            (
+                "CONTROL {Type Create} {ClassName WCCrate} {Name c1} {Memory m} {Location 1,2,-1} {Physics RigidBody}",
+                "CONTROL {Type Create} {Name c1} {ClassName WCCrate} {Memory m} {Location 1,2,-1} {Rotation 0,0,0} \
+                 {Scale 1,1,1} {Physics RigidBody} {Permanent false}",
+            ),
+            (
+                "CONTROL {Type Create}{ClassName WCCrate}{Name foo}{Scale 0, 0, 0}{Physics None}{Permanent True}",
+                "CONTROL {Type Create} {Name foo} {ClassName WCCrate} {Location 0,0,0} {Rotation 0,0,0} {Scale 1,1,1} \
+                 {Permanent true}",
+            ),
+            (
+                "CONTROL {Type AbsMove} {Name c1} {Location 1 2 3}",
+                "CONTROL {Type AbsMove} {Name c1} {Location 1,2,3} {Rotation 0,0,0}",
+            ),
+            ("CONTROL {Type Rotate} {Name c1} {Speed 0,0,1}", "CONTROL {Type Rotate} {Name c1} {Speed 0,0,1}"),
+            ("CONTROL {Type AddWP} {Name c} {WP 1,2,3;4,5,6;}", "CONTROL {Type AddWP} {Name c} {WP 1,2,3;4,5,6}"),
+            (
+                "CONTROL {Type SetWP} {Name c} {Speed 0.5} {Loop TRUE} {Moving true} {ResetOnClear false} {Time 2}",
+                "CONTROL {Type SetWP} {Name c} {Speed 0.5} {Loop true} {Moving true} {ResetOnClear false} {Time 2}",
+            ),
+            ("CONTROL {Type ClearWP} {Name c}", "CONTROL {Type ClearWP} {Name c}"),
+            ("CONTROL {Type Conveyor} {Name belt} {Speed 2}", "CONTROL {Type Conveyor} {Name belt} {Speed 2}"),
+            ("CONTROL {Type Kill} {Name c}", "CONTROL {Type Kill} {Name c}"),
+            ("CONTROL {Type KillAll} {MinPos 0,0,5} {MaxPos 0,0,5}", "CONTROL {Type KillAll}"),
+            (
+                "CONTROL {Type KillAll} {MinPos 0,0,5} {MaxPos 5,5,-5}",
+                "CONTROL {Type KillAll} {MinPos 0,0,5} {MaxPos 5,5,-5}",
+            ),
+            ("CONTROL {Type GetSTA}", "CONTROL {Type GetSTA}"),
             ("REPORT {Errors True}", "REPORT {Errors true}"),
             ("report", "REPORT {Errors false}"),
         ] {
@@ -242,6 +276,10 @@ mod tests {
             Just(Command::GetClasses(GetClasses)),
             proptest::option::of(vector())
                 .prop_map(|location| Command::GetClosestPathNode(GetClosestPathNode { location })),
+            (word(), vector(), any::<bool>()).prop_map(|(name, location, is_relative)| {
+                let rotation = location.map(|number| number / 1e6);
+                Command::Control(Control::Move(command::Move { name, is_relative, location, rotation }))
+            }),
             any::<bool>().prop_map(|errors| Command::Report(Report { errors })),
         ]
     }

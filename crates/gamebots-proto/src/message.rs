@@ -5,6 +5,7 @@ mod asta;
 mod conf;
 mod geo;
 mod nfo;
+mod object;
 mod res;
 mod sen;
 mod sta;
@@ -16,6 +17,7 @@ pub use conf::{
 };
 pub use geo::{ActuatorGeo, Geo, GroundGeo, ItemGeo, JointGeo, RobotGeo, VehicleGeo};
 pub use nfo::{Greeting, NamedPose, Nfo, PathNode};
+pub use object::ObjectSta;
 pub use res::{Nothing, Res};
 pub use sen::{Camera, Encoder, GroundTruth, Imu, Ins, Odometry, RangeScanner, Reading, Sen, Sonar, Tachometer, Tick};
 pub use sta::{GroundSta, Sta, StaHead, Vehicle};
@@ -41,6 +43,8 @@ pub enum Message {
     Conf(Conf),
     /// Geometry, the answer to GETGEO.
     Geo(Geo),
+    /// States of the objects of a world controller, the answer to its GetSTA.
+    Objects(Vec<ObjectSta>),
     /// The result of a SET; UT2004 only.
     Res(Res),
     /// The answer to a GETCONF that nothing matches; UT2004 only.
@@ -50,7 +54,14 @@ pub enum Message {
 }
 
 /// Verbs of periodic lines.
-pub const PERIODIC_VERBS: [&str; 5] = ["SEN", "STA", "ASTA", "MISSTA", "EFF"];
+const PERIODIC_VERBS: [&str; 5] = ["SEN", "STA", "ASTA", "MISSTA", "EFF"];
+
+/// True if a line of a server is a periodic message. A `STA` of a world controller's objects is an answer.
+pub fn is_periodic_line(line: &str) -> bool {
+    let (verb, rest) = line.split_once(' ').unwrap_or((line, ""));
+    let is_of_objects = verb == "STA" && (rest.is_empty() || rest.starts_with("{Name "));
+    PERIODIC_VERBS.contains(&verb) && !is_of_objects
+}
 
 /// A line, and the messages in it.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,6 +156,7 @@ impl Message {
             Self::Eff(message) => blocks("EFF", message.write(dialect)),
             Self::Conf(message) => message.write(dialect),
             Self::Geo(message) => message.write(dialect),
+            Self::Objects(objects) => object::write(objects),
             Self::Res(message) => blocks("RES", message.write(dialect)),
             Self::NoConf(message) => blocks("CONF", message.write(dialect)),
             Self::NoGeo(message) => blocks("GEO", message.write(dialect)),

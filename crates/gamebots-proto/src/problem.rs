@@ -161,6 +161,21 @@ pub enum Problem {
         /// The verb.
         verb: &'static str,
     },
+    /// An order of a world controller from another pawn.
+    #[error(
+        "CONTROL ignored: only a world controller can send it; send INIT {{ClassName USARBotAPI.WorldController}} first"
+    )]
+    NoController,
+    /// An order about an object that cannot be followed.
+    #[error("CONTROL {{Type {order}}} {{Name {name}}}: {why}; nothing is done")]
+    ObjectRefused {
+        /// The type of the order.
+        order: &'static str,
+        /// The name that was sent.
+        name: String,
+        /// The reason, in words.
+        why: String,
+    },
     /// A name that another robot has.
     #[error(
         "{{Name {got}}} is the name of another robot too: both are spawned; choose another name to tell them apart"

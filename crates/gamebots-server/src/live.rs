@@ -13,12 +13,14 @@ use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use gamebots_proto::message::{Message, Reading, Sen};
-use scene::{Snapshot, WorldDef};
+use scene::{MapDef, ObjectSnapshot, Snapshot, WorldDef};
 use serde::Serialize;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
 pub(crate) use scene_json::{About, scene_json};
+
+use scene_json::objects_json;
 
 /// Real time between two frames.
 const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
@@ -60,6 +62,8 @@ pub(crate) struct Status {
     pub(crate) paused: bool,
     /// Number of the scene. When it changes, a page must fetch the scene again.
     pub(crate) scene: u64,
+    /// Number of changes of the objects beside the map's. When it changes, a page must fetch them again.
+    pub(crate) objects: u64,
     /// Open pages.
     pub(crate) viewers: usize,
     /// Number of times that the world started over.
@@ -112,11 +116,17 @@ pub(crate) struct Channels {
     lines: broadcast::Sender<Arc<Line>>,
     /// The scene as JSON.
     scene: watch::Receiver<Bytes>,
+    /// Objects beside the map's, as JSON.
+    objects: watch::Receiver<Bytes>,
 }
 
 impl Channels {
     pub(crate) fn scene(&self) -> Bytes {
         self.scene.borrow().clone()
+    }
+
+    pub(crate) fn objects(&self) -> Bytes {
+        self.objects.borrow().clone()
     }
 
     pub(crate) fn frames(&self) -> watch::Receiver<Bytes> {
@@ -147,6 +157,9 @@ pub(crate) struct Broadcast {
     about: Option<About>,
     /// Number of changes of the scene.
     scenes: u64,
+    objects: watch::Sender<Bytes>,
+    /// Objects beside the map's at the last frame, and the number of changes of that list.
+    spawned: (Vec<ObjectSnapshot>, u64),
     /// Time of each sensor's last published scan.
     scanned: BTreeMap<(PawnId, usize), Instant>,
     /// Number of viewers at the last frame, plus one: see [`Broadcast::is_watched`].
@@ -169,8 +182,15 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) ->
     let ((notices, _), (lines, _)) = (broadcast::channel(MAX_NOTICES), broadcast::channel(MAX_NOTICES));
     let (speaking, listening) = (notices.clone(), lines.clone());
     let (scene, scene_end) = watch::channel(scene(world, about.as_ref()));
-    let channels =
-        Channels { frames: frames_end, statuses: statuses_end, notices: speaking, lines: listening, scene: scene_end };
+    let (objects, objects_end) = watch::channel(Bytes::from_static(b"[]"));
+    let channels = Channels {
+        frames: frames_end,
+        statuses: statuses_end,
+        notices: speaking,
+        lines: listening,
+        scene: scene_end,
+        objects: objects_end,
+    };
     let (scanned, measured) = (BTreeMap::new(), (now, 0.0, 0.0));
     let (next_frame, next_status) = (now, now);
     let broadcast = Broadcast {
@@ -181,6 +201,8 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) ->
         scene,
         about,
         scenes: 0,
+        objects,
+        spawned: (Vec::new(), 0),
         scanned,
         viewers: 0,
         next_frame,
@@ -227,6 +249,7 @@ impl Broadcast {
     /// Publishes a frame, and the status if it is due. The status's real-time factor is measured here.
     pub(crate) fn publish(&mut self, now: Instant, scene: &WorldDef, snapshot: &Snapshot, status: Option<Status>) {
         self.next_frame = now + FRAME_INTERVAL;
+        self.show_objects(now, &scene.map, &snapshot.objects);
         self.frames.send_replace(frame::frame(scene, snapshot).into());
         if let Some(status) = status {
             self.next_status = now + STATUS_INTERVAL;
@@ -238,8 +261,24 @@ impl Broadcast {
                 self.measured = (now, snapshot.time, factor);
             }
             let (real_time_factor, scene, viewers) = (self.measured.2, self.scenes, self.viewers.saturating_sub(1));
-            let status = Status { real_time_factor, scene, viewers, ..status };
+            let objects = self.spawned.1;
+            let status = Status { real_time_factor, scene, objects, viewers, ..status };
             self.statuses.send_replace(serde_json::json!({ "status": status }).to_string().into());
+        }
+    }
+
+    /// Publishes the objects beside the map's, if others than at the last frame are there.
+    fn show_objects(&mut self, now: Instant, map: &MapDef, objects: &[ObjectSnapshot]) {
+        let of_map = objects.partition_point(|object| object.id.0 < map.objects.len() as u64);
+        let (_, spawned) = objects.split_at(of_map);
+        let (shown, changes) = &self.spawned;
+        // A world that started over gives the same numbers to other objects.
+        let is_same =
+            |(one, other): (&ObjectSnapshot, &ObjectSnapshot)| one.id == other.id && Arc::ptr_eq(&one.def, &other.def);
+        if spawned.len() != shown.len() || !spawned.iter().zip(shown).all(is_same) {
+            self.objects.send_replace(objects_json(spawned).into());
+            self.spawned = (spawned.to_vec(), changes + 1);
+            self.next_status = now;
         }
     }
 

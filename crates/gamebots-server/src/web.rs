@@ -72,6 +72,7 @@ struct Peer {
 pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
     let router = Router::new()
         .route("/scene.json", get(scene).post(log_scene::answer))
+        .route("/objects.json", get(objects))
         .route("/live", get(viewer::upgrade))
         .route("/wire", get(wire::upgrade))
         .fallback(page::file)
@@ -119,6 +120,11 @@ async fn serve_connection(stream: TcpStream, router: Router) {
 
 async fn scene(State(site): State<Arc<Site>>) -> Response {
     json(site.channels.scene())
+}
+
+/// Answers with the objects beside the map's.
+async fn objects(State(site): State<Arc<Site>>) -> Response {
+    json(site.channels.objects())
 }
 
 fn json(body: Bytes) -> Response {

@@ -387,7 +387,7 @@ impl Server {
             self.publisher.announce(now, &text);
             return false;
         };
-        let world = WorldDef { map: map.clone(), robots: self.world.def().robots.clone() };
+        let world = WorldDef { map: map.clone(), ..self.world.def().clone() };
         let fresh = self.world.anew_with(world);
         self.start_over(now, fresh)
     }
@@ -484,6 +484,7 @@ impl Server {
             speed: timing.speed,
             paused: timing.paused,
             scene: 0,
+            objects: 0,
             viewers: 0,
             resets: *resets,
             unsettled_steps: world.unsettled_steps(),

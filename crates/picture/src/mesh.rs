@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use scene::{Drawn, Geometry, Pose, RobotDef, RobotSnapshot, Shape, Snapshot, WorldDef};
+use scene::{Drawn, Geometry, ObjectSnapshot, Pose, RobotDef, RobotSnapshot, Shape, Snapshot, WorldDef};
 
 /// A triangle of a surface.
 pub(crate) struct Triangle {
@@ -42,8 +42,9 @@ pub(crate) fn scene(def: &WorldDef, snapshot: &Snapshot) -> (Vec<Triangle>, Vec<
     let map = &def.map;
     let mut scene = Scene::default();
     map.solids.iter().for_each(|solid| scene.add(&solid.shape, &solid.pose(), solid.material.colour));
-    let objects = map.objects.iter().zip(&snapshot.objects);
-    objects.for_each(|(object, pose)| scene.add(&object.solid.shape, pose, object.solid.material.colour));
+    for ObjectSnapshot { def, pose, .. } in &snapshot.objects {
+        scene.add(&def.solid.shape, pose, def.solid.material.colour);
+    }
     for robot in &snapshot.robots {
         if let Some(def) = def.robots.get(&robot.class) {
             scene.add_robot(def, robot);

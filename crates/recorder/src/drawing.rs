@@ -6,7 +6,7 @@ use foxglove::messages::{
     Color, CubePrimitive, CylinderPrimitive, Point3, Pose as FoxPose, Quaternion, SceneEntity, SpherePrimitive,
     TriangleListPrimitive, Vector3,
 };
-use scene::{Drawn, Geometry, Link, MapDef, Pose, RobotDef, Shape};
+use scene::{Drawn, Geometry, Link, MapDef, Pose, RobotDef, Shape, Solid};
 
 /// Edge of the square that represents an infinite plane, m.
 const PLANE_EDGE: f64 = 100.0;
@@ -15,15 +15,20 @@ const PLANE_THICKNESS: f64 = 0.01;
 
 /// Draws the solids of a map in the world, and each of its objects in the object's frame.
 pub(crate) fn map(map: &MapDef) -> Vec<SceneEntity> {
-    let solid = |frame: &str, solid: &scene::Solid, pose: &Pose| {
-        let mut drawn = entity(frame, &solid.name);
-        add(&mut drawn, &solid.shape, pose, colour(solid.material.colour));
-        drawn
-    };
     let fixed = map.solids.iter().map(|fixed| solid("world", fixed, &fixed.pose()));
     let objects = map.objects.iter().enumerate();
-    let objects = objects.map(|(number, object)| solid(&object_frame(number), &object.solid, &Pose::identity()));
-    fixed.chain(objects).collect()
+    fixed.chain(objects.map(|(number, movable)| object(number, &movable.solid))).collect()
+}
+
+/// Draws an object in its frame.
+pub(crate) fn object(number: usize, def: &Solid) -> SceneEntity {
+    solid(&object_frame(number), def, &Pose::identity())
+}
+
+fn solid(frame: &str, solid: &Solid, pose: &Pose) -> SceneEntity {
+    let mut drawn = entity(frame, &solid.name);
+    add(&mut drawn, &solid.shape, pose, colour(solid.material.colour));
+    drawn
 }
 
 pub(crate) fn object_frame(number: usize) -> String {

@@ -25,7 +25,7 @@ mod writer;
 
 pub use file::{Storage, storage};
 pub use live::{Latched, Live};
-pub use messages::{ObjectState, Quaternion, RobotLeft, RobotState, Vector, WireLine};
+pub use messages::{ObjectRemoved, ObjectSpawned, ObjectState, Quaternion, RobotLeft, RobotState, Vector, WireLine};
 pub use reader::{Entry, Log, ReadError, read, scene};
 pub use recover::{RecoverError, Recovered, recover};
 pub use table::{Column, Table};
@@ -34,7 +34,7 @@ pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink, ros2_path};
 use foxglove::Encode;
 use gamebots_proto::message::{Message, Reading, Sen};
 use mcap::McapResult;
-use scene::{MapDef, Pose, Snapshot};
+use scene::{MapDef, ObjectId, ObjectSnapshot, Snapshot};
 
 /// Interval between two recorded states of the robots, s.
 pub const STATE_INTERVAL: f64 = 0.02;
@@ -47,12 +47,15 @@ const RUN: &str = "run";
 const END: &str = "end";
 /// Topic of robots that leave.
 const LEFT: &str = "/robots/left";
+/// Topics of objects that the map does not have, and of those that leave.
+const OBJECTS: [&str; 2] = ["/objects/spawned", "/objects/removed"];
 
 /// Timer of the recorded states of robots and objects.
 #[derive(Debug, Default)]
 pub struct StateTimer {
     taken: u64,
-    objects: Vec<Pose>,
+    /// Objects at the last call, by their ids.
+    objects: Vec<ObjectSnapshot>,
 }
 
 impl StateTimer {
@@ -61,15 +64,24 @@ impl StateTimer {
         intervals(time) > self.taken
     }
 
-    /// Returns the states of all robots, and of the map's objects that have moved since the last call.
+    /// Returns the states of all robots, and of the objects that were spawned, moved or removed since the last call.
     pub fn records(&mut self, map: &MapDef, snapshot: &Snapshot) -> Vec<Record> {
         self.taken = intervals(snapshot.time);
         let mut records: Vec<Record> = snapshot.robots.iter().map(RobotState::new).map(Record::State).collect();
-        for (number, (pose, object)) in snapshot.objects.iter().zip(&map.objects).enumerate() {
-            if self.objects.get(number) != Some(pose) {
-                records.push(Record::Object(ObjectState::new(number as u32, &object.solid.name, pose)));
+        let find = |objects: &[ObjectSnapshot], id| objects.binary_search_by_key(&id, |object| object.id).ok();
+        // The map has its objects from the first call on.
+        let of_map = |id: ObjectId| (id.0 as usize) < map.objects.len();
+        for object in &snapshot.objects {
+            let before = find(&self.objects, object.id).map(|place| &self.objects[place]);
+            if before.is_none() && !of_map(object.id) {
+                records.push(Record::ObjectSpawned(ObjectSpawned::new(object)));
+            }
+            if before.is_none_or(|before| before.pose != object.pose) {
+                records.push(Record::Object(ObjectState::new(object)));
             }
         }
+        let removed = self.objects.iter().filter(|object| find(&snapshot.objects, object.id).is_none());
+        records.extend(removed.map(|object| Record::ObjectRemoved(ObjectRemoved { object: object.id.0 as u32 })));
         self.objects.clone_from(&snapshot.objects);
         records
     }
@@ -118,6 +130,10 @@ pub enum Record {
     State(RobotState),
     /// State of an object that has moved.
     Object(ObjectState),
+    /// An object that the map does not have.
+    ObjectSpawned(ObjectSpawned),
+    /// An object that left the world.
+    ObjectRemoved(ObjectRemoved),
     /// A warning, in words.
     Warning(String),
     /// A new map, for viewers; a log has only one map.
@@ -152,8 +168,9 @@ impl Record {
                 state.class.len() + state.name.len() + numbers * size_of::<f64>()
             }
             Self::Object(object) => object.name.len(),
+            Self::ObjectSpawned(object) => object.definition.len(),
             Self::Warning(text) => text.len(),
-            Self::Left(_) | Self::Map(_) => 0,
+            Self::Left(_) | Self::ObjectRemoved(_) | Self::Map(_) => 0,
             // Only the ranges of a scan are counted; the rest is small.
             Self::Sensed(Sensed { reading: Reading::RangeScanner(scan), .. }) => size_of_val(scan.ranges.as_slice()),
             Self::Sensed(_) => 0,

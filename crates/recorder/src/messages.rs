@@ -4,7 +4,7 @@ use foxglove::{Encode, Schema};
 use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
 use prost::Message;
 use prost::bytes::BufMut;
-use scene::{JointState, Pose, RobotDef, RobotSnapshot};
+use scene::{JointState, Object, ObjectSnapshot, Pose, RobotDef, RobotSnapshot};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
 
@@ -31,7 +31,7 @@ macro_rules! encode {
     )*};
 }
 
-encode! { WireLine, RobotLeft, RobotState, ObjectState, }
+encode! { WireLine, RobotLeft, RobotState, ObjectState, ObjectSpawned, ObjectRemoved, }
 
 impl RobotState {
     /// Creates the state of a robot from its snapshot.
@@ -85,14 +85,29 @@ impl RobotState {
 }
 
 impl ObjectState {
-    pub(crate) fn new(object: u32, name: &str, pose: &Pose) -> Self {
-        let (position, orientation) = parts(pose);
-        Self { object, name: name.to_owned(), position: Some(position), orientation: Some(orientation) }
+    pub(crate) fn new(object: &ObjectSnapshot) -> Self {
+        let (position, orientation) = parts(&object.pose);
+        let (number, name) = (object.id.0 as u32, object.def.solid.name.clone());
+        Self { object: number, name, position: Some(position), orientation: Some(orientation) }
     }
 
     /// Returns the object's pose in the world frame.
     pub fn pose(&self) -> Pose {
         pose(self.position, self.orientation)
+    }
+}
+
+impl ObjectSpawned {
+    pub(crate) fn new(object: &ObjectSnapshot) -> Self {
+        // A definition has only text and numbers, so serialization cannot fail.
+        let definition = serde_json::to_string(&*object.def).unwrap_or_default();
+        Self { object: object.id.0 as u32, definition }
+    }
+
+    /// Returns the definition, or `None` if the text is none, as in a damaged log.
+    pub fn def(&self) -> Option<Object> {
+        let def: Object = serde_json::from_str(&self.definition).ok()?;
+        scene::check::spawned_object(&def).is_empty().then_some(def)
     }
 }
 

@@ -14,13 +14,15 @@ use scene::{Pose, RobotDef, WorldDef};
 
 use crate::file::nanoseconds;
 use crate::slots::{Slots, Slotted};
-use crate::{LEFT, ObjectState, Publish, Record, RobotLeft, RobotState, Sensed, drawing};
+use crate::{LEFT, OBJECTS, ObjectSpawned, ObjectState, Publish, Record, RobotLeft, RobotState, Sensed, drawing};
 
 /// Converts records to messages.
 pub(crate) struct Native {
     world: WorldDef,
     /// Robots that have been drawn.
     slots: Slots,
+    /// Objects beside the map's that have been drawn.
+    objects: Slots,
 }
 
 impl Native {
@@ -29,7 +31,7 @@ impl Native {
         let upside_down = scene::pose([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]);
         file.publish(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
         file.publish(0.0, "/map/scene", &added(0.0, drawing::map(&world.map)))?;
-        Ok(Self { world: world.clone(), slots: Slots::default() })
+        Ok(Self { world: world.clone(), slots: Slots::default(), objects: Slots::default() })
     }
 
     pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut impl Publish) -> McapResult<()> {
@@ -44,7 +46,13 @@ impl Native {
             }
             Record::Left(robot) => self.write_left(time, *robot, file),
             Record::State(state) => self.write_state(time, state, file),
-            Record::Object(object) => write_object(time, object, file),
+            Record::Object(object) => self.write_object(time, object, file),
+            Record::ObjectSpawned(object) => self.write_spawned(time, object, file),
+            Record::ObjectRemoved(object) => {
+                file.publish(time, OBJECTS[1], object)?;
+                let place = self.objects.leave(object.object.into());
+                place.map_or(Ok(()), |place| self.erase_object(time, place, file))
+            }
             Record::Map(map) => {
                 let erased = SceneUpdate { deletions: vec![deletion(time)], entities: drawing::map(map) };
                 file.publish(time, "/map/scene", &erased)
@@ -112,9 +120,37 @@ impl Native {
         erase(time, slot, file)
     }
 
-    /// Erases every robot, because a fresh world begins.
+    /// Erases every robot and spawned object, because a fresh world begins.
     pub(crate) fn start_over(&mut self, time: f64, file: &mut impl Publish) -> McapResult<()> {
-        self.slots.clear().try_for_each(|slot| erase(time, slot, file))
+        self.slots.clear().try_for_each(|slot| erase(time, slot, file))?;
+        let places: Vec<u64> = self.objects.clear().collect();
+        places.into_iter().try_for_each(|place| self.erase_object(time, place, file))
+    }
+
+    fn write_object(&self, time: f64, object: &ObjectState, file: &mut impl Publish) -> McapResult<()> {
+        let number = u64::from(object.object);
+        let of_map = self.world.map.objects.len() as u64;
+        let place = self.objects.get(number).map_or(number, |slotted| of_map + slotted.slot);
+        file.publish(time, &format!("/map/object/{place}"), object)?;
+        let placed = transform(time, "world", &drawing::object_frame(place as usize), &object.pose());
+        file.publish(time, &format!("/map/object/{place}/tf"), &transforms(vec![placed]))
+    }
+
+    fn write_spawned(&mut self, time: f64, object: &ObjectSpawned, file: &mut impl Publish) -> McapResult<()> {
+        file.publish(time, OBJECTS[0], object)?;
+        let Some(def) = object.def() else { return Ok(()) };
+        let place = self.world.map.objects.len() as u64 + self.objects.come(object.object.into(), "");
+        let drawn = drawing::object(place as usize, &def.solid);
+        file.publish(time, &format!("/map/object/{place}/scene"), &added(time, vec![drawn]))
+    }
+
+    /// Erases the drawing of an object, by its place behind the map's.
+    fn erase_object(&self, time: f64, place: u64, file: &mut impl Publish) -> McapResult<()> {
+        let place = self.world.map.objects.len() as u64 + place;
+        let erased = SceneUpdate { deletions: vec![deletion(time)], entities: Vec::new() };
+        file.publish(time, &format!("/map/object/{place}/scene"), &erased)?;
+        file.forget(&format!("/map/object/{place}/"));
+        Ok(())
     }
 
     fn write_scan(&self, time: f64, sensed: &Sensed, file: &mut impl Publish) -> McapResult<()> {
@@ -153,13 +189,6 @@ fn deletion(time: f64) -> SceneEntityDeletion {
         r#type: DeletionType::All as i32,
         ..SceneEntityDeletion::default()
     }
-}
-
-fn write_object(time: f64, object: &ObjectState, file: &mut impl Publish) -> McapResult<()> {
-    let number = object.object;
-    file.publish(time, &format!("/map/object/{number}"), object)?;
-    let placed = transform(time, "world", &drawing::object_frame(number as usize), &object.pose());
-    file.publish(time, &format!("/map/object/{number}/tf"), &transforms(vec![placed]))
 }
 
 fn robot_frame(slot: u64) -> String {

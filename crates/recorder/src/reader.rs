@@ -12,7 +12,9 @@ use prost::Message;
 use scene::WorldDef;
 
 use crate::records::{self, Damage, Record as Raw};
-use crate::{END, FORMAT, LEFT, ObjectState, RUN, Record, RobotLeft, RobotState, WireLine};
+use crate::{
+    END, FORMAT, LEFT, OBJECTS, ObjectRemoved, ObjectSpawned, ObjectState, RUN, Record, RobotLeft, RobotState, WireLine,
+};
 
 /// Most bytes in memory for a byte of the file; the log of a youBot takes three. A file that takes more was made to fill the
 /// memory: LZ4 alone expands one byte to 255.
@@ -155,6 +157,8 @@ enum Topic {
     Left,
     State,
     Object,
+    ObjectSpawned,
+    ObjectRemoved,
     Log,
     /// A channel that only shows the content of another one.
     Other,
@@ -167,6 +171,8 @@ impl Topic {
             "/wire/out" => Self::Out,
             "/wire/closed" => Self::Closed,
             LEFT => Self::Left,
+            topic if topic == OBJECTS[0] => Self::ObjectSpawned,
+            topic if topic == OBJECTS[1] => Self::ObjectRemoved,
             "/log" => Self::Log,
             _ => match topic.split('/').collect::<Vec<_>>()[..] {
                 ["", "robot", _, "state"] => Self::State,
@@ -184,6 +190,8 @@ impl Topic {
             Self::Left => RobotLeft::decode(data).map(|left| Record::Left(left.robot)),
             Self::State => RobotState::decode(data).map(Record::State),
             Self::Object => ObjectState::decode(data).map(Record::Object),
+            Self::ObjectSpawned => ObjectSpawned::decode(data).map(Record::ObjectSpawned),
+            Self::ObjectRemoved => ObjectRemoved::decode(data).map(Record::ObjectRemoved),
             Self::Log => match LogMessage::decode(data) {
                 Ok(log) if log.level != Level::Warning as i32 => return Ok(None),
                 log => log.map(|log| Record::Warning(log.message)),

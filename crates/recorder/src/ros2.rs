@@ -47,7 +47,13 @@ impl Ros2 {
                 self.slots.leave(*robot);
                 Ok(())
             }
-            Record::In(_) | Record::Out(_) | Record::Closed(_) | Record::Warning(_) | Record::Map(_) => Ok(()),
+            Record::In(_)
+            | Record::Out(_)
+            | Record::Closed(_)
+            | Record::ObjectSpawned(_)
+            | Record::ObjectRemoved(_)
+            | Record::Warning(_)
+            | Record::Map(_) => Ok(()),
         }
     }
 

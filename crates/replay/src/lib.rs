@@ -106,12 +106,13 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
                 }
             }
             Record::Object(object) => {
-                let pose = world.objects().nth(object.object as usize);
+                let pose = world.objects().find(|it| it.id.0 == u64::from(object.object)).map(|it| it.pose);
                 states += 1;
                 if first_difference.is_none() && pose != Some(object.pose()) {
                     first_difference = Some(entry.time);
                 }
             }
+            Record::ObjectSpawned(_) | Record::ObjectRemoved(_) => {}
             Record::Out(_) | Record::Sensed(_) | Record::Warning(_) | Record::Map(_) => {}
         }
     }

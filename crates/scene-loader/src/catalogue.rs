@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 use names::did_you_mean;
-use scene::{MapDef, RobotDef, WorldDef};
+use scene::{MapDef, Object, RobotDef, WorldDef};
 
 use crate::materials::{self, Materials};
 use crate::overrides::{self, Override};
@@ -66,7 +66,7 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
     }
     let map = map(map_name, overrides)?;
     overrides::check_used(overrides)?;
-    let world = WorldDef { map, robots };
+    let world = WorldDef { map, robots, objects: built_in_objects()? };
     world.check()?;
     Ok(world)
 }
@@ -136,6 +136,14 @@ fn read_robot(source: &Source, file: &str, class: &str, overrides: &[Override]) 
         let robot = robot_file::read(source, file, class, &text, &built_in_materials(overrides)?, &mut problems);
         problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
     })
+}
+
+/// Returns the classes of objects that a world controller can create.
+fn built_in_objects() -> Result<BTreeMap<String, Object>, LoadError> {
+    let (source, mut problems) = (Source::BuiltIn(&ASSETS), Problems::default());
+    let (text, materials) = (source.text("objects.toml")?, built_in_materials(&[])?);
+    let objects = map_file::read_objects(&source, "objects.toml", &text, &materials, &mut problems);
+    problems.into_result(objects)
 }
 
 pub(crate) fn built_in_materials(overrides: &[Override]) -> Result<Materials, LoadError> {

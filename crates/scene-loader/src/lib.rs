@@ -23,7 +23,7 @@ use std::path::Path;
 use problem::Problems;
 use source::Source;
 
-/// Checks a robot.toml, a map.toml, a materials.toml or a URDF. Returns the assumptions made where a robot's file gives no value.
+/// Checks a robot.toml, a map.toml, a materials.toml, an objects.toml or a URDF. Returns the assumptions made where a robot's file gives no value.
 ///
 /// # Errors
 /// Lists all problems of the file. Also fails if the file cannot be read or is of an unknown kind.
@@ -33,14 +33,14 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
         return catalogue::robot_of_urdf(path, "Checked").map(|robot| robot.assumptions);
     }
     if path.extension().is_none_or(|extension| extension != "toml") {
-        let expected = "a .toml (robot, map or materials) or a .urdf file";
+        let expected = "a .toml (robot, map, materials or objects) or a .urdf file";
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
     }
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     check_toml(&Source::of_file(path), name)
 }
 
-/// Checks a TOML file. A materials file is known by its name, a robot by its name or its wheels; any other file is a map.
+/// Checks a TOML file. Files of materials and of objects are known by their names, a robot by its name or its wheels; any other file is a map.
 fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
     let text = source.text(name)?;
     let materials = catalogue::built_in_materials(&[])?;
@@ -48,6 +48,8 @@ fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
     let mut assumptions = Vec::new();
     if name.starts_with("materials") {
         materials::read(&source.display(name), &text, &mut problems);
+    } else if name.starts_with("objects") {
+        map::read_objects(source, name, &text, &materials, &mut problems);
     } else if name.starts_with("robot") || text.contains("[[wheel]]") {
         let robot = robot::read(source, name, "Checked", &text, &materials, &mut problems);
         assumptions = robot.map_or(Vec::new(), |robot| robot.assumptions);

@@ -1,5 +1,7 @@
 //! `map.toml`: solids, their materials, and start poses.
 
+use std::collections::BTreeMap;
+
 use scene::{MapDef, NamedPose, Object, Shape, Solid, check};
 
 use crate::document::{Document, Table, Vector};
@@ -49,6 +51,33 @@ pub(crate) fn read(
     let map = MapDef { name: name.to_owned(), description, gravity, time_limit, solids, objects, starts, path_nodes };
     document.as_a_whole(|| check::map(&map));
     Some(map)
+}
+
+/// Reads classes of objects: the tables of a map's boxes, cylinders and balls, each with a mass.
+pub(crate) fn read_objects(
+    source: &Source,
+    file: &str,
+    text: &str,
+    materials: &Materials,
+    problems: &mut Problems,
+) -> BTreeMap<String, Object> {
+    let shown = source.display(file);
+    let Some((mut document, mut root)) = Document::parse(&shown, text, problems) else { return BTreeMap::new() };
+    let mut objects = BTreeMap::new();
+    for kind in ["box", "cylinder", "ball"] {
+        for table in document.tables(&mut root, kind) {
+            let span = table.span();
+            match read_solid(source, &mut document, kind, table, materials) {
+                Some((solid, Some(mass))) => {
+                    objects.insert(solid.name.clone(), Object { solid, mass });
+                }
+                Some((solid, None)) => document.problem(&span, format_args!("{} has no mass", solid.name)),
+                None => {}
+            }
+        }
+    }
+    document.finish(root, "box, cylinder, ball");
+    objects
 }
 
 fn read_solid<'a>(

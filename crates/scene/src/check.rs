@@ -14,7 +14,7 @@ use std::fmt;
 
 use crate::WorldDef;
 pub use limits::*;
-pub use map::{map, map_solid, material, named_pose, object};
+pub use map::{map, map_solid, material, named_pose, object, spawned_object};
 pub use robot::{actuator, aerial, battery, body_solid, gripper, link, part, robot, rollers, sensor, visual, wheel};
 
 /// A closed range of numbers.
@@ -94,6 +94,7 @@ impl WorldDef {
     pub fn check(&self) -> Result<(), SceneProblem> {
         first("the scene", count("classes of robots", self.robots.len(), MAX_ROBOTS))?;
         map::check_map(&self.map)?;
+        map::check_classes(&self.objects)?;
         self.robots.values().try_for_each(robot::check_robot)
     }
 }

@@ -36,7 +36,9 @@ pub use options::{Options, TIME_STEP};
 pub use robot::{Aerial, Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
 pub use sensor::SensorDef;
 pub use shape::{Shape, Solid};
-pub use state::{BodyState, Contact, JointState, PawnId, RobotSnapshot, Snapshot, WheelState};
+pub use state::{
+    BodyState, Contact, JointState, ObjectId, ObjectSnapshot, PawnId, RobotSnapshot, Snapshot, WheelState,
+};
 pub use wheel::{Motor, MountedWheel, Rollers, Wheel};
 
 /// Position and orientation.
@@ -60,6 +62,9 @@ pub struct WorldDef {
     pub map: MapDef,
     /// Classes that clients can spawn, by name.
     pub robots: BTreeMap<String, RobotDef>,
+    /// Classes of objects that a world controller can create, by name. Their poses have no meaning.
+    #[serde(default)]
+    pub objects: BTreeMap<String, Object>,
 }
 
 impl WorldDef {

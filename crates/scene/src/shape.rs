@@ -40,6 +40,24 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// Scales the shape along its own axes. A cylinder stays round, with the mean of both factors across, and a ball with that of all.
+    #[must_use]
+    pub fn scaled(&self, [x, y, z]: [f64; 3]) -> Self {
+        let scaled = |points: &[[f64; 3]]| points.iter().map(|[a, b, c]| [a * x, b * y, c * z]).collect();
+        match self {
+            Self::HalfSpace => Self::HalfSpace,
+            Self::Box { size: [a, b, c] } => Self::Box { size: [a * x, b * y, c * z] },
+            Self::Cylinder { radius, length } => Self::Cylinder { radius: radius * (x + y) / 2.0, length: length * z },
+            Self::Ball { radius } => Self::Ball { radius: radius * (x + y + z) / 3.0 },
+            Self::Hull { points } => Self::Hull { points: scaled(points) },
+            Self::Mesh { vertices, triangles } => {
+                Self::Mesh { vertices: scaled(vertices), triangles: triangles.clone() }
+            }
+        }
+    }
+}
+
 /// A shape with a pose and a material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solid {

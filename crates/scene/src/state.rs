@@ -1,13 +1,19 @@
 //! Snapshots of a world: poses and velocities at one time.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::Pose;
+use crate::{Object, Pose};
 
 /// Identifies a pawn while its world lives: a robot or a world controller. Numbers count up from 0, in the order of the INIT lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PawnId(pub u64);
+
+/// Identifies a movable object while its world lives. Objects of the map come first, in the map's order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct ObjectId(pub u64);
 
 /// Pose and velocity of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,8 +51,19 @@ pub struct Snapshot {
     pub time: f64,
     /// Robots, in the order of their spawns.
     pub robots: Vec<RobotSnapshot>,
-    /// Poses of the map's objects, in the map's order.
-    pub objects: Vec<Pose>,
+    /// Movable objects, by their ids.
+    pub objects: Vec<ObjectSnapshot>,
+}
+
+/// State of a movable object in a snapshot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectSnapshot {
+    /// The object.
+    pub id: ObjectId,
+    /// Its definition; the pose in it is the one at which it was spawned.
+    pub def: Arc<Object>,
+    /// Its pose in the world.
+    pub pose: Pose,
 }
 
 /// State of a robot in a snapshot.

@@ -18,6 +18,6 @@ mod world;
 
 pub use compiled::CompiledScene;
 pub use physics::Fault;
-pub use scene::{BodyState, Options, PawnId, TIME_STEP, WheelState};
+pub use scene::{BodyState, ObjectId, Options, PawnId, TIME_STEP, WheelState};
 pub use threads::{OneThread, Threads};
 pub use world::{Executed, LoadError, LostRobot, Room, SaveError, SavedWorld, World};

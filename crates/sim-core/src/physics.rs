@@ -9,6 +9,7 @@ mod fault;
 mod identity;
 mod mechanism;
 mod motor;
+mod objects;
 mod observe;
 mod placing;
 mod query;
@@ -32,16 +33,16 @@ pub(crate) use surface::Materials;
 
 pub(crate) use articulated::SavedObject;
 
-use articulated::MapObject;
+use articulated::MovableObject;
 use bodies::Landing;
-use scene::Pose;
+use scene::ObjectId;
 
 /// The bodies of the world and the engine that moves them.
 pub(crate) struct Physics {
     world: PhysicsWorld,
     materials: Arc<Materials>,
-    /// The map's objects, in its order.
-    objects: Vec<MapObject>,
+    /// Movable objects, by their ids.
+    objects: Vec<MovableObject>,
     /// Number of robots that the engine moves.
     robots_of_engine: usize,
     /// True if a robot came or left since the engine's last step, so the engine has to step to notice.
@@ -118,8 +119,9 @@ impl Physics {
             world.insert_collider(solid.collider(Identity::Solid(index)), Some(ground));
         }
         let mut objects = Vec::new();
-        for (index, object) in (0..).zip(&map.objects) {
-            objects.push(MapObject::spawn(&mut world, object, index));
+        for (number, object) in (0..).zip(&map.objects) {
+            let pose = object.def.solid.pose();
+            objects.push(MovableObject::spawn(&mut world, object, ObjectId(number), &pose, true));
         }
         // The colliders enter the query structure with the first step. It moves nothing, as the engine has no robots yet.
         world.step();
@@ -153,26 +155,6 @@ impl Physics {
         self.world.step();
     }
 
-    /// Returns the states of the map's objects, in its order.
-    pub(crate) fn save_objects(&self) -> Vec<SavedObject> {
-        self.objects.iter().map(MapObject::save).collect()
-    }
-
-    /// Takes saved states of the map's objects, and the number of unsettled systems. Returns the number of the first object that the state
-    /// of another was saved for; the objects before it have theirs.
-    ///
-    /// # Errors
-    /// If an object or a state has no counterpart.
-    pub(crate) fn load_objects(&mut self, saved: &[SavedObject], unsettled: u64) -> Result<(), usize> {
-        self.unsettled = unsettled;
-        let mut pairs = self.objects.iter_mut().zip(saved).enumerate();
-        match pairs.find_map(|(number, (object, saved))| (!object.load(saved)).then_some(number)) {
-            Some(number) => Err(number),
-            None if self.objects.len() == saved.len() => Ok(()),
-            None => Err(self.objects.len().min(saved.len())),
-        }
-    }
-
     /// Returns the number of systems of robots, over all steps, whose solver did not converge.
     pub(crate) fn unsettled_steps(&self) -> u64 {
         self.unsettled
@@ -183,17 +165,6 @@ impl Physics {
         self.work
     }
 
-    /// Returns the poses of the map's objects, in its order.
-    pub(crate) fn objects(&self) -> impl Iterator<Item = Pose> {
-        self.objects.iter().map(MapObject::pose)
-    }
-
-    /// Puts objects whose state is a fault back to their poses in the map, at rest. Returns their numbers and faults.
-    pub(crate) fn restore_objects(&mut self) -> Vec<(usize, Fault)> {
-        let faulty = self.objects.iter_mut().enumerate();
-        faulty.filter_map(|(number, object)| Some((number, object.restore()?))).collect()
-    }
-
     /// Mixes the state of every body into a digest, in order of creation.
     pub(crate) fn digest(&self, mut mix: impl FnMut(f64)) {
         let numbers = self.world.bodies.iter().filter(|(_, body)| !body.is_kinematic()).flat_map(|(_, body)| {
@@ -202,6 +173,6 @@ impl Physics {
             vectors.into_iter().flatten().chain(position.rotation.to_array())
         });
         numbers.for_each(&mut mix);
-        self.objects.iter().flat_map(MapObject::numbers).for_each(mix);
+        self.objects.iter().flat_map(MovableObject::numbers).for_each(mix);
     }
 }

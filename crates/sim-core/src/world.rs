@@ -2,6 +2,7 @@
 
 mod actuator;
 mod answer;
+mod controller;
 mod robot;
 mod saved;
 mod seed;
@@ -17,10 +18,12 @@ use crate::CompiledScene;
 use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
 use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
+use controller::{Controller, Created};
 use robot::Robot;
 pub use saved::{LoadError, SaveError, SavedWorld};
 use scene::{
-    BodyState, NamedPose, Options, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WheelState, WorldDef, check,
+    BodyState, NamedPose, ObjectSnapshot, Options, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WheelState,
+    WorldDef, check,
 };
 
 /// Maximum length of a robot's name, characters. Longer names are truncated.
@@ -28,6 +31,9 @@ const MAX_NAME_CHARS: usize = 256;
 
 /// Maximum number of robots in a world. Further ones are refused.
 const MAX_ROBOTS: usize = 256;
+
+/// Names of the class of world controllers in INIT, in any case.
+const CONTROLLER: [&str; 2] = ["USARBotAPI.WorldController", "WorldController"];
 
 /// A simulated world: a deterministic function of definition, options and commands by step. A copy is independent and continues as the
 /// original would.
@@ -41,6 +47,10 @@ pub struct World {
     steps: u64,
     robots: BTreeMap<PawnId, Robot>,
     next_id: u64,
+    controllers: BTreeMap<PawnId, Controller>,
+    /// Objects that controllers created, by their ids.
+    created: Vec<Created>,
+    next_object: u64,
     lost: Vec<LostRobot>,
     /// Names and faults of restored objects, until [`World::take_restored`].
     restored: Vec<(String, Fault)>,
@@ -85,6 +95,7 @@ impl World {
     pub fn new(scene: impl Into<CompiledScene>, options: Options) -> Self {
         let scene = scene.into();
         let physics = Physics::new(scene.map(), scene.materials(), options.time_step);
+        let next_object = scene.def().map.objects.len() as u64;
         Self {
             scene,
             options,
@@ -93,6 +104,9 @@ impl World {
             steps: 0,
             robots: BTreeMap::new(),
             next_id: 0,
+            controllers: BTreeMap::new(),
+            created: Vec::new(),
+            next_object,
             lost: Vec::new(),
             restored: Vec::new(),
             threads: Arc::new(OneThread),
@@ -153,19 +167,25 @@ impl World {
         Message::Nfo(Nfo::Greeting(Greeting { level: map.name.clone(), time_limit: map.time_limit }))
     }
 
-    /// Spawns a robot. `None`, with the reason in `problems`, if the class is unknown, the world is full or there is no free place.
+    /// Spawns a robot or a world controller. `None`, with the reason in `problems`, if the class is unknown, the world is full or there is
+    /// no free place.
     ///
     /// A pose inside or below the ground is lifted onto it; a robot above the ground falls. If the place is occupied, the robot is put beside
     /// the obstacle, and `problems` reports it. An unknown start means the origin, as in USARSim (BotConnection.uc:452-473).
     pub fn init(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<PawnId> {
-        let class = self.class(init, problems)?;
-        if self.robots.len() >= MAX_ROBOTS {
+        if self.robots.len() + self.controllers.len() >= MAX_ROBOTS {
             problems.push(Problem::TooManyRobots { limit: MAX_ROBOTS });
             return None;
         }
+        if CONTROLLER.iter().any(|class| class.eq_ignore_ascii_case(&init.class_name)) {
+            let (id, name) = (self.number(), pawn_name(init, problems));
+            self.controllers.insert(id, Controller { name });
+            return Some(id);
+        }
+        let class = self.class(init, problems)?;
         let wanted = self.start_pose(init, problems);
         self.enter_shapes();
-        let pose = match self.find_room(&class, &wanted) {
+        let pose = match self.find_room(&class, &wanted, None) {
             Ok(Room { pose, beside: None }) => pose,
             Ok(Room { pose, beside: Some(why) }) => {
                 problems.push(Problem::Beside { wanted: wire_place(init), why, got: numbers(&pose) });
@@ -176,19 +196,39 @@ impl World {
                 return None;
             }
         };
-        let id = PawnId(self.next_id);
-        self.next_id += 1;
-        let name: String = init.name.chars().take(MAX_NAME_CHARS).collect();
-        if name.len() < init.name.len() {
-            let got = init.name.chars().count();
-            problems.push(Problem::NameTooLong { key: "Name", got, limit: MAX_NAME_CHARS });
-        }
+        let (id, name) = (self.number(), pawn_name(init, problems));
         if !name.is_empty() && self.robots.values().any(|robot| robot.name().eq_ignore_ascii_case(&name)) {
             problems.push(Problem::NameTaken { got: shown(&name) });
         }
         let robot = Robot::spawn(&mut self.physics, class, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
         Some(id)
+    }
+
+    /// Returns a new number for a pawn.
+    fn number(&mut self) -> PawnId {
+        let id = PawnId(self.next_id);
+        self.next_id += 1;
+        id
+    }
+
+    /// Puts a robot at a pose, at rest, or beside what is there. Its joints stay as they are, except those of a robot of the engine.
+    fn put_robot(&mut self, id: PawnId, wanted: &Pose, problems: &mut Vec<Problem>) -> Result<(), String> {
+        self.enter_shapes();
+        let robot = self.robots.get(&id).ok_or("it is gone")?;
+        let class = robot.bodies().robot().clone();
+        let Room { pose, beside } = self.find_room(&class, wanted, Some(id))?;
+        if let Some(why) = beside {
+            problems.push(Problem::Beside {
+                wanted: format!("{{Location {}}}", numbers(wanted)),
+                why,
+                got: numbers(&pose),
+            });
+        }
+        if let Some(robot) = self.robots.get_mut(&id) {
+            self.physics.put_robot(robot.bodies_mut(), id, &pose);
+        }
+        Ok(())
     }
 
     /// Finds the place that a robot of a class would get. `location` and `rotation` are those of INIT. `None` if the class is unknown.
@@ -201,16 +241,16 @@ impl World {
         if !self.is_engine_running {
             self.enter_shapes();
         }
-        Some(self.find_room(&class, &scene::pose(location, rotation)))
+        Some(self.find_room(&class, &scene::pose(location, rotation), None))
     }
 
-    /// Finds the place for a robot that is wanted at a pose. Fails with the reason in words.
-    fn find_room(&self, class: &CompiledRobot, wanted: &Pose) -> Result<Room, String> {
+    /// Finds the place for a robot that is wanted at a pose. `moved` is the robot, if it is in the world. Fails with the reason in words.
+    fn find_room(&self, class: &CompiledRobot, wanted: &Pose, moved: Option<PawnId>) -> Result<Room, String> {
         if let Some(number) = wanted.translation.vector.iter().find(|&&number| !check::MAP_REACH.holds(number)) {
             return Err(format!("it is outside the map: got {number}, expected {}", check::MAP_REACH));
         }
         let takes_it = |obstacle: Identity| format!("{} takes it", self.describe(obstacle));
-        let Placement { pose, obstacle } = self.physics.place(class, wanted).map_err(takes_it)?;
+        let Placement { pose, obstacle } = self.physics.place(class, wanted, moved).map_err(takes_it)?;
         Ok(Room { pose, beside: obstacle.map(takes_it) })
     }
 
@@ -222,9 +262,9 @@ impl World {
                 let name = map.solids.get(number as usize).map_or("", |solid| solid.name.as_str());
                 format!("the solid `{name}`")
             }
-            Identity::Object(number) => {
-                let name = map.objects.get(number as usize).map_or("", |object| object.solid.name.as_str());
-                format!("the object `{name}`")
+            Identity::Object(id) => {
+                let met = self.physics.objects().find(|object| object.id == id);
+                format!("the object `{}`", met.map_or(String::new(), |object| object.def.solid.name.clone()))
             }
             Identity::Link { robot, .. } => {
                 let name = self.robots.get(&robot).map_or("", Robot::name);
@@ -233,8 +273,9 @@ impl World {
         }
     }
 
-    /// Removes a robot from the world.
+    /// Removes a robot or a world controller from the world.
     pub fn remove(&mut self, id: PawnId) {
+        self.remove_controller(id);
         if let Some(robot) = self.robots.remove(&id) {
             self.physics.remove(robot.bodies());
         }
@@ -243,6 +284,10 @@ impl World {
     /// Executes a command and adds its errors to `problems`. A command for a robot goes to `pawn`, the newest robot of the client that sent
     /// it. A robot with a flat battery ignores everything.
     pub fn execute(&mut self, pawn: Option<PawnId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
+        if let Command::Control(order) = command {
+            let answers = self.control(pawn, order, problems);
+            return Executed { answers, ..Executed::default() };
+        }
         if let Command::Set(_) = command {
             self.enter_shapes();
         }
@@ -266,7 +311,7 @@ impl World {
                 ask.location.map(|position| Message::Nfo(closest(nodes, position))).into_iter().collect()
             }
             // The server executes it, as it concerns the connection.
-            (Command::Report(_), _) => Vec::new(),
+            (Command::Report(_) | Command::Control(_), _) => Vec::new(),
             (_, None) => {
                 problems.push(Problem::NoRobot { verb: command.verb() });
                 Vec::new()
@@ -316,6 +361,7 @@ impl World {
     /// If the number of steps taken is [`Options::panic_at`].
     pub fn step(&mut self) -> Vec<(PawnId, Message)> {
         assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
+        let led = self.lead_objects();
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
         let is_engine_needed = self.physics.is_engine_needed();
         if is_engine_needed && !self.is_engine_running {
@@ -327,6 +373,7 @@ impl World {
             self.physics.lead_engine(self.robots.values().map(Robot::bodies));
             self.physics.step();
         }
+        led.iter().for_each(|(id, pose)| self.physics.arrive(*id, pose));
         self.is_engine_running = is_engine_needed;
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
@@ -366,10 +413,7 @@ impl World {
             }
             self.remove(id);
         }
-        let objects = &self.scene.def().map.objects;
-        let name = |number: usize| objects.get(number).map_or(String::new(), |object| object.solid.name.clone());
-        let restored = self.physics.restore_objects().into_iter();
-        self.restored.extend(restored.map(|(number, fault)| (name(number), fault)));
+        self.restored.extend(self.physics.restore_objects());
     }
 
     /// Takes the robots that were removed because of a fault since the last call.
@@ -430,8 +474,8 @@ impl World {
         Some(robot.battery_left(self.time()))
     }
 
-    /// Returns the poses of the map's objects, in the order of the map.
-    pub fn objects(&self) -> impl Iterator<Item = scene::Pose> {
+    /// Returns every movable object, by their ids.
+    pub fn objects(&self) -> impl Iterator<Item = ObjectSnapshot> {
         self.physics.objects()
     }
 
@@ -485,6 +529,16 @@ impl World {
         problems.push(Problem::unknown_name("Start", &init.start, known, "the origin is used"));
         Pose::identity()
     }
+}
+
+/// Returns the name that an INIT asks for, truncated.
+fn pawn_name(init: &Init, problems: &mut Vec<Problem>) -> String {
+    let name: String = init.name.chars().take(MAX_NAME_CHARS).collect();
+    if name.len() < init.name.len() {
+        let got = init.name.chars().count();
+        problems.push(Problem::NameTooLong { key: "Name", got, limit: MAX_NAME_CHARS });
+    }
+    name
 }
 
 /// Returns the place that an INIT asks for, as written in its line.

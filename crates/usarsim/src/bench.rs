@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let dt = arguments.dt.unwrap_or_else(|| default_step(&robot));
     let map_name = map.name.clone();
     let motions_of_robot = Motion::of_robot(&robot);
-    let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]) };
+    let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]), ..WorldDef::default() };
     let threads = ThreadPool::new(arguments.threads as usize).map_err(|error| Failure::new(exit::FAILURE, error))?;
     let options = Options { time_step: dt, ..Options::default() };
     let (mut simulated, mut wall, mut worst, mut digest, mut unsettled) = (0.0, 0.0, 0.0f64, 0u64, 0);
@@ -163,7 +163,11 @@ fn run_crowd(arguments: &Arguments, definitions: Vec<RobotDef>, map: MapDef) -> 
     let dt = dt.unwrap_or_else(|| definitions.iter().map(default_step).fold(f64::INFINITY, f64::min));
     let classes: Vec<String> = definitions.iter().map(|robot| robot.class.clone()).collect();
     let map_name = map.name.clone();
-    let def = WorldDef { map, robots: definitions.into_iter().map(|robot| (robot.class.clone(), robot)).collect() };
+    let def = WorldDef {
+        map,
+        robots: definitions.into_iter().map(|robot| (robot.class.clone(), robot)).collect(),
+        ..WorldDef::default()
+    };
     let threads = ThreadPool::new(arguments.threads as usize).map_err(|error| Failure::new(exit::FAILURE, error))?;
     let options = Options { time_step: dt, ..Options::default() };
     let world = World::new(def, options).on_threads(Arc::new(threads.clone()));

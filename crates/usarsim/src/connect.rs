@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use gamebots_client::Client;
-use gamebots_proto::message::{Message, Nfo, PERIODIC_VERBS};
+use gamebots_proto::message::{Message, Nfo, is_periodic_line};
 use gamebots_proto::{Block, Command, Line};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
@@ -234,7 +234,7 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
             unasked += 1;
             continue;
         }
-        let is_periodic = line.split(' ').next().is_some_and(|verb| PERIODIC_VERBS.contains(&verb));
+        let is_periodic = is_periodic_line(&line);
         let is_wanted =
             watched.as_ref().is_some_and(|word| line.to_ascii_lowercase().contains(&word.to_ascii_lowercase()));
         if (!is_periodic || is_wanted) && printer.print(format!("{}\n", pretty(&line, colour))).is_err() {

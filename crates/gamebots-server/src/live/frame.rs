@@ -21,7 +21,9 @@
 //! | 1 | contacts, then each of them: |
 //! | 3 x 4 | point, f32 |
 //! | 3 x 2 | force, i16, unit 0.25 N |
-//! | 2 | objects, u16, then each of them in the map's order: 7 x 4 position and quaternion, f32 |
+//! | 2 | objects, u16, then each of them: |
+//! | 4 | number, u32; the map's objects come first |
+//! | 7 x 4 | position and quaternion, f32 |
 //!
 //! A scan (kind 2): 1 kind, 4 robot u32, 1 sensor (its place in the class's list), 2 count u16, then each range as u16 in
 //! units of the sensor's range over 65535.
@@ -47,7 +49,10 @@ pub(super) fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
         bytes.robot(def, robot);
     }
     bytes.u16(snapshot.objects.len());
-    snapshot.objects.iter().for_each(|object| bytes.pose(object));
+    for object in &snapshot.objects {
+        bytes.0.extend((object.id.0 as u32).to_le_bytes());
+        bytes.pose(&object.pose);
+    }
     bytes.0
 }
 

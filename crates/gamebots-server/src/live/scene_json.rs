@@ -6,7 +6,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use scene::{
-    Drawn, Geometry, Gripper, JointKind, Link, MapDef, MountedWheel, NamedPose, Pose, RobotDef, Shape, WorldDef,
+    Drawn, Geometry, Gripper, JointKind, Link, MapDef, MountedWheel, NamedPose, ObjectSnapshot, Pose, RobotDef, Shape,
+    WorldDef,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -56,6 +57,13 @@ struct Class<'a> {
     links: Vec<Part<'a>>,
     /// Driven wheels.
     wheels: Vec<Part<'a>>,
+}
+
+#[derive(Serialize)]
+struct Spawned<'a> {
+    number: u64,
+    #[serde(flatten)]
+    solid: Solid<'a>,
 }
 
 #[derive(Serialize)]
@@ -220,6 +228,12 @@ fn solid(solid: &scene::Solid) -> Solid<'_> {
         "friction": solid.material.friction,
     });
     Solid { rest, shape: shape(Cow::Borrowed(&solid.shape)) }
+}
+
+/// Returns objects beside the map's as JSON.
+pub(crate) fn objects_json(objects: &[ObjectSnapshot]) -> String {
+    let objects = objects.iter().map(|object| Spawned { number: object.id.0, solid: solid(&object.def.solid) });
+    serde_json::to_string(&objects.collect::<Vec<_>>()).unwrap_or_default()
 }
 
 fn named(place: &NamedPose) -> Value {

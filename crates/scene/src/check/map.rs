@@ -1,5 +1,7 @@
 //! Checks of maps.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 
 use super::limits::*;
@@ -18,6 +20,15 @@ pub(super) fn check_map(def: &MapDef) -> Result<(), SceneProblem> {
         first(&format!("the map, pose {}", shown(&pose.name)), named_pose(pose))?;
     }
     Ok(())
+}
+
+/// Checks the classes of objects.
+pub(super) fn check_classes(classes: &BTreeMap<String, Object>) -> Result<(), SceneProblem> {
+    first("the classes of objects", count("classes of objects", classes.len(), MAX_OBJECTS))?;
+    classes.iter().try_for_each(|(name, class)| {
+        let wrong = object(class).into_iter().chain(material(&class.solid.material));
+        first(&format!("the class of objects {}", shown(name)), wrong)
+    })
 }
 
 /// Lists the problems of a map as a whole; its solids and poses have their own checks.
@@ -77,6 +88,15 @@ pub fn object(def: &Object) -> Vec<String> {
         wrong.push("a mass: expected a box, a cylinder, a ball or a hull".to_owned());
     }
     wrong.extend(BODY_MASS.problem("mass", def.mass));
+    wrong
+}
+
+/// Lists the problems of an object that the map does not have. Its name came over the wire and may hold what a map's cannot.
+pub fn spawned_object(def: &Object) -> Vec<String> {
+    let solid = Solid { name: "object".to_owned(), ..def.solid.clone() };
+    let mut wrong = object(&Object { solid, mass: def.mass });
+    wrong.extend(material(&def.solid.material));
+    wrong.extend(text("name", &def.solid.name));
     wrong
 }
 

@@ -24,7 +24,7 @@ use scene::{BodyState, Contact, JointState, Motor, Pose};
 
 use super::convert;
 use super::fault::Fault;
-use super::identity::Identity;
+use super::identity::{BodyId, Identity};
 use super::motor::{self, Servo, Torque};
 use super::query::set_box;
 use super::rolling::Load;
@@ -34,7 +34,7 @@ use crate::flight::Flight;
 pub(super) use compile::{Articulated, CompiledObject};
 use compile::{JointValue, Ring};
 use finding::{Found, Key, Placed};
-pub(super) use object::MapObject;
+pub(super) use object::MovableObject;
 pub(crate) use saved::{SavedObject, SavedTree};
 pub(super) use together::{Room, Surroundings, solve};
 
@@ -54,7 +54,7 @@ const MAX_FLIGHT_ACCELERATION: f64 = 30.0;
 /// A tree in motion: a robot, or an object without joints.
 #[derive(Clone)]
 pub(crate) struct ArticulatedRobot {
-    id: PawnId,
+    id: BodyId,
     made_of: Arc<Articulated>,
     body: Body,
     servos: Vec<Servo>,
@@ -118,13 +118,13 @@ impl ArticulatedRobot {
             });
             in_engine.push((handle, colliders.collect()));
         }
-        Self::at_rest(made_of, id, pose, in_engine)
+        Self::at_rest(made_of, BodyId::Robot(id), pose, in_engine)
     }
 
     /// Creates a robot at rest, with bodies and colliders that the engine already has, by link.
     fn at_rest(
         made_of: Arc<Articulated>,
-        id: PawnId,
+        id: BodyId,
         pose: &Pose,
         in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
     ) -> Self {
@@ -154,6 +154,14 @@ impl ArticulatedRobot {
     fn return_to(&mut self, pose: &Pose) {
         let in_engine = std::mem::take(&mut self.in_engine);
         *self = Self::at_rest(self.made_of.clone(), self.id, pose, in_engine);
+    }
+
+    /// Puts the robot at a pose of its frame, at rest. Its joints stay as they are.
+    pub(super) fn put(&mut self, pose: &Pose) {
+        self.body.velocity_mut().fill(0.0);
+        self.body.set_pose(*pose);
+        self.forget();
+        self.forget_near();
     }
 
     /// Returns the engine's bodies.

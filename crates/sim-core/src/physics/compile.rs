@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rapier3d::prelude::*;
-use scene::{DriveModel, MapDef, Pose, RobotDef, Shape};
+use scene::{DriveModel, MapDef, Object, Pose, RobotDef, Shape, Solid};
 
 use super::articulated::{Articulated, CompiledObject};
 use super::bodies;
@@ -23,13 +23,18 @@ impl CompiledMap {
         let mut surface =
             |shape: &Shape, pose: &Pose, material| Surface::new(shape::shared(shape), pose, material, materials);
         let solids = map.solids.iter().map(|solid| surface(&solid.shape, &solid.pose(), &solid.material)).collect();
-        let objects = map.objects.iter().map(|object| {
-            let (solid, material) = (&object.solid, &object.solid.material);
-            let surface = surface(&solid.shape, &Pose::identity(), material);
-            let made_of = Arc::new(Articulated::of_object(surface.clone(), object.mass, material));
-            CompiledObject { pose: solid.pose(), surface, made_of }
-        });
+        let objects = map.objects.iter().map(|object| CompiledObject::new(Arc::new(object.clone()), materials));
         Self { gravity: map.gravity, objects: objects.collect(), solids }
+    }
+}
+
+impl CompiledObject {
+    /// Compiles an object. Its pose is left out.
+    pub(super) fn new(def: Arc<Object>, materials: &mut Materials) -> Self {
+        let Solid { shape, material, .. } = &def.solid;
+        let surface = Surface::new(shape::shared(shape), &Pose::identity(), material, materials);
+        let made_of = Arc::new(Articulated::of_object(surface.clone(), def.mass, material));
+        Self { def, surface, made_of }
     }
 }
 

@@ -4,11 +4,12 @@ use nalgebra::{Point3, Vector3};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::query::{self, Ray};
 use rapier3d::prelude::*;
-use scene::{MountedWheel, Pose, Steering};
+use scene::{MountedWheel, Object, Pose, Steering};
 
 use super::compile::CompiledRobot;
 use super::identity::{Identity, Mark};
-use super::{Physics, convert};
+use super::{Physics, convert, shape};
+use crate::PawnId;
 
 /// Gap left under a robot that is put on a surface, m. It settles by this in a few steps.
 const CLEARANCE: f64 = 0.001;
@@ -50,22 +51,43 @@ impl Physics {
     /// Finds a pose for a robot that is wanted at `pose`. It stays there if it stands free above a surface. It is lifted onto the surface
     /// if it is inside the floor or below it. Otherwise it goes to the nearest free place beside.
     ///
-    /// A robot stands on another one only if it is wanted above it. Fails with the obstacle if there is no free place.
-    pub(crate) fn place(&self, robot: &CompiledRobot, wanted: &Pose) -> Result<Placement, Identity> {
+    /// A robot stands on another one only if it is wanted above it. Fails with the obstacle if there is no free place. `moved` is the robot,
+    /// if it is in the world: it is no obstacle to itself.
+    pub(crate) fn place(
+        &self,
+        robot: &CompiledRobot,
+        wanted: &Pose,
+        moved: Option<PawnId>,
+    ) -> Result<Placement, Identity> {
         let pose = self.standing_pose(robot, wanted);
-        let Err(obstacle) = self.check_room(robot, &pose) else { return Ok(Placement { pose, obstacle: None }) };
-        let beside = self.place_beside(robot, wanted, &pose, obstacle).ok_or(obstacle)?;
+        let Err(obstacle) = self.check_room(robot, &pose, moved) else { return Ok(Placement { pose, obstacle: None }) };
+        let beside = self.place_beside(robot, wanted, &pose, (obstacle, moved)).ok_or(obstacle)?;
         Ok(Placement { pose: beside, obstacle: Some(obstacle) })
+    }
+
+    /// Returns the robot or object that an object at a pose would overlap.
+    pub(crate) fn obstacle(&self, object: &Object, pose: &Pose) -> Option<Identity> {
+        let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());
+        let shape = shape::shared(&object.solid.shape);
+        let met = movers.intersect_shape(convert::pose(pose), shape.as_ref());
+        met.min_by_key(|(handle, _)| handle.into_raw_parts()).map(|(_, met)| Mark::of(met).identity)
     }
 
     /// Finds the nearest free place beside a wanted one, where the robot would stand at `standing`. Places behind walls, on top of them or
     /// below them do not count.
-    fn place_beside(&self, robot: &CompiledRobot, wanted: &Pose, standing: &Pose, obstacle: Identity) -> Option<Pose> {
+    fn place_beside(
+        &self,
+        robot: &CompiledRobot,
+        wanted: &Pose,
+        standing: &Pose,
+        (obstacle, moved): (Identity, Option<PawnId>),
+    ) -> Option<Pose> {
         let bounds = self.bounds(robot, standing);
         let half = bounds.half_extents();
         let step = SPACING * half.x.max(half.y).max(0.05);
         let around = Aabb::from_half_extents(bounds.center(), half + Vector::new(GAP, GAP, MAX_DROP));
-        let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());
+        let is_other = is_other_than(moved);
+        let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed().predicate(&is_other));
         let candidates = rings().into_iter().filter_map(|(x, y)| {
             let offset = Vector3::new(f64::from(x) * step, f64::from(y) * step, 0.0);
             let moved = around.translated(convert::vector(offset));
@@ -77,7 +99,7 @@ impl Physics {
         let here = wanted.translation.vector;
         let is_near = |pose: &Pose| self.is_near(here, pose.translation.vector, obstacle);
         let mut standing = candidates.take(MAX_TRIES).filter(is_near).map(|pose| self.standing_pose(robot, &pose));
-        standing.find(|pose| self.check_room(robot, pose).is_ok())
+        standing.find(|pose| self.check_room(robot, pose, moved).is_ok())
     }
 
     /// True if the floors of two places have nearly the same height and no solid stands between them. If the obstacle is a solid, every
@@ -115,8 +137,9 @@ impl Physics {
     }
 
     /// Fails with the obstacle that a robot at a pose would overlap.
-    fn check_room(&self, robot: &CompiledRobot, pose: &Pose) -> Result<(), Identity> {
-        let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());
+    fn check_room(&self, robot: &CompiledRobot, pose: &Pose, moved: Option<PawnId>) -> Result<(), Identity> {
+        let is_other = is_other_than(moved);
+        let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed().predicate(&is_other));
         for (local, part) in &robot.outlines {
             let met = movers.intersect_shape(convert::pose(&(pose * local)), part.as_ref());
             if let Some((_, met)) = met.min_by_key(|(handle, _)| handle.into_raw_parts()) {
@@ -219,6 +242,11 @@ impl Physics {
         });
         layers
     }
+}
+
+/// Returns a test of a collider: true if it is not part of a robot.
+fn is_other_than(robot: Option<PawnId>) -> impl Fn(ColliderHandle, &Collider) -> bool {
+    move |_, collider| robot.is_none_or(|robot| !Mark::is_of(collider, robot))
 }
 
 /// Returns the offsets of the places around one, the nearest first.

@@ -89,7 +89,7 @@ impl Physics {
 
     /// Inserts colliders into the query structure. The engine would do it with its next step only. Rays and the next spawn must hit them at
     /// once, however many robots are spawned between two steps.
-    fn enter_queries(&mut self, bodies: &[RigidBodyHandle]) {
+    pub(super) fn enter_queries(&mut self, bodies: &[RigidBodyHandle]) {
         let PhysicsWorld { broad_phase, integration_parameters, colliders, bodies: engine, .. } = &mut self.world;
         for body in bodies.iter().filter_map(|&body| engine.get(body)) {
             for &handle in body.colliders() {
@@ -100,15 +100,30 @@ impl Physics {
         }
     }
 
+    /// Puts a robot at a pose, at rest. Its joints stay as they are. A robot of the engine is spawned anew.
+    pub(crate) fn put_robot(&mut self, robot: &mut RobotBodies, id: PawnId, pose: &Pose) {
+        self.is_changed = true;
+        if let Some(tree) = robot.mechanism.articulated_mut() {
+            return tree.put(pose);
+        }
+        self.remove(robot);
+        *robot = self.spawn(robot.robot.clone(), id, pose);
+    }
+
     /// Removes a robot from the world.
+    pub(crate) fn remove(&mut self, robot: &RobotBodies) {
+        self.robots_of_engine -= usize::from(robot.mechanism.is_of_engine());
+        self.remove_bodies(robot.mechanism.bodies().into_iter().rev());
+    }
+
+    /// Removes bodies of the engine with their colliders.
     ///
     /// The engine forgets the neighbours of a removed collider only if its slot is still free at the next step. Otherwise it keeps them for
     /// ever. So disabled colliders occupy the slots until then.
-    pub(crate) fn remove(&mut self, robot: &RobotBodies) {
+    pub(super) fn remove_bodies(&mut self, bodies: impl Iterator<Item = RigidBodyHandle>) {
         self.is_changed = true;
-        self.robots_of_engine -= usize::from(robot.mechanism.is_of_engine());
         let mut places = 0;
-        for body in robot.mechanism.bodies().into_iter().rev() {
+        for body in bodies {
             places += self.world.remove_body_with_colliders(body, true).map_or(0, |body| body.colliders().len());
         }
         for _ in 0..places {

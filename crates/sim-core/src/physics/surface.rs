@@ -8,7 +8,7 @@ use super::convert;
 use super::identity::{Identity, Mark};
 
 /// Materials by number.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Materials(Vec<Material>);
 
 impl Materials {

@@ -1,9 +1,12 @@
 //! Saving a world as plain data, and going on from it.
 
-use scene::{Options, PawnId};
+use std::collections::BTreeMap;
+
+use scene::{ObjectId, Options, PawnId};
 use serde::{Deserialize, Serialize};
 
 use super::World;
+use super::controller::{Controller, Created};
 use super::robot::{Robot, SavedRobot};
 use crate::CompiledScene;
 use crate::physics::SavedObject;
@@ -14,6 +17,9 @@ pub struct SavedWorld {
     options: Options,
     steps: u64,
     next_id: u64,
+    controllers: BTreeMap<PawnId, Controller>,
+    created: Vec<Created>,
+    next_object: u64,
     unsettled: u64,
     objects: Vec<SavedObject>,
     robots: Vec<SavedRobot>,
@@ -54,10 +60,10 @@ pub enum LoadError {
         class: String,
     },
     /// The map has other objects than when the world was saved.
-    #[error("object {number}: its state does not fit the map of this scene")]
+    #[error("object {}: its state does not fit the map of this scene", id.0)]
     OtherMap {
-        /// The object's number in the map, from 0.
-        number: usize,
+        /// The object.
+        id: ObjectId,
     },
     /// Robots are not in the order of their numbers, or have numbers that are still to be given.
     #[error("robot {}: its number is out of order", id.0)]
@@ -81,6 +87,9 @@ impl World {
             options: self.options,
             steps: self.steps,
             next_id: self.next_id,
+            controllers: self.controllers.clone(),
+            created: self.created.clone(),
+            next_object: self.next_object,
             unsettled: self.physics.unsettled_steps(),
             objects: self.physics.save_objects(),
             robots: self.robots.values().map(save).collect::<Result<_, _>>()?,
@@ -94,8 +103,15 @@ impl World {
     pub fn load(scene: impl Into<CompiledScene>, saved: &SavedWorld) -> Result<Self, LoadError> {
         let mut world = Self::new(scene, saved.options);
         (world.steps, world.next_id) = (saved.steps, saved.next_id);
+        (world.controllers, world.created) = (saved.controllers.clone(), saved.created.clone());
+        world.next_object = saved.next_object;
+        let (of_map, next) = (world.def().map.objects.len() as u64, saved.next_object);
+        let fits = |it: &SavedObject| it.spawned.is_none() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
+        if let Some(SavedObject { id, .. }) = saved.objects.iter().find(|it| !fits(it)) {
+            return Err(LoadError::OtherMap { id: *id });
+        }
         let objects = world.physics.load_objects(&saved.objects, saved.unsettled);
-        objects.map_err(|number| LoadError::OtherMap { number })?;
+        objects.map_err(|id| LoadError::OtherMap { id })?;
         for robot in &saved.robots {
             let (id, class) = (robot.id, robot.class.clone());
             if id.0 >= saved.next_id || world.robots.last_key_value().is_some_and(|(last, _)| *last >= id) {

@@ -36,6 +36,8 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
             Record::Left(_) => ["robot that left", "robots that left"],
             Record::State(_) => ["state", "states"],
             Record::Object(_) => ["state of an object", "states of objects"],
+            Record::ObjectSpawned(_) => ["object spawned", "objects spawned"],
+            Record::ObjectRemoved(_) => ["object removed", "objects removed"],
             Record::Warning(_) => ["warning", "warnings"],
         };
         *counts.entry(kind).or_insert(0u64) += 1;

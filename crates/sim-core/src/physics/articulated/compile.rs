@@ -34,10 +34,9 @@ pub(in super::super) struct Articulated {
     pub(super) following: Option<Following>,
 }
 
-/// A movable object of a map.
+/// A movable object.
 pub(in super::super) struct CompiledObject {
-    /// Pose in the map.
-    pub(in super::super) pose: scene::Pose,
+    pub(in super::super) def: Arc<scene::Object>,
     pub(in super::super) surface: Seen,
     pub(in super::super) made_of: Arc<Articulated>,
 }

@@ -3,11 +3,11 @@
 use articulated::{Contact, JointRow, Side};
 use nalgebra::Vector3;
 
+use super::super::identity::BodyId;
 use super::super::rolling::Load;
 use super::ArticulatedRobot;
 use super::compile::Form;
 use super::finding::{Found, MARGIN, Second};
-use super::object::MapObject;
 use super::wheel::{RollerTouch, SIDE, Touch};
 
 /// Stiffness of a contact, N/m. It shares the load between contacts.
@@ -38,7 +38,7 @@ impl ArticulatedRobot {
         time_step: f64,
     ) -> Contact {
         let [of_ground, between] = STIFFNESS_TOGETHER;
-        let is_object = MapObject::number_of(self.id).is_some();
+        let is_object = matches!(self.id, BodyId::Object(_));
         let stiffness = match found.second {
             Second::Fixed if is_alone && !is_object => STIFFNESS,
             Second::Fixed => of_ground,
@@ -60,6 +60,7 @@ impl ArticulatedRobot {
             compliance: [1.0 / (time_step * stiffness * (time_step + RECOVERY_TIME)), 0.0, 0.0],
             first,
             second,
+            drift: if second.is_some() { Vector3::zeros() } else { found.drift },
             impulse: guess.map_or_else(Vector3::zeros, |(_, impulse)| *impulse),
         };
         self.free_roller(found, &mut contact, velocity, time_step);

@@ -11,6 +11,7 @@ use scene::Material;
 
 use super::super::convert;
 use super::super::fault::Fault;
+use super::super::identity::BodyId;
 use super::super::surface::Materials;
 use super::ArticulatedRobot;
 use super::compile::{Form, Surface};
@@ -18,7 +19,6 @@ use super::link_pose;
 use super::ring::WheelContact;
 use super::shape_contact::touches;
 use super::wheel::{RollerTouch, Touch};
-use crate::PawnId;
 
 /// Distance over which contacts are found, beyond the distance that a surface moves in a step, m.
 const PREDICTION: f64 = 0.001;
@@ -30,8 +30,6 @@ const NEAR: f64 = 0.1;
 pub(super) const MARGIN: f64 = 1e-6;
 /// Most contacts of two bodies, and of a body with everything fixed. The deepest are kept.
 const MAX_CONTACTS: [usize; 2] = [32, 128];
-/// Id of robots that the engine moves, in contact keys: neither a robot's id nor an object's.
-const OF_ENGINE: u64 = u64::MAX / 2;
 /// Cosine above which two normals belong to one surface.
 const SAME_SURFACE: f64 = 0.99;
 
@@ -39,8 +37,16 @@ const SAME_SURFACE: f64 = 0.99;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Key {
     pub(super) surface: usize,
-    other: (Option<u64>, usize),
+    other: (Peer, usize),
     number: usize,
+}
+
+/// The owner of the other surface of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+enum Peer {
+    Fixed,
+    Body(BodyId),
+    OfEngine,
 }
 
 /// A contact of a robot's surface.
@@ -49,6 +55,8 @@ pub(super) struct Found {
     pub(super) key: Key,
     pub(super) second: Second,
     pub(super) touch: Touch,
+    /// Velocity of the other surface at the contact, m/s, if the other body is held and moves as told.
+    pub(super) drift: Vector3<f64>,
     /// Coefficients of the pair: friction, restitution and rolling resistance.
     pub(super) friction: f64,
     pub(super) restitution: f64,
@@ -87,8 +95,8 @@ pub(super) struct Placed {
 
 impl Key {
     /// Returns the id of the other robot or object, if it is in reduced coordinates.
-    pub(super) fn body(&self) -> Option<PawnId> {
-        self.other.0.map(PawnId).filter(|id| id.0 != OF_ENGINE)
+    pub(super) fn body(&self) -> Option<BodyId> {
+        if let Peer::Body(id) = self.other.0 { Some(id) } else { None }
     }
 }
 
@@ -160,7 +168,7 @@ impl ArticulatedRobot {
             for &handle in &near.1 {
                 if let Some(collider) = world.colliders.get(handle) {
                     let material = materials.of(collider);
-                    let other = Other { collider, material, id: None, handle, second: Second::Fixed };
+                    let other = Other { collider, material, peer: Peer::Fixed, handle, second: Second::Fixed };
                     self.touch_collider(&other, &mut found);
                 }
             }
@@ -179,7 +187,7 @@ impl ArticulatedRobot {
                 continue;
             }
             self.meet(surface, at, shape, other.collider.position(), at.prediction, at.motion, &mut met);
-            let key = Key { surface: index, other: (other.id, other.handle.into_raw_parts().0 as usize), number: 0 };
+            let key = Key { surface: index, other: (other.peer, other.handle.into_raw_parts().0 as usize), number: 0 };
             add(&mut met, key, other.second, &Pair::of(&surface.material, other.material), found);
         }
     }
@@ -293,7 +301,7 @@ pub(super) fn touch_engine(
         }
         let Some((index, link)) = known(bodies) else { continue };
         let second = Second::OfEngine(index, link);
-        let other = Other { collider, material: materials.of(collider), id: Some(OF_ENGINE), handle, second };
+        let other = Other { collider, material: materials.of(collider), peer: Peer::OfEngine, handle, second };
         let before = found.len();
         robot.touch_collider(&other, &mut found);
         if found.len() > before && !touched.contains(&index) {
@@ -316,7 +324,7 @@ fn keep_deepest<T>(found: &mut Vec<T>, most: usize, gap: impl Fn(&T) -> f64) {
 struct Other<'a> {
     collider: &'a Collider,
     material: &'a Material,
-    id: Option<u64>,
+    peer: Peer,
     handle: ColliderHandle,
     second: Second,
 }
@@ -347,9 +355,13 @@ pub(super) fn touch_each_other(
             let prediction = at.prediction + its_at.prediction;
             let motion = at.motion - its_at.motion;
             robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
-            let key = Key { surface: index, other: (Some(robots[second].id.0), its_index), number: 0 };
+            let key = Key { surface: index, other: (Peer::Body(robots[second].id), its_index), number: 0 };
             let pair = Pair::of(&surface.material, &its.material);
             add(&mut met, key, Second::Robot(second, its_index), &pair, &mut added);
+            if is_asleep[second] {
+                let drift = |it: &mut Found| it.drift = robots[second].body.velocity_at(0, it.touch.point);
+                added.iter_mut().for_each(drift);
+            }
             found.extend(added.drain(..).map(|it| (first, it)));
         }
     }
@@ -389,6 +401,7 @@ fn add(met: &mut Vec<Touch>, key: Key, second: Second, pair: &Pair, found: &mut 
         key: Key { number, ..key },
         second,
         touch,
+        drift: Vector3::zeros(),
         friction,
         restitution,
         resistance,

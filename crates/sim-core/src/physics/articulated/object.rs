@@ -1,22 +1,22 @@
-//! The map's objects: free bodies, solved with the robots that touch them. An object at rest falls asleep.
+//! Movable objects: free bodies, solved with the robots that touch them. An object at rest falls asleep.
 //!
 //! A sleeping object is not part of a system: to its neighbours it is a fixed body. It wakes when their push differs from that in the step
-//! in which it fell asleep.
+//! in which it fell asleep. A held object never wakes: it stays, or moves as it is led.
 
 use std::sync::Arc;
 
 use articulated::{Joint, Link, Mass, Tree};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
-use scene::{BodyState, Pose};
+use scene::{BodyState, Object, ObjectId, ObjectSnapshot, Pose};
 
 use super::super::convert;
 use super::super::fault::Fault;
-use super::super::identity::Identity;
+use super::super::identity::{BodyId, Identity};
 use super::super::surface::Surface as Seen;
 use super::ArticulatedRobot;
 use super::compile::{Articulated, CompiledObject, Form, Surface};
-use crate::PawnId;
 
 /// Speed of the fastest point below which an object is at rest, m/s.
 const REST_SPEED: f64 = 1e-3;
@@ -24,16 +24,22 @@ const REST_SPEED: f64 = 1e-3;
 const REST_TIME: f64 = 0.1;
 /// Change of the impulse on a sleeping object that wakes it, as a share of its weight's impulse in a step.
 const WAKING_SHARE: f64 = 0.05;
-/// Bound on the number of objects. It separates their ids, which count down, from robots' ids.
-const MAX_OBJECTS: usize = 1 << 32;
+/// Distance from a change over which sleeping objects wake, m.
+const WAKING_REACH: f64 = 0.01;
 /// Least change that wakes an object if there is no gravity, as a velocity, m/s.
 const WAKING_SPEED: f64 = 1e-5;
 
-/// An object of the map in a world.
+/// A movable object in a world.
 #[derive(Clone)]
-pub(in super::super) struct MapObject {
-    /// Pose in the map.
-    start: Pose,
+pub(in super::super) struct MovableObject {
+    pub(super) id: ObjectId,
+    pub(super) def: Arc<Object>,
+    /// True if the map has it.
+    pub(super) is_of_map: bool,
+    /// True if nothing pushes it: it stays, or moves as it is led.
+    pub(super) is_held: bool,
+    /// Pose at which it was spawned.
+    pub(super) start: Pose,
     pub(super) body: Box<ArticulatedRobot>,
     /// Time at rest, s.
     pub(super) still: f64,
@@ -47,7 +53,7 @@ pub(in super::super) struct MapObject {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Sleep {
     /// Neighbours, with their impulses on the object in the step in which it fell asleep, N s.
-    neighbours: Vec<(PawnId, Vector3<f64>)>,
+    neighbours: Vec<(BodyId, Vector3<f64>)>,
 }
 
 impl Articulated {
@@ -76,18 +82,107 @@ impl Articulated {
     }
 }
 
-impl MapObject {
-    /// Spawns an object at its pose in the map. `number` is its number there.
-    pub(in super::super) fn spawn(world: &mut PhysicsWorld, object: &CompiledObject, number: u32) -> Self {
-        let body = RigidBodyBuilder::kinematic_position_based().pose(convert::pose(&object.pose));
+impl MovableObject {
+    /// Spawns an object at a pose.
+    pub(in super::super) fn spawn(
+        world: &mut PhysicsWorld,
+        object: &CompiledObject,
+        id: ObjectId,
+        pose: &Pose,
+        is_of_map: bool,
+    ) -> Self {
+        let body = RigidBodyBuilder::kinematic_position_based().pose(convert::pose(pose));
         let in_engine = world.insert_body(body);
-        let surface = object.surface.collider(Identity::Object(number)).solver_groups(InteractionGroups::none());
+        let surface = object.surface.collider(Identity::Object(id)).solver_groups(InteractionGroups::none());
         let collider = world.insert_collider(surface, Some(in_engine));
-        // Objects count down from the largest id, robots up from 0.
-        let id = PawnId(u64::MAX - u64::from(number));
         let in_engine = vec![(in_engine, vec![(collider, 0)])];
-        let body = ArticulatedRobot::at_rest(object.made_of.clone(), id, &object.pose, in_engine);
-        Self { start: object.pose, body: Box::new(body), still: 0.0, sleep: None, is_entered: false }
+        let body = ArticulatedRobot::at_rest(object.made_of.clone(), BodyId::Object(id), pose, in_engine);
+        let (def, body) = (object.def.clone(), Box::new(body));
+        Self { id, def, is_of_map, is_held: false, start: *pose, body, still: 0.0, sleep: None, is_entered: false }
+    }
+
+    pub(in super::super) fn id(&self) -> ObjectId {
+        self.id
+    }
+
+    pub(in super::super) fn name(&self) -> &str {
+        &self.def.solid.name
+    }
+
+    pub(in super::super) fn is_of_map(&self) -> bool {
+        self.is_of_map
+    }
+
+    /// Returns the engine's body.
+    pub(in super::super) fn in_engine(&self) -> Option<RigidBodyHandle> {
+        self.body.bodies().next()
+    }
+
+    /// Returns a snapshot.
+    pub(in super::super) fn snapshot(&self) -> ObjectSnapshot {
+        ObjectSnapshot { id: self.id, def: self.def.clone(), pose: self.pose() }
+    }
+
+    /// Holds the object, so that nothing pushes it, or lets it go. The engine's robots feel a held object as a body of the engine.
+    pub(in super::super) fn hold(&mut self, world: &mut PhysicsWorld, is_held: bool) {
+        self.is_held = is_held;
+        self.stop();
+        let groups = if is_held { InteractionGroups::all() } else { InteractionGroups::none() };
+        for &(handle, _) in self.body.in_engine.iter().flat_map(|(_, colliders)| colliders) {
+            if let Some(collider) = world.colliders.get_mut(handle) {
+                collider.set_solver_groups(groups);
+            }
+        }
+    }
+
+    pub(in super::super) fn is_held(&self) -> bool {
+        self.is_held
+    }
+
+    /// Puts the object at a pose, at rest and awake.
+    pub(in super::super) fn put(&mut self, pose: &Pose) {
+        self.body.return_to(pose);
+        self.wake();
+    }
+
+    /// Sets the velocity with which a held object reaches a pose at the end of the coming step.
+    pub(in super::super) fn lead(&mut self, pose: &Pose, time_step: f64) {
+        let now = self.pose();
+        let turn = (pose.rotation * now.rotation.inverse()).scaled_axis() / time_step;
+        // The generalised velocity is that of the centre of mass.
+        let centre = Point3::from(self.body.made_of.tree.links()[0].mass.centre);
+        let way = (pose * centre - now * centre) / time_step;
+        let velocity = self.body.body.velocity_mut();
+        velocity[..3].copy_from_slice(turn.as_slice());
+        velocity[3..6].copy_from_slice(way.as_slice());
+        self.body.body.place();
+        self.body.standing.is_known = false;
+        self.is_entered = false;
+    }
+
+    /// Moves a led object to a pose, with the velocity that it was led with.
+    pub(in super::super) fn arrive(&mut self, pose: &Pose) {
+        self.body.body.set_pose(*pose);
+        self.body.standing.is_known = false;
+    }
+
+    /// Sets the velocity to zero.
+    fn stop(&mut self) {
+        self.body.body.velocity_mut().fill(0.0);
+        self.body.body.place();
+        self.wake();
+    }
+
+    /// Returns a box around the object and what it may carry.
+    pub(in super::super) fn reach(&self) -> Aabb {
+        self.bounds().loosened(WAKING_REACH)
+    }
+
+    /// Returns a box around the object.
+    pub(in super::super) fn bounds(&self) -> Aabb {
+        let pose = convert::pose(&self.pose());
+        let boxes = self.body.made_of.surfaces.iter().map(|it| it.shape.compute_aabb(&(pose * it.pose)));
+        boxes.reduce(|one, other| one.merged(&other)).unwrap_or_else(Aabb::new_invalid)
     }
 
     /// Returns the pose of the object's frame.
@@ -102,7 +197,7 @@ impl MapObject {
 
     /// Tells the engine the pose at the end of its coming step.
     pub(in super::super) fn lead_engine(&self, world: &mut PhysicsWorld) {
-        if self.sleep.is_none() {
+        if !self.is_entered {
             self.body.lead_engine(world);
         }
     }
@@ -111,13 +206,13 @@ impl MapObject {
     pub(in super::super) fn enter_queries(&mut self, world: &mut PhysicsWorld) {
         if !self.is_entered {
             self.body.enter_queries(world);
-            self.is_entered = self.sleep.is_some();
+            self.is_entered = self.is_asleep();
         }
     }
 
-    /// Puts an object whose state is a fault back to its pose in the map, at rest. Returns the fault.
+    /// Puts an object whose state is a fault back to its first pose, at rest. Returns the fault.
     pub(in super::super) fn restore(&mut self) -> Option<Fault> {
-        if self.sleep.is_some() {
+        if self.is_asleep() {
             return None;
         }
         let fault = self.body.fault()?;
@@ -126,27 +221,23 @@ impl MapObject {
         Some(fault)
     }
 
-    /// Returns the number of the object with an id, or `None` for a robot's id.
-    pub(super) fn number_of(id: PawnId) -> Option<usize> {
-        usize::try_from(u64::MAX - id.0).ok().filter(|&number| number < MAX_OBJECTS)
-    }
-
     /// True if the object needs the impulses on it in this step: it sleeps or may fall asleep.
     pub(super) fn is_listening(&self, time_step: f64) -> bool {
-        self.sleep.is_some() || self.still + time_step > REST_TIME
+        !self.is_held && (self.sleep.is_some() || self.still + time_step > REST_TIME)
     }
 
-    pub(super) fn is_asleep(&self) -> bool {
-        self.sleep.is_some()
+    /// True if it is no part of a system: it sleeps, or it is held.
+    pub(in super::super) fn is_asleep(&self) -> bool {
+        self.is_held || self.sleep.is_some()
     }
 
-    pub(super) fn wake(&mut self) {
+    pub(in super::super) fn wake(&mut self) {
         (self.still, self.sleep, self.is_entered) = (0.0, None, false);
         self.body.forget_near();
     }
 
     /// Updates the time at rest after a step, and lets the object fall asleep. `neighbours` are the impulses on it, N s.
-    pub(super) fn note_rest(&mut self, neighbours: Vec<(PawnId, Vector3<f64>)>, time_step: f64) {
+    pub(super) fn note_rest(&mut self, neighbours: Vec<(BodyId, Vector3<f64>)>, time_step: f64) {
         let BodyState { linear, angular, .. } = self.body.state();
         let surface = &self.body.made_of.surfaces[0];
         let speed = linear.norm() + angular.norm() * (surface.middle.norm() + surface.half.norm());
@@ -161,8 +252,8 @@ impl MapObject {
     /// True if awake neighbours push the object differently than when it fell asleep. `impulses` are theirs in this step, N s.
     pub(super) fn is_disturbed(
         &self,
-        impulses: &[(PawnId, Vector3<f64>)],
-        is_asleep: impl Fn(PawnId) -> bool,
+        impulses: &[(BodyId, Vector3<f64>)],
+        is_asleep: impl Fn(BodyId) -> bool,
         gravity: f64,
         time_step: f64,
     ) -> bool {

@@ -2,14 +2,14 @@
 
 use articulated::Motion;
 use nalgebra::Vector3;
-use scene::Contact;
+use scene::{Contact, Object, ObjectId, Pose};
 use serde::{Deserialize, Serialize};
 
 use super::super::motor::Servo;
 use super::super::rolling::Load;
 use super::finding::Key;
 use super::object::Sleep;
-use super::{ArticulatedRobot, MapObject};
+use super::{ArticulatedRobot, MovableObject};
 
 /// The state of a tree at the end of a step, as far as later steps depend on it or viewers show it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,9 +26,13 @@ pub(crate) struct SavedTree {
     known: Vec<(Key, Vector3<f64>)>,
 }
 
-/// The state of an object of the map.
+/// The state of a movable object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SavedObject {
+    pub(crate) id: ObjectId,
+    /// Its definition and first pose; `None` if the map has them.
+    pub(crate) spawned: Option<(Object, Pose)>,
+    pub(in super::super) is_held: bool,
     tree: SavedTree,
     still: f64,
     sleep: Option<Sleep>,
@@ -78,10 +82,24 @@ impl ArticulatedRobot {
     }
 }
 
-impl MapObject {
+impl SavedObject {
+    /// True if its definition is one that a world can have.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.spawned.as_ref().is_none_or(|(def, _)| scene::check::spawned_object(def).is_empty())
+    }
+}
+
+impl MovableObject {
     /// Returns the state.
     pub(in super::super) fn save(&self) -> SavedObject {
-        SavedObject { tree: self.body.save(), still: self.still, sleep: self.sleep.clone() }
+        SavedObject {
+            id: self.id,
+            spawned: (!self.is_of_map).then(|| ((*self.def).clone(), self.start)),
+            is_held: self.is_held,
+            tree: self.body.save(),
+            still: self.still,
+            sleep: self.sleep.clone(),
+        }
     }
 
     /// Takes a saved state. Returns false, and changes nothing, if the state is another object's.
@@ -89,6 +107,7 @@ impl MapObject {
         let fits = self.body.load(&saved.tree);
         if fits {
             (self.still, self.sleep, self.is_entered) = (saved.still, saved.sleep.clone(), false);
+            self.is_held = saved.is_held;
         }
         fits
     }

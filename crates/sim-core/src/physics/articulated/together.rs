@@ -1,4 +1,4 @@
-//! One step of all robots in reduced coordinates and of the map's objects.
+//! One step of all robots in reduced coordinates and of movable objects.
 //!
 //! Bodies that touch each other are one system, whatever their order. Systems are solved on all threads. At their new poses the bodies find
 //! their contacts with fixed bodies for the next step.
@@ -9,11 +9,12 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 
 use super::super::convert;
+use super::super::identity::BodyId;
 use super::super::surface::Materials;
 use super::ArticulatedRobot;
 use super::finding::{Found, OfEngine, Second, touch_each_other, touch_engine};
-use super::object::MapObject;
-use crate::PawnId;
+use super::object::MovableObject;
+use crate::ObjectId;
 use crate::flight::Flight;
 use crate::threads::{Threads, in_parts};
 
@@ -49,8 +50,8 @@ pub(in super::super) struct Cost {
 /// An impulse on an object, N s, and the body that gave it.
 #[derive(Clone, Copy)]
 struct Push {
-    object: usize,
-    by: PawnId,
+    object: ObjectId,
+    by: BodyId,
     impulse: Vector3<f64>,
 }
 
@@ -75,13 +76,13 @@ pub(in super::super) fn solve<'a>(
     world: &mut PhysicsWorld,
     surroundings: Surroundings,
     mut robots: Vec<(&'a mut ArticulatedRobot, Option<&'a Flight>)>,
-    objects: &'a mut [MapObject],
+    objects: &'a mut [MovableObject],
     rooms: &mut Vec<Room>,
 ) -> Cost {
     let Surroundings { materials, robots_of_engine, is_changed, threads } = surroundings;
     // A robot that left may have carried an object.
     let is_still = robots.is_empty() && robots_of_engine == 0 && !is_changed;
-    if is_still && objects.iter().all(MapObject::is_asleep) {
+    if is_still && objects.iter().all(MovableObject::is_asleep) {
         return Cost::default();
     }
     let time_step = world.integration_parameters.dt;
@@ -96,15 +97,19 @@ pub(in super::super) fn solve<'a>(
     }
     let mut is_asleep: Vec<bool> = robots.iter().map(|_| false).collect();
     let robot_count = robots.len();
-    is_asleep.extend(objects.iter().map(MapObject::is_asleep));
-    let listening: Vec<bool> = objects.iter().map(|object| object.is_listening(time_step)).collect();
+    is_asleep.extend(objects.iter().map(MovableObject::is_asleep));
+    let held: Vec<bool> = objects.iter().map(MovableObject::is_held).collect();
+    let listening = objects.iter().filter(|object| object.is_listening(time_step));
+    let listening: Vec<ObjectId> = listening.map(MovableObject::id).collect();
     let mut robots: Vec<&mut ArticulatedRobot> = robots.into_iter().map(|(robot, _)| robot).collect();
     robots.extend(objects.iter_mut().map(|object| &mut *object.body));
     look_around(robots.iter_mut().map(|robot| &mut **robot), world, materials, threads);
     let (mut of_engine, mut touching) = (Vec::new(), Vec::new());
     if robots_of_engine > 0 {
         let count = robots.len();
-        for (number, robot) in robots.iter_mut().enumerate() {
+        // The engine's robots feel held objects as bodies of the engine.
+        let is_held = |number: usize| number >= robot_count && held[number - robot_count];
+        for (number, robot) in robots.iter_mut().enumerate().filter(|(number, _)| !is_held(*number)) {
             let touched = touch_engine(world, materials, robot, &mut of_engine);
             is_asleep[number] &= touched.is_empty();
             touching.extend(touched.into_iter().map(|body| (number, count + body)));
@@ -163,24 +168,23 @@ fn look_around<'a>(
 }
 
 /// Lets objects fall asleep, and wakes those whose neighbours push differently. `pushes` are in the order of the objects.
-fn rest(objects: &mut [MapObject], was_asleep: &[bool], mut pushes: &[Push], gravity: f64, time_step: f64) {
-    let mut own = |number: usize| {
-        let (own, others) = pushes.split_at(pushes.partition_point(|push| push.object <= number));
+fn rest(objects: &mut [MovableObject], was_asleep: &[bool], mut pushes: &[Push], gravity: f64, time_step: f64) {
+    let mut own = |id: ObjectId| {
+        let (own, others) = pushes.split_at(pushes.partition_point(|push| push.object <= id));
         pushes = others;
         own.iter().map(|push| (push.by, push.impulse)).collect::<Vec<_>>()
     };
+    let ids: Vec<ObjectId> = objects.iter().map(MovableObject::id).collect();
+    let is_asleep = |id: BodyId| {
+        let BodyId::Object(id) = id else { return false };
+        ids.binary_search(&id).is_ok_and(|other| was_asleep[other])
+    };
     for (number, object) in objects.iter_mut().enumerate() {
-        let impulses = own(number);
+        let impulses = own(object.id());
         if !object.is_asleep() {
             object.note_rest(impulses, time_step);
-        } else if !was_asleep[number] {
+        } else if !was_asleep[number] || object.is_disturbed(&impulses, is_asleep, gravity, time_step) {
             object.wake();
-        } else {
-            let is_asleep =
-                |id: PawnId| MapObject::number_of(id).is_some_and(|other| was_asleep.get(other) == Some(&true));
-            if object.is_disturbed(&impulses, is_asleep, gravity, time_step) {
-                object.wake();
-            }
         }
     }
 }
@@ -321,8 +325,8 @@ impl Member<'_> {
 struct Step<'a> {
     /// Number of robots and objects.
     robots: usize,
-    /// True for objects that need the impulses on them.
-    listening: &'a [bool],
+    /// Objects that need the impulses on them, by their ids.
+    listening: &'a [ObjectId],
     gravity: Vector3<f64>,
     time_step: f64,
 }
@@ -342,9 +346,8 @@ impl Step<'_> {
             let found = std::mem::take(&mut robot.found);
             for it in &found {
                 let second = self.side(it.second, group);
-                let moves = second.map_or_else(Vector3::zeros, |Side { body, link }| {
-                    group[body].body().velocity_at(link, it.touch.point)
-                });
+                let moves =
+                    second.map_or(it.drift, |Side { body, link }| group[body].body().velocity_at(link, it.touch.point));
                 let Some(robot) = group[body].robot() else { continue };
                 contacts.push(robot.contact(it, body, second, moves, is_alone, self.time_step));
             }
@@ -435,8 +438,10 @@ impl Step<'_> {
     }
 
     /// Records an impulse on an object, if the object needs it.
-    fn note_push(self, pushed: PawnId, by: PawnId, impulse: Vector3<f64>, pushes: &mut Vec<Push>) {
-        if let Some(object) = MapObject::number_of(pushed).filter(|&object| self.listening.get(object) == Some(&true)) {
+    fn note_push(self, pushed: BodyId, by: BodyId, impulse: Vector3<f64>, pushes: &mut Vec<Push>) {
+        if let BodyId::Object(object) = pushed
+            && self.listening.binary_search(&object).is_ok()
+        {
             pushes.push(Push { object, by, impulse });
         }
     }

@@ -1,0 +1,135 @@
+//! Movable objects of a world: spawning, moving, holding, removing and saving them.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use scene::{Object, ObjectId, ObjectSnapshot, Pose};
+
+use super::articulated::{CompiledObject, MovableObject, SavedObject};
+use super::{Fault, Physics, convert};
+
+impl Physics {
+    /// Spawns an object at a pose, at rest. Its id must be larger than those of all others. A held object is not pushed by anything.
+    pub(crate) fn spawn_object(&mut self, id: ObjectId, def: Arc<Object>, pose: &Pose, is_held: bool) {
+        let object = self.insert_object(id, def, pose, is_held);
+        self.wake_near(object.reach());
+        self.objects.push(object);
+    }
+
+    fn insert_object(&mut self, id: ObjectId, def: Arc<Object>, pose: &Pose, is_held: bool) -> MovableObject {
+        let compiled = CompiledObject::new(def, Arc::make_mut(&mut self.materials));
+        let mut object = MovableObject::spawn(&mut self.world, &compiled, id, pose, false);
+        if is_held {
+            object.hold(&mut self.world, true);
+        }
+        self.is_changed = true;
+        self.enter_queries(object.in_engine().as_slice());
+        object
+    }
+
+    /// Removes an object. Returns false if there is none with this id.
+    pub(crate) fn remove_object(&mut self, id: ObjectId) -> bool {
+        let Some(place) = self.place_of(id) else { return false };
+        let object = self.objects.remove(place);
+        self.remove_bodies(object.in_engine().into_iter());
+        self.wake_near(object.reach());
+        true
+    }
+
+    /// Puts an object at a pose, at rest.
+    pub(crate) fn put_object(&mut self, id: ObjectId, pose: &Pose) {
+        let Some(place) = self.place_of(id) else { return };
+        let before = self.objects[place].reach();
+        self.objects[place].put(pose);
+        self.is_changed = true;
+        self.wake_near(before.merged(&self.objects[place].reach()));
+    }
+
+    /// Holds an object, so that nothing pushes it, or lets it go.
+    pub(crate) fn hold_object(&mut self, id: ObjectId, is_held: bool) {
+        let Some(place) = self.place_of(id) else { return };
+        self.objects[place].hold(&mut self.world, is_held);
+        self.is_changed = true;
+        self.wake_near(self.objects[place].reach());
+    }
+
+    /// Gives a held object the velocity with which it reaches a pose at the end of the coming step.
+    pub(crate) fn lead_object(&mut self, id: ObjectId, pose: &Pose) {
+        let Some(place) = self.place_of(id) else { return };
+        let before = self.objects[place].reach();
+        self.objects[place].lead(pose, self.world.integration_parameters.dt);
+        self.wake_near(before);
+    }
+
+    /// Moves a led object to its pose at the end of a step.
+    pub(crate) fn arrive(&mut self, id: ObjectId, pose: &Pose) {
+        if let Some(place) = self.place_of(id) {
+            self.objects[place].arrive(pose);
+        }
+    }
+
+    /// Returns the pose of an object.
+    pub(crate) fn object(&self, id: ObjectId) -> Option<Pose> {
+        self.place_of(id).map(|place| self.objects[place].pose())
+    }
+
+    /// Returns the extents of an object along the world's axes, m.
+    pub(crate) fn object_size(&self, id: ObjectId) -> Option<Vector3<f64>> {
+        let place = self.place_of(id)?;
+        Some(convert::from_vector(self.objects[place].bounds().extents()))
+    }
+
+    /// Returns a snapshot of every object, by their ids.
+    pub(crate) fn objects(&self) -> impl Iterator<Item = ObjectSnapshot> {
+        self.objects.iter().map(MovableObject::snapshot)
+    }
+
+    /// Puts objects whose state is a fault back to their first poses, at rest. Returns their names and faults.
+    pub(crate) fn restore_objects(&mut self) -> Vec<(String, Fault)> {
+        let restored = self.objects.iter_mut().filter_map(|object| Some((object.restore()?, object)));
+        restored.map(|(fault, object)| (object.name().to_owned(), fault)).collect()
+    }
+
+    /// Returns the states of all objects.
+    pub(crate) fn save_objects(&self) -> Vec<SavedObject> {
+        self.objects.iter().map(MovableObject::save).collect()
+    }
+
+    /// Takes saved states of all objects, and the number of unsettled systems. The world must be new. Objects of the map without a state
+    /// are removed, and those that it does not have are spawned.
+    ///
+    /// # Errors
+    /// If a state does not fit its object, with the object's id.
+    pub(crate) fn load_objects(&mut self, saved: &[SavedObject], unsettled: u64) -> Result<(), ObjectId> {
+        self.unsettled = unsettled;
+        let removed: Vec<ObjectId> = self.objects.iter().map(MovableObject::id).collect();
+        for id in removed.into_iter().filter(|id| !saved.iter().any(|saved| saved.id == *id)) {
+            self.remove_object(id);
+        }
+        for saved in saved {
+            if let Some((def, start)) = &saved.spawned {
+                if self.objects.last().is_some_and(|last| last.id() >= saved.id) {
+                    return Err(saved.id);
+                }
+                let object = self.insert_object(saved.id, Arc::new(def.clone()), start, saved.is_held);
+                self.objects.push(object);
+            }
+            let place = self.place_of(saved.id).ok_or(saved.id)?;
+            if !self.objects[place].load(saved) || self.objects[place].is_of_map() != saved.spawned.is_none() {
+                return Err(saved.id);
+            }
+        }
+        Ok(())
+    }
+
+    fn place_of(&self, id: ObjectId) -> Option<usize> {
+        self.objects.binary_search_by_key(&id, MovableObject::id).ok()
+    }
+
+    /// Wakes the objects that touch a box.
+    fn wake_near(&mut self, near: Aabb) {
+        let asleep = self.objects.iter_mut().filter(|object| object.is_asleep() && !object.is_held());
+        asleep.filter(|object| object.reach().intersects(&near)).for_each(MovableObject::wake);
+    }
+}

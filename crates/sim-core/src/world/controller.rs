@@ -1,0 +1,446 @@
+//! World controllers and the objects that they create (protocol.md 3.2; WorldController.uc).
+//!
+//! A controller is a pawn without a body. Its objects leave with it, unless they are permanent.
+
+use std::sync::Arc;
+
+use gamebots_proto::command::{Control, Create, Move, SetPath};
+use gamebots_proto::message::{Message, ObjectSta};
+use gamebots_proto::{Problem, shown};
+use nalgebra::Vector3;
+use scene::{Material, ObjectId, PawnId, Pose, check};
+use serde::{Deserialize, Serialize};
+
+use super::World;
+use crate::sensor::floats;
+
+/// Most objects that controllers may have in a world.
+const MAX_OBJECTS: usize = 1024;
+/// Most points of an object's path.
+const MAX_POINTS: usize = 4096;
+/// Most characters of a name or of a memory.
+const MAX_CHARS: usize = 256;
+/// Largest speed along a path, m/s, and largest rate of turn, rad/s.
+const MAX_SPEED: f64 = 50.0;
+
+/// A world controller.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Controller {
+    /// Its name from INIT.
+    pub(super) name: String,
+}
+
+/// An object that a controller created.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Created {
+    id: ObjectId,
+    by: PawnId,
+    class: String,
+    name: String,
+    memory: String,
+    permanent: bool,
+    /// True if forces move it while no order does.
+    is_rigid: bool,
+    /// First position, m, and roll, pitch, yaw, rad.
+    start: [[f64; 3]; 2],
+    /// Rates of roll, pitch and yaw, rad/s.
+    spin: [f64; 3],
+    /// Roll, pitch and yaw while it turns or follows its path, rad.
+    rotation: [f64; 3],
+    path: Path,
+}
+
+/// The path of an object: straight lines between points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Path {
+    points: Vec<[f64; 3]>,
+    /// Length up to its end, m; 0 if there is nothing to follow.
+    length: f64,
+    /// Way from its beginning, m.
+    progress: f64,
+    /// m/s.
+    speed: f64,
+    is_loop: bool,
+    moving: bool,
+}
+
+impl Default for Path {
+    fn default() -> Self {
+        Self { points: Vec::new(), length: 0.0, progress: 0.0, speed: 0.0, is_loop: false, moving: true }
+    }
+}
+
+impl Path {
+    /// Measures the path. A loop has a line from its last point to its first, too.
+    fn measure(&mut self) {
+        self.length = self.lines().map(|(from, to)| (to - from).norm()).sum();
+    }
+
+    fn lines(&self) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> {
+        let count = self.points.len();
+        let lines = if self.is_loop { count } else { count.saturating_sub(1) };
+        (0..lines).map(move |from| (self.points[from].into(), self.points[(from + 1) % count].into()))
+    }
+
+    fn is_followed(&self) -> bool {
+        self.length > 0.0 && self.moving
+    }
+
+    /// Advances by a way, m. Returns false at the end of a path that is no loop.
+    fn advance(&mut self, way: f64) -> bool {
+        self.progress += way;
+        if self.progress < self.length {
+            self.progress = self.progress.max(0.0);
+            return true;
+        }
+        self.progress = if self.is_loop { self.progress % self.length } else { 0.0 };
+        self.is_loop
+    }
+
+    /// Returns the position at the present progress, m.
+    fn position(&self) -> Vector3<f64> {
+        let mut left = self.progress;
+        for (from, to) in self.lines() {
+            let length = (to - from).norm();
+            if left < length {
+                return from + (to - from) * (left / length);
+            }
+            left -= length;
+        }
+        self.points.last().map_or_else(Vector3::zeros, |&last| last.into())
+    }
+}
+
+impl Created {
+    /// True if orders move it, and no force.
+    fn is_led(&self) -> bool {
+        self.path.is_followed() || self.spin != [0.0; 3]
+    }
+}
+
+impl World {
+    /// Follows an order of a world controller. Returns the answers to it.
+    pub(super) fn control(
+        &mut self,
+        pawn: Option<PawnId>,
+        order: &Control,
+        problems: &mut Vec<Problem>,
+    ) -> Vec<Message> {
+        let Some(by) = pawn.filter(|pawn| self.controllers.contains_key(pawn)) else {
+            problems.push(Problem::NoController);
+            return Vec::new();
+        };
+        let done = match order {
+            Control::Create(create) => ("Create", &create.name, self.create(by, create)),
+            Control::Move(order @ Move { name, is_relative, .. }) => {
+                (if *is_relative { "RelMove" } else { "AbsMove" }, name, self.put(by, order, problems))
+            }
+            Control::Rotate { name, speed } => ("Rotate", name, self.rotate(by, name, *speed)),
+            Control::AddPoints { name, points } => ("AddWP", name, self.add_points(by, name, points)),
+            Control::SetPath(set) => ("SetWP", &set.name, self.set_path(by, set)),
+            Control::ClearPath { name } => ("ClearWP", name, self.clear_path(by, name)),
+            Control::Conveyor { name, .. } => ("Conveyor", name, Err("the map has no such conveyor".to_owned())),
+            Control::Kill { name } => ("Kill", name, self.kill(by, name)),
+            Control::KillAll { corners } => {
+                self.kill_all(*corners);
+                return Vec::new();
+            }
+            Control::GetSta { class_name, name } => return vec![self.object_states(by, class_name, name)],
+            Control::Unknown { .. } => return Vec::new(),
+        };
+        if let (order, name, Err(why)) = done {
+            problems.push(Problem::ObjectRefused { order, name: shown(name), why });
+        }
+        Vec::new()
+    }
+
+    /// Removes the objects of a controller that leaves, except permanent ones.
+    pub(super) fn remove_controller(&mut self, id: PawnId) {
+        if self.controllers.remove(&id).is_some() {
+            self.remove_created(|_, created| created.by == id && !created.permanent);
+        }
+    }
+
+    /// Leads objects that turn or follow a path to their poses at the end of the coming step. Returns these.
+    pub(super) fn lead_objects(&mut self) -> Vec<(ObjectId, Pose)> {
+        let time_step = self.options.time_step;
+        let mut led = Vec::new();
+        for created in self.created.iter_mut().filter(|created| created.is_led()) {
+            let Some(now) = self.physics.object(created.id) else { continue };
+            for (angle, rate) in created.rotation.iter_mut().zip(created.spin) {
+                *angle += rate * time_step;
+            }
+            let mut position = now.translation.vector;
+            let follows = created.path.is_followed();
+            if follows && !created.path.advance(created.path.speed * time_step) {
+                // The end of the path: back to the first pose.
+                created.path.length = 0.0;
+                created.rotation = created.start[1];
+                self.physics.put_object(created.id, &scene::pose(created.start[0], created.start[1]));
+                self.physics.hold_object(created.id, created.is_led() || !created.is_rigid);
+                continue;
+            }
+            if follows {
+                position = created.path.position();
+            }
+            let pose = scene::pose(position.into(), created.rotation);
+            // The first step of a path may begin anywhere.
+            if (position - now.translation.vector).norm() > 2.0 * created.path.speed.abs() * time_step + 1e-3 {
+                self.physics.put_object(created.id, &pose);
+            } else {
+                self.physics.lead_object(created.id, &pose);
+                led.push((created.id, pose));
+            }
+        }
+        led
+    }
+
+    fn create(&mut self, by: PawnId, create: &Create) -> Result<(), String> {
+        let class = self.object_class(&create.class_name)?;
+        let is_taken = |created: &Created| created.by == by && created.name.eq_ignore_ascii_case(&create.name);
+        if self.created.iter().any(is_taken) {
+            return Err("this controller has an object of that name".to_owned());
+        }
+        if self.created.len() >= MAX_OBJECTS {
+            return Err(format!("controllers have {MAX_OBJECTS} objects in this world already"));
+        }
+        for (key, text) in [("Name", &create.name), ("Memory", &create.memory)] {
+            if text.chars().count() > MAX_CHARS {
+                return Err(format!("{key} is too long: expected at most {MAX_CHARS} characters"));
+            }
+        }
+        let material = self.material(&create.material)?;
+        let (location, rotation) = self.object_start(create)?;
+        let mut def = self.def().objects.get(&class).cloned().ok_or("there is no such class")?;
+        let [x, y, z] = create.scale;
+        def.solid.shape = def.solid.shape.scaled(create.scale);
+        def.mass *= x * y * z;
+        (def.solid.position, def.solid.rotation) = (location, rotation);
+        def.solid.material = material.unwrap_or(def.solid.material);
+        def.solid.name.clone_from(&create.name);
+        if let Some(wrong) = check::spawned_object(&def).into_iter().next() {
+            return Err(wrong);
+        }
+        let pose = scene::pose(location, rotation);
+        self.enter_shapes();
+        if let Some(obstacle) = self.physics.obstacle(&def, &pose) {
+            return Err(format!("{} is there", self.describe(obstacle)));
+        }
+        let id = ObjectId(self.next_object);
+        self.next_object += 1;
+        self.physics.spawn_object(id, Arc::new(def), &pose, !create.is_rigid);
+        self.created.push(Created {
+            id,
+            by,
+            class,
+            name: create.name.clone(),
+            memory: create.memory.clone(),
+            permanent: create.permanent,
+            is_rigid: create.is_rigid,
+            start: [location, rotation],
+            spin: [0.0; 3],
+            rotation,
+            path: Path::default(),
+        });
+        Ok(())
+    }
+
+    /// Finds a class of objects, in any case. Its package is USARPhysObj and may be left out.
+    fn object_class(&self, class_name: &str) -> Result<String, String> {
+        let (package, class) = class_name.rsplit_once('.').unwrap_or(("USARPhysObj", class_name));
+        let known = self.def().objects.keys().find(|known| known.eq_ignore_ascii_case(class));
+        known.filter(|_| package.eq_ignore_ascii_case("USARPhysObj")).cloned().ok_or_else(|| {
+            let all: Vec<&str> = self.def().objects.keys().map(String::as_str).collect();
+            let meant = names::did_you_mean(class, all.iter().copied());
+            format!("there is no class `{}`{meant}; expected one of {}", shown(class_name), all.join(", "))
+        })
+    }
+
+    /// Finds a material of the scene by its name. `None` if no name is given.
+    fn material(&self, name: &str) -> Result<Option<Material>, String> {
+        if name.is_empty() {
+            return Ok(None);
+        }
+        let def = self.def();
+        let objects = def.map.objects.iter().chain(def.objects.values()).map(|object| &object.solid);
+        let materials = || def.map.solids.iter().chain(objects.clone()).map(|solid| &solid.material);
+        let found = materials().find(|material| material.name.eq_ignore_ascii_case(name)).cloned();
+        found.map(Some).ok_or_else(|| {
+            let known: std::collections::BTreeSet<&str> = materials().map(|material| material.name.as_str()).collect();
+            let known = known.into_iter().collect::<Vec<_>>().join(", ");
+            format!("this world has no material `{}`: expected one of {known}", shown(name))
+        })
+    }
+
+    /// Returns the position and rotation at which an object is wanted.
+    fn object_start(&self, create: &Create) -> Result<([f64; 3], [f64; 3]), String> {
+        if create.start.is_empty() {
+            return Ok((create.location, create.rotation));
+        }
+        let starts = &self.def().map.starts;
+        let start = starts.iter().find(|start| start.name.eq_ignore_ascii_case(&create.start));
+        let start = start.ok_or_else(|| {
+            let known: Vec<&str> = starts.iter().map(|start| start.name.as_str()).collect();
+            format!("there is no start `{}`: expected one of {}", shown(&create.start), known.join(", "))
+        })?;
+        Ok((start.position, start.rotation))
+    }
+
+    fn put(&mut self, by: PawnId, order: &Move, problems: &mut Vec<Problem>) -> Result<(), String> {
+        let Move { name, is_relative, location, rotation } = order;
+        let add = |a: [f64; 3], b: &[f64; 3]| std::array::from_fn(|axis| a[axis] + b[axis]);
+        let wanted = |now: &Pose| match scene::position_and_rotation(now) {
+            (position, angles) if *is_relative => (add(position, location), add(angles, rotation)),
+            _ => (*location, *rotation),
+        };
+        let in_reach = |position: &[f64; 3]| {
+            let wrong = check::MAP_REACH.problem_in("Location", position);
+            wrong.map_or(Ok(()), Err)
+        };
+        if let Some(id) = self.object_of(by, name) {
+            let now = self.physics.object(id).ok_or("it is gone")?;
+            let (position, angles) = wanted(&now);
+            in_reach(&position)?;
+            self.physics.put_object(id, &scene::pose(position, angles));
+            if let Some(created) = self.created.iter_mut().find(|created| created.id == id) {
+                created.rotation = angles;
+            }
+            return Ok(());
+        }
+        let robot = self.robots.values().find(|robot| robot.name() == name).map(|robot| robot.id());
+        let id = robot.ok_or("no object or robot has that name")?;
+        let now = self.observe(id).ok_or("it is gone")?.body.pose;
+        let (position, angles) = wanted(&now);
+        in_reach(&position)?;
+        self.put_robot(id, &scene::pose(position, angles), problems)
+    }
+
+    fn rotate(&mut self, by: PawnId, name: &str, speed: [f64; 3]) -> Result<(), String> {
+        if let Some(rate) = speed.iter().find(|rate| rate.abs() > MAX_SPEED) {
+            return Err(format!("got {rate} rad/s, expected at most {MAX_SPEED}"));
+        }
+        self.change(by, name, |created| created.spin = speed)
+    }
+
+    fn add_points(&mut self, by: PawnId, name: &str, points: &[[f64; 3]]) -> Result<(), String> {
+        if let Some(wrong) = points.iter().find_map(|point| check::MAP_REACH.problem_in("WP", point)) {
+            return Err(wrong);
+        }
+        let mut fits = true;
+        self.change(by, name, |created| {
+            let path = &mut created.path;
+            fits = path.points.len() + points.len() <= MAX_POINTS;
+            if fits {
+                path.points.extend(points);
+                path.measure();
+            }
+        })?;
+        if fits { Ok(()) } else { Err(format!("a path has at most {MAX_POINTS} points")) }
+    }
+
+    fn set_path(&mut self, by: PawnId, set: &SetPath) -> Result<(), String> {
+        let &SetPath { speed, is_loop, moving, time, .. } = set;
+        if let Some(speed) = speed.filter(|speed| speed.abs() > MAX_SPEED) {
+            return Err(format!("got {speed} m/s, expected at most {MAX_SPEED}"));
+        }
+        self.change(by, &set.name, |created| {
+            let path = &mut created.path;
+            path.speed = speed.unwrap_or(path.speed);
+            path.moving = moving.unwrap_or(path.moving);
+            if let Some(is_loop) = is_loop {
+                path.is_loop = is_loop;
+                path.measure();
+            }
+            if let Some(time) = time {
+                path.progress = (time * path.speed).clamp(0.0, path.length);
+            }
+        })
+    }
+
+    fn clear_path(&mut self, by: PawnId, name: &str) -> Result<(), String> {
+        let mut cleared = None;
+        self.change(by, name, |created| {
+            if !created.path.points.is_empty() {
+                created.path = Path::default();
+                created.rotation = created.start[1];
+                cleared = Some((created.id, created.start));
+            }
+        })?;
+        if let Some((id, [position, rotation])) = cleared {
+            self.physics.put_object(id, &scene::pose(position, rotation));
+        }
+        Ok(())
+    }
+
+    /// Changes an object of a controller. Orders hold it while they move it.
+    fn change(&mut self, by: PawnId, name: &str, change: impl FnOnce(&mut Created)) -> Result<(), String> {
+        let is_it = |created: &&mut Created| created.by == by && created.name.eq_ignore_ascii_case(name);
+        let created = self.created.iter_mut().find(is_it).ok_or("this controller has no object of that name")?;
+        let was_led = created.is_led();
+        change(created);
+        let (id, is_led, is_rigid) = (created.id, created.is_led(), created.is_rigid);
+        if is_led != was_led {
+            if let Some(pose) = self.physics.object(id).filter(|_| is_led) {
+                created.rotation = scene::position_and_rotation(&pose).1;
+            }
+            self.physics.hold_object(id, is_led || !is_rigid);
+        }
+        Ok(())
+    }
+
+    fn kill(&mut self, by: PawnId, name: &str) -> Result<(), String> {
+        let id = self.object_of(by, name).ok_or("no object has that name")?;
+        self.created.retain(|created| created.id != id);
+        self.physics.remove_object(id);
+        Ok(())
+    }
+
+    /// Removes all objects of controllers that are not permanent, or those in a box.
+    fn kill_all(&mut self, corners: Option<[[f64; 3]; 2]>) {
+        let is_inside = |pose: Pose| {
+            let Some([[x, y, z], [to_x, to_y, to_z]]) = corners else { return true };
+            let at = pose.translation;
+            at.x > x && at.y > y && at.z < z && at.x < to_x && at.y < to_y && at.z > to_z
+        };
+        self.remove_created(|world, created| {
+            !created.permanent && world.physics.object(created.id).is_some_and(is_inside)
+        });
+    }
+
+    fn remove_created(&mut self, is_removed: impl Fn(&Self, &Created) -> bool) {
+        let removed = self.created.iter().filter(|created| is_removed(self, created)).map(|created| created.id);
+        for id in removed.collect::<Vec<_>>() {
+            self.created.retain(|created| created.id != id);
+            self.physics.remove_object(id);
+        }
+    }
+
+    /// Finds an object by its name, in any case: first among the controller's own, then among all others, those of the map included.
+    fn object_of(&self, by: PawnId, name: &str) -> Option<ObjectId> {
+        let is_named = |created: &&Created| created.name.eq_ignore_ascii_case(name);
+        let own = self.created.iter().filter(|created| created.by == by).find(is_named);
+        let created = own.or_else(|| self.created.iter().find(is_named)).map(|created| created.id);
+        created.or_else(|| self.objects().find(|it| it.def.solid.name.eq_ignore_ascii_case(name)).map(|it| it.id))
+    }
+
+    /// Answers a question for the states of a controller's objects.
+    fn object_states(&self, by: PawnId, class_name: &str, name: &str) -> Message {
+        let class = class_name.rsplit('.').next().unwrap_or_default();
+        let is_meant = |created: &&Created| {
+            let is_of_class = class.is_empty() || class == "WCObject" || created.class.eq_ignore_ascii_case(class);
+            created.by == by && is_of_class && (name.is_empty() || created.name == name)
+        };
+        let state = |created: &Created| {
+            let (pose, size) = (self.physics.object(created.id)?, self.physics.object_size(created.id)?);
+            let (location, rotation) = scene::position_and_rotation(&pose);
+            Some(ObjectSta {
+                name: created.name.clone(),
+                size: floats(size.into()),
+                location: floats(location),
+                memory: created.memory.clone(),
+                rotation: floats(rotation),
+            })
+        };
+        Message::Objects(self.created.iter().filter(is_meant).filter_map(state).collect())
+    }
+}

@@ -1,0 +1,239 @@
+//! World controllers: what becomes of the objects that they create, move and hold.
+
+use gamebots_proto::Command;
+use gamebots_proto::message::Message;
+use nalgebra::Vector3;
+use sim_core::{Options, PawnId, World};
+use system_tests::{init, run};
+
+/// A world with a controller.
+struct Stage {
+    world: World,
+    controller: PawnId,
+}
+
+impl Stage {
+    fn new(map: &str) -> Self {
+        let mut world = World::new(scene_loader::load(map, &[]).expect("a map"), Options::default());
+        let controller = init(&mut world, "INIT {ClassName USARBotAPI.WorldController}");
+        Self { world, controller }
+    }
+
+    /// Sends an order. Returns the problems with it.
+    fn order(&mut self, text: &str) -> Vec<String> {
+        let mut problems = Vec::new();
+        let command = Command::parse(&format!("CONTROL {text}"), &mut problems).expect("a command");
+        self.world.execute(Some(self.controller), &command, &mut problems);
+        problems.iter().map(ToString::to_string).collect()
+    }
+
+    /// Sends an order that has no problem.
+    fn must(&mut self, text: &str) {
+        assert_eq!(self.order(text), [""; 0], "{text}");
+    }
+
+    /// Returns the position of an object.
+    fn at(&self, name: &str) -> Vector3<f64> {
+        let object = self.world.objects().find(|object| object.def.solid.name == name);
+        object.unwrap_or_else(|| panic!("no {name}")).pose.translation.vector
+    }
+}
+
+#[test]
+fn a_rigid_crate_falls_and_rests_and_one_without_physics_stays_in_the_air() {
+    let mut stage = Stage::new("rough");
+    stage.must("{Type Create} {ClassName WCCrate} {Name falls} {Location 0,0,-1} {Physics RigidBody}");
+    stage.must("{Type Create} {ClassName WCCrate} {Name stays} {Location 2,0,-1}");
+    run(&mut stage.world, 2.0);
+    let (falls, stays) = (stage.at("falls"), stage.at("stays"));
+    assert!((falls.z + 0.25).abs() < 0.01, "{falls}");
+    assert_eq!(stays, Vector3::new(2.0, 0.0, -1.0));
+}
+
+#[test]
+fn a_robot_pushes_a_rigid_crate_and_stops_at_one_without_physics() {
+    for (physics, moves) in [("RigidBody", true), ("None", false)] {
+        for class in ["P3AT", "KUKA_YouBot"] {
+            let mut stage = Stage::new("rough");
+            let robot = init(&mut stage.world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,-0.2}}"));
+            run(&mut stage.world, 1.0);
+            stage.must(&format!(
+                "{{Type Create}} {{ClassName WCCrate}} {{Name c}} {{Location 1,0,-0.26}} {{Physics {physics}}}"
+            ));
+            system_tests::apply(&mut stage.world, robot, "DRIVE {Left 5} {Right 5}");
+            run(&mut stage.world, 4.0);
+            let (pushed, robot) = (stage.at("c").x - 1.0, stage.world.observe(robot).expect("a robot").body.pose);
+            assert_eq!(pushed > 0.1, moves, "{class} against {physics}: pushed by {pushed} m");
+            if !moves {
+                assert!(robot.translation.x < 0.8, "{class} is in the crate: {robot}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_crate_on_top_falls_when_the_one_below_is_removed_or_moved() {
+    for order in ["{Type Kill} {Name below}", "{Type AbsMove} {Name below} {Location 5,5,-0.25}"] {
+        for physics in ["RigidBody", "None"] {
+            let mut stage = Stage::new("rough");
+            stage.must(&format!(
+                "{{Type Create}} {{ClassName WCCrate}} {{Name below}} {{Location 0,0,-0.25}} {{Physics {physics}}}"
+            ));
+            stage.must("{Type Create} {ClassName WCCrate} {Name top} {Location 0,0,-0.752} {Physics RigidBody}");
+            run(&mut stage.world, 2.0);
+            assert!((stage.at("top").z + 0.75).abs() < 0.01, "{physics}: {}", stage.at("top"));
+            stage.must(order);
+            run(&mut stage.world, 2.0);
+            assert!((stage.at("top").z + 0.25).abs() < 0.01, "{order} of {physics}: {}", stage.at("top"));
+        }
+    }
+}
+
+/// A platform that follows a path carries a robot and a crate by friction, and one that turns turns them.
+#[test]
+fn a_moving_platform_carries_what_stands_on_it() {
+    for load in ["crate", "P3AT"] {
+        let mut stage = Stage::new("rough");
+        stage.must("{Type Create} {ClassName WCPallet} {Name lift} {Location 0,0,-0.3} {Scale 2,2,1}");
+        let robot = if load == "crate" {
+            stage.must("{Type Create} {ClassName WCCrate} {Name load} {Location 0,0,-0.63} {Physics RigidBody}");
+            None
+        } else {
+            Some(init(&mut stage.world, "INIT {ClassName USARBot.P3AT} {Location 0,0,-0.7}"))
+        };
+        let place = |stage: &Stage| match robot {
+            Some(robot) => stage.world.observe(robot).expect("a robot").body.pose.translation.vector,
+            None => stage.at("load"),
+        };
+        run(&mut stage.world, 2.0);
+        let start = place(&stage);
+        stage.must("{Type SetWP} {Name lift} {Speed 0.25}");
+        stage.must("{Type AddWP} {Name lift} {WP 0,0,-0.3;2,0,-0.3;2,0,-0.8}");
+        run(&mut stage.world, 6.0);
+        let way = place(&stage) - start;
+        let lift = stage.at("lift");
+        assert!((lift - Vector3::new(1.5, 0.0, -0.3)).norm() < 0.01, "the lift is at {lift}");
+        assert!((way - Vector3::new(1.5, 0.0, 0.0)).norm() < 0.03, "{load} was carried by {way}");
+        run(&mut stage.world, 3.0);
+        let way = place(&stage) - start;
+        assert!((way - Vector3::new(2.0, 0.0, -0.25)).norm() < 0.05, "{load} was lifted by {way}");
+        // At the end of the path the platform is back at its start, and the load falls.
+        run(&mut stage.world, 3.0);
+        assert_eq!(stage.at("lift"), Vector3::new(0.0, 0.0, -0.3));
+        assert!(place(&stage).z > -0.3, "{load} fell: {}", place(&stage));
+    }
+}
+
+#[test]
+fn a_turning_platform_turns_a_robot() {
+    let mut stage = Stage::new("rough");
+    stage.must("{Type Create} {ClassName WCPallet} {Name table} {Location 0,0,-0.3} {Scale 2,2,1}");
+    let robot = init(&mut stage.world, "INIT {ClassName USARBot.P3AT} {Location 0,0,-0.7}");
+    run(&mut stage.world, 1.0);
+    stage.must("{Type Rotate} {Name table} {Speed 0,0,0.5}");
+    run(&mut stage.world, 2.0);
+    let (_, _, yaw) = stage.world.observe(robot).expect("a robot").body.pose.rotation.euler_angles();
+    assert!((yaw - 1.0).abs() < 0.02, "{yaw}");
+    stage.must("{Type Rotate} {Name table} {Speed 0,0,0}");
+    run(&mut stage.world, 1.0);
+    let (_, _, still) = stage.world.observe(robot).expect("a robot").body.pose.rotation.euler_angles();
+    assert!((still - yaw).abs() < 0.02, "{still} after {yaw}");
+}
+
+#[test]
+fn a_robot_is_moved_by_its_name_and_put_beside_what_is_there() {
+    for class in ["P3AT", "KUKA_YouBot", "YouBotArm"] {
+        let mut stage = Stage::new("rough");
+        let robot =
+            init(&mut stage.world, &format!("INIT {{ClassName USARBot.{class}}} {{Name Rob}} {{Location 0,0,-0.2}}"));
+        let at = |stage: &Stage| stage.world.observe(robot).expect("a robot").body.pose.translation.vector;
+        run(&mut stage.world, 0.5);
+        stage.must("{Type AbsMove} {Name Rob} {Location 3,1,-0.3} {Rotation 0,0,1.5}");
+        run(&mut stage.world, 0.5);
+        assert!((at(&stage) - Vector3::new(3.0, 1.0, at(&stage).z)).norm() < 0.05, "{class}: {}", at(&stage));
+        stage.must("{Type RelMove} {Name Rob} {Location 0,1,0}");
+        run(&mut stage.world, 0.5);
+        assert!((at(&stage).y - 2.0).abs() < 0.05, "{class}: {}", at(&stage));
+        stage.must("{Type Create} {ClassName WCCrate} {Name c} {Location 0,0,-0.25}");
+        let problems = stage.order("{Type AbsMove} {Name Rob} {Location 0,0,-0.2}");
+        assert!(problems[0].contains("the object `c` takes it"), "{problems:?}");
+        assert!(stage.order("{Type AbsMove} {Name rob}")[0].contains("no object or robot has that name"));
+        run(&mut stage.world, 0.5);
+        assert!((0.2..2.0).contains(&at(&stage).xy().norm()), "{class}: {}", at(&stage));
+    }
+}
+
+#[test]
+fn orders_that_cannot_be_followed_say_why() {
+    let mut stage = Stage::new("rough");
+    stage.must("{Type Create} {ClassName WCCrate} {Name c} {Location 0,0,-0.25}");
+    for (order, why) in [
+        (
+            "{Type Create} {ClassName WCCrat} {Name d}",
+            "there is no class `WCCrat` (did you mean `WCCrate`?); expected one of",
+        ),
+        ("{Type Create} {ClassName WCCrate} {Name d} {Location 0.1,0,-0.25}", "the object `c` is there"),
+        ("{Type Create} {ClassName WCCrate} {Name d} {Location 2,0,0} {Scale 0,1,1}", "`size` is [0, 0.5, 0.5]"),
+        ("{Type Create} {ClassName WCCrate} {Name d} {Location 2,0,0} {Scale -1,1,1}", "`size` is [-0.5, 0.5, 0.5]"),
+        ("{Type Create} {ClassName WCCrate} {Name d} {Location 1e6,0,0}", "expected numbers of -100000 to 100000 m"),
+        (
+            "{Type Create} {ClassName WCCrate} {Name d} {Location 2,0,0} {Material gold}",
+            "no material `gold`: expected one of",
+        ),
+        ("{Type Create} {ClassName WCCrate} {Name d} {Start Nowhere}", "there is no start `Nowhere`: expected one of"),
+        ("{Type Kill} {Name d}", "no object has that name"),
+        ("{Type Rotate} {Name c} {Speed 0,0,1000}", "got 1000 rad/s, expected at most 50"),
+        ("{Type SetWP} {Name c} {Speed 1000}", "got 1000 m/s, expected at most 50"),
+        ("{Type AddWP} {Name d} {WP 1,2,3}", "this controller has no object of that name"),
+        ("{Type Conveyor} {Name belt} {Speed 1}", "the map has no such conveyor"),
+        ("{Type Creat}", "is unknown (did you mean `Create`?)"),
+    ] {
+        let problems = stage.order(order);
+        assert!(problems.first().is_some_and(|problem| problem.contains(why)), "{order}: {problems:?}");
+        assert_eq!(stage.world.objects().count(), 1, "{order}");
+    }
+}
+
+/// Objects come and go without end and leave nothing behind.
+#[test]
+fn a_thousand_objects_come_and_go() {
+    let mut stage = Stage::new("rough");
+    for round in 0..3 {
+        for number in 0..1024 {
+            let (x, y) = (f64::from(number % 32) - 16.0, f64::from(number / 32) - 16.0);
+            stage.must(&format!("{{Type Create}} {{ClassName WCCrate}} {{Name c{number}}} {{Location {x},{y},-0.25}} {{Physics RigidBody}}"));
+        }
+        let problems = stage.order("{Type Create} {ClassName WCCrate} {Name more} {Location 0,0,-9}");
+        assert!(problems[0].contains("1024 objects"), "round {round}: {problems:?}");
+        run(&mut stage.world, 0.02);
+        assert_eq!(stage.world.objects().count(), 1024);
+        stage.must("{Type KillAll}");
+        assert_eq!(stage.world.objects().count(), 0);
+    }
+    stage.world.remove(stage.controller);
+    run(&mut stage.world, 0.1);
+}
+
+/// Two controllers have their own objects, and each takes only its own along.
+#[test]
+fn a_controller_that_leaves_takes_only_its_own_objects() {
+    let mut stage = Stage::new("hall");
+    let of_map = stage.world.objects().count();
+    stage.must("{Type Create} {ClassName WCCrate} {Name c} {Location -4,0,-0.25}");
+    stage.must("{Type Create} {ClassName WCCrate} {Name kept} {Location -4,1,-0.25} {Permanent true}");
+    let first = stage.controller;
+    stage.controller = init(&mut stage.world, "INIT {ClassName USARBotAPI.WorldController} {Name two}");
+    stage.must("{Type Create} {ClassName WCCrate} {Name c} {Location -4,2,-0.25}");
+    stage.world.remove(first);
+    let names: Vec<String> = stage.world.objects().skip(of_map).map(|object| object.def.solid.name.clone()).collect();
+    assert_eq!(names, ["kept", "c"]);
+    // Objects of the map are moved and removed by their names.
+    let crate_of_map = stage.world.objects().next().expect("an object").def.solid.name.clone();
+    stage.must(&format!("{{Type AbsMove}} {{Name {crate_of_map}}} {{Location 0,0,-2}}"));
+    assert_eq!(stage.at(&crate_of_map).z, -2.0);
+    stage.must(&format!("{{Type Kill}} {{Name {crate_of_map}}}"));
+    assert_eq!(stage.world.objects().count(), of_map - 1 + 2);
+    let asked = Command::parse("CONTROL {Type GetSTA}", &mut Vec::new()).expect("a command");
+    let answers = stage.world.execute(Some(stage.controller), &asked, &mut Vec::new()).answers;
+    assert!(matches!(&answers[..], [Message::Objects(objects)] if objects.len() == 1), "{answers:?}");
+}
