@@ -324,6 +324,50 @@ fn a_viewer_begins_and_ends_a_log_and_a_reset_begins_the_next() {
     assert!(second.is_same() && second.states > 10 && second.recorded.is_some(), "{second:?}");
 }
 
+/// A page saves a world; a server goes on with it, and a client that names its robot has it again.
+#[test]
+fn a_saved_world_goes_on_in_another_server_and_clients_take_their_robots_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let init = "INIT {ClassName USARBot.P3AT} {Name R1} {Location -3,0,-0.2}";
+    let server = serve("hall", |config| config.unnamed_log = folder.path().join("world.mcap"));
+    let mut viewer = Viewer::open(&server, "/live");
+    let mut peer = server.client();
+    peer.send(init);
+    let mut controller = server.client();
+    controller.send("INIT {ClassName USARBotAPI.WorldController} {Name WC}");
+    controller.send("CONTROL {Type Create} {ClassName WCCrate} {Name c} {Location -3,2,-0.25}");
+    peer.send("DRIVE {Left 1} {Right 1}");
+    peer.lines_for(1.0);
+    viewer.send("\"save\"");
+    viewer.said("saved the world at");
+    let (before, _) = peer.ground_truth();
+    viewer.send("\"save\"");
+    viewer.said("world-2.json");
+    server.stop().unwrap();
+
+    let (scene, saved) = gamebots_server::read_saved(&folder.path().join("world.json")).unwrap();
+    let server = Server::start("rough", &[], |config| (config.world, config.saved) = (scene, Some(saved)));
+    let mut peer = server.client();
+    // One of another name is another robot.
+    peer.send("INIT {ClassName USARBot.P3AT} {Name R2} {Location -3,-2,-0.2}");
+    let mut again = server.client();
+    again.send(init);
+    let (after, _) = again.ground_truth();
+    assert!((after[0] - before[0]).abs() < 1.0 && after[0] > -2.95, "{after:?} after {before:?}");
+    again.send("DRIVE {Left 0} {Right 0}");
+    let mut controller = server.client();
+    controller.send("INIT {ClassName USARBotAPI.WorldController} {Name WC}");
+    controller.send("CONTROL {Type GetSTA}");
+    assert!(controller.reply().starts_with("STA {Name c} {Size "));
+    // Robots that a client has taken over leave with it.
+    again.finish();
+    while again.line_or_end().is_some() {}
+    let mut third = server.client();
+    third.send(init);
+    let (fresh, _) = third.ground_truth();
+    assert!((fresh[0] + 3.0).abs() < 0.05, "{fresh:?}");
+}
+
 /// A page hears of objects that a controller creates and removes; the log has them, too, and replays.
 #[test]
 fn objects_of_a_world_controller_are_on_the_page_and_in_the_log() {

@@ -35,9 +35,18 @@ const PLOT_PAST = 600;
 const state = new State();
 let connected = false;
 
-const view = new View(find<HTMLCanvasElement>('canvas'), find('labels'), (id) => state.robot(id));
+const view = new View(
+  find<HTMLCanvasElement>('canvas'),
+  find('labels'),
+  (id) => state.robot(id),
+  (number) => state.object(number),
+);
 const playback = new Playback({
   scene: showScene,
+  objects(objects) {
+    state.spawned = objects;
+    view.renewObjects();
+  },
   frame: showFrame,
   scan: (scan) => view.setScan(scan),
   status: showStatus,
@@ -93,6 +102,7 @@ const welcome = new Welcome(state, (robotClass) => drive.spawnAnywhere(robotClas
 
 const live = new Live({
   scene: (scene) => playback.takeScene(scene),
+  objects: (objects) => playback.takeObjects(objects),
   frame: (frame, bytes) => playback.takeFrame(frame, bytes),
   scan: (scan) => playback.takeScan(scan),
   status(status) {
@@ -119,7 +129,7 @@ const world = new WorldPanel(
   state,
   {
     select,
-    lookAtObject: (index) => view.lookAtObject(index),
+    lookAtObject: (number) => view.lookAtObject(number),
     isPlotted: (robot, key) => plots.has(robot, key),
     plot(robot, value) {
       plots.toggle(robot, value);
@@ -239,6 +249,7 @@ const actions: Action[] = [
   { name: 'Wire: the lines of the protocol', key: 'l', shown: 'L', run: () => showTab('wire') },
   { name: 'Change the map', key: 'm', shown: 'M', run: press('map') },
   { name: 'Record a log, or stop', run: press('record') },
+  { name: 'Save the world to a file', run: press('save') },
   { name: 'Open a log to play it', key: 'o', shown: 'O', run: press('open-log') },
   { name: 'Reset world', run: press('reset') },
   { name: 'Snapshot: save the picture', run: press('screenshot') },

@@ -1,4 +1,4 @@
-/** Events for the time line: robots that came and left, resets and recordings. */
+/** Events for the time line: robots that came and left, resets, saves and recordings. */
 
 import type { Status } from './protocol/live';
 
@@ -9,7 +9,7 @@ export interface Mark {
   what: string;
 }
 
-export type Seen = Pick<Status, 'robots' | 'resets' | 'recording'>;
+export type Seen = Pick<Status, 'robots' | 'resets' | 'saves' | 'recording'>;
 
 export class Marks {
   list: Mark[] = [];
@@ -28,6 +28,7 @@ export class Marks {
       one.robots.filter(({ id }) => !other.robots.some((robot) => robot.id === id));
     for (const robot of missing(now, before)) this.add(time, 'robot', `${nameOf(robot)} came`);
     for (const robot of missing(before, now)) this.add(time, 'robot', `${nameOf(robot)} left`);
+    if (now.saves > before.saves) this.add(time, 'world', 'The world was saved');
     if (now.recording !== before.recording) {
       this.add(time, 'recording', now.recording ? 'Recording started' : 'Recording stopped');
     }

@@ -5,13 +5,15 @@ import { LogFile, Player } from './log';
 import { type Mark, Marks } from './marks';
 import type { Frame, Scan } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
-import type { Scene } from './protocol/scene';
+import type { Scene, Solid, Spawned } from './protocol/scene';
 
 export type Mode = 'live' | 'past' | 'log';
 
 /** What the page does with what is shown, wherever it comes from. */
 export interface Screen {
   scene(scene: Scene): void;
+  /** Takes the objects that the map does not have, by their numbers: those of the frames that follow, and maybe more. */
+  objects(objects: ReadonlyMap<number, Solid>): void;
   frame(frame: Frame): void;
   /** Takes the newest frame of the server's world, also while its past is shown. */
   present(frame: Frame): void;
@@ -42,7 +44,9 @@ const SAMPLES_SHOWN = 100;
 const OF_LOG = {
   real_time_factor: 0,
   resets: 0,
+  saves: 0,
   scene: 0,
+  objects: 0,
   viewers: 0,
   unsettled_steps: 0,
   recording: null,
@@ -69,18 +73,29 @@ export class Playback {
     status: null,
     frame: null,
   };
+  /** All that the server's world has had beside the map's objects, by their numbers: those that are gone are in the past. */
+  private objects = new Map<number, Solid>();
 
   constructor(private readonly screen: Screen) {}
 
   takeScene(scene: Scene): void {
     this.live = { scene, status: null, frame: null };
+    this.objects = new Map();
     this.history.clear();
     this.presentMarks.clear();
     if (this.mode === 'log') return;
     this.leavePast();
     this.screen.scene(scene);
+    this.screen.objects(this.objects);
     this.screen.changed();
     this.screen.refilled();
+  }
+
+  /** Takes the objects that the server's world has now beside the map's. */
+  takeObjects(objects: Spawned[]): void {
+    // A number is always of the same object, which then is not drawn anew.
+    for (const object of objects) if (!this.objects.has(object.number)) this.objects.set(object.number, object);
+    if (this.mode !== 'log') this.screen.objects(this.objects);
   }
 
   takeFrame(frame: Frame, bytes: ArrayBuffer): void {
@@ -100,9 +115,16 @@ export class Playback {
   }
 
   takeStatus(status: Status): void {
+    if (this.live.status && this.live.status.resets !== status.resets) this.forgetObjects();
     this.live.status = status;
     if (this.live.frame) this.presentMarks.take(this.live.frame.time, status);
     if (this.mode !== 'log') this.screen.status(status);
+  }
+
+  /** A fresh world gives the same numbers to other objects. */
+  private forgetObjects(): void {
+    this.objects = new Map();
+    if (this.mode !== 'log') this.screen.objects(this.objects);
   }
 
   takeLine(line: WireLine): void {
@@ -185,6 +207,7 @@ export class Playback {
     [this.player, this.mode, this.samples] = [null, 'live', []];
     const { scene, status, frame } = this.live;
     if (wasLog && scene) this.screen.scene(scene);
+    if (wasLog) this.screen.objects(this.objects);
     if (status) this.screen.status(status);
     this.screen.jumped();
     if (frame) this.screen.frame(frame);
@@ -202,6 +225,7 @@ export class Playback {
       this.logMarks.clear();
       this.player = new Player(log, {
         frame: (frame) => this.screen.frame(frame),
+        objects: (objects) => this.screen.objects(objects),
         status: (robots) => this.showStatus(robots),
         scan: (scan) => this.screen.scan(scan),
         line: (line) => this.screen.line(line),
@@ -212,6 +236,7 @@ export class Playback {
       this.player.wantLines = true;
       [this.name, this.mode] = [file.name, 'log'];
       this.screen.scene({ ...log.scene, port: this.live.scene?.port ?? 0, maps: this.live.scene?.maps ?? [] });
+      this.screen.objects(new Map());
       this.showStatus([]);
       if (log.damage) this.screen.said(`${file.name}: ${log.damage}: it is shown up to there`);
       this.rate = 1;
@@ -231,7 +256,7 @@ export class Playback {
     try {
       for (let index = 0; index <= count; index++) {
         const time = start + ((end - start) * index) / count;
-        const { frame, robots } = await player.log.momentAt(time);
+        const { frame, robots } = await player.log.robotsAt(time);
         if (this.player !== player) return;
         this.samples.push(frame);
         this.logMarks.take(time, { ...OF_LOG, robots });

@@ -2,13 +2,15 @@
 
 import type { Frame, RobotState } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
-import type { RobotClass, Scene } from './protocol/scene';
+import type { RobotClass, Scene, Solid } from './protocol/scene';
 import { type SensorValues, readSensorLine } from './protocol/sensors';
 
 export class State {
   scene: Scene | null = null;
   status: Status | null = null;
   frame: Frame | null = null;
+  /** Objects that the map does not have, by their numbers; also some that have been removed. */
+  spawned: ReadonlyMap<number, Solid> = new Map();
   /** Number of the robot that is looked at. */
   selected: number | null = null;
   /** The server's numbers of this page's own connections, which have spawned a robot each. */
@@ -36,6 +38,17 @@ export class State {
 
   robotState(id: number | null): RobotState | null {
     return this.frame?.robots.find((robot) => robot.id === id) ?? null;
+  }
+
+  /** What a movable object is; null before the server has told it. */
+  object(number: number): Solid | null {
+    return this.scene?.map.objects[number] ?? this.spawned.get(number) ?? null;
+  }
+
+  /** Numbers of the objects that are there. */
+  get objects(): number[] {
+    const numbers = this.frame?.objects.map(({ number }) => number) ?? [...(this.scene?.map.objects.keys() ?? [])];
+    return numbers.filter((number) => this.object(number));
   }
 
   /** What a robot's sensors said last, as far as their lines were listened to. */

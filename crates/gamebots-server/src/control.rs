@@ -18,11 +18,13 @@ pub(crate) enum Control {
     Reset,
     /// Starts or ends a log.
     Record(bool),
+    /// Saves the world to a file.
+    Save,
     /// A fresh world on another map, by name. Connected clients get their robots back.
     Map(String),
 }
 
-/// Viewers that may control the world: pause, step, speed, reset, record, map. Every other viewer can still watch, and drive
+/// Viewers that may control the world: pause, step, speed, reset, record, save, map. Every other viewer can still watch, and drive
 /// its own robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorldControl {
@@ -66,14 +68,13 @@ pub fn check_real_time_factor(factor: f64) -> Result<f64, String> {
 }
 
 impl Control {
-    /// Reads a request, as in `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`,
+    /// Reads a request, as in `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`, `"save"`,
     /// `{"map":"arena"}`.
     ///
     /// # Errors
     /// Describes the problem.
     pub(crate) fn read(text: &str) -> Result<Self, String> {
-        let expected =
-            "expected {\"pause\":bool}, {\"step\":n}, {\"speed\":x}, \"reset\", {\"record\":bool} or {\"map\":name}";
+        let expected = "expected {\"pause\":bool}, {\"step\":n}, {\"speed\":x}, \"reset\", {\"record\":bool}, \"save\" or {\"map\":name}";
         let control: Self = serde_json::from_str(text).map_err(|error| format!("{error}: {expected}"))?;
         match control {
             Self::Step(steps) if !(1..=MAX_STEPS).contains(&steps) => {

@@ -20,6 +20,11 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
+    /// Creates the journal of a world. What happened to it before is lost.
+    pub(crate) fn of(world: &World) -> Self {
+        Self { lost_until: (!world.is_untouched()).then(|| world.time()), ..Self::default() }
+    }
+
     pub(crate) fn add(&mut self, time: f64, record: Record) {
         self.bytes += record.size();
         self.entries.push_back((time, record));

@@ -25,12 +25,14 @@ mod pace;
 mod playback;
 mod publisher;
 mod recording;
+mod saved;
 mod session;
 mod web;
 mod world_thread;
 
 pub use control::{WorldControl, check_real_time_factor};
 pub use playback::{Playback, play};
+pub use saved::{SavedFileError, read_saved};
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -38,7 +40,7 @@ use std::time::Duration;
 
 use gamebots_proto::Dialect;
 use scene::{MapDef, WorldDef};
-use sim_core::Options;
+use sim_core::{Options, SavedWorld};
 use thread_pool::ThreadPool;
 
 /// Entry points to the handling of strangers' requests, for the fuzz targets.
@@ -73,6 +75,8 @@ pub mod fuzzing {
 pub struct Config {
     /// The world.
     pub world: WorldDef,
+    /// The state of that world to go on with; none for a new one. Its options replace those below.
+    pub saved: Option<SavedWorld>,
     /// The maps that a viewer may change to.
     pub maps: Vec<MapDef>,
     /// Seed and units.
@@ -105,6 +109,7 @@ impl Config {
     /// Creates a configuration with the defaults of USARSim: port 3000 on this machine, real time, 64 connections.
     pub fn new(world: WorldDef) -> Self {
         Self {
+            saved: None,
             maps: Vec::new(),
             options: Options::default(),
             host: "127.0.0.1".to_owned(),
@@ -196,6 +201,9 @@ pub enum ServeError {
     /// The log cannot be written.
     #[error(transparent)]
     Log(#[from] recorder::RecordError),
+    /// The saved state does not fit the scene.
+    #[error("the saved world: {0}")]
+    Saved(#[from] sim_core::LoadError),
     /// The runtime or a thread cannot be started.
     #[error("cannot start: {0}")]
     Start(std::io::Error),

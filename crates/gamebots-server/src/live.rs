@@ -68,6 +68,8 @@ pub(crate) struct Status {
     pub(crate) viewers: usize,
     /// Number of times that the world started over.
     pub(crate) resets: u64,
+    /// Number of times that the world was saved.
+    pub(crate) saves: u64,
     /// Steps of robots whose contacts did not converge.
     pub(crate) unsettled_steps: u64,
     /// File of the log that is being written.

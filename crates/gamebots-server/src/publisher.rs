@@ -23,8 +23,8 @@ pub(crate) struct Publisher {
 }
 
 impl Publisher {
-    pub(crate) fn new(recording: Recording, live: Broadcast) -> Self {
-        Self { recording, live, journal: Journal::default(), snapshot: None }
+    pub(crate) fn new(recording: Recording, live: Broadcast, world: &World) -> Self {
+        Self { recording, live, journal: Journal::of(world), snapshot: None }
     }
 
     /// Publishes a line that came from a client. `pawn` is the client's newest robot.
@@ -144,7 +144,7 @@ impl Publisher {
 
     /// Replaces the old world with a fresh one, for viewers and logs.
     pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) {
-        (self.snapshot, self.journal) = (None, Journal::default());
+        (self.snapshot, self.journal) = (None, Journal::of(new));
         if old.def().map.name != new.def().map.name {
             self.live.show(new.def());
         }

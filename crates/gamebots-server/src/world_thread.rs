@@ -3,13 +3,14 @@
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use gamebots_proto::Dialect;
 use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
+use gamebots_proto::{Command, Dialect};
 use scene::{MapDef, WorldDef};
 use sim_core::{Executed, LostRobot, PawnId, World};
 use tokio::sync::oneshot;
@@ -23,6 +24,7 @@ use crate::owners::Owners;
 use crate::pace::{self, Pace};
 use crate::publisher::Publisher;
 use crate::recording::Recording;
+use crate::saved::Saving;
 use crate::session::{Budget, Session, Spent};
 use crate::{Config, ServeError};
 
@@ -51,9 +53,27 @@ pub(crate) fn spawn(
     foxglove: Option<FoxgloveServer>,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<Result<(), ServeError>>, ServeError> {
-    let Config { world, maps, options, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } =
-        config;
-    let world = World::new(world, options).on_threads(Arc::new(threads.clone()));
+    let Config {
+        world,
+        maps,
+        options,
+        real_time_factor,
+        report_errors,
+        log,
+        ros2_log,
+        unnamed_log,
+        threads,
+        saved,
+        ..
+    } = config;
+    let world = match saved {
+        Some(saved) => World::load(world, &saved)?,
+        None => World::new(world, options),
+    };
+    let world = world.on_threads(Arc::new(threads.clone()));
+    let options = world.options();
+    let orphans = world.pawns().map(|(id, class, name)| (id, class.to_owned(), name.to_owned())).collect();
+    let saved_as = unnamed_log.with_extension("json");
     let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
     if let Some(path) = log {
         recording.start(&path, &world)?;
@@ -66,18 +86,22 @@ pub(crate) fn spawn(
         let _gone = gone;
         let now = Instant::now();
         let mut server = Server {
-            publisher: Publisher::new(recording, live),
+            publisher: Publisher::new(recording, live, &world),
             timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
             pace: Pace::new(real_time_factor, now, world.time()),
             world,
             maps,
             resets: 0,
+            saves: 0,
             report_errors,
             sessions: BTreeMap::new(),
             owners: Owners::default(),
             credit: Duration::ZERO,
             forgotten: now,
             controls: Budget::default(),
+            saving: Saving::default(),
+            saved_as,
+            orphans,
         };
         // After a panic the world is only read.
         let result = std::panic::catch_unwind(AssertUnwindSafe(|| server.run(&events)));
@@ -95,6 +119,8 @@ struct Server {
     pace: Pace,
     /// Number of times that the world started over.
     resets: u64,
+    /// Number of times that the world was saved.
+    saves: u64,
     report_errors: bool,
     sessions: BTreeMap<ConnectionId, Session>,
     owners: Owners,
@@ -105,6 +131,11 @@ struct Server {
     forgotten: Instant,
     /// Limit of controls in the log.
     controls: Budget,
+    saving: Saving,
+    /// File of saves that a viewer starts; it gets a number if the file exists.
+    saved_as: PathBuf,
+    /// Pawns of the file that the world was loaded from, until a client takes them over.
+    orphans: Vec<(PawnId, String, String)>,
 }
 
 /// Timing of the world's steps.
@@ -367,6 +398,12 @@ impl Server {
                 self.start_over(now, fresh).then(|| "reset the world".to_owned())
             }
             Control::Map(name) => self.change_map(now, &name).then(|| format!("changed the map to {name}")),
+            Control::Save => {
+                if let Err(error) = self.saving.start(&self.saved_as, &self.world) {
+                    self.publisher.announce(now, &error);
+                }
+                None
+            }
             Control::Record(on) => {
                 self.publisher.record(now, &self.world, on);
                 None
@@ -402,6 +439,7 @@ impl Server {
         let old = std::mem::replace(&mut self.world, fresh);
         self.publisher.start_over(now, &old, &self.world);
         self.resets += 1;
+        self.orphans.clear();
         for (id, init) in self.owners.start_over() {
             self.execute(id, &Request::read(Ok(init)));
         }
@@ -414,10 +452,14 @@ impl Server {
         if !text.is_empty() {
             self.publisher.received(&self.world, id, pawn, text);
         }
+        let adopted = command.as_ref().and_then(|command| self.adopt(command));
         let Some(session) = self.sessions.get_mut(&id) else { return };
         session.note(command.as_ref());
         let mut problems = problems.clone();
-        let executed = command.as_ref().map(|command| self.world.execute(pawn, command, &mut problems));
+        let executed = match adopted {
+            Some(pawn) => Some(Executed { spawned: Some(pawn), ..Executed::default() }),
+            None => command.as_ref().map(|command| self.world.execute(pawn, command, &mut problems)),
+        };
         let Executed { mut answers, found, spawned } = executed.unwrap_or_default();
         let (refusals, warnings) = session.refuse(text, &problems, Instant::now());
         if let Some(robot) = spawned {
@@ -432,6 +474,16 @@ impl Server {
         answers.extend(receipt.and_then(|command| Message::receipt(command, found, time, dialect)));
         answers.extend(refusals);
         self.send(id, robot, &answers);
+    }
+
+    /// Returns the pawn of a loaded world that an INIT takes over: the first of its class and name that no client has.
+    fn adopt(&mut self, command: &Command) -> Option<PawnId> {
+        let Command::Init(init) = command else { return None };
+        let is_it = |(_, class, name): &(PawnId, String, String)| {
+            class.eq_ignore_ascii_case(init.class()) && *name == init.name
+        };
+        let place = self.orphans.iter().position(is_it)?;
+        Some(self.orphans.remove(place).0).filter(|id| self.world.pawns().any(|(pawn, ..)| pawn == *id))
     }
 
     /// Returns the dialect of messages to a connection: its listener's, else the one of the robot's class, else UDK.
@@ -464,7 +516,12 @@ impl Server {
 
     /// Publishes what is due by the clock.
     fn publish(&mut self, now: Instant) {
-        let Self { publisher, world, owners, sessions, timing, resets, .. } = self;
+        if let Some(saved) = self.saving.news() {
+            self.saves += u64::from(saved.is_ok());
+            let (Ok(text) | Err(text)) = saved;
+            self.publisher.announce(now, &text);
+        }
+        let Self { publisher, world, owners, sessions, timing, resets, saves, .. } = self;
         let robot = |(id, class, name): (PawnId, &str, &str)| RobotStatus {
             id: id.0,
             class: class.to_owned(),
@@ -487,6 +544,7 @@ impl Server {
             objects: 0,
             viewers: 0,
             resets: *resets,
+            saves: *saves,
             unsettled_steps: world.unsettled_steps(),
             recording: recording.map(|path| path.display().to_string()),
             robots: world.robots().map(robot).collect(),

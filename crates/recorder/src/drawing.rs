@@ -13,11 +13,9 @@ const PLANE_EDGE: f64 = 100.0;
 /// Thickness of that square, m.
 const PLANE_THICKNESS: f64 = 0.01;
 
-/// Draws the solids of a map in the world, and each of its objects in the object's frame.
+/// Draws the solids of a map in the world.
 pub(crate) fn map(map: &MapDef) -> Vec<SceneEntity> {
-    let fixed = map.solids.iter().map(|fixed| solid("world", fixed, &fixed.pose()));
-    let objects = map.objects.iter().enumerate();
-    fixed.chain(objects.map(|(number, movable)| object(number, &movable.solid))).collect()
+    map.solids.iter().map(|fixed| solid("world", fixed, &fixed.pose())).collect()
 }
 
 /// Draws an object in its frame.

@@ -54,8 +54,8 @@ const OBJECTS: [&str; 2] = ["/objects/spawned", "/objects/removed"];
 #[derive(Debug, Default)]
 pub struct StateTimer {
     taken: u64,
-    /// Objects at the last call, by their ids.
-    objects: Vec<ObjectSnapshot>,
+    /// Objects at the last call, by their ids; `None` before the first one.
+    objects: Option<Vec<ObjectSnapshot>>,
 }
 
 impl StateTimer {
@@ -69,20 +69,23 @@ impl StateTimer {
         self.taken = intervals(snapshot.time);
         let mut records: Vec<Record> = snapshot.robots.iter().map(RobotState::new).map(Record::State).collect();
         let find = |objects: &[ObjectSnapshot], id| objects.binary_search_by_key(&id, |object| object.id).ok();
-        // The map has its objects from the first call on.
-        let of_map = |id: ObjectId| (id.0 as usize) < map.objects.len();
+        let of_map = map.objects.len() as u64;
+        let known = self.objects.as_deref().unwrap_or_default();
         for object in &snapshot.objects {
-            let before = find(&self.objects, object.id).map(|place| &self.objects[place]);
-            if before.is_none() && !of_map(object.id) {
+            let before = find(known, object.id).map(|place| &known[place]);
+            if before.is_none() && object.id.0 >= of_map {
                 records.push(Record::ObjectSpawned(ObjectSpawned::new(object)));
             }
             if before.is_none_or(|before| before.pose != object.pose) {
                 records.push(Record::Object(ObjectState::new(object)));
             }
         }
-        let removed = self.objects.iter().filter(|object| find(&snapshot.objects, object.id).is_none());
-        records.extend(removed.map(|object| Record::ObjectRemoved(ObjectRemoved { object: object.id.0 as u32 })));
-        self.objects.clone_from(&snapshot.objects);
+        // At the first call the log knows those of the map.
+        let of_map = (0..of_map).map(ObjectId).filter(|_| self.objects.is_none());
+        let before = known.iter().map(|object| object.id).chain(of_map);
+        let removed = before.filter(|id| find(&snapshot.objects, *id).is_none());
+        records.extend(removed.map(|id| Record::ObjectRemoved(ObjectRemoved { object: id.0 as u32 })));
+        self.objects = Some(snapshot.objects.clone());
         records
     }
 }

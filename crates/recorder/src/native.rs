@@ -10,7 +10,7 @@ use foxglove::messages::{
 };
 use gamebots_proto::message::{RangeScanner, Reading};
 use mcap::McapResult;
-use scene::{Pose, RobotDef, WorldDef};
+use scene::{MapDef, Pose, RobotDef, WorldDef};
 
 use crate::file::nanoseconds;
 use crate::slots::{Slots, Slotted};
@@ -31,6 +31,7 @@ impl Native {
         let upside_down = scene::pose([0.0; 3], [std::f64::consts::PI, 0.0, 0.0]);
         file.publish(0.0, "/tf_static", &transforms(vec![transform(0.0, "map", "world", &upside_down)]))?;
         file.publish(0.0, "/map/scene", &added(0.0, drawing::map(&world.map)))?;
+        draw_objects(0.0, &world.map, file)?;
         Ok(Self { world: world.clone(), slots: Slots::default(), objects: Slots::default() })
     }
 
@@ -50,12 +51,18 @@ impl Native {
             Record::ObjectSpawned(object) => self.write_spawned(time, object, file),
             Record::ObjectRemoved(object) => {
                 file.publish(time, OBJECTS[1], object)?;
-                let place = self.objects.leave(object.object.into());
-                place.map_or(Ok(()), |place| self.erase_object(time, place, file))
+                let (number, of_map) = (u64::from(object.object), self.world.map.objects.len() as u64);
+                let slot = self.objects.leave(number).map(|slot| of_map + slot);
+                let place = slot.or((number < of_map).then_some(number));
+                place.map_or(Ok(()), |place| erase_object(time, place, file))
             }
             Record::Map(map) => {
                 let erased = SceneUpdate { deletions: vec![deletion(time)], entities: drawing::map(map) };
-                file.publish(time, "/map/scene", &erased)
+                file.publish(time, "/map/scene", &erased)?;
+                let before = self.world.map.objects.len() as u64;
+                (0..before).try_for_each(|place| erase_object(time, place, file))?;
+                self.world.map = (**map).clone();
+                draw_objects(time, map, file)
             }
             Record::Warning(text) => file.publish(time, "/log", &log(time, Level::Warning, text.clone())),
         }
@@ -123,8 +130,10 @@ impl Native {
     /// Erases every robot and spawned object, because a fresh world begins.
     pub(crate) fn start_over(&mut self, time: f64, file: &mut impl Publish) -> McapResult<()> {
         self.slots.clear().try_for_each(|slot| erase(time, slot, file))?;
-        let places: Vec<u64> = self.objects.clear().collect();
-        places.into_iter().try_for_each(|place| self.erase_object(time, place, file))
+        let of_map = self.world.map.objects.len() as u64;
+        self.objects.clear().try_for_each(|slot| erase_object(time, of_map + slot, file))?;
+        // Some of the map's objects may have been removed.
+        draw_objects(time, &self.world.map, file)
     }
 
     fn write_object(&self, time: f64, object: &ObjectState, file: &mut impl Publish) -> McapResult<()> {
@@ -138,19 +147,10 @@ impl Native {
 
     fn write_spawned(&mut self, time: f64, object: &ObjectSpawned, file: &mut impl Publish) -> McapResult<()> {
         file.publish(time, OBJECTS[0], object)?;
-        let Some(def) = object.def() else { return Ok(()) };
         let place = self.world.map.objects.len() as u64 + self.objects.come(object.object.into(), "");
+        let Some(def) = object.def() else { return Ok(()) };
         let drawn = drawing::object(place as usize, &def.solid);
         file.publish(time, &format!("/map/object/{place}/scene"), &added(time, vec![drawn]))
-    }
-
-    /// Erases the drawing of an object, by its place behind the map's.
-    fn erase_object(&self, time: f64, place: u64, file: &mut impl Publish) -> McapResult<()> {
-        let place = self.world.map.objects.len() as u64 + place;
-        let erased = SceneUpdate { deletions: vec![deletion(time)], entities: Vec::new() };
-        file.publish(time, &format!("/map/object/{place}/scene"), &erased)?;
-        file.forget(&format!("/map/object/{place}/"));
-        Ok(())
     }
 
     fn write_scan(&self, time: f64, sensed: &Sensed, file: &mut impl Publish) -> McapResult<()> {
@@ -172,6 +172,22 @@ impl Native {
         };
         file.publish(time, &topic(*slot, &format!("sensor/{name}")), &scan)
     }
+}
+
+/// Draws the objects of a map, each on a channel of its own.
+fn draw_objects(time: f64, map: &MapDef, file: &mut impl Publish) -> McapResult<()> {
+    map.objects.iter().enumerate().try_for_each(|(place, object)| {
+        let drawn = drawing::object(place, &object.solid);
+        file.publish(time, &format!("/map/object/{place}/scene"), &added(time, vec![drawn]))
+    })
+}
+
+/// Erases the drawing of an object, by its place.
+fn erase_object(time: f64, place: u64, file: &mut impl Publish) -> McapResult<()> {
+    let erased = SceneUpdate { deletions: vec![deletion(time)], entities: Vec::new() };
+    file.publish(time, &format!("/map/object/{place}/scene"), &erased)?;
+    file.forget(&format!("/map/object/{place}/"));
+    Ok(())
 }
 
 /// Erases the drawing of a robot.

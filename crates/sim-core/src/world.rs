@@ -431,6 +431,13 @@ impl World {
         self.robots.iter().map(|(&id, robot)| (id, robot.def().class.as_str(), robot.name()))
     }
 
+    /// Returns robots and world controllers with class and name: first robots, then controllers.
+    pub fn pawns(&self) -> impl Iterator<Item = (PawnId, &str, &str)> {
+        let controllers =
+            self.controllers.iter().map(|(&id, controller)| (id, CONTROLLER[1], controller.name.as_str()));
+        self.robots().chain(controllers)
+    }
+
     /// Returns the state of a robot's body and of its driven wheels.
     pub fn state(&self, id: PawnId) -> Option<(BodyState, Vec<WheelState>)> {
         let robot = self.robots.get(&id)?;

@@ -9,7 +9,7 @@ use gamebots_proto::Dialect;
 use gamebots_server::{Config, Listener, Ready, ServeError, Service, WorldControl};
 use scene::{DriveModel, MapDef};
 use scene_loader::Override;
-use sim_core::Options;
+use sim_core::{Options, SavedWorld};
 use thread_pool::ThreadPool;
 
 use crate::terminal::printable;
@@ -23,6 +23,7 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
 #[command(after_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
     usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n  \
     usarsim serve --robot turtlebot3_burger.urdf\n  \
+    usarsim serve --from usarsim-hall.json   # go on with a world that the page saved\n  \
     usarsim serve --host 0.0.0.0             # other machines can watch and drive\n  \
     usarsim serve --host 0.0.0.0 --control local  # only this machine can pause and reset\n\n\
     The server runs until Ctrl-C or SIGTERM and then ends with exit code 0.")]
@@ -30,6 +31,10 @@ pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
     #[arg(long, env = "USARSIM_MAP", default_value = "hall", value_name = "NAME|FILE")]
     map: String,
+    /// Go on with a world that the page saved (`Save the world`), from its file. Its map, robots, seed, time step and units count. An
+    /// INIT with the class and name of a robot in it takes that robot over.
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "robot", "set", "drive_model", "dt", "seed", "wheel_speeds"])]
+    from: Option<PathBuf>,
     /// A further robot class from a robot.toml, whose class is the name of its folder, or from a URDF, whose class is the name of
     /// the file. May be given several times.
     #[arg(long, env = "USARSIM_ROBOT", value_name = "FILE")]
@@ -141,9 +146,17 @@ pub(crate) fn real_time_factor(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
+    let wrong = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
     let robots: Vec<&std::path::Path> = arguments.robot.iter().map(PathBuf::as_path).collect();
-    let mut world = scene_loader::load_with(&arguments.map, &robots, &arguments.set)
-        .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{error}")))?;
+    let (mut world, saved) = match &arguments.from {
+        Some(path) => {
+            gamebots_server::read_saved(path).map(|(scene, state)| (scene, Some(state))).map_err(|it| wrong(&it))?
+        }
+        None => {
+            let loaded = scene_loader::load_with(&arguments.map, &robots, &arguments.set);
+            (loaded.map_err(|error| wrong(&error))?, None)
+        }
+    };
     world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     for robot in world.robots.values() {
         for assumption in &robot.assumptions {
@@ -156,6 +169,13 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         WheelSpeeds::Rad => 1.0,
         WheelSpeeds::Rev => std::f64::consts::TAU,
     };
+    let options = Options {
+        seed: arguments.seed,
+        speed_unit,
+        time_step: arguments.dt,
+        keep_robots: arguments.keep_robots,
+        panic_at: arguments.panic_at,
+    };
     let page = |port, or_another| Listener { service: Service::Page, port, or_another };
     let page = arguments.http.map_or_else(|| page(DEFAULT_HTTP_PORT, true), |port| page(port, false));
     let DialectChoice(dialect) = arguments.dialect;
@@ -165,13 +185,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {
         maps: other_maps(&arguments.set, &world.map),
-        options: Options {
-            seed: arguments.seed,
-            speed_unit,
-            time_step: arguments.dt,
-            keep_robots: arguments.keep_robots,
-            panic_at: arguments.panic_at,
-        },
+        options: saved.as_ref().map_or(options, SavedWorld::options),
+        saved,
         host: arguments.host,
         listeners,
         real_time_factor: arguments.rtf,
@@ -194,6 +209,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     gamebots_server::run(config, ready, stop_signal()).map_err(|error| match error {
         ServeError::Listen { .. } => Failure::new(exit::UNAVAILABLE, error),
         ServeError::WorldPanicked { .. } => Failure::new(exit::DEFECT, error),
+        ServeError::Saved(_) => Failure::new(exit::BAD_CONFIGURATION, error),
         _ => Failure::new(exit::FAILURE, error),
     })
 }

@@ -12,6 +12,8 @@ export class Chunks {
   private readonly channels: Map<string, number>;
   /** Places in `contents.chunks` by channel, where they are asked for. */
   private readonly holding = new Map<number, number[]>();
+  /** What `lastOf` found last, by channel, and before which time it is right. */
+  private readonly found = new Map<number, { message: Message; next: number }>();
 
   constructor(
     private readonly source: Source,
@@ -38,17 +40,31 @@ export class Chunks {
 
   /** The last message of a channel up to a time, however long ago. */
   async lastOf(channel: number, until: number): Promise<Message | null> {
+    const known = this.found.get(channel);
+    if (known && known.message.time <= until && until < known.next) return known.message;
     const holding = this.holdingOf(channel);
     const last = this.lastUntil(until);
     for (let at = firstAfter(holding, last, (number) => number) - 1; at >= 0; at--) {
-      const found = lastMessage(await this.read(holding[at]!), channel, until);
-      if (found) return found;
+      const messages = (await this.read(holding[at]!)).messages.get(channel) ?? [];
+      const place = firstAfter(messages, until, ({ time }) => time);
+      const found = messages[place - 1];
+      if (!found) continue;
+      // Its data is a part of the chunk, which is not to stay in memory for it.
+      const message = { ...found, data: found.data.slice() };
+      const following = this.contents.chunks[holding[at + 1] ?? -1];
+      this.found.set(channel, { message, next: messages[place]?.time ?? following?.start ?? Infinity });
+      return message;
     }
     return null;
   }
 
+  /** The places of chunks that hold any of some channels, by time. */
+  holdingAny(channels: number[]): number[] {
+    return [...new Set(channels.flatMap((channel) => this.holdingOf(channel)))].sort((a, b) => a - b);
+  }
+
   /** The place of the last chunk that begins by then; -1 where there is none. */
-  private lastUntil(time: number): number {
+  lastUntil(time: number): number {
     return firstAfter(this.contents.chunks, time, ({ start }) => start) - 1;
   }
 
@@ -61,7 +77,8 @@ export class Chunks {
     return holding;
   }
 
-  private read(number: number): Promise<Chunk> {
+  /** The chunk at a place. */
+  read(number: number): Promise<Chunk> {
     const entry = this.cached.get(number) ?? { chunk: this.load(number), bytes: 0 };
     this.cached.delete(number);
     this.cached.set(number, entry);

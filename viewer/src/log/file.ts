@@ -5,10 +5,11 @@
 
 import type { Frame, Scan } from '../protocol/frame';
 import type { Status, WireLine } from '../protocol/live';
-import type { Pose, Scene } from '../protocol/scene';
+import type { Pose, Scene, Solid } from '../protocol/scene';
 import { Chunks, lastMessage, messagesBetween } from './chunks';
 import { type Chunk, type Contents, type Message, readContents } from './mcap';
-import { readLeft, readLine, readLineOwner, readObject, readRanges, readState, readTransforms } from './messages';
+import { readLeft, readLine, readLineOwner, readRanges, readState, readTransforms } from './messages';
+import { LogObjects } from './objects';
 import { rangesOfLine } from './ranges';
 import { type LogClass, type LogRobotState, robotState } from './robot';
 import { Source } from './source';
@@ -21,10 +22,16 @@ export interface LogFrame extends Frame {
 }
 export type LogRobots = Status['robots'];
 
-/** Where everything was, and who was there. */
-export interface Moment {
+/** Where the robots were, and who was there. */
+export interface RobotsMoment {
   frame: LogFrame;
   robots: LogRobots;
+}
+
+/** Where everything was, and what was there. */
+export interface Moment extends RobotsMoment {
+  /** Those of the frame's objects that the map does not have, by their numbers. */
+  spawned: Map<number, Solid>;
 }
 
 /** The newest format of logs that is read, as in crates/recorder/src/lib.rs. */
@@ -50,8 +57,7 @@ export class LogFile {
   readonly damage: string | null;
   private readonly chunks: Chunks;
   private readonly slots: Slot[];
-  /** Channels by the objects' numbers. */
-  private readonly objects: Map<number, number>;
+  private readonly objects: LogObjects;
   private readonly connections = new Map<number, number>();
 
   private constructor(
@@ -67,12 +73,7 @@ export class LogFile {
     this.damage = contents.damage;
     this.chunks = new Chunks(source, contents, (chunk) => this.learn(chunk));
     this.slots = slotsOf(contents.topics);
-    this.objects = new Map(
-      [...contents.topics].flatMap(([channel, topic]) => {
-        const [, object] = /^\/map\/object\/(\d+)$/.exec(topic) ?? [];
-        return object === undefined ? [] : [[Number(object), channel] as const];
-      }),
-    );
+    this.objects = new LogObjects(this.chunks, contents.topics, scene.map.objects);
   }
 
   /** Opens a log. `askScene` makes the scene that the page draws of the one that the log has. */
@@ -98,8 +99,20 @@ export class LogFile {
     return (await this.momentAt(time)).frame;
   }
 
-  /** The same, and who was there. Nothing is between two states of a robot, which are 20 ms apart: the earlier one counts. */
+  /** The same, and what was there. */
   async momentAt(time: number): Promise<Moment> {
+    const [{ frame, robots }, { objects, spawned }] = await Promise.all([
+      this.robotsAt(time),
+      this.objects.at(nanoseconds(time)),
+    ]);
+    return { frame: { ...frame, objects }, robots, spawned };
+  }
+
+  /**
+   * Where the robots were, without objects, and who was there. Nothing is between two states of a robot, which are 20 ms apart:
+   * the earlier one counts.
+   */
+  async robotsAt(time: number): Promise<RobotsMoment> {
     const [until, chunks] = await this.chunksBetween(time - STATE_WINDOW / 1e9, time);
     const gone = this.leftBy(chunks, until);
     const found = this.slots.flatMap((slot) => {
@@ -115,10 +128,7 @@ export class LogFile {
     const robots = found.map(({ state: { robot: id, class: robotClass, name } }) => {
       return { id, class: robotClass, name, connection: this.connections.get(id) ?? null, battery: null };
     });
-    const objects = await Promise.all(
-      this.scene.map.objects.map(({ pose }, number) => this.objectAt(number, until, pose)),
-    );
-    return { frame: { time, robots: found.map(({ robot }) => robot), objects }, robots };
+    return { frame: { time, robots: found.map(({ robot }) => robot), objects: [] }, robots };
   }
 
   /** What was said from after one time up to another, s; of very much the newest. */
@@ -193,13 +203,6 @@ export class LogFile {
     const left = of('/robots/left').map(({ data }) => readLeft(data));
     const closed = of('/wire/closed').flatMap(({ data }) => readLineOwner(data).robot ?? []);
     return new Set([...left, ...closed]);
-  }
-
-  /** An object is where it was recorded last, or where the map has it. */
-  private async objectAt(number: number, until: number, pose: Pose): Promise<Pose> {
-    const channel = this.objects.get(number);
-    const message = channel === undefined ? null : await this.chunks.lastOf(channel, until);
-    return message ? readObject(message.data) : pose;
   }
 
   /** Which connection each robot has. */

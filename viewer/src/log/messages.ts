@@ -3,6 +3,7 @@
  * Foxglove (docs.foxglove.dev/docs/sdk/schemas). What is 0 is not in a message.
  */
 
+import type { ObjectState } from '../protocol/frame';
 import type { Pose, Vector } from '../protocol/scene';
 import { eachField } from './protobuf';
 
@@ -69,13 +70,23 @@ export function readState(bytes: Uint8Array): StateMessage {
   return { ...state, pose: [...position!, ...turn], linear: linear!, angular: angular! };
 }
 
-export function readObject(bytes: Uint8Array): Pose {
-  let [position, turn]: [Vector, Quaternion] = [[0, 0, 0], NO_TURN];
+export function readObject(bytes: Uint8Array): ObjectState {
+  let [number, position, turn]: [number, Vector, Quaternion] = [0, [0, 0, 0], NO_TURN];
   eachField(bytes, {
+    1: (it) => (number = it.varint()),
     3: (it) => (position = vector(it.message())),
     4: (it) => (turn = quaternion(it.message())),
   });
-  return [...position, ...turn];
+  return { number, pose: [...position, ...turn] };
+}
+
+export function readSpawned(bytes: Uint8Array): { number: number; definition: string } {
+  const spawned = { number: 0, definition: '' };
+  eachField(bytes, {
+    1: (it) => (spawned.number = it.varint()),
+    2: (it) => (spawned.definition = it.text()),
+  });
+  return spawned;
 }
 
 export function readLine(bytes: Uint8Array): LineMessage {
@@ -98,11 +109,11 @@ export function readLineOwner(bytes: Uint8Array): { connection: number; robot: n
   return owner;
 }
 
-/** The number of a robot that left. */
+/** The number of a robot that left, or of an object that was removed. */
 export function readLeft(bytes: Uint8Array): number {
-  let robot = 0;
-  eachField(bytes, { 1: (it) => (robot = it.varint()) });
-  return robot;
+  let left = 0;
+  eachField(bytes, { 1: (it) => (left = it.varint()) });
+  return left;
 }
 
 /** Poses by the frames that they are of. */

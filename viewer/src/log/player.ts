@@ -2,11 +2,14 @@
 
 import type { Scan } from '../protocol/frame';
 import type { WireLine } from '../protocol/live';
+import type { Solid } from '../protocol/scene';
 import type { LogFile, LogFrame, LogRobots } from './file';
 
 /** What the page does with what a log has. */
 export interface LogListener {
   frame(frame: LogFrame): void;
+  /** The objects that the map does not have, by their numbers, when that changes. The frame with them follows. */
+  objects(objects: Map<number, Solid>): void;
   /** Who is there, when that changes. */
   status(robots: LogRobots): void;
   scan(scan: Scan): void;
@@ -41,6 +44,7 @@ export class Player {
   private hasJumped = true;
   private shown = 0;
   private robots = '';
+  private objects = '';
 
   constructor(
     readonly log: LogFile,
@@ -132,7 +136,7 @@ export class Player {
     this.hasJumped = false;
     const after = hasJumped ? time - LOOK_BACK : Math.max(this.shown, time - LOOK_BACK);
     this.shown = time;
-    const [{ frame, robots }, scans, lines] = await Promise.all([
+    const [{ frame, robots, spawned }, scans, lines] = await Promise.all([
       this.log.momentAt(time),
       this.log.scansBetween(after, time),
       this.wantLines ? this.log.linesBetween(after, time) : [],
@@ -143,6 +147,11 @@ export class Player {
     if (seen !== this.robots) {
       this.robots = seen;
       this.listener.status(robots);
+    }
+    const numbers = [...spawned.keys()].join();
+    if (numbers !== this.objects) {
+      this.objects = numbers;
+      this.listener.objects(spawned);
     }
     for (const line of lines) this.listener.line(line);
     this.listener.frame(frame);

@@ -15,13 +15,14 @@ export class PlayBar {
   private readonly pause = find<HTMLButtonElement>('pause');
   private readonly record = find<HTMLButtonElement>('record');
   private readonly speed = find<HTMLSelectElement>('speed');
+  private readonly save = find<HTMLButtonElement>('save');
   private readonly reset = find<HTMLButtonElement>('reset');
   private readonly step = find<HTMLButtonElement>('step');
   private readonly fastest = make('option', { value: '0' }, 'fastest');
   private readonly past = find('past');
   private readonly timeline = new TimeLine((time) => this.playback.goTo(time));
   /** What is asked of the server, and what the button says of itself. */
-  private readonly controls = [this.pause, this.step, this.record, this.reset].map(
+  private readonly controls = [this.pause, this.step, this.record, this.save, this.reset].map(
     (button) => [button, button.title] as const,
   );
 
@@ -40,6 +41,7 @@ export class PlayBar {
       else server.control({ step: Math.max(1, Math.round(STEP / (state.scene?.time_step ?? STEP))) });
     };
     this.reset.onclick = () => void this.resetWorld();
+    this.save.onclick = () => server.control('save');
     this.record.onclick = () => server.control({ record: state.status?.recording === null });
     this.speed.onchange = () => {
       if (playback.mode !== 'live') playback.setRate(Number(this.speed.value) || 1);
@@ -70,7 +72,7 @@ export class PlayBar {
     setText(this.pause, !isPaused ? 'Pause' : mode === 'past' ? 'Play' : 'Resume');
     this.pause.setAttribute('aria-pressed', String(isPaused));
     // What is asked of the server is not asked by who looks at a log.
-    this.record.disabled = this.reset.disabled = logName !== null;
+    this.record.disabled = this.save.disabled = this.reset.disabled = logName !== null;
     setText(this.record, status.recording ? 'Stop recording' : 'Record');
     this.record.setAttribute('aria-pressed', String(status.recording !== null));
     for (const [button, title] of this.controls) {

@@ -8,7 +8,7 @@ import { find, fixed, make, setText } from './dom';
 /** What a click in the tree does. */
 export interface WorldActions {
   select: (robot: number) => void;
-  lookAtObject: (index: number) => void;
+  lookAtObject: (number: number) => void;
   isPlotted: (robot: number, key: string) => boolean;
   plot: (robot: number, value: Value) => void;
   /** Other robots show their values than before. */
@@ -50,7 +50,7 @@ export class WorldPanel {
     find('world').append(scroll, make('div', { class: 'foot' }, button));
   }
 
-  /** Robots, clients or the selection are others. */
+  /** Robots, objects, clients or the selection are others. */
   update(): void {
     const shown = this.signature();
     if (shown === this.shown) return;
@@ -90,13 +90,16 @@ export class WorldPanel {
       return [robot.id, robot.class, robot.name, robot.connection, this.state.isOwn(robot), count];
     });
     const clients = (status?.clients ?? []).map(({ connection, dropped }) => [connection, dropped]);
-    return JSON.stringify([scene?.map.name, selected, robots, clients, status?.viewers]);
+    const objects = this.state.objects.map((number) => [number, this.state.object(number)?.name]);
+    return JSON.stringify([scene?.map.name, selected, robots, objects, clients, status?.viewers]);
   }
 
   private build(): void {
     const { status, scene } = this.state;
     const robots = status?.robots ?? [];
-    const focused = document.activeElement?.getAttribute('data-robot');
+    const [robotInFocus, objectInFocus] = ['data-robot', 'data-object'].map((name) =>
+      document.activeElement?.getAttribute(name),
+    );
     this.cells = [];
     this.robots.replaceChildren(...robots.map((robot) => this.robot(robot.id)));
     if (robots.length === 0) {
@@ -105,11 +108,12 @@ export class WorldPanel {
         make('li', { class: 'quiet' }, `No robot yet. Spawn one, or connect a controller to port ${port}.`),
       );
     }
-    if (focused) this.robots.querySelector<HTMLElement>(`[data-robot="${focused}"]`)?.focus();
+    if (robotInFocus) this.robots.querySelector<HTMLElement>(`[data-robot="${robotInFocus}"]`)?.focus();
     this.actions.expanded(robots.map(({ id }) => id).filter((id) => this.isOpen(id)));
-    const objects = (scene?.map.objects ?? []).map(({ name }, index) => {
-      const button = make('button', { class: 'leaf' }, name);
-      button.onclick = () => this.actions.lookAtObject(index);
+    const objects = this.state.objects.map((number) => {
+      const name = this.state.object(number)?.name ?? '';
+      const button = make('button', { class: 'leaf', 'data-object': String(number) }, name);
+      button.onclick = () => this.actions.lookAtObject(number);
       return make('li', {}, button);
     });
     const clients = (status?.clients ?? []).map(({ connection, peer, dropped }) => {
@@ -125,6 +129,7 @@ export class WorldPanel {
       make('ul', { class: 'tree' }, ...(clients.length > 0 ? clients : [make('li', { class: 'quiet' }, 'None')])),
       ...(viewers > 0 ? [make('p', { class: 'quiet' }, pages)] : []),
     );
+    if (objectInFocus) this.rest.querySelector<HTMLElement>(`[data-object="${objectInFocus}"]`)?.focus();
   }
 
   private robot(id: number): HTMLElement {

@@ -28,11 +28,19 @@ export interface RobotState {
   contacts: { point: Vector; /** N */ force: Vector }[];
 }
 
+/** Where a movable object is. */
+export interface ObjectState {
+  /** the map's objects come first, in its order */
+  number: number;
+  pose: Pose;
+}
+
 export interface Frame {
   /** simulated s */
   time: number;
   robots: RobotState[];
-  objects: Pose[];
+  /** all that are in the world; an object of the map that is not here was removed */
+  objects: ObjectState[];
 }
 
 export interface Scan {
@@ -87,7 +95,8 @@ export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan
   if (kind === 1) {
     const time = reader.f64();
     const robots = reader.list(reader.u16(), () => readRobot(reader));
-    return { frame: { time, robots, objects: reader.list(reader.u16(), () => reader.pose()) } };
+    const objects = reader.list(reader.u16(), () => ({ number: reader.u32(), pose: reader.pose() }));
+    return { frame: { time, robots, objects } };
   }
   if (kind === 2) {
     const robot = reader.u32();

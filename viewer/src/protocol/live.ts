@@ -2,15 +2,20 @@
 
 import { type Frame, type Scan, readMessage } from './frame';
 import { type Fit, type FitAnswer, FitQuestions } from './fit';
-import { type Scene, fetchScene } from './scene';
+import { ObjectQuestions } from './objects';
+import { type Scene, type Spawned, fetchScene } from './scene';
 
 export interface Status {
   real_time_factor: number;
   speed: number;
   paused: boolean;
   resets: number;
+  /** Times that the world was saved. */
+  saves: number;
   /** Another number than before means another map. */
   scene: number;
+  /** Another number than before means other objects beside the map's. */
+  objects: number;
   /** Pages that are open. */
   viewers: number;
   /** Steps of robots that ended before every contact did what it should. */
@@ -29,11 +34,13 @@ export interface WireLine {
 }
 
 export type Control =
-  { pause: boolean } | { step: number } | { speed: number } | 'reset' | { record: boolean } | { map: string };
+  { pause: boolean } | { step: number } | { speed: number } | 'reset' | 'save' | { record: boolean } | { map: string };
 
 /** What the page does with what comes. */
 export interface Listener {
   scene(scene: Scene): void;
+  /** Takes the objects that the map does not have. */
+  objects(objects: Spawned[]): void;
   frame(frame: Frame, bytes: ArrayBuffer): void;
   scan(scan: Scan): void;
   status(status: Status): void;
@@ -54,7 +61,8 @@ export class Live {
   private socket: WebSocket | null = null;
   private wire = false;
   private robots: number[] = [];
-  private shownScene: number | null = null;
+  /** The last status of this connection. */
+  private status: Status | null = null;
   private isSceneStale = false;
   private heard = 0;
   /** How the server names this page to everyone. */
@@ -65,6 +73,10 @@ export class Live {
   private readonly fits = new FitQuestions(
     (text) => this.send(text),
     (answer) => this.listener.fit(answer),
+  );
+  private readonly objects = new ObjectQuestions(
+    (objects) => this.listener.objects(objects),
+    () => this.socket?.close(),
   );
 
   constructor(private readonly listener: Listener) {
@@ -117,12 +129,13 @@ export class Live {
       this.retry();
       return;
     }
-    [this.shownScene, this.isSceneStale] = [null, false];
+    [this.status, this.isSceneStale] = [null, false];
     const socket = new WebSocket(socketUrl('live'));
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
     this.heard = performance.now();
     this.fits.restart();
+    this.objects.restart();
     socket.onopen = () => this.listen();
     socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.take(event.data);
     socket.onclose = () => this.lose(socket);
@@ -146,18 +159,24 @@ export class Live {
   }
 
   private takeStatus(status: Status): void {
-    const isAnother = this.shownScene !== null && status.scene !== this.shownScene;
-    this.shownScene = status.scene;
-    if (isAnother) void this.fetchAnotherScene();
-    if (!this.isSceneStale) this.listener.status(status);
+    const before = this.status;
+    this.status = status;
+    if (before && status.scene !== before.scene) void this.fetchAnotherScene();
+    if (this.isSceneStale) return;
+    this.listener.status(status);
+    // A world that began anew gives the same numbers to other objects.
+    if (status.resets !== before?.resets) this.objects.restart();
+    if (status.resets !== before?.resets || status.objects !== before.objects) this.objects.ask();
   }
 
   /** The server shows another map: nothing of the new one is shown before its scene is there. */
   private async fetchAnotherScene(): Promise<void> {
     this.isSceneStale = true;
+    this.objects.restart();
     try {
       this.listener.scene(await fetchScene());
       this.isSceneStale = false;
+      this.objects.ask();
     } catch {
       this.socket?.close();
     }

@@ -9,7 +9,9 @@ export type Shape =
   | { Box: { size: Vector } }
   | { Cylinder: { radius: number; length: number } }
   | { Ball: { radius: number } }
-  | { Mesh: { vertices: Vector[]; triangles: Vector[] } };
+  | { Mesh: { vertices: Vector[]; triangles: Vector[] } }
+  /** in logs alone: the server makes a mesh of it */
+  | { Hull: { points: Vector[] } };
 
 export interface Solid {
   name: string;
@@ -18,6 +20,11 @@ export interface Solid {
   material: string;
   colour: Colour;
   friction: number;
+}
+
+/** An object that the map does not have. */
+export interface Spawned extends Solid {
+  number: number;
 }
 
 /** A piece of a robot in the frame of its link. */
@@ -113,9 +120,17 @@ export interface Scene {
 }
 
 export async function fetchScene(): Promise<Scene> {
-  const response = await fetch('scene.json', { cache: 'no-store' });
+  return (await fetchJson('scene.json')) as Scene;
+}
+
+export async function fetchObjects(): Promise<Spawned[]> {
+  return (await fetchJson('objects.json')) as Spawned[];
+}
+
+async function fetchJson(name: string): Promise<unknown> {
+  const response = await fetch(name, { cache: 'no-store' });
   if (!response.ok) {
-    throw new Error(`the scene: ${response.status} ${await response.text()}`);
+    throw new Error(`${name}: ${response.status} ${await response.text()}`);
   }
-  return (await response.json()) as Scene;
+  return response.json();
 }

@@ -17,12 +17,12 @@ const EDGE_PIECE = 3;
 /** A mesh with more triangles has no lines. */
 const EDGE_TRIANGLES = 20_000;
 
-/** The solid at its pose; `number` is its place in the map. */
+/** The solid at its pose; `number` is its place in the map, or an object's number. */
 export function drawnSolid({ shape, material, colour }: Solid, pose: Pose, number: number): THREE.BufferGeometry {
   const shaped = shapeGeometry(shape);
   const geometry = shaped.index ? shaped.toNonIndexed() : shaped;
   // Not all alike where they begin: two walls of one material are told apart.
-  pictured(geometry, tileOf(surfaceOf(material)), number * 0.37);
+  pictured(geometry, tileOf(surfaceOf(material)), (number * 0.37) % 1);
   geometry.applyMatrix4(setPose(new THREE.Matrix4(), pose));
   coloured(geometry, colour);
   if (shape !== 'HalfSpace') darkenFoot(geometry);

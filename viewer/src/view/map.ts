@@ -1,6 +1,7 @@
 /** What stands on the map, what can be pushed, and where robots start. */
 
 import * as THREE from 'three';
+import type { ObjectState } from '../protocol/frame';
 import type { Pose, Scene, Solid } from '../protocol/scene';
 import type { Theme } from './colours';
 import { type Decal, Decals } from './decals';
@@ -15,6 +16,14 @@ const START = 0x4a86c8;
 /** A solid that begins higher above the floor casts no contact shadow, m. */
 const TOUCHING = 0.03;
 
+/** What a movable object is, by its number; null while that is not known. */
+export type Catalogue = (number: number) => Solid | null;
+
+/** The map's objects where it has them. */
+export function objectsOf({ map }: Scene): ObjectState[] {
+  return map.objects.map(({ pose }, number) => ({ number, pose }));
+}
+
 export class MapView {
   readonly group = new THREE.Group();
   /** What a robot can be put on. */
@@ -22,35 +31,31 @@ export class MapView {
   readonly starts = new THREE.Group();
   /** Of all that has an end, on the stage; empty if nothing has. */
   readonly bounds = new THREE.Box3();
-  private readonly objects: THREE.Mesh[];
+  /** Those that are shown, by their numbers. */
+  private readonly objects = new Map<number, { solid: Solid; mesh: THREE.Mesh }>();
   private readonly standing: Decals;
   private readonly moving: Decals;
   private readonly edges = new THREE.LineBasicMaterial({ transparent: true, depthWrite: false });
 
   constructor(
     private readonly scene: Scene,
-    surfaces: Surfaces,
+    private readonly surfaces: Surfaces,
+    private readonly catalogue: Catalogue,
   ) {
-    const { solids, objects } = scene.map;
+    const { solids } = scene.map;
     const kinds = new Map<SurfaceName, THREE.BufferGeometry[]>();
     solids.forEach((solid, index) => {
       const kind = surfaceOf(solid.material);
       kinds.set(kind, [...(kinds.get(kind) ?? []), drawnSolid(solid, solid.pose, index)]);
     });
-    kinds.forEach((geometries, kind) => this.ground.add(this.mesh(merged(geometries), kind, surfaces)));
+    kinds.forEach((geometries, kind) => this.ground.add(this.mesh(merged(geometries), kind)));
     const edges = this.lines(solids.flatMap((solid) => edgesOf(solid, solid.pose)));
-    this.objects = objects.map((object, index) => {
-      const mesh = this.mesh(drawnSolid(object, IDENTITY, index), surfaceOf(object.material), surfaces);
-      mesh.add(this.lines(edgesOf(object, IDENTITY)));
-      moveTo(mesh, object.pose);
-      return mesh;
-    });
     for (const { position, rotation } of scene.map.starts) this.starts.add(startMark(position, rotation[2]));
-    this.group.add(this.ground, edges, this.starts, ...this.objects);
+    this.group.add(this.ground, edges, this.starts);
     this.standing = new Decals(this.group);
     this.standing.set(solids.flatMap((solid) => contactShadow(solid, solid.pose) ?? []));
     this.moving = new Decals(this.group);
-    this.place(objects.map(({ pose }) => pose));
+    this.place(objectsOf(scene));
     this.measure();
   }
 
@@ -59,11 +64,16 @@ export class MapView {
     return [this.standing.mesh, this.moving.mesh];
   }
 
-  place(poses: Pose[]): void {
-    poses.forEach((pose, index) => this.objects[index] && moveTo(this.objects[index], pose));
-    this.moving.set(
-      this.scene.map.objects.flatMap((object, index) => contactShadow(object, poses[index] ?? object.pose) ?? []),
-    );
+  /** Shows the objects that are there and known, and no others. */
+  place(objects: ObjectState[]): void {
+    const known = objects.flatMap(({ number, pose }) => {
+      const solid = this.catalogue(number);
+      return solid ? [{ number, pose, solid }] : [];
+    });
+    const numbers = new Set(known.map(({ number }) => number));
+    for (const number of this.objects.keys()) if (!numbers.has(number)) this.remove(number);
+    for (const { number, pose, solid } of known) moveTo(this.objectMesh(number, solid), pose);
+    this.moving.set(known.flatMap(({ solid, pose }) => contactShadow(solid, pose) ?? []));
   }
 
   setTheme({ edge, edgeStrength }: Theme): void {
@@ -75,15 +85,33 @@ export class MapView {
     this.standing.dispose();
     this.moving.dispose();
     this.edges.dispose();
-    this.group.traverse((object) => {
-      if (object instanceof THREE.Mesh || object instanceof THREE.LineSegments) object.geometry.dispose();
-    });
+    disposeGeometries(this.group);
     this.starts.traverse((object) => object instanceof THREE.Mesh && (object.material as THREE.Material).dispose());
   }
 
-  private mesh(geometry: THREE.BufferGeometry, kind: SurfaceName, surfaces: Surfaces): THREE.Mesh {
+  /** An object as it is shown; anew if it is another than before. */
+  private objectMesh(number: number, solid: Solid): THREE.Mesh {
+    const shown = this.objects.get(number);
+    if (shown?.solid === solid) return shown.mesh;
+    this.remove(number);
+    const mesh = this.mesh(drawnSolid(solid, IDENTITY, number), surfaceOf(solid.material));
+    mesh.add(this.lines(edgesOf(solid, IDENTITY)));
+    this.group.add(mesh);
+    this.objects.set(number, { solid, mesh });
+    return mesh;
+  }
+
+  private remove(number: number): void {
+    const shown = this.objects.get(number);
+    if (!shown) return;
+    this.group.remove(shown.mesh);
+    disposeGeometries(shown.mesh);
+    this.objects.delete(number);
+  }
+
+  private mesh(geometry: THREE.BufferGeometry, kind: SurfaceName): THREE.Mesh {
     const mesh = new THREE.Mesh(geometry);
-    surfaces.cover(mesh, kind);
+    this.surfaces.cover(mesh, kind);
     mesh.castShadow = mesh.receiveShadow = true;
     return mesh;
   }
@@ -106,6 +134,12 @@ export class MapView {
   }
 }
 
+function disposeGeometries(root: THREE.Object3D): void {
+  root.traverse((object) => {
+    if (object instanceof THREE.Mesh || object instanceof THREE.LineSegments) object.geometry.dispose();
+  });
+}
+
 function boundsOf(shape: Solid['shape'], pose: Pose): THREE.Box3 {
   const geometry = shapeGeometry(shape).applyMatrix4(setPose(new THREE.Matrix4(), pose));
   geometry.computeBoundingBox();
@@ -114,7 +148,7 @@ function boundsOf(shape: Solid['shape'], pose: Pose): THREE.Box3 {
 
 /** Under what stands upright on the floor. */
 function contactShadow({ shape }: Solid, pose: Pose): Decal | null {
-  if (shape === 'HalfSpace' || 'Mesh' in shape) return null;
+  if (shape === 'HalfSpace' || 'Mesh' in shape || 'Hull' in shape) return null;
   const size =
     'Box' in shape
       ? shape.Box.size.map((edge) => edge / 2)

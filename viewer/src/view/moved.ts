@@ -1,6 +1,6 @@
 /** Whether anything that is seen differs between two frames. */
 
-import type { Frame, RobotState } from '../protocol/frame';
+import type { Frame, ObjectState, RobotState } from '../protocol/frame';
 
 /** Less is not seen: m and parts of a quaternion; rad of a wheel. */
 const LEAST_MOVE = 5e-5;
@@ -8,7 +8,7 @@ const LEAST_TURN = 2e-3;
 
 export function moved(before: Frame, after: Frame, withForces: boolean): boolean {
   if (before.robots.length !== after.robots.length) return true;
-  if (differ(before.objects, after.objects)) return true;
+  if (objectsDiffer(before.objects, after.objects)) return true;
   return after.robots.some((robot, index) => {
     const last = before.robots[index];
     return !last || last.id !== robot.id || robotMoved(last, robot) || (withForces && robot.contacts.length > 0);
@@ -22,6 +22,12 @@ function robotMoved(before: RobotState, after: RobotState): boolean {
     if (!last || Math.abs(last.angle - angle) > LEAST_TURN) return true;
     return rollers.some((turn, number) => Math.abs(turn - (last.rollers[number] ?? 0)) > 4 * LEAST_TURN);
   });
+}
+
+function objectsDiffer(before: ObjectState[], after: ObjectState[]): boolean {
+  if (after.some(({ number }, index) => number !== before[index]?.number)) return true;
+  const poses = (objects: ObjectState[]) => objects.map(({ pose }) => pose);
+  return differ(poses(before), poses(after));
 }
 
 function differ(before: number[][], after: number[][]): boolean {

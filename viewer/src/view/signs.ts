@@ -1,9 +1,11 @@
 /** What the labels say: names of robots, starts, nodes and objects, and metres along the axes. */
 
 import * as THREE from 'three';
-import type { Pose, Scene } from '../protocol/scene';
+import type { ObjectState } from '../protocol/frame';
+import type { Scene } from '../protocol/scene';
 import { colourOf } from './colours';
 import type { Labels } from './labels';
+import type { Catalogue } from './map';
 import type { Robots } from './robots';
 
 /** Metres between two labels on an axis that can be chosen, and the least that is between them on the screen, px. */
@@ -32,11 +34,17 @@ export function labelStarts(labels: Labels, { map }: Scene, robots: Robots): voi
   labels.keep('start', new Set(free.map(({ name }) => `start ${name}`)));
 }
 
-export function labelObjects(labels: Labels, { map }: Scene, poses: Pose[]): void {
-  map.objects.forEach(({ name, pose }, index) => {
-    const [x, y, z] = poses[index] ?? pose;
-    labels.set(`object ${name}`, 'object', name, onStage([x, y, z]));
-  });
+/** Those that are known. */
+export function labelObjects(labels: Labels, objects: ObjectState[], catalogue: Catalogue): void {
+  const keys = new Set<string>();
+  for (const { number, pose } of objects) {
+    const name = catalogue(number)?.name;
+    if (name === undefined) continue;
+    const key = `object ${number}`;
+    keys.add(key);
+    labels.set(key, 'object', name, onStage([pose[0], pose[1], pose[2]]));
+  }
+  labels.keep('object', keys);
 }
 
 export function labelRobots(labels: Labels, robots: Robots): void {

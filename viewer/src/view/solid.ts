@@ -2,7 +2,7 @@
 
 import * as THREE from 'three';
 import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
-import type { Colour, Pose, Shape } from '../protocol/scene';
+import type { Colour, Pose, Shape, Vector } from '../protocol/scene';
 import { setPose } from './pose';
 
 /** Edge of the square that stands for a plane without end, m: its end is beyond what the air lets through. */
@@ -26,6 +26,7 @@ export function shapeGeometry(shape: Shape): THREE.BufferGeometry {
     const { radius, length } = shape.Cylinder;
     return new THREE.CylinderGeometry(radius, radius, length, 32).rotateX(Math.PI / 2);
   }
+  if ('Hull' in shape) return boundingBox(shape.Hull.points);
   const { vertices, triangles } = shape.Mesh;
   const geometry = new THREE.BufferGeometry();
   const corners = triangles.flatMap((triangle) => triangle.flatMap((corner) => vertices[corner] ?? [0, 0, 0]));
@@ -33,6 +34,12 @@ export function shapeGeometry(shape: Shape): THREE.BufferGeometry {
   geometry.computeVertexNormals();
   geometry.setAttribute('uv', new THREE.Float32BufferAttribute(new Float32Array((corners.length / 3) * 2), 2));
   return geometry;
+}
+
+function boundingBox(points: Vector[]): THREE.BufferGeometry {
+  const box = new THREE.Box3().setFromPoints(points.map((point) => new THREE.Vector3(...point)));
+  const [size, middle] = [box.getSize(new THREE.Vector3()), box.getCenter(new THREE.Vector3())];
+  return new THREE.BoxGeometry(size.x, size.y, size.z).translate(middle.x, middle.y, middle.z);
 }
 
 /** Gives every corner a colour (sRGB). */

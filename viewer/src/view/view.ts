@@ -8,7 +8,7 @@ import { colourOf } from './colours';
 import { Ghost } from './ghost';
 import { Gizmo } from './gizmo';
 import { type LabelKind, Labels } from './labels';
-import { MapView } from './map';
+import { type Catalogue, MapView, objectsOf } from './map';
 import { moved } from './moved';
 import { Outline } from './outline';
 import { type Layer, Overlay, mountOf } from './overlay';
@@ -68,6 +68,7 @@ export class View {
     private readonly canvas: HTMLCanvasElement,
     labels: HTMLElement,
     private readonly roster: Roster,
+    private readonly catalogue: Catalogue,
   ) {
     const refresh = () => (this.stale = true);
     this.cameras = new Cameras(
@@ -103,7 +104,7 @@ export class View {
     this.labels.clear();
     this.stage.world.clear();
     this.frame = this.drawnFrame = null;
-    const map = new MapView(scene, this.stage.surfaces);
+    const map = new MapView(scene, this.stage.surfaces, this.catalogue);
     const world = { scene, map, robots: new Robots(scene, this.stage.surfaces, this.roster), overlay: new Overlay() };
     if (this.world) world.robots.selected = this.world.robots.selected;
     this.world = world;
@@ -111,7 +112,7 @@ export class View {
     world.overlay.select(world.robots.selected);
     this.stage.world.add(map.group, world.robots.group, world.overlay.group, this.outline.group, this.ghost.group);
     labelMap(this.labels, scene);
-    labelObjects(this.labels, scene, []);
+    labelObjects(this.labels, objectsOf(scene), this.catalogue);
     this.shown.forEach((shown, layer) => this.show(layer, shown));
     this.cameras.home(this.extent(), true);
     this.cameras.wasTouched = false;
@@ -126,6 +127,12 @@ export class View {
     this.frame = frame;
     const forces = this.shown.get('forces') === true;
     if (this.drawnFrame && !moved(this.drawnFrame, frame, forces)) return;
+    this.stale = true;
+    this.stage.renewShadows();
+  }
+
+  /** Shows objects of which it is known now what they are. */
+  renewObjects(): void {
     this.stale = true;
     this.stage.renewShadows();
   }
@@ -166,9 +173,9 @@ export class View {
     if (place) this.cameras.lookAt(place);
   }
 
-  /** Turns to an object of the map, by its number. */
-  lookAtObject(index: number): void {
-    const pose = this.frame?.objects[index];
+  /** Turns to a movable object. */
+  lookAtObject(number: number): void {
+    const pose = this.frame?.objects.find((object) => object.number === number)?.pose;
     if (pose) this.cameras.lookAt(new THREE.Vector3(pose[0], -pose[1], -pose[2]));
   }
 
@@ -307,10 +314,8 @@ export class View {
     const { x, y, z } = this.cameras.eye;
     const eye = new THREE.Vector3(x, -y, -z);
     robots.place(frame, eye);
-    if (scene.map.objects.length > 0) {
-      map.place(frame.objects);
-      labelObjects(this.labels, scene, frame.objects);
-    }
+    map.place(frame.objects);
+    labelObjects(this.labels, frame.objects, this.catalogue);
     overlay.place(frame, (id) => robots.classOf(id), eye);
     labelRobots(this.labels, robots);
     labelStarts(this.labels, scene, robots);

@@ -25,6 +25,13 @@ pub struct SavedWorld {
     robots: Vec<SavedRobot>,
 }
 
+impl SavedWorld {
+    /// Returns the options that the world ran with.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+}
+
 /// Reason why a world cannot be saved.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SaveError {
