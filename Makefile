@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test book figures fuzz soak attack loom dist release check
+.PHONY: run view test book figures fuzz soak attack golden loom dist release check
 
 # Expanded only where something has to be built with it.
 npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
@@ -60,6 +60,9 @@ attack:
 	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test attack -- --nocapture
 
 # Every order in which the threads that share an outbox can meet.
+golden:
+	tests/golden/run
+
 loom:
 	cargo test --quiet --package outbox --features loom
 

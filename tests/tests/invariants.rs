@@ -74,6 +74,25 @@ fn the_core_names_no_clock_file_socket_environment_or_thread() {
     }
 }
 
+/// The standard library's sine has other last bits with glibc, musl and in WebAssembly. Square roots have the same everywhere.
+#[test]
+fn the_core_computes_elementary_functions_by_libm_alone() {
+    let functions = [
+        "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sin_cos", "sinh", "cosh", "tanh", "exp", "exp2",
+        "exp_m1", "ln", "ln_1p", "log", "log2", "log10", "powf", "cbrt", "hypot",
+    ];
+    for package in PURE {
+        for file in files(&repository().join("crates").join(package).join("src"), &["rs"]) {
+            let text = text(&file);
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            for (number, line) in code.lines().enumerate() {
+                let called = functions.iter().find(|name| line.contains(&format!(".{name}(")));
+                assert!(called.is_none(), "{}:{}: {line}: call libm's", file.display(), number + 1);
+            }
+        }
+    }
+}
+
 #[test]
 fn the_physics_engine_is_named_in_the_physics_module_alone() {
     for path in files(&repository().join("crates"), &["rs"]) {

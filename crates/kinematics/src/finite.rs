@@ -67,7 +67,7 @@ impl FiniteRollers {
     /// Returns the ratio of the sideways velocity to the textbook's at the same wheel speeds, as a mean over a turn of the wheels.
     pub fn mean_lateral_ratio(&self) -> f64 {
         let half_pitch = std::f64::consts::PI / f64::from(self.count);
-        self.angle.tan() * half_pitch.sin() / half_pitch
+        libm::tan(self.angle) * libm::sin(half_pitch) / half_pitch
     }
 
     /// Returns the ratio of the yaw rate to the textbook's at the same wheel speeds, as a mean over the phases. All wheels are in
@@ -87,11 +87,11 @@ impl FiniteRollers {
     /// the contribution of a rim velocity.
     fn row(&self, wheel: usize, phase: f64) -> Vector3<f64> {
         let hand = HANDS[wheel];
-        let (sin, cos) = self.angle.sin_cos();
+        let (sin, cos) = libm::sincos(self.angle);
         let along = if wheel < 2 { self.base.half_wheelbase } else { -self.base.half_wheelbase };
         let hub = if wheel.is_multiple_of(2) { -self.base.half_track } else { self.base.half_track };
-        let beside = hub - hand * self.axis_circle * phase.tan() * cos / sin;
-        let (forward, right) = (sin * phase.cos(), hand * cos);
+        let beside = hub - hand * self.axis_circle * libm::tan(phase) * cos / sin;
+        let (forward, right) = (sin * libm::cos(phase), hand * cos);
         Vector3::new(forward, right, right * along - forward * beside)
     }
 }

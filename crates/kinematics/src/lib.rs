@@ -47,7 +47,7 @@ impl PlanarPose {
     /// Returns the pose after a twist held for `dt` seconds, with the heading of the beginning (Odometry.uc:99-135).
     #[must_use]
     pub fn moved(self, twist: Twist, dt: f64) -> Self {
-        let (sin, cos) = self.theta.sin_cos();
+        let (sin, cos) = libm::sincos(self.theta);
         Self {
             x: self.x + (twist.forward * cos - twist.right * sin) * dt,
             y: self.y + (twist.forward * sin + twist.right * cos) * dt,

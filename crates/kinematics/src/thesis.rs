@@ -54,7 +54,7 @@ pub fn corrected(sizes: &Sizes) -> [Matrix3<f64>; 4] {
 }
 
 fn jacobian(sizes: &Sizes, wheel: usize, third: [f64; 2]) -> Matrix3<f64> {
-    let (sin, cos) = ROLLER_ANGLES[wheel].sin_cos();
+    let (sin, cos) = libm::sincos(ROLLER_ANGLES[wheel]);
     #[rustfmt::skip]
     let matrix = Matrix3::new(
         0.0,                sizes.roller_radius * sin,  third[0],

@@ -136,8 +136,8 @@ impl Rollers {
     /// `first + k 2 pi / count` from the front downward. Its axis leans by the roller angle from the wheel's axis toward the
     /// direction of turning (thesis Appendix A, lines 741 to 762).
     pub fn pose(&self, index: u32) -> Pose {
-        let (sin_angle, cos_angle) = self.angle.abs().sin_cos();
-        let (sin, cos) = (self.first_roller + TAU * f64::from(index) / f64::from(self.count)).sin_cos();
+        let (sin_angle, cos_angle) = libm::sincos(self.angle.abs());
+        let (sin, cos) = libm::sincos(self.first_roller + TAU * f64::from(index) / f64::from(self.count));
         let centre = Vector3::new(cos, 0.0, sin) * self.axis_circle;
         let tangent = Vector3::new(-sin, 0.0, cos);
         let axis = tangent * sin_angle - Vector3::y() * cos_angle * self.angle.signum();
@@ -163,15 +163,15 @@ impl Rollers {
     ///
     /// [`half_length_at`]: Self::half_length_at
     pub fn radius_at(&self, phase: f64, wheel_radius: f64) -> f64 {
-        let cos_angle = self.angle.abs().cos();
-        (wheel_radius * phase.cos() - self.axis_circle) * (1.0 + (cos_angle * phase.tan()).powi(2)).sqrt()
+        let cos_angle = libm::cos(self.angle.abs());
+        (wheel_radius * libm::cos(phase) - self.axis_circle) * (1.0 + (cos_angle * libm::tan(phase)).powi(2)).sqrt()
     }
 
     /// Returns half the length along its axis of a roller that ends at a phase, m (Gfrerrer, "Geometry and kinematics of the
     /// Mecanum wheel").
     pub fn half_length_at(&self, phase: f64, wheel_radius: f64) -> f64 {
-        let (sin, cos) = self.angle.abs().sin_cos();
-        wheel_radius * phase.sin() * sin + self.axis_circle * phase.tan() * cos.powi(2) / sin
+        let (sin, cos) = libm::sincos(self.angle.abs());
+        wheel_radius * libm::sin(phase) * sin + self.axis_circle * libm::tan(phase) * cos.powi(2) / sin
     }
 }
 

@@ -569,7 +569,7 @@ fn wire_pose(pose: &NamedPose) -> WirePose {
 
 /// Finds the path node that is nearest in the horizontal plane (BotConnection.uc:394-432).
 fn closest(nodes: &[NamedPose], position: [f64; 3]) -> Nfo {
-    let distance = |node: &NamedPose| (node.position[0] - position[0]).hypot(node.position[1] - position[1]);
+    let distance = |node: &NamedPose| libm::hypot(node.position[0] - position[0], node.position[1] - position[1]);
     let nearest = nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
     nearest.map_or(Nfo::PathNode(PathNode { name: "None".to_owned(), location: [0.0; 3] }), |node| {
         let WirePose { name, location, .. } = wire_pose(node);

@@ -107,7 +107,7 @@ fn height(def: &Solid) -> Option<String> {
     let height = match &def.shape {
         Shape::HalfSpace | Shape::Mesh { .. } => return None,
         Shape::Box { size } => Vector3::from(*size).dot(&down.abs()),
-        Shape::Cylinder { radius, length } => length * down.z.abs() + 2.0 * radius * down.x.hypot(down.y),
+        Shape::Cylinder { radius, length } => length * down.z.abs() + 2.0 * radius * down.xy().norm(),
         Shape::Ball { radius } => 2.0 * radius,
         Shape::Hull { points } => {
             let depths = || points.iter().map(|point| Vector3::from(*point).dot(&down));

@@ -266,12 +266,12 @@ pub fn rollers(def: &Rollers, wheel_radius: f64) -> Vec<String> {
     // The axis is farthest out at the ends of a roller; the roller must still be inside the wheel there.
     let least_phase = std::f64::consts::PI / f64::from(def.count.max(3));
     let (least, outermost) = (LEAST_AXIS_CIRCLE * wheel_radius, (1.0 - LEAST_ROLLER_END) * wheel_radius);
-    let most = outermost * least_phase.cos();
+    let most = outermost * libm::cos(least_phase);
     if !(least..=most).contains(&def.axis_circle) {
         let got = Number(def.axis_circle);
         wrong.push(format!("`axis_circle` is {got}: expected {least:.4} to {most:.4} m"));
     }
-    let most_phase = (def.axis_circle / outermost).acos();
+    let most_phase = libm::acos(def.axis_circle / outermost);
     if wrong.is_empty() && !(least_phase * (1.0 - 1e-9)..=most_phase * (1.0 + 1e-9)).contains(&def.last_phase) {
         let got = Number(def.last_phase);
         wrong.push(format!("`last_phase` is {got}: expected {least_phase:.4} to {most_phase:.4} rad"));

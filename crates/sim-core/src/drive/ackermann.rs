@@ -44,7 +44,7 @@ pub(super) fn joint_targets(robot: &RobotDef, steer: [f64; 2]) -> Vec<(usize, f6
         // The turning centre is `aside` to the right of the wheel and `behind` behind it.
         let angle = centre.map_or(angle, |[centre_x, centre_y]| {
             let (behind, aside) = (x - centre_x, centre_y - y);
-            (behind / aside).atan()
+            libm::atan(behind / aside)
         });
         // A joint whose axis points up turns the other way.
         let axis = link.joint.as_ref()?.axis[2];

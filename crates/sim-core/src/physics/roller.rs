@@ -30,15 +30,20 @@ pub(super) struct RollerShape {
     half_axis: Real,
 }
 
+/// Returns the length of a vector in a plane. `f64::hypot` has other bits on other platforms.
+fn length(x: Real, y: Real) -> Real {
+    (x * x + y * y).sqrt()
+}
+
 impl RollerShape {
     /// Builds the roller of a wheel.
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
-        let sin = rollers.angle.abs().sin();
+        let sin = libm::sin(rollers.angle.abs());
         Self {
             wheel_radius,
             axis_circle: rollers.axis_circle,
             sin_angle: sin,
-            half_axis: (rollers.axis_circle * rollers.last_phase.tan() / sin),
+            half_axis: (rollers.axis_circle * libm::tan(rollers.last_phase) / sin),
         }
     }
 
@@ -49,12 +54,17 @@ impl RollerShape {
 
     /// Returns the radius of the sphere at a place on the axis.
     pub(super) fn radius_at(&self, along: Real) -> Real {
-        self.wheel_radius - self.axis_circle.hypot(along * self.sin_angle)
+        self.wheel_radius - self.axis_distance(along)
+    }
+
+    /// Returns the distance from the middle of the wheel's circle of axes to a place on the axis, m.
+    fn axis_distance(&self, along: Real) -> Real {
+        length(self.axis_circle, along * self.sin_angle)
     }
 
     /// Returns the decrease of the radius along the axis: `-d lambda / d s`.
     pub(super) fn taper_at(&self, along: Real) -> Real {
-        along * self.sin_angle * self.sin_angle / self.axis_circle.hypot(along * self.sin_angle)
+        along * self.sin_angle * self.sin_angle / self.axis_distance(along)
     }
 
     /// Returns the place on the axis whose sphere reaches farthest in a direction with this cosine to the axis.
@@ -83,8 +93,8 @@ impl RollerShape {
 
     /// Returns the distance of a point from the surface, negative inside, and the outward direction there.
     fn signed_distance(&self, point: Vector) -> (Real, Vector) {
-        let radial = point.y.hypot(point.z);
-        let toward = |along: Real| (along - point.x) / radial.hypot(point.x - along).max(1e-9);
+        let radial = length(point.y, point.z);
+        let toward = |along: Real| (along - point.x) / length(radial, point.x - along).max(1e-9);
         let along = self.search(|along| toward(along) + self.taper_at(along));
         let offset = point - Vector::X * along;
         let direction = offset.try_normalize().unwrap_or(Vector::Z);

@@ -105,7 +105,7 @@ mod tests {
     fn check(resolution: f64, field_of_view: f64, count: usize, first: f64, last: f64) {
         let beams =
             beams(rotation_units::from_radians(resolution), rotation_units::from_radians(field_of_view), true, false);
-        let yaw = |beam: &Vector3<f64>| beam.y.atan2(beam.x);
+        let yaw = |beam: &Vector3<f64>| libm::atan2(beam.y, beam.x);
         assert_eq!(beams.len(), count);
         assert!((yaw(&beams[0]) - first).abs() < 2e-5, "{}", yaw(&beams[0]));
         assert!((yaw(&beams[count - 1]) - last).abs() < 2e-5, "{}", yaw(&beams[count - 1]));

@@ -1,6 +1,6 @@
 //! Contacts of a Mecanum wheel's rollers without a body for each roller, with the same geometry.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::parry::math::{Pose as EnginePose, Vector};
 use rapier3d::parry::query::details::NormalConstraints;
@@ -53,11 +53,11 @@ pub(super) struct RollerRing {
 impl RollerRing {
     /// Builds the ring of a wheel.
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
-        let half_width = rollers.half_length_at(rollers.last_phase, wheel_radius) * rollers.angle.cos()
+        let half_width = rollers.half_length_at(rollers.last_phase, wheel_radius) * libm::cos(rollers.angle)
             + (wheel_radius - rollers.axis_circle);
         Self {
             shape: RollerShape::new(rollers, wheel_radius),
-            reach: wheel_radius.hypot(half_width),
+            reach: Vector2::new(wheel_radius, half_width).norm(),
             last_phase: rollers.last_phase,
             first_roller: rollers.first_roller,
             rollers: (0..rollers.count).map(|index| rollers.pose(index)).collect(),
@@ -125,7 +125,7 @@ impl RollerRing {
             return;
         }
         let toward = hub.rotation.inverse() * -convert::from_vector(normal);
-        let direction = toward.z.atan2(toward.x);
+        let direction = libm::atan2(toward.z, toward.x);
         let pitch = std::f64::consts::TAU / self.rollers.len() as f64;
         let turn = nalgebra::UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), angle);
         let wheel = hub * turn;

@@ -1,6 +1,6 @@
 //! Contacts of a robot's surface with a shape.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::{Pose as EnginePose, Vector};
 use rapier3d::parry::bounding_volume::BoundingVolume;
@@ -107,7 +107,7 @@ fn on_plane(
         Form::Wheel { radius, half_width } => {
             let axle = convert::from_vector(pose.rotation * Vector::Y);
             if normal.dot(&axle).abs() > super::wheel::SIDE {
-                return normal.dot(&(centre - place)) > radius.hypot(half_width) + prediction;
+                return normal.dot(&(centre - place)) > Vector2::new(radius, half_width).norm() + prediction;
             }
             Wheel { hub: centre, axle, radius, half_width }.on_plane(normal, place)
         }

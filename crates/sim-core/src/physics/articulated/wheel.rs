@@ -4,7 +4,7 @@
 //! On other shapes the wheel is a row of discs. Each touches the plane that separates it from the shape. The two edges and the nearest disc
 //! count.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 /// Sine of the lean at which a wheel stands on its edge alone. A tyre is round there.
 const LEANING: f64 = 0.1;
@@ -71,7 +71,7 @@ impl Wheel {
 
     /// Returns the largest distance of the wheel's points from its hub.
     pub(super) fn reach(&self) -> f64 {
-        self.radius.hypot(self.half_width)
+        Vector2::new(self.radius, self.half_width).norm()
     }
 
     /// Returns the contacts of the tread with a shape within a distance, m, or `None` if the side of the wheel faces it. `nearest` gives a
