@@ -11,15 +11,12 @@ mod sen;
 mod sta;
 
 pub use asta::{Asta, Eff, JointSta};
-pub use conf::{
-    ActuatorConf, CameraConf, Conf, EncoderConf, GripperConf, GroundConf, ItemConf, JointConf, MisPkgConf, MisPkgJoint,
-    PlainConf, PoseConf, RangeScannerConf, RobotConf, SonarConf, VehicleConf, WheelsConf,
-};
+pub use conf::*;
 pub use geo::{ActuatorGeo, Geo, GroundGeo, ItemGeo, JointGeo, RobotGeo, VehicleGeo};
 pub use nfo::{Greeting, NamedPose, Nfo, PathNode};
 pub use object::ObjectSta;
 pub use res::{Nothing, Res};
-pub use sen::{Camera, Encoder, GroundTruth, Imu, Ins, Odometry, RangeScanner, Reading, Sen, Sonar, Tachometer, Tick};
+pub use sen::*;
 pub use sta::{GroundSta, Sta, StaHead, Vehicle};
 
 use crate::field::{self, Record};

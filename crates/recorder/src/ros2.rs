@@ -158,11 +158,8 @@ impl Ros2 {
                 message.twist.covariance[0][0] = NOT_MEASURED;
                 file.publish(time, &topic(&odometry.name), &message)
             }
-            Reading::GroundTruth(_)
-            | Reading::Imu(_)
-            | Reading::Encoder(_)
-            | Reading::Tachometer(_)
-            | Reading::Camera(_) => Ok(()),
+            // ROS 2 has no message for the others, or gets their content from the state.
+            _ => Ok(()),
         }
     }
 }

@@ -119,7 +119,7 @@ impl Config {
             Self::Encoder(config) => config.validate(),
             Self::Ins(config) => config.validate(),
             Self::Camera(config) => config.validate(),
-            Self::GroundTruth(_) | Self::Imu(_) | Self::Odometry(_) | Self::Tachometer(_) | Self::Battery(_) => Ok(()),
+            _ => Ok(()),
         }
     }
 }

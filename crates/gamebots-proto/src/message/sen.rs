@@ -1,25 +1,5 @@
 //! `SEN`: one reading of one sensor (protocol.md 4.3, 4.4). A header comes first, then the body of its type.
 
-mod camera;
-mod encoder;
-mod ground_truth;
-mod imu;
-mod ins;
-mod odometry;
-mod range_scanner;
-mod sonar;
-mod tachometer;
-
-pub use camera::Camera;
-pub use encoder::{Encoder, Tick};
-pub use ground_truth::GroundTruth;
-pub use imu::Imu;
-pub use ins::Ins;
-pub use odometry::Odometry;
-pub use range_scanner::RangeScanner;
-pub use sonar::Sonar;
-pub use tachometer::Tachometer;
-
 use crate::field::{self, Field, Format, Record, Table, Written};
 use crate::{Dialect, Line};
 
@@ -51,7 +31,12 @@ pub struct Sen {
 }
 
 macro_rules! readings {
-    ($($name:ident,)*) => {
+    ($($file:ident::$name:ident,)*) => {
+        $(
+            mod $file;
+            pub use $file::$name;
+        )*
+
         /// The reading of any sensor.
         #[derive(Debug, Clone, PartialEq)]
         #[expect(missing_docs, reason = "each variant is documented at its type")]
@@ -105,7 +90,19 @@ macro_rules! readings {
     };
 }
 
-readings! { GroundTruth, Ins, Imu, Odometry, Encoder, Tachometer, RangeScanner, Sonar, Camera, }
+readings! {
+    ground_truth::GroundTruth,
+    ins::Ins,
+    imu::Imu,
+    odometry::Odometry,
+    encoder::Encoder,
+    tachometer::Tachometer,
+    range_scanner::RangeScanner,
+    sonar::Sonar,
+    camera::Camera,
+}
+
+pub use encoder::Tick;
 
 const fn time(format: [Format; 2]) -> Field {
     Field::new("Time", format[0]).ut2004(format[1]).unit("s").about(" Simulated time.")
