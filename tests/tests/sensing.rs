@@ -1,7 +1,7 @@
 //! Sensors measure simple scenes, compared with numbers worked out by hand.
 
 use gamebots_proto::message::{Message, Reading, Tick};
-use scene::{NamedPose, Shape, Solid, WorldDef};
+use scene::{NamedPose, SensorDef, Shape, Solid, WorldDef};
 use sim_core::{Options, PawnId, World};
 use system_tests::{apply, init, run};
 
@@ -96,6 +96,51 @@ fn a_laser_sees_other_robots_and_not_its_own() {
     // At the laser's height, 8 cm, it hits the P3AT's lower chassis, 0.46 m long and 0.012 m ahead of its middle.
     assert_ranges(&ranges, &[(114, 2.0 + 0.012 - 0.23 - 0.3), (0, 4.0), (227, 4.0)]);
     assert!(world.state(youbot).is_some());
+}
+
+/// Two sensors on the front of a robot without wheels, one of them 2 cm to the right of the other.
+#[test]
+fn a_touch_sensor_feels_what_is_less_than_0_64_mm_in_front_of_its_face() {
+    for (gap, touches) in [(0.0005, true), (0.0007, false), (0.001, false), (-0.001, true)] {
+        let WorldDef { mut map, mut robots, .. } = scene_loader::load("rough", &[]).expect("a built-in map");
+        let robot = robots.get_mut("P3AT").expect("a P3AT");
+        let sensor = |name: &str, y: f64| SensorDef {
+            name: name.to_owned(),
+            link: 0,
+            position: [0.3, y, -0.3],
+            direction: [0.0; 3],
+            scan_interval: 0.1,
+            config: scene::sensor::Config::Touch(scene::sensor::touch::Config::default()),
+        };
+        robot.sensors = vec![sensor("Left", 0.0), sensor("Right", 0.02)];
+        // The post covers half of the left face, and stands above the robot's bumpers.
+        let material = map.solids[0].material.clone();
+        let shape = Shape::Box { size: [0.2, 0.2, 0.05] };
+        let mut world = World::new(
+            WorldDef { map: map.clone(), robots: robots.clone(), ..WorldDef::default() },
+            Options::default(),
+        );
+        let id = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
+        run(&mut world, 1.0);
+        let pose = world.state(id).expect("the robot").0.pose;
+        let face = pose * nalgebra::Point3::new(0.3, 0.0, -0.3);
+        let position = [face.x + gap + 0.1, face.y - 0.1, face.z];
+        map.solids.push(Solid { name: "post".to_owned(), shape, position, rotation: [0.0; 3], material });
+        let mut world = World::new(WorldDef { map, robots, ..WorldDef::default() }, Options::default());
+        let id = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
+        let touched = |name: &'static str, messages: &[Message]| {
+            last(messages.to_vec(), |reading| match reading {
+                Reading::Touch(touch) if touch.name == name => Some(touch.touch),
+                _ => None,
+            })
+        };
+        let messages = run(&mut world, 1.0);
+        assert_eq!((touched("Left", &messages), touched("Right", &messages)), (touches, false), "{gap} m");
+        assert_eq!(
+            apply(&mut world, id, "GETCONF {Type Touch}"),
+            ["CONF {Type Touch} {Name Left} {Diameter 0.0100} {Name Right} {Diameter 0.0100}"]
+        );
+    }
 }
 
 fn front_sonar(boxes: &[([f64; 3], [f64; 3])]) -> f32 {

@@ -12,6 +12,7 @@ pub mod odometry;
 pub mod range_scanner;
 pub mod sonar;
 pub mod tachometer;
+pub mod touch;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -77,6 +78,8 @@ sensors! {
     "HokuyoURG04LX", 0.3 => HokuyoUrg04Lx(RangeScanner), |settings| range_scanner::HOKUYO_URG_04LX.changed(settings);
     /// One ultrasonic cone.
     "Sonar", 0.2 => Sonar(sonar::Config), Deserialize::deserialize;
+    /// A face that feels what is in front of it.
+    "Touch", 0.1 => Touch(touch::Config), Deserialize::deserialize;
     /// Status line of a camera; another server sends its pictures.
     "Camera", 0.1 => Camera(camera::Config), Deserialize::deserialize;
     /// Battery listed as a sensor: it answers GETCONF and sends nothing.
@@ -104,6 +107,7 @@ impl Config {
     pub fn rays(&self) -> usize {
         match self {
             Self::Sonar(config) => config.rays(),
+            Self::Touch(_) => 7,
             _ => self.fan().map_or(0, |fan| fan.rays()),
         }
     }
@@ -119,6 +123,7 @@ impl Config {
             Self::Encoder(config) => config.validate(),
             Self::Ins(config) => config.validate(),
             Self::Camera(config) => config.validate(),
+            Self::Touch(config) => config.validate(),
             _ => Ok(()),
         }
     }

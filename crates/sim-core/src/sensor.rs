@@ -12,6 +12,7 @@ mod odometry;
 mod range_scanner;
 mod sonar;
 mod tachometer;
+mod touch;
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Reading};
@@ -181,6 +182,7 @@ kinds! {
     RangeScanner(range_scanner),
     Sonar(sonar),
     Tachometer(tachometer),
+    Touch(touch),
 }
 
 /// Mounts a sensor on a robot.
@@ -198,6 +200,7 @@ pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Mounted {
             Mounted::RangeScanner(range_scanner::build(config, mount))
         }
         Config::Sonar(config) => Mounted::Sonar(sonar::build(config, mount)),
+        Config::Touch(config) => Mounted::Touch(touch::build(config, mount)),
         Config::Camera(config) => Mounted::Camera(camera::build(config, mount)),
         Config::Battery(_) => Mounted::Battery(battery::build(mount)),
     }

@@ -1,5 +1,6 @@
 //! `CONF`: configuration of the robot or of its items (protocol.md 4.7).
 
+use super::TouchConf;
 use crate::field::{self, Field, Format, Record, Table, Written, record};
 use crate::{Block, Dialect, Line};
 
@@ -264,6 +265,7 @@ items! {
     Encoder: EncoderConf "encoder",
     RangeScanner: RangeScannerConf "rangescanner",
     Sonar: SonarConf "sonar",
+    Touch: TouchConf "touch",
     Camera: CameraConf "camera",
     Actuator: ActuatorConf "actuator",
     MisPkg: MisPkgConf "mispkg",

@@ -99,10 +99,12 @@ readings! {
     tachometer::Tachometer,
     range_scanner::RangeScanner,
     sonar::Sonar,
+    touch::Touch,
     camera::Camera,
 }
 
 pub use encoder::Tick;
+pub use touch::TouchConf;
 
 const fn time(format: [Format; 2]) -> Field {
     Field::new("Time", format[0]).ut2004(format[1]).unit("s").about(" Simulated time.")

@@ -28,6 +28,7 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "SEN {Time 5.2000} {Type Tachometer} {Name TachTest} {Vel 0.0000,0.0000,0.0000,0.0000} {Pos 6.2832,6.2832,6.2832,6.2832}",
         "SEN {Time 5.2000} {Type Tachometer} {Name TachTest}",
         "SEN {Time 5.2000} {Type Sonar} {Name F1} {Range 2.5000}",
+        "SEN {Time 5.2000} {Type Touch} {Name Touch1} {Touch False}",
         "SEN {Time 5.2000} {Type Encoder} {Name W1} {Tick 90}",
         "SEN {Time 5.2000} {Type Encoder} {Name W0} {Tick 3} {Name W2} {Tick -4}",
         "SEN {Time 5.2000} {Type RangeScanner} {Name lms200} {Resolution 0.0625} {FOV 3.1250} {Range 2.25,20.00,0.50}",
@@ -39,6 +40,7 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "CONF {Type rangescanner} {Name lms200} {MaxRange 20.0000} {MinRange 0.1250} {Resolution 0.0625} {Fov 3.1250} {Panning True} {Tilting False}",
         "CONF {Type GroundTruth} {Name GndTruth} {ScanInterval 0.1000}",
         "CONF {Type Encoder} {Name W1} {Resolution 0.0625} {Name W2} {Resolution 0.0625}",
+        "CONF {Type Touch} {Name Touch1} {Diameter 0.0098}",
         "CONF {Type Sonar} {Name F1} {MaxRange 5.0000} {MinRange 0.1250} {ScanInterval 0.2500} {beamAngle 0.3750} {maxAngleOfIncidence 0.1250} {tracesPerCone 16} {numberOfCones 10}",
         "CONF {Type Camera} {Name Camera}{TextureOffsetX 0}{TextureOffsetY 0}{TextureResolutionX 320}{TextureResolutionY 240}{CameraDefFov 80.0000}{CameraMinFov 20.0000}{CameraMaxFov 120.0000}{CameraFov 80.0000}",
         "CONF {Type Sensor} {Name battery}",
@@ -67,6 +69,7 @@ fn golden_lines_of_ut2004_are_written_back_byte_for_byte() {
         "NFO {StartPoses 2} {Name UnitLoader1 Location 10.24,3.54,10.05 Orientation 0.00,0.00,1.60} {Name UnitLoader2 Location 10.25,3.50,10.00 Orientation 0.00,0.00,0.00}",
         "NFO {StartPoses 0}",
         "SEN {Time 310.5625} {Type Sonar} {Name F1 Range 4.5625} {Name F2 Range 1.9375}",
+        "SEN {Type Touch} {Name S1 Touch False} {Name S2 Touch True}",
         "SEN {Type Encoder} {Name ECLeft Tick 0} {Name ECRight Tick -4}",
         "SEN {Time 310.5625} {Type GroundTruth} {Name GroundTruth} {Location 4.50,1.90,1.85} {Orientation 0.00,6.28,6.28}",
         "SEN {Time 310.57} {Type RangeScanner} {Name Scanner1} {Resolution 0.0625} {FOV 3.1250} {Range 2.1875,2.1250,2.0625}",
@@ -196,6 +199,7 @@ fn reading() -> impl Strategy<Value = Reading> {
             RangeScanner { name, resolution, field_of_view, ranges }.into()
         }),
         (word(), grid(4)).prop_map(|(name, range)| Sonar { name, range }.into()),
+        (word(), any::<bool>()).prop_map(|(name, touch)| Touch { name, touch }.into()),
         Just(Camera {}.into()),
     ]
 }
