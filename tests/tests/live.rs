@@ -368,6 +368,46 @@ fn a_saved_world_goes_on_in_another_server_and_clients_take_their_robots_over() 
     assert!((fresh[0] + 3.0).abs() < 0.05, "{fresh:?}");
 }
 
+/// A page that asks for a robot's pictures gets what its camera sees; one that does not costs nothing.
+#[test]
+fn a_viewer_gets_pictures_of_the_cameras_that_it_asks_for() {
+    let server = serve("hall", |_| {});
+    let mut peers = [server.client(), server.client()];
+    for (peer, y) in peers.iter_mut().zip([0, 2]) {
+        peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Location -3,{y},-0.2}}"));
+        peer.next_of("GroundTruth");
+    }
+    let (_, scene) = get(&server, "/scene.json", "Host: localhost\r\n");
+    let scene: Value = serde_json::from_str(&scene).unwrap();
+    let sensors = scene["classes"]["P3AT"]["sensors"].as_array().unwrap();
+    let camera = sensors.iter().position(|sensor| sensor["camera"]["width"] == 320).unwrap();
+    let mut viewer = Viewer::open(&server, "/live");
+    viewer.send("{\"wire\":false,\"robots\":[],\"cameras\":[1,1,7]}");
+    let mut before = 0.0;
+    for _ in 0..3 {
+        let picture = viewer.wait("a picture", |message| match message {
+            Message::Binary(bytes) if bytes[0] == 3 => Some(bytes.to_vec()),
+            _ => None,
+        });
+        assert_eq!((&picture[1..5], usize::from(picture[5])), (&[1, 0, 0, 0][..], camera));
+        let time = f64::from_le_bytes(picture[6..14].try_into().unwrap());
+        assert!(time >= before + 0.09, "{time} after {before}");
+        before = time;
+        let reader = png::Decoder::new(std::io::Cursor::new(&picture[14..])).read_info().unwrap();
+        assert_eq!((reader.info().width, reader.info().height), (320, 240));
+    }
+    viewer.send("{\"wire\":false,\"robots\":[],\"cameras\":[]}");
+    viewer.frame("a frame after the wish", |_| true);
+    let is_picture = |message: &Message| matches!(message, Message::Binary(bytes) if bytes[0] == 3).then_some(true);
+    let (mut frames, mut late) = (0, 0);
+    while frames < 30 {
+        let message = viewer.next();
+        frames += usize::from(frame(&message).is_some());
+        late += usize::from(is_picture(&message).is_some());
+    }
+    assert!(late <= 2, "{late} pictures after the wish ended");
+}
+
 /// A page hears of objects that a controller creates and removes; the log has them, too, and replays.
 #[test]
 fn objects_of_a_world_controller_are_on_the_page_and_in_the_log() {

@@ -10,6 +10,7 @@ import { offerMaps } from './panel/maps';
 import { plainNotice } from './panel/notices';
 import { Pace } from './panel/pace';
 import { buildSheets, buildSplitters, buildTabs } from './panel/panes';
+import { Pictures } from './panel/pictures';
 import { PlayBar } from './panel/play';
 import { PlotsPanel } from './panel/plots';
 import { Pointer } from './panel/pointer';
@@ -49,6 +50,7 @@ const playback = new Playback({
   },
   frame: showFrame,
   scan: (scan) => view.setScan(scan),
+  picture: (picture) => pictures.take(picture),
   status: showStatus,
   line(line) {
     state.takeLine(line);
@@ -105,6 +107,7 @@ const live = new Live({
   objects: (objects) => playback.takeObjects(objects),
   frame: (frame, bytes) => playback.takeFrame(frame, bytes),
   scan: (scan) => playback.takeScan(scan),
+  picture: (picture) => playback.takePicture(picture),
   status(status) {
     if (!connected) showBanner(null);
     connected = true;
@@ -125,8 +128,10 @@ const live = new Live({
   },
 });
 const play = new PlayBar(state, live, playback);
+const pictures = new Pictures(state, (robots) => live.listenToCameras(robots));
 const world = new WorldPanel(
   state,
+  pictures,
   {
     select,
     lookAtObject: (number) => view.lookAtObject(number),
@@ -145,6 +150,8 @@ function showScene(scene: Scene): void {
   state.scene = scene;
   state.selected = null;
   state.forgetSensors();
+  // After a lost connection the same world may come again; what comes after a log is another one.
+  if (before?.map.name !== scene.map.name || !state.isPresent) pictures.end();
   view.setScene(scene);
   drive.updateScene();
   setText(find('map'), scene.map.name);
@@ -152,7 +159,9 @@ function showScene(scene: Scene): void {
 }
 
 function showStatus(status: Status): void {
-  if (state.status && state.status.resets !== status.resets) state.forgetSensors();
+  const { status: before } = state;
+  if (before && before.resets !== status.resets) state.forgetSensors();
+  if (before && (before.resets !== status.resets || before.scene !== status.scene)) pictures.end();
   state.status = status;
   if (state.selected !== null && !state.robot(state.selected)) state.selected = null;
   if (state.selected === null && status.robots[0]) select(status.robots[0].id);

@@ -3,7 +3,7 @@
 import { History } from './history';
 import { LogFile, Player } from './log';
 import { type Mark, Marks } from './marks';
-import type { Frame, Scan } from './protocol/frame';
+import type { Frame, Picture, Scan } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
 import type { Scene, Solid, Spawned } from './protocol/scene';
 
@@ -20,6 +20,8 @@ export interface Screen {
   /** More of a log's frames are known, or another world began: plots are filled anew. */
   refilled(): void;
   scan(scan: Scan): void;
+  /** Takes what a camera saw in the present: neither the past nor a log has pictures. */
+  picture(picture: Picture): void;
   status(status: Status): void;
   line(line: WireLine): void;
   /** Time has changed without passing: what was drawn of a while is of another time. */
@@ -112,6 +114,10 @@ export class Playback {
 
   takeScan(scan: Scan): void {
     if (this.mode === 'live') this.screen.scan(scan);
+  }
+
+  takePicture(picture: Picture): void {
+    if (this.mode === 'live') this.screen.picture(picture);
   }
 
   takeStatus(status: Status): void {

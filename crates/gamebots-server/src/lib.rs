@@ -13,6 +13,7 @@
 #![warn(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used)]
 #![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
 
+mod cameras;
 mod connection;
 mod control;
 mod fit;

@@ -18,6 +18,8 @@ use serde::Serialize;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
+use crate::cameras::{Cameras, Demand, Picture, Wish};
+
 pub(crate) use scene_json::{About, scene_json};
 
 use scene_json::objects_json;
@@ -116,6 +118,8 @@ pub(crate) struct Channels {
     statuses: watch::Receiver<Arc<str>>,
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
+    demand: Demand,
+    pictures: broadcast::Sender<Picture>,
     /// The scene as JSON.
     scene: watch::Receiver<Bytes>,
     /// Objects beside the map's, as JSON.
@@ -143,6 +147,15 @@ impl Channels {
         self.notices.subscribe()
     }
 
+    /// Returns the wish of a viewer for pictures, for nothing yet.
+    pub(crate) fn wish(&self) -> Wish {
+        self.demand.wish()
+    }
+
+    pub(crate) fn pictures(&self) -> broadcast::Receiver<Picture> {
+        self.pictures.subscribe()
+    }
+
     pub(crate) fn lines(&self) -> broadcast::Receiver<Arc<Line>> {
         self.lines.subscribe()
     }
@@ -159,6 +172,7 @@ pub(crate) struct Broadcast {
     about: Option<About>,
     /// Number of changes of the scene.
     scenes: u64,
+    cameras: Cameras,
     objects: watch::Sender<Bytes>,
     /// Objects beside the map's at the last frame, and the number of changes of that list.
     spawned: (Vec<ObjectSnapshot>, u64),
@@ -185,7 +199,10 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) ->
     let (speaking, listening) = (notices.clone(), lines.clone());
     let (scene, scene_end) = watch::channel(scene(world, about.as_ref()));
     let (objects, objects_end) = watch::channel(Bytes::from_static(b"[]"));
+    let cameras = Cameras::new();
     let channels = Channels {
+        demand: cameras.demand(),
+        pictures: cameras.pictures(),
         frames: frames_end,
         statuses: statuses_end,
         notices: speaking,
@@ -203,6 +220,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) ->
         scene,
         about,
         scenes: 0,
+        cameras,
         objects,
         spawned: (Vec::new(), 0),
         scanned,
@@ -223,6 +241,7 @@ impl Broadcast {
     /// Forgets the scans of a robot that has left.
     pub(crate) fn forget(&mut self, robot: PawnId) {
         self.scanned.retain(|(scanned, _), _| *scanned != robot);
+        self.cameras.forget(robot);
     }
 
     /// Publishes another map.
@@ -292,12 +311,13 @@ impl Broadcast {
         }
     }
 
-    /// Publishes the ranges of a laser or a sonar, but no more often than a viewer can follow.
+    /// Publishes the ranges of a laser or a sonar, or a camera's picture, but no more often than a viewer can follow.
     pub(crate) fn scan(&mut self, world: &World, robot: PawnId, message: &Message) {
         let Message::Sen(Sen { reading, sensor: Some(number), .. }) = message else { return };
         let ranges = match reading {
             Reading::RangeScanner(scan) => scan.ranges.as_slice(),
             Reading::Sonar(sonar) => std::slice::from_ref(&sonar.range),
+            Reading::Camera(_) => return self.cameras.look(world, robot, *number),
             _ => return,
         };
         if !self.is_watched() {

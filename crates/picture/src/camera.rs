@@ -2,15 +2,19 @@
 
 use nalgebra::{Point3, Vector3};
 
+use scene::{Pose, RobotDef, RobotSnapshot, SensorDef};
+
 use crate::raster::axes;
 
-/// A camera in the world frame, m; up is -z.
+/// A camera in the world frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Position of the eye.
     pub eye: Point3<f64>,
     /// Point in the middle of the picture.
     pub target: Point3<f64>,
+    /// Direction that is down in the picture, as far as it lies across the view; z for an upright one.
+    pub down: Vector3<f64>,
     /// Angle from the lower to the upper edge, rad.
     pub field_of_view: f64,
 }
@@ -23,8 +27,8 @@ const LEAST_DISTANCE: f64 = 0.05;
 impl Camera {
     /// Creates a camera that looks in a direction, as near as possible with all points in a picture of this width and height.
     pub fn fitting(places: &[Point3<f64>], ahead: Vector3<f64>, field_of_view: f64, size: [usize; 2]) -> Self {
-        let axes = axes(ahead);
-        let tangent = FILLING * (field_of_view / 2.0).tan();
+        let axes = axes(ahead, Vector3::z());
+        let tangent = FILLING * libm::tan(field_of_view / 2.0);
         let tangents = [tangent * size[0] as f64 / size[1] as f64, tangent];
         let local: Vec<[f64; 3]> = places.iter().map(|place| axes.map(|axis| place.coords.dot(&axis))).collect();
         let far = local.iter().map(|place| place[2]).fold(f64::MIN, f64::max);
@@ -39,7 +43,30 @@ impl Camera {
         }
         let middle = (far + near) / 2.0 - eye[2];
         let eye = Point3::from(axes[0] * eye[0] + axes[1] * eye[1] + axes[2] * eye[2]);
-        Self { eye, target: eye + axes[2] * middle, field_of_view }
+        Self { eye, target: eye + axes[2] * middle, down: Vector3::z(), field_of_view }
+    }
+
+    /// Creates the camera of a robot: it looks along the x axis of a pose in the world, with z down. `across` is the angle from the left
+    /// to the right edge of a picture of this width and height, rad.
+    fn mounted(pose: &Pose, across: f64, size: [usize; 2]) -> Self {
+        let eye = Point3::from(pose.translation.vector);
+        let tangent = libm::tan(across / 2.0) * size[1] as f64 / size[0] as f64;
+        let [ahead, down] = [Vector3::x(), Vector3::z()].map(|axis| pose.rotation * axis);
+        Self { eye, target: eye + ahead, down, field_of_view: 2.0 * libm::atan(tangent) }
+    }
+
+    /// Creates the camera that is a robot's sensor. `None` if the class has no such link.
+    pub fn of_robot(
+        def: &RobotDef,
+        robot: &RobotSnapshot,
+        sensor: &SensorDef,
+        across: f64,
+        size: [usize; 2],
+    ) -> Option<Self> {
+        let (link, _, mount) = def.mount_of(sensor)?;
+        let placed = def.placed_links(&robot.joints);
+        let (_, link) = placed.get(link)?;
+        Some(Self::mounted(&(robot.body.pose * link * mount), across, size))
     }
 }
 

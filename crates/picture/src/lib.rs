@@ -7,13 +7,15 @@
 mod camera;
 mod mesh;
 mod raster;
+mod stage;
 
 use nalgebra::{Point3, Vector3};
-use scene::{Snapshot, WorldDef};
+use scene::{PawnId, Snapshot, WorldDef};
 
 pub use camera::Camera;
+pub use stage::Stage;
 
-use mesh::Floor;
+use mesh::{Floor, Triangle};
 use raster::{Depths, Projection};
 
 /// An image with 8 bits of red, green and blue per pixel, rows from the top.
@@ -37,6 +39,9 @@ const SHADOW_SIZE: usize = 2048;
 const SHADOW_REACH: f64 = 1.5;
 /// Least distance between a shadow's caster and a shaded surface, as a fraction of the reach.
 const SHADOW_MARGIN: f64 = 0.002;
+/// Distance from a robot's camera to the middle of the area that casts shadows, and half the width of that area, m.
+const VIEW_DISTANCE: f64 = 2.0;
+const VIEW_REACH: f64 = 4.0;
 /// Direction toward the light.
 const LIGHT: [f64; 3] = [0.35, -0.6, -1.0];
 /// Ambient fraction of the light.
@@ -49,15 +54,56 @@ const LEAST_FADE_UNIT: f64 = 5.0;
 /// Half the width of a line of the grid, m.
 const GRID_LINE: f64 = 0.006;
 
+/// How finely a picture is drawn.
+struct Fineness {
+    /// Samples along the edge of a pixel.
+    samples: usize,
+    /// Pixels along an edge of the shadow map.
+    shadow_size: usize,
+    /// Half the width of the area that casts shadows, m.
+    reach: f64,
+    /// Unit of the distance over which colours fade into the sky, m.
+    fade_unit: f64,
+    /// True to shade a pixel once if all its samples are of one surface.
+    is_quick: bool,
+}
+
 /// Draws a snapshot of a world. Width and height are in pixels.
 pub fn picture(def: &WorldDef, snapshot: &Snapshot, camera: &Camera, width: usize, height: usize) -> Image {
-    let (triangles, floors) = mesh::scene(def, snapshot);
-    let whole = Projection::perspective(camera, width * SAMPLES, height * SAMPLES);
     let distance = (camera.eye - camera.target).norm();
     let (reach, fade_unit) = (SHADOW_REACH * distance, distance.max(LEAST_FADE_UNIT));
-    let light = Projection::parallel(camera.target, Vector3::from(LIGHT), reach, SHADOW_SIZE);
-    let mut shadows = Depths::new(SHADOW_SIZE, SHADOW_SIZE);
+    let fineness = Fineness { samples: SAMPLES, shadow_size: SHADOW_SIZE, reach, fade_unit, is_quick: false };
+    draw(Stage::new(def).scene(def, snapshot, None), camera, [width, height], &fineness)
+}
+
+/// Draws what a camera of a robot sees. Width and height are in pixels. Shadows fall within a few metres in front of it.
+pub fn view(
+    stage: &Stage,
+    def: &WorldDef,
+    snapshot: &Snapshot,
+    robot: PawnId,
+    camera: &Camera,
+    size: [usize; 2],
+) -> Image {
+    let ahead = (camera.target - camera.eye).normalize();
+    let camera = Camera { target: camera.eye + ahead * VIEW_DISTANCE, ..*camera };
+    let fineness =
+        Fineness { samples: 2, shadow_size: 512, reach: VIEW_REACH, fade_unit: LEAST_FADE_UNIT, is_quick: true };
+    let scene = stage.scene(def, snapshot, Some((robot, camera.eye)));
+    draw(scene, &camera, size, &fineness)
+}
+
+fn draw(
+    (triangles, floors): (Vec<Triangle>, &[Floor]),
+    camera: &Camera,
+    [width, height]: [usize; 2],
+    &Fineness { samples, shadow_size, reach, fade_unit, is_quick }: &Fineness,
+) -> Image {
+    let whole = Projection::perspective(camera, width * samples, height * samples);
+    let light = Projection::parallel(camera.target, Vector3::from(LIGHT), reach, shadow_size);
+    let mut shadows = Depths::new(shadow_size, shadow_size);
     triangles.iter().enumerate().for_each(|(index, triangle)| shadows.add(&light, &triangle.corners, index));
+    let margin = SHADOW_MARGIN * SHADOW_SIZE as f64 / shadow_size as f64 * reach;
     let sample = |view: &Projection, surfaces: &Depths, x: usize, y: usize| {
         let ray = view.ray(x, y);
         let solid = surfaces.at(x, y).map(|(depth, index)| (view.distance(depth, &ray), &triangles[index]));
@@ -74,23 +120,30 @@ pub fn picture(def: &WorldDef, snapshot: &Snapshot, camera: &Camera, width: usiz
         let place = camera.eye + ray * distance;
         let colour = if has_grid { grid(colour, &place, distance) } else { Vector3::from(colour) };
         let bright = normal.dot(&Vector3::from(LIGHT).normalize()).max(0.0);
-        let is_lit = bright > 0.0 && !shadows.hides(&light, &place, SHADOW_MARGIN * reach);
+        let is_lit = bright > 0.0 && !shadows.hides(&light, &place, margin);
         let lit = colour * (AMBIENT + if is_lit { (1.0 - AMBIENT) * bright } else { 0.0 });
         let fade = ((distance / fade_unit - FADE[0]) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
         lit * (1.0 - fade) + Vector3::from(SKY) * fade
     };
     let mut pixels = Vec::with_capacity(width * height);
-    let rows = (BAND / (width * SAMPLES * SAMPLES).max(1)).max(1);
+    let rows = (BAND / (width * samples * samples).max(1)).max(1);
     for first in (0..height).step_by(rows) {
         let rows = rows.min(height - first);
-        let view = whole.below(first * SAMPLES);
-        let mut surfaces = Depths::new(width * SAMPLES, rows * SAMPLES);
+        let view = whole.below(first * samples);
+        let mut surfaces = Depths::new(width * samples, rows * samples);
         triangles.iter().enumerate().for_each(|(index, triangle)| surfaces.add(&view, &triangle.corners, index));
         pixels.extend((0..width * rows).map(|index| {
-            let (left, top) = (index % width * SAMPLES, index / width * SAMPLES);
-            let places = (0..SAMPLES * SAMPLES).map(|part| (left + part % SAMPLES, top + part / SAMPLES));
-            let mean = places.map(|(x, y)| sample(&view, &surfaces, x, y)).sum::<Vector3<f64>>();
-            <[f64; 3]>::from(mean / (SAMPLES * SAMPLES) as f64).map(|part| (part.clamp(0.0, 1.0) * 255.0).round() as u8)
+            let (left, top) = (index % width * samples, index / width * samples);
+            let places = || (0..samples * samples).map(|part| (left + part % samples, top + part / samples));
+            let surface = |(x, y)| surfaces.at(x, y).map(|(_, surface)| surface);
+            let first = surface((left, top));
+            let is_one = is_quick && places().skip(1).all(|place| surface(place) == first);
+            let colour = if is_one {
+                sample(&view, &surfaces, left + samples / 2, top + samples / 2)
+            } else {
+                places().map(|(x, y)| sample(&view, &surfaces, x, y)).sum::<Vector3<f64>>() / (samples * samples) as f64
+            };
+            <[f64; 3]>::from(colour).map(|part| (part.clamp(0.0, 1.0) * 255.0).round() as u8)
         }));
     }
     Image { width, height, pixels }
@@ -190,7 +243,7 @@ mod tests {
 
     fn from_above(world: &World) -> Image {
         let (eye, target) = (Point3::new(0.0, 0.0, -2.0), Point3::origin());
-        picture(world.def(), &world.snapshot(), &Camera { eye, target, field_of_view: 0.6 }, 90, 60)
+        picture(world.def(), &world.snapshot(), &Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 }, 90, 60)
     }
 
     /// Returns red, green and blue at fractions of width and height.
@@ -217,7 +270,7 @@ mod tests {
         // The picture is larger than a band.
         let world = world(true);
         let (eye, target) = (Point3::new(-2.0, 0.3, -1.0), Point3::new(0.0, 0.0, -0.1));
-        let camera = Camera { eye, target, field_of_view: 0.6 };
+        let camera = Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 };
         let (width, height) = (900, 700);
         assert!(width * height * SAMPLES * SAMPLES > BAND);
         let large = picture(world.def(), &world.snapshot(), &camera, width, height);
@@ -242,11 +295,51 @@ mod tests {
         assert!(darker > 10, "{darker}");
     }
 
+    /// Two P3ATs, one in front of the other.
+    #[test]
+    fn a_camera_sees_the_robot_ahead_and_not_its_own_housing() {
+        let def = scene_loader::load("rough", &[]).unwrap();
+        let mut world = World::new(def, Options::default());
+        let spawn = |world: &mut World, x: f64| {
+            let init = gamebots_proto::command::Init {
+                class_name: "P3AT".to_owned(),
+                location: [x, 0.0, -0.2],
+                ..Default::default()
+            };
+            world.init(&init, &mut Vec::new()).unwrap()
+        };
+        let robot = spawn(&mut world, 0.0);
+        let stage = Stage::new(world.def());
+        let see = |world: &World| {
+            let (snapshot, def) = (world.snapshot(), world.robot(robot).unwrap());
+            let sensor = def.sensors.iter().find(|sensor| sensor.name == "Camera").unwrap();
+            let camera = Camera::of_robot(def, &snapshot.robots[0], sensor, 1.4, [80, 60]).unwrap();
+            view(&stage, world.def(), &snapshot, robot, &camera, [80, 60])
+        };
+        let alone = see(&world);
+        // The sky is above the middle, the floor below it.
+        let sky = SKY.map(|part| (part * 255.0_f64).round() as u8);
+        assert_eq!((at(&alone, 0.1, 0.1), at(&alone, 0.5, 0.1)), (sky, sky));
+        assert!(at(&alone, 0.5, 0.6) != sky && at(&alone, 0.5, 0.6) != [0; 3]);
+        spawn(&mut world, 2.0);
+        let met = see(&world);
+        let changed = met.changed_since(&alone);
+        let [left, _, wide, _] = changed;
+        assert!((5..60).contains(&wide) && left < 40 && left + wide > 40, "{changed:?}");
+        assert_eq!(met, see(&world), "the same again");
+    }
+
     #[test]
     fn the_sky_is_above_the_horizon() {
         let (eye, target) = (Point3::new(-2.0, 0.0, -1.0), Point3::new(0.0, 0.0, -1.0));
         let world = world(true);
-        let image = picture(world.def(), &world.snapshot(), &Camera { eye, target, field_of_view: 0.6 }, 90, 60);
+        let image = picture(
+            world.def(),
+            &world.snapshot(),
+            &Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 },
+            90,
+            60,
+        );
         assert_eq!(at(&image, 0.5, 0.05), SKY.map(|part| (part * 255.0_f64).round() as u8));
         assert_ne!(at(&image, 0.5, 0.95), at(&image, 0.5, 0.05));
         let png = image.to_png().unwrap();

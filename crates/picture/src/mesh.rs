@@ -1,11 +1,12 @@
-//! Conversion of a world to triangles, and of its infinite floors to planes.
+//! Conversion of shapes to triangles, and of infinite floors to planes.
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Point3, UnitQuaternion, Vector3};
-use scene::{Drawn, Geometry, ObjectSnapshot, Pose, RobotDef, RobotSnapshot, Shape, Snapshot, WorldDef};
+use nalgebra::{Point3, Vector3};
+use scene::{Pose, Shape};
 
 /// A triangle of a surface.
+#[derive(Clone)]
 pub(crate) struct Triangle {
     pub(crate) corners: [Point3<f64>; 3],
     pub(crate) colour: [f64; 3],
@@ -37,44 +38,16 @@ impl Floor {
     }
 }
 
-/// Returns the triangles and floors of a snapshot.
-pub(crate) fn scene(def: &WorldDef, snapshot: &Snapshot) -> (Vec<Triangle>, Vec<Floor>) {
-    let map = &def.map;
-    let mut scene = Scene::default();
-    map.solids.iter().for_each(|solid| scene.add(&solid.shape, &solid.pose(), solid.material.colour));
-    for ObjectSnapshot { def, pose, .. } in &snapshot.objects {
-        scene.add(&def.solid.shape, pose, def.solid.material.colour);
-    }
-    for robot in &snapshot.robots {
-        if let Some(def) = def.robots.get(&robot.class) {
-            scene.add_robot(def, robot);
-        }
-    }
-    (scene.triangles, scene.floors)
-}
-
+/// Triangles and infinite floors.
 #[derive(Default)]
-struct Scene {
-    triangles: Vec<Triangle>,
-    floors: Vec<Floor>,
+pub(crate) struct Mesh {
+    pub(crate) triangles: Vec<Triangle>,
+    pub(crate) floors: Vec<Floor>,
 }
 
-impl Scene {
-    fn add_robot(&mut self, def: &RobotDef, RobotSnapshot { body, joints, rollers, .. }: &RobotSnapshot) {
-        let mut spins = rollers.iter();
-        for ((_, drawn), (_, pose)) in def.drawn().zip(def.placed_links(joints)) {
-            for Drawn { pose: own, geometry, colour, is_roller } in drawn {
-                let spin = spins.by_ref().take(usize::from(is_roller)).sum();
-                let pose = body.pose * pose * own * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), spin);
-                match geometry {
-                    Geometry::Shape(shape) => self.add(&shape, &pose, colour),
-                    Geometry::Revolved(outline) => self.add_lathe(&outline, &pose, colour),
-                }
-            }
-        }
-    }
-
-    fn add(&mut self, shape: &Shape, pose: &Pose, colour: [f64; 3]) {
+impl Mesh {
+    /// Adds a shape at a pose.
+    pub(crate) fn add(&mut self, shape: &Shape, pose: &Pose, colour: [f64; 3]) {
         match shape {
             Shape::HalfSpace => {
                 let normal = pose.rotation * -Vector3::z();
@@ -94,7 +67,7 @@ impl Scene {
             Shape::Ball { radius } => {
                 let point = |part: u32| {
                     let angle = TAU / 2.0 * f64::from(part) / f64::from(SEGMENTS / 2);
-                    [-radius * angle.cos(), radius * angle.sin()]
+                    [-radius * libm::cos(angle), radius * libm::sin(angle)]
                 };
                 let outline: Vec<[f64; 2]> = (0..=SEGMENTS / 2).map(point).collect();
                 self.add_lathe(&outline, pose, colour);
@@ -118,12 +91,12 @@ impl Scene {
     }
 
     /// Adds an outline revolved about the x axis: positions along it and radii, closed at both ends.
-    fn add_lathe(&mut self, outline: &[[f64; 2]], pose: &Pose, colour: [f64; 3]) {
+    pub(crate) fn add_lathe(&mut self, outline: &[[f64; 2]], pose: &Pose, colour: [f64; 3]) {
         let ends = [outline.first(), outline.last()].map(|end| end.map_or([0.0; 2], |&[along, _]| [along, 0.0]));
         let closed: Vec<[f64; 2]> =
             std::iter::once(ends[0]).chain(outline.iter().copied()).chain(std::iter::once(ends[1])).collect();
         let point = |[along, radius]: [f64; 2], part: u32| {
-            let (sin, cos) = (TAU * f64::from(part) / f64::from(SEGMENTS)).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * f64::from(part) / f64::from(SEGMENTS));
             Point3::new(along, radius * cos, radius * sin)
         };
         for ring in closed.windows(2) {

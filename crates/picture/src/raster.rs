@@ -21,18 +21,23 @@ pub(crate) struct Projection {
 
 impl Projection {
     pub(crate) fn perspective(camera: &Camera, width: usize, height: usize) -> Self {
-        let scale = height as f64 / 2.0 / (camera.field_of_view / 2.0).tan();
-        Self::new(camera.eye, camera.target - camera.eye, scale, [width, height], true)
+        let scale = height as f64 / 2.0 / libm::tan(camera.field_of_view / 2.0);
+        Self::new(camera.eye, axes(camera.target - camera.eye, camera.down), scale, [width, height], true)
     }
 
     /// Creates the view of a light that shines from a direction.
     pub(crate) fn parallel(target: Point3<f64>, toward: Vector3<f64>, reach: f64, size: usize) -> Self {
         let eye = target + toward.normalize() * (10.0 * reach);
-        Self::new(eye, -toward, size as f64 / 2.0 / reach, [size, size], false)
+        Self::new(eye, axes(-toward, Vector3::z()), size as f64 / 2.0 / reach, [size, size], false)
     }
 
-    fn new(eye: Point3<f64>, ahead: Vector3<f64>, scale: f64, size: [usize; 2], is_perspective: bool) -> Self {
-        let [right, down, ahead] = axes(ahead);
+    fn new(
+        eye: Point3<f64>,
+        [right, down, ahead]: [Vector3<f64>; 3],
+        scale: f64,
+        size: [usize; 2],
+        is_perspective: bool,
+    ) -> Self {
         Self { eye, right, down, ahead, scale, middle: size.map(|size| size as f64 / 2.0), is_perspective }
     }
 
@@ -79,11 +84,10 @@ impl Projection {
     }
 }
 
-/// Returns the axes right, down and ahead of an eye that looks in a direction. z is down; straight from above, x is up in the
-/// picture.
-pub(crate) fn axes(ahead: Vector3<f64>) -> [Vector3<f64>; 3] {
+/// Returns the axes right, down and ahead of an eye that looks in a direction. Straight down, x is up in the picture.
+pub(crate) fn axes(ahead: Vector3<f64>, down: Vector3<f64>) -> [Vector3<f64>; 3] {
     let ahead = ahead.normalize();
-    let right = Vector3::z().cross(&ahead).try_normalize(1e-6).unwrap_or_else(Vector3::y);
+    let right = down.cross(&ahead).try_normalize(1e-6).unwrap_or_else(Vector3::y);
     [right, ahead.cross(&right), ahead]
 }
 
@@ -109,7 +113,10 @@ impl Depths {
     /// Draws a triangle with a number.
     pub(crate) fn add(&mut self, projection: &Projection, corners: &[Point3<f64>; 3], index: usize) {
         let local = corners.map(|corner| projection.local(&corner));
-        let polygon = if projection.is_perspective { in_front(&local) } else { local.to_vec() };
+        if !projection.is_perspective || local.iter().all(|corner| corner.z >= NEAR) {
+            return self.fill(projection, local.map(|corner| projection.pixel(&corner)), index);
+        }
+        let polygon = in_front(&local);
         for corner in 2..polygon.len() {
             self.fill(projection, [0, corner - 1, corner].map(|corner| projection.pixel(&polygon[corner])), index);
         }
@@ -132,14 +139,21 @@ impl Depths {
             let [low, high] = [f64::min, f64::max].map(|pick| pick(pick(a[axis], b[axis]), c[axis]));
             (low - 0.5).ceil().max(0.0) as usize..((high - 0.5).floor() + 1.0).clamp(0.0, size as f64) as usize
         };
+        let (columns, share) = (range(0, self.width), 1.0 / area);
+        // A triangle outside the picture, or between the middles of two pixels.
+        if columns.is_empty() {
+            return;
+        }
+        // Each corner's part of a pixel changes by the same from column to column.
+        let steps = [(b, c), (c, a), (a, b)].map(|(from, to)| (from[1] - to[1]) * share);
         for y in range(1, self.height) {
-            for x in range(0, self.width) {
-                let place = [x as f64 + 0.5, y as f64 + 0.5, 0.0];
-                let [in_a, in_b, in_c] =
-                    [edge(&b, &c, &place), edge(&c, &a, &place), edge(&a, &b, &place)].map(|part| part / area);
+            let place = [columns.start as f64 + 0.5, y as f64 + 0.5, 0.0];
+            let first = [edge(&b, &c, &place), edge(&c, &a, &place), edge(&a, &b, &place)].map(|part| part * share);
+            let row = &mut self.nearest[y * self.width..][columns.clone()];
+            for (column, nearest) in row.iter_mut().enumerate() {
+                let [in_a, in_b, in_c] = [0, 1, 2].map(|corner| first[corner] + column as f64 * steps[corner]);
                 if in_a >= 0.0 && in_b >= 0.0 && in_c >= 0.0 {
                     let depth = projection.depth(in_a * a[2] + in_b * b[2] + in_c * c[2]);
-                    let nearest = &mut self.nearest[y * self.width + x];
                     if depth < nearest.0 {
                         *nearest = (depth, index as u32);
                     }

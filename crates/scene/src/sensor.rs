@@ -103,6 +103,11 @@ impl Config {
         }
     }
 
+    /// True for a camera.
+    pub fn is_camera(&self) -> bool {
+        matches!(self, Self::Camera(_))
+    }
+
     /// Returns the number of rays that one reading casts.
     pub fn rays(&self) -> usize {
         match self {

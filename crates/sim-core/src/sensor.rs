@@ -140,6 +140,10 @@ pub(crate) trait Sensor {
     fn state(&mut self) -> State<'_> {
         State::default()
     }
+    /// Returns the angle from the left to the right edge of a camera's picture, rad; `None` for every other sensor.
+    fn field_of_view(&self) -> Option<f64> {
+        None
+    }
     /// Returns its configuration.
     fn conf(&self) -> ItemConf;
 }

@@ -481,6 +481,12 @@ impl World {
         Some(robot.battery_left(self.time()))
     }
 
+    /// Returns the angle from the left to the right edge of what a robot's camera sees, rad. `sensor` is its number in the class. `None` if
+    /// it is no camera.
+    pub fn field_of_view(&self, id: PawnId, sensor: usize) -> Option<f64> {
+        self.robots.get(&id)?.items().get(sensor)?.sensor.get().field_of_view()
+    }
+
     /// Returns every movable object, by their ids.
     pub fn objects(&self) -> impl Iterator<Item = ObjectSnapshot> {
         self.physics.objects()

@@ -92,3 +92,17 @@ fn copy_of_the_arena(bencher: Bencher, class: &str) {
     (0..500).for_each(|_| drop(world.step()));
     bencher.bench_local(|| world.clone());
 }
+
+/// Draws what the camera of a P3AT sees of the hall.
+#[divan::bench]
+fn camera_of_a_p3at(bencher: divan::Bencher) {
+    let mut world = World::new(scene_loader::load("hall", &[]).expect("a map"), Options::default());
+    let init = Init { class_name: "P3AT".to_owned(), location: [-3.0, 0.0, -0.2], ..Init::default() };
+    let robot = world.init(&init, &mut Vec::new()).expect("a robot");
+    (0..200).for_each(|_| drop(world.step()));
+    let (stage, snapshot) = (picture::Stage::new(world.def()), world.snapshot());
+    let def = world.robot(robot).expect("a robot").clone();
+    let sensor = def.sensors.iter().find(|sensor| sensor.name == "Camera").expect("a camera");
+    let camera = picture::Camera::of_robot(&def, &snapshot.robots[0], sensor, 1.3963, [320, 240]).expect("a camera");
+    bencher.bench_local(|| picture::view(&stage, world.def(), &snapshot, robot, &camera, [320, 240]));
+}

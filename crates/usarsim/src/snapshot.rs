@@ -152,7 +152,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         (target, distance) => {
             let target = target.unwrap_or(fitted.target);
             let distance = distance.unwrap_or(FILLING * tall * reach / (FIELD_OF_VIEW / 2.0).tan());
-            Camera { eye: target + direction * distance, target, field_of_view: FIELD_OF_VIEW }
+            Camera { eye: target + direction * distance, target, down: Vector3::z(), field_of_view: FIELD_OF_VIEW }
         }
     };
     let draw = |world: &World| picture::picture(world.def(), &world.snapshot(), &camera, width, height);

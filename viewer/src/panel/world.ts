@@ -4,6 +4,7 @@ import type { State } from '../state';
 import { type Group, type Value, valuesOf } from '../values';
 import { colourOf } from '../view/overlay';
 import { find, fixed, make, setText } from './dom';
+import type { Pictures } from './pictures';
 
 /** What a click in the tree does. */
 export interface WorldActions {
@@ -37,6 +38,7 @@ export class WorldPanel {
 
   constructor(
     private readonly state: State,
+    private readonly pictures: Pictures,
     private readonly actions: WorldActions,
     spawn: () => void,
   ) {
@@ -69,6 +71,7 @@ export class WorldPanel {
       setText(output, number === null ? '–' : fixed(number, value.digits));
       button.setAttribute('aria-pressed', String(this.actions.isPlotted(robot, value.key)));
     }
+    this.pictures.update();
   }
 
   private isOpen(robot: number): boolean {
@@ -87,7 +90,8 @@ export class WorldPanel {
       const count = this.isOpen(robot.id)
         ? this.groups(robot.id).reduce((sum, { values }) => sum + values.length, 0)
         : -1;
-      return [robot.id, robot.class, robot.name, robot.connection, this.state.isOwn(robot), count];
+      const cameras = this.state.classOf(robot.id)?.sensors.map(({ name, camera }) => camera && [name, camera]);
+      return [robot.id, robot.class, robot.name, robot.connection, this.state.isOwn(robot), count, cameras];
     });
     const clients = (status?.clients ?? []).map(({ connection, dropped }) => [connection, dropped]);
     const objects = this.state.objects.map((number) => [number, this.state.object(number)?.name]);
@@ -97,7 +101,7 @@ export class WorldPanel {
   private build(): void {
     const { status, scene } = this.state;
     const robots = status?.robots ?? [];
-    const [robotInFocus, objectInFocus] = ['data-robot', 'data-object'].map((name) =>
+    const [robotInFocus, objectInFocus, cameraInFocus] = ['data-robot', 'data-object', 'data-camera'].map((name) =>
       document.activeElement?.getAttribute(name),
     );
     this.cells = [];
@@ -109,6 +113,7 @@ export class WorldPanel {
       );
     }
     if (robotInFocus) this.robots.querySelector<HTMLElement>(`[data-robot="${robotInFocus}"]`)?.focus();
+    if (cameraInFocus) this.robots.querySelector<HTMLElement>(`[data-camera="${cameraInFocus}"]`)?.focus();
     this.actions.expanded(robots.map(({ id }) => id).filter((id) => this.isOpen(id)));
     const objects = this.state.objects.map((number) => {
       const name = this.state.object(number)?.name ?? '';
@@ -158,7 +163,7 @@ export class WorldPanel {
     );
     button.onclick = () => this.actions.select(id);
     const item = make('li', {}, make('div', { class: 'branch' }, expander, button));
-    if (open) item.append(...this.groups(id).map((group) => this.group(id, group)));
+    if (open) item.append(...this.pictures.of(id), ...this.groups(id).map((group) => this.group(id, group)));
     return item;
   }
 

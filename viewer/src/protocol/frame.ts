@@ -50,9 +50,19 @@ export interface Scan {
   ranges: number[];
 }
 
+/** What a camera saw. */
+export interface Picture {
+  robot: number;
+  sensor: number;
+  /** simulated s */
+  time: number;
+  /** a PNG file */
+  png: Uint8Array<ArrayBuffer>;
+}
+
 class Reader {
   private at = 0;
-  constructor(private readonly view: DataView) {}
+  constructor(private readonly view: DataView<ArrayBuffer>) {}
   u8(): number {
     return this.view.getUint8(this.at++);
   }
@@ -76,6 +86,10 @@ class Reader {
     this.at += 8;
     return this.view.getFloat64(this.at - 8, true);
   }
+  /** All bytes that follow. */
+  rest(): Uint8Array<ArrayBuffer> {
+    return new Uint8Array(this.view.buffer, this.at);
+  }
   list<T>(count: number, item: () => T): T[] {
     return Array.from({ length: count }, item);
   }
@@ -89,7 +103,7 @@ class Reader {
 
 const FORCE_UNIT = 0.25;
 
-export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan } | null {
+export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan } | { picture: Picture } | null {
   const reader = new Reader(new DataView(bytes));
   const kind = reader.u8();
   if (kind === 1) {
@@ -102,6 +116,11 @@ export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan
     const robot = reader.u32();
     const sensor = reader.u8();
     return { scan: { robot, sensor, ranges: reader.list(reader.u16(), () => reader.u16() / 65535) } };
+  }
+  if (kind === 3) {
+    const robot = reader.u32();
+    const sensor = reader.u8();
+    return { picture: { robot, sensor, time: reader.f64(), png: reader.rest() } };
   }
   return null;
 }

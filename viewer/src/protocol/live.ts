@@ -1,6 +1,6 @@
 /** The connection that shows the world and controls its time, its start and its log. It comes back by itself. */
 
-import { type Frame, type Scan, readMessage } from './frame';
+import { type Frame, type Picture, type Scan, readMessage } from './frame';
 import { type Fit, type FitAnswer, FitQuestions } from './fit';
 import { ObjectQuestions } from './objects';
 import { type Scene, type Spawned, fetchScene } from './scene';
@@ -43,6 +43,7 @@ export interface Listener {
   objects(objects: Spawned[]): void;
   frame(frame: Frame, bytes: ArrayBuffer): void;
   scan(scan: Scan): void;
+  picture(picture: Picture): void;
   status(status: Status): void;
   line(line: WireLine): void;
   said(text: string): void;
@@ -61,6 +62,7 @@ export class Live {
   private socket: WebSocket | null = null;
   private wire = false;
   private robots: number[] = [];
+  private cameras: number[] = [];
   /** The last status of this connection. */
   private status: Status | null = null;
   private isSceneStale = false;
@@ -111,8 +113,15 @@ export class Live {
     this.listen();
   }
 
+  /** The robots whose cameras' pictures are to be sent; each picture is work for the server. */
+  listenToCameras(robots: number[]): void {
+    if (String(robots) === String(this.cameras)) return;
+    this.cameras = robots;
+    this.listen();
+  }
+
   private listen(): void {
-    this.send(JSON.stringify({ wire: this.wire, robots: this.robots }));
+    this.send(JSON.stringify({ wire: this.wire, robots: this.robots, cameras: this.cameras }));
   }
 
   private send(text: string): void {
@@ -188,7 +197,8 @@ export class Live {
       const message = data.byteLength > 0 ? readMessage(data) : null;
       if (this.isSceneStale) return;
       if (message && 'frame' in message) this.listener.frame(message.frame, data);
-      else if (message) this.listener.scan(message.scan);
+      else if (message && 'scan' in message) this.listener.scan(message.scan);
+      else if (message) this.listener.picture(message.picture);
       return;
     }
     const message = JSON.parse(data) as {

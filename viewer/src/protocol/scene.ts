@@ -52,6 +52,12 @@ export interface Wheel {
   rollers: { poses: Pose[]; outline: [number, number][]; colour: Colour } | null;
 }
 
+/** Size of a camera's pictures, pixels. */
+export interface Camera {
+  width: number;
+  height: number;
+}
+
 export interface Sensor {
   name: string;
   /** the number among `links` of what carries it; null is the body */
@@ -60,6 +66,8 @@ export interface Sensor {
   pose: Pose;
   max_range: number | null;
   fan: { first: number; resolution: number; level: boolean } | null;
+  /** null for what is no camera; scenes of older servers do not say it */
+  camera?: Camera | null;
 }
 
 /** A joint that goes to a position. */

@@ -1,4 +1,4 @@
-//! The two binary messages to viewers. Little-endian, world frame of the wire (z down), SI units.
+//! Two of the binary messages to viewers; pictures are in `cameras`. Little-endian, world frame of the wire (z down), SI units.
 //!
 //! A frame (kind 1) holds the state of every robot and object:
 //!

@@ -12,6 +12,8 @@ use scene::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use crate::cameras::SIZE;
+
 /// The server's settings that a page needs beside the world.
 #[derive(Debug, Clone)]
 pub(crate) struct About {
@@ -115,6 +117,7 @@ fn class(def: &RobotDef) -> Class<'_> {
             "name": sensor.name,
             "link": link_number(def, sensor.link),
             "pose": def.mount_of(sensor).map(|(_, _, mount)| pose(&mount)),
+            "camera": sensor.config.is_camera().then(|| json!({ "width": SIZE[0], "height": SIZE[1] })),
             "max_range": sensor.config.max_range(),
             "fan": sensor.config.fan().map(|fan| json!({
                 "first": fan.first, "resolution": fan.resolution, "level": fan.level,

@@ -16,6 +16,7 @@ use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{Semaphore, oneshot};
 
 use super::{Peer, Place, Site};
+use crate::cameras::Wish;
 use crate::connection::Event;
 use crate::control::{Actor, Control};
 use crate::fit::Ask;
@@ -31,7 +32,7 @@ const LINE_WINDOW: Duration = Duration::from_secs(1);
 /// Least time between two answers about room for a robot: one may take the world's thread some milliseconds.
 const FIT_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Lines that a viewer wants beside frames and status.
+/// Lines and pictures that a viewer wants beside frames and status.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Listen {
@@ -40,6 +41,9 @@ struct Listen {
     /// Numbers of the robots whose outgoing lines it wants, if it does not want every line.
     #[serde(default)]
     robots: Vec<u64>,
+    /// Numbers of the robots whose cameras' pictures it wants.
+    #[serde(default)]
+    cameras: Vec<u64>,
 }
 
 pub(super) async fn upgrade(
@@ -51,6 +55,7 @@ pub(super) async fn upgrade(
     socket.max_message_size(MAX_TEXT).on_upgrade(move |socket| async move {
         let turns = Arc::new(Semaphore::new(1));
         let actor = Actor::page(site.pages.fetch_add(1, Ordering::Relaxed) + 1, peer.address);
+        let wish = site.channels.wish();
         let (listen, shown) = (Listen::default(), (Instant::now(), 0));
         let mut viewer = Viewer {
             socket,
@@ -60,6 +65,7 @@ pub(super) async fn upgrade(
             turns,
             lines: None,
             listen,
+            wish,
             shown,
             next_fit: tokio::time::Instant::now(),
             _place: place,
@@ -87,6 +93,7 @@ struct Viewer {
     /// The lines of the wire, if it wants them.
     lines: Option<Receiver<Arc<Line>>>,
     listen: Listen,
+    wish: Wish,
     /// Start of the current window, and lines counted in it.
     shown: (Instant, u64),
     /// Earliest time of the next answer about room for a robot.
@@ -102,6 +109,7 @@ impl Viewer {
         let mut frames = self.site.channels.frames();
         let mut statuses = self.site.channels.statuses();
         let mut notices = self.site.channels.notices();
+        let mut pictures = self.site.channels.pictures();
         self.send(text(&json!({ "you": &self.actor.0, "refused": self.refusal }))).await?;
         loop {
             tokio::select! {
@@ -116,6 +124,12 @@ impl Viewer {
                     self.send(Message::Binary(frame)).await?;
                 }
                 notice = notices.recv() => self.send_notice(notice).await?,
+                picture = pictures.recv() => match picture {
+                    Ok(picture) if self.wish.has(picture.robot) => self.send(Message::Binary(picture.message)).await?,
+                    // The next picture replaces those that it has missed.
+                    Ok(_) | Err(RecvError::Lagged(_)) => {}
+                    Err(RecvError::Closed) => return Err(Gone),
+                },
                 line = next(&mut self.lines) => self.send_line(line).await?,
                 received = self.socket.recv() => self.take(received).await?,
             }
@@ -162,6 +176,7 @@ impl Viewer {
         if let Ok(listen) = serde_json::from_str::<Listen>(&request) {
             let wanted = listen.wire || !listen.robots.is_empty();
             self.lines = wanted.then(|| self.lines.take().unwrap_or_else(|| self.site.channels.lines()));
+            self.wish.set(&listen.cameras);
             self.listen = listen;
             return Ok(());
         }

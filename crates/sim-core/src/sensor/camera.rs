@@ -7,6 +7,9 @@ use scene::sensor::camera::Config;
 
 use super::{Effect, Mount, Sensor, State, View};
 
+/// Narrowest and widest field of view that a flat picture can show, degrees.
+const DRAWN: [f64; 2] = [1.0, 170.0];
+
 #[derive(Clone)]
 pub(crate) struct Mounted {
     name: String,
@@ -45,6 +48,11 @@ impl Sensor for Mounted {
 
     fn state(&mut self) -> State<'_> {
         State { numbers: vec![&mut self.now], ..State::default() }
+    }
+
+    fn field_of_view(&self) -> Option<f64> {
+        let [narrowest, widest] = DRAWN;
+        Some(self.now.clamp(narrowest, widest).to_radians())
     }
 
     fn conf(&self) -> ItemConf {

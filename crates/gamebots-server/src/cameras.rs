@@ -1,0 +1,193 @@
+//! Pictures of robots' cameras for viewers. A thread draws them, so that the world does not wait. No picture changes the world.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use axum::body::Bytes;
+use picture::{Camera, Stage};
+use scene::Snapshot;
+use sim_core::{CompiledScene, PawnId, World};
+use tokio::sync::broadcast;
+use tracing::warn;
+
+/// Width and height of a picture, pixels.
+pub(crate) const SIZE: [usize; 2] = [320, 240];
+/// Least real time between two pictures of a camera.
+const INTERVAL: Duration = Duration::from_millis(90);
+/// Most pictures that wait to be drawn. A further one is left out.
+const MAX_WAITING: usize = 8;
+/// Most pictures that a viewer can be behind.
+const MAX_BEHIND: usize = 8;
+/// Most robots whose pictures a viewer can ask for.
+const MAX_ROBOTS: usize = 8;
+
+/// A picture of a robot's camera, as a message to viewers (kind 3): 1 kind, 4 robot u32, 1 sensor, 8 simulated time f64, then a PNG file.
+#[derive(Debug, Clone)]
+pub(crate) struct Picture {
+    /// The robot's number.
+    pub(crate) robot: u64,
+    pub(crate) message: Bytes,
+}
+
+/// Robots whose pictures viewers want, with the number of viewers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Demand(Arc<Mutex<BTreeMap<u64, usize>>>);
+
+/// A viewer's part of the demand; it ends with the viewer.
+#[derive(Debug)]
+pub(crate) struct Wish {
+    demand: Demand,
+    robots: Vec<u64>,
+}
+
+impl Demand {
+    /// Creates the wish of a viewer, for nothing.
+    pub(crate) fn wish(&self) -> Wish {
+        Wish { demand: self.clone(), robots: Vec::new() }
+    }
+
+    fn wants(&self, robot: u64) -> bool {
+        self.lock().contains_key(&robot)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<u64, usize>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Wish {
+    /// Replaces the robots whose pictures the viewer wants.
+    pub(crate) fn set(&mut self, robots: &[u64]) {
+        let mut counts = self.demand.lock();
+        for robot in self.robots.drain(..) {
+            match counts.get_mut(&robot) {
+                Some(count) if *count > 1 => *count -= 1,
+                _ => {
+                    counts.remove(&robot);
+                }
+            }
+        }
+        let mut wanted: Vec<u64> = robots.iter().copied().take(MAX_ROBOTS).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        wanted.iter().for_each(|robot| *counts.entry(*robot).or_default() += 1);
+        drop(counts);
+        self.robots = wanted;
+    }
+
+    /// True if the viewer wants pictures of a robot.
+    pub(crate) fn has(&self, robot: u64) -> bool {
+        self.robots.contains(&robot)
+    }
+}
+
+impl Drop for Wish {
+    fn drop(&mut self) {
+        self.set(&[]);
+    }
+}
+
+/// A picture to draw.
+struct Job {
+    scene: CompiledScene,
+    snapshot: Snapshot,
+    robot: PawnId,
+    sensor: usize,
+    /// Angle from the left to the right edge, rad.
+    across: f64,
+}
+
+/// The world's end of the drawing thread.
+pub(crate) struct Cameras {
+    demand: Demand,
+    pictures: broadcast::Sender<Picture>,
+    /// The thread's queue; it starts with the first picture.
+    jobs: Option<SyncSender<Job>>,
+    /// Time of each camera's last picture.
+    drawn: BTreeMap<(PawnId, usize), Instant>,
+}
+
+impl Cameras {
+    pub(crate) fn new() -> Self {
+        let (pictures, _) = broadcast::channel(MAX_BEHIND);
+        Self { demand: Demand::default(), pictures, jobs: None, drawn: BTreeMap::new() }
+    }
+
+    pub(crate) fn demand(&self) -> Demand {
+        self.demand.clone()
+    }
+
+    pub(crate) fn pictures(&self) -> broadcast::Sender<Picture> {
+        self.pictures.clone()
+    }
+
+    /// Draws what a camera sees now, if a viewer wants it and the thread keeps up.
+    pub(crate) fn look(&mut self, world: &World, robot: PawnId, sensor: usize) {
+        if !self.demand.wants(robot.0) {
+            self.drawn.remove(&(robot, sensor));
+            return;
+        }
+        let now = Instant::now();
+        if self.drawn.get(&(robot, sensor)).is_some_and(|last| now.duration_since(*last) < INTERVAL) {
+            return;
+        }
+        let Some(across) = world.field_of_view(robot, sensor) else { return };
+        if self.jobs.is_none() {
+            self.jobs = self.start();
+        }
+        let Some(jobs) = &self.jobs else { return };
+        let job = Job { scene: world.scene().clone(), snapshot: world.snapshot(), robot, sensor, across };
+        match jobs.try_send(job) {
+            Ok(()) => {
+                self.drawn.insert((robot, sensor), now);
+            }
+            Err(TrySendError::Full(_)) => {}
+            // The thread has ended by a panic. The next picture starts another.
+            Err(TrySendError::Disconnected(_)) => self.jobs = None,
+        }
+    }
+
+    /// Forgets the cameras of a robot that has left.
+    pub(crate) fn forget(&mut self, robot: PawnId) {
+        self.drawn.retain(|(drawn, _), _| *drawn != robot);
+    }
+
+    fn start(&self) -> Option<SyncSender<Job>> {
+        let (jobs, waiting) = sync_channel(MAX_WAITING);
+        let pictures = self.pictures.clone();
+        let thread = std::thread::Builder::new().name("cameras".to_owned());
+        let started = thread.spawn(move || draw(&waiting, &pictures));
+        started.map_err(|error| warn!("cameras draw nothing: {error}")).ok().map(|_| jobs)
+    }
+}
+
+/// Draws pictures until the world is gone.
+fn draw(waiting: &Receiver<Job>, pictures: &broadcast::Sender<Picture>) {
+    let mut prepared: Option<(CompiledScene, Stage)> = None;
+    while let Ok(job) = waiting.recv() {
+        let (scene, stage) = match prepared.take() {
+            Some(same) if std::ptr::eq(same.0.def(), job.scene.def()) => same,
+            _ => (job.scene.clone(), Stage::new(job.scene.def())),
+        };
+        if let Some(message) = picture_of(&job, &stage) {
+            // The last viewer may have left.
+            let _ = pictures.send(Picture { robot: job.robot.0, message });
+        }
+        prepared = Some((scene, stage));
+    }
+}
+
+fn picture_of(job: &Job, stage: &Stage) -> Option<Bytes> {
+    let robot = job.snapshot.robots.iter().find(|robot| robot.id == job.robot)?;
+    let def = job.scene.def().robots.get(&robot.class)?;
+    let camera = Camera::of_robot(def, robot, def.sensors.get(job.sensor)?, job.across, SIZE)?;
+    let image = picture::view(stage, job.scene.def(), &job.snapshot, job.robot, &camera, SIZE);
+    let mut message = vec![3];
+    message.extend((job.robot.0 as u32).to_le_bytes());
+    message.push(job.sensor as u8);
+    message.extend(job.snapshot.time.to_le_bytes());
+    message.extend(image.to_png().ok()?);
+    Some(message.into())
+}
