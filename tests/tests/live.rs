@@ -408,6 +408,47 @@ fn a_viewer_gets_pictures_of_the_cameras_that_it_asks_for() {
     assert!(late <= 2, "{late} pictures after the wish ended");
 }
 
+/// A log has the picture of every tenth of a second, and its replay draws the same.
+#[test]
+fn pictures_of_cameras_are_in_the_log_and_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let server = Server::start("hall", &[], |config| {
+        (config.log, config.pictures, config.real_time_factor) = (Some(path.clone()), true, 0.0);
+    });
+    let mut peer = server.client();
+    peer.send("INIT {ClassName USARBot.P3AT} {Location -3,0,-0.2}");
+    peer.send("DRIVE {Left 2} {Right 1}");
+    peer.lines_for(1.5);
+    peer.finish();
+    server.stop().unwrap();
+    let mut log = recorder::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    let pictures = |log: &recorder::Log| {
+        let taken = |entry: &recorder::Entry| match &entry.record {
+            Record::Picture(taken, _) => Some((entry.time, *taken)),
+            _ => None,
+        };
+        log.entries.iter().filter_map(taken).collect::<Vec<_>>()
+    };
+    let taken = pictures(&log);
+    assert!(taken.len() >= 10, "{} pictures", taken.len());
+    for pair in taken.windows(2) {
+        assert!((pair[1].1.moment - pair[0].1.moment - 0.1).abs() < 1e-6, "{pair:?}");
+        assert!((pair[1].0 - pair[1].1.moment - 0.1).abs() < 1e-6, "recorded late: {pair:?}");
+        assert_ne!(pair[0].1.digest, pair[1].1.digest);
+    }
+    let replay = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    assert!(replay.is_same() && replay.recorded.is_some(), "{replay:?}");
+    // One pixel would be another digest.
+    for entry in &mut log.entries {
+        if let Record::Picture(taken, _) = &mut entry.record {
+            taken.digest ^= 1;
+        }
+    }
+    let other = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(other.first_difference, Some(taken[0].0));
+}
+
 /// A page hears of objects that a controller creates and removes; the log has them, too, and replays.
 #[test]
 fn objects_of_a_world_controller_are_on_the_page_and_in_the_log() {

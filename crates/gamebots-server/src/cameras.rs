@@ -1,19 +1,24 @@
-//! Pictures of robots' cameras for viewers. A thread draws them, so that the world does not wait. No picture changes the world.
+//! Pictures of robots' cameras, for viewers and for logs. Threads draw them. No picture changes the world.
 
-use std::collections::BTreeMap;
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use picture::{Camera, Stage};
+use picture::Stage;
+use recorder::PictureTaken;
 use scene::Snapshot;
 use sim_core::{CompiledScene, PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
 
 /// Width and height of a picture, pixels.
-pub(crate) const SIZE: [usize; 2] = [320, 240];
+pub(crate) const SIZE: [usize; 2] = picture::SENSOR_SIZE;
+/// Simulated time between what a picture in a log shows and its record, s.
+const DELAY: f64 = 0.1;
+/// Most pictures for logs that are being drawn. Further ones are left out.
+const MAX_SHOTS: usize = 256;
 /// Least real time between two pictures of a camera.
 const INTERVAL: Duration = Duration::from_millis(90);
 /// Most pictures that wait to be drawn. A further one is left out.
@@ -163,31 +168,102 @@ impl Cameras {
     }
 }
 
-/// Draws pictures until the world is gone.
-fn draw(waiting: &Receiver<Job>, pictures: &broadcast::Sender<Picture>) {
-    let mut prepared: Option<(CompiledScene, Stage)> = None;
-    while let Ok(job) = waiting.recv() {
-        let (scene, stage) = match prepared.take() {
-            Some(same) if std::ptr::eq(same.0.def(), job.scene.def()) => same,
-            _ => (job.scene.clone(), Stage::new(job.scene.def())),
-        };
-        if let Some(message) = picture_of(&job, &stage) {
-            // The last viewer may have left.
-            let _ = pictures.send(Picture { robot: job.robot.0, message });
+/// Pictures for logs. Each is recorded a fixed simulated time after what it shows, and the world waits for it if need be. So a log has the
+/// same pictures however fast the machine is.
+#[derive(Default)]
+pub(crate) struct Shots {
+    thread: Option<(Sender<Job>, Receiver<Option<Shot>>)>,
+    /// Simulated times at which the pictures being drawn are due, s.
+    due: VecDeque<f64>,
+}
+
+/// A picture for a log.
+pub(crate) struct Shot {
+    pub(crate) taken: PictureTaken,
+    pub(crate) png: Vec<u8>,
+}
+
+impl Shots {
+    /// Begins to draw what a camera sees now.
+    pub(crate) fn take(&mut self, world: &World, robot: PawnId, sensor: usize) {
+        let Some(across) = world.field_of_view(robot, sensor) else { return };
+        if self.due.len() >= MAX_SHOTS {
+            return;
         }
-        prepared = Some((scene, stage));
+        if self.thread.is_none() {
+            self.thread = start_shots();
+        }
+        let job = Job { scene: world.scene().clone(), snapshot: world.snapshot(), robot, sensor, across };
+        if self.thread.as_ref().is_some_and(|(jobs, _)| jobs.send(job).is_ok()) {
+            self.due.push_back(world.time() + DELAY);
+        }
+    }
+
+    /// Returns the pictures that are due at a simulated time, s.
+    pub(crate) fn due(&mut self, time: f64) -> Vec<Shot> {
+        let count = self.due.iter().take_while(|due| **due <= time + 1e-9).count();
+        self.finish(count)
+    }
+
+    /// Forgets the pictures that are being drawn: the world started over.
+    pub(crate) fn forget(&mut self) {
+        self.finish(self.due.len());
+    }
+
+    /// Waits for the oldest pictures.
+    fn finish(&mut self, count: usize) -> Vec<Shot> {
+        self.due.drain(..count);
+        let Some((_, done)) = &self.thread else { return Vec::new() };
+        // An error means that the thread has panicked: its pictures are missing.
+        let finished: Vec<_> = (0..count).map(|_| done.recv()).collect();
+        if finished.iter().any(Result::is_err) {
+            self.thread = None;
+            self.due.clear();
+        }
+        finished.into_iter().filter_map(|shot| shot.ok().flatten()).collect()
     }
 }
 
-fn picture_of(job: &Job, stage: &Stage) -> Option<Bytes> {
-    let robot = job.snapshot.robots.iter().find(|robot| robot.id == job.robot)?;
-    let def = job.scene.def().robots.get(&robot.class)?;
-    let camera = Camera::of_robot(def, robot, def.sensors.get(job.sensor)?, job.across, SIZE)?;
-    let image = picture::view(stage, job.scene.def(), &job.snapshot, job.robot, &camera, SIZE);
-    let mut message = vec![3];
-    message.extend((job.robot.0 as u32).to_le_bytes());
-    message.push(job.sensor as u8);
-    message.extend(job.snapshot.time.to_le_bytes());
-    message.extend(image.to_png().ok()?);
-    Some(message.into())
+fn start_shots() -> Option<(Sender<Job>, Receiver<Option<Shot>>)> {
+    let ((jobs, waiting), (finished, done)) = (channel::<Job>(), channel());
+    let thread = std::thread::Builder::new().name("shots".to_owned());
+    let started = thread.spawn(move || {
+        let mut stage = None;
+        while let Ok(job) = waiting.recv() {
+            let shot = png_of(&job, &mut stage).map(|png| {
+                let taken = PictureTaken::new(job.robot.0, job.sensor, job.snapshot.time, &png);
+                Shot { taken, png }
+            });
+            if finished.send(shot).is_err() {
+                break;
+            }
+        }
+    });
+    started.map_err(|error| warn!("no pictures for logs: {error}")).ok().map(|_| (jobs, done))
+}
+
+/// Draws pictures until the world is gone.
+fn draw(waiting: &Receiver<Job>, pictures: &broadcast::Sender<Picture>) {
+    let mut stage = None;
+    while let Ok(job) = waiting.recv() {
+        if let Some(png) = png_of(&job, &mut stage) {
+            let mut message = vec![3];
+            message.extend((job.robot.0 as u32).to_le_bytes());
+            message.push(job.sensor as u8);
+            message.extend(job.snapshot.time.to_le_bytes());
+            message.extend(png);
+            // The last viewer may have left.
+            let _ = pictures.send(Picture { robot: job.robot.0, message: message.into() });
+        }
+    }
+}
+
+/// Draws a picture as a PNG file. `prepared` keeps the scene for the next one.
+fn png_of(job: &Job, prepared: &mut Option<(CompiledScene, Stage)>) -> Option<Vec<u8>> {
+    if prepared.as_ref().is_none_or(|(scene, _)| !std::ptr::eq(scene.def(), job.scene.def())) {
+        *prepared = Some((job.scene.clone(), Stage::new(job.scene.def())));
+    }
+    let (_, stage) = prepared.as_ref()?;
+    let Job { scene, snapshot, robot, sensor, across } = job;
+    picture::of_sensor(stage, scene.def(), snapshot, *robot, *sensor, *across, SIZE)?.to_png().ok()
 }

@@ -96,6 +96,8 @@ pub struct Config {
     pub log: Option<PathBuf>,
     /// True to write ROS 2 messages as well, to `run.ros2.mcap` beside `run.mcap`.
     pub ros2_log: bool,
+    /// True to record what robots' cameras see.
+    pub pictures: bool,
     /// File of logs that a viewer starts; it gets a number if the file exists.
     pub unnamed_log: PathBuf,
     /// Time after which a client that reads nothing is disconnected.
@@ -120,6 +122,7 @@ impl Config {
             report_errors: false,
             log: None,
             ros2_log: false,
+            pictures: false,
             unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
             stall_timeout: Duration::from_secs(30),
             world_control: WorldControl::Everyone,

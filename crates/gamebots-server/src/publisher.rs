@@ -4,11 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use gamebots_proto::message::Message;
+use gamebots_proto::message::{Message, Reading, Sen};
 use recorder::{Record, RecordError, WireLine};
 use scene::Snapshot;
 use sim_core::{PawnId, World};
 
+use crate::cameras::{Shot, Shots};
 use crate::connection::ConnectionId;
 use crate::journal::Journal;
 use crate::live::{Broadcast, Line, Status};
@@ -18,13 +19,17 @@ pub(crate) struct Publisher {
     recording: Recording,
     live: Broadcast,
     journal: Journal,
+    /// Pictures of cameras for logs, if they are recorded.
+    shots: Option<Shots>,
     /// The present snapshot, made when first needed after a change.
     snapshot: Option<Snapshot>,
 }
 
 impl Publisher {
-    pub(crate) fn new(recording: Recording, live: Broadcast, world: &World) -> Self {
-        Self { recording, live, journal: Journal::of(world), snapshot: None }
+    /// Creates the publisher of a world. `pictures` is true to record what cameras see.
+    pub(crate) fn new(recording: Recording, live: Broadcast, world: &World, pictures: bool) -> Self {
+        let shots = pictures.then(Shots::default);
+        Self { recording, live, journal: Journal::of(world), shots, snapshot: None }
     }
 
     /// Publishes a line that came from a client. `pawn` is the client's newest robot.
@@ -57,6 +62,12 @@ impl Publisher {
     /// Shows viewers a robot's report, whether or not the robot has a client.
     pub(crate) fn reported(&mut self, world: &World, robot: PawnId, message: &Message) {
         self.live.scan(world, robot, message);
+        if let (Some(shots), Message::Sen(Sen { reading: Reading::Camera(_), sensor: Some(sensor), .. })) =
+            (&mut self.shots, message)
+            && self.recording.is_wanted()
+        {
+            shots.take(world, robot, *sensor);
+        }
     }
 
     /// Notes that the status changed: a client or robot arrived, or the timing changed.
@@ -100,6 +111,9 @@ impl Publisher {
     /// Records the states after a step, if they are due.
     pub(crate) fn stepped(&mut self, world: &World) {
         self.snapshot = None;
+        for Shot { taken, png } in self.shots.iter_mut().flat_map(|shots| shots.due(world.time())) {
+            self.recording.record(world, Record::Picture(taken, png));
+        }
         if self.recording.wants_states(world.time()) {
             let snapshot = self.snapshot.get_or_insert_with(|| world.snapshot());
             self.recording.record_states(&world.def().map, snapshot);
@@ -145,6 +159,7 @@ impl Publisher {
     /// Replaces the old world with a fresh one, for viewers and logs.
     pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) {
         (self.snapshot, self.journal) = (None, Journal::of(new));
+        self.shots.iter_mut().for_each(Shots::forget);
         if old.def().map.name != new.def().map.name {
             self.live.show(new.def());
         }

@@ -64,6 +64,7 @@ pub(crate) fn spawn(
         unnamed_log,
         threads,
         saved,
+        pictures,
         ..
     } = config;
     let world = match saved {
@@ -86,7 +87,7 @@ pub(crate) fn spawn(
         let _gone = gone;
         let now = Instant::now();
         let mut server = Server {
-            publisher: Publisher::new(recording, live, &world),
+            publisher: Publisher::new(recording, live, &world, pictures),
             timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
             pace: Pace::new(real_time_factor, now, world.time()),
             world,

@@ -93,6 +93,26 @@ pub fn view(
     draw(scene, &camera, size, &fineness)
 }
 
+/// Width and height of the picture of a robot's camera, pixels, as USARSim's.
+pub const SENSOR_SIZE: [usize; 2] = [320, 240];
+
+/// Draws what a sensor of a robot sees, by its number in the class. `across` is the angle from the left to the right edge, rad. `None` if
+/// there is no such robot or sensor.
+pub fn of_sensor(
+    stage: &Stage,
+    def: &WorldDef,
+    snapshot: &Snapshot,
+    robot: PawnId,
+    sensor: usize,
+    across: f64,
+    size: [usize; 2],
+) -> Option<Image> {
+    let seen = snapshot.robots.iter().find(|seen| seen.id == robot)?;
+    let class = def.robots.get(&seen.class)?;
+    let camera = Camera::of_robot(class, seen, class.sensors.get(sensor)?, across, size)?;
+    Some(view(stage, def, snapshot, robot, &camera, size))
+}
+
 fn draw(
     (triangles, floors): (Vec<Triangle>, &[Floor]),
     camera: &Camera,

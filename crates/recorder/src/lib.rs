@@ -25,7 +25,9 @@ mod writer;
 
 pub use file::{Storage, storage};
 pub use live::{Latched, Live};
-pub use messages::{ObjectRemoved, ObjectSpawned, ObjectState, Quaternion, RobotLeft, RobotState, Vector, WireLine};
+pub use messages::{
+    ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, Quaternion, RobotLeft, RobotState, Vector, WireLine,
+};
 pub use reader::{Entry, Log, ReadError, read, scene};
 pub use recover::{RecoverError, Recovered, recover};
 pub use table::{Column, Table};
@@ -137,6 +139,8 @@ pub enum Record {
     ObjectSpawned(ObjectSpawned),
     /// An object that left the world.
     ObjectRemoved(ObjectRemoved),
+    /// A picture of a robot's camera and its PNG file, which is not read back.
+    Picture(PictureTaken, Vec<u8>),
     /// A warning, in words.
     Warning(String),
     /// A new map, for viewers; a log has only one map.
@@ -172,6 +176,7 @@ impl Record {
             }
             Self::Object(object) => object.name.len(),
             Self::ObjectSpawned(object) => object.definition.len(),
+            Self::Picture(_, png) => png.len(),
             Self::Warning(text) => text.len(),
             Self::Left(_) | Self::ObjectRemoved(_) | Self::Map(_) => 0,
             // Only the ranges of a scan are counted; the rest is small.

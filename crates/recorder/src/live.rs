@@ -13,7 +13,7 @@ use crate::writer::{Sink, refused};
 use crate::{End, LEFT, Publish, Record, RecordError};
 
 /// Topics whose last message says nothing about the present.
-const PASSING: [&str; 3] = ["/wire/", "/log", LEFT];
+const PASSING: [&str; 4] = ["/wire/", "/log", LEFT, "/objects/"];
 
 /// Converts records to messages on the channels of a Foxglove context.
 pub struct Live {

@@ -31,7 +31,7 @@ macro_rules! encode {
     )*};
 }
 
-encode! { WireLine, RobotLeft, RobotState, ObjectState, ObjectSpawned, ObjectRemoved, }
+encode! { WireLine, RobotLeft, RobotState, ObjectState, ObjectSpawned, ObjectRemoved, PictureTaken, }
 
 impl RobotState {
     /// Creates the state of a robot from its snapshot.
@@ -108,6 +108,15 @@ impl ObjectSpawned {
     pub fn def(&self) -> Option<Object> {
         let def: Object = serde_json::from_str(&self.definition).ok()?;
         scene::check::spawned_object(&def).is_empty().then_some(def)
+    }
+}
+
+impl PictureTaken {
+    /// Creates the record of a picture. `png` is its file.
+    pub fn new(robot: u64, sensor: usize, moment: f64, png: &[u8]) -> Self {
+        let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        let digest = png.iter().fold(0xcbf2_9ce4_8422_2325, mix);
+        Self { robot, sensor: sensor as u32, moment, digest }
     }
 }
 

@@ -14,7 +14,9 @@ use scene::{MapDef, Pose, RobotDef, WorldDef};
 
 use crate::file::nanoseconds;
 use crate::slots::{Slots, Slotted};
-use crate::{LEFT, OBJECTS, ObjectSpawned, ObjectState, Publish, Record, RobotLeft, RobotState, Sensed, drawing};
+use crate::{
+    LEFT, OBJECTS, ObjectSpawned, ObjectState, PictureTaken, Publish, Record, RobotLeft, RobotState, Sensed, drawing,
+};
 
 /// Converts records to messages.
 pub(crate) struct Native {
@@ -56,6 +58,7 @@ impl Native {
                 let place = slot.or((number < of_map).then_some(number));
                 place.map_or(Ok(()), |place| erase_object(time, place, file))
             }
+            Record::Picture(taken, png) => self.write_picture(time, taken, png, file),
             Record::Map(map) => {
                 let erased = SceneUpdate { deletions: vec![deletion(time)], entities: drawing::map(map) };
                 file.publish(time, "/map/scene", &erased)?;
@@ -151,6 +154,21 @@ impl Native {
         let Some(def) = object.def() else { return Ok(()) };
         let drawn = drawing::object(place as usize, &def.solid);
         file.publish(time, &format!("/map/object/{place}/scene"), &added(time, vec![drawn]))
+    }
+
+    fn write_picture(&self, time: f64, taken: &PictureTaken, png: &[u8], file: &mut impl Publish) -> McapResult<()> {
+        let Some(Slotted { slot, class }) = self.slots.get(taken.robot) else { return Ok(()) };
+        let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(taken.sensor as usize));
+        let Some(sensor) = sensor else { return Ok(()) };
+        let topic = |kind: &str| topic(*slot, &format!("sensor/{}/{kind}", sensor.name));
+        file.publish(time, &topic("picture"), taken)?;
+        let image = fox::CompressedImage {
+            timestamp: Some(timestamp(taken.moment)),
+            frame_id: format!("{}/{}", robot_frame(*slot), sensor.name),
+            data: png.to_vec().into(),
+            format: "png".to_owned(),
+        };
+        file.publish(time, &topic("image"), &image)
     }
 
     fn write_scan(&self, time: f64, sensed: &Sensed, file: &mut impl Publish) -> McapResult<()> {

@@ -13,7 +13,8 @@ use scene::WorldDef;
 
 use crate::records::{self, Damage, Record as Raw};
 use crate::{
-    END, FORMAT, LEFT, OBJECTS, ObjectRemoved, ObjectSpawned, ObjectState, RUN, Record, RobotLeft, RobotState, WireLine,
+    END, FORMAT, LEFT, OBJECTS, ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, RUN, Record, RobotLeft,
+    RobotState, WireLine,
 };
 
 /// Most bytes in memory for a byte of the file; the log of a youBot takes three. A file that takes more was made to fill the
@@ -159,6 +160,7 @@ enum Topic {
     Object,
     ObjectSpawned,
     ObjectRemoved,
+    Picture,
     Log,
     /// A channel that only shows the content of another one.
     Other,
@@ -176,6 +178,7 @@ impl Topic {
             "/log" => Self::Log,
             _ => match topic.split('/').collect::<Vec<_>>()[..] {
                 ["", "robot", _, "state"] => Self::State,
+                ["", "robot", _, "sensor", _, "picture"] => Self::Picture,
                 ["", "map", "object", _] => Self::Object,
                 _ => Self::Other,
             },
@@ -191,6 +194,7 @@ impl Topic {
             Self::State => RobotState::decode(data).map(Record::State),
             Self::Object => ObjectState::decode(data).map(Record::Object),
             Self::ObjectSpawned => ObjectSpawned::decode(data).map(Record::ObjectSpawned),
+            Self::Picture => PictureTaken::decode(data).map(|taken| Record::Picture(taken, Vec::new())),
             Self::ObjectRemoved => ObjectRemoved::decode(data).map(Record::ObjectRemoved),
             Self::Log => match LogMessage::decode(data) {
                 Ok(log) if log.level != Level::Warning as i32 => return Ok(None),

@@ -52,6 +52,7 @@ impl Ros2 {
             | Record::Closed(_)
             | Record::ObjectSpawned(_)
             | Record::ObjectRemoved(_)
+            | Record::Picture(..)
             | Record::Warning(_)
             | Record::Map(_) => Ok(()),
         }

@@ -1,10 +1,12 @@
 //! Replay of a recorded run: the same scene, and the same lines at the same steps.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use gamebots_proto::Command;
-use recorder::{Log, Record, RobotState, STATE_INTERVAL};
-use scene::{Options, PawnId};
+use gamebots_proto::message::{Message, Reading, Sen};
+use picture::Stage;
+use recorder::{Entry, Log, PictureTaken, Record, RobotState, STATE_INTERVAL};
+use scene::{Options, PawnId, Snapshot};
 use sim_core::World;
 
 /// Longest replay, simulated seconds: a month.
@@ -14,6 +16,8 @@ const MAX_IDLE: f64 = 24.0 * 3600.0;
 /// Longest time without a record in a world with robots, s. Each robot is recorded at every interval, or at the first step
 /// after it.
 const MAX_GAP: f64 = 2.0 * STATE_INTERVAL;
+/// Longest time between what a picture shows and its record, s.
+const MAX_DELAY: f64 = 0.2;
 /// Valid time steps of a world, s.
 const TIME_STEPS: std::ops::RangeInclusive<f64> = 1e-4..=0.02;
 /// Valid wheel-speed units, rad/s: rad/s are 1 and revolutions a second 2 pi.
@@ -28,7 +32,7 @@ pub struct Replay {
     pub digest: u64,
     /// The digest in the log; `None` if the log has no digest because it was cut off or the world panicked.
     pub recorded: Option<u64>,
-    /// Recorded states of robots and objects that were compared.
+    /// Recorded states of robots and objects, and pictures, that were compared.
     pub states: usize,
     /// Simulated time of the first state that differs, s.
     pub first_difference: Option<f64>,
@@ -82,10 +86,12 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     // The newest robot of each connection.
     let mut pawns: BTreeMap<u64, PawnId> = BTreeMap::new();
     let (mut states, mut first_difference) = (0, None);
+    let is_picture = |entry: &Entry| matches!(entry.record, Record::Picture(..));
+    let mut album = Album { is_wanted: log.entries.iter().any(is_picture), ..Album::default() };
     // The report of a panic has no states.
     let most = if log.run.contains_key("panic") { MAX_IDLE } else { MAX_GAP };
     for entry in &log.entries {
-        advance(&mut world, entry.time, most)?;
+        advance(&mut world, entry.time, most, &mut album)?;
         match &entry.record {
             Record::In(line) => {
                 let mut problems = Vec::new();
@@ -112,12 +118,18 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
                     first_difference = Some(entry.time);
                 }
             }
+            Record::Picture(taken, _) => {
+                states += 1;
+                if first_difference.is_none() && !album.has(&world, taken) {
+                    first_difference = Some(entry.time);
+                }
+            }
             Record::ObjectSpawned(_) | Record::ObjectRemoved(_) => {}
             Record::Out(_) | Record::Sensed(_) | Record::Warning(_) | Record::Map(_) => {}
         }
     }
     if let Some(end) = end {
-        advance(&mut world, end, most)?;
+        advance(&mut world, end, most, &mut album)?;
     }
     let recorded = log.end.get("digest").and_then(|digest| u64::from_str_radix(digest, 16).ok());
     Ok(Replay { seconds: world.time(), digest: world.digest(), recorded, states, first_difference })
@@ -125,7 +137,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
 
 /// Steps to the time of the next record, if a run can reach it from the last one. With robots, the gap is at most `most`
 /// seconds.
-fn advance(world: &mut World, time: f64, most: f64) -> Result<(), ReplayError> {
+fn advance(world: &mut World, time: f64, most: f64, album: &mut Album) -> Result<(), ReplayError> {
     let (now, time_step) = (world.time(), world.time_step());
     // Times in a log are whole nanoseconds.
     let steps = ((time - now) / time_step).round();
@@ -137,8 +149,59 @@ fn advance(world: &mut World, time: f64, most: f64) -> Result<(), ReplayError> {
         let text = format!("nothing is recorded from {now} s to {time} s: expected at most {most} s without a record");
         return Err(ReplayError(text));
     }
-    (0..steps as u64).for_each(|_| drop(world.step()));
+    for _ in 0..steps as u64 {
+        let messages = world.step();
+        album.see(world, &messages);
+    }
     Ok(())
+}
+
+/// What cameras saw lately, if the log has pictures.
+#[derive(Default)]
+struct Album {
+    is_wanted: bool,
+    seen: VecDeque<Seen>,
+    stage: Option<Stage>,
+}
+
+/// The world when a camera looked.
+struct Seen {
+    robot: PawnId,
+    sensor: usize,
+    across: f64,
+    snapshot: Snapshot,
+}
+
+impl Album {
+    /// Keeps what cameras see now.
+    fn see(&mut self, world: &World, messages: &[(PawnId, Message)]) {
+        if !self.is_wanted {
+            return;
+        }
+        for (robot, message) in messages {
+            let Message::Sen(Sen { reading: Reading::Camera(_), sensor: Some(sensor), .. }) = message else { continue };
+            if let Some(across) = world.field_of_view(*robot, *sensor) {
+                self.seen.push_back(Seen { robot: *robot, sensor: *sensor, across, snapshot: world.snapshot() });
+            }
+        }
+        let is_old = |seen: &Seen| seen.snapshot.time < world.time() - MAX_DELAY;
+        while self.seen.front().is_some_and(is_old) {
+            self.seen.pop_front();
+        }
+    }
+
+    /// True if a camera saw the picture of a log.
+    fn has(&mut self, world: &World, taken: &PictureTaken) -> bool {
+        let stage = self.stage.get_or_insert_with(|| Stage::new(world.def()));
+        let is_it = |seen: &&Seen| {
+            seen.robot.0 == taken.robot && seen.sensor == taken.sensor as usize && seen.snapshot.time == taken.moment
+        };
+        let Some(Seen { robot, sensor, across, snapshot }) = self.seen.iter().find(is_it) else { return false };
+        let size = picture::SENSOR_SIZE;
+        let drawn = picture::of_sensor(stage, world.def(), snapshot, *robot, *sensor, *across, size);
+        let png = drawn.and_then(|image| image.to_png().ok());
+        png.is_some_and(|png| PictureTaken::new(taken.robot, *sensor, taken.moment, &png) == *taken)
+    }
 }
 
 fn now(world: &World, robot: u64) -> Option<RobotState> {

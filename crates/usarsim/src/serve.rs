@@ -85,6 +85,9 @@ pub(crate) struct Arguments {
     /// `ros2` also writes ROS 2 messages to a second file: run.ros2.mcap beside run.mcap.
     #[arg(long, env = "USARSIM_LOG_FORMAT", value_name = "FORMAT", default_value = "native", requires = "log")]
     log_format: LogFormat,
+    /// Record what robots' cameras see in logs, and stream it to Foxglove: 320 x 240 pixels, ten times a second each.
+    #[arg(long, env = "USARSIM_PICTURES")]
+    pictures: bool,
     /// Most connections. Above it the server accepts no new ones until some close, as in USARSim.
     #[arg(long, env = "USARSIM_MAX_CONNECTIONS", default_value_t = 64)]
     max_connections: usize,
@@ -194,6 +197,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         report_errors: arguments.report_errors,
         log: arguments.log,
         ros2_log: arguments.log_format == LogFormat::Ros2,
+        pictures: arguments.pictures,
         world_control: match arguments.control {
             ControlChoice::Everyone => WorldControl::Everyone,
             ControlChoice::Local => WorldControl::Local,

@@ -37,6 +37,7 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
             Record::State(_) => ["state", "states"],
             Record::Object(_) => ["state of an object", "states of objects"],
             Record::ObjectSpawned(_) => ["object spawned", "objects spawned"],
+            Record::Picture(..) => ["picture", "pictures"],
             Record::ObjectRemoved(_) => ["object removed", "objects removed"],
             Record::Warning(_) => ["warning", "warnings"],
         };
