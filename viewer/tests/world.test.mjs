@@ -1,10 +1,10 @@
 // The world as everyone sees it: its tree, its time, its map, and who did what.
 
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { X, Y, pageTest, spawnRobot } from './pagetest.mjs';
-import { connectClient, number, openPage, startServer, waitForNumber } from './server.mjs';
+import { connectClient, number, openPage, pictures, startServer, waitForNumber } from './server.mjs';
 
 const rough = { serve: ['--map', 'rough'] };
 const others = 'INIT {ClassName USARBot.P3AT} {Name Other} {Location 3,0,-0.1}';
@@ -198,3 +198,35 @@ pageTest('columns are resized by keys and keep their size', rough, async ({ page
   await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
   assert.equal(await width(), before + 60);
 });
+
+pageTest(
+  'a camera shows what it sees, and objects come and go',
+  { serve: ['--map', 'hall'] },
+  async ({ page, server }) => {
+    const robot = await connectClient(server.port, 'INIT {ClassName USARBot.P3AT} {Name R1} {Location -3,0,-0.2}');
+    await page.waitForSelector('[data-robot]', { state: 'attached' });
+    await page.click('button:has-text("Show picture")');
+    const shown = () => document.querySelector('.picture img')?.naturalWidth === 320;
+    await page.waitForFunction(shown);
+    const first = await page.getAttribute('.picture img', 'src');
+    await page.waitForFunction((first) => document.querySelector('.picture img')?.src !== first, first);
+    await page.screenshot({ path: join(pictures, 'camera.png') });
+
+    const controller = await connectClient(
+      server.port,
+      'INIT {ClassName USARBotAPI.WorldController}',
+      'CONTROL {Type Create} {ClassName WCCrateRed} {Name red_crate} {Location -1,0,-0.25} {Physics RigidBody}',
+    );
+    await page.waitForSelector('[data-object]:has-text("red_crate")', { state: 'attached' });
+    await page.screenshot({ path: join(pictures, 'controller.png') });
+    controller.end();
+    await page.waitForFunction(() => !document.body.textContent?.includes('red_crate'));
+
+    await page.click('#save');
+    await page.waitForSelector('#toasts :text("saved the world at")');
+    assert.ok(readdirSync(server.folder).includes('usarsim-hall.json'));
+    await page.click('button:has-text("Hide picture")');
+    await page.waitForFunction(() => !document.querySelector('.picture img'));
+    robot.end();
+  },
+);

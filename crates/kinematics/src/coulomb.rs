@@ -86,7 +86,7 @@ impl Row {
 
 /// Minimises the smoothed power by damped Newton steps from a twist.
 fn least(rows: &[Row], mut twist: Vector3<f64>, smoothing: f64) -> Vector3<f64> {
-    let smooth = |slip: &Vector2<f64>| Vector2::new(slip.norm(), smoothing).norm();
+    let smooth = |slip: &Vector2<f64>| libm::hypot(slip.norm(), smoothing);
     let power = |twist: &Vector3<f64>| rows.iter().map(|row| row.friction * smooth(&row.slip(twist))).sum::<f64>();
     for _ in 0..MAX_STEPS {
         let (mut gradient, mut hessian) = (Vector3::zeros(), Matrix3::identity() * 1e-12);

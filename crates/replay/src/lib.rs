@@ -156,7 +156,7 @@ fn advance(world: &mut World, time: f64, most: f64, album: &mut Album) -> Result
     Ok(())
 }
 
-/// What cameras saw lately, if the log has pictures.
+/// Recent views of cameras, if the log has pictures.
 #[derive(Default)]
 struct Album {
     is_wanted: bool,
@@ -173,7 +173,7 @@ struct Seen {
 }
 
 impl Album {
-    /// Keeps what cameras see now.
+    /// Keeps the present views of cameras.
     fn see(&mut self, world: &World, messages: &[(PawnId, Message)]) {
         if !self.is_wanted {
             return;

@@ -97,9 +97,6 @@ pub(crate) struct Arguments {
     /// When a connection closes, remove only its newest robot, as USARSim does.
     #[arg(long, env = "USARSIM_KEEP_ROBOTS")]
     keep_robots: bool,
-    /// Panic after this many steps, for tests.
-    #[arg(long, hide = true, value_name = "STEPS")]
-    panic_at: Option<u64>,
     /// Unit of wheel speeds on the wire: radians or revolutions a second.
     #[arg(long, env = "USARSIM_WHEEL_SPEEDS", default_value = "rad")]
     wheel_speeds: WheelSpeeds,
@@ -177,7 +174,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         speed_unit,
         time_step: arguments.dt,
         keep_robots: arguments.keep_robots,
-        panic_at: arguments.panic_at,
+        panic_at: None,
     };
     let page = |port, or_another| Listener { service: Service::Page, port, or_another };
     let page = arguments.http.map_or_else(|| page(DEFAULT_HTTP_PORT, true), |port| page(port, false));

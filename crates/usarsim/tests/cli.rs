@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use sim_core::{Options, World};
+
 fn usarsim() -> Command {
     Command::new(env!("CARGO_BIN_EXE_usarsim"))
 }
@@ -123,8 +125,13 @@ fn a_reader_of_stderr_that_stops_or_leaves_does_not_stop_the_server() {
 #[test]
 fn a_panic_of_the_world_is_a_report_that_makes_it_again() {
     let folder = tempfile::tempdir().expect("a folder");
+    // A saved world may hold a step at which it is to panic.
+    let scene = scene_loader::load("hall", &[]).expect("a map");
+    let world = World::new(scene, Options { panic_at: Some(1000), ..Options::default() });
+    let saved = serde_json::json!({ "format": 1, "scene": world.def(), "state": world.save().expect("a state") });
+    std::fs::write(folder.path().join("panics.json"), saved.to_string()).expect("a file");
     let child = usarsim()
-        .args(["serve", "--port", "0", "--no-http", "--json", "--log", "run.mcap", "--panic-at", "1000"])
+        .args(["serve", "--from", "panics.json", "--port", "0", "--no-http", "--json", "--log", "run.mcap"])
         .current_dir(folder.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

@@ -1,4 +1,4 @@
-/** What cameras of robots see: a button for each camera and, while it is pressed, the picture that came last. */
+/** Pictures of robots' cameras: a button for each camera and, while it is pressed, the newest picture. */
 
 import type { Picture } from '../protocol/frame';
 import type { Camera } from '../protocol/scene';

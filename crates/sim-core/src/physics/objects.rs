@@ -130,6 +130,6 @@ impl Physics {
     /// Wakes the objects that touch a box.
     fn wake_near(&mut self, near: Aabb) {
         let asleep = self.objects.iter_mut().filter(|object| object.is_asleep() && !object.is_held());
-        asleep.filter(|object| object.reach().intersects(&near)).for_each(MovableObject::wake);
+        asleep.filter(|object| object.is_near(&near)).for_each(MovableObject::wake);
     }
 }

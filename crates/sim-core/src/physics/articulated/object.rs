@@ -178,6 +178,11 @@ impl MovableObject {
         self.bounds().loosened(WAKING_REACH)
     }
 
+    /// True if a box meets the object. The bounds of a sleeping one are known from the last search for contacts.
+    pub(in super::super) fn is_near(&self, near: &Aabb) -> bool {
+        self.body.around().unwrap_or_else(|| self.bounds()).intersects(near)
+    }
+
     /// Returns a box around the object.
     pub(in super::super) fn bounds(&self) -> Aabb {
         let pose = convert::pose(&self.pose());
