@@ -220,13 +220,13 @@ pageTest(
     await page.waitForSelector('[data-object]:has-text("red_crate")', { state: 'attached' });
     await page.screenshot({ path: join(pictures, 'controller.png') });
     controller.end();
-    await page.waitForFunction(() => !document.body.textContent?.includes('red_crate'));
+    await page.waitForSelector('[data-object]:has-text("red_crate")', { state: 'detached' });
 
     await page.click('#save');
     await page.waitForSelector('#toasts :text("saved the world at")');
     assert.ok(readdirSync(server.folder).includes('usarsim-hall.json'));
     await page.click('button:has-text("Hide picture")');
-    await page.waitForFunction(() => !document.querySelector('.picture img'));
+    await page.waitForSelector('.picture img', { state: 'hidden' });
     robot.end();
   },
 );

@@ -84,9 +84,23 @@ impl Row {
     }
 }
 
+/// Returns the length of a vector, rounded as well as can be: near the minimum the search compares sums of lengths that differ in their last
+/// bits, and `libm`'s `hypot` is not exact enough. Fused multiplications have the same bits on every platform (Borges, "An improved
+/// algorithm for hypot(a, b)", 2019).
+fn length(x: f64, y: f64) -> f64 {
+    let (x, y) = (x.abs().max(y.abs()), x.abs().min(y.abs()));
+    let length = x.mul_add(x, y * y).sqrt();
+    if length == 0.0 {
+        return 0.0;
+    }
+    let (square, of_x) = (length * length, x * x);
+    let excess = (-y).mul_add(y, square - of_x) + length.mul_add(length, -square) - x.mul_add(x, -of_x);
+    length - excess / (2.0 * length)
+}
+
 /// Minimises the smoothed power by damped Newton steps from a twist.
 fn least(rows: &[Row], mut twist: Vector3<f64>, smoothing: f64) -> Vector3<f64> {
-    let smooth = |slip: &Vector2<f64>| libm::hypot(slip.norm(), smoothing);
+    let smooth = |slip: &Vector2<f64>| length(slip.norm(), smoothing);
     let power = |twist: &Vector3<f64>| rows.iter().map(|row| row.friction * smooth(&row.slip(twist))).sum::<f64>();
     for _ in 0..MAX_STEPS {
         let (mut gradient, mut hessian) = (Vector3::zeros(), Matrix3::identity() * 1e-12);
