@@ -59,10 +59,11 @@ attack:
 	@[ -n "$$USARSIM_CAPTURES" ] || { echo "USARSIM_CAPTURES has to name the folder of the recordings" >&2; exit 64; }
 	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test attack -- --nocapture
 
-# Every order in which the threads that share an outbox can meet.
+# Fixed worlds in WebAssembly, with the digests that `cargo test` wants of them on this machine.
 golden:
 	tests/golden/run
 
+# Every order in which the threads that share an outbox can meet.
 loom:
 	cargo test --quiet --package outbox --features loom
 
