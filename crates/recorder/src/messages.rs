@@ -4,7 +4,7 @@ use foxglove::{Encode, Schema};
 use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
 use prost::Message;
 use prost::bytes::BufMut;
-use scene::{JointState, Object, ObjectSnapshot, Pose, RobotDef, RobotSnapshot};
+use scene::{Fnv, JointState, Object, ObjectSnapshot, Pose, RobotDef, RobotSnapshot};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
 
@@ -114,9 +114,9 @@ impl ObjectSpawned {
 impl PictureTaken {
     /// Creates the record of a picture. `png` is its file.
     pub fn new(robot: u64, sensor: usize, moment: f64, png: &[u8]) -> Self {
-        let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-        let digest = png.iter().fold(0xcbf2_9ce4_8422_2325, mix);
-        Self { robot, sensor: sensor as u32, moment, digest }
+        let mut digest = Fnv::default();
+        digest.mix(png);
+        Self { robot, sensor: sensor as u32, moment, digest: digest.value() }
     }
 }
 

@@ -6,6 +6,7 @@
 mod actuator;
 pub mod check;
 mod drawing;
+mod fnv;
 mod hull;
 mod link;
 mod map;
@@ -27,6 +28,7 @@ use serde::{Deserialize, Serialize};
 
 pub use actuator::{Actuator, Gripper};
 pub use drawing::{Drawn, Geometry, Visual};
+pub use fnv::Fnv;
 pub use hull::hull_surface;
 pub use link::{Coupling, CouplingKind, Joint, JointKind, Link, Part, ROOT, WHEEL_AXIS};
 pub use map::{MapDef, NamedPose, Object};
