@@ -104,6 +104,14 @@ struct Job {
     across: f64,
 }
 
+impl Job {
+    /// Creates the picture of what a camera sees now. `None` if the sensor is no camera.
+    fn of(world: &World, robot: PawnId, sensor: usize) -> Option<Self> {
+        let across = world.field_of_view(robot, sensor)?;
+        Some(Self { scene: world.scene().clone(), snapshot: world.snapshot(), robot, sensor, across })
+    }
+}
+
 /// The world's end of the drawing thread.
 pub(crate) struct Cameras {
     demand: Demand,
@@ -138,12 +146,10 @@ impl Cameras {
         if self.drawn.get(&(robot, sensor)).is_some_and(|last| now.duration_since(*last) < INTERVAL) {
             return;
         }
-        let Some(across) = world.field_of_view(robot, sensor) else { return };
         if self.jobs.is_none() {
             self.jobs = self.start();
         }
-        let Some(jobs) = &self.jobs else { return };
-        let job = Job { scene: world.scene().clone(), snapshot: world.snapshot(), robot, sensor, across };
+        let (Some(jobs), Some(job)) = (&self.jobs, Job::of(world, robot, sensor)) else { return };
         match jobs.try_send(job) {
             Ok(()) => {
                 self.drawn.insert((robot, sensor), now);
@@ -186,32 +192,21 @@ pub(crate) struct Shot {
 impl Shots {
     /// Begins to draw what a camera sees now.
     pub(crate) fn take(&mut self, world: &World, robot: PawnId, sensor: usize) {
-        let Some(across) = world.field_of_view(robot, sensor) else { return };
         if self.due.len() >= MAX_SHOTS {
             return;
         }
         if self.thread.is_none() {
             self.thread = start_shots();
         }
-        let job = Job { scene: world.scene().clone(), snapshot: world.snapshot(), robot, sensor, across };
-        if self.thread.as_ref().is_some_and(|(jobs, _)| jobs.send(job).is_ok()) {
+        let (Some((jobs, _)), Some(job)) = (&self.thread, Job::of(world, robot, sensor)) else { return };
+        if jobs.send(job).is_ok() {
             self.due.push_back(world.time() + DELAY);
         }
     }
 
-    /// Returns the pictures that are due at a simulated time, s.
+    /// Returns the pictures that are due at a simulated time, s, and waits for them.
     pub(crate) fn due(&mut self, time: f64) -> Vec<Shot> {
         let count = self.due.iter().take_while(|due| **due <= time + 1e-9).count();
-        self.finish(count)
-    }
-
-    /// Forgets the pictures that are being drawn: the world started over.
-    pub(crate) fn forget(&mut self) {
-        self.finish(self.due.len());
-    }
-
-    /// Waits for the oldest pictures.
-    fn finish(&mut self, count: usize) -> Vec<Shot> {
         self.due.drain(..count);
         let Some((_, done)) = &self.thread else { return Vec::new() };
         // An error means that the thread has panicked: its pictures are missing.

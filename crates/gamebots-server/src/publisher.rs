@@ -159,7 +159,8 @@ impl Publisher {
     /// Replaces the old world with a fresh one, for viewers and logs.
     pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) {
         (self.snapshot, self.journal) = (None, Journal::of(new));
-        self.shots.iter_mut().for_each(Shots::forget);
+        // The thread ends by itself: nobody takes the pictures of the old world.
+        self.shots.iter_mut().for_each(|shots| *shots = Shots::default());
         if old.def().map.name != new.def().map.name {
             self.live.show(new.def());
         }

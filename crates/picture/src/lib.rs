@@ -69,22 +69,15 @@ struct Fineness {
 }
 
 /// Draws a snapshot of a world. Width and height are in pixels.
-pub fn picture(def: &WorldDef, snapshot: &Snapshot, camera: &Camera, width: usize, height: usize) -> Image {
+pub fn picture(stage: &Stage, def: &WorldDef, snapshot: &Snapshot, camera: &Camera, size: [usize; 2]) -> Image {
     let distance = (camera.eye - camera.target).norm();
     let (reach, fade_unit) = (SHADOW_REACH * distance, distance.max(LEAST_FADE_UNIT));
     let fineness = Fineness { samples: SAMPLES, shadow_size: SHADOW_SIZE, reach, fade_unit, is_quick: false };
-    draw(Stage::new(def).scene(def, snapshot, None), camera, [width, height], &fineness)
+    draw(stage.scene(def, snapshot, None), camera, size, &fineness)
 }
 
 /// Draws what a camera of a robot sees. Width and height are in pixels. Shadows fall within a few metres in front of it.
-pub fn view(
-    stage: &Stage,
-    def: &WorldDef,
-    snapshot: &Snapshot,
-    robot: PawnId,
-    camera: &Camera,
-    size: [usize; 2],
-) -> Image {
+fn view(stage: &Stage, def: &WorldDef, snapshot: &Snapshot, robot: PawnId, camera: &Camera, size: [usize; 2]) -> Image {
     let ahead = (camera.target - camera.eye).normalize();
     let camera = Camera { target: camera.eye + ahead * VIEW_DISTANCE, ..*camera };
     let fineness =
@@ -206,7 +199,6 @@ impl Image {
 ///
 /// # Errors
 /// When there is no image, or it has no pixels.
-/// When there is no picture, or it has no pixels.
 pub fn film(pictures: &[Image], frames_per_second: u16) -> Result<Vec<u8>, png::EncodingError> {
     let (width, height) = pictures.first().map_or((0, 0), |first| (first.width, first.height));
     let mut file = Vec::new();
@@ -261,9 +253,13 @@ mod tests {
         world
     }
 
+    fn whole(world: &World, camera: &Camera, size: [usize; 2]) -> Image {
+        picture(&Stage::new(world.def()), world.def(), &world.snapshot(), camera, size)
+    }
+
     fn from_above(world: &World) -> Image {
         let (eye, target) = (Point3::new(0.0, 0.0, -2.0), Point3::origin());
-        picture(world.def(), &world.snapshot(), &Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 }, 90, 60)
+        whole(world, &Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 }, [90, 60])
     }
 
     /// Returns red, green and blue at fractions of width and height.
@@ -293,8 +289,8 @@ mod tests {
         let camera = Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 };
         let (width, height) = (900, 700);
         assert!(width * height * SAMPLES * SAMPLES > BAND);
-        let large = picture(world.def(), &world.snapshot(), &camera, width, height);
-        let small = picture(world.def(), &world.snapshot(), &camera, width / 10, height / 10);
+        let large = whole(&world, &camera, [width, height]);
+        let small = whole(&world, &camera, [width / 10, height / 10]);
         let mut differing = 0;
         for (index, pixel) in small.pixels.iter().enumerate() {
             let (x, y) = (index % 90 * 10, index / 90 * 10);
@@ -353,13 +349,7 @@ mod tests {
     fn the_sky_is_above_the_horizon() {
         let (eye, target) = (Point3::new(-2.0, 0.0, -1.0), Point3::new(0.0, 0.0, -1.0));
         let world = world(true);
-        let image = picture(
-            world.def(),
-            &world.snapshot(),
-            &Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 },
-            90,
-            60,
-        );
+        let image = whole(&world, &Camera { eye, target, down: Vector3::z(), field_of_view: 0.6 }, [90, 60]);
         assert_eq!(at(&image, 0.5, 0.05), SKY.map(|part| (part * 255.0_f64).round() as u8));
         assert_ne!(at(&image, 0.5, 0.95), at(&image, 0.5, 0.05));
         let png = image.to_png().unwrap();

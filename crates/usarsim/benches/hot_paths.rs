@@ -101,8 +101,8 @@ fn camera_of_a_p3at(bencher: divan::Bencher) {
     let robot = world.init(&init, &mut Vec::new()).expect("a robot");
     (0..200).for_each(|_| drop(world.step()));
     let (stage, snapshot) = (picture::Stage::new(world.def()), world.snapshot());
-    let def = world.robot(robot).expect("a robot").clone();
-    let sensor = def.sensors.iter().find(|sensor| sensor.name == "Camera").expect("a camera");
-    let camera = picture::Camera::of_robot(&def, &snapshot.robots[0], sensor, 1.3963, [320, 240]).expect("a camera");
-    bencher.bench_local(|| picture::view(&stage, world.def(), &snapshot, robot, &camera, [320, 240]));
+    let sensors = &world.robot(robot).expect("a robot").sensors;
+    let camera = sensors.iter().position(|sensor| sensor.name == "Camera").expect("a camera");
+    let size = picture::SENSOR_SIZE;
+    bencher.bench_local(|| picture::of_sensor(&stage, world.def(), &snapshot, robot, camera, 1.3963, size));
 }

@@ -6,7 +6,7 @@ use gamebots_proto::command::Command;
 use gamebots_proto::{Line, Problem};
 use indicatif::ProgressBar;
 use nalgebra::{Point3, Vector3};
-use picture::{Camera, Image};
+use picture::{Camera, Image, Stage};
 use scene::{DriveModel, Geometry, Pose, Shape};
 use scene_loader::Override;
 use sim_core::{Options, World};
@@ -155,7 +155,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Camera { eye: target + direction * distance, target, down: Vector3::z(), field_of_view: FIELD_OF_VIEW }
         }
     };
-    let draw = |world: &World| picture::picture(world.def(), &world.snapshot(), &camera, width, height);
+    let stage = Stage::new(world.def());
+    let draw = |world: &World| picture::picture(&stage, world.def(), &world.snapshot(), &camera, arguments.size);
     let written = match arguments.film {
         Some(seconds) => picture::film(&film(&mut world, seconds, draw), FRAMES_PER_SECOND),
         None => draw(&world).to_png(),
