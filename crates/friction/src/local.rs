@@ -31,12 +31,7 @@ pub(crate) fn solve(
     }
     // Eliminate the normal, and turn the tangents to the directions that do not couple.
     let [one, other] = [response[(1, 0)], response[(2, 0)]];
-    let block = [
-        response[(1, 1)] - one * one / normal,
-        response[(2, 1)] - one * other / normal,
-        response[(2, 2)] - other * other / normal,
-    ];
-    let left = [missing.y - one * missing.x / normal, missing.z - other * missing.x / normal];
+    let (block, left) = tangents_alone(response, missing);
     let ([first, second], [x, y]) = principal(block);
     let turned = [x * left[0] + y * left[1], x * left[1] - y * left[0]];
     let at = |compliance: f64| {
@@ -83,6 +78,17 @@ pub(crate) fn solve(
     push
 }
 
+/// Eliminates the normal. Returns the response of the tangents (first, coupling, second) and their right-hand side.
+fn tangents_alone(response: &Matrix3<f64>, missing: &Vector3<f64>) -> ([f64; 3], [f64; 2]) {
+    let [normal, one, other] = [response[(0, 0)], response[(1, 0)], response[(2, 0)]];
+    let block = [
+        response[(1, 1)] - one * one / normal,
+        response[(2, 1)] - one * other / normal,
+        response[(2, 2)] - other * other / normal,
+    ];
+    (block, [missing.y - one * missing.x / normal, missing.z - other * missing.x / normal])
+}
+
 /// Solves a contact that holds, or slides along the direction of `holding`. It takes a few products instead of the search of [`solve`],
 /// whose other arguments it shares. If friction along that direction would lift the contact, it falls back to [`solve`].
 pub(crate) fn approach(
@@ -101,12 +107,7 @@ pub(crate) fn approach(
         return Vector3::x() * (missing.x / normal);
     }
     let [one, other] = [response[(1, 0)], response[(2, 0)]];
-    let (first, both, second) = (
-        response[(1, 1)] - one * one / normal,
-        response[(2, 1)] - one * other / normal,
-        response[(2, 2)] - other * other / normal,
-    );
-    let left = [missing.y - one * missing.x / normal, missing.z - other * missing.x / normal];
+    let ([first, both, second], left) = tangents_alone(response, missing);
     let determinant = first * second - both * both;
     let [along, across] =
         [(second * left[0] - both * left[1]) / determinant, (first * left[1] - both * left[0]) / determinant];
