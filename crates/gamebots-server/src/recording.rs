@@ -223,11 +223,10 @@ impl Recording {
 
     /// Returns the path, or the path with the next number that makes it a new file: `run.mcap`, `run-2.mcap`, `run-3.mcap` ...
     fn free(&mut self, name: &Path) -> PathBuf {
-        let stem = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let last = self.numbers.entry(name.to_owned()).or_default();
         loop {
             *last += 1;
-            let path = if *last == 1 { name.to_owned() } else { name.with_file_name(format!("{stem}-{last}.mcap")) };
+            let path = numbered(name, *last);
             let is_taken = is_kept(&path) || self.ros2 && is_kept(&ros2_path(&path));
             if !is_taken {
                 return path;
@@ -236,8 +235,15 @@ impl Recording {
     }
 }
 
-/// True if a log of this name would replace something. Devices and pipes keep nothing; a dangling link belongs to somebody.
-fn is_kept(path: &Path) -> bool {
+/// Returns the path itself as the first, then `run-2.mcap`, `run-3.mcap` .. for `run.mcap`.
+pub(crate) fn numbered(name: &Path, number: u32) -> PathBuf {
+    let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, extension) = (part(name.file_stem()), part(name.extension()));
+    if number == 1 { name.to_owned() } else { name.with_file_name(format!("{stem}-{number}.{extension}")) }
+}
+
+/// True if a file of this name would replace something. Devices and pipes keep nothing; a dangling link belongs to somebody.
+pub(crate) fn is_kept(path: &Path) -> bool {
     match std::fs::metadata(path) {
         Ok(found) => found.is_file(),
         Err(_) => path.is_symlink(),

@@ -2,12 +2,14 @@
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use scene::WorldDef;
 use serde::{Deserialize, Serialize};
 use sim_core::{CompiledScene, SavedWorld, World};
+
+use crate::recording::{is_kept, numbered};
 
 /// The newest format, which is written.
 const FORMAT: u32 = 1;
@@ -80,7 +82,8 @@ impl Saving {
             return Err("not saved: the last save is still being written".to_owned());
         }
         let state = world.save().map_err(|error| format!("not saved: {error}"))?;
-        let (scene, path, time) = (world.scene().clone(), free(name), world.time());
+        let path = (1..).map(|number| numbered(name, number)).find(|path| !is_kept(path)).unwrap_or_default();
+        let (scene, time) = (world.scene().clone(), world.time());
         let (done, news) = channel();
         let write = move || {
             let said = match write(&path, &scene, &state) {
@@ -115,14 +118,4 @@ fn write(path: &Path, scene: &CompiledScene, state: &SavedWorld) -> std::io::Res
     serde_json::to_writer(&mut file, &Written { format: FORMAT, scene: scene.def(), state })?;
     file.flush()?;
     std::fs::rename(part, path)
-}
-
-/// Returns `name.json`, or else `name-2.json`, `name-3.json` .., whichever does not exist yet.
-fn free(name: &Path) -> PathBuf {
-    let stem = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let numbered = |number: u32| match number {
-        1 => name.with_file_name(format!("{stem}.json")),
-        _ => name.with_file_name(format!("{stem}-{number}.json")),
-    };
-    (1..).map(numbered).find(|path| !path.exists()).unwrap_or_default()
 }
