@@ -152,7 +152,7 @@ fn begins_obliquely(before: &str, line: &str) -> bool {
         return false;
     }
     let words = line[3..].trim_start();
-    ["Of ", "What ", "Who ", "Whose ", "Where ", "Whether ", "The same ", "By "]
+    ["Of ", "What ", "Who ", "Whose ", "Where ", "Whether ", "The same ", "By ", "Has "]
         .iter()
         .any(|word| words.starts_with(word))
 }
@@ -181,6 +181,7 @@ fn a_doc_comment_is_judged_by_its_first_line() {
         ("", "/// Of a wheel, rad/s.", true),
         ("fn it() {}", "    /// The same of the rear.", true),
         ("", "//! What the page shows.", true),
+        ("", "    /// Has a fixed root.", true),
         ("/// The speed", "/// of a wheel. Of a caster, none.", false),
         ("/// The speed", "/// Of a wheel.", false),
         ("", "/// Offers a service.", false),

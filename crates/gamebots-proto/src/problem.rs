@@ -170,7 +170,7 @@ pub enum Problem {
     #[error("CONTROL {{Type {order}}} {{Name {name}}}: {why}; nothing is done")]
     ObjectRefused {
         /// The type of the order.
-        order: &'static str,
+        order: String,
         /// The name that was sent.
         name: String,
         /// The reason, in words.

@@ -1,7 +1,7 @@
 //! The thread that owns the world. It takes events, steps at its pace, and sends messages to connections.
 
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -73,7 +73,7 @@ pub(crate) fn spawn(
     };
     let world = world.on_threads(Arc::new(threads.clone()));
     let options = world.options();
-    let orphans = world.pawns().map(|(id, class, name)| (id, class.to_owned(), name.to_owned())).collect();
+    let orphans = world.pawns().map(|(id, ..)| id).collect();
     let saved_as = unnamed_log.with_extension("json");
     let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
     if let Some(path) = log {
@@ -136,7 +136,7 @@ struct Server {
     /// File of saves that a viewer starts; it gets a number if the file exists.
     saved_as: PathBuf,
     /// Pawns of the file that the world was loaded from, until a client takes them over.
-    orphans: Vec<(PawnId, String, String)>,
+    orphans: BTreeSet<PawnId>,
 }
 
 /// Timing of the world's steps.
@@ -480,11 +480,11 @@ impl Server {
     /// Returns the pawn of a loaded world that an INIT takes over: the first of its class and name that no client has.
     fn adopt(&mut self, command: &Command) -> Option<PawnId> {
         let Command::Init(init) = command else { return None };
-        let is_it = |(_, class, name): &(PawnId, String, String)| {
-            class.eq_ignore_ascii_case(init.class()) && *name == init.name
+        let is_it = |(id, class, name): &(PawnId, &str, &str)| {
+            self.orphans.contains(id) && class.eq_ignore_ascii_case(init.class()) && *name == init.name
         };
-        let place = self.orphans.iter().position(is_it)?;
-        Some(self.orphans.remove(place).0).filter(|id| self.world.pawns().any(|(pawn, ..)| pawn == *id))
+        let (id, ..) = self.world.pawns().find(is_it)?;
+        self.orphans.take(&id)
     }
 
     /// Returns the dialect of messages to a connection: its listener's, else the one of the robot's class, else UDK.

@@ -44,3 +44,10 @@ pub struct MapDef {
     /// Path nodes, in the order of the file.
     pub path_nodes: Vec<NamedPose>,
 }
+
+impl MapDef {
+    /// Finds a start pose by its name, in any case.
+    pub fn start(&self, name: &str) -> Option<&NamedPose> {
+        self.starts.iter().find(|start| start.name.eq_ignore_ascii_case(name))
+    }
+}

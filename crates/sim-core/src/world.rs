@@ -494,7 +494,7 @@ impl World {
 
     /// Returns a hash of the number of steps and of the bits of every body. Worlds with different digests differ.
     pub fn digest(&self) -> u64 {
-        let mut hash = seed::Fnv::default();
+        let mut hash = scene::Fnv::default();
         hash.mix(&self.steps.to_le_bytes());
         let mut mix = |number: f64| hash.mix(&number.to_bits().to_le_bytes());
         self.physics.digest(&mut mix);
@@ -534,11 +534,10 @@ impl World {
         if init.start.is_empty() {
             return scene::pose(init.location, init.rotation);
         }
-        let starts = &self.def().map.starts;
-        if let Some(start) = starts.iter().find(|start| start.name.eq_ignore_ascii_case(&init.start)) {
+        if let Some(start) = self.def().map.start(&init.start) {
             return scene::pose(start.position, start.rotation);
         }
-        let known = starts.iter().map(|start| start.name.as_str());
+        let known = self.def().map.starts.iter().map(|start| start.name.as_str());
         problems.push(Problem::unknown_name("Start", &init.start, known, "the origin is used"));
         Pose::identity()
     }

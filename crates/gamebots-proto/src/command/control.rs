@@ -145,6 +145,24 @@ impl Control {
     }
 }
 
+impl Control {
+    /// Returns the name of the object or robot that it is about; empty if it is about several.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Create(Create { name, .. })
+            | Self::Move(Move { name, .. })
+            | Self::SetPath(SetPath { name, .. })
+            | Self::Rotate { name, .. }
+            | Self::AddPoints { name, .. }
+            | Self::ClearPath { name }
+            | Self::Conveyor { name, .. }
+            | Self::Kill { name }
+            | Self::GetSta { name, .. } => name,
+            Self::KillAll { .. } | Self::Unknown { .. } => "",
+        }
+    }
+}
+
 impl ReadWrite for Control {
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
         let name = text(line, "Name");

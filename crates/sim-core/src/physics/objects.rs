@@ -28,13 +28,12 @@ impl Physics {
         object
     }
 
-    /// Removes an object. Returns false if there is none with this id.
-    pub(crate) fn remove_object(&mut self, id: ObjectId) -> bool {
-        let Some(place) = self.place_of(id) else { return false };
+    /// Removes an object, if there is one with this id.
+    pub(crate) fn remove_object(&mut self, id: ObjectId) {
+        let Some(place) = self.place_of(id) else { return };
         let object = self.objects.remove(place);
         self.remove_bodies(object.in_engine().into_iter());
         self.wake_near(object.reach());
-        true
     }
 
     /// Puts an object at a pose, at rest.
@@ -116,7 +115,7 @@ impl Physics {
                 self.objects.push(object);
             }
             let place = self.place_of(saved.id).ok_or(saved.id)?;
-            if !self.objects[place].load(saved) || self.objects[place].is_of_map() != saved.spawned.is_none() {
+            if !self.objects[place].load(saved) {
                 return Err(saved.id);
             }
         }

@@ -11,15 +11,13 @@ use nalgebra::Vector3;
 use scene::{Material, ObjectId, PawnId, Pose, check};
 use serde::{Deserialize, Serialize};
 
-use super::World;
+use super::{MAX_NAME_CHARS, World};
 use crate::sensor::floats;
 
 /// Most objects that controllers may have in a world.
 const MAX_OBJECTS: usize = 1024;
 /// Most points of an object's path.
 const MAX_POINTS: usize = 4096;
-/// Most characters of a name or of a memory.
-const MAX_CHARS: usize = 256;
 /// Largest speed along a path, m/s, and largest rate of turn, rad/s.
 const MAX_SPEED: f64 = 50.0;
 
@@ -131,25 +129,25 @@ impl World {
             return Vec::new();
         };
         let done = match order {
-            Control::Create(create) => ("Create", &create.name, self.create(by, create)),
-            Control::Move(order @ Move { name, is_relative, .. }) => {
-                (if *is_relative { "RelMove" } else { "AbsMove" }, name, self.put(by, order, problems))
-            }
-            Control::Rotate { name, speed } => ("Rotate", name, self.rotate(by, name, *speed)),
-            Control::AddPoints { name, points } => ("AddWP", name, self.add_points(by, name, points)),
-            Control::SetPath(set) => ("SetWP", &set.name, self.set_path(by, set)),
-            Control::ClearPath { name } => ("ClearWP", name, self.clear_path(by, name)),
-            Control::Conveyor { name, .. } => ("Conveyor", name, Err("the map has no such conveyor".to_owned())),
-            Control::Kill { name } => ("Kill", name, self.kill(by, name)),
+            Control::Create(create) => self.create(by, create),
+            Control::Move(order) => self.put(by, order, problems),
+            Control::Rotate { name, speed } => self.rotate(by, name, *speed),
+            Control::AddPoints { name, points } => self.add_points(by, name, points),
+            Control::SetPath(set) => self.set_path(by, set),
+            Control::ClearPath { name } => self.clear_path(by, name),
+            Control::Conveyor { .. } => Err("the map has no such conveyor".to_owned()),
+            Control::Kill { name } => self.kill(by, name),
             Control::KillAll { corners } => {
                 self.kill_all(*corners);
-                return Vec::new();
+                Ok(())
             }
             Control::GetSta { class_name, name } => return vec![self.object_states(by, class_name, name)],
-            Control::Unknown { .. } => return Vec::new(),
+            // The connection has said what is wrong with it.
+            Control::Unknown { .. } => Ok(()),
         };
-        if let (order, name, Err(why)) = done {
-            problems.push(Problem::ObjectRefused { order, name: shown(name), why });
+        if let Err(why) = done {
+            let (order, name) = (order.type_name().to_owned(), shown(order.name()));
+            problems.push(Problem::ObjectRefused { order, name, why });
         }
         Vec::new()
     }
@@ -205,8 +203,8 @@ impl World {
             return Err(format!("controllers have {MAX_OBJECTS} objects in this world already"));
         }
         for (key, text) in [("Name", &create.name), ("Memory", &create.memory)] {
-            if text.chars().count() > MAX_CHARS {
-                return Err(format!("{key} is too long: expected at most {MAX_CHARS} characters"));
+            if text.chars().count() > MAX_NAME_CHARS {
+                return Err(format!("{key} is too long: expected at most {MAX_NAME_CHARS} characters"));
             }
         }
         let material = self.material(&create.material)?;
@@ -277,10 +275,8 @@ impl World {
         if create.start.is_empty() {
             return Ok((create.location, create.rotation));
         }
-        let starts = &self.def().map.starts;
-        let start = starts.iter().find(|start| start.name.eq_ignore_ascii_case(&create.start));
-        let start = start.ok_or_else(|| {
-            let known: Vec<&str> = starts.iter().map(|start| start.name.as_str()).collect();
+        let start = self.def().map.start(&create.start).ok_or_else(|| {
+            let known: Vec<&str> = self.def().map.starts.iter().map(|start| start.name.as_str()).collect();
             format!("there is no start `{}`: expected one of {}", shown(&create.start), known.join(", "))
         })?;
         Ok((start.position, start.rotation))
@@ -409,10 +405,9 @@ impl World {
 
     fn remove_created(&mut self, is_removed: impl Fn(&Self, &Created) -> bool) {
         let removed = self.created.iter().filter(|created| is_removed(self, created)).map(|created| created.id);
-        for id in removed.collect::<Vec<_>>() {
-            self.created.retain(|created| created.id != id);
-            self.physics.remove_object(id);
-        }
+        let removed: Vec<ObjectId> = removed.collect();
+        self.created.retain(|created| !removed.contains(&created.id));
+        removed.into_iter().for_each(|id| self.physics.remove_object(id));
     }
 
     /// Finds an object by its name, in any case: first among the controller's own, then among all others, those of the map included.

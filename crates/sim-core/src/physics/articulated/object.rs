@@ -109,10 +109,6 @@ impl MovableObject {
         &self.def.solid.name
     }
 
-    pub(in super::super) fn is_of_map(&self) -> bool {
-        self.is_of_map
-    }
-
     /// Returns the engine's body.
     pub(in super::super) fn in_engine(&self) -> Option<RigidBodyHandle> {
         self.body.bodies().next()

@@ -98,7 +98,9 @@ pub(in super::super) fn solve<'a>(
     let mut is_asleep: Vec<bool> = robots.iter().map(|_| false).collect();
     let robot_count = robots.len();
     is_asleep.extend(objects.iter().map(MovableObject::is_asleep));
-    let held: Vec<bool> = objects.iter().map(MovableObject::is_held).collect();
+    // Only the engine's robots need to know.
+    let of_engine_alone = if robots_of_engine > 0 { &*objects } else { &[] };
+    let held: Vec<bool> = of_engine_alone.iter().map(MovableObject::is_held).collect();
     let listening = objects.iter().filter(|object| object.is_listening(time_step));
     let listening: Vec<ObjectId> = listening.map(MovableObject::id).collect();
     let mut robots: Vec<&mut ArticulatedRobot> = robots.into_iter().map(|(robot, _)| robot).collect();

@@ -32,11 +32,11 @@ pub(in super::super) struct Tree {
 /// The support of a tree's root.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Footing {
-    /// Stands on the ground.
+    /// The ground, which carries a root that is free to move.
     Free,
-    /// Has its velocities set and no weight.
+    /// The air: the root has no weight, and its velocities are set.
     Flying,
-    /// Has a fixed root.
+    /// A fixed root.
     Fixed,
 }
 
