@@ -99,8 +99,9 @@ fn act(line: &str, clients: &mut [Vec<PawnId>; 3], world: &mut World, sent: &mut
     {
         let executed = world.execute(robots.last().copied(), &command, &mut Vec::new());
         robots.extend(executed.spawned);
-        for message in executed.answers {
-            assert_finite("an answer", &message);
+        for answer in executed.answers {
+            assert_finite("an answer", &answer);
+            let message = world.message(answer).expect("a message");
             let _ = writeln!(sent, "{}", message.write(Dialect::Udk));
         }
         see(world);
@@ -109,8 +110,9 @@ fn act(line: &str, clients: &mut [Vec<PawnId>; 3], world: &mut World, sent: &mut
 
 fn step(world: &mut World, sent: &mut String) {
     let before = world.time();
-    for (PawnId(robot), message) in world.step() {
-        assert_finite("a message", &message);
+    for (PawnId(robot), report) in world.step() {
+        assert_finite("a report", &report);
+        let message = world.message(report).expect("a message");
         let _ = writeln!(sent, "{robot} {}", message.write(Dialect::Udk));
     }
     assert!(world.time() > before);

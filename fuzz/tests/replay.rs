@@ -16,7 +16,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 use recorder::{End, LogWriter, Record, StateTimer, WireLine};
 use scene::WorldDef;
-use sim_core::{Options, World};
+use sim_core::{Options, Report, World};
 
 /// The inputs of a target in the order of their names.
 fn corpus(name: &str) -> Vec<(PathBuf, Vec<u8>)> {
@@ -108,10 +108,12 @@ fn write_log(path: &Path) {
         robot = world.execute(robot, &command, &mut Vec::new()).spawned.or(robot);
     }
     for _ in 0..50 {
-        for (robot, message) in world.step() {
-            let record = WireLine { connection: 1, robot: Some(robot.0), line: message.write(Dialect::Udk) };
-            let records = std::iter::once(Record::Out(record)).chain(Record::sensed(Some(robot.0), &message));
-            records.into_iter().for_each(|record| log.write(world.time(), &record).unwrap());
+        for (robot, report) in world.step() {
+            if let Report::Sensed(sensed) = &report {
+                log.write(world.time(), &Record::Sensed(sensed.clone())).unwrap();
+            }
+            let line = world.message(report).unwrap().write(Dialect::Udk);
+            log.write(world.time(), &Record::Out(WireLine { connection: 1, robot: Some(robot.0), line })).unwrap();
         }
         if states.is_due(world.time()) {
             let records = states.records(&world.def().map, &world.snapshot());

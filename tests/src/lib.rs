@@ -81,16 +81,13 @@ pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -
 
 /// Gives a robot a command line and returns the answers.
 pub fn apply(world: &mut World, robot: PawnId, text: &str) -> Vec<String> {
-    world
-        .execute(Some(robot), &command(text), &mut Vec::new())
-        .answers
-        .iter()
-        .map(|answer| answer.write(Dialect::Udk))
-        .collect()
+    let answers = world.execute(Some(robot), &command(text), &mut Vec::new()).answers.into_iter();
+    answers.filter_map(|answer| Some(world.message(answer)?.write(Dialect::Udk))).collect()
 }
 
 /// Runs a world for a time and returns every message.
 pub fn run(world: &mut World, seconds: f64) -> Vec<Message> {
     let steps = (seconds / TIME_STEP).round() as u64;
-    (0..steps).flat_map(|_| world.step()).map(|(_, message)| message).collect()
+    let mut step = || world.step().into_iter().filter_map(|(_, report)| world.message(report)).collect::<Vec<_>>();
+    (0..steps).flat_map(|_| step()).collect()
 }

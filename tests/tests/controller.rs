@@ -3,7 +3,7 @@
 use gamebots_proto::Command;
 use gamebots_proto::message::Message;
 use nalgebra::Vector3;
-use sim_core::{Options, PawnId, World};
+use sim_core::{Options, PawnId, Report, World};
 use system_tests::{init, run};
 
 /// A world with a controller.
@@ -235,5 +235,5 @@ fn a_controller_that_leaves_takes_only_its_own_objects() {
     assert_eq!(stage.world.objects().count(), of_map - 1 + 2);
     let asked = Command::parse("CONTROL {Type GetSTA}", &mut Vec::new()).expect("a command");
     let answers = stage.world.execute(Some(stage.controller), &asked, &mut Vec::new()).answers;
-    assert!(matches!(&answers[..], [Message::Objects(objects)] if objects.len() == 1), "{answers:?}");
+    assert!(matches!(&answers[..], [Report::Message(Message::Objects(objects))] if objects.len() == 1), "{answers:?}");
 }

@@ -1,6 +1,5 @@
 //! A copy of a world, and a world that was saved and loaded, go on as the world does. Neither disturbs the other.
 
-use gamebots_proto::Dialect;
 use scene::{DriveModel, WorldDef};
 use sim_core::{LoadError, ObjectId, PawnId, SaveError, SavedWorld, World};
 use system_tests::{apply, busy_scene, busy_world, init, world};
@@ -8,11 +7,10 @@ use system_tests::{apply, busy_scene, busy_world, init, world};
 /// Steps for which a world and its copy are compared.
 const STEPS: usize = 60;
 
-/// Advances by one step. Returns the digest and every line.
+/// Advances by one step. Returns the digest and every report with all digits.
 fn step(world: &mut World) -> (u64, Vec<String>) {
-    let messages = world.step();
-    let lines = messages.into_iter().map(|(id, message)| format!("{id:?} {}", message.write(Dialect::Udk)));
-    (world.digest(), lines.collect())
+    let reports = world.step();
+    (world.digest(), reports.into_iter().map(|report| format!("{report:?}")).collect())
 }
 
 /// Compares a world with its copy over the coming steps.
@@ -21,7 +19,7 @@ fn check_alike(world: &mut World, copy: &mut World, name: &str) {
     for number in 0..STEPS {
         let (own, its) = (step(world), step(copy));
         assert_eq!(own.0, its.0, "{name}: digest of step {number} after the copy");
-        assert_eq!(own.1, its.1, "{name}: lines of step {number} after the copy");
+        assert_eq!(own.1, its.1, "{name}: reports of step {number} after the copy");
     }
 }
 

@@ -288,8 +288,10 @@ fn a_viewer_hears_the_sensors_of_the_robots_that_it_names_alone() {
     }
     viewer.send("{\"wire\":false,\"robots\":[1]}");
     for _ in 0..20 {
-        let line = viewer.wait("a line", |message| json(message, "line"));
-        assert_eq!((&line["robot"], &line["direction"]), (&1.into(), &"out".into()), "{line}");
+        let reading = viewer.wait("a reading", |message| json(message, "reading"));
+        assert_eq!(reading["robot"], 1, "{reading}");
+        let values = &reading["quantities"][0]["values"];
+        assert!(values.as_array().is_some_and(|values| !values.is_empty()), "{reading}");
     }
 }
 

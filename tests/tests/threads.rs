@@ -2,22 +2,20 @@
 
 use std::sync::Arc;
 
-use gamebots_proto::Dialect;
 use system_tests::{busy_scene, busy_world};
 use thread_pool::ThreadPool;
 
-/// Returns the digest after every tenth of a second, and every line.
+/// Returns the digest after every tenth of a second, and every report with all digits.
 fn play(threads: &ThreadPool) -> (Vec<u64>, Vec<String>) {
     let mut world = busy_world(busy_scene()).on_threads(Arc::new(threads.clone()));
-    let (mut digests, mut lines) = (Vec::new(), Vec::new());
+    let (mut digests, mut reports) = (Vec::new(), Vec::new());
     for step in 0..1000 {
-        let messages = world.step();
-        lines.extend(messages.into_iter().map(|(id, message)| format!("{id:?} {}", message.write(Dialect::Udk))));
+        reports.extend(world.step().into_iter().map(|report| format!("{report:?}")));
         if step % 50 == 0 {
             digests.push(world.digest());
         }
     }
-    (digests, lines)
+    (digests, reports)
 }
 
 #[test]

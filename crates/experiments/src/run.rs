@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use gamebots_proto::message::{Message, Reading};
+use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Dialect, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
-use scene::{MapDef, PawnId, Pose, RobotDef, WorldDef};
+use scene::{MapDef, PawnId, Pose, Reading, RobotDef, WorldDef};
 use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
-use sim_core::{Options, World};
+use sim_core::{Options, Report, World};
 
 use crate::course::in_words;
 use crate::plan::{Plan, Run, Setup, Tolerances};
@@ -284,16 +284,16 @@ impl Stage {
         let executed = command.map(|command| self.world.execute(self.robot, &command, &mut problems));
         let executed = executed.unwrap_or_default();
         self.robot = executed.spawned.or(self.robot);
-        executed.answers.iter().try_for_each(|answer| self.record_out(answer))?;
+        executed.answers.into_iter().try_for_each(|answer| self.report(answer))?;
         Ok(problems)
     }
 
     /// Advances by one time step. Returns true if a ground truth reading arrived.
     fn step(&mut self) -> Result<bool, RecordError> {
         let mut reading = false;
-        for (_, message) in self.world.step() {
-            reading |= matches!(&message, Message::Sen(sen) if matches!(sen.reading, Reading::GroundTruth(_)));
-            self.record_out(&message)?;
+        for (_, report) in self.world.step() {
+            reading |= matches!(&report, Report::Sensed(sensed) if matches!(sensed.reading, Reading::GroundTruth(_)));
+            self.report(report)?;
         }
         if let Some(log) = &mut self.log {
             let time = self.world.time();
@@ -305,15 +305,18 @@ impl Stage {
         Ok(reading)
     }
 
-    fn record_out(&mut self, message: &Message) -> Result<(), RecordError> {
-        if self.log.is_none() {
-            return Ok(());
+    /// Records a report: a reading, and the line that a client would get.
+    fn report(&mut self, report: Report) -> Result<(), RecordError> {
+        let Some(log) = &mut self.log else { return Ok(()) };
+        if let Report::Sensed(sensed) = &report {
+            log.write(self.world.time(), &Record::Sensed(sensed.clone()))?;
         }
-        let line = self.line(message.write(Dialect::Udk));
-        let (sensed, time) = (Record::sensed(line.robot, message), self.world.time());
-        let records = std::iter::once(Record::Out(line)).chain(sensed);
-        let mut log = self.log.as_mut();
-        records.into_iter().try_for_each(|record| log.as_mut().map_or(Ok(()), |log| log.write(time, &record)))
+        self.world.message(report).map_or(Ok(()), |message| self.record_out(&message))
+    }
+
+    fn record_out(&mut self, message: &Message) -> Result<(), RecordError> {
+        let record = Record::Out(self.line(message.write(Dialect::Udk)));
+        self.log.as_mut().map_or(Ok(()), |log| log.write(self.world.time(), &record))
     }
 
     fn line(&self, line: String) -> WireLine {

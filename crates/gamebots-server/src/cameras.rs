@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use axum::body::Bytes;
 use picture::Stage;
 use recorder::PictureTaken;
-use scene::Snapshot;
+use scene::{Sensed, Snapshot};
 use sim_core::{CompiledScene, PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
@@ -98,17 +98,13 @@ impl Drop for Wish {
 struct Job {
     scene: CompiledScene,
     snapshot: Snapshot,
-    robot: PawnId,
-    sensor: usize,
-    /// Angle from the left to the right edge, rad.
-    across: f64,
+    sensed: Sensed,
 }
 
 impl Job {
-    /// Creates the picture of what a camera sees now. `None` if the sensor is no camera.
-    fn of(world: &World, robot: PawnId, sensor: usize) -> Option<Self> {
-        let across = world.field_of_view(robot, sensor)?;
-        Some(Self { scene: world.scene().clone(), snapshot: world.snapshot(), robot, sensor, across })
+    /// Creates the picture of a camera's reading of this moment.
+    fn new(world: &World, sensed: &Sensed) -> Self {
+        Self { scene: world.scene().clone(), snapshot: world.snapshot(), sensed: sensed.clone() }
     }
 }
 
@@ -137,22 +133,23 @@ impl Cameras {
     }
 
     /// Draws what a camera sees now, if a viewer wants it and the thread keeps up.
-    pub(crate) fn look(&mut self, world: &World, robot: PawnId, sensor: usize) {
-        if !self.demand.wants(robot.0) {
-            self.drawn.remove(&(robot, sensor));
+    pub(crate) fn look(&mut self, world: &World, sensed: &Sensed) {
+        let camera = (sensed.robot, sensed.sensor);
+        if !self.demand.wants(sensed.robot.0) {
+            self.drawn.remove(&camera);
             return;
         }
         let now = Instant::now();
-        if self.drawn.get(&(robot, sensor)).is_some_and(|last| now.duration_since(*last) < INTERVAL) {
+        if self.drawn.get(&camera).is_some_and(|last| now.duration_since(*last) < INTERVAL) {
             return;
         }
         if self.jobs.is_none() {
             self.jobs = self.start();
         }
-        let (Some(jobs), Some(job)) = (&self.jobs, Job::of(world, robot, sensor)) else { return };
-        match jobs.try_send(job) {
+        let Some(jobs) = &self.jobs else { return };
+        match jobs.try_send(Job::new(world, sensed)) {
             Ok(()) => {
-                self.drawn.insert((robot, sensor), now);
+                self.drawn.insert(camera, now);
             }
             Err(TrySendError::Full(_)) => {}
             // The thread has ended by a panic. The next picture starts another.
@@ -191,15 +188,15 @@ pub(crate) struct Shot {
 
 impl Shots {
     /// Begins to draw what a camera sees now.
-    pub(crate) fn take(&mut self, world: &World, robot: PawnId, sensor: usize) {
+    pub(crate) fn take(&mut self, world: &World, sensed: &Sensed) {
         if self.due.len() >= MAX_SHOTS {
             return;
         }
         if self.thread.is_none() {
             self.thread = start_shots();
         }
-        let (Some((jobs, _)), Some(job)) = (&self.thread, Job::of(world, robot, sensor)) else { return };
-        if jobs.send(job).is_ok() {
+        let Some((jobs, _)) = &self.thread else { return };
+        if jobs.send(Job::new(world, sensed)).is_ok() {
             self.due.push_back(world.time() + DELAY);
         }
     }
@@ -226,7 +223,7 @@ fn start_shots() -> Option<(Sender<Job>, Receiver<Option<Shot>>)> {
         let mut stage = None;
         while let Ok(job) = waiting.recv() {
             let shot = png_of(&job, &mut stage).map(|png| {
-                let taken = PictureTaken::new(job.robot.0, job.sensor, job.snapshot.time, &png);
+                let taken = PictureTaken::new(&job.sensed, job.snapshot.time, &png);
                 Shot { taken, png }
             });
             if finished.send(shot).is_err() {
@@ -243,12 +240,12 @@ fn draw(waiting: &Receiver<Job>, pictures: &broadcast::Sender<Picture>) {
     while let Ok(job) = waiting.recv() {
         if let Some(png) = png_of(&job, &mut stage) {
             let mut message = vec![3];
-            message.extend((job.robot.0 as u32).to_le_bytes());
-            message.push(job.sensor as u8);
+            message.extend((job.sensed.robot.0 as u32).to_le_bytes());
+            message.push(job.sensed.sensor as u8);
             message.extend(job.snapshot.time.to_le_bytes());
             message.extend(png);
             // The last viewer may have left.
-            let _ = pictures.send(Picture { robot: job.robot.0, message: message.into() });
+            let _ = pictures.send(Picture { robot: job.sensed.robot.0, message: message.into() });
         }
     }
 }
@@ -259,6 +256,5 @@ fn png_of(job: &Job, prepared: &mut Option<(CompiledScene, Stage)>) -> Option<Ve
         *prepared = Some((job.scene.clone(), Stage::new(job.scene.def())));
     }
     let (_, stage) = prepared.as_ref()?;
-    let Job { scene, snapshot, robot, sensor, across } = job;
-    picture::of_sensor(stage, scene.def(), snapshot, *robot, *sensor, *across, SIZE)?.to_png().ok()
+    picture::of_sensor(stage, job.scene.def(), &job.snapshot, &job.sensed, SIZE)?.to_png().ok()
 }

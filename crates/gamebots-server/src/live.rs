@@ -1,8 +1,8 @@
 //! Live data for viewers. The world's thread makes each message once for all viewers, and no frames while nobody watches.
 //!
-//! Four channels differ in what a slow viewer misses. It gets only the newest frame (see [`frame`]) and [`Status`]. It gets
-//! every [`Notice`], and every [`Line`] of the wire if it wants them. If it falls too far behind, it is told how many it
-//! missed.
+//! Five channels differ in what a slow viewer misses. It gets only the newest frame (see [`frame`]) and [`Status`]. It gets
+//! every [`Notice`], and every [`Line`] of the wire and the readings of robots ([`Measured`]) if it wants them. If it falls too
+//! far behind, it is told how many it missed.
 
 mod frame;
 mod scene_json;
@@ -12,8 +12,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use gamebots_proto::message::{Message, Reading, Sen};
-use scene::{MapDef, ObjectSnapshot, Snapshot, WorldDef};
+use scene::{MapDef, ObjectSnapshot, Reading, Sensed, Snapshot, WorldDef};
 use serde::Serialize;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
@@ -52,6 +51,26 @@ pub(crate) struct Line {
     pub(crate) connection: u64,
     pub(crate) robot: Option<u64>,
     pub(crate) text: String,
+}
+
+/// A reading of a sensor, for viewers that show its numbers.
+#[derive(Debug, Serialize)]
+pub(crate) struct Measured {
+    /// Simulated time, s.
+    time: f64,
+    pub(crate) robot: u64,
+    /// Number of the sensor in the robot's class.
+    sensor: usize,
+    #[serde(rename = "type")]
+    type_name: &'static str,
+    quantities: Vec<scene::Quantity>,
+}
+
+impl Measured {
+    fn new(time: f64, Sensed { robot, sensor, reading }: &Sensed) -> Self {
+        let (type_name, quantities) = (reading.type_name(), reading.quantities());
+        Self { time, robot: robot.0, sensor: *sensor, type_name, quantities }
+    }
 }
 
 /// State that seldom changes.
@@ -118,6 +137,7 @@ pub(crate) struct Channels {
     statuses: watch::Receiver<Arc<str>>,
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
+    readings: broadcast::Sender<Arc<Measured>>,
     demand: Demand,
     pictures: broadcast::Sender<Picture>,
     /// The scene as JSON.
@@ -156,6 +176,10 @@ impl Channels {
         self.pictures.subscribe()
     }
 
+    pub(crate) fn readings(&self) -> broadcast::Receiver<Arc<Measured>> {
+        self.readings.subscribe()
+    }
+
     pub(crate) fn lines(&self) -> broadcast::Receiver<Arc<Line>> {
         self.lines.subscribe()
     }
@@ -167,6 +191,7 @@ pub(crate) struct Broadcast {
     statuses: watch::Sender<Arc<str>>,
     notices: broadcast::Sender<Notice>,
     lines: broadcast::Sender<Arc<Line>>,
+    readings: broadcast::Sender<Arc<Measured>>,
     scene: watch::Sender<Bytes>,
     /// The server's part of the scene; none if no page is served.
     about: Option<About>,
@@ -196,7 +221,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) ->
     let (frames, frames_end) = watch::channel(Bytes::new());
     let (statuses, statuses_end) = watch::channel(Arc::from("{}"));
     let ((notices, _), (lines, _)) = (broadcast::channel(MAX_NOTICES), broadcast::channel(MAX_NOTICES));
-    let (speaking, listening) = (notices.clone(), lines.clone());
+    let (readings, _) = broadcast::channel(MAX_NOTICES);
     let (scene, scene_end) = watch::channel(scene(world, about.as_ref()));
     let (objects, objects_end) = watch::channel(Bytes::from_static(b"[]"));
     let cameras = Cameras::new();
@@ -205,8 +230,9 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) ->
         pictures: cameras.pictures(),
         frames: frames_end,
         statuses: statuses_end,
-        notices: speaking,
-        lines: listening,
+        notices: notices.clone(),
+        lines: lines.clone(),
+        readings: readings.clone(),
         scene: scene_end,
         objects: objects_end,
     };
@@ -217,6 +243,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) ->
         statuses,
         notices,
         lines,
+        readings,
         scene,
         about,
         scenes: 0,
@@ -311,25 +338,36 @@ impl Broadcast {
         }
     }
 
-    /// Publishes the ranges of a laser or a sonar, or a camera's picture, but no more often than a viewer can follow.
-    pub(crate) fn scan(&mut self, world: &World, robot: PawnId, message: &Message) {
-        let Message::Sen(Sen { reading, sensor: Some(number), .. }) = message else { return };
-        let ranges = match reading {
-            Reading::RangeScanner(scan) => scan.ranges.as_slice(),
+    /// Publishes a reading to viewers who want it. The ranges of lasers and sonars and the pictures of cameras go out no more often
+    /// than a viewer can follow.
+    pub(crate) fn sensed(&mut self, world: &World, sensed: &Sensed) {
+        let ranges = match &sensed.reading {
+            Reading::RangeScanner(scan) => &*scan.ranges,
             Reading::Sonar(sonar) => std::slice::from_ref(&sonar.range),
-            Reading::Camera(_) => return self.cameras.look(world, robot, *number),
-            _ => return,
+            Reading::Camera(_) => {
+                self.cameras.look(world, sensed);
+                &[]
+            }
+            _ => &[],
         };
+        if self.readings.receiver_count() > 0 {
+            // The last listener may just have left.
+            let _ = self.readings.send(Arc::new(Measured::new(world.time(), sensed)));
+        }
+        if ranges.is_empty() {
+            return;
+        }
         if !self.is_watched() {
             self.scanned.clear();
             return;
         }
-        let (now, sensor) = (Instant::now(), (robot, *number));
+        let (now, sensor) = (Instant::now(), (sensed.robot, sensed.sensor));
         if self.scanned.get(&sensor).is_some_and(|last| now.duration_since(*last) < SCAN_INTERVAL) {
             return;
         }
         self.scanned.insert(sensor, now);
-        if let Some(scan) = world.robot(robot).and_then(|def| frame::scan(def, robot.0, *number, ranges)) {
+        let robot = sensed.robot;
+        if let Some(scan) = world.robot(robot).and_then(|def| frame::scan(def, robot.0, sensed.sensor, ranges)) {
             let _ = self.notices.send(Notice::Scan(scan.into()));
         }
     }
@@ -342,7 +380,6 @@ impl Broadcast {
 
 #[cfg(test)]
 mod tests {
-    use gamebots_proto::message::Sonar;
     use sim_core::Options;
 
     use super::*;
@@ -353,8 +390,8 @@ mod tests {
         let about = About { seed: 0, time_step: 0.002, port: 0, maps: Vec::new() };
         let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about));
         let scan = |broadcast: &mut Broadcast, robot| {
-            let reading = Reading::Sonar(Sonar { name: "F1".to_owned(), range: 1.0 });
-            broadcast.scan(&world, PawnId(robot), &Message::Sen(Sen { time: Some(0.0), reading, sensor: Some(0) }));
+            let reading = Reading::from(scene::sensor::sonar::Reading { range: 1.0 });
+            broadcast.sensed(&world, &Sensed { robot: PawnId(robot), sensor: 0, reading });
             broadcast.scanned.len()
         };
         assert_eq!(scan(&mut broadcast, 0), 0);

@@ -4,9 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use gamebots_proto::message::{Message, Reading, Sen};
 use recorder::{Record, RecordError, WireLine};
-use scene::Snapshot;
+use scene::{Reading, Sensed, Snapshot};
 use sim_core::{PawnId, World};
 
 use crate::cameras::{Shot, Shots};
@@ -40,33 +39,24 @@ impl Publisher {
         self.live.line(|| Line { time: world.time(), direction: "in", connection, robot, text: line.to_owned() });
     }
 
-    /// Publishes a line that goes to a client, and records its messages. `robot` is the robot that they are about, if any.
-    pub(crate) fn sent(
-        &mut self,
-        world: &World,
-        connection: ConnectionId,
-        robot: Option<PawnId>,
-        messages: &[&Message],
-        line: &str,
-    ) {
+    /// Publishes a line that goes to a client. `robot` is the robot that it is about, if any.
+    pub(crate) fn sent(&mut self, world: &World, connection: ConnectionId, robot: Option<PawnId>, line: &str) {
         let robot = robot.map(|robot| robot.0);
         if self.recording.is_wanted() {
             self.recording.record(world, Record::Out(WireLine { connection, robot, line: line.to_owned() }));
-            for sensed in messages.iter().filter_map(|message| Record::sensed(robot, message)) {
-                self.recording.record(world, sensed);
-            }
         }
         self.live.line(|| Line { time: world.time(), direction: "out", connection, robot, text: line.to_owned() });
     }
 
-    /// Shows viewers a robot's report, whether or not the robot has a client.
-    pub(crate) fn reported(&mut self, world: &World, robot: PawnId, message: &Message) {
-        self.live.scan(world, robot, message);
-        if let (Some(shots), Message::Sen(Sen { reading: Reading::Camera(_), sensor: Some(sensor), .. })) =
-            (&mut self.shots, message)
-            && self.recording.is_wanted()
-        {
-            shots.take(world, robot, *sensor);
+    /// Publishes a reading, whether or not the robot has a client.
+    pub(crate) fn sensed(&mut self, world: &World, sensed: &Sensed) {
+        self.live.sensed(world, sensed);
+        if !self.recording.is_wanted() {
+            return;
+        }
+        self.recording.record(world, Record::Sensed(sensed.clone()));
+        if let (Some(shots), Reading::Camera(_)) = (&mut self.shots, &sensed.reading) {
+            shots.take(world, sensed);
         }
     }
 

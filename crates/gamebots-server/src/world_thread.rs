@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
 use gamebots_proto::{Command, Dialect};
 use scene::{MapDef, WorldDef};
-use sim_core::{Executed, LostRobot, PawnId, World};
+use sim_core::{Executed, LostRobot, PawnId, Report, World};
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
@@ -205,9 +205,11 @@ impl Server {
 
     fn step(&mut self) {
         let start = Instant::now();
-        let reports = self.world.step();
-        for of_robot in reports.chunk_by(|(robot, _), (next, _)| robot == next) {
-            self.report(of_robot);
+        let mut reports = self.world.step().into_iter().peekable();
+        while let Some(&(robot, _)) = reports.peek() {
+            let own = std::iter::from_fn(|| reports.next_if(|(next, _)| *next == robot));
+            let own: Vec<Report> = own.map(|(_, report)| report).collect();
+            self.report(robot, own);
         }
         for lost in self.world.take_lost() {
             self.report_lost(&lost);
@@ -461,13 +463,15 @@ impl Server {
             Some(pawn) => Some(Executed { spawned: Some(pawn), ..Executed::default() }),
             None => command.as_ref().map(|command| self.world.execute(pawn, command, &mut problems)),
         };
-        let Executed { mut answers, found, spawned } = executed.unwrap_or_default();
+        let Executed { answers, found, spawned } = executed.unwrap_or_default();
         let (refusals, warnings) = session.refuse(text, &problems, Instant::now());
         if let Some(robot) = spawned {
             self.owners.add(robot, id, text.clone());
             self.publisher.changed(Instant::now());
         }
         warnings.iter().for_each(|warning| self.publisher.warn(&self.world, warning));
+        self.publish_readings(&answers);
+        let mut answers: Vec<Message> = answers.into_iter().filter_map(|answer| self.world.message(answer)).collect();
         let robot = spawned.or(pawn);
         let dialect = self.dialect(id, robot);
         let time = self.world.time() as f32;
@@ -496,19 +500,27 @@ impl Server {
         self.sessions.get(&id).and_then(Session::dialect).unwrap_or_else(of_robot)
     }
 
-    /// Publishes one robot's reports of a step, and sends them to its owner.
-    fn report(&mut self, reports: &[(PawnId, Message)]) {
-        let Some(&(robot, _)) = reports.first() else { return };
-        reports.iter().for_each(|(_, message)| self.publisher.reported(&self.world, robot, message));
+    /// Publishes one robot's readings of a step, and sends its reports to its owner.
+    fn report(&mut self, robot: PawnId, reports: Vec<Report>) {
+        self.publish_readings(&reports);
         if let Some(owner) = self.owners.of(robot) {
-            self.send(owner, Some(robot), reports.iter().map(|(_, message)| message));
+            let messages = reports.into_iter().filter_map(|report| self.world.message(report));
+            self.send(owner, Some(robot), &messages.collect::<Vec<_>>());
+        }
+    }
+
+    fn publish_readings(&mut self, reports: &[Report]) {
+        for report in reports {
+            if let Report::Sensed(sensed) = report {
+                self.publisher.sensed(&self.world, sensed);
+            }
         }
     }
 
     /// Sends messages that belong together. `robot` is the robot that they are about, if any.
     fn send<'a>(&mut self, id: ConnectionId, robot: Option<PawnId>, messages: impl IntoIterator<Item = &'a Message>) {
         for WrittenLine { line, messages } in message::lines(messages, self.dialect(id, robot)) {
-            self.publisher.sent(&self.world, id, robot, &messages, &line);
+            self.publisher.sent(&self.world, id, robot, &line);
             if let Some(session) = self.sessions.get(&id) {
                 session.outbox().push(line, messages.iter().all(|message| message.is_periodic()));
             }

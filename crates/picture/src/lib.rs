@@ -10,7 +10,7 @@ mod raster;
 mod stage;
 
 use nalgebra::{Point3, Vector3};
-use scene::{PawnId, Snapshot, WorldDef};
+use scene::{PawnId, Reading, Sensed, Snapshot, WorldDef};
 
 pub use camera::Camera;
 pub use stage::Stage;
@@ -89,21 +89,20 @@ fn view(stage: &Stage, def: &WorldDef, snapshot: &Snapshot, robot: PawnId, camer
 /// Width and height of the picture of a robot's camera, pixels, as USARSim's.
 pub const SENSOR_SIZE: [usize; 2] = [320, 240];
 
-/// Draws what a sensor of a robot sees, by its number in the class. `across` is the angle from the left to the right edge, rad. `None` if
-/// there is no such robot or sensor.
+/// Draws the picture of a camera's reading from the snapshot of its moment. `None` if the reading is another sensor's, or the robot or its
+/// sensor is missing.
 pub fn of_sensor(
     stage: &Stage,
     def: &WorldDef,
     snapshot: &Snapshot,
-    robot: PawnId,
-    sensor: usize,
-    across: f64,
+    sensed: &Sensed,
     size: [usize; 2],
 ) -> Option<Image> {
-    let seen = snapshot.robots.iter().find(|seen| seen.id == robot)?;
+    let Reading::Camera(reading) = &sensed.reading else { return None };
+    let seen = snapshot.robots.iter().find(|seen| seen.id == sensed.robot)?;
     let class = def.robots.get(&seen.class)?;
-    let camera = Camera::of_robot(class, seen, class.sensors.get(sensor)?, across, size)?;
-    Some(view(stage, def, snapshot, robot, &camera, size))
+    let camera = Camera::of_robot(class, seen, class.sensors.get(sensed.sensor)?, reading.field_of_view, size)?;
+    Some(view(stage, def, snapshot, sensed.robot, &camera, size))
 }
 
 fn draw(

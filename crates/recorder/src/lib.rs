@@ -26,7 +26,8 @@ mod writer;
 pub use file::{Storage, storage};
 pub use live::{Latched, Live};
 pub use messages::{
-    ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, Quaternion, RobotLeft, RobotState, Vector, WireLine,
+    ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, Quantity, Quaternion, RobotLeft, RobotState,
+    SensorReading, Vector, WireLine,
 };
 pub use reader::{Entry, Log, ReadError, read, scene};
 pub use recover::{RecoverError, Recovered, recover};
@@ -34,9 +35,8 @@ pub use table::{Column, Table};
 pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink, ros2_path};
 
 use foxglove::Encode;
-use gamebots_proto::message::{Message, Reading, Sen};
 use mcap::McapResult;
-use scene::{MapDef, ObjectId, ObjectSnapshot, Snapshot};
+use scene::{MapDef, ObjectId, ObjectSnapshot, Sensed, Snapshot};
 
 /// Interval between two recorded states of the robots, s.
 pub const STATE_INTERVAL: f64 = 0.02;
@@ -125,7 +125,7 @@ pub enum Record {
     In(WireLine),
     /// A sent line.
     Out(WireLine),
-    /// A sensor's reading, beside the line that contains it; a log has only the line.
+    /// A reading of a robot's sensor.
     Sensed(Sensed),
     /// A connection that ended, without a robot or a line.
     Closed(WireLine),
@@ -147,24 +147,7 @@ pub enum Record {
     Map(Box<MapDef>),
 }
 
-/// A reading of a robot's sensor.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sensed {
-    /// The robot's number.
-    pub robot: u64,
-    /// Number of the sensor in the robot's class.
-    pub sensor: usize,
-    /// The reading.
-    pub reading: Reading,
-}
-
 impl Record {
-    /// Returns the record of a message beside its line, which goes to the robot's client; `None` if it is no reading.
-    pub fn sensed(robot: Option<u64>, message: &Message) -> Option<Self> {
-        let Message::Sen(Sen { reading, sensor, .. }) = message else { return None };
-        Some(Self::Sensed(Sensed { robot: robot?, sensor: (*sensor)?, reading: reading.clone() }))
-    }
-
     /// Returns the bytes of memory that the record takes with its time, approximately: spare capacity of buffers is not
     /// counted.
     pub fn size(&self) -> usize {
@@ -179,9 +162,7 @@ impl Record {
             Self::Picture(_, png) => png.len(),
             Self::Warning(text) => text.len(),
             Self::Left(_) | Self::ObjectRemoved(_) | Self::Map(_) => 0,
-            // Only the ranges of a scan are counted; the rest is small.
-            Self::Sensed(Sensed { reading: Reading::RangeScanner(scan), .. }) => size_of_val(scan.ranges.as_slice()),
-            Self::Sensed(_) => 0,
+            Self::Sensed(sensed) => sensed.reading.held(),
         };
         size_of::<(f64, Self)>() + held
     }

@@ -4,7 +4,7 @@ use foxglove::{Encode, Schema};
 use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
 use prost::Message;
 use prost::bytes::BufMut;
-use scene::{Fnv, JointState, Object, ObjectSnapshot, Pose, RobotDef, RobotSnapshot};
+use scene::{Fnv, JointState, Object, ObjectSnapshot, PawnId, Pose, Reading, RobotDef, RobotSnapshot, Sensed};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
 
@@ -31,7 +31,9 @@ macro_rules! encode {
     )*};
 }
 
-encode! { WireLine, RobotLeft, RobotState, ObjectState, ObjectSpawned, ObjectRemoved, PictureTaken, }
+encode! {
+    WireLine, RobotLeft, RobotState, ObjectState, ObjectSpawned, ObjectRemoved, SensorReading, PictureTaken,
+}
 
 impl RobotState {
     /// Creates the state of a robot from its snapshot.
@@ -111,12 +113,37 @@ impl ObjectSpawned {
     }
 }
 
+impl SensorReading {
+    pub(crate) fn new(sensed: &Sensed) -> Self {
+        let quantity = |scene::Quantity { name, unit, values }| {
+            let (name, unit) = (str::to_owned(name), str::to_owned(unit));
+            Quantity { name, unit, values }
+        };
+        Self {
+            robot: sensed.robot.0,
+            sensor: sensed.sensor as u32,
+            r#type: sensed.reading.type_name().to_owned(),
+            quantities: sensed.reading.quantities().into_iter().map(quantity).collect(),
+        }
+    }
+
+    /// Returns the reading, or `None` for a type that this program does not know.
+    pub(crate) fn sensed(&self) -> Option<Sensed> {
+        let find = |name: &str| {
+            let named = self.quantities.iter().find(|quantity| quantity.name == name);
+            named.map(|quantity| quantity.values.as_slice())
+        };
+        let reading = Reading::read(&self.r#type, &find)?;
+        Some(Sensed { robot: PawnId(self.robot), sensor: self.sensor as usize, reading })
+    }
+}
+
 impl PictureTaken {
-    /// Creates the record of a picture. `png` is its file.
-    pub fn new(robot: u64, sensor: usize, moment: f64, png: &[u8]) -> Self {
+    /// Creates the record of the picture of a camera's reading at a simulated time, s. `png` is its file.
+    pub fn new(sensed: &Sensed, moment: f64, png: &[u8]) -> Self {
         let mut digest = Fnv::default();
         digest.mix(png);
-        Self { robot, sensor: sensor as u32, moment, digest: digest.value() }
+        Self { robot: sensed.robot.0, sensor: sensed.sensor as u32, moment, digest: digest.value() }
     }
 }
 

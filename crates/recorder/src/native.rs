@@ -8,14 +8,14 @@ use foxglove::messages::{
     self as fox, FrameTransform, FrameTransforms, JointState, JointStates, PoseInFrame, SceneEntityDeletion,
     SceneUpdate, Timestamp,
 };
-use gamebots_proto::message::{RangeScanner, Reading};
 use mcap::McapResult;
-use scene::{MapDef, Pose, RobotDef, WorldDef};
+use scene::{MapDef, Pose, Reading, RobotDef, Sensed, WorldDef};
 
 use crate::file::nanoseconds;
 use crate::slots::{Slots, Slotted};
 use crate::{
-    LEFT, OBJECTS, ObjectSpawned, ObjectState, PictureTaken, Publish, Record, RobotLeft, RobotState, Sensed, drawing,
+    LEFT, OBJECTS, ObjectSpawned, ObjectState, PictureTaken, Publish, Record, RobotLeft, RobotState, SensorReading,
+    drawing,
 };
 
 /// Converts records to messages.
@@ -41,7 +41,7 @@ impl Native {
         match record {
             Record::In(line) => file.publish(time, "/wire/in", line),
             Record::Out(line) => file.publish(time, "/wire/out", line),
-            Record::Sensed(sensed) => self.write_scan(time, sensed, file),
+            Record::Sensed(sensed) => self.write_reading(time, sensed, file),
             Record::Closed(line) => {
                 file.publish(time, "/wire/closed", line)?;
                 let text = format!("connection {} ended", line.connection);
@@ -171,13 +171,16 @@ impl Native {
         file.publish(time, &topic("image"), &image)
     }
 
-    fn write_scan(&self, time: f64, sensed: &Sensed, file: &mut impl Publish) -> McapResult<()> {
-        let Sensed { robot, sensor, reading: Reading::RangeScanner(scan) } = sensed else { return Ok(()) };
-        let RangeScanner { name, ranges, .. } = scan;
-        let Some(Slotted { slot, class }) = self.slots.get(*robot) else { return Ok(()) };
-        let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(*sensor));
-        let Some(fan) = sensor.and_then(|sensor| sensor.config.fan()).filter(|fan| fan.level) else { return Ok(()) };
-        let steps = ranges.len().saturating_sub(1) as f64;
+    /// Publishes a reading, and the scan of a level laser for Foxglove.
+    fn write_reading(&self, time: f64, sensed: &Sensed, file: &mut impl Publish) -> McapResult<()> {
+        let Some(Slotted { slot, class }) = self.slots.get(sensed.robot.0) else { return Ok(()) };
+        let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(sensed.sensor));
+        let Some(sensor) = sensor else { return Ok(()) };
+        let name = &sensor.name;
+        file.publish(time, &topic(*slot, &format!("sensor/{name}/reading")), &SensorReading::new(sensed))?;
+        let Reading::RangeScanner(scan) = &sensed.reading else { return Ok(()) };
+        let Some(fan) = sensor.config.fan().filter(|fan| fan.level) else { return Ok(()) };
+        let steps = scan.ranges.len().saturating_sub(1) as f64;
         let scan = fox::LaserScan {
             timestamp: Some(timestamp(time)),
             frame_id: format!("{}/{name}", robot_frame(*slot)),
@@ -185,7 +188,7 @@ impl Native {
             // From the right to the left; z is down, so the right is positive.
             start_angle: fan.first,
             end_angle: fan.first - steps * fan.resolution,
-            ranges: ranges.iter().map(|&range| f64::from(range)).collect(),
+            ranges: scan.ranges.to_vec(),
             intensities: Vec::new(),
         };
         file.publish(time, &topic(*slot, &format!("sensor/{name}")), &scan)

@@ -14,7 +14,7 @@ use scene::WorldDef;
 use crate::records::{self, Damage, Record as Raw};
 use crate::{
     END, FORMAT, LEFT, OBJECTS, ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, RUN, Record, RobotLeft,
-    RobotState, WireLine,
+    RobotState, SensorReading, WireLine,
 };
 
 /// Most bytes in memory for a byte of the file; the log of a youBot takes three. A file that takes more was made to fill the
@@ -26,6 +26,8 @@ const ALWAYS_ALLOWED: u64 = 64 << 20;
 const MAX_LINE: usize = 3 * MAX_LINE_BYTES;
 /// Most joints of a robot: a table has columns for all joints of the robot with the most joints.
 const MAX_JOINTS: usize = scene::check::MAX_LINKS;
+/// Longest reading, bytes: more than that of a laser with the most beams. While it is decoded, an empty quantity takes 30 times its bytes.
+const MAX_READING: usize = 1 << 18;
 
 /// One record with its simulated time, s.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,6 +162,7 @@ enum Topic {
     Object,
     ObjectSpawned,
     ObjectRemoved,
+    Sensed,
     Picture,
     Log,
     /// A channel that only shows the content of another one.
@@ -178,6 +181,7 @@ impl Topic {
             "/log" => Self::Log,
             _ => match topic.split('/').collect::<Vec<_>>()[..] {
                 ["", "robot", _, "state"] => Self::State,
+                ["", "robot", _, "sensor", _, "reading"] => Self::Sensed,
                 ["", "robot", _, "sensor", _, "picture"] => Self::Picture,
                 ["", "map", "object", _] => Self::Object,
                 _ => Self::Other,
@@ -194,6 +198,13 @@ impl Topic {
             Self::State => RobotState::decode(data).map(Record::State),
             Self::Object => ObjectState::decode(data).map(Record::Object),
             Self::ObjectSpawned => ObjectSpawned::decode(data).map(Record::ObjectSpawned),
+            Self::Sensed if data.len() > MAX_READING => {
+                return Err(Damage(format!("a reading of {} bytes: expected at most {MAX_READING}", data.len())));
+            }
+            Self::Sensed => match SensorReading::decode(data) {
+                Ok(reading) => return Ok(reading.sensed().map(Record::Sensed)),
+                Err(reason) => Err(reason),
+            },
             Self::Picture => PictureTaken::decode(data).map(|taken| Record::Picture(taken, Vec::new())),
             Self::ObjectRemoved => ObjectRemoved::decode(data).map(Record::ObjectRemoved),
             Self::Log => match LogMessage::decode(data) {

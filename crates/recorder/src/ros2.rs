@@ -1,23 +1,24 @@
 //! The log as messages of ROS 2, in a separate file: the profile is `ros2`, and messages are CDR. `docs/logs.md` lists the
-//! topics. Frames are those of REP 103: x forward, y left, z up. A sensor's numbers are the wire's, with its decimals.
+//! topics. Frames are those of REP 103: x forward, y left, z up.
 
 mod messages;
 
 use std::path::Path;
 
-use gamebots_proto::message::{Ins, Reading};
 use mcap::McapResult;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use scene::sensor::{Config, Fan};
-use scene::{Pose, RobotDef, SensorDef, WorldDef};
+use scene::sensor::{Config, Fan, imu};
+use scene::{Pose, Reading, RobotDef, Sensed, SensorDef, WorldDef};
 
 use self::messages as ros;
 use crate::file::{LogFile, Storage, nanoseconds};
 use crate::slots::{Slots, Slotted};
-use crate::{ObjectState, Publish, Record, RecordError, RobotState, Sensed};
+use crate::{ObjectState, Publish, Record, RecordError, RobotState};
 
 /// Value in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
 const NOT_MEASURED: f64 = -1.0;
+/// Acceleration of free fall, m/s².
+const GRAVITY: f64 = 9.81;
 
 /// Begins a file for the messages.
 pub(crate) fn begin(storage: Box<dyn Storage>, path: &Path) -> Result<LogFile, RecordError> {
@@ -117,47 +118,42 @@ impl Ros2 {
     }
 
     fn write_reading(&self, time: f64, sensed: &Sensed, file: &mut LogFile) -> McapResult<()> {
-        let Sensed { robot, sensor, reading } = sensed;
-        let Some(Slotted { slot, class }) = self.slots.get(*robot) else { return Ok(()) };
-        let slot = *slot;
-        let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(*sensor));
-        let topic = |sensor: &str| format!("/{}/sensor/{}", robot_frame(slot), name(sensor));
-        let header = |sensor: &str| header(time, &sensor_frame(slot, sensor));
-        match reading {
-            Reading::RangeScanner(scan) => match sensor.map(|sensor| (sensor, sensor.config.fan())) {
-                Some((sensor, Some(fan))) if fan.level => {
-                    let message = laser(header(&scan.name), scan.ranges.clone(), sensor.scan_interval, fan);
-                    file.publish(time, &topic(&scan.name), &message)
+        let Some(Slotted { slot, class }) = self.slots.get(sensed.robot.0) else { return Ok(()) };
+        let sensor = self.world.robots.get(class).and_then(|def| def.sensors.get(sensed.sensor));
+        let Some(sensor) = sensor else { return Ok(()) };
+        let topic = format!("/{}/sensor/{}", robot_frame(*slot), name(&sensor.name));
+        let header = header(time, &sensor_frame(*slot, &sensor.name));
+        match (&sensed.reading, &sensor.config) {
+            (Reading::RangeScanner(scan), config) => match config.fan() {
+                Some(fan) if fan.level => {
+                    file.publish(time, &topic, &laser(header, &scan.ranges, sensor.scan_interval, fan))
                 }
                 _ => Ok(()),
             },
-            Reading::Sonar(sonar) => match sensor.map(|sensor| &sensor.config) {
-                Some(Config::Sonar(config)) => {
-                    let message = ros::Range {
-                        header: header(&sonar.name),
-                        radiation_type: ros::ULTRASOUND,
-                        field_of_view: config.beam_angle as f32,
-                        min_range: config.min_range as f32,
-                        max_range: config.max_range as f32,
-                        range: sonar.range,
-                    };
-                    file.publish(time, &topic(&sonar.name), &message)
-                }
-                _ => Ok(()),
-            },
-            Reading::Ins(ins) => file.publish(time, &topic(&ins.name), &imu(header(&ins.name), ins)),
-            Reading::Odometry(odometry) => {
-                let [x, y, theta] = odometry.pose.map(f64::from);
-                let pose = scene::pose([x, y, 0.0], [0.0, 0.0, theta]);
+            (Reading::Sonar(sonar), Config::Sonar(config)) => {
+                let message = ros::Range {
+                    header,
+                    radiation_type: ros::ULTRASOUND,
+                    field_of_view: config.beam_angle as f32,
+                    min_range: config.min_range as f32,
+                    max_range: config.max_range as f32,
+                    range: sonar.range as f32,
+                };
+                file.publish(time, &topic, &message)
+            }
+            (Reading::Ins(ins), _) => file.publish(time, &topic, &orientation(header, ins.angles)),
+            (Reading::Imu(reading), _) => file.publish(time, &topic, &imu(header, sensor, reading)),
+            (Reading::Odometry(odometry), _) => {
+                let pose = scene::pose([odometry.x, odometry.y, 0.0], [0.0, 0.0, odometry.theta]);
                 let mut message = ros::Odometry {
-                    header: header(&odometry.name),
-                    child_frame_id: robot_frame(slot),
+                    header,
+                    child_frame_id: robot_frame(*slot),
                     pose: ros::PoseWithCovariance { pose: ros_pose(&pose), covariance: [[0.0; 6]; 6] },
                     twist: ros::TwistWithCovariance::default(),
                 };
                 message.header.frame_id.push_str("_start");
                 message.twist.covariance[0][0] = NOT_MEASURED;
-                file.publish(time, &topic(&odometry.name), &message)
+                file.publish(time, &topic, &message)
             }
             // ROS 2 has no message for the others, or gets their content from the state.
             _ => Ok(()),
@@ -166,7 +162,7 @@ impl Ros2 {
 }
 
 /// Converts a scan. The wire's beams go from the right to the left, as ROS's do.
-fn laser(header: ros::Header, ranges: Vec<f32>, scan_interval: f64, fan: Fan) -> ros::LaserScan {
+fn laser(header: ros::Header, ranges: &[f64], scan_interval: f64, fan: Fan) -> ros::LaserScan {
     let steps = ranges.len().saturating_sub(1) as f64;
     ros::LaserScan {
         header,
@@ -177,23 +173,51 @@ fn laser(header: ros::Header, ranges: Vec<f32>, scan_interval: f64, fan: Fan) ->
         scan_time: scan_interval as f32,
         range_min: fan.min_range as f32,
         range_max: fan.max_range as f32,
-        ranges,
+        ranges: ranges.iter().map(|range| *range as f32).collect(),
         intensities: Vec::new(),
     }
 }
 
-fn imu(header: ros::Header, ins: &Ins) -> ros::Imu {
-    let orientation = scene::pose([0.0; 3], ins.orientation.map(f64::from));
+/// Converts the orientation of inertial navigation. Rates and acceleration are not measured.
+fn orientation(header: ros::Header, angles: [f64; 3]) -> ros::Imu {
     let unmeasured = [[NOT_MEASURED, 0.0, 0.0], [0.0; 3], [0.0; 3]];
     ros::Imu {
         header,
-        orientation: ros_pose(&orientation).orientation,
+        orientation: ros_pose(&scene::pose([0.0; 3], angles)).orientation,
         orientation_covariance: [[0.0; 3]; 3],
         angular_velocity: ros::Vector3::default(),
         angular_velocity_covariance: unmeasured,
         linear_acceleration: ros::Vector3::default(),
         linear_acceleration_covariance: unmeasured,
     }
+}
+
+/// Converts a reading of an IMU to its own frame. A real accelerometer feels what holds it up (REP 145), so gravity is added.
+fn imu(header: ros::Header, sensor: &SensorDef, reading: &imu::Reading) -> ros::Imu {
+    let imu::Reading { acceleration: [ahead, right, up], angular_velocity, angles, .. } = *reading;
+    let mount = scene::pose(sensor.position, sensor.direction).rotation;
+    let attitude = scene::pose([0.0; 3], angles).rotation * mount;
+    let held_up = attitude.inverse() * Vector3::new(0.0, 0.0, -GRAVITY);
+    let pose = Pose::from_parts(Translation3::identity(), attitude);
+    ros::Imu {
+        header,
+        orientation: ros_pose(&pose).orientation,
+        orientation_covariance: [[0.0; 3]; 3],
+        angular_velocity: vector(mount.inverse() * about_axes(angles, angular_velocity)),
+        angular_velocity_covariance: [[0.0; 3]; 3],
+        linear_acceleration: vector(Vector3::new(ahead, right, -up) + held_up),
+        linear_acceleration_covariance: [[0.0; 3]; 3],
+    }
+}
+
+/// Returns the turn rates about a body's own axes from its roll, pitch and yaw and their rates.
+fn about_axes([roll, pitch, _]: [f64; 3], [of_roll, of_pitch, of_yaw]: [f64; 3]) -> Vector3<f64> {
+    let (sin, cos) = roll.sin_cos();
+    Vector3::new(
+        of_roll - of_yaw * pitch.sin(),
+        of_pitch * cos + of_yaw * sin * pitch.cos(),
+        of_yaw * cos * pitch.cos() - of_pitch * sin,
+    )
 }
 
 fn robot_frame(slot: u64) -> String {
@@ -261,6 +285,16 @@ mod tests {
         assert!(
             (z + std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12 && (w - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12
         );
+    }
+
+    /// Checks the rates against the change of the rotation itself.
+    #[test]
+    fn turn_rates_are_those_about_the_axes_of_the_body() {
+        let (angles, rates, time) = ([0.3, -0.5, 1.2], [0.2, 0.7, -0.4], 1e-6);
+        let rotation = |angles| scene::pose([0.0; 3], angles).rotation;
+        let later: [f64; 3] = std::array::from_fn(|axis| angles[axis] + rates[axis] * time);
+        let turned = (rotation(angles).inverse() * rotation(later)).scaled_axis() / time;
+        assert!((turned - about_axes(angles, rates)).norm() < 1e-5);
     }
 
     #[test]

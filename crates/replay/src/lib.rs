@@ -3,11 +3,10 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use gamebots_proto::Command;
-use gamebots_proto::message::{Message, Reading, Sen};
 use picture::Stage;
 use recorder::{Entry, Log, PictureTaken, Record, RobotState, STATE_INTERVAL};
-use scene::{Options, PawnId, Snapshot};
-use sim_core::World;
+use scene::{Options, PawnId, Reading, Sensed, Snapshot};
+use sim_core::{Executed, Report, World};
 
 /// Longest replay, simulated seconds: a month.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
@@ -32,7 +31,7 @@ pub struct Replay {
     pub digest: u64,
     /// The digest in the log; `None` if the log has no digest because it was cut off or the world panicked.
     pub recorded: Option<u64>,
-    /// Recorded states of robots and objects, and pictures, that were compared.
+    /// Recorded states of robots and objects, readings, and pictures, that were compared.
     pub states: usize,
     /// Simulated time of the first state that differs, s.
     pub first_difference: Option<f64>,
@@ -88,17 +87,20 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     let (mut states, mut first_difference) = (0, None);
     let is_picture = |entry: &Entry| matches!(entry.record, Record::Picture(..));
     let mut album = Album { is_wanted: log.entries.iter().any(is_picture), ..Album::default() };
+    // Readings of the present moment.
+    let mut readings = Vec::new();
     // The report of a panic has no states.
     let most = if log.run.contains_key("panic") { MAX_IDLE } else { MAX_GAP };
     for entry in &log.entries {
-        advance(&mut world, entry.time, most, &mut album)?;
+        advance(&mut world, entry.time, most, &mut album, &mut readings)?;
         match &entry.record {
             Record::In(line) => {
                 let mut problems = Vec::new();
                 if let Some(command) = Command::parse(&line.line, &mut problems) {
                     let pawn = pawns.get(&line.connection).copied();
-                    let spawned = world.execute(pawn, &command, &mut problems).spawned;
+                    let Executed { answers, spawned, .. } = world.execute(pawn, &command, &mut problems);
                     pawns.extend(spawned.map(|robot| (line.connection, robot)));
+                    readings.extend(answers.into_iter().filter_map(sensed));
                 }
             }
             Record::Closed(line) => {
@@ -118,6 +120,12 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
                     first_difference = Some(entry.time);
                 }
             }
+            Record::Sensed(recorded) => {
+                states += 1;
+                if first_difference.is_none() && !readings.contains(recorded) {
+                    first_difference = Some(entry.time);
+                }
+            }
             Record::Picture(taken, _) => {
                 states += 1;
                 if first_difference.is_none() && !album.has(&world, taken) {
@@ -125,19 +133,25 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
                 }
             }
             Record::ObjectSpawned(_) | Record::ObjectRemoved(_) => {}
-            Record::Out(_) | Record::Sensed(_) | Record::Warning(_) | Record::Map(_) => {}
+            Record::Out(_) | Record::Warning(_) | Record::Map(_) => {}
         }
     }
     if let Some(end) = end {
-        advance(&mut world, end, most, &mut album)?;
+        advance(&mut world, end, most, &mut album, &mut readings)?;
     }
     let recorded = log.end.get("digest").and_then(|digest| u64::from_str_radix(digest, 16).ok());
     Ok(Replay { seconds: world.time(), digest: world.digest(), recorded, states, first_difference })
 }
 
 /// Steps to the time of the next record, if a run can reach it from the last one. With robots, the gap is at most `most`
-/// seconds.
-fn advance(world: &mut World, time: f64, most: f64, album: &mut Album) -> Result<(), ReplayError> {
+/// seconds. `readings` gets those of the last step, if there is one.
+fn advance(
+    world: &mut World,
+    time: f64,
+    most: f64,
+    album: &mut Album,
+    readings: &mut Vec<Sensed>,
+) -> Result<(), ReplayError> {
     let (now, time_step) = (world.time(), world.time_step());
     // Times in a log are whole nanoseconds.
     let steps = ((time - now) / time_step).round();
@@ -150,10 +164,14 @@ fn advance(world: &mut World, time: f64, most: f64, album: &mut Album) -> Result
         return Err(ReplayError(text));
     }
     for _ in 0..steps as u64 {
-        let messages = world.step();
-        album.see(world, &messages);
+        *readings = world.step().into_iter().filter_map(|(_, report)| sensed(report)).collect();
+        album.see(world, readings);
     }
     Ok(())
+}
+
+fn sensed(report: Report) -> Option<Sensed> {
+    if let Report::Sensed(sensed) = report { Some(sensed) } else { None }
 }
 
 /// Recent views of cameras, if the log has pictures.
@@ -166,24 +184,18 @@ struct Album {
 
 /// The world when a camera looked.
 struct Seen {
-    robot: PawnId,
-    sensor: usize,
-    across: f64,
+    sensed: Sensed,
     snapshot: Snapshot,
 }
 
 impl Album {
     /// Keeps the present views of cameras.
-    fn see(&mut self, world: &World, messages: &[(PawnId, Message)]) {
+    fn see(&mut self, world: &World, readings: &[Sensed]) {
         if !self.is_wanted {
             return;
         }
-        for (robot, message) in messages {
-            let Message::Sen(Sen { reading: Reading::Camera(_), sensor: Some(sensor), .. }) = message else { continue };
-            if let Some(across) = world.field_of_view(*robot, *sensor) {
-                self.seen.push_back(Seen { robot: *robot, sensor: *sensor, across, snapshot: world.snapshot() });
-            }
-        }
+        let views = readings.iter().filter(|sensed| matches!(sensed.reading, Reading::Camera(_)));
+        self.seen.extend(views.map(|sensed| Seen { sensed: sensed.clone(), snapshot: world.snapshot() }));
         let is_old = |seen: &Seen| seen.snapshot.time < world.time() - MAX_DELAY;
         while self.seen.front().is_some_and(is_old) {
             self.seen.pop_front();
@@ -193,14 +205,13 @@ impl Album {
     /// True if a camera saw the picture of a log.
     fn has(&mut self, world: &World, taken: &PictureTaken) -> bool {
         let stage = self.stage.get_or_insert_with(|| Stage::new(world.def()));
-        let is_it = |seen: &&Seen| {
-            seen.robot.0 == taken.robot && seen.sensor == taken.sensor as usize && seen.snapshot.time == taken.moment
+        let is_it = |Seen { sensed, snapshot }: &&Seen| {
+            sensed.robot.0 == taken.robot && sensed.sensor == taken.sensor as usize && snapshot.time == taken.moment
         };
-        let Some(Seen { robot, sensor, across, snapshot }) = self.seen.iter().find(is_it) else { return false };
-        let size = picture::SENSOR_SIZE;
-        let drawn = picture::of_sensor(stage, world.def(), snapshot, *robot, *sensor, *across, size);
+        let Some(Seen { sensed, snapshot }) = self.seen.iter().find(is_it) else { return false };
+        let drawn = picture::of_sensor(stage, world.def(), snapshot, sensed, picture::SENSOR_SIZE);
         let png = drawn.and_then(|image| image.to_png().ok());
-        png.is_some_and(|png| PictureTaken::new(taken.robot, *sensor, taken.moment, &png) == *taken)
+        png.is_some_and(|png| PictureTaken::new(sensed, taken.moment, &png) == *taken)
     }
 }
 

@@ -13,6 +13,7 @@ mod map;
 mod mass;
 mod material;
 mod options;
+mod reading;
 mod robot;
 pub mod rotation_units;
 pub mod sensor;
@@ -35,8 +36,9 @@ pub use map::{MapDef, NamedPose, Object};
 pub use mass::Mass;
 pub use material::Material;
 pub use options::{Options, TIME_STEP};
+pub use reading::{Quantity, Sensed};
 pub use robot::{Aerial, Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
-pub use sensor::SensorDef;
+pub use sensor::{Reading, SensorDef};
 pub use shape::{Shape, Solid};
 pub use state::{
     BodyState, Contact, JointState, ObjectId, ObjectSnapshot, PawnId, RobotSnapshot, Snapshot, WheelState,

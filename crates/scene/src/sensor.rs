@@ -1,6 +1,6 @@
-//! Sensors: one file each with its settings and their limits.
+//! Sensors: one file each with its settings, their limits and its reading.
 //!
-//! To add one: write its file, add its line to the list `sensors!` below, and add its measurement to `sim-core`.
+//! To add one: write its file, add its lines to the lists `sensors!` and `readings!` below, and add its measurement to `sim-core`.
 
 pub mod battery;
 pub mod camera;
@@ -17,6 +17,8 @@ pub mod touch;
 use serde::{Deserialize, Deserializer, Serialize};
 
 pub use range_scanner::{Fan, RangeScanner};
+
+use crate::reading::Quantity;
 
 /// A sensor on a robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -86,11 +88,67 @@ sensors! {
     "Battery", 0.1 => Battery(battery::Config), Deserialize::deserialize;
 }
 
+macro_rules! readings {
+    ($($word:literal => $name:ident($file:ident),)*) => {
+        /// The reading of a sensor of any type.
+        #[derive(Debug, Clone, PartialEq)]
+        #[expect(missing_docs, reason = "each variant is documented at its type")]
+        pub enum Reading { $($name($file::Reading),)* }
+
+        $(impl From<$file::Reading> for Reading {
+            fn from(reading: $file::Reading) -> Self { Self::$name(reading) }
+        })*
+
+        impl Reading {
+            /// Returns the word for its type on the wire, in `{Type ..}`.
+            pub fn type_name(&self) -> &'static str {
+                match self { $(Self::$name(_) => $word,)* }
+            }
+
+            /// Returns its quantities by name, for logs and viewers.
+            pub fn quantities(&self) -> Vec<Quantity> {
+                match self { $(Self::$name(reading) => reading.quantities(),)* }
+            }
+
+            /// Returns the bytes of memory that it takes beside itself.
+            pub fn held(&self) -> usize {
+                match self { $(Self::$name(reading) => reading.held(),)* }
+            }
+
+            /// Restores a reading from its type and quantities. `None` if a quantity is missing or the type is unknown.
+            pub fn read<'a>(type_name: &str, find: &dyn Fn(&str) -> Option<&'a [f64]>) -> Option<Self> {
+                match type_name {
+                    $($word => $file::Reading::read(find).map(Self::$name),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+readings! {
+    "GroundTruth" => GroundTruth(ground_truth),
+    "INS" => Ins(ins),
+    "IMU" => Imu(imu),
+    "Odometry" => Odometry(odometry),
+    "Encoder" => Encoder(encoder),
+    "Tachometer" => Tachometer(tachometer),
+    "RangeScanner" => RangeScanner(range_scanner),
+    "Sonar" => Sonar(sonar),
+    "Touch" => Touch(touch),
+    "Camera" => Camera(camera),
+}
+
 impl Config {
     /// Returns the beams of a laser, or `None` for every other sensor.
     pub fn fan(&self) -> Option<Fan> {
+        self.laser().map(RangeScanner::fan)
+    }
+
+    /// Returns the settings of a laser, or `None` for every other sensor.
+    pub fn laser(&self) -> Option<&RangeScanner> {
         match self {
-            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) => Some(config.fan()),
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) => Some(config),
             _ => None,
         }
     }
@@ -123,13 +181,12 @@ impl Config {
     /// Describes the expected numbers.
     pub fn validate(&self) -> Result<(), &'static str> {
         match self {
-            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) => config.validate(),
             Self::Sonar(config) => config.validate(),
             Self::Encoder(config) => config.validate(),
             Self::Ins(config) => config.validate(),
             Self::Camera(config) => config.validate(),
             Self::Touch(config) => config.validate(),
-            _ => Ok(()),
+            _ => self.laser().map_or(Ok(()), RangeScanner::validate),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The simulated world.
 //!
-//! A [`World`] consists of plain definitions ([`scene`]) and a seed. It takes commands and returns messages. It uses no socket, clock,
+//! A [`World`] consists of plain definitions ([`scene`]) and a seed. It takes commands and returns reports. It uses no socket, clock,
 //! file, environment variable or thread of its own. Time is the number of steps taken. The same scene, seed and commands by step give
 //! the same bits on any number of [`Threads`].
 //!
@@ -20,4 +20,4 @@ pub use compiled::CompiledScene;
 pub use physics::Fault;
 pub use scene::{BodyState, ObjectId, Options, PawnId, TIME_STEP, WheelState};
 pub use threads::{OneThread, Threads};
-pub use world::{Executed, LoadError, LostRobot, Room, SaveError, SavedWorld, World};
+pub use world::{Executed, LoadError, LostRobot, Report, Room, SaveError, SavedWorld, World};

@@ -1,6 +1,6 @@
-//! Sensors, one file each, with measurement and CONF. Their parameters are in the crate `scene`.
+//! Sensors, one file each, with measurement, CONF and the reading on the wire. Their parameters and readings are in the crate `scene`.
 //!
-//! To add one, write its parameters there and its file here, then add its lines to `kinds` and [`mount`].
+//! To add one, write its parameters there and its file here, then add its lines to `kinds`, [`mount`] and [`wire`].
 
 mod battery;
 mod camera;
@@ -15,10 +15,10 @@ mod tachometer;
 mod touch;
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ItemConf, Reading};
+use gamebots_proto::message::{self, ItemConf};
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
-use scene::sensor::Config;
+use scene::sensor::{Config, Reading};
 use scene::{Pose, RobotDef, SensorDef};
 use serde::{Deserialize, Serialize};
 
@@ -40,8 +40,6 @@ pub(crate) struct View<'a> {
     pub(crate) wheels: &'a [WheelState],
     /// The class of the robot.
     pub(crate) robot: &'a RobotDef,
-    /// One wheel-speed unit of the wire, rad/s.
-    pub(crate) speed_unit: f64,
     pub(crate) physics: &'a Physics,
     /// The robot's number. Rays do not hit this robot.
     pub(crate) id: PawnId,
@@ -140,10 +138,6 @@ pub(crate) trait Sensor {
     fn state(&mut self) -> State<'_> {
         State::default()
     }
-    /// Returns the angle from the left to the right edge of a camera's picture, rad; `None` for every other sensor.
-    fn field_of_view(&self) -> Option<f64> {
-        None
-    }
     /// Returns its configuration.
     fn conf(&self) -> ItemConf;
 }
@@ -207,6 +201,22 @@ pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Mounted {
         Config::Touch(config) => Mounted::Touch(touch::build(config, mount)),
         Config::Camera(config) => Mounted::Camera(camera::build(config, mount)),
         Config::Battery(_) => Mounted::Battery(battery::build(mount)),
+    }
+}
+
+/// Returns a reading as the wire says it. `speed_unit` is one wheel-speed unit of the wire, rad/s.
+pub(crate) fn wire(robot: &RobotDef, def: &SensorDef, reading: &Reading, speed_unit: f64) -> message::Reading {
+    match reading {
+        Reading::GroundTruth(reading) => ground_truth::wire(def, reading).into(),
+        Reading::Ins(reading) => ins::wire(def, reading).into(),
+        Reading::Imu(reading) => imu::wire(def, reading).into(),
+        Reading::Odometry(reading) => odometry::wire(def, reading).into(),
+        Reading::Encoder(reading) => encoder::wire(robot, def, reading).into(),
+        Reading::Tachometer(reading) => tachometer::wire(def, reading, speed_unit).into(),
+        Reading::RangeScanner(reading) => range_scanner::wire(def, reading).into(),
+        Reading::Sonar(reading) => sonar::wire(def, reading).into(),
+        Reading::Touch(reading) => touch::wire(def, reading).into(),
+        Reading::Camera(_) => message::Camera {}.into(),
     }
 }
 

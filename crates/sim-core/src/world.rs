@@ -3,6 +3,7 @@
 mod actuator;
 mod answer;
 mod controller;
+mod report;
 mod robot;
 mod saved;
 mod seed;
@@ -19,6 +20,7 @@ use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
 use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
 use controller::{Controller, Created};
+pub use report::Report;
 use robot::Robot;
 pub use saved::{LoadError, SaveError, SavedWorld};
 use scene::{
@@ -60,8 +62,8 @@ pub struct World {
 /// The result of a command.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Executed {
-    /// Messages to the client, in order.
-    pub answers: Vec<Message>,
+    /// Reports to the client, in order.
+    pub answers: Vec<Report>,
     /// True if the robot has the item that a SET, GETCONF or GETGEO names.
     pub found: bool,
     /// The spawned robot. From now on the client's commands go to it (BotConnection.uc:37-47).
@@ -285,7 +287,7 @@ impl World {
     /// it. A robot with a flat battery ignores everything.
     pub fn execute(&mut self, pawn: Option<PawnId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
         if let Command::Control(order) = command {
-            let answers = self.control(pawn, order, problems);
+            let answers = self.control(pawn, order, problems).into_iter().map(Report::Message).collect();
             return Executed { answers, ..Executed::default() };
         }
         if let Command::Set(_) = command {
@@ -298,17 +300,17 @@ impl World {
                 return Executed { spawned: self.init(init, problems), ..Executed::default() };
             }
             (Command::GetStartPoses(_), _) => {
-                vec![Message::Nfo(Nfo::StartPoses(self.def().map.starts.iter().map(wire_pose).collect()))]
+                vec![Message::Nfo(Nfo::StartPoses(self.def().map.starts.iter().map(wire_pose).collect())).into()]
             }
             (Command::GetClasses(_), _) => {
-                vec![Message::Nfo(Nfo::Classes(self.scene.robots().keys().cloned().collect()))]
+                vec![Message::Nfo(Nfo::Classes(self.scene.robots().keys().cloned().collect())).into()]
             }
             (Command::GetPathNodes(_), _) => {
-                vec![Message::Nfo(Nfo::PathNodes(self.def().map.path_nodes.iter().map(wire_pose).collect()))]
+                vec![Message::Nfo(Nfo::PathNodes(self.def().map.path_nodes.iter().map(wire_pose).collect())).into()]
             }
             (Command::GetClosestPathNode(ask), _) => {
                 let nodes = &self.def().map.path_nodes;
-                ask.location.map(|position| Message::Nfo(closest(nodes, position))).into_iter().collect()
+                ask.location.map(|position| Message::Nfo(closest(nodes, position)).into()).into_iter().collect()
             }
             // The server executes it, as it concerns the connection.
             (Command::Report(_) | Command::Control(_), _) => Vec::new(),
@@ -339,27 +341,27 @@ impl World {
                 if !found {
                     problems.push(robot.no_item(set));
                 }
-                answers
+                answers.into_iter().map(Report::Sensed).collect()
             }
             (Command::GetConf(ask), Some(robot)) => {
                 let conf = answer::conf(robot, ask);
                 found = conf.is_some();
-                conf.map(Message::Conf).into_iter().collect()
+                conf.map(|conf| Message::Conf(conf).into()).into_iter().collect()
             }
             (Command::GetGeo(ask), Some(robot)) => {
                 let geo = answer::geo(robot, ask);
                 found = geo.is_some();
-                geo.map(Message::Geo).into_iter().collect()
+                geo.map(|geo| Message::Geo(geo).into()).into_iter().collect()
             }
         };
         Executed { answers, found, spawned: None }
     }
 
-    /// Advances the world by one time step. Returns the messages that are due after it, robot by robot.
+    /// Advances the world by one time step. Returns the reports that are due after it, robot by robot.
     ///
     /// # Panics
     /// If the number of steps taken is [`Options::panic_at`].
-    pub fn step(&mut self) -> Vec<(PawnId, Message)> {
+    pub fn step(&mut self) -> Vec<(PawnId, Report)> {
         assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
         let led = self.lead_objects();
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
@@ -389,13 +391,12 @@ impl World {
         let due = self.robots.iter_mut().filter(|(_, robot)| robot.is_about_to_report(steps));
         let mut reports: Vec<_> = due.map(|(&id, robot)| (id, robot, Vec::new())).collect();
         in_parts(threads, 1, &mut reports, &|reports| {
-            for (_, robot, messages) in reports {
-                robot.report(physics, time, steps, |message| messages.push(message));
+            for (_, robot, own) in reports {
+                robot.report(physics, time, steps, |report| own.push(report));
             }
         });
-        let of_robot = |(id, _, messages): (PawnId, &mut Robot, Vec<Message>)| {
-            messages.into_iter().map(move |message| (id, message))
-        };
+        let of_robot =
+            |(id, _, own): (PawnId, &mut Robot, Vec<Report>)| own.into_iter().map(move |report| (id, report));
         reports.into_iter().flat_map(of_robot).collect()
     }
 
@@ -479,12 +480,6 @@ impl World {
     pub fn battery(&self, id: PawnId) -> Option<i32> {
         let robot = self.robots.get(&id).filter(|robot| robot.def().battery.is_some())?;
         Some(robot.battery_left(self.time()))
-    }
-
-    /// Returns the angle from the left to the right edge of what a robot's camera sees, rad. `sensor` is its number in the class. `None` if
-    /// it is no camera.
-    pub fn field_of_view(&self, id: PawnId, sensor: usize) -> Option<f64> {
-        self.robots.get(&id)?.items().get(sensor)?.sensor.get().field_of_view()
     }
 
     /// Returns every movable object, by their ids.

@@ -3,7 +3,8 @@
 use divan::Bencher;
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Line};
-use scene::DriveModel;
+use scene::sensor::camera;
+use scene::{DriveModel, Sensed};
 use sim_core::{CompiledScene, Options, World};
 
 fn main() {
@@ -102,7 +103,8 @@ fn camera_of_a_p3at(bencher: divan::Bencher) {
     (0..200).for_each(|_| drop(world.step()));
     let (stage, snapshot) = (picture::Stage::new(world.def()), world.snapshot());
     let sensors = &world.robot(robot).expect("a robot").sensors;
-    let camera = sensors.iter().position(|sensor| sensor.name == "Camera").expect("a camera");
+    let sensor = sensors.iter().position(|sensor| sensor.name == "Camera").expect("a camera");
+    let sensed = Sensed { robot, sensor, reading: camera::Reading { field_of_view: 1.3963 }.into() };
     let size = picture::SENSOR_SIZE;
-    bencher.bench_local(|| picture::of_sensor(&stage, world.def(), &snapshot, robot, camera, 1.3963, size));
+    bencher.bench_local(|| picture::of_sensor(&stage, world.def(), &snapshot, &sensed, size));
 }

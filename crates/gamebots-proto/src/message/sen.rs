@@ -26,8 +26,6 @@ pub struct Sen {
     pub time: Option<f32>,
     /// The sensor's reading.
     pub reading: Reading,
-    /// Number of the sensor in its robot; `None` for a line that was read, which does not contain it.
-    pub sensor: Option<usize>,
 }
 
 macro_rules! readings {
@@ -59,7 +57,7 @@ macro_rules! readings {
             /// Adds the simulated time, s, if UDK's lines of this type carry it.
             pub fn at(self, time: f32) -> Sen {
                 let is_stamped = self.time().format[0] != Format::Absent;
-                Sen { time: is_stamped.then_some(time), reading: self, sensor: None }
+                Sen { time: is_stamped.then_some(time), reading: self }
             }
 
             /// True if the readings of one step share a line in a dialect.
@@ -111,11 +109,6 @@ const fn time(format: [Format; 2]) -> Field {
 }
 
 impl Sen {
-    /// Adds the number of the sensor in its robot.
-    pub fn of(self, sensor: usize) -> Self {
-        Self { sensor: Some(sensor), ..self }
-    }
-
     pub(super) fn write(&self, dialect: Dialect) -> String {
         Self::write_together(&[self], dialect)
     }
@@ -155,7 +148,7 @@ impl Sen {
         let lines = if is_merged { items } else { vec![body] };
         let read = |body: Vec<_>| {
             let line = Line { blocks: [head.clone(), body].concat(), ..Line::default() };
-            Some(Self { time, reading: Reading::read(&line)?, sensor: None })
+            Some(Self { time, reading: Reading::read(&line)? })
         };
         lines.into_iter().map(read).collect()
     }

@@ -57,13 +57,13 @@ pub(super) fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
 }
 
 /// Encodes a sensor's ranges as a scan; `None` if the robot's class has no such sensor.
-pub(super) fn scan(def: &RobotDef, robot: u64, sensor: usize, ranges: &[f32]) -> Option<Vec<u8>> {
+pub(super) fn scan(def: &RobotDef, robot: u64, sensor: usize, ranges: &[f64]) -> Option<Vec<u8>> {
     let unit = def.sensors.get(sensor)?.config.max_range()? / f64::from(u16::MAX);
     let mut bytes = Bytes::of_kind(2);
     bytes.0.extend((robot as u32).to_le_bytes());
     bytes.0.push(sensor as u8);
     bytes.u16(ranges.len());
-    ranges.iter().for_each(|&range| bytes.u16((f64::from(range) / unit).round().clamp(0.0, 65535.0) as usize));
+    ranges.iter().for_each(|&range| bytes.u16((range / unit).round().clamp(0.0, 65535.0) as usize));
     Some(bytes.0)
 }
 

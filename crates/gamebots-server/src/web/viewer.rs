@@ -20,25 +20,25 @@ use crate::cameras::Wish;
 use crate::connection::Event;
 use crate::control::{Actor, Control};
 use crate::fit::Ask;
-use crate::live::{Line, Notice};
+use crate::live::{Line, Measured, Notice};
 
 /// Longest text that a viewer may send.
 const MAX_TEXT: usize = 1024;
 
-/// Most lines of the wire that one viewer gets in a window of real time; nobody can read more.
+/// Most lines of the wire, and readings, that one viewer gets in a window of real time; nobody can read more.
 const MAX_LINES: u64 = 1000;
 const LINE_WINDOW: Duration = Duration::from_secs(1);
 
 /// Least time between two answers about room for a robot: one may take the world's thread some milliseconds.
 const FIT_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Lines and pictures that a viewer wants beside frames and status.
+/// Lines, readings and pictures that a viewer wants beside frames and status.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Listen {
     /// True for every line of the wire.
     wire: bool,
-    /// Numbers of the robots whose outgoing lines it wants, if it does not want every line.
+    /// Numbers of the robots whose readings it wants.
     #[serde(default)]
     robots: Vec<u64>,
     /// Numbers of the robots whose cameras' pictures it wants.
@@ -64,6 +64,7 @@ pub(super) async fn upgrade(
             refusal: peer.refusal,
             turns,
             lines: None,
+            readings: None,
             listen,
             wish,
             shown,
@@ -73,12 +74,6 @@ pub(super) async fn upgrade(
         // A viewer that has left or does not read needs no farewell.
         let _ = viewer.run().await;
     })
-}
-
-impl Listen {
-    fn wants(&self, line: &Line) -> bool {
-        self.wire || (line.direction == "out" && line.robot.is_some_and(|robot| self.robots.contains(&robot)))
-    }
 }
 
 struct Viewer {
@@ -92,9 +87,11 @@ struct Viewer {
     turns: Arc<Semaphore>,
     /// The lines of the wire, if it wants them.
     lines: Option<Receiver<Arc<Line>>>,
+    /// The readings of robots, if it wants some.
+    readings: Option<Receiver<Arc<Measured>>>,
     listen: Listen,
     wish: Wish,
-    /// Start of the current window, and lines counted in it.
+    /// Start of the current window, and lines and readings counted in it.
     shown: (Instant, u64),
     /// Earliest time of the next answer about room for a robot.
     next_fit: tokio::time::Instant,
@@ -130,7 +127,12 @@ impl Viewer {
                     Ok(_) | Err(RecvError::Lagged(_)) => {}
                     Err(RecvError::Closed) => return Err(Gone),
                 },
-                line = next(&mut self.lines) => self.send_line(line).await?,
+                line = next(&mut self.lines) => self.send_counted(line, |line| json!({ "line": line })).await?,
+                measured = next(&mut self.readings) => {
+                    if !measured.as_ref().is_ok_and(|measured| !self.listen.robots.contains(&measured.robot)) {
+                        self.send_counted(measured, |measured| json!({ "reading": measured })).await?;
+                    }
+                }
                 received = self.socket.recv() => self.take(received).await?,
             }
         }
@@ -146,9 +148,13 @@ impl Viewer {
         self.send(message).await
     }
 
-    async fn send_line(&mut self, line: Result<Arc<Line>, RecvError>) -> Result<(), Gone> {
-        let missed = match &line {
-            Ok(line) if !self.listen.wants(line) => return Ok(()),
+    /// Sends a line or a reading, if not too many were sent in this window.
+    async fn send_counted<T>(
+        &mut self,
+        news: Result<Arc<T>, RecvError>,
+        message: impl FnOnce(&T) -> serde_json::Value,
+    ) -> Result<(), Gone> {
+        let missed = match &news {
             Ok(_) => 0,
             Err(RecvError::Lagged(missed)) => *missed,
             Err(RecvError::Closed) => return Err(Gone),
@@ -161,8 +167,8 @@ impl Viewer {
             }
         }
         self.shown.1 += 1 + missed;
-        match line {
-            Ok(line) if self.shown.1 <= MAX_LINES => self.send(text(&json!({ "line": *line }))).await,
+        match news {
+            Ok(news) if self.shown.1 <= MAX_LINES => self.send(text(&message(&news))).await,
             _ => Ok(()),
         }
     }
@@ -174,8 +180,10 @@ impl Viewer {
             Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
         };
         if let Ok(listen) = serde_json::from_str::<Listen>(&request) {
-            let wanted = listen.wire || !listen.robots.is_empty();
-            self.lines = wanted.then(|| self.lines.take().unwrap_or_else(|| self.site.channels.lines()));
+            let channels = &self.site.channels;
+            self.lines = listen.wire.then(|| self.lines.take().unwrap_or_else(|| channels.lines()));
+            let are_wanted = !listen.robots.is_empty();
+            self.readings = are_wanted.then(|| self.readings.take().unwrap_or_else(|| channels.readings()));
             self.wish.set(&listen.cameras);
             self.listen = listen;
             return Ok(());
@@ -222,10 +230,10 @@ impl Viewer {
     }
 }
 
-/// Returns the next line if lines are wanted; otherwise never completes.
-async fn next(lines: &mut Option<Receiver<Arc<Line>>>) -> Result<Arc<Line>, RecvError> {
-    match lines {
-        Some(lines) => lines.recv().await,
+/// Returns the next message of a channel if it is wanted; otherwise never completes.
+async fn next<T: Clone>(channel: &mut Option<Receiver<T>>) -> Result<T, RecvError> {
+    match channel {
+        Some(channel) => channel.recv().await,
         None => std::future::pending().await,
     }
 }

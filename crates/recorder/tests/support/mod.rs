@@ -7,7 +7,7 @@ use std::path::Path;
 use gamebots_proto::{Command, Dialect};
 use recorder::{End, LogWriter, Record, RobotState, StateTimer, Vector, WireLine};
 use scene::{PawnId, WorldDef};
-use sim_core::{Options, World};
+use sim_core::{Options, Report, World};
 
 /// The map `rough` and the class of one robot.
 pub(crate) fn world() -> WorldDef {
@@ -49,7 +49,11 @@ pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
         robots.extend(robot);
     }
     for step in 0..250 {
-        for (robot, message) in world.step() {
+        for (robot, report) in world.step() {
+            if let Report::Sensed(sensed) = &report {
+                records.push((world.time(), Record::Sensed(sensed.clone())));
+            }
+            let message = world.message(report).expect("a message");
             let line = WireLine { connection: robot.0 + 1, robot: Some(robot.0), line: message.write(Dialect::Udk) };
             records.push((world.time(), Record::Out(line)));
         }

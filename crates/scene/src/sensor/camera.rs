@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::reading::reading;
+
 /// Settings of a camera.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -30,5 +32,13 @@ impl Config {
         } else {
             Err("min_field_of_view <= field_of_view <= max_field_of_view, all 0 to pi")
         }
+    }
+}
+
+reading! {
+    /// The view of a camera at one moment. Whoever wants its picture draws it from a snapshot of that moment.
+    {
+        /// Angle from the left to the right edge of the picture.
+        field_of_view: f64 = "rad",
     }
 }

@@ -1,8 +1,11 @@
 //! Settings of wheel encoders (Encoder.uc).
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+
+use crate::reading::reading;
 
 /// Settings of an encoder.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -28,5 +31,13 @@ impl Config {
     pub(super) fn validate(&self) -> Result<(), &'static str> {
         let good = (1e-6..=TAU).contains(&self.resolution) && (0.0..1.0).contains(&self.noise);
         if good { Ok(()) } else { Err("resolution 1e-6 to 2 pi, noise 0 to less than 1") }
+    }
+}
+
+reading! {
+    /// Angles of wheels in units of the encoder's resolution.
+    {
+        /// Ticks of each wheel that the sensor reads, in order.
+        ticks: Arc<[i32]> = "",
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::reading::reading;
+
 /// Settings of an inertial navigation sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -26,5 +28,15 @@ impl Config {
     pub(super) fn validate(&self) -> Result<(), &'static str> {
         let good = (1e-3..=1e9).contains(&self.precision) && (0.0..=10.0).contains(&self.sigma);
         if good { Ok(()) } else { Err("precision 0.001 to 1e9, sigma 0 to 10") }
+    }
+}
+
+reading! {
+    /// Pose of the robot by inertial navigation, in the world.
+    {
+        /// Estimated position.
+        position: [f64; 3] = "m",
+        /// Estimated roll, pitch, yaw, each in [0, 2 pi).
+        angles: [f64; 3] = "rad",
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::reading::reading;
+
 /// Settings of odometry.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -12,4 +14,16 @@ pub struct Config {
     /// Skid robots: use the twist that balances the friction of the sliding wheels. USARSim assumes two wheels that roll without
     /// slip, which over-reports the turn of a P3AT on the spot 1.45 times.
     pub sliding: bool,
+}
+
+reading! {
+    /// Pose of the robot by its wheels, in the frame in which it started.
+    {
+        /// Position ahead.
+        x: f64 = "m",
+        /// Position to the right.
+        y: f64 = "m",
+        /// Angle, clockwise positive, not wrapped.
+        theta: f64 = "rad",
+    }
 }

@@ -4,8 +4,11 @@
 
 #![expect(clippy::approx_constant, reason = "the numbers are those of USARSim's files")]
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::reading::reading;
 use crate::rotation_units;
 
 /// Settings of a laser.
@@ -110,5 +113,13 @@ impl RangeScanner {
             [first, self.resolution_units()].map(|units| f64::from(rotation_units::to_radians(units)));
         let (min_range, max_range) = (self.min_range, self.max_range);
         Fan { first, resolution, min_range, max_range, level: self.yaw && !self.pitch }
+    }
+}
+
+reading! {
+    /// A fan of distances.
+    {
+        /// Distances from the right to the left; the maximum range where nothing is hit.
+        ranges: Arc<[f64]> = "m",
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::reading::reading;
+
 /// Numbers of a sonar.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -50,5 +52,13 @@ impl Config {
     /// Returns the number of rays: one ahead, and those of the cones.
     pub(super) fn rays(&self) -> usize {
         (self.number_of_cones as usize).saturating_mul(self.traces_per_cone as usize).saturating_add(1)
+    }
+}
+
+reading! {
+    /// Distance to the nearest echo.
+    {
+        /// Distance.
+        range: f64 = "m",
     }
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::check::Range;
+use crate::reading::reading;
 
 /// Diameters of a face.
 const DIAMETER: Range = Range { least: 1e-4, most: 1.0, unit: " m" };
@@ -26,5 +27,13 @@ impl Config {
     /// Checks the diameter.
     pub(super) fn validate(&self) -> Result<(), &'static str> {
         if DIAMETER.holds(self.diameter) { Ok(()) } else { Err("a diameter of 0.0001 to 1 m") }
+    }
+}
+
+reading! {
+    /// Contact of a touch sensor's face.
+    {
+        /// True if something is within its reach.
+        touch: bool = "",
     }
 }

@@ -1,9 +1,9 @@
 //! The battery as an item: it answers `GETCONF {Type Sensor}` and sends nothing (Battery.uc:45-77). Its capacity is the robot's
 //! `battery`.
 
-use gamebots_proto::message::{ItemConf, PlainConf, Reading};
+use gamebots_proto::message::{ItemConf, PlainConf};
 
-use super::{Mount, Sensor, View};
+use super::{Mount, Reading, Sensor, View};
 
 #[derive(Clone)]
 pub(crate) struct Mounted {

@@ -2,8 +2,8 @@
 //! pictures belong to the image server.
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{Camera, CameraConf, ItemConf, Reading};
-use scene::sensor::camera::Config;
+use gamebots_proto::message::{CameraConf, ItemConf};
+use scene::sensor::camera::{Config, Reading};
 
 use super::{Effect, Mount, Sensor, State, View};
 
@@ -31,8 +31,9 @@ impl Sensor for Mounted {
         "Camera"
     }
 
-    fn sense(&mut self, _view: &View) -> Option<Reading> {
-        Some(Camera {}.into())
+    fn sense(&mut self, _view: &View) -> Option<super::Reading> {
+        let [narrowest, widest] = DRAWN;
+        Some(Reading { field_of_view: self.now.clamp(narrowest, widest).to_radians() }.into())
     }
 
     /// Sets the field of view: `ZOOM` or `FOV` in radians, truncated to whole degrees. 0 restores the default.
@@ -48,11 +49,6 @@ impl Sensor for Mounted {
 
     fn state(&mut self) -> State<'_> {
         State { numbers: vec![&mut self.now], ..State::default() }
-    }
-
-    fn field_of_view(&self) -> Option<f64> {
-        let [narrowest, widest] = DRAWN;
-        Some(self.now.clamp(narrowest, widest).to_radians())
     }
 
     fn conf(&self) -> ItemConf {

@@ -3,9 +3,10 @@
 
 use std::f64::consts::TAU;
 
-use gamebots_proto::message::{Imu, ItemConf, PlainConf, Reading};
+use gamebots_proto::message::{Imu, ItemConf, PlainConf};
 use nalgebra::Vector3;
-use scene::{Pose, position_and_rotation};
+use scene::sensor::imu::Reading;
+use scene::{Pose, SensorDef, position_and_rotation};
 
 use super::{Mount, Sensor, State, View, floats};
 
@@ -32,12 +33,24 @@ pub(super) fn build(mount: Mount) -> Mounted {
     Mounted { name: mount.name.to_owned(), pose: mount.pose, last }
 }
 
+/// Returns the reading for the wire.
+pub(super) fn wire(def: &SensorDef, reading: &Reading) -> Imu {
+    let Reading { acceleration, angular_velocity, angular_acceleration, angles } = *reading;
+    Imu {
+        name: def.name.clone(),
+        acceleration: floats(acceleration),
+        angular_velocity: floats(angular_velocity),
+        angular_acceleration: floats(angular_acceleration),
+        rotation: floats(angles),
+    }
+}
+
 impl Sensor for Mounted {
     fn type_name(&self) -> &'static str {
         "IMU"
     }
 
-    fn sense(&mut self, view: &View) -> Option<Reading> {
+    fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let View { time, carrier, .. } = *view;
         let (_, angles) = position_and_rotation(&carrier.pose);
         let passed = time - self.last.time;
@@ -45,18 +58,17 @@ impl Sensor for Mounted {
         let rate = |change: f64| if passed > 0.0 { change / passed } else { 0.0 };
         let changed = (carrier.linear - self.last.velocity).map(rate);
         let along = (carrier.pose.rotation * self.pose.rotation).inverse() * changed;
-        let rates = std::array::from_fn(|axis| {
+        let rates: [f64; 3] = std::array::from_fn(|axis| {
             let change: f64 = angles[axis] - self.last.angles[axis];
             rate(change - TAU * (change / TAU).round())
         });
         let changes = std::array::from_fn(|axis| rate(rates[axis] - self.last.rates[axis]));
         self.last = Last { time, velocity: carrier.linear, angles, rates };
-        let reading = Imu {
-            name: self.name.clone(),
-            acceleration: floats([along.x, along.y, -along.z]),
-            angular_velocity: floats(rates),
-            angular_acceleration: floats(changes),
-            rotation: floats(angles),
+        let reading = Reading {
+            acceleration: [along.x, along.y, -along.z],
+            angular_velocity: rates,
+            angular_acceleration: changes,
+            angles,
         };
         Some(reading.into())
     }

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{Ins, ItemConf, PoseConf, Reading};
+use gamebots_proto::message::{Ins, ItemConf, PoseConf};
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -14,8 +14,8 @@ use rand_distr::{Distribution, StandardNormal};
 use scene::rotation_units;
 
 use super::{Effect, Mount, Sensor, State, View, floats};
-use scene::sensor::ins::Config;
-use scene::{Pose, position_and_rotation};
+use scene::sensor::ins::{Config, Reading};
+use scene::{Pose, SensorDef, position_and_rotation};
 
 #[derive(Clone)]
 pub(crate) struct Mounted {
@@ -80,16 +80,19 @@ impl Mounted {
     }
 }
 
+/// Returns the reading for the wire.
+pub(super) fn wire(def: &SensorDef, reading: &Reading) -> Ins {
+    Ins { name: def.name.clone(), location: floats(reading.position), orientation: floats(reading.angles) }
+}
+
 impl Sensor for Mounted {
     fn type_name(&self) -> &'static str {
         "INS"
     }
 
-    fn sense(&mut self, view: &View) -> Option<Reading> {
+    fn sense(&mut self, view: &View) -> Option<super::Reading> {
         self.integrate(&view.body.pose);
-        let reading =
-            Ins { name: self.name.clone(), location: floats(self.position.into()), orientation: floats(self.angles) };
-        Some(reading.into())
+        Some(Reading { position: self.position.into(), angles: self.angles }.into())
     }
 
     /// Executes `POSE` with exactly six numbers x, y, z, roll, pitch, yaw: sets the estimate and clears the drift.

@@ -4,12 +4,12 @@
 //! odometry in USARSim. Here they use the textbook Mecanum kinematics, as the real youBot's driver does, or those of finite rollers.
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ItemConf, Odometry, Reading, WheelsConf};
+use gamebots_proto::message::{ItemConf, Odometry, WheelsConf};
 use kinematics::{FiniteRollers, Mecanum, PlanarPose, Skid, Twist};
-use scene::sensor::odometry::Config;
-use scene::{RobotDef, Side, Steering};
+use scene::sensor::odometry::{Config, Reading};
+use scene::{RobotDef, SensorDef, Side, Steering};
 
-use super::{Effect, Mount, Sensor, State, View};
+use super::{Effect, Mount, Sensor, State, View, floats};
 use crate::{WheelState, mecanum, sliding};
 
 #[derive(Clone)]
@@ -69,12 +69,17 @@ fn angles(wheels: &[WheelState]) -> Vec<f64> {
     wheels.iter().map(|wheel| wheel.angle).collect()
 }
 
+/// Returns the reading for the wire.
+pub(super) fn wire(def: &SensorDef, reading: &Reading) -> Odometry {
+    Odometry { name: def.name.clone(), pose: floats([reading.x, reading.y, reading.theta]) }
+}
+
 impl Sensor for Mounted {
     fn type_name(&self) -> &'static str {
         "Odometry"
     }
 
-    fn sense(&mut self, view: &View) -> Option<Reading> {
+    fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let angles = angles(view.wheels);
         let turned: Vec<f64> = angles.iter().zip(&self.last_angles).map(|(now, before)| now - before).collect();
         self.last_angles = angles;
@@ -91,8 +96,8 @@ impl Sensor for Mounted {
             Base::None => Twist::default(),
         };
         self.pose = self.pose.moved(displacement, 1.0);
-        let pose = [self.pose.x, self.pose.y, self.pose.theta].map(|number| number as f32);
-        Some(Odometry { name: self.name.clone(), pose }.into())
+        let PlanarPose { x, y, theta } = self.pose;
+        Some(Reading { x, y, theta }.into())
     }
 
     /// Executes `RESET`: sets the pose to zero and keeps the reference angles of the wheels.

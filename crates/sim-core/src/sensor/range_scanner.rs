@@ -4,10 +4,11 @@
 //! noise and no minimum range, and a miss reads the maximum range.
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ItemConf, RangeScanner as Scan, RangeScannerConf, Reading};
+use gamebots_proto::message::{ItemConf, RangeScanner as Scan, RangeScannerConf};
 use nalgebra::Vector3;
-use scene::rotation_units;
-use scene::{Pose, sensor::RangeScanner};
+use scene::sensor::RangeScanner;
+use scene::sensor::range_scanner::Reading;
+use scene::{Pose, SensorDef, rotation_units};
 
 use super::{Effect, Mount, Sensor, View};
 
@@ -57,25 +58,36 @@ pub(crate) struct Mounted {
     beams: Vec<Vector3<f64>>,
 }
 
+/// Returns the reading for the wire.
+pub(super) fn wire(def: &SensorDef, reading: &Reading) -> Scan {
+    let (resolution, field_of_view) = def.config.laser().map_or((0.0, 0.0), angles);
+    Scan {
+        name: def.name.clone(),
+        resolution,
+        field_of_view,
+        ranges: reading.ranges.iter().map(|range| *range as f32).collect(),
+    }
+}
+
+/// Returns resolution and field of view, rad, in whole rotation units.
+fn angles(config: &RangeScanner) -> (f32, f32) {
+    let field_of_view = rotation_units::from_radians(config.field_of_view);
+    (rotation_units::to_radians(config.resolution_units()), rotation_units::to_radians(field_of_view))
+}
+
 impl Sensor for Mounted {
     fn type_name(&self) -> &'static str {
         "RangeScanner"
     }
 
-    fn sense(&mut self, view: &View) -> Option<Reading> {
+    fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let pose = view.carrier.pose * self.pose;
         let sight = view.sight(&pose.translation.vector.into(), self.max_range);
         let range = |beam: &Vector3<f64>| {
             let hit = sight.cast_ray(&(pose.rotation * beam));
-            hit.map_or(self.max_range, |hit| hit.distance) as f32
+            hit.map_or(self.max_range, |hit| hit.distance)
         };
-        let reading = Scan {
-            name: self.name.clone(),
-            resolution: self.resolution,
-            field_of_view: self.field_of_view,
-            ranges: self.beams.iter().map(range).collect(),
-        };
-        Some(reading.into())
+        Some(Reading { ranges: self.beams.iter().map(range).collect() }.into())
     }
 
     /// Executes `SCAN`: one more reading goes out at once.

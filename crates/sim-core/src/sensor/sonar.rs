@@ -6,13 +6,13 @@
 
 use std::f64::consts::TAU;
 
-use gamebots_proto::message::{ItemConf, Reading, Sonar, SonarConf};
+use gamebots_proto::message::{ItemConf, Sonar, SonarConf};
 use nalgebra::{UnitQuaternion, Vector3};
 use scene::rotation_units;
 
 use super::{Mount, Sensor, View};
-use scene::Pose;
-use scene::sensor::sonar::Config;
+use scene::sensor::sonar::{Config, Reading};
+use scene::{Pose, SensorDef};
 
 #[derive(Clone)]
 pub(crate) struct Mounted {
@@ -45,12 +45,17 @@ pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
     }
 }
 
+/// Returns the reading for the wire.
+pub(super) fn wire(def: &SensorDef, reading: &Reading) -> Sonar {
+    Sonar { name: def.name.clone(), range: reading.range as f32 }
+}
+
 impl Sensor for Mounted {
     fn type_name(&self) -> &'static str {
         "Sonar"
     }
 
-    fn sense(&mut self, view: &View) -> Option<Reading> {
+    fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let pose = view.carrier.pose * self.pose;
         let sight = view.sight(&pose.translation.vector.into(), self.config.max_range);
         let cast = |beam: &Vector3<f64>| {
@@ -63,8 +68,8 @@ impl Sensor for Mounted {
             (incidence < self.config.max_angle_of_incidence).then_some(hit.distance)
         });
         let nearest = ahead.into_iter().chain(around).fold(self.config.max_range, f64::min);
-        let range = nearest.clamp(self.config.min_range, self.config.max_range) as f32;
-        Some(Sonar { name: self.name.clone(), range }.into())
+        let range = nearest.clamp(self.config.min_range, self.config.max_range);
+        Some(Reading { range }.into())
     }
 
     fn conf(&self) -> ItemConf {

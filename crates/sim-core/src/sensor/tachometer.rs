@@ -1,7 +1,9 @@
 //! Speeds and angles of all driven wheels (Tachometer.uc:27-61), without noise.
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ItemConf, Reading, Tachometer, WheelsConf};
+use gamebots_proto::message::{ItemConf, Tachometer, WheelsConf};
+use scene::SensorDef;
+use scene::sensor::tachometer::Reading;
 
 use super::{Effect, Mount, Sensor, State, View};
 
@@ -27,25 +29,34 @@ pub(super) fn build(mount: Mount) -> Mounted {
     }
 }
 
+/// Returns the reading for the wire. `unit` is one wheel-speed unit of the wire, rad/s.
+pub(super) fn wire(def: &SensorDef, reading: &Reading, unit: f64) -> Tachometer {
+    Tachometer {
+        name: def.name.clone(),
+        velocities: reading.velocities.iter().map(|speed| (speed / unit) as f32).collect(),
+        positions: reading.positions.iter().map(|angle| *angle as f32).collect(),
+    }
+}
+
 impl Sensor for Mounted {
     fn type_name(&self) -> &'static str {
         "Tachometer"
     }
 
     /// Returns the mean speeds since the last reading, and the angles at the last reading, which are one interval late.
-    fn sense(&mut self, view: &View) -> Option<Reading> {
+    fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let elapsed = view.time - self.last_time;
-        let (velocities, positions) = if elapsed < 1e-6 {
-            (Vec::new(), Vec::new())
+        let reading = if elapsed < 1e-6 {
+            Reading { velocities: [].into(), positions: [].into() }
         } else {
-            let speed =
-                |(now, before): (&crate::WheelState, &f64)| ((now.angle - before) / elapsed / view.speed_unit) as f32;
-            let positions = self.last.iter().zip(&self.reference).map(|(angle, reference)| (angle - reference) as f32);
-            (view.wheels.iter().zip(&self.last).map(speed).collect(), positions.collect())
+            let speed = |(now, before): (&crate::WheelState, &f64)| (now.angle - before) / elapsed;
+            let positions = self.last.iter().zip(&self.reference).map(|(angle, reference)| angle - reference);
+            let velocities = view.wheels.iter().zip(&self.last).map(speed);
+            Reading { velocities: velocities.collect(), positions: positions.collect() }
         };
         self.last_time = view.time;
         self.last = view.wheels.iter().map(|wheel| wheel.angle).collect();
-        Some(Tachometer { name: self.name.clone(), velocities, positions }.into())
+        Some(reading.into())
     }
 
     /// Executes `RESET`: the current angles count as zero.

@@ -5,10 +5,10 @@
 
 use std::f64::consts::TAU;
 
-use gamebots_proto::message::{ItemConf, Reading, Touch, TouchConf};
+use gamebots_proto::message::{ItemConf, Touch, TouchConf};
 use nalgebra::Point3;
-use scene::Pose;
-use scene::sensor::touch::Config;
+use scene::sensor::touch::{Config, Reading};
+use scene::{Pose, SensorDef};
 
 use super::{Mount, Sensor, View};
 
@@ -40,16 +40,21 @@ pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
     }
 }
 
+/// Returns the reading for the wire.
+pub(super) fn wire(def: &SensorDef, reading: &Reading) -> Touch {
+    Touch { name: def.name.clone(), touch: reading.touch }
+}
+
 impl Sensor for Mounted {
     fn type_name(&self) -> &'static str {
         "Touch"
     }
 
-    fn sense(&mut self, view: &View) -> Option<Reading> {
+    fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let pose = view.carrier.pose * self.pose;
         let ahead = pose.rotation * nalgebra::Vector3::x();
         let meets = |origin: &Point3<f64>| view.sight(&(pose * origin), REACH).cast_ray(&ahead).is_some();
-        Some(Touch { name: self.name.clone(), touch: self.origins.iter().any(meets) }.into())
+        Some(Reading { touch: self.origins.iter().any(meets) }.into())
     }
 
     fn conf(&self) -> ItemConf {

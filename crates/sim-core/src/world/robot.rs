@@ -5,11 +5,11 @@ use std::sync::Arc;
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use gamebots_proto::message::{Message, Sta};
 use gamebots_proto::{Problem, shown};
-use scene::{Pose, RobotDef, RobotSnapshot, SensorDef};
+use scene::{Pose, RobotDef, RobotSnapshot, Sensed, SensorDef};
 use serde::{Deserialize, Serialize};
 
 use super::actuator::is_asked;
-use super::{Options, PawnId, seed};
+use super::{Options, PawnId, Report, seed};
 use crate::WheelState;
 use crate::drive::DriveState;
 use crate::physics::{CompiledRobot, Physics, RobotBodies, SavedBodies};
@@ -108,7 +108,7 @@ impl Robot {
         let closed = vec![false; class.def.grippers.len()];
         let mut robot = Self { id, name, bodies, drive, items: Vec::new(), closed, spawned, next_report: 0, options };
         let wheels = physics.wheels(&robot.bodies);
-        let view = view(id, &robot.bodies, options, physics, spawned as f64 * options.time_step, &wheels);
+        let view = view(id, &robot.bodies, physics, spawned as f64 * options.time_step, &wheels);
         let mount = |(index, def): (usize, &SensorDef)| {
             let rng = seed::stream(options.seed, id.0, &def.name, index);
             Item { def: def.clone(), sensor: sensor::mount(def, rng, &view.on_link(&robot.bodies, def.link)) }
@@ -217,28 +217,27 @@ impl Robot {
 
     /// Delivers a SET to the sensors, grippers or joints that it names. Returns the readings of requested scans, which go out at once, and
     /// true if anything matched.
-    pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> (Vec<Message>, bool) {
+    pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> (Vec<Sensed>, bool) {
         if set.type_name == "Joint" {
             return (Vec::new(), self.set_joints(set));
         }
         if set.type_name.eq_ignore_ascii_case("Gripper") {
             return (Vec::new(), self.set_grippers(set));
         }
-        let wheels = physics.wheels(&self.bodies);
+        let (robot, wheels) = (self.id, physics.wheels(&self.bodies));
         let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
         let opcode = set.opcode.to_ascii_uppercase();
-        let (mut messages, mut found) = (Vec::new(), false);
+        let (mut readings, mut found) = (Vec::new(), false);
         let named = items.iter_mut().enumerate().filter(|(_, item)| item.matches(&set.type_name, &set.name));
-        for (number, item) in named {
+        for (sensor, item) in named {
             found = true;
             let view = view.on_link(bodies, item.def.link);
             if item.sensor.get_mut().set(&opcode, set, &view) == Effect::Scan {
-                messages.extend(
-                    item.sensor.get_mut().sense(&view).map(|reading| Message::Sen(reading.at(time as f32).of(number))),
-                );
+                let reading = item.sensor.get_mut().sense(&view);
+                readings.extend(reading.map(|reading| Sensed { robot, sensor, reading }));
             }
         }
-        (messages, found)
+        (readings, found)
     }
 
     /// Returns the problem of a SET that matches nothing, with a list of the robot's items.
@@ -258,8 +257,8 @@ impl Robot {
         time: f64,
         wheels: &'a [WheelState],
     ) -> (&'a mut [Item], &'a RobotBodies, View<'a>) {
-        let Self { items, id, bodies, options, .. } = self;
-        (items, bodies, view(*id, bodies, *options, physics, time, wheels))
+        let Self { items, id, bodies, .. } = self;
+        (items, bodies, view(*id, bodies, physics, time, wheels))
     }
 
     pub(super) fn before_step(&mut self, physics: &mut Physics) {
@@ -284,15 +283,21 @@ impl Robot {
         self.items.iter().any(|item| is_due(age, self.options.time_step, item.def.scan_interval))
     }
 
-    /// Sends the messages that are due at a step: the status and, unless the battery is flat, actuators, grippers, and sensors in mounting
+    /// Sends the reports that are due at a step: the status and, unless the battery is flat, actuators, effectors, and sensors in mounting
     /// order.
-    pub(super) fn report(&mut self, physics: &Physics, time: f64, step: u64, mut send: impl FnMut(Message)) {
+    pub(super) fn report(
+        &mut self,
+        physics: &Physics,
+        time: f64,
+        step: u64,
+        mut send: impl FnMut(Report),
+    ) {
         let age = step - self.spawned;
         self.next_report = self.report_after(step);
         let battery = self.battery_left(time);
         if is_due(age, self.options.time_step, STATUS_INTERVAL) {
             let vehicle = self.drive.status(self.def(), || physics.joints(&self.bodies));
-            send(Message::Sta(Sta { time: time as f32, battery, vehicle }));
+            send(Message::Sta(Sta { time: time as f32, battery, vehicle }).into());
         }
         let time_step = self.options.time_step;
         let due = |item: &Item| is_due(age, time_step, item.def.scan_interval);
@@ -300,17 +305,17 @@ impl Robot {
             return;
         }
         if is_due(age, time_step, STATUS_INTERVAL) {
-            self.report_actuators(physics, time, &mut send);
+            self.report_actuators(physics, time, |message| send(message.into()));
         }
         if !self.items.iter().any(due) {
             return;
         }
-        let wheels = physics.wheels(&self.bodies);
+        let (robot, wheels) = (self.id, physics.wheels(&self.bodies));
         let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
-        for (number, item) in items.iter_mut().enumerate().filter(|(_, item)| due(item)) {
+        for (sensor, item) in items.iter_mut().enumerate().filter(|(_, item)| due(item)) {
             let view = view.on_link(bodies, item.def.link);
             if let Some(reading) = item.sensor.get_mut().sense(&view) {
-                send(Message::Sen(reading.at(time as f32).of(number)));
+                send(Report::Sensed(Sensed { robot, sensor, reading }));
             }
         }
     }
@@ -326,13 +331,12 @@ impl Item {
 fn view<'a>(
     id: PawnId,
     bodies: &'a RobotBodies,
-    options: Options,
     physics: &'a Physics,
     time: f64,
     wheels: &'a [WheelState],
 ) -> View<'a> {
     let (robot, body) = (&bodies.robot().def, physics.body(bodies));
-    View { time, body, carrier: body, wheels, robot, speed_unit: options.speed_unit, physics, id }
+    View { time, body, carrier: body, wheels, robot, physics, id }
 }
 
 /// Returns the problem of a name that none of the robot's joints, actuators or grippers has.

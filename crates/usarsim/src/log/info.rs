@@ -30,8 +30,9 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
         let kind = match &entry.record {
             Record::In(_) => ["line in", "lines in"],
             Record::Out(_) => ["line out", "lines out"],
-            // A log has only the lines, and only one map.
-            Record::Sensed(_) | Record::Map(_) => continue,
+            Record::Sensed(_) => ["reading", "readings"],
+            // A log has only one map.
+            Record::Map(_) => continue,
             Record::Closed(_) => ["connection closed", "connections closed"],
             Record::Left(_) => ["robot that left", "robots that left"],
             Record::State(_) => ["state", "states"],

@@ -103,7 +103,9 @@ fn report(file: &Path, replay: &Replay, as_json: bool) {
         }));
     } else if replay.is_same() {
         let digest = recorded.map_or("no digest, the log was cut off".to_owned(), |digest| format!("digest {digest}"));
-        print(format_args!("{file}: {seconds:.3} s replayed with the same bits: {states} states, {digest}"));
+        print(format_args!(
+            "{file}: {seconds:.3} s replayed with the same bits: {states} states and readings, {digest}"
+        ));
     } else {
         let first = first_difference.map_or("at the end".to_owned(), |time| format!("first at {time:.3} s"));
         print(format_args!("{file}: the replay differs, {first}"));

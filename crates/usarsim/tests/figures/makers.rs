@@ -242,13 +242,14 @@ fn execute(world: &mut World, robot: &mut Option<PawnId>, line: &str) -> Vec<Mes
     let command = gamebots_proto::Command::parse(line, &mut Vec::new()).unwrap();
     let executed = world.execute(*robot, &command, &mut Vec::new());
     *robot = executed.spawned.or(*robot);
-    executed.answers
+    executed.answers.into_iter().filter_map(|answer| world.message(answer)).collect()
 }
 
 /// Runs a world for a time and returns its messages.
 fn run_for(world: &mut World, seconds: f64) -> Vec<Message> {
     let steps = (seconds / world.time_step()).round() as u64;
-    (0..steps).flat_map(|_| world.step()).map(|(_, message)| message).collect()
+    let mut step = || world.step().into_iter().filter_map(|(_, report)| world.message(report)).collect::<Vec<_>>();
+    (0..steps).flat_map(|_| step()).collect()
 }
 
 /// Shows a session: typed lines and their answers, and the last status and ground truth of the stream that follows.
