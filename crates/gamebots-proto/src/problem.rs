@@ -176,6 +176,14 @@ pub enum Problem {
         /// The reason, in words.
         why: String,
     },
+    /// A tool changer that cannot take or drop a tool.
+    #[error("tool changer {name}: {why}; nothing is done")]
+    ToolRefused {
+        /// Its name.
+        name: String,
+        /// The reason, in words.
+        why: String,
+    },
     /// A name that another robot has.
     #[error(
         "{{Name {got}}} is the name of another robot too: both are spawned; choose another name to tell them apart"

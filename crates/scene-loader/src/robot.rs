@@ -14,7 +14,7 @@ use scene::sensor;
 use scene::{Aerial, Battery, DriveModel, Link, Part, RobotDef, SensorDef, Shape, Solid, Steering, check};
 use serde::Deserialize;
 
-use self::actuator::{read_actuators, read_grippers};
+use self::actuator::{read_actuators, read_grippers, read_tool_changers};
 use self::joint::{Links, find_link};
 use self::visual::read_visuals;
 use self::wheel::{read_casters, read_wheels};
@@ -25,7 +25,7 @@ use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
 const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, dialect, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
-                    caster, joint, visual, actuator, gripper, sensor, battery, aerial";
+                    caster, joint, visual, actuator, gripper, tool_changer, sensor, battery, aerial";
 
 /// A part of the body: a solid box that sets its mass, and a colliding shape unless it is hidden.
 #[derive(Deserialize)]
@@ -105,6 +105,7 @@ pub(crate) fn read(
     read_visuals(source, &mut document, &mut root, &mut links, complete);
     let actuators = read_actuators(&mut document, &mut root, &links, complete);
     let grippers = read_grippers(&mut document, &mut root, &links, complete);
+    let tool_changers = read_tool_changers(&mut document, &mut root, materials, &links, complete);
     let sensors = read_sensors(&mut document, &mut root, &links, wheels.as_ref().ok().map(Vec::len), complete);
     let battery = read_battery(&mut document, &mut root);
     let aerial = read_aerial(&mut document, &mut root, steering);
@@ -123,6 +124,7 @@ pub(crate) fn read(
         sensors,
         actuators,
         grippers,
+        tool_changers,
         battery,
         reported_max_torque,
         aerial,

@@ -1,6 +1,8 @@
-//! Actuators and grippers: named groups of a robot's joints for controllers.
+//! Actuators and grippers: named groups of a robot's joints for controllers. Tool changers, and the tools that they hold.
 
 use serde::{Deserialize, Serialize};
+
+use crate::{Object, Pose, pose};
 
 /// A named group of joints, such as an arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,4 +26,39 @@ pub struct Gripper {
     pub open: Vec<f64>,
     /// Joint positions when it is closed, rad or m.
     pub closed: Vec<f64>,
+}
+
+/// A coupling that takes and drops tools (ToolChanger.uc).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ToolChanger {
+    /// Name on the wire.
+    pub name: String,
+    /// Number of the link that carries it.
+    pub link: usize,
+    /// Position in the robot frame when every joint is at 0, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw there, rad.
+    pub direction: [f64; 3],
+    /// Largest distance of a tool that it takes, m.
+    pub position_tolerance: f64,
+    /// Largest angle between its x axis and the tool's, and between their y axes, rad.
+    pub angle_tolerance: f64,
+    /// Tool that it holds when the robot is spawned.
+    pub tool: Option<Tool>,
+}
+
+/// A tool: a rigid body that a tool changer can hold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Tool {
+    /// Type on the wire, for example `Gripper`.
+    pub kind: String,
+    /// Name, shape and mass. The pose of the shape is in the frame of the changer that holds it.
+    pub object: Object,
+}
+
+impl ToolChanger {
+    /// Returns its pose in the robot frame when every joint is at 0.
+    pub fn pose(&self) -> Pose {
+        pose(self.position, self.direction)
+    }
 }

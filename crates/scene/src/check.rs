@@ -15,7 +15,9 @@ use std::fmt;
 use crate::WorldDef;
 pub use limits::*;
 pub use map::{map, map_solid, material, named_pose, object, spawned_object};
-pub use robot::{actuator, aerial, battery, body_solid, gripper, link, part, robot, rollers, sensor, visual, wheel};
+pub use robot::{
+    actuator, aerial, battery, body_solid, gripper, link, part, robot, rollers, sensor, tool_changer, visual, wheel,
+};
 
 /// A closed range of numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]

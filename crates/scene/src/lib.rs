@@ -27,7 +27,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-pub use actuator::{Actuator, Gripper};
+pub use actuator::{Actuator, Gripper, Tool, ToolChanger};
 pub use drawing::{Drawn, Geometry, Visual};
 pub use fnv::Fnv;
 pub use hull::hull_surface;

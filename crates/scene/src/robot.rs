@@ -4,7 +4,8 @@ use nalgebra::{Translation3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Actuator, Gripper, JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid, Wheel, pose, stored,
+    Actuator, Gripper, JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid, ToolChanger, Wheel, pose,
+    stored,
 };
 
 /// Steering of a robot.
@@ -134,6 +135,8 @@ pub struct RobotDef {
     pub actuators: Vec<Actuator>,
     /// Grippers.
     pub grippers: Vec<Gripper>,
+    /// Tool changers.
+    pub tool_changers: Vec<ToolChanger>,
     /// Battery; without one STA reports 99999.
     pub battery: Option<Battery>,
     /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).

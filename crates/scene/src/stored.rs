@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::{
     Actuator, Aerial, Battery, DriveModel, Gripper, Link, Material, Motor, Part, ROOT, RobotDef, Rollers, SensorDef,
-    Side, Solid, Steering, Wheel,
+    Side, Solid, Steering, ToolChanger, Wheel,
 };
 
 #[derive(Deserialize)]
@@ -33,6 +33,8 @@ pub(crate) struct Robot {
     actuators: Vec<Actuator>,
     #[serde(default)]
     grippers: Vec<Gripper>,
+    #[serde(default)]
+    tool_changers: Vec<ToolChanger>,
     battery: Option<Battery>,
     reported_max_torque: f64,
     #[serde(default)]
@@ -76,6 +78,7 @@ impl From<Robot> for RobotDef {
             sensors: stored.sensors,
             actuators: stored.actuators,
             grippers: stored.grippers,
+            tool_changers: stored.tool_changers,
             battery: stored.battery,
             reported_max_torque: stored.reported_max_torque,
             aerial: stored.aerial,

@@ -7,6 +7,7 @@ mod report;
 mod robot;
 mod saved;
 mod seed;
+mod tools;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -27,6 +28,7 @@ use scene::{
     BodyState, NamedPose, ObjectSnapshot, Options, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WheelState,
     WorldDef, check,
 };
+use tools::Tool;
 
 /// Maximum length of a robot's name, characters. Longer names are truncated.
 const MAX_NAME_CHARS: usize = 256;
@@ -53,6 +55,8 @@ pub struct World {
     /// Objects that controllers created, by their ids.
     created: Vec<Created>,
     next_object: u64,
+    /// Tools that robots hold, or have dropped.
+    tools: Vec<Tool>,
     lost: Vec<LostRobot>,
     /// Names and faults of restored objects, until [`World::take_restored`].
     restored: Vec<(String, Fault)>,
@@ -109,6 +113,7 @@ impl World {
             controllers: BTreeMap::new(),
             created: Vec::new(),
             next_object,
+            tools: Vec::new(),
             lost: Vec::new(),
             restored: Vec::new(),
             threads: Arc::new(OneThread),
@@ -185,6 +190,15 @@ impl World {
             return Some(id);
         }
         let class = self.class(init, problems)?;
+        let next = PawnId(self.next_id);
+        let tools = self.first_tools(&class.def, next);
+        let class = match self.fitted(&class, next, &tools) {
+            Ok(class) => class,
+            Err(why) => {
+                problems.push(Problem::NoRoom { wanted: wire_place(init), why });
+                return None;
+            }
+        };
         let wanted = self.start_pose(init, problems);
         self.enter_shapes();
         let pose = match self.find_room(&class, &wanted, None) {
@@ -204,6 +218,8 @@ impl World {
         }
         let robot = Robot::spawn(&mut self.physics, class, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
+        self.next_object += tools.len() as u64;
+        self.tools.extend(tools);
         Some(id)
     }
 
@@ -239,6 +255,12 @@ impl World {
     /// If there is no free place, with the reason in words.
     pub fn fit(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Result<Room, String>> {
         let class = self.scene.robots().get(class)?.clone();
+        let next = PawnId(self.next_id);
+        let tools = self.first_tools(&class.def, next);
+        let class = match self.fitted(&class, next, &tools) {
+            Ok(class) => class,
+            Err(why) => return Some(Err(why)),
+        };
         // A running engine keeps its shapes in place, and a query must not change its next step.
         if !self.is_engine_running {
             self.enter_shapes();
@@ -280,6 +302,7 @@ impl World {
         self.remove_controller(id);
         if let Some(robot) = self.robots.remove(&id) {
             self.physics.remove(robot.bodies());
+            self.remove_tools(id);
         }
     }
 
@@ -294,6 +317,11 @@ impl World {
             self.enter_shapes();
         }
         let time = self.time();
+        if let Some((changer, closed)) = self.tool_order(pawn, command) {
+            let pawn = pawn.filter(|pawn| self.robots.get(pawn).is_some_and(|robot| robot.battery_left(time) > 0));
+            let found = pawn.is_some_and(|pawn| self.change_tools(pawn, &changer, closed, problems));
+            return Executed { found, ..Executed::default() };
+        }
         let mut found = false;
         let answers = match (command, pawn.and_then(|pawn| self.robots.get_mut(&pawn))) {
             (Command::Init(init), _) => {
@@ -387,12 +415,12 @@ impl World {
         if !is_engine_needed && self.robots.values().any(|robot| robot.is_about_to_look(steps)) {
             self.enter_shapes();
         }
-        let (physics, threads) = (&self.physics, &*self.threads);
+        let (physics, tools, threads) = (&self.physics, &self.tools, &*self.threads);
         let due = self.robots.iter_mut().filter(|(_, robot)| robot.is_about_to_report(steps));
         let mut reports: Vec<_> = due.map(|(&id, robot)| (id, robot, Vec::new())).collect();
         in_parts(threads, 1, &mut reports, &|reports| {
             for (_, robot, own) in reports {
-                robot.report(physics, time, steps, |report| own.push(report));
+                robot.report(physics, tools, time, steps, |report| own.push(report));
             }
         });
         let of_robot =
@@ -482,9 +510,16 @@ impl World {
         Some(robot.battery_left(self.time()))
     }
 
-    /// Returns every movable object, by their ids.
+    /// Returns every movable object, by their ids, and the tools that robots hold.
     pub fn objects(&self) -> impl Iterator<Item = ObjectSnapshot> {
-        self.physics.objects()
+        let mut held: Vec<ObjectSnapshot> = self.held_tools().collect();
+        held.sort_by_key(|tool| tool.id);
+        let (mut held, mut free) = (held.into_iter().peekable(), self.physics.objects().peekable());
+        std::iter::from_fn(move || match (held.peek(), free.peek()) {
+            (Some(tool), Some(object)) if tool.id < object.id => held.next(),
+            (Some(_), None) => held.next(),
+            _ => free.next(),
+        })
     }
 
     /// Returns a hash of the number of steps and of the bits of every body. Worlds with different digests differ.
@@ -498,6 +533,8 @@ impl World {
             joints.iter().flat_map(|joint| [joint.position, joint.speed]).for_each(&mut mix);
             self.physics.numbers(robot.bodies()).into_iter().for_each(&mut mix);
         }
+        let held = self.tools.iter().filter_map(|tool| Some([tool.id.0, tool.robot.0, tool.changer? as u64]));
+        held.flatten().for_each(|number| mix(number as f64));
         hash.value()
     }
 

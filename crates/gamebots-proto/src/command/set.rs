@@ -27,6 +27,18 @@ impl Set {
     }
 }
 
+impl Set {
+    /// Returns true for the opcode `Close`, false for `Open`, and for `Grip` if its number is not 0, in any case. `None` for another one.
+    pub fn closes(&self) -> Option<bool> {
+        match self.opcode.to_ascii_uppercase().as_str() {
+            "OPEN" => Some(false),
+            "CLOSE" => Some(true),
+            "GRIP" => Some(self.numbers().is_some_and(|it| it.first().is_some_and(|&number| number != 0.0))),
+            _ => None,
+        }
+    }
+}
+
 impl ReadWrite for Set {
     fn read(line: &Line, _problems: &mut Vec<Problem>) -> Self {
         Self {

@@ -28,13 +28,19 @@ record! {
 }
 
 record! {
-    /// State of a gripper.
+    /// State of a gripper or a tool changer.
     Eff {
         /// Simulated time.
-        time: f32 = Field::new("Time", Format::Rounded(4)).unit("s").then(&[(["Type"; 2], ["Gripper"; 2])]),
-        /// Name of the gripper.
+        time: f32 = Field::new("Time", Format::Rounded(4)).unit("s"),
+        /// Type of the effector.
+        is_tool_changer: bool = Field::new("Type", Format::Either(["Gripper", "ToolChanger"])),
+        /// Name of the effector.
         name: String = Field::new("Name", Format::Word),
-        /// As it was commanded.
+        /// For a gripper, as it was commanded; for a tool changer, whether it holds a tool.
         closed: bool = Field::new("Status", Format::Either(["OPEN", "CLOSED"])),
+        /// Type of the tool that a tool changer holds.
+        tool_type: Option<String> = Field::new("ToolType", Format::Word).tight(),
+        /// Name of that tool.
+        tool: Option<String> = Field::new("Tool", Format::Word),
     }
 }

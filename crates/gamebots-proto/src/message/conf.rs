@@ -228,6 +228,21 @@ record! {
     }
 }
 
+record! {
+    /// A tool changer: the limits within which it takes a tool.
+    ToolChangerConf {
+        /// Name of the tool changer.
+        name: String = Field::new("Name", Format::Word),
+        /// Largest distance of a tool.
+        position_tolerance: f32 = Field::new("PositionTolerance", Format::Rounded(4)).unit("m").tight(),
+        /// Largest angle between its axes and the tool's.
+        angle_tolerance: f32 = Field::new("AngleTolerance", Format::Rounded(4)).unit("rad").then(&[
+            (["Opcode"; 2], ["Close"; 2]),
+            (["Opcode"; 2], ["Open"; 2]),
+        ]),
+    }
+}
+
 macro_rules! items {
     ($($name:ident: $record:ident $($type_name:literal)*,)*) => {
         /// Configuration of one item, in the form of its type.
@@ -270,6 +285,7 @@ items! {
     Actuator: ActuatorConf "actuator",
     MisPkg: MisPkgConf "mispkg",
     Gripper: GripperConf "gripper",
+    ToolChanger: ToolChangerConf "toolchanger",
 }
 
 impl Conf {

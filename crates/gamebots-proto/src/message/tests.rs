@@ -335,7 +335,12 @@ fn any_message() -> impl Strategy<Value = Message> {
             let joint = |(link, (value, _))| JointSta { link, value, torque: 0.0 };
             Message::Asta(Asta { time, name, joints: (1..).zip(joints).map(joint).collect() })
         }),
-        (grid(4), word(), any::<bool>()).prop_map(|(time, name, closed)| Message::Eff(Eff { time, name, closed })),
+        (grid(4), any::<bool>(), word(), any::<bool>(), proptest::option::of((word(), word()))).prop_map(
+            |(time, is_tool_changer, name, closed, held)| {
+                let (tool_type, tool) = held.unzip();
+                Message::Eff(Eff { time, is_tool_changer, name, closed, tool_type, tool })
+            }
+        ),
         (word(), prop_oneof![Just(VehicleConf::Static), Just(VehicleConf::Plain)])
             .prop_map(|(name, vehicle)| Message::Conf(Conf::Robot(RobotConf { name, vehicle }))),
         (word(), prop_oneof![Just(VehicleGeo::Static), Just(VehicleGeo::Plain)])

@@ -1,11 +1,13 @@
-//! `[[actuator]]` and `[[gripper]]`: groups of joints with a name on the wire.
+//! `[[actuator]]` and `[[gripper]]`: groups of joints with a name on the wire. `[[tool_changer]]`: a coupling with a tool.
 
 use std::ops::Range;
 
-use scene::{Actuator, Gripper, Link, check};
+use scene::{Actuator, Gripper, Link, Object, Shape, Solid, Tool, ToolChanger, check};
 use serde::Deserialize;
 
+use super::joint::find_link;
 use crate::document::{Document, Table, Vector};
+use crate::materials::Materials;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -23,6 +25,43 @@ struct GripperEntry {
     joints: Vec<String>,
     open: Vec<f64>,
     closed: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ToolChangerEntry {
+    name: String,
+    link: Option<String>,
+    #[serde(default)]
+    position: Vector,
+    #[serde(default)]
+    direction: Vector,
+    #[serde(default = "tolerance")]
+    position_tolerance: f64,
+    #[serde(default = "tolerance")]
+    angle_tolerance: f64,
+    tool: Option<ToolEntry>,
+}
+
+/// The tool that a changer holds at first: a box, whose pose is in the changer's frame.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ToolEntry {
+    name: String,
+    #[serde(rename = "type")]
+    kind: String,
+    mass: f64,
+    #[serde(default)]
+    position: Vector,
+    #[serde(default)]
+    rotation: Vector,
+    size: Vector,
+    material: String,
+}
+
+/// Returns the default tolerance, m and rad (DefaultUSAR.ini:498-501).
+fn tolerance() -> f64 {
+    0.5
 }
 
 /// Reads the actuators; returns none if not all links could be read.
@@ -59,6 +98,44 @@ pub(super) fn read_grippers<'a>(
         grippers.push(gripper);
     }
     grippers
+}
+
+/// Reads the tool changers; returns none if not all links could be read.
+pub(super) fn read_tool_changers<'a>(
+    document: &mut Document<'a>,
+    root: &mut Table<'a>,
+    materials: &Materials,
+    links: &[Link],
+    complete: bool,
+) -> Vec<ToolChanger> {
+    let entries = document.list::<ToolChangerEntry>(root, "tool_changer").into_iter().filter(|_| complete);
+    let mut changers = Vec::new();
+    for (span, entry) in entries {
+        let tool = entry.tool.map(|tool| {
+            let ToolEntry { name, kind, mass, position, rotation, size, material } = tool;
+            let material = document.material(&span, &material, materials);
+            Tool {
+                kind,
+                object: Object {
+                    solid: Solid { name, shape: Shape::Box { size }, position, rotation, material },
+                    mass,
+                },
+            }
+        });
+        let Some(link) = find_link(document, &span, "link", entry.link.as_deref(), links, complete) else { continue };
+        let changer = ToolChanger {
+            name: entry.name,
+            link,
+            position: entry.position,
+            direction: entry.direction,
+            position_tolerance: entry.position_tolerance,
+            angle_tolerance: entry.angle_tolerance,
+            tool,
+        };
+        document.wrong(&span, check::tool_changer(&changer, links));
+        changers.push(changer);
+    }
+    changers
 }
 
 /// Returns the numbers of links by the names of their joints.

@@ -51,6 +51,7 @@ pub(crate) fn read(
         sensors: sensors(steering),
         actuators: Vec::new(),
         grippers: Vec::new(),
+        tool_changers: Vec::new(),
         battery: None,
         reported_max_torque: 50000.0,
         aerial: None,

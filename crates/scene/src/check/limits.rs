@@ -15,6 +15,10 @@ pub const ROBOT_SIZE: Range = Range { least: 1e-4, most: ROBOT_REACH.most, unit:
 pub const SOLID_HEIGHT: Range = Range { least: 0.0, most: 900.0, unit: " m" };
 /// Roll, pitch and yaw.
 pub const ANGLE: Range = Range { least: -1000.0, most: 1000.0, unit: " rad" };
+/// Distance at which a tool changer takes a tool.
+pub const TOOL_DISTANCE: Range = Range { least: 0.0, most: 10.0, unit: " m" };
+/// Angle at which a tool changer takes a tool.
+pub const TOOL_ANGLE: Range = Range { least: 0.0, most: std::f64::consts::PI, unit: " rad" };
 /// Gravity; the Moon has 1.6, Jupiter 25.
 pub const GRAVITY: Range = Range { least: 0.0, most: 100.0, unit: " m/s²" };
 /// Coulomb friction.
@@ -119,6 +123,7 @@ pub(super) const MAX_WHEELS: usize = 32;
 pub(super) const MAX_ROLLERS: usize = 256;
 /// Maximum number of sensors of a robot.
 pub(super) const MAX_SENSORS: usize = 256;
+pub(super) const MAX_TOOL_CHANGERS: usize = 16;
 /// Maximum number of rays that all sensors of a robot cast at once. A P2AT has 2757; 20 000 take some 10 ms.
 pub(super) const MAX_RAYS: usize = 20_000;
 /// Maximum number of triangles of a mesh, and of all meshes of a map: 100 MB in the engine.

@@ -3,12 +3,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::limits::*;
-use super::map::material;
+use super::map::{material, object};
 use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
     Actuator, Aerial, Battery, Coupling, CouplingKind, Gripper, Joint, JointKind, Link, Motor, MountedWheel, Part,
-    RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Visual, WHEEL_AXIS,
+    RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Tool, ToolChanger, Visual, WHEEL_AXIS,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -39,6 +39,9 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     }
     first(&class, def.actuators.iter().flat_map(|it| actuator(it, &def.links)))?;
     first(&class, def.grippers.iter().flat_map(|it| gripper(it, &def.links)))?;
+    first(&class, def.tool_changers.iter().flat_map(|it| tool_changer(it, &def.links)))?;
+    let tools = def.tool_changers.iter().filter_map(|it| it.tool.as_ref());
+    first(&class, tools.flat_map(|tool| material(&tool.object.solid.material)))?;
     first(&class, def.battery.iter().flat_map(battery))?;
     first(&class, def.aerial.iter().flat_map(aerial))?;
     first(&class, robot(def))
@@ -315,6 +318,7 @@ fn counts(def: &RobotDef) -> Vec<String> {
     wrong.extend(count("wheels", def.wheels().count(), MAX_WHEELS));
     wrong.extend(count("rollers", def.wheels().map(|wheel| wheel.roller_count()).sum(), MAX_ROLLERS));
     wrong.extend(count("actuators and grippers", def.actuators.len() + def.grippers.len(), MAX_SENSORS));
+    wrong.extend(count("tool changers", def.tool_changers.len(), MAX_TOOL_CHANGERS));
     wrong.extend(count("sensors", def.sensors.len(), MAX_SENSORS));
     wrong.extend(count("corners of hulls", solids().map(|it| hull_points(&it.shape)).sum(), MAX_HULL_POINTS));
     wrong.extend(count("rays", rays, MAX_RAYS));
@@ -382,6 +386,28 @@ pub fn gripper(def: &Gripper, links: &[Link]) -> Vec<String> {
         wrong.push(format!("gripper {}: expected as many values `open` and `closed` as joints", shown(&def.name)));
     }
     wrong.extend(driven_joints(&def.name, &def.links, links));
+    wrong
+}
+
+/// Lists the problems of a tool changer of a robot with these links. The material of its tool has its own check.
+pub fn tool_changer(def: &ToolChanger, links: &[Link]) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    if links.get(def.link).is_none_or(|link| link.wheel.is_some()) {
+        wrong.push(format!(
+            "tool changer {}: it is on link {}: expected one that is no wheel",
+            shown(&def.name),
+            def.link
+        ));
+    }
+    wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
+    wrong.extend(ANGLE.problem_in("direction", &def.direction));
+    wrong.extend(TOOL_DISTANCE.problem("position_tolerance", def.position_tolerance));
+    wrong.extend(TOOL_ANGLE.problem("angle_tolerance", def.angle_tolerance));
+    if let Some(Tool { kind, object: body }) = &def.tool {
+        wrong.extend(wire_name("type", kind));
+        wrong.extend(object(body));
+        wrong.extend(ROBOT_REACH.problem_in("position", &body.solid.position));
+    }
     wrong
 }
 

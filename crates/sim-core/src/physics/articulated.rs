@@ -34,7 +34,7 @@ use crate::flight::Flight;
 pub(super) use compile::{Articulated, CompiledObject};
 use compile::{JointValue, Ring};
 use finding::{Found, Key, Placed};
-pub(super) use object::MovableObject;
+pub(super) use object::{MovableObject, uniform};
 pub(crate) use saved::{SavedObject, SavedTree};
 pub(super) use together::{Room, Surroundings, solve};
 

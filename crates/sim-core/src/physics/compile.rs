@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use nalgebra::Point3;
 use rapier3d::prelude::*;
-use scene::{DriveModel, MapDef, Object, Pose, RobotDef, Shape, Solid};
+use scene::{DriveModel, MapDef, Object, Part, Pose, RobotDef, Shape, Solid, position_and_rotation};
 
-use super::articulated::{Articulated, CompiledObject};
+use super::articulated::{Articulated, CompiledObject, uniform};
 use super::bodies;
 use super::shape;
 use super::surface::{Materials, Surface};
@@ -53,6 +54,27 @@ pub(super) enum CompiledMechanism {
     Bodies(Arc<bodies::Tree>),
     /// A tree in reduced coordinates.
     Articulated(Arc<Articulated>),
+}
+
+/// Returns a class with tools fixed to its tool changers, each given by the changer's number.
+pub(super) fn with_tools<'a>(class: &RobotDef, held: impl IntoIterator<Item = (usize, &'a Object)>) -> RobotDef {
+    let mut fitted = class.clone();
+    for (changer, tool) in held {
+        let Some(changer) = class.tool_changers.get(changer) else { continue };
+        let Some(link) = fitted.links.get_mut(changer.link) else { continue };
+        let at = changer.pose() * tool.solid.pose();
+        let mass = uniform(&shape::shared(&tool.solid.shape), tool.mass);
+        let turn = at.rotation.to_rotation_matrix();
+        link.parts.push(Part {
+            name: tool.solid.name.clone(),
+            mass: mass.mass,
+            centre: (at * Point3::from(mass.centre)).coords,
+            inertia: turn * mass.inertia * turn.inverse(),
+        });
+        let (position, rotation) = position_and_rotation(&at);
+        link.solids.push(Solid { position, rotation, ..tool.solid.clone() });
+    }
+    fitted
 }
 
 impl CompiledRobot {

@@ -10,11 +10,19 @@ use super::articulated::{CompiledObject, MovableObject, SavedObject};
 use super::{Fault, Physics, convert};
 
 impl Physics {
-    /// Spawns an object at a pose, at rest. Its id must be larger than those of all others. A held object is not pushed by anything.
+    /// Spawns an object at a pose, at rest. No other may have its id. A held object is not pushed by anything.
     pub(crate) fn spawn_object(&mut self, id: ObjectId, def: Arc<Object>, pose: &Pose, is_held: bool) {
         let object = self.insert_object(id, def, pose, is_held);
         self.wake_near(object.reach());
-        self.objects.push(object);
+        let place = self.objects.partition_point(|other| other.id() < id);
+        self.objects.insert(place, object);
+    }
+
+    /// Sets the velocity of an object's frame, m/s, and its angular velocity, rad/s, in world axes.
+    pub(crate) fn push_off(&mut self, id: ObjectId, linear: &Vector3<f64>, angular: &Vector3<f64>) {
+        if let Some(place) = self.place_of(id) {
+            self.objects[place].push_off(linear, angular);
+        }
     }
 
     fn insert_object(&mut self, id: ObjectId, def: Arc<Object>, pose: &Pose, is_held: bool) -> MovableObject {

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use rapier3d::prelude::*;
-use scene::{BodyState, JointState, Pose, Steering, WheelState};
+use scene::{BodyState, JointState, Object, Pose, Steering, WheelState, check};
 use serde::{Deserialize, Serialize};
 
 use super::articulated::{self, SavedTree, Surroundings};
-use super::compile::CompiledRobot;
+use super::compile::{CompiledRobot, with_tools};
 use super::mechanism::Mechanism;
 use super::query::set_box;
 use super::{Fault, Physics};
@@ -108,6 +108,33 @@ impl Physics {
         }
         self.remove(robot);
         *robot = self.spawn(robot.robot.clone(), id, pose);
+    }
+
+    /// Returns a class with tools fixed to its tool changers, each given by the changer's number. Fails with the reason in words, for example
+    /// if they are too heavy.
+    pub(crate) fn fitted<'a>(
+        &mut self,
+        class: &Arc<CompiledRobot>,
+        held: impl IntoIterator<Item = (usize, &'a Object)>,
+    ) -> Result<Arc<CompiledRobot>, String> {
+        let mut held = held.into_iter().peekable();
+        if held.peek().is_none() {
+            return Ok(class.clone());
+        }
+        let fitted = with_tools(&class.def, held);
+        if let Some(wrong) = check::robot(&fitted).into_iter().next() {
+            return Err(format!("the robot cannot carry its tools: {wrong}"));
+        }
+        Ok(Arc::new(CompiledRobot::new(fitted, Arc::make_mut(&mut self.materials))))
+    }
+
+    /// Replaces a robot's class by one that differs in its tools alone. Its motion stays. Returns false, and changes nothing, for a robot of
+    /// the engine.
+    pub(crate) fn refit(&mut self, robot: &mut RobotBodies, id: PawnId, class: Arc<CompiledRobot>) -> bool {
+        let Some(saved) = robot.save() else { return false };
+        self.remove(robot);
+        *robot = self.spawn(class, id, &Pose::identity());
+        robot.load(&saved)
     }
 
     /// Removes a robot from the world.

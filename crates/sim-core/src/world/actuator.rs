@@ -70,12 +70,7 @@ impl Robot {
     /// Opens and closes grippers: `Open`, `Close`, or `Grip` with 0 or 1, in any case. An empty name means all (Gripper.uc:34-45). Returns
     /// true if the opcode is known and a gripper matches.
     pub(super) fn set_grippers(&mut self, set: &Set) -> bool {
-        let closed = match set.opcode.to_ascii_uppercase().as_str() {
-            "OPEN" => false,
-            "CLOSE" => true,
-            "GRIP" => set.numbers().is_some_and(|numbers| numbers.first().is_some_and(|&number| number != 0.0)),
-            _ => return false,
-        };
+        let Some(closed) = set.closes() else { return false };
         let named = self.def().grippers.iter().enumerate();
         let named = named.filter(|(_, it)| is_asked(&it.name, &set.name));
         let numbers: Vec<usize> = named.map(|(number, _)| number).collect();
@@ -112,7 +107,8 @@ impl Robot {
             send(Message::Asta(Asta { time: time as f32, name: actuator.name.clone(), joints }));
         }
         for (gripper, &closed) in def.grippers.iter().zip(self.closed_grippers()) {
-            send(Message::Eff(Eff { time: time as f32, name: gripper.name.clone(), closed }));
+            let (time, name) = (time as f32, gripper.name.clone());
+            send(Message::Eff(Eff { time, is_tool_changer: false, name, closed, tool_type: None, tool: None }));
         }
     }
 }

@@ -5,8 +5,8 @@ use gamebots_proto::message::{Conf, Geo, ItemGeo, RobotConf, RobotGeo};
 use nalgebra::Vector3;
 use scene::{RobotDef, SensorDef};
 
-use super::actuator;
 use super::robot::Robot;
+use super::{actuator, tools};
 use crate::drive;
 use crate::sensor::floats;
 
@@ -16,7 +16,8 @@ pub(super) fn conf(robot: &Robot, ask: &GetConf) -> Option<Conf> {
         return Some(Conf::Robot(robot_conf(robot)));
     }
     let sensors = matching(robot, &ask.type_name, &ask.name).map(|item| item.sensor.get().conf());
-    let items: Vec<_> = sensors.chain(actuator::confs(robot.def(), &ask.type_name, &ask.name)).collect();
+    let items = sensors.chain(actuator::confs(robot.def(), &ask.type_name, &ask.name));
+    let items: Vec<_> = items.chain(tools::confs(robot.def(), &ask.type_name, &ask.name)).collect();
     // A request for the deprecated mission packages is always answered.
     let answered = !items.is_empty() || ask.type_name == "MisPkg";
     answered.then(|| Conf::Items { type_name: ask.type_name.clone(), items })
@@ -35,7 +36,8 @@ pub(super) fn geo(robot: &Robot, ask: &GetGeo) -> Option<Geo> {
         item_geo(robot.def(), name, *link, (*position).into(), *direction)
     };
     let sensors = matching(robot, &ask.type_name, &ask.name).map(|item| sensor(&item.def));
-    let items: Vec<_> = sensors.chain(actuator::gripper_geos(robot.def(), &ask.type_name, &ask.name)).collect();
+    let items = sensors.chain(actuator::gripper_geos(robot.def(), &ask.type_name, &ask.name));
+    let items: Vec<_> = items.chain(tools::geos(robot.def(), &ask.type_name, &ask.name)).collect();
     (!items.is_empty()).then(|| Geo::Items { type_name: ask.type_name.clone(), items })
 }
 

@@ -415,7 +415,8 @@ impl World {
         let is_named = |created: &&Created| created.name.eq_ignore_ascii_case(name);
         let own = self.created.iter().filter(|created| created.by == by).find(is_named);
         let created = own.or_else(|| self.created.iter().find(is_named)).map(|created| created.id);
-        created.or_else(|| self.objects().find(|it| it.def.solid.name.eq_ignore_ascii_case(name)).map(|it| it.id))
+        created
+            .or_else(|| self.physics.objects().find(|it| it.def.solid.name.eq_ignore_ascii_case(name)).map(|it| it.id))
     }
 
     /// Answers a question for the states of a controller's objects.

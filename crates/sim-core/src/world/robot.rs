@@ -9,6 +9,7 @@ use scene::{Pose, RobotDef, RobotSnapshot, Sensed, SensorDef};
 use serde::{Deserialize, Serialize};
 
 use super::actuator::is_asked;
+use super::tools::{self, Tool};
 use super::{Options, PawnId, Report, seed};
 use crate::WheelState;
 use crate::drive::DriveState;
@@ -246,7 +247,8 @@ impl Robot {
         let grippers = self.def().grippers.iter().map(|gripper| format!("Gripper {}", gripper.name));
         let joints = self.def().with_values().filter(|link| link.wheel.is_none());
         let joints = joints.map(|link| format!("Joint {} (opcode Angle)", link.name));
-        let known: Vec<String> = sensors.chain(grippers).chain(joints).collect();
+        let changers = self.def().tool_changers.iter().map(|changer| format!("ToolChanger {}", changer.name));
+        let known: Vec<String> = sensors.chain(grippers).chain(changers).chain(joints).collect();
         Problem::NoItem { type_name: shown(&set.type_name), name: shown(&set.name), expected: known.join(", ") }
     }
 
@@ -288,6 +290,7 @@ impl Robot {
     pub(super) fn report(
         &mut self,
         physics: &Physics,
+        tools: &[Tool],
         time: f64,
         step: u64,
         mut send: impl FnMut(Report),
@@ -306,6 +309,8 @@ impl Robot {
         }
         if is_due(age, time_step, STATUS_INTERVAL) {
             self.report_actuators(physics, time, |message| send(message.into()));
+            let states = tools::states(tools, self.id, self.def(), time);
+            states.for_each(|state| send(Message::Eff(state).into()));
         }
         if !self.items.iter().any(due) {
             return;

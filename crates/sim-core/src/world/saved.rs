@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::World;
 use super::controller::{Controller, Created};
 use super::robot::{Robot, SavedRobot};
+use super::tools::Tool;
 use crate::CompiledScene;
 use crate::physics::SavedObject;
 
@@ -20,6 +21,8 @@ pub struct SavedWorld {
     controllers: BTreeMap<PawnId, Controller>,
     created: Vec<Created>,
     next_object: u64,
+    #[serde(default)]
+    tools: Vec<Tool>,
     unsettled: u64,
     objects: Vec<SavedObject>,
     robots: Vec<SavedRobot>,
@@ -97,6 +100,7 @@ impl World {
             controllers: self.controllers.clone(),
             created: self.created.clone(),
             next_object: self.next_object,
+            tools: self.tools.clone(),
             unsettled: self.physics.unsettled_steps(),
             objects: self.physics.save_objects(),
             robots: self.robots.values().map(save).collect::<Result<_, _>>()?,
@@ -111,10 +115,13 @@ impl World {
         let mut world = Self::new(scene, saved.options);
         (world.steps, world.next_id) = (saved.steps, saved.next_id);
         (world.controllers, world.created) = (saved.controllers.clone(), saved.created.clone());
-        world.next_object = saved.next_object;
+        (world.next_object, world.tools) = (saved.next_object, saved.tools.clone());
         let (of_map, next) = (world.def().map.objects.len() as u64, saved.next_object);
         let fits = |it: &SavedObject| it.spawned.is_none() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
         if let Some(SavedObject { id, .. }) = saved.objects.iter().find(|it| !fits(it)) {
+            return Err(LoadError::OtherMap { id: *id });
+        }
+        if let Some(Tool { id, .. }) = saved.tools.iter().find(|tool| tool.id.0 >= next || !tool.is_sound()) {
             return Err(LoadError::OtherMap { id: *id });
         }
         let objects = world.physics.load_objects(&saved.objects, saved.unsettled);
@@ -128,7 +135,9 @@ impl World {
                 let expected = world.scene.robots().keys().cloned().collect::<Vec<_>>().join(", ");
                 return Err(LoadError::UnknownClass { id, class, expected });
             };
-            let loaded = Robot::load(&mut world.physics, compiled, robot, saved.steps, saved.options);
+            let fitted = world.fitted(&compiled, id, &saved.tools);
+            let fitted = fitted.map_err(|_| LoadError::OtherClass { id, class: class.clone() })?;
+            let loaded = Robot::load(&mut world.physics, fitted, robot, saved.steps, saved.options);
             world.robots.insert(id, loaded.ok_or(LoadError::OtherClass { id, class })?);
         }
         Ok(world)

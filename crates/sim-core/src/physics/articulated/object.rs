@@ -59,13 +59,9 @@ pub(super) struct Sleep {
 impl Articulated {
     /// Compiles a rigid free body.
     pub(in super::super) fn of_object(seen: Seen, mass: f64, material: &scene::Material) -> Self {
-        let (shape, _) = seen.placed();
-        let mut properties = shape.mass_properties(1.0);
-        properties.set_mass(mass, true);
-        let inertia = properties.reconstruct_inertia_matrix().to_cols_array_2d().into();
-        let centre = convert::from_vector(properties.local_com);
-        let root = Link::new(0, Joint::Free, Vector3::zeros(), Mass { mass, centre, inertia });
-        let [linear_damping, damping] = material.damping(mass, &inertia);
+        let own = uniform(&seen.placed().0, mass);
+        let [linear_damping, damping] = material.damping(mass, &own.inertia);
+        let root = Link::new(0, Joint::Free, Vector3::zeros(), own);
         let tree = Tree::new(vec![Link { damping, linear_damping, ..root }]);
         let surface = Surface::new(0, Form::Solid, material, seen, None);
         Self {
@@ -80,6 +76,14 @@ impl Articulated {
             following: None,
         }
     }
+}
+
+/// Returns the mass of a shape with uniform density, in the shape's frame.
+pub(in super::super) fn uniform(shape: &SharedShape, mass: f64) -> Mass {
+    let mut properties = shape.mass_properties(1.0);
+    properties.set_mass(mass, true);
+    let inertia = properties.reconstruct_inertia_matrix().to_cols_array_2d().into();
+    Mass { mass, centre: convert::from_vector(properties.local_com), inertia }
 }
 
 impl MovableObject {
@@ -160,6 +164,16 @@ impl MovableObject {
     pub(in super::super) fn arrive(&mut self, pose: &Pose) {
         self.body.body.set_pose(*pose);
         self.body.standing.is_known = false;
+    }
+
+    /// Sets the velocity of the frame's origin, m/s, and the angular velocity, rad/s, in world axes.
+    pub(in super::super) fn push_off(&mut self, linear: &Vector3<f64>, angular: &Vector3<f64>) {
+        // The generalised velocity is that of the centre of mass.
+        let lever = self.pose().rotation * self.body.made_of.tree.links()[0].mass.centre;
+        let velocity = self.body.body.velocity_mut();
+        velocity[..3].copy_from_slice(angular.as_slice());
+        velocity[3..6].copy_from_slice((linear + angular.cross(&lever)).as_slice());
+        self.body.body.place();
     }
 
     /// Sets the velocity to zero.

@@ -1,0 +1,239 @@
+//! Tools that robots hold, drop and take (ToolChanger.uc:18-148).
+//!
+//! A tool is an object with an id for as long as it is in the world. While a tool changer holds it, it is part of the changer's link: it
+//! loads the arm, and what it touches pushes the arm. Once dropped, it is an object like any other. It leaves with the robot that held it
+//! last.
+
+use std::sync::Arc;
+
+use gamebots_proto::Problem;
+use gamebots_proto::command::{Act, Command, MisPkg};
+use gamebots_proto::message::{Eff, ItemConf, ItemGeo, ToolChangerConf};
+use nalgebra::Vector3;
+use scene::{Object, ObjectId, ObjectSnapshot, PawnId, Pose, RobotDef, ToolChanger, check};
+use serde::{Deserialize, Serialize};
+
+use super::World;
+use super::actuator::is_asked;
+use super::answer::item_geo;
+use crate::physics::{CompiledRobot, Identity};
+
+/// Tolerance of comparisons with the limits of a tool changer, m or rad.
+const ROUNDING: f64 = 1e-9;
+
+/// A tool in the world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Tool {
+    pub(super) id: ObjectId,
+    /// Robot that holds it, or held it last.
+    pub(super) robot: PawnId,
+    /// Number of the tool changer that holds it; `None` if it lies about.
+    pub(super) changer: Option<usize>,
+    /// Type on the wire.
+    kind: String,
+    /// Name, shape and mass. The pose of the shape is in the frame of the changer.
+    pub(super) object: Arc<Object>,
+}
+
+impl Tool {
+    /// True if it is a tool that a robot can hold.
+    pub(super) fn is_sound(&self) -> bool {
+        check::spawned_object(&self.object).is_empty()
+    }
+}
+
+impl World {
+    /// Returns the tools with which a robot of a class is spawned, as its own.
+    pub(super) fn first_tools(&self, class: &RobotDef, robot: PawnId) -> Vec<Tool> {
+        let held = class.tool_changers.iter().enumerate().filter_map(|(number, it)| Some((number, it.tool.as_ref()?)));
+        let ids = (self.next_object..).map(ObjectId);
+        let tool = |((changer, tool), id): ((usize, &scene::Tool), ObjectId)| Tool {
+            id,
+            robot,
+            changer: Some(changer),
+            kind: tool.kind.clone(),
+            object: Arc::new(tool.object.clone()),
+        };
+        held.zip(ids).map(tool).collect()
+    }
+
+    /// Returns a class with the tools that a robot holds. Fails with the reason in words.
+    pub(super) fn fitted(
+        &mut self,
+        class: &Arc<CompiledRobot>,
+        robot: PawnId,
+        tools: &[Tool],
+    ) -> Result<Arc<CompiledRobot>, String> {
+        let held = tools.iter().filter(|tool| tool.robot == robot);
+        self.physics.fitted(class, held.filter_map(|tool| Some((tool.changer?, &*tool.object))))
+    }
+
+    /// Returns the name of the tool changers that a command is for, empty for all, and true if they close: SET with `Open`, `Close` or `Grip`
+    /// and a number, in any case, or ACT or MISPKG with `Gripper` and the name of a tool changer.
+    pub(super) fn tool_order(&self, pawn: Option<PawnId>, command: &Command) -> Option<(String, bool)> {
+        let def = self.robot(pawn?)?;
+        match command {
+            Command::Set(set) if set.type_name.eq_ignore_ascii_case("ToolChanger") => {
+                let is_named = def.tool_changers.iter().any(|it| is_asked(&it.name, &set.name));
+                is_named.then_some((set.name.clone(), set.closes()?))
+            }
+            Command::Act(Act { name, gripper, .. }) | Command::MisPkg(MisPkg { name, gripper, .. }) => {
+                let is_known = def.tool_changers.iter().any(|it| it.name.eq_ignore_ascii_case(name));
+                is_known.then_some((name.clone(), (*gripper)? != 0.0))
+            }
+            _ => None,
+        }
+    }
+
+    /// Closes or opens the tool changers of a robot with a name. Returns false if none matches.
+    pub(super) fn change_tools(
+        &mut self,
+        robot: PawnId,
+        name: &str,
+        closed: bool,
+        problems: &mut Vec<Problem>,
+    ) -> bool {
+        let Some(def) = self.robot(robot) else { return false };
+        let named = def.tool_changers.iter().enumerate().filter(|(_, it)| is_asked(&it.name, name));
+        let changers: Vec<(usize, ToolChanger)> = named.map(|(number, it)| (number, it.clone())).collect();
+        for (number, changer) in &changers {
+            let held = self.held_by(robot, *number);
+            let done = match (closed, held) {
+                (true, None) => self.take_tool(robot, *number, changer),
+                (false, Some(tool)) => self.drop_tool(tool, changer),
+                _ => Ok(()),
+            };
+            if let Err(why) = done {
+                problems.push(Problem::ToolRefused { name: changer.name.clone(), why });
+            }
+        }
+        !changers.is_empty()
+    }
+
+    /// Returns the place in the list of the tool that a tool changer holds.
+    fn held_by(&self, robot: PawnId, changer: usize) -> Option<usize> {
+        self.tools.iter().position(|tool| tool.robot == robot && tool.changer == Some(changer))
+    }
+
+    fn drop_tool(&mut self, place: usize, changer: &ToolChanger) -> Result<(), String> {
+        let tool = self.tools[place].clone();
+        let (pose, linear, angular) = self.held_pose(&tool, changer).ok_or("the robot is gone")?;
+        self.tools[place].changer = None;
+        if let Err(why) = self.refit(tool.robot) {
+            self.tools[place].changer = tool.changer;
+            return Err(why);
+        }
+        self.physics.spawn_object(tool.id, tool.object, &pose, false);
+        self.physics.push_off(tool.id, &linear, &angular);
+        Ok(())
+    }
+
+    /// Takes the first tool that a ray along the changer's z axis meets, if it is near enough and turned like the changer.
+    fn take_tool(&mut self, robot: PawnId, number: usize, changer: &ToolChanger) -> Result<(), String> {
+        let own = self.changer_pose(robot, changer).ok_or("the robot is gone")?;
+        let sight = self.physics.sight(&own.translation.vector.into(), 2.0 * changer.position_tolerance, robot);
+        let hit = sight.cast_ray(&(own.rotation * Vector3::z())).ok_or("nothing is ahead of it")?;
+        let Identity::Object(id) = hit.identity else { return Err("what is ahead of it is no tool".to_owned()) };
+        let is_it = |tool: &Tool| tool.id == id && tool.changer.is_none();
+        let place = self.tools.iter().position(is_it).ok_or("what is ahead of it is no tool")?;
+        let shape = self.physics.object(id).ok_or("the tool is gone")?;
+        let tool = shape * self.tools[place].object.solid.pose().inverse();
+        let distance = (tool.translation.vector - own.translation.vector).norm();
+        let between = |axis: Vector3<f64>| (tool.rotation * axis).angle(&(own.rotation * axis));
+        let angle = between(Vector3::x()).max(between(Vector3::y()));
+        if distance > changer.position_tolerance + ROUNDING || angle > changer.angle_tolerance + ROUNDING {
+            let ToolChanger { position_tolerance, angle_tolerance, .. } = changer;
+            return Err(format!(
+                "the tool is {distance:.3} m and {angle:.3} rad away: expected at most {position_tolerance} m and {angle_tolerance} rad"
+            ));
+        }
+        let before = self.tools[place].robot;
+        (self.tools[place].robot, self.tools[place].changer) = (robot, Some(number));
+        if let Err(why) = self.refit(robot) {
+            (self.tools[place].robot, self.tools[place].changer) = (before, None);
+            return Err(why);
+        }
+        self.physics.remove_object(id);
+        Ok(())
+    }
+
+    /// Gives a robot the class with the tools that it holds now.
+    fn refit(&mut self, id: PawnId) -> Result<(), String> {
+        let name = self.robots.get(&id).map(|robot| robot.def().class.clone()).ok_or("the robot is gone")?;
+        let class = self.scene.robots().get(&name).cloned().ok_or("its class is gone")?;
+        let tools = std::mem::take(&mut self.tools);
+        let fitted = self.fitted(&class, id, &tools);
+        self.tools = tools;
+        let robot = self.robots.get_mut(&id).ok_or("the robot is gone")?;
+        let is_refitted = self.physics.refit(robot.bodies_mut(), id, fitted?);
+        is_refitted.then_some(()).ok_or("the drive model `bodies` cannot change tools".to_owned())
+    }
+
+    /// Returns the pose of a tool changer in the world.
+    fn changer_pose(&self, robot: PawnId, changer: &ToolChanger) -> Option<Pose> {
+        let bodies = self.robots.get(&robot)?.bodies();
+        let carrier = self.physics.carrier(bodies, changer.link).unwrap_or_else(|| self.physics.body(bodies));
+        Some(carrier.pose * changer.pose())
+    }
+
+    /// Returns the pose of the shape of a tool that a changer holds, its velocity, m/s, and its angular velocity, rad/s.
+    fn held_pose(&self, tool: &Tool, changer: &ToolChanger) -> Option<(Pose, Vector3<f64>, Vector3<f64>)> {
+        let bodies = self.robots.get(&tool.robot)?.bodies();
+        let carrier = self.physics.carrier(bodies, changer.link).unwrap_or_else(|| self.physics.body(bodies));
+        let pose = carrier.pose * changer.pose() * tool.object.solid.pose();
+        let lever = pose.translation.vector - carrier.pose.translation.vector;
+        Some((pose, carrier.linear + carrier.angular.cross(&lever), carrier.angular))
+    }
+
+    /// Returns snapshots of the tools that robots hold.
+    pub(super) fn held_tools(&self) -> impl Iterator<Item = ObjectSnapshot> {
+        self.tools.iter().filter_map(|tool| {
+            let changer = self.robot(tool.robot)?.tool_changers.get(tool.changer?)?;
+            let (pose, ..) = self.held_pose(tool, changer)?;
+            Some(ObjectSnapshot { id: tool.id, def: tool.object.clone(), pose })
+        })
+    }
+
+    /// Removes the tools of a robot that leaves.
+    pub(super) fn remove_tools(&mut self, robot: PawnId) {
+        for tool in self.tools.extract_if(.., |tool| tool.robot == robot) {
+            self.physics.remove_object(tool.id);
+        }
+    }
+}
+
+/// Returns the states of a robot's tool changers.
+pub(super) fn states(tools: &[Tool], robot: PawnId, def: &RobotDef, time: f64) -> impl Iterator<Item = Eff> {
+    def.tool_changers.iter().enumerate().map(move |(number, changer)| {
+        let tool = tools.iter().find(|tool| tool.robot == robot && tool.changer == Some(number));
+        Eff {
+            time: time as f32,
+            is_tool_changer: true,
+            name: changer.name.clone(),
+            closed: tool.is_some(),
+            tool_type: tool.map(|tool| tool.kind.clone()),
+            tool: tool.map(|tool| tool.object.solid.name.clone()),
+        }
+    })
+}
+
+/// Returns CONF of the tool changers that a name, in any case, selects; an empty one selects all.
+pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf> {
+    let conf = |it: &ToolChanger| {
+        let tolerances = [it.position_tolerance, it.angle_tolerance].map(|it| it as f32);
+        let [position_tolerance, angle_tolerance] = tolerances;
+        ToolChangerConf { name: it.name.clone(), position_tolerance, angle_tolerance }.into()
+    };
+    asked(def, type_name, name).map(conf).collect()
+}
+
+/// Returns GEO of the tool changers that a name selects.
+pub(super) fn geos(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemGeo> {
+    let geo = |it: &ToolChanger| item_geo(def, &it.name, it.link, it.position.into(), it.direction);
+    asked(def, type_name, name).map(geo).collect()
+}
+
+fn asked<'a>(def: &'a RobotDef, type_name: &str, name: &'a str) -> impl Iterator<Item = &'a ToolChanger> {
+    let is_meant = type_name.eq_ignore_ascii_case("ToolChanger");
+    def.tool_changers.iter().filter(move |it| is_meant && is_asked(&it.name, name))
+}
