@@ -52,10 +52,8 @@ const playback = new Playback({
   scan: (scan) => view.setScan(scan),
   picture: (picture) => pictures.take(picture),
   status: showStatus,
-  line(line) {
-    state.takeLine(line);
-    wire.line(line);
-  },
+  line: (line) => wire.line(line),
+  reading: (reading) => state.takeReading(reading),
   jumped() {
     state.forgetSensors();
     view.clearPaths();
@@ -114,6 +112,7 @@ const live = new Live({
     playback.takeStatus(status);
   },
   line: (line) => playback.takeLine(line),
+  reading: (reading) => playback.takeReading(reading),
   fit: (answer) => pointer.takeFit(answer),
   said(text) {
     wire.said(text);

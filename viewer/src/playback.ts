@@ -6,6 +6,7 @@ import { type Mark, Marks } from './marks';
 import type { Frame, Picture, Scan } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
 import type { Scene, Solid, Spawned } from './protocol/scene';
+import type { Reading } from './protocol/sensors';
 
 export type Mode = 'live' | 'past' | 'log';
 
@@ -24,6 +25,7 @@ export interface Screen {
   picture(picture: Picture): void;
   status(status: Status): void;
   line(line: WireLine): void;
+  reading(reading: Reading): void;
   /** Time has changed without passing: what was drawn of a while is of another time. */
   jumped(): void;
   /** The mode, or how a log plays, is another. */
@@ -137,6 +139,10 @@ export class Playback {
     if (this.mode === 'live') this.screen.line(line);
   }
 
+  takeReading(reading: Reading): void {
+    if (this.mode === 'live') this.screen.reading(reading);
+  }
+
   /** First and last time that can be shown, s. */
   get range(): [number, number] {
     return this.player ? [this.player.log.start, this.player.log.end] : this.history.range;
@@ -235,6 +241,7 @@ export class Playback {
         status: (robots) => this.showStatus(robots),
         scan: (scan) => this.screen.scan(scan),
         line: (line) => this.screen.line(line),
+        reading: (reading) => this.screen.reading(reading),
         jumped: () => this.screen.jumped(),
         ended: () => this.screen.changed(),
         failed: (reason) => this.screen.said(`${file.name}: ${reason}`),

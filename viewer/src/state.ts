@@ -1,9 +1,9 @@
 /** What the page knows of the world that it shows: the server's, or that of a log. */
 
 import type { Frame, RobotState } from './protocol/frame';
-import type { Status, WireLine } from './protocol/live';
+import type { Status } from './protocol/live';
 import type { RobotClass, Scene, Solid } from './protocol/scene';
-import { type SensorValues, readSensorLine } from './protocol/sensors';
+import { type Reading, type SensorValues, addReading } from './protocol/sensors';
 
 export class State {
   scene: Scene | null = null;
@@ -51,18 +51,19 @@ export class State {
     return numbers.filter((number) => this.object(number));
   }
 
-  /** What a robot's sensors said last, as far as their lines were listened to. */
+  /** The last readings of a robot's sensors, as far as they were listened to. */
   sensorsOf(id: number): SensorValues {
     let values = this.sensors.get(id);
     if (!values) this.sensors.set(id, (values = new Map()));
     return values;
   }
 
-  takeLine({ direction, robot, text }: WireLine): void {
-    if (direction === 'out' && robot !== null) readSensorLine(text, this.sensorsOf(robot));
+  takeReading(reading: Reading): void {
+    const name = this.classOf(reading.robot)?.sensors[reading.sensor]?.name;
+    if (name !== undefined) addReading(reading, name, this.sensorsOf(reading.robot));
   }
 
-  /** A fresh world: what was said of the old one is not true any more. */
+  /** Forgets all readings, because a fresh world begins. */
   forgetSensors(): void {
     this.sensors.clear();
   }

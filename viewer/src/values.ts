@@ -10,8 +10,8 @@ export interface Value {
   name: string;
   unit: string;
   digits: number;
-  /** whether only lines of the wire say it, so that frames of the past have none */
-  isOfLine?: boolean;
+  /** true for a number of a sensor, which frames of the past do not have */
+  isReading?: boolean;
   read: (robot: RobotState, sensors: SensorValues) => number | null;
 }
 
@@ -22,7 +22,7 @@ export interface Group {
 
 const DEGREES = 180 / Math.PI;
 
-/** What every robot has, then its wheels, joints and sensors: the names and numbers of what these have said so far. */
+/** Lists what every robot has, then its wheels, joints and sensors, as far as these have measured. */
 export function valuesOf(robotClass: RobotClass, sensors: SensorValues): Group[] {
   const groups: Group[] = [
     { name: 'Pose', values: POSE },
@@ -85,13 +85,13 @@ function slipValues({ wheel_radius: radius, steering }: RobotClass): Value[] {
 function sensorGroups(sensors: SensorValues): Group[] {
   return [...sensors].map(([sensor, numbers]) => ({
     name: sensor,
-    values: [...numbers.keys()].map((key) => ({
+    values: [...numbers].map(([key, { unit }]) => ({
       key: `${sensor}/${key}`,
       name: key,
-      unit: '',
+      unit,
       digits: 3,
-      isOfLine: true,
-      read: (_: RobotState, now: SensorValues) => now.get(sensor)?.get(key) ?? null,
+      isReading: true,
+      read: (_: RobotState, now: SensorValues) => now.get(sensor)?.get(key)?.value ?? null,
     })),
   }));
 }

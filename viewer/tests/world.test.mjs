@@ -23,12 +23,12 @@ pageTest('a robot is spawned from the first view', rough, async ({ page }) => {
 pageTest('a value of a sensor is shown and plotted by a click', rough, async ({ page }) => {
   await spawnRobot(page, { robotClass: 'P3AT' });
   await page.click('summary:text("GroundTruth GndTruth")');
-  const value = '[data-value="GroundTruth GndTruth/Location x"]';
+  const value = '[data-value="GroundTruth GndTruth/position x"]';
   await page.keyboard.down('w');
   await waitForNumber(page, value, (number) => number > 0.2);
   await page.keyboard.up('w');
   await page.click(value);
-  await page.waitForSelector('#plots:not([hidden]) .u-legend :text("Robot1 Location x")');
+  await page.waitForSelector('#plots:not([hidden]) .u-legend :text("Robot1 position x")');
   await page.click('[data-value=x]');
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save-csv')]);
   const lines = readFileSync(await download.path(), 'utf8').split('\n');

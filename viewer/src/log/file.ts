@@ -6,11 +6,11 @@
 import type { Frame, Scan } from '../protocol/frame';
 import type { Status, WireLine } from '../protocol/live';
 import type { Pose, Scene, Solid } from '../protocol/scene';
+import type { Reading } from '../protocol/sensors';
 import { Chunks, lastMessage, messagesBetween } from './chunks';
 import { type Chunk, type Contents, type Message, readContents } from './mcap';
-import { readLeft, readLine, readLineOwner, readRanges, readState, readTransforms } from './messages';
+import { readLeft, readLine, readLineOwner, readRanges, readReading, readState, readTransforms } from './messages';
 import { LogObjects } from './objects';
-import { rangesOfLine } from './ranges';
 import { type LogClass, type LogRobotState, robotState } from './robot';
 import { Source } from './source';
 
@@ -45,7 +45,10 @@ interface Slot {
   frame: string;
   state: number;
   transforms: number | undefined;
-  sensors: { name: string; channel: number }[];
+  /** channels of readings */
+  readings: number[];
+  /** channels of the scans of level lasers, by the names of these */
+  scans: { name: string; channel: number }[];
 }
 
 export class LogFile {
@@ -157,16 +160,17 @@ export class LogFile {
       const { robot, class: robotClass } = readState(state.data);
       return [{ robot, slot, sensors: this.scene.classes[robotClass]?.sensors ?? [] }];
     });
-    // Only the wire says what sonars measured, and lasers that are not level.
-    const others = robots.filter(({ sensors }) =>
-      sensors.some(({ max_range, fan }) => max_range !== null && !fan?.level),
-    );
-    const onWire = this.rangesOnWire(chunks, new Set(others.map(({ robot }) => robot)), from, to);
     const scans = robots.flatMap(({ robot, slot, sensors }) => {
-      const ranges = new Map(onWire.get(robot));
-      for (const { name, channel } of slot.sensors) {
+      const ranges = new Map<string, number[]>();
+      for (const { name, channel } of slot.scans) {
         const message = lastOf(chunks, channel, to);
         if (message && message.time > from) ranges.set(name, readRanges(message.data));
+      }
+      // Foxglove has no scans of sonars, nor of lasers that are not level.
+      for (const { sensor, quantities } of newestReadings(slot, chunks, from, to)) {
+        const name = sensors[sensor]?.name;
+        const measured = quantities.find(({ name }) => name === 'ranges' || name === 'range');
+        if (name !== undefined && measured && !ranges.has(name)) ranges.set(name, measured.values);
       }
       return sensors.map(({ name, max_range }, sensor) => {
         const parts = ranges.get(name)?.map((range) => Math.min(1, Math.max(0, range / (max_range ?? 1))));
@@ -176,20 +180,10 @@ export class LogFile {
     return scans.filter((scan) => scan !== null);
   }
 
-  /** The newest ranges that lines say, m, by robots and names of sensors. */
-  private rangesOnWire(
-    chunks: Chunk[],
-    robots: Set<number>,
-    from: number,
-    to: number,
-  ): Map<number, Map<string, number[]>> {
-    const found = new Map([...robots].map((robot) => [robot, new Map<string, number[]>()]));
-    const lines = robots.size > 0 ? messagesBetween(chunks, this.chunks.channel('/wire/out'), from, to) : [];
-    for (const { data } of lines) {
-      const ranges = found.get(readLineOwner(data).robot ?? -1);
-      if (ranges) rangesOfLine(readLine(data).line).forEach((it) => ranges.set(it.name, it.ranges));
-    }
-    return found;
+  /** The newest reading of each sensor from after one time up to another, s. */
+  async readingsBetween(after: number, until: number): Promise<Reading[]> {
+    const [to, chunks] = await this.chunksBetween(after, until);
+    return this.slots.flatMap((slot) => newestReadings(slot, chunks, nanoseconds(after), to));
   }
 
   private async chunksBetween(after: number, until: number): Promise<[number, Chunk[]]> {
@@ -233,10 +227,20 @@ function slotsOf(topics: Map<number, string>): Slot[] {
   }
   return [...slots].flatMap(([slot, channels]) => {
     const state = channels.get('state');
-    const sensors = [...channels].flatMap(([name, channel]) => {
-      return name.startsWith('sensor/') ? [{ name: name.slice('sensor/'.length), channel }] : [];
-    });
-    return state === undefined ? [] : [{ frame: `robot/${slot}`, state, transforms: channels.get('tf'), sensors }];
+    const ofSensors = [...channels].filter(([name]) => name.startsWith('sensor/'));
+    const readings = ofSensors.flatMap(([name, channel]) => (name.endsWith('/reading') ? [channel] : []));
+    const ofScans = ofSensors.filter(([name]) => !/\/(reading|image|picture)$/.test(name));
+    const scans = ofScans.map(([name, channel]) => ({ name: name.slice('sensor/'.length), channel }));
+    const transforms = channels.get('tf');
+    return state === undefined ? [] : [{ frame: `robot/${slot}`, state, transforms, readings, scans }];
+  });
+}
+
+/** The newest reading of each sensor of a slot after one time up to another, ns. */
+function newestReadings({ readings }: Slot, chunks: Chunk[], from: number, to: number): Reading[] {
+  return readings.flatMap((channel) => {
+    const message = lastOf(chunks, channel, to);
+    return message && message.time > from ? [{ ...readReading(message.data), time: message.time / 1e9 }] : [];
   });
 }
 

@@ -5,6 +5,7 @@
 
 import type { ObjectState } from '../protocol/frame';
 import type { Pose, Vector } from '../protocol/scene';
+import type { Quantity, Reading } from '../protocol/sensors';
 import { eachField } from './protobuf';
 
 export interface StateMessage {
@@ -130,6 +131,27 @@ export function readTransforms(bytes: Uint8Array): Map<string, Pose> {
   };
   eachField(bytes, { 1: (it) => read(it.message()) });
   return transforms;
+}
+
+/** Reads a reading without its time. */
+export function readReading(bytes: Uint8Array): Omit<Reading, 'time'> {
+  const reading = { robot: 0, sensor: 0, type: '', quantities: [] as Quantity[] };
+  const quantity = (bytes: Uint8Array) => {
+    const quantity: Quantity = { name: '', unit: '', values: [] };
+    eachField(bytes, {
+      1: (it) => (quantity.name = it.text()),
+      2: (it) => (quantity.unit = it.text()),
+      3: (it) => (quantity.values = quantity.values.concat(it.doubles())),
+    });
+    return quantity;
+  };
+  eachField(bytes, {
+    1: (it) => (reading.robot = it.varint()),
+    2: (it) => (reading.sensor = it.varint()),
+    3: (it) => (reading.type = it.text()),
+    4: (it) => reading.quantities.push(quantity(it.message())),
+  });
+  return reading;
 }
 
 /** The ranges of a scan, m. */

@@ -3,6 +3,7 @@
 import type { Scan } from '../protocol/frame';
 import type { WireLine } from '../protocol/live';
 import type { Solid } from '../protocol/scene';
+import type { Reading } from '../protocol/sensors';
 import type { LogFile, LogFrame, LogRobots } from './file';
 
 /** What the page does with what a log has. */
@@ -14,6 +15,7 @@ export interface LogListener {
   status(robots: LogRobots): void;
   scan(scan: Scan): void;
   line(line: WireLine): void;
+  reading(reading: Reading): void;
   /** Time has not passed but changed: paths, plots and lines from before are of another time. The frame follows. */
   jumped(): void;
   /** It was played to its end. */
@@ -24,7 +26,7 @@ export interface LogListener {
 
 /** Between two frames, ms: as often as a live world gives them. */
 const INTERVAL = 33;
-/** Of a longer time between two frames only the end is read: lines and scans, s. After a jump as much from before it. */
+/** Of a longer time between two frames only the end is read: lines, readings and scans, s. After a jump as much from before it. */
 const LOOK_BACK = 1;
 
 export class Player {
@@ -136,8 +138,9 @@ export class Player {
     this.hasJumped = false;
     const after = hasJumped ? time - LOOK_BACK : Math.max(this.shown, time - LOOK_BACK);
     this.shown = time;
-    const [{ frame, robots, spawned }, scans, lines] = await Promise.all([
+    const [{ frame, robots, spawned }, readings, scans, lines] = await Promise.all([
       this.log.momentAt(time),
+      this.log.readingsBetween(after, time),
       this.log.scansBetween(after, time),
       this.wantLines ? this.log.linesBetween(after, time) : [],
     ]);
@@ -154,6 +157,7 @@ export class Player {
       this.listener.objects(spawned);
     }
     for (const line of lines) this.listener.line(line);
+    for (const reading of readings) this.listener.reading(reading);
     this.listener.frame(frame);
     for (const scan of scans) this.listener.scan(scan);
   }

@@ -107,9 +107,9 @@ export class PlotsPanel {
     chart.showMoment(this.moment);
   }
 
-  /** Values of frames. Values of lines are known from when the page listens to them. */
+  /** Values of frames. Readings are known from when the page listens to them. */
   private pastOf(series: Series, past: Frame[]): [number, number | null][] {
-    return past.map((frame) => [frame.time, series.value.isOfLine ? null : this.read(series, frame)]);
+    return past.map((frame) => [frame.time, series.value.isReading ? null : this.read(series, frame)]);
   }
 
   /** One fills the width, several share it. */

@@ -4,6 +4,7 @@ import { type Frame, type Picture, type Scan, readMessage } from './frame';
 import { type Fit, type FitAnswer, FitQuestions } from './fit';
 import { ObjectQuestions } from './objects';
 import { type Scene, type Spawned, fetchScene } from './scene';
+import type { Reading } from './sensors';
 
 export interface Status {
   real_time_factor: number;
@@ -46,6 +47,7 @@ export interface Listener {
   picture(picture: Picture): void;
   status(status: Status): void;
   line(line: WireLine): void;
+  reading(reading: Reading): void;
   said(text: string): void;
   /** Takes the answer to a question where a robot could stand. */
   fit(answer: FitAnswer): void;
@@ -106,7 +108,7 @@ export class Live {
     this.listen();
   }
 
-  /** The robots whose sensors are to be heard. */
+  /** Asks for the readings of robots. */
   listenToRobots(robots: number[]): void {
     if (String(robots) === String(this.robots)) return;
     this.robots = robots;
@@ -204,6 +206,7 @@ export class Live {
     const message = JSON.parse(data) as {
       status?: Status;
       line?: WireLine;
+      reading?: Reading;
       said?: string;
       missed?: number;
       you?: string;
@@ -213,10 +216,12 @@ export class Live {
     if (message.you !== undefined) [this.you, this.refused] = [message.you, message.refused ?? null];
     if (message.status) this.takeStatus(message.status);
     if (message.line) this.listener.line(message.line);
+    if (message.reading) this.listener.reading(message.reading);
     if (message.fit) this.fits.take(message.fit);
     if (message.said !== undefined && !this.fits.isRefusal(message.said))
       this.listener.said(this.addressed(message.said));
-    if (message.missed !== undefined) this.listener.said(`${message.missed} lines and scans came too fast to be shown`);
+    if (message.missed !== undefined)
+      this.listener.said(`${message.missed} lines, readings and scans came too fast to be shown`);
   }
 }
 
