@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
+use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Dialect};
 use scene::{DriveModel, WorldDef};
-use sim_core::{CompiledScene, Options, PawnId, World};
+use sessions::{News, Request, SessionId, Sessions};
+use sim_core::{CompiledScene, Options, World};
 
 use crate::assert_finite;
 
@@ -57,19 +59,18 @@ pub fn world(bytes: &[u8]) {
 /// The digest of the world at the end and everything that was sent.
 fn run(text: &str) -> (u64, String) {
     let (scene, lines) = text.split_once('\n').unwrap_or((text, ""));
-    let mut world = World::new(compiled(scene), Options::default());
-    // The robots of three clients, the newest last.
-    let mut clients: [Vec<PawnId>; 3] = Default::default();
+    let mut sessions = Sessions::new(World::new(compiled(scene), Options::default()));
     let (mut steps, mut sent) = (0, String::new());
     for line in lines.lines().take(MAX_LINES) {
         if let Ok(wanted) = line.trim().parse::<u32>() {
             let wanted = wanted.min(MAX_STEPS - steps);
-            (0..wanted).for_each(|_| step(&mut world, &mut sent));
+            (0..wanted).for_each(|_| step(&mut sessions, &mut sent));
             steps += wanted;
         } else {
-            act(line, &mut clients, &mut world, &mut sent);
+            act(line, &mut sessions, &mut sent);
         }
     }
+    let world = sessions.world();
     assert_eq!(world.time(), f64::from(steps) * world.time_step());
     (world.digest(), sent)
 }
@@ -87,38 +88,42 @@ fn compiled(scene: &str) -> CompiledScene {
     scenes.entry((map, model.map(DriveModel::name))).or_insert_with(compile).clone()
 }
 
-fn act(line: &str, clients: &mut [Vec<PawnId>; 3], world: &mut World, sent: &mut String) {
-    let connection = line.bytes().next().unwrap_or_default();
+fn act(line: &str, sessions: &mut Sessions, sent: &mut String) {
+    let session = SessionId::from(line.bytes().next().unwrap_or_default()) % 3;
     let text = line.get(1..).unwrap_or_default().trim();
-    let robots = &mut clients[usize::from(connection) % 3];
-    let full = world.robots().count() >= MAX_ROBOTS;
     if text.is_empty() {
-        robots.drain(..).for_each(|robot| world.remove(robot));
-    } else if let Some(command) = Command::parse(text, &mut Vec::new())
-        && !(full && matches!(command, Command::Init(_)))
-    {
-        let executed = world.execute(robots.last().copied(), &command, &mut Vec::new());
-        robots.extend(executed.spawned);
-        for answer in executed.answers {
-            assert_finite("an answer", &answer);
-            let message = world.message(answer).expect("a message");
-            let _ = writeln!(sent, "{}", message.write(Dialect::Udk));
-        }
-        see(world);
+        return sessions.close(session, &mut |_, news| note(news, sent));
+    }
+    if !sessions.is_open(session) {
+        sessions.open(session, Some(Dialect::Udk), false, &mut |_, news| note(news, sent));
+    }
+    let request = Request::read(Ok(text.to_owned()));
+    let is_full = sessions.world().robots().count() >= MAX_ROBOTS;
+    if !(is_full && matches!(request.command, Some(Command::Init(_)))) {
+        sessions.take(session, &request, &mut |_, news| note(news, sent));
+        see(sessions.world());
     }
 }
 
-fn step(world: &mut World, sent: &mut String) {
-    let before = world.time();
-    for (PawnId(robot), report) in world.step() {
-        assert_finite("a report", &report);
-        let message = world.message(report).expect("a message");
-        let _ = writeln!(sent, "{robot} {}", message.write(Dialect::Udk));
-    }
+fn step(sessions: &mut Sessions, sent: &mut String) {
+    let before = sessions.world().time();
+    sessions.step(&mut |_, news| note(news, sent));
+    let world = sessions.world();
     assert!(world.time() > before);
     assert!(world.work() <= MAX_WORK, "a step of {} multiplications", world.work());
-    assert_eq!(world.take_lost(), []);
     see(world);
+}
+
+fn note(news: News, sent: &mut String) {
+    match news {
+        News::Sensed(sensed) => assert_finite("a reading", sensed),
+        News::Sent { session, line, .. } => {
+            assert_finite("a message", &Message::read_all(&line));
+            let _ = writeln!(sent, "{session} {line}");
+        }
+        News::Lost(lost) => panic!("{lost}"),
+        _ => {}
+    }
 }
 
 /// Looks at everything that can be seen.

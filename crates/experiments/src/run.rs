@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use gamebots_proto::message::Message;
-use gamebots_proto::{Command, Dialect, Problem};
+use gamebots_proto::{Dialect, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
 use scene::{MapDef, PawnId, Pose, Reading, RobotDef, WorldDef};
 use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
-use sim_core::{Options, Report, World};
+use sessions::{Listener, News, Request, SessionId, Sessions};
+use sim_core::{Options, World};
 
 use crate::course::in_words;
 use crate::plan::{Plan, Run, Setup, Tolerances};
@@ -166,11 +166,9 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let Prepared { world, options, init, lines } = prepare(plan, run)?;
     let refuse = |reason: &str| RunError::Setup { id: run.id.clone(), reason: reason.to_owned() };
     let log = log.map(|path| LogWriter::create(path, &world, options, &run.metadata(options.seed))).transpose()?;
-    let (world, states) = (World::new(world, options), StateTimer::default());
-    let mut stage = Stage { world, robot: None, log, states };
-    stage.greet()?;
+    let mut stage = Stage::new(World::new(world, options), log)?;
     let problems = stage.send(&init)?;
-    let Some(robot) = stage.robot else { return Err(refuse(&in_words(&problems))) };
+    let Some(robot) = stage.robot() else { return Err(refuse(&in_words(&problems))) };
 
     let mut poses = Vec::new();
     let mut lines = lines.into_iter().peekable();
@@ -180,8 +178,8 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let (mut began, mut readings, mut turned, mut before) = (None, 0, 0.0, Vec::new());
     loop {
         let reading = stage.step()?;
-        let time = stage.world.time();
-        let Some((body, wheels)) = stage.world.state(robot) else { return Err(refuse("the robot is gone")) };
+        let time = stage.world().time();
+        let Some((body, wheels)) = stage.world().state(robot) else { return Err(refuse("the robot is gone")) };
         let angles: Vec<f64> = wheels.iter().map(|wheel| wheel.angle).collect();
         if began.is_none() && reading && time >= plan.settling - 1e-9 {
             began = Some(time);
@@ -211,14 +209,10 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
             }
         }
     }
-    let (digest, seconds) = (stage.world.digest(), stage.world.time());
+    let (digest, seconds) = (stage.world().digest(), stage.world().time());
+    let unsettled_steps = stage.world().unsettled_steps();
     if let Some(log) = stage.log {
-        log.finish(End {
-            time: seconds,
-            digest: Some(digest),
-            unsettled_steps: stage.world.unsettled_steps(),
-            dropped: 0,
-        })?;
+        log.finish(End { time: seconds, digest: Some(digest), unsettled_steps, dropped: 0 })?;
     }
     Ok(Outcome {
         id: run.id.clone(),
@@ -259,67 +253,97 @@ impl Run {
     }
 }
 
-/// A world with its log and its only client.
+/// Number of the only session of a run.
+const SESSION: SessionId = 1;
+
+/// A world with its log and its only session.
 struct Stage {
-    world: World,
-    robot: Option<PawnId>,
+    sessions: Sessions,
     log: Option<LogWriter>,
     states: StateTimer,
 }
 
 impl Stage {
-    fn greet(&mut self) -> Result<(), RecordError> {
-        let greeting = self.world.greeting();
-        self.record_out(&greeting)
+    fn new(world: World, log: Option<LogWriter>) -> Result<Self, RecordError> {
+        let mut stage = Self { sessions: Sessions::new(world), log, states: StateTimer::default() };
+        match stage.log {
+            Some(_) => {
+                let open = |sessions: &mut Sessions, hear: Listener| {
+                    sessions.open(SESSION, Some(Dialect::Udk), false, hear);
+                };
+                stage.record(open).map(|_| ())?;
+            }
+            None => stage.sessions.open_silent(SESSION),
+        }
+        Ok(stage)
+    }
+
+    fn world(&self) -> &World {
+        self.sessions.world()
+    }
+
+    fn robot(&self) -> Option<PawnId> {
+        self.sessions.newest(SESSION)
     }
 
     /// Sends a line and returns its problems.
     fn send(&mut self, text: &str) -> Result<Vec<Problem>, RecordError> {
-        let line = Record::In(self.line(text.to_owned()));
-        if let Some(log) = &mut self.log {
-            log.write(self.world.time(), &line)?;
-        }
-        let mut problems = Vec::new();
-        let command = Command::parse(text, &mut problems);
-        let executed = command.map(|command| self.world.execute(self.robot, &command, &mut problems));
-        let executed = executed.unwrap_or_default();
-        self.robot = executed.spawned.or(self.robot);
-        executed.answers.into_iter().try_for_each(|answer| self.report(answer))?;
-        Ok(problems)
+        let request = Request::read(Ok(text.to_owned()));
+        self.record(|sessions, hear| sessions.take(SESSION, &request, hear)).map(|heard| heard.problems)
     }
 
     /// Advances by one time step. Returns true if a ground truth reading arrived.
     fn step(&mut self) -> Result<bool, RecordError> {
-        let mut reading = false;
-        for (_, report) in self.world.step() {
-            reading |= matches!(&report, Report::Sensed(sensed) if matches!(sensed.reading, Reading::GroundTruth(_)));
-            self.report(report)?;
-        }
+        let heard = self.record(|sessions, hear| sessions.step(hear))?;
         if let Some(log) = &mut self.log {
-            let time = self.world.time();
-            if self.states.is_due(time) {
-                let records = self.states.records(&self.world.def().map, &self.world.snapshot());
-                records.iter().try_for_each(|state| log.write(time, state))?;
+            let world = self.sessions.world();
+            if self.states.is_due(world.time()) {
+                let records = self.states.records(&world.def().map, &world.snapshot());
+                records.iter().try_for_each(|state| log.write(world.time(), state))?;
             }
         }
-        Ok(reading)
+        Ok(heard.has_truth)
     }
 
-    /// Records a report: a reading, and the line that a client would get.
-    fn report(&mut self, report: Report) -> Result<(), RecordError> {
-        let Some(log) = &mut self.log else { return Ok(()) };
-        if let Report::Sensed(sensed) = &report {
-            log.write(self.world.time(), &Record::Sensed(sensed.clone()))?;
+    /// Does something with the session, and records the news.
+    fn record(&mut self, act: impl FnOnce(&mut Sessions, Listener)) -> Result<Heard, RecordError> {
+        let (mut heard, mut written) = (Heard::default(), Ok(()));
+        let log = &mut self.log;
+        act(&mut self.sessions, &mut |world, news| {
+            heard.hear(&news);
+            if let (Some(log), Some(record), Ok(())) = (log.as_mut(), record(news), &written) {
+                written = log.write(world.time(), &record);
+            }
+        });
+        written.map(|()| heard)
+    }
+}
+
+/// The news that a run needs.
+#[derive(Default)]
+struct Heard {
+    problems: Vec<Problem>,
+    /// True if the ground truth was measured.
+    has_truth: bool,
+}
+
+impl Heard {
+    fn hear(&mut self, news: &News) {
+        match news {
+            News::Wrong { problems, .. } => self.problems.extend_from_slice(problems),
+            News::Sensed(sensed) => self.has_truth |= matches!(sensed.reading, Reading::GroundTruth(_)),
+            _ => {}
         }
-        self.world.message(report).map_or(Ok(()), |message| self.record_out(&message))
     }
+}
 
-    fn record_out(&mut self, message: &Message) -> Result<(), RecordError> {
-        let record = Record::Out(self.line(message.write(Dialect::Udk)));
-        self.log.as_mut().map_or(Ok(()), |log| log.write(self.world.time(), &record))
-    }
-
-    fn line(&self, line: String) -> WireLine {
-        WireLine { connection: 1, robot: self.robot.map(|robot| robot.0), line }
+/// Returns the record of news; `None` for news that logs of runs do not have.
+fn record(news: News) -> Option<Record> {
+    let line = |connection, pawn: Option<PawnId>, line| WireLine { connection, robot: pawn.map(|pawn| pawn.0), line };
+    match news {
+        News::Received { session, pawn, line: text } => Some(Record::In(line(session, pawn, text.to_owned()))),
+        News::Sent { session, pawn, line: text, .. } => Some(Record::Out(line(session, pawn, text))),
+        News::Sensed(sensed) => Some(Record::Sensed(sensed.clone())),
+        _ => None,
     }
 }

@@ -1,15 +1,15 @@
-//! One connection in the world's thread: its requests, its outbox, its mistakes.
+//! One client in the world's thread: its requests, its outbox, its mistakes.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use gamebots_proto::message::{Message, Nfo};
-use gamebots_proto::{Command, Dialect, Problem};
+use gamebots_proto::{Command, Problem};
 use outbox::Outbox;
+use sessions::Request;
 use tracing::warn;
 
-use crate::connection::{ConnectionId, Opened, Request, Turn};
+use crate::connection::{ConnectionId, Opened, Turn};
 
 /// Most problems of one connection logged in a second; the rest are counted.
 const MAX_WARNINGS: u64 = 20;
@@ -18,21 +18,17 @@ const MAX_COUNTED: usize = 50;
 /// Characters of a bad line that are logged.
 const SHOWN_CHARS: usize = 200;
 
-/// One connection.
-pub(crate) struct Session {
+/// One client.
+pub(crate) struct Client {
     id: ConnectionId,
     /// Address of the client.
     peer: String,
-    /// The dialect of all its lines; if none, robots decide.
-    dialect: Option<Dialect>,
     outbox: Arc<Outbox>,
     lines: u64,
     dropped: u64,
     warnings: Budget,
     /// Problems that were logged, with their repetitions since the last report.
     repeated: BTreeMap<String, u64>,
-    /// True to report problems to the client: by the server's own option, or at the client's request.
-    report_errors: bool,
     /// Requests that are not executed yet. The turn is given back after the last one.
     requests: std::vec::IntoIter<Request>,
     turn: Option<Turn>,
@@ -42,19 +38,17 @@ pub(crate) struct Session {
     cost: Duration,
 }
 
-impl Session {
-    pub(crate) fn new(opened: Opened, report_errors: bool) -> Self {
-        let Opened { id, peer, dialect, outbox } = opened;
+impl Client {
+    pub(crate) fn new(opened: Opened) -> Self {
+        let Opened { id, peer, outbox, .. } = opened;
         Self {
             id,
             peer,
-            dialect,
             outbox,
             lines: 0,
             dropped: 0,
             warnings: Budget::default(),
             repeated: BTreeMap::new(),
-            report_errors,
             requests: Vec::new().into_iter(),
             turn: None,
             is_closed: false,
@@ -86,7 +80,7 @@ impl Session {
         matches!(self.requests.as_slice(), [Request { command: Some(Command::Init(_)), .. }, ..])
     }
 
-    /// Notes that the client has left. The session is over when all its requests are executed.
+    /// Notes that the client has left. It is gone when all its requests are executed.
     pub(crate) fn close(&mut self) {
         self.is_closed = true;
     }
@@ -109,11 +103,6 @@ impl Session {
         self.cost /= 2;
     }
 
-    /// Returns the dialect of all its lines; if none, robots decide.
-    pub(crate) fn dialect(&self) -> Option<Dialect> {
-        self.dialect
-    }
-
     /// Returns the client's address.
     pub(crate) fn peer(&self) -> &str {
         &self.peer
@@ -129,29 +118,18 @@ impl Session {
         self.dropped
     }
 
-    /// True if problems are reported to the client.
-    pub(crate) fn reports_errors(&self) -> bool {
-        self.report_errors
-    }
-
     pub(crate) fn outbox(&self) -> &Outbox {
         &self.outbox
     }
 
-    /// Counts a line, and applies a command about the connection itself.
-    pub(crate) fn note(&mut self, command: Option<&Command>) {
+    /// Counts a line.
+    pub(crate) fn note_line(&mut self) {
         self.lines += 1;
-        if let Some(Command::Report(report)) = command {
-            self.report_errors = report.errors;
-        }
     }
 
-    /// Logs the problems of a line. Returns the answers to the client, and the logged warnings.
-    pub(crate) fn refuse(&mut self, text: &str, problems: &[Problem], now: Instant) -> (Vec<Message>, Vec<String>) {
-        let warnings = problems.iter().filter_map(|problem| self.warn(text, problem, now)).collect();
-        let answer = |problem: &Problem| Message::Nfo(Nfo::Error(problem.to_string()));
-        let answers = if self.report_errors { problems.iter().map(answer).collect() } else { Vec::new() };
-        (answers, warnings)
+    /// Logs the problems of a line. Returns the logged warnings.
+    pub(crate) fn warn_of(&mut self, text: &str, problems: &[Problem], now: Instant) -> Vec<String> {
+        problems.iter().filter_map(|problem| self.warn(text, problem, now)).collect()
     }
 
     /// Logs and returns what recurred since the last call: repetitions of logged problems, and dropped periodic lines.

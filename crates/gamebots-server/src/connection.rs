@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-use gamebots_proto::{Command, Dialect, Framing, Line, Problem};
+use gamebots_proto::{Dialect, Framing, Problem};
 use outbox::{Outbox, Taken};
+use sessions::Request;
 use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::OwnedReadHalf;
@@ -63,28 +64,6 @@ pub(crate) struct Opened {
 /// A permit that is held while a request waits for the world. Each sender has one, so at most one segment of a client waits. No
 /// client can fill the queue for others.
 pub(crate) type Turn = OwnedSemaphorePermit;
-
-/// One line, parsed as far as possible.
-pub(crate) struct Request {
-    /// The line as it was sent; empty if it was too long to keep.
-    pub(crate) text: String,
-    pub(crate) command: Option<Command>,
-    pub(crate) problems: Vec<Problem>,
-}
-
-impl Request {
-    /// Parses a line. This runs in the connection's task, where it costs the world nothing.
-    pub(crate) fn read(line: Result<String, Problem>) -> Self {
-        match line {
-            Ok(text) => {
-                let mut problems = Vec::new();
-                let command = Command::read(&Line::parse(&text), &mut problems);
-                Self { text, command, problems }
-            }
-            Err(problem) => Self { text: String::new(), command: None, problems: vec![problem] },
-        }
-    }
-}
 
 /// Serves a client until it leaves, or is disconnected because it does not read.
 pub(crate) async fn serve(

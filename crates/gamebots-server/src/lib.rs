@@ -14,6 +14,7 @@
 #![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
 
 mod cameras;
+mod client;
 mod connection;
 mod control;
 mod fit;
@@ -21,13 +22,11 @@ mod foxglove_server;
 mod journal;
 mod listener;
 mod live;
-mod owners;
 mod pace;
 mod playback;
 mod publisher;
 mod recording;
 mod saved;
-mod session;
 mod web;
 mod world_thread;
 

@@ -1,7 +1,7 @@
 //! The thread that owns the world. It takes events, steps at its pace, and sends messages to connections.
 
 use std::any::Any;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,23 +9,21 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
-use gamebots_proto::{Command, Dialect};
-use scene::{MapDef, WorldDef};
-use sim_core::{Executed, LostRobot, PawnId, Report, World};
+use scene::{MapDef, PawnId, WorldDef};
+use sessions::{News, Sessions};
+use sim_core::World;
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
-use crate::connection::{ConnectionId, Event, Request};
+use crate::client::{Budget, Client, Spent};
+use crate::connection::{ConnectionId, Event};
 use crate::control::{Actor, Control};
 use crate::foxglove_server::FoxgloveServer;
 use crate::live::{Broadcast, ClientStatus, RobotStatus, Status};
-use crate::owners::Owners;
 use crate::pace::{self, Pace};
 use crate::publisher::Publisher;
 use crate::recording::Recording;
 use crate::saved::Saving;
-use crate::session::{Budget, Session, Spent};
 use crate::{Config, ServeError};
 
 /// Longest wait for an event, so that frames and logs are published in time even when simulated time crawls.
@@ -73,7 +71,6 @@ pub(crate) fn spawn(
     };
     let world = world.on_threads(Arc::new(threads.clone()));
     let options = world.options();
-    let orphans = world.pawns().map(|(id, ..)| id).collect();
     let saved_as = unnamed_log.with_extension("json");
     let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
     if let Some(path) = log {
@@ -87,22 +84,22 @@ pub(crate) fn spawn(
         let _gone = gone;
         let now = Instant::now();
         let mut server = Server {
-            publisher: Publisher::new(recording, live, &world, pictures),
+            audience: Audience {
+                publisher: Publisher::new(recording, live, &world, pictures),
+                clients: BTreeMap::new(),
+            },
             timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
             pace: Pace::new(real_time_factor, now, world.time()),
-            world,
+            sessions: Sessions::new(world),
             maps,
             resets: 0,
             saves: 0,
             report_errors,
-            sessions: BTreeMap::new(),
-            owners: Owners::default(),
             credit: Duration::ZERO,
             forgotten: now,
             controls: Budget::default(),
             saving: Saving::default(),
             saved_as,
-            orphans,
         };
         // After a panic the world is only read.
         let result = std::panic::catch_unwind(AssertUnwindSafe(|| server.run(&events)));
@@ -112,10 +109,10 @@ pub(crate) fn spawn(
 }
 
 struct Server {
-    world: World,
+    sessions: Sessions,
+    audience: Audience,
     /// Maps that a viewer can change to.
     maps: Vec<MapDef>,
-    publisher: Publisher,
     timing: Timing,
     pace: Pace,
     /// Number of times that the world started over.
@@ -123,8 +120,6 @@ struct Server {
     /// Number of times that the world was saved.
     saves: u64,
     report_errors: bool,
-    sessions: BTreeMap<ConnectionId, Session>,
-    owners: Owners,
     /// Time that requests may take while a step is due. Steps earn as much as they take, so that neither side can hold up the
     /// other.
     credit: Duration,
@@ -135,8 +130,48 @@ struct Server {
     saving: Saving,
     /// File of saves that a viewer starts; it gets a number if the file exists.
     saved_as: PathBuf,
-    /// Pawns of the file that the world was loaded from, until a client takes them over.
-    orphans: BTreeSet<PawnId>,
+}
+
+/// All that hear of the world: its clients, logs and viewers.
+struct Audience {
+    publisher: Publisher,
+    clients: BTreeMap<ConnectionId, Client>,
+}
+
+impl Audience {
+    /// Passes news on.
+    fn hear(&mut self, world: &World, news: News) {
+        let Self { publisher, clients } = self;
+        match news {
+            News::Received { session, pawn, line } => publisher.received(world, session, pawn, line),
+            News::Wrong { session, line, problems } => {
+                let client = clients.get_mut(&session);
+                let warnings = client.map(|client| client.warn_of(line, problems, Instant::now()));
+                warnings.iter().flatten().for_each(|warning| publisher.warn(world, warning));
+            }
+            News::Came(_) => publisher.changed(Instant::now()),
+            News::Sensed(sensed) => publisher.sensed(world, sensed),
+            News::Sent { session, pawn, line, is_periodic } => {
+                publisher.sent(world, session, pawn, &line);
+                if let Some(client) = clients.get(&session) {
+                    client.outbox().push(line, is_periodic);
+                }
+            }
+            News::Left(pawn) => publisher.left(world, pawn),
+            News::Closed(session) => publisher.closed(world, session),
+            News::Lost(lost) => {
+                let text = lost.to_string();
+                warn!("{text}");
+                publisher.warn(world, &text);
+                publisher.changed(Instant::now());
+            }
+            News::Restored { name, fault } => {
+                let text = format!("object {name} is put back where the map has it: {fault}");
+                warn!("{text}");
+                publisher.warn(world, &text);
+            }
+        }
+    }
 }
 
 /// Timing of the world's steps.
@@ -166,8 +201,9 @@ impl Server {
             let now = Instant::now();
             self.publish(now);
             if now.duration_since(report) >= REPORT_INTERVAL {
-                let repeated: Vec<String> = self.sessions.values_mut().flat_map(Session::report).collect();
-                repeated.iter().for_each(|text| self.publisher.warn(&self.world, text));
+                let Audience { publisher, clients } = &mut self.audience;
+                let repeated: Vec<String> = clients.values_mut().flat_map(Client::report).collect();
+                repeated.iter().for_each(|text| publisher.warn(self.sessions.world(), text));
                 report = now;
             }
             let wait = self.wait(now);
@@ -189,52 +225,28 @@ impl Server {
 
     /// Ends logs and connections. After a panic, also writes a report of it.
     fn end(self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
-        self.sessions.values().for_each(|session| session.outbox().close());
+        let (Audience { publisher, clients }, world) = (self.audience, self.sessions.world());
+        clients.values().for_each(|client| client.outbox().close());
         let Some(panic) = panic else {
-            self.publisher.end(&self.world);
+            publisher.end(world);
             return Ok(());
         };
         let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
         let reason = text.unwrap_or("without a message").to_owned();
-        let report = match self.publisher.end_broken(&self.world, &reason) {
+        let report = match publisher.end_broken(world, &reason) {
             Ok(path) => format!("`usarsim log replay {}` reproduces it", path.display()),
             Err(error) => format!("no report could be written: {error}"),
         };
-        Err(ServeError::WorldPanicked { time: self.world.time(), reason, report })
+        Err(ServeError::WorldPanicked { time: world.time(), reason, report })
     }
 
     fn step(&mut self) {
         let start = Instant::now();
-        let mut reports = self.world.step().into_iter().peekable();
-        while let Some(&(robot, _)) = reports.peek() {
-            let own = std::iter::from_fn(|| reports.next_if(|(next, _)| *next == robot));
-            let own: Vec<Report> = own.map(|(_, report)| report).collect();
-            self.report(robot, own);
-        }
-        for lost in self.world.take_lost() {
-            self.report_lost(&lost);
-        }
-        for (name, fault) in self.world.take_restored() {
-            let text = format!("object {name} is put back where the map has it: {fault}");
-            warn!("{text}");
-            self.publisher.warn(&self.world, &text);
-        }
-        self.publisher.stepped(&self.world);
+        let Self { sessions, audience, .. } = self;
+        sessions.step(&mut |world, news| audience.hear(world, news));
+        audience.publisher.stepped(sessions.world());
         let took = start.elapsed();
         self.credit = (self.credit + took).min(MAX_CREDIT.max(took));
-    }
-
-    /// Tells everyone about a robot that the world has removed. Its client is told if it asked for errors.
-    fn report_lost(&mut self, LostRobot { id, class, name, fault }: &LostRobot) {
-        self.publisher.left(&self.world, *id);
-        let text = format!("robot {} ({class} {name}) is removed: {fault}", id.0);
-        warn!("{text}");
-        self.publisher.warn(&self.world, &text);
-        self.publisher.changed(Instant::now());
-        let Some(owner) = self.owners.of(*id) else { return };
-        if self.sessions.get(&owner).is_some_and(Session::reports_errors) {
-            self.send(owner, None, &[Message::Nfo(Nfo::Error(text))]);
-        }
     }
 
     /// Returns the wait before the next step. A paused world takes only the requested steps.
@@ -244,12 +256,13 @@ impl Server {
             self.timing.steps = self.timing.steps.saturating_sub(1);
             return if stepping { Duration::ZERO } else { MAX_WAIT };
         }
-        if let Some(reached) = self.pace.lag_report(now, self.world.time()) {
+        let world = self.sessions.world();
+        if let Some(reached) = self.pace.lag_report(now, world.time()) {
             let text = pace::lag_text(reached, self.timing.speed);
             warn!("{text}");
-            self.publisher.note(&self.world, &text);
+            self.audience.publisher.note(world, &text);
         }
-        self.pace.wait(now, self.world.time())
+        self.pace.wait(now, world.time())
     }
 
     fn take_events(&mut self, events: &Receiver<Event>) -> Result<(), Stop> {
@@ -266,33 +279,33 @@ impl Server {
     fn take(&mut self, event: Event) -> Result<(), Stop> {
         match event {
             Event::Opened(opened) => {
-                let id = opened.id;
+                let (id, dialect) = (opened.id, opened.dialect);
+                let Self { sessions, audience, .. } = self;
                 // A new client starts at the mean cost, so that leaving and returning gains nothing.
-                let clients = self.sessions.len().max(1) as u32;
-                let mean = self.sessions.values().map(Session::cost).sum::<Duration>() / clients;
-                let mut session = Session::new(opened, self.report_errors);
-                session.outbox().set_paced(self.timing.is_real());
-                session.add_cost(mean);
-                self.sessions.insert(id, session);
-                let greeting = self.world.greeting();
-                self.send(id, None, &[greeting]);
-                self.publisher.changed(Instant::now());
+                let clients = audience.clients.len().max(1) as u32;
+                let mean = audience.clients.values().map(Client::cost).sum::<Duration>() / clients;
+                let mut client = Client::new(opened);
+                client.outbox().set_paced(self.timing.is_real());
+                client.add_cost(mean);
+                audience.clients.insert(id, client);
+                sessions.open(id, dialect, self.report_errors, &mut |world, news| audience.hear(world, news));
+                audience.publisher.changed(Instant::now());
             }
             Event::Requests(id, requests, turn) => {
-                if let Some(session) = self.sessions.get_mut(&id) {
-                    session.take(requests, turn);
+                if let Some(client) = self.audience.clients.get_mut(&id) {
+                    client.take(requests, turn);
                 }
             }
             Event::Closed(id) => {
-                if let Some(session) = self.sessions.get_mut(&id) {
-                    session.close();
+                if let Some(client) = self.audience.clients.get_mut(&id) {
+                    client.close();
                     self.end_if_done(id);
                 }
             }
             Event::Control(control, actor, _turn) => self.control(control, &actor),
             Event::Fit(ask, answer, _turn) => {
                 // The page may have left.
-                let _ = answer.send(ask.answer(&mut self.world));
+                let _ = answer.send(ask.answer(self.sessions.world_mut()));
             }
             Event::Stop => return Err(Stop),
         }
@@ -320,63 +333,56 @@ impl Server {
         }
         if worked && self.forgotten.elapsed() >= FORGETTING_INTERVAL {
             self.forgotten = Instant::now();
-            self.sessions.values_mut().for_each(Session::forget_half);
+            self.audience.clients.values_mut().for_each(Client::forget_half);
         }
         worked
     }
 
     /// Returns the cheapest client that has requests and room for the answers.
     fn next_client(&self) -> Option<ConnectionId> {
-        let ready = self.sessions.iter().filter(|(_, session)| session.is_ready());
-        ready.min_by_key(|(_, session)| session.cost()).map(|(&id, _)| id)
+        let ready = self.audience.clients.iter().filter(|(_, client)| client.is_ready());
+        ready.min_by_key(|(_, client)| client.cost()).map(|(&id, _)| id)
     }
 
     fn execute_slice(&mut self, id: ConnectionId) {
         let start = Instant::now();
         let mut count = 0;
+        let Self { sessions, audience, .. } = self;
         while count < REQUESTS_TOGETHER || start.elapsed() < SLICE {
-            let Some(request) = self.sessions.get_mut(&id).and_then(Session::next_request) else { break };
-            self.execute(id, &request);
+            let Some(client) = audience.clients.get_mut(&id) else { break };
+            let Some(request) = client.next_request() else { break };
+            client.note_line();
+            sessions.take(id, &request, &mut |world, news| audience.hear(world, news));
             count += 1;
             // A segment with many robots must not hold up other clients.
-            if self.sessions.get(&id).is_some_and(Session::is_next_init) {
+            if audience.clients.get(&id).is_some_and(Client::is_next_init) {
                 break;
             }
         }
-        if let Some(session) = self.sessions.get_mut(&id) {
-            session.add_cost(start.elapsed());
+        if let Some(client) = audience.clients.get_mut(&id) {
+            client.add_cost(start.elapsed());
         }
         self.end_if_done(id);
     }
 
     /// Ends a session after its last request is executed, if the client has left.
     fn end_if_done(&mut self, id: ConnectionId) {
-        if !self.sessions.get(&id).is_some_and(Session::is_over) {
+        let Self { sessions, audience, .. } = self;
+        if !audience.clients.get(&id).is_some_and(Client::is_over) {
             return;
         }
-        if let Some(mut session) = self.sessions.remove(&id) {
-            session.report().iter().for_each(|text| self.publisher.warn(&self.world, text));
-            session.outbox().close();
-            self.remove_robots(id);
+        if let Some(mut client) = audience.clients.remove(&id) {
+            client.report().iter().for_each(|text| audience.publisher.warn(sessions.world(), text));
+            client.outbox().close();
         }
-        self.publisher.closed(&self.world, id);
-    }
-
-    /// Removes the robots of a connection that has ended. If the world keeps robots, only the newest is removed.
-    fn remove_robots(&mut self, id: ConnectionId) {
-        let robots = self.owners.leave(id);
-        let kept = if self.world.options().keep_robots { robots.len().saturating_sub(1) } else { 0 };
-        for robot in robots.into_iter().skip(kept) {
-            self.world.remove(robot);
-            self.publisher.left(&self.world, robot);
-        }
+        sessions.close(id, &mut |world, news| audience.hear(world, news));
     }
 
     /// Executes a viewer's request to the world, and tells everyone who made it.
     fn control(&mut self, control: Control, Actor(actor): &Actor) {
         let now = Instant::now();
         if let Spent::Granted { .. } = self.controls.spend(now) {
-            info!(?control, by = actor, time = self.world.time(), "control");
+            info!(?control, by = actor, time = self.sessions.world().time(), "control");
         }
         let was_paused = self.timing.paused;
         let done = match control {
@@ -392,31 +398,31 @@ impl Server {
             }
             Control::Speed(speed) => {
                 self.timing.speed = speed;
-                self.sessions.values().for_each(|session| session.outbox().set_paced(self.timing.is_real()));
+                self.audience.clients.values().for_each(|client| client.outbox().set_paced(self.timing.is_real()));
                 let speed = if speed == 0.0 { "as fast as possible".to_owned() } else { format!("{speed}") };
                 Some(format!("set the real-time factor to {speed}"))
             }
             Control::Reset => {
-                let fresh = self.world.anew();
+                let fresh = self.sessions.world().anew();
                 self.start_over(now, fresh).then(|| "reset the world".to_owned())
             }
             Control::Map(name) => self.change_map(now, &name).then(|| format!("changed the map to {name}")),
             Control::Save => {
-                if let Err(error) = self.saving.start(&self.saved_as, &self.world) {
-                    self.publisher.announce(now, &error);
+                if let Err(error) = self.saving.start(&self.saved_as, self.sessions.world()) {
+                    self.audience.publisher.announce(now, &error);
                 }
                 None
             }
             Control::Record(on) => {
-                self.publisher.record(now, &self.world, on);
+                self.audience.publisher.record(now, self.sessions.world(), on);
                 None
             }
         };
         if let Some(done) = done {
-            self.publisher.announce(now, &format!("{actor} {done}"));
+            self.audience.publisher.announce(now, &format!("{actor} {done}"));
         }
-        self.pace = Pace::new(self.timing.speed, now, self.world.time());
-        self.publisher.changed(now);
+        self.pace = Pace::new(self.timing.speed, now, self.sessions.world().time());
+        self.audience.publisher.changed(now);
     }
 
     /// Changes to a fresh world on another map. Returns false if no map has that name, or a log does not allow it.
@@ -424,107 +430,27 @@ impl Server {
         let Some(map) = self.maps.iter().find(|map| map.name == name) else {
             let names: Vec<&str> = self.maps.iter().map(|map| map.name.as_str()).collect();
             let text = format!("no map `{name}`: expected {}", names.join(", "));
-            self.publisher.announce(now, &text);
+            self.audience.publisher.announce(now, &text);
             return false;
         };
-        let world = WorldDef { map: map.clone(), ..self.world.def().clone() };
-        let fresh = self.world.anew_with(world);
+        let world = self.sessions.world();
+        let fresh = world.anew_with(WorldDef { map: map.clone(), ..world.def().clone() });
         self.start_over(now, fresh)
     }
 
     /// Replaces the world with a fresh one. Connected clients get their robots back at their first poses, in the same order.
     /// Returns false if a log does not allow it.
     fn start_over(&mut self, now: Instant, fresh: World) -> bool {
-        if let Err(error) = self.publisher.may_start_over(now) {
-            self.publisher.warn(&self.world, &format!("not reset: {error}"));
+        let Self { sessions, audience, .. } = self;
+        if let Err(error) = audience.publisher.may_start_over(now) {
+            audience.publisher.warn(sessions.world(), &format!("not reset: {error}"));
             return false;
         }
-        let old = std::mem::replace(&mut self.world, fresh);
-        self.publisher.start_over(now, &old, &self.world);
+        let old = sessions.replace_world(fresh);
+        audience.publisher.start_over(now, &old, sessions.world());
         self.resets += 1;
-        self.orphans.clear();
-        for (id, init) in self.owners.start_over() {
-            self.execute(id, &Request::read(Ok(init)));
-        }
+        sessions.enter_again(&mut |world, news| audience.hear(world, news));
         true
-    }
-
-    fn execute(&mut self, id: ConnectionId, request: &Request) {
-        let Request { text, command, problems } = request;
-        let pawn = self.owners.newest(id);
-        if !text.is_empty() {
-            self.publisher.received(&self.world, id, pawn, text);
-        }
-        let adopted = command.as_ref().and_then(|command| self.adopt(command));
-        let Some(session) = self.sessions.get_mut(&id) else { return };
-        session.note(command.as_ref());
-        let mut problems = problems.clone();
-        let executed = match adopted {
-            Some(pawn) => Some(Executed { spawned: Some(pawn), ..Executed::default() }),
-            None => command.as_ref().map(|command| self.world.execute(pawn, command, &mut problems)),
-        };
-        let Executed { answers, found, spawned } = executed.unwrap_or_default();
-        let (refusals, warnings) = session.refuse(text, &problems, Instant::now());
-        if let Some(robot) = spawned {
-            self.owners.add(robot, id, text.clone());
-            self.publisher.changed(Instant::now());
-        }
-        warnings.iter().for_each(|warning| self.publisher.warn(&self.world, warning));
-        self.publish_readings(&answers);
-        let mut answers: Vec<Message> = answers.into_iter().filter_map(|answer| self.world.message(answer)).collect();
-        let robot = spawned.or(pawn);
-        let dialect = self.dialect(id, robot);
-        let time = self.world.time() as f32;
-        let receipt = command.as_ref().filter(|_| robot.is_some());
-        answers.extend(receipt.and_then(|command| Message::receipt(command, found, time, dialect)));
-        answers.extend(refusals);
-        self.send(id, robot, &answers);
-    }
-
-    /// Returns the pawn of a loaded world that an INIT takes over: the first of its class and name that no client has.
-    fn adopt(&mut self, command: &Command) -> Option<PawnId> {
-        let Command::Init(init) = command else { return None };
-        let is_it = |(id, class, name): &(PawnId, &str, &str)| {
-            self.orphans.contains(id) && class.eq_ignore_ascii_case(init.class()) && *name == init.name
-        };
-        let (id, ..) = self.world.pawns().find(is_it)?;
-        self.orphans.take(&id)
-    }
-
-    /// Returns the dialect of messages to a connection: its listener's, else the one of the robot's class, else UDK.
-    fn dialect(&self, id: ConnectionId, robot: Option<PawnId>) -> Dialect {
-        let of_robot = || {
-            let robot = robot.and_then(|robot| self.world.robot(robot));
-            if robot.is_some_and(|def| def.speaks_ut2004) { Dialect::Ut2004 } else { Dialect::Udk }
-        };
-        self.sessions.get(&id).and_then(Session::dialect).unwrap_or_else(of_robot)
-    }
-
-    /// Publishes one robot's readings of a step, and sends its reports to its owner.
-    fn report(&mut self, robot: PawnId, reports: Vec<Report>) {
-        self.publish_readings(&reports);
-        if let Some(owner) = self.owners.of(robot) {
-            let messages = reports.into_iter().filter_map(|report| self.world.message(report));
-            self.send(owner, Some(robot), &messages.collect::<Vec<_>>());
-        }
-    }
-
-    fn publish_readings(&mut self, reports: &[Report]) {
-        for report in reports {
-            if let Report::Sensed(sensed) = report {
-                self.publisher.sensed(&self.world, sensed);
-            }
-        }
-    }
-
-    /// Sends messages that belong together. `robot` is the robot that they are about, if any.
-    fn send<'a>(&mut self, id: ConnectionId, robot: Option<PawnId>, messages: impl IntoIterator<Item = &'a Message>) {
-        for WrittenLine { line, messages } in message::lines(messages, self.dialect(id, robot)) {
-            self.publisher.sent(&self.world, id, robot, &line);
-            if let Some(session) = self.sessions.get(&id) {
-                session.outbox().push(line, messages.iter().all(|message| message.is_periodic()));
-            }
-        }
     }
 
     /// Publishes what is due by the clock.
@@ -532,22 +458,23 @@ impl Server {
         if let Some(saved) = self.saving.news() {
             self.saves += u64::from(saved.is_ok());
             let (Ok(text) | Err(text)) = saved;
-            self.publisher.announce(now, &text);
+            self.audience.publisher.announce(now, &text);
         }
-        let Self { publisher, world, owners, sessions, timing, resets, saves, .. } = self;
+        let Self { audience, sessions, timing, resets, saves, .. } = self;
+        let (Audience { publisher, clients }, world) = (audience, sessions.world());
         let robot = |(id, class, name): (PawnId, &str, &str)| RobotStatus {
             id: id.0,
             class: class.to_owned(),
             name: name.to_owned(),
-            connection: owners.of(id),
+            connection: sessions.owner(id),
             battery: world.battery(id),
         };
-        let client = |(&connection, session): (&ConnectionId, &Session)| ClientStatus {
+        let client = |(&connection, client): (&ConnectionId, &Client)| ClientStatus {
             connection,
-            peer: session.peer().to_owned(),
-            lines: session.lines(),
-            dropped: session.dropped(),
-            waiting_bytes: session.outbox().waiting_bytes(),
+            peer: client.peer().to_owned(),
+            lines: client.lines(),
+            dropped: client.dropped(),
+            waiting_bytes: client.outbox().waiting_bytes(),
         };
         publisher.publish(now, world, |recording| Status {
             real_time_factor: 0.0,
@@ -561,7 +488,7 @@ impl Server {
             unsettled_steps: world.unsettled_steps(),
             recording: recording.map(|path| path.display().to_string()),
             robots: world.robots().map(robot).collect(),
-            clients: sessions.iter().map(client).collect(),
+            clients: clients.iter().map(client).collect(),
         });
     }
 }

@@ -1,12 +1,12 @@
 //! Replay of a recorded run: the same scene, and the same lines at the same steps.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
-use gamebots_proto::Command;
 use picture::Stage;
 use recorder::{Entry, Log, PictureTaken, Record, RobotState, STATE_INTERVAL};
 use scene::{Options, PawnId, Reading, Sensed, Snapshot};
-use sim_core::{Executed, Report, World};
+use sessions::{News, Request, Sessions};
+use sim_core::World;
 
 /// Longest replay, simulated seconds: a month.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
@@ -81,9 +81,8 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     }
     let panic_at = log.run.get("panic_at").and_then(|steps| steps.parse().ok());
     // The log says which robots leave, and when: `keep_robots` has no effect.
-    let mut world = World::new(def, Options { seed, speed_unit, time_step, panic_at, ..Options::default() });
-    // The newest robot of each connection.
-    let mut pawns: BTreeMap<u64, PawnId> = BTreeMap::new();
+    let world = World::new(def, Options { seed, speed_unit, time_step, panic_at, ..Options::default() });
+    let mut sessions = Sessions::new(world);
     let (mut states, mut first_difference) = (0, None);
     let is_picture = |entry: &Entry| matches!(entry.record, Record::Picture(..));
     let mut album = Album { is_wanted: log.entries.iter().any(is_picture), ..Album::default() };
@@ -92,29 +91,26 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     // The report of a panic has no states.
     let most = if log.run.contains_key("panic") { MAX_IDLE } else { MAX_GAP };
     for entry in &log.entries {
-        advance(&mut world, entry.time, most, &mut album, &mut readings)?;
+        advance(&mut sessions, entry.time, most, &mut album, &mut readings)?;
         match &entry.record {
             Record::In(line) => {
-                let mut problems = Vec::new();
-                if let Some(command) = Command::parse(&line.line, &mut problems) {
-                    let pawn = pawns.get(&line.connection).copied();
-                    let Executed { answers, spawned, .. } = world.execute(pawn, &command, &mut problems);
-                    pawns.extend(spawned.map(|robot| (line.connection, robot)));
-                    readings.extend(answers.into_iter().filter_map(sensed));
+                if !sessions.is_open(line.connection) {
+                    sessions.open_silent(line.connection);
                 }
+                let request = Request::read(Ok(line.line.clone()));
+                sessions.take(line.connection, &request, &mut |_, news| readings.extend(sensed(news)));
             }
-            Record::Closed(line) => {
-                pawns.remove(&line.connection);
-            }
-            Record::Left(robot) => world.remove(PawnId(*robot)),
+            // Records of their own say which robots leave.
+            Record::Closed(line) => sessions.forget(line.connection),
+            Record::Left(robot) => sessions.world_mut().remove(PawnId(*robot)),
             Record::State(state) => {
                 states += 1;
-                if first_difference.is_none() && now(&world, state.robot).as_ref() != Some(state) {
+                if first_difference.is_none() && now(sessions.world(), state.robot).as_ref() != Some(state) {
                     first_difference = Some(entry.time);
                 }
             }
             Record::Object(object) => {
-                let pose = world.objects().find(|it| it.id.0 == u64::from(object.object)).map(|it| it.pose);
+                let pose = sessions.world().objects().find(|it| it.id.0 == u64::from(object.object)).map(|it| it.pose);
                 states += 1;
                 if first_difference.is_none() && pose != Some(object.pose()) {
                     first_difference = Some(entry.time);
@@ -128,7 +124,7 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
             }
             Record::Picture(taken, _) => {
                 states += 1;
-                if first_difference.is_none() && !album.has(&world, taken) {
+                if first_difference.is_none() && !album.has(sessions.world(), taken) {
                     first_difference = Some(entry.time);
                 }
             }
@@ -137,8 +133,9 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
         }
     }
     if let Some(end) = end {
-        advance(&mut world, end, most, &mut album, &mut readings)?;
+        advance(&mut sessions, end, most, &mut album, &mut readings)?;
     }
+    let world = sessions.world();
     let recorded = log.end.get("digest").and_then(|digest| u64::from_str_radix(digest, 16).ok());
     Ok(Replay { seconds: world.time(), digest: world.digest(), recorded, states, first_difference })
 }
@@ -146,12 +143,13 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
 /// Steps to the time of the next record, if a run can reach it from the last one. With robots, the gap is at most `most`
 /// seconds. `readings` gets those of the last step, if there is one.
 fn advance(
-    world: &mut World,
+    sessions: &mut Sessions,
     time: f64,
     most: f64,
     album: &mut Album,
     readings: &mut Vec<Sensed>,
 ) -> Result<(), ReplayError> {
+    let world = sessions.world();
     let (now, time_step) = (world.time(), world.time_step());
     // Times in a log are whole nanoseconds.
     let steps = ((time - now) / time_step).round();
@@ -164,14 +162,15 @@ fn advance(
         return Err(ReplayError(text));
     }
     for _ in 0..steps as u64 {
-        *readings = world.step().into_iter().filter_map(|(_, report)| sensed(report)).collect();
-        album.see(world, readings);
+        readings.clear();
+        sessions.step(&mut |_, news| readings.extend(sensed(news)));
+        album.see(sessions.world(), readings);
     }
     Ok(())
 }
 
-fn sensed(report: Report) -> Option<Sensed> {
-    if let Report::Sensed(sensed) = report { Some(sensed) } else { None }
+fn sensed(news: News) -> Option<Sensed> {
+    if let News::Sensed(sensed) = news { Some(sensed.clone()) } else { None }
 }
 
 /// Recent views of cameras, if the log has pictures.

@@ -1,44 +1,44 @@
-//! The connection that owns each robot, and the line that spawned it.
+//! The session that owns each pawn, and the line that spawned it.
 
 use std::collections::BTreeMap;
 
-use sim_core::PawnId;
+use scene::PawnId;
 
-use crate::connection::ConnectionId;
+use crate::SessionId;
 
-/// Robots of connected clients, in the order in which they were spawned. Robots that the world has lost stay here: they come
-/// back when it starts over.
+/// Pawns of open sessions, in the order in which they were spawned. Robots that the world has lost stay here: they come back when it
+/// starts over.
 #[derive(Default)]
-pub(crate) struct Owners(BTreeMap<PawnId, Owned>);
+pub(super) struct Owners(BTreeMap<PawnId, Owned>);
 
 struct Owned {
-    by: ConnectionId,
+    by: SessionId,
     /// Its INIT line.
     init: String,
 }
 
 impl Owners {
-    pub(crate) fn add(&mut self, robot: PawnId, by: ConnectionId, init: String) {
-        self.0.insert(robot, Owned { by, init });
+    pub(super) fn add(&mut self, pawn: PawnId, by: SessionId, init: String) {
+        self.0.insert(pawn, Owned { by, init });
     }
 
-    /// Returns the connection that a robot reports to.
-    pub(crate) fn of(&self, robot: PawnId) -> Option<ConnectionId> {
-        self.0.get(&robot).map(|owned| owned.by)
+    /// Returns the session that a pawn reports to.
+    pub(super) fn of(&self, pawn: PawnId) -> Option<SessionId> {
+        self.0.get(&pawn).map(|owned| owned.by)
     }
 
-    /// Returns a connection's newest robot, which gets its commands (BotConnection.uc:37-47).
-    pub(crate) fn newest(&self, connection: ConnectionId) -> Option<PawnId> {
-        self.0.iter().rfind(|(_, owned)| owned.by == connection).map(|(&robot, _)| robot)
+    /// Returns a session's newest pawn, which gets its commands (BotConnection.uc:37-47).
+    pub(super) fn newest(&self, session: SessionId) -> Option<PawnId> {
+        self.0.iter().rfind(|(_, owned)| owned.by == session).map(|(&pawn, _)| pawn)
     }
 
-    /// Forgets a connection and returns its robots, the newest last.
-    pub(crate) fn leave(&mut self, connection: ConnectionId) -> Vec<PawnId> {
-        self.0.extract_if(.., |_, owned| owned.by == connection).map(|(robot, _)| robot).collect()
+    /// Forgets a session and returns its pawns, the newest last.
+    pub(super) fn leave(&mut self, session: SessionId) -> Vec<PawnId> {
+        self.0.extract_if(.., |_, owned| owned.by == session).map(|(pawn, _)| pawn).collect()
     }
 
-    /// Forgets every robot and returns the lines that spawned them, in order.
-    pub(crate) fn start_over(&mut self) -> Vec<(ConnectionId, String)> {
+    /// Forgets every pawn and returns the lines that spawned them, in order.
+    pub(super) fn start_over(&mut self) -> Vec<(SessionId, String)> {
         std::mem::take(&mut self.0).into_values().map(|Owned { by, init }| (by, init)).collect()
     }
 }

@@ -10,6 +10,7 @@ mod seed;
 mod tools;
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::Arc;
 
 use gamebots_proto::command::{Command, Init};
@@ -94,6 +95,13 @@ pub struct LostRobot {
     pub name: String,
     /// The fault of its state.
     pub fault: Fault,
+}
+
+impl fmt::Display for LostRobot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { id, class, name, fault } = self;
+        write!(f, "robot {} ({class} {name}) is removed: {fault}", id.0)
+    }
 }
 
 impl World {

@@ -1,0 +1,305 @@
+//! Sessions: the clients of a world, without sockets and without a clock.
+//!
+//! A session opens, sends lines and closes. Its INIT lines spawn pawns; its other lines go to the newest of them. [`Sessions`] executes
+//! lines and steps in the order in which it is told of them, and returns everything that happens as [`News`]. The server, experiments,
+//! replays and the fuzzer drive their worlds by it, so they agree.
+
+mod owners;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
+use gamebots_proto::{Command, Dialect, Line, Problem};
+use scene::{PawnId, Sensed};
+use sim_core::{Executed, Fault, LostRobot, Report, World};
+
+use owners::Owners;
+
+/// Number of a session.
+pub type SessionId = u64;
+
+/// One line, parsed as far as possible.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// The line as it was sent; empty if it was too long to keep.
+    pub text: String,
+    /// Its command; `None` if it has none.
+    pub command: Option<Command>,
+    /// Problems found in the text.
+    pub problems: Vec<Problem>,
+}
+
+impl Request {
+    /// Parses a line. The world is not needed.
+    pub fn read(line: Result<String, Problem>) -> Self {
+        match line {
+            Ok(text) => {
+                let mut problems = Vec::new();
+                let command = Command::read(&Line::parse(&text), &mut problems);
+                Self { text, command, problems }
+            }
+            Err(problem) => Self { text: String::new(), command: None, problems: vec![problem] },
+        }
+    }
+}
+
+/// An event of a session or of its world.
+#[derive(Debug)]
+pub enum News<'a> {
+    /// A session sent a line. It is executed next. `pawn` is the session's newest pawn.
+    Received {
+        /// The session.
+        session: SessionId,
+        /// The pawn that the line is for.
+        pawn: Option<PawnId>,
+        /// The line without its end.
+        line: &'a str,
+    },
+    /// Something is wrong with a line of a session.
+    Wrong {
+        /// The session.
+        session: SessionId,
+        /// The line; empty if it was too long to keep.
+        line: &'a str,
+        /// Its problems.
+        problems: &'a [Problem],
+    },
+    /// A pawn of a session came into the world.
+    Came(PawnId),
+    /// A sensor measured.
+    Sensed(&'a Sensed),
+    /// A session gets a line.
+    Sent {
+        /// The session.
+        session: SessionId,
+        /// The pawn that the line is about, if any.
+        pawn: Option<PawnId>,
+        /// The line without its end.
+        line: String,
+        /// True for a line on a timer: a newer one replaces it.
+        is_periodic: bool,
+    },
+    /// A pawn left the world.
+    Left(PawnId),
+    /// A session ended.
+    Closed(SessionId),
+    /// The world removed a robot because of its state; it has left.
+    Lost(&'a LostRobot),
+    /// The world put an object back because of its state.
+    Restored {
+        /// Its name.
+        name: &'a str,
+        /// The fault of its state.
+        fault: Fault,
+    },
+}
+
+/// A world and its sessions.
+pub struct Sessions {
+    world: World,
+    sessions: BTreeMap<SessionId, Session>,
+    owners: Owners,
+    /// Pawns of a loaded world, until a session takes them over.
+    orphans: BTreeSet<PawnId>,
+}
+
+/// A session.
+#[derive(Default)]
+struct Session {
+    /// The dialect of all its lines; if none, its robots decide.
+    dialect: Option<Dialect>,
+    /// True if it gets an NFO line for each problem.
+    hears_problems: bool,
+    /// True if it gets no lines.
+    is_silent: bool,
+}
+
+/// A listener to the news of a world.
+pub type Listener<'a> = &'a mut dyn FnMut(&World, News);
+
+impl Sessions {
+    /// Creates the sessions of a world: none. Pawns that the world has already wait for an INIT of their class and name.
+    pub fn new(world: World) -> Self {
+        let orphans = world.pawns().map(|(id, ..)| id).collect();
+        Self { world, sessions: BTreeMap::new(), owners: Owners::default(), orphans }
+    }
+
+    /// Returns the world.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Returns the world, to change it beside the sessions.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// Returns the session that a pawn reports to.
+    pub fn owner(&self, pawn: PawnId) -> Option<SessionId> {
+        self.owners.of(pawn)
+    }
+
+    /// Returns the newest pawn of a session.
+    pub fn newest(&self, session: SessionId) -> Option<PawnId> {
+        self.owners.newest(session)
+    }
+
+    /// Opens a session, and greets it. Without a dialect its robots decide. `hears_problems` is true to send it its problems.
+    pub fn open(&mut self, id: SessionId, dialect: Option<Dialect>, hears_problems: bool, hear: Listener) {
+        self.sessions.insert(id, Session { dialect, hears_problems, is_silent: false });
+        let greeting = self.world.greeting();
+        self.send(id, None, &[greeting], hear);
+    }
+
+    /// Opens a session that gets no lines.
+    pub fn open_silent(&mut self, id: SessionId) {
+        self.sessions.insert(id, Session { is_silent: true, ..Session::default() });
+    }
+
+    /// True if a session is open.
+    pub fn is_open(&self, id: SessionId) -> bool {
+        self.sessions.contains_key(&id)
+    }
+
+    /// Executes a line of a session. Nothing happens if the session is not open.
+    pub fn take(&mut self, id: SessionId, request: &Request, hear: Listener) {
+        let Request { text, command, problems } = request;
+        let pawn = self.owners.newest(id);
+        if !text.is_empty() {
+            hear(&self.world, News::Received { session: id, pawn, line: text });
+        }
+        let adopted = command.as_ref().and_then(|command| self.adopt(command));
+        let Some(session) = self.sessions.get_mut(&id) else { return };
+        if let Some(Command::Report(report)) = command {
+            session.hears_problems = report.errors;
+        }
+        let hears_problems = session.hears_problems;
+        let mut problems = problems.clone();
+        let executed = match adopted {
+            Some(pawn) => Some(Executed { spawned: Some(pawn), ..Executed::default() }),
+            None => command.as_ref().map(|command| self.world.execute(pawn, command, &mut problems)),
+        };
+        let Executed { answers, found, spawned } = executed.unwrap_or_default();
+        if !problems.is_empty() {
+            hear(&self.world, News::Wrong { session: id, line: text, problems: &problems });
+        }
+        if let Some(pawn) = spawned {
+            self.owners.add(pawn, id, text.clone());
+            hear(&self.world, News::Came(pawn));
+        }
+        let mut answers = self.messages(answers, hear);
+        let pawn = spawned.or(pawn);
+        let time = self.world.time() as f32;
+        let receipt = command.as_ref().filter(|_| pawn.is_some());
+        answers.extend(receipt.and_then(|command| Message::receipt(command, found, time, self.dialect(id, pawn))));
+        if hears_problems {
+            answers.extend(problems.iter().map(|problem| Message::Nfo(Nfo::Error(problem.to_string()))));
+        }
+        self.send(id, pawn, &answers, hear);
+    }
+
+    /// Advances the world by one step.
+    pub fn step(&mut self, hear: Listener) {
+        let mut reports = self.world.step().into_iter().peekable();
+        while let Some(&(pawn, _)) = reports.peek() {
+            let own = std::iter::from_fn(|| reports.next_if(|(next, _)| *next == pawn));
+            let own: Vec<Report> = own.map(|(_, report)| report).collect();
+            let owner = self.owners.of(pawn).filter(|owner| self.hears(*owner));
+            own.iter().for_each(|report| tell(&self.world, report, hear));
+            if let Some(owner) = owner {
+                let messages = own.into_iter().filter_map(|report| self.world.message(report));
+                self.send(owner, Some(pawn), &messages.collect::<Vec<_>>(), hear);
+            }
+        }
+        for lost in self.world.take_lost() {
+            hear(&self.world, News::Left(lost.id));
+            hear(&self.world, News::Lost(&lost));
+            let owner = self.owners.of(lost.id);
+            if let Some(id) = owner.filter(|id| self.sessions.get(id).is_some_and(|session| session.hears_problems)) {
+                self.send(id, None, &[Message::Nfo(Nfo::Error(lost.to_string()))], hear);
+            }
+        }
+        for (name, fault) in self.world.take_restored() {
+            hear(&self.world, News::Restored { name: &name, fault });
+        }
+    }
+
+    /// Closes a session and removes its pawns. If the world keeps robots, only the newest is removed, as in USARSim.
+    pub fn close(&mut self, id: SessionId, hear: Listener) {
+        self.sessions.remove(&id);
+        let pawns = self.owners.leave(id);
+        let kept = if self.world.options().keep_robots { pawns.len().saturating_sub(1) } else { 0 };
+        for pawn in pawns.into_iter().skip(kept) {
+            self.world.remove(pawn);
+            hear(&self.world, News::Left(pawn));
+        }
+        hear(&self.world, News::Closed(id));
+    }
+
+    /// Forgets a session. Its pawns stay.
+    pub fn forget(&mut self, id: SessionId) {
+        self.sessions.remove(&id);
+        self.owners.leave(id);
+    }
+
+    /// Replaces the world by another one, and returns the old one. [`Sessions::enter_again`] has to follow.
+    pub fn replace_world(&mut self, world: World) -> World {
+        self.orphans.clear();
+        std::mem::replace(&mut self.world, world)
+    }
+
+    /// Runs the INIT lines of all open sessions again, in the order of their pawns' numbers.
+    pub fn enter_again(&mut self, hear: Listener) {
+        for (id, init) in self.owners.start_over() {
+            self.take(id, &Request::read(Ok(init)), hear);
+        }
+    }
+
+    /// Returns the pawn of a loaded world that an INIT takes over: the first of its class and name that no session has.
+    fn adopt(&mut self, command: &Command) -> Option<PawnId> {
+        let Command::Init(init) = command else { return None };
+        let is_it = |(id, class, name): &(PawnId, &str, &str)| {
+            self.orphans.contains(id) && class.eq_ignore_ascii_case(init.class()) && *name == init.name
+        };
+        let (id, ..) = self.world.pawns().find(is_it)?;
+        self.orphans.take(&id)
+    }
+
+    /// Returns the dialect of messages to a session: its own, else the one of the robot's class, else UDK.
+    fn dialect(&self, id: SessionId, pawn: Option<PawnId>) -> Dialect {
+        let of_robot = || {
+            let robot = pawn.and_then(|pawn| self.world.robot(pawn));
+            if robot.is_some_and(|def| def.speaks_ut2004) { Dialect::Ut2004 } else { Dialect::Udk }
+        };
+        self.sessions.get(&id).and_then(|session| session.dialect).unwrap_or_else(of_robot)
+    }
+
+    /// True if a session gets lines.
+    fn hears(&self, id: SessionId) -> bool {
+        self.sessions.get(&id).is_some_and(|session| !session.is_silent)
+    }
+
+    /// Tells of the readings among reports, and returns all as messages.
+    fn messages(&self, reports: Vec<Report>, hear: Listener) -> Vec<Message> {
+        reports.iter().for_each(|report| tell(&self.world, report, hear));
+        reports.into_iter().filter_map(|report| self.world.message(report)).collect()
+    }
+
+    /// Sends messages that belong together. `pawn` is the pawn that they are about, if any.
+    fn send(&self, session: SessionId, pawn: Option<PawnId>, messages: &[Message], hear: Listener) {
+        if !self.hears(session) {
+            return;
+        }
+        for WrittenLine { line, messages } in message::lines(messages, self.dialect(session, pawn)) {
+            let is_periodic = messages.iter().all(|message| message.is_periodic());
+            hear(&self.world, News::Sent { session, pawn, line, is_periodic });
+        }
+    }
+}
+
+/// Tells of a reading.
+fn tell(world: &World, report: &Report, hear: Listener) {
+    if let Report::Sensed(sensed) = report {
+        hear(world, News::Sensed(sensed));
+    }
+}
