@@ -11,14 +11,14 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use gamebots_proto::message::{GroundSta, Vehicle, VehicleConf, VehicleGeo};
 use kinematics::Twist;
-use scene::{JointState, RobotDef, Side, Steering};
+use scene::{JointState, Motor, RobotDef, Side, Steering};
 use serde::{Deserialize, Serialize};
 
 use crate::flight::Flight;
 
 /// A robot's drive state, kept between two `DRIVE` lines.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DriveState {
+pub(crate) struct DriveState {
     /// Target speeds of the driven wheels, rad/s, in the order of the robot's wheels.
     pub targets: Vec<f64>,
     /// True if the headlight is on.
@@ -26,6 +26,38 @@ pub struct DriveState {
     /// True if numbers are percent of the limit. Sticky (BotConnection.uc:195-197).
     normalized: bool,
     family: Family,
+}
+
+/// An order to a robot, in SI units. DRIVE, MULTIDRIVE, ACT and SET of joints become orders; programs can give them directly.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Order {
+    /// Target speed of each driven wheel, rad/s, in the robot's order; `None` keeps a wheel's target. Forward is positive.
+    Wheels(Vec<Option<f64>>),
+    /// Target velocities of a Mecanum base.
+    Twist(Twist),
+    /// Steering angles of a car's front and rear axle, rad, positive to the right.
+    Steer([f64; 2]),
+    /// Targets of joints, rad or m, by their numbers among the joints that have a value.
+    Joints(Vec<(usize, f64)>),
+    /// Targets of an aerial robot.
+    Flight(Flight),
+}
+
+impl Order {
+    /// True if every number is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        match self {
+            Self::Wheels(speeds) => speeds.iter().flatten().all(|speed| speed.is_finite()),
+            Self::Twist(Twist { forward, right, clockwise }) => {
+                [forward, right, clockwise].iter().all(|it| it.is_finite())
+            }
+            Self::Steer(angles) => angles.iter().all(|angle| angle.is_finite()),
+            Self::Joints(targets) => targets.iter().all(|(_, target)| target.is_finite()),
+            Self::Flight(Flight { velocity, turn, attitude }) => {
+                velocity.iter().chain([turn]).chain(attitude).all(|it| it.is_finite())
+            }
+        }
+    }
 }
 
 /// State of a drive family.
@@ -45,7 +77,7 @@ enum Family {
 
 impl DriveState {
     /// Returns the drive state of a robot at rest.
-    pub fn new(robot: &RobotDef) -> Self {
+    pub(crate) fn new(robot: &RobotDef) -> Self {
         let family = match robot.steering {
             Steering::Skid => Family::Skid,
             Steering::Omni => Family::Omni(Twist::default()),
@@ -63,30 +95,65 @@ impl DriveState {
         self.targets.len() == other.targets.len() && family(self) == family(other)
     }
 
-    /// Applies a command. `speed_unit` is one wheel-speed unit of the wire in rad/s.
-    pub fn apply(&mut self, robot: &RobotDef, drive: &Drive, speed_unit: f64, problems: &mut Vec<Problem>) {
+    /// Returns the orders of a command, in the order in which they count. `speed_unit` is one wheel-speed unit of the wire in rad/s.
+    /// Keeps what later commands refer to: the flags, and velocities that they do not name.
+    pub(crate) fn read(
+        &mut self,
+        robot: &RobotDef,
+        drive: &Drive,
+        speed_unit: f64,
+        problems: &mut Vec<Problem>,
+    ) -> Vec<Order> {
         self.normalized = drive.normalized.unwrap_or(self.normalized);
         self.light = drive.light.unwrap_or(self.light);
-        let speeds = match &mut self.family {
-            Family::Skid => skid::wheel_speeds(robot, drive, problems),
-            Family::Omni(twist) => {
-                if let Some(targets) = omni::follow_twist(twist, robot, drive, self.normalized, problems) {
-                    self.targets = targets;
-                }
-                omni::wheel_speeds(robot, drive, problems)
+        let mut orders = match &mut self.family {
+            Family::Skid => vec![skid::order(robot, drive, problems)],
+            Family::Omni(held) => {
+                let twist = omni::twist(held, robot, drive, self.normalized, problems);
+                twist.into_iter().chain([omni::wheels(robot, drive, problems)]).collect()
             }
-            Family::Ackermann(steer) => ackermann::wheel_speeds(steer, robot, drive, problems),
-            Family::Aerial(flight) => return aerial::apply(flight, robot, drive, problems),
+            Family::Ackermann(_) => ackermann::orders(robot, drive, problems),
+            Family::Aerial(flight) => aerial::order(*flight, robot, drive, problems).into_iter().collect(),
             Family::Legged | Family::None => {
-                return problems.push(Problem::NotDriven { class: robot.class.clone() });
+                problems.push(Problem::NotDriven { class: robot.class.clone() });
+                Vec::new()
             }
         };
-        for ((target, speed), wheel) in self.targets.iter_mut().zip(speeds).zip(robot.driven()) {
-            if let (Some(speed), Some(motor)) = (speed, wheel.drive) {
-                let unit = if self.normalized { motor.max_speed / 100.0 } else { speed_unit };
-                *target = (speed * unit).clamp(-motor.max_speed, motor.max_speed);
+        for order in &mut orders {
+            let Order::Wheels(speeds) = order else { continue };
+            for (speed, wheel) in speeds.iter_mut().zip(robot.driven()) {
+                let unit = |motor: &Motor| if self.normalized { motor.max_speed / 100.0 } else { speed_unit };
+                *speed = speed.zip(wheel.drive.map(unit)).map(|(speed, unit)| speed * unit);
             }
         }
+        orders
+    }
+
+    /// Takes the targets of an order, within the limits of the motors or of the flight. Returns false if robots of this kind do not follow such orders.
+    pub(crate) fn take(&mut self, robot: &RobotDef, order: &Order) -> bool {
+        match (order, &mut self.family) {
+            (Order::Wheels(speeds), Family::Skid | Family::Omni(_) | Family::Ackermann(_)) => {
+                for ((target, speed), wheel) in self.targets.iter_mut().zip(speeds).zip(robot.driven()) {
+                    if let (Some(speed), Some(motor)) = (speed, wheel.drive) {
+                        *target = speed.clamp(-motor.max_speed, motor.max_speed);
+                    }
+                }
+            }
+            (Order::Twist(twist), Family::Omni(held)) => {
+                *held = *twist;
+                self.targets = omni::speeds(robot, *twist);
+            }
+            (Order::Steer(angles), Family::Ackermann(steer)) => *steer = *angles,
+            (Order::Flight(targets), Family::Aerial(flight)) => {
+                *flight = robot.aerial.map_or(*flight, |it| targets.within(&it))
+            }
+            (Order::Joints(targets), _) => {
+                let is_joint = |number| robot.with_values().nth(number).is_some_and(|link| link.wheel.is_none());
+                return targets.iter().all(|&(number, _)| is_joint(number));
+            }
+            _ => return false,
+        }
+        true
     }
 
     /// Returns the target angles of joints other than wheels, rad, each with the joint's number among those that have a value.

@@ -7,7 +7,7 @@
 //! The world frame is that of the wire: x forward, y right, z down, right-handed. Units: metres, kilograms, seconds, radians.
 
 mod compiled;
-pub mod drive;
+mod drive;
 mod flight;
 pub mod mecanum;
 mod physics;
@@ -17,6 +17,8 @@ mod threads;
 mod world;
 
 pub use compiled::CompiledScene;
+pub use drive::Order;
+pub use flight::Flight;
 pub use physics::Fault;
 pub use scene::{BodyState, ObjectId, Options, PawnId, TIME_STEP, WheelState};
 pub use threads::{OneThread, Threads};

@@ -18,6 +18,7 @@ use gamebots_proto::message::{Greeting, Message, NamedPose as WirePose, Nfo, Pat
 use gamebots_proto::{Problem, shown};
 
 use crate::CompiledScene;
+use crate::drive::Order;
 use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
 use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
@@ -391,6 +392,14 @@ impl World {
             }
         };
         Executed { answers, found, spawned: None }
+    }
+
+    /// Gives a robot an order, as a command of its client would. Returns false, and changes nothing, if there is no such robot, its battery
+    /// is flat, a number is not finite, or robots of its kind do not follow such orders.
+    pub fn order(&mut self, id: PawnId, order: &Order) -> bool {
+        let time = self.time();
+        let robot = self.robots.get_mut(&id).filter(|robot| robot.battery_left(time) > 0);
+        robot.is_some_and(|robot| robot.follow(order))
     }
 
     /// Advances the world by one time step. Returns the reports that are due after it, robot by robot.

@@ -11,30 +11,60 @@ pub struct Drive {
     /// Headlight, shown in STA.
     pub light: Option<bool>,
     /// All other blocks in the order sent.
-    pub blocks: Vec<Block>,
+    pub given: Vec<Given>,
+}
+
+/// A block with its number. A robot that does not use the key does not care if it is a number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// The block as it was sent.
+    block: Block,
+    /// The number; 0 if it is none.
+    number: f64,
+    /// The problem of the number, if it has one.
+    problem: Option<Problem>,
+}
+
+impl Given {
+    fn new(block: Block) -> Self {
+        let mut problems = Vec::new();
+        let number =
+            if block.value.is_empty() { 0.0 } else { value::scalar_of(&block.key, &block.value, &mut problems) };
+        Self { block, number, problem: problems.pop() }
+    }
+
+    /// True if it has this key, in any case.
+    pub fn is(&self, key: &str) -> bool {
+        self.block.key.eq_ignore_ascii_case(key)
+    }
+
+    /// Returns the number, and reports its problem. It is 0 if the block has none.
+    pub fn number(&self, problems: &mut Vec<Problem>) -> f64 {
+        if self.block.value.is_empty() {
+            return value::scalar_of(&self.block.key, "", problems);
+        }
+        problems.extend(self.problem.clone());
+        self.number
+    }
+
+    /// Returns the number as an index, counted from 0; `None` if it is not an index.
+    pub fn index(&self, problems: &mut Vec<Problem>) -> Option<usize> {
+        value::index_of(&self.block, problems)
+    }
 }
 
 impl Drive {
     /// Adds a number.
     pub fn with(mut self, key: &str, number: f64) -> Self {
-        self.blocks.push(Block { key: key.to_owned(), value: number.to_string() });
+        let block = Block { key: key.to_owned(), value: number.to_string() };
+        self.given.push(Given { block, number, problem: None });
         self
     }
 
     /// Returns the number of the first block with this key, in any case; `None` if it is missing or empty.
     pub fn number(&self, key: &str, problems: &mut Vec<Problem>) -> Option<f64> {
-        let block = self.blocks.iter().find(|block| block.key.eq_ignore_ascii_case(key))?;
-        (!block.value.is_empty()).then(|| Self::number_of(block, problems))
-    }
-
-    /// Returns the number of a block; 0 if it is not a number.
-    pub fn number_of(block: &Block, problems: &mut Vec<Problem>) -> f64 {
-        value::scalar_of(&block.key, &block.value, problems)
-    }
-
-    /// Returns the index in a block, counted from 0; `None` if it is not an index.
-    pub fn index_of(block: &Block, problems: &mut Vec<Problem>) -> Option<usize> {
-        value::index_of(block, problems)
+        let given = self.given.iter().find(|given| given.is(key))?;
+        (!given.block.value.is_empty()).then(|| given.number(problems))
     }
 
     /// Returns the numbers of several keys.
@@ -48,13 +78,13 @@ impl ReadWrite for Drive {
         let normalized = value::boolean(line, "Normalized", problems);
         let light = value::boolean(line, "Light", problems);
         let is_flag = |block: &&Block| ["Normalized", "Light"].iter().any(|flag| block.key.eq_ignore_ascii_case(flag));
-        let blocks = line.blocks.iter().filter(|block| !is_flag(block)).cloned().collect();
-        Self { normalized, light, blocks }
+        let given = line.blocks.iter().filter(|block| !is_flag(block)).cloned().map(Given::new).collect();
+        Self { normalized, light, given }
     }
 
     fn write(&self) -> Line {
         let mut line = Line::new("DRIVE");
-        line.blocks.clone_from(&self.blocks);
+        line.blocks = self.given.iter().map(|given| given.block.clone()).collect();
         for (key, flag) in [("Normalized", self.normalized), ("Light", self.light)] {
             line = flag.into_iter().fold(line, |line, flag| line.with(key, flag));
         }

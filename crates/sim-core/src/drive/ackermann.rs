@@ -9,25 +9,22 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use scene::{Link, RobotDef};
 
+use super::Order;
+
 /// Reported range of an axle that does not steer (AckermanSteeredVehicle.uc:69-105).
 #[expect(clippy::approx_constant, reason = "USARSim writes so")]
 const NO_RANGE: f64 = 6.28;
 
-/// Returns the speed of each driven wheel in the unit of the command; `None` keeps its target. Stores the steering angles in `steer`.
-pub(super) fn wheel_speeds(
-    steer: &mut [f64; 2],
-    robot: &RobotDef,
-    drive: &Drive,
-    problems: &mut Vec<Problem>,
-) -> Vec<Option<f64>> {
+/// Returns the orders of a command, with the speed in its unit; none if a key is missing.
+pub(super) fn orders(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Order> {
     let given = drive.numbers(["Speed", "FrontSteer", "RearSteer"], problems);
-    if let [Some(_), Some(front), Some(rear)] = given {
-        *steer = [front, rear];
-    } else if given.iter().any(Option::is_some) {
+    if let [Some(speed), Some(front), Some(rear)] = given {
+        return vec![Order::Steer([front, rear]), Order::Wheels(robot.driven().map(|_| Some(speed)).collect())];
+    }
+    if given.iter().any(Option::is_some) {
         problems.push(Problem::MissingKey { verb: "DRIVE", key: "Speed, FrontSteer and RearSteer together" });
     }
-    let speed = given[0].filter(|_| given.iter().all(Option::is_some));
-    robot.driven().map(|_| speed).collect()
+    Vec::new()
 }
 
 /// Returns the target angles of the steering joints, rad, each with the joint's number among those that have a value.

@@ -10,10 +10,12 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use scene::{Aerial, RobotDef};
 
+use super::Order;
 use crate::flight::Flight;
 
-pub(super) fn apply(flight: &mut Flight, robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) {
-    let Some(Aerial { max_velocity, max_turn, max_tilt }) = robot.aerial else { return };
+/// Returns the order of a command: the targets of a flight, of which it changes what it names.
+pub(super) fn order(mut flight: Flight, robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Option<Order> {
+    let Aerial { max_velocity, max_turn, max_tilt } = robot.aerial?;
     let normalized = drive.normalized == Some(true);
     let share = |value: f64, limit: f64| {
         let value = if normalized { value / 100.0 * limit } else { value };
@@ -36,4 +38,5 @@ pub(super) fn apply(flight: &mut Flight, robot: &RobotDef, drive: &Drive, proble
         roll.map(angle).or(lateral.map(lean)).unwrap_or(own_roll),
         pitch.map(angle).or(linear.map(|it| -lean(it))).unwrap_or(own_pitch),
     ];
+    Some(Order::Flight(flight))
 }

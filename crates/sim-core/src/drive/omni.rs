@@ -5,27 +5,25 @@
 use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use kinematics::Twist;
-use scene::RobotDef;
+use scene::{MountedWheel, RobotDef};
 
-use super::of_side;
+use super::{Order, of_side};
 use crate::mecanum;
 
 const WHEELS: [&str; 4] = ["Front-Left", "Front-Right", "Back-Left", "Back-Right"];
 const SIDES: [&str; 2] = ["Left", "Right"];
 const VELOCITIES: [&str; 3] = ["LinearVelocity", "LateralVelocity", "RotationalVelocity"];
 
-/// Returns the speed of each wheel that the command names by wheel or side, in the unit of the command.
-pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Option<f64>> {
+/// Returns the order for each wheel that the command names by wheel or side, with speeds in its unit.
+pub(super) fn wheels(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Order {
     let named = drive.numbers(WHEELS, problems);
     let sides = drive.numbers(SIDES, problems);
     let numbered = numbered(drive, problems);
     let by_number = |index| numbered.iter().find(|(number, _)| *number == index).map(|(_, speed)| *speed);
-    robot
-        .driven()
-        .zip(named)
-        .enumerate()
-        .map(|(index, (wheel, named))| named.or_else(|| by_number(index)).or_else(|| of_side(sides, wheel.side)))
-        .collect()
+    let speed = |(index, (wheel, named)): (usize, (MountedWheel, Option<f64>))| {
+        named.or_else(|| by_number(index)).or_else(|| of_side(sides, wheel.side))
+    };
+    Order::Wheels(robot.driven().zip(named).enumerate().map(speed).collect())
 }
 
 /// Returns wheel numbers and speeds of `{WheelNumber n} {WheelSpeed v}`. A speed belongs to the last number before it. Numbers start at 0
@@ -33,27 +31,26 @@ pub(super) fn wheel_speeds(robot: &RobotDef, drive: &Drive, problems: &mut Vec<P
 fn numbered(drive: &Drive, problems: &mut Vec<Problem>) -> Vec<(usize, f64)> {
     let mut wheels = Vec::new();
     let mut number = None;
-    for block in &drive.blocks {
-        if block.key.eq_ignore_ascii_case("WheelNumber") {
-            number = Drive::index_of(block, problems);
-        } else if block.key.eq_ignore_ascii_case("WheelSpeed") {
-            let speed = Drive::number_of(block, problems);
+    for given in &drive.given {
+        if given.is("WheelNumber") {
+            number = given.index(problems);
+        } else if given.is("WheelSpeed") {
+            let speed = given.number(problems);
             wheels.extend(number.take().map(|number| (number, speed)));
         }
     }
     wheels
 }
 
-/// Merges the command's velocities into the held ones and returns the wheel speeds for them, rad/s. `None` if the command has no
-/// velocities. A command that names wheels or sides first resets the held velocities to 0. Normalized velocities are percent of the
+/// Merges the command's velocities into the held ones and returns the order for them. `None` if the command has no velocities. A command that names wheels or sides first resets the held velocities to 0. Normalized velocities are percent of the
 /// velocity that the base reaches with every wheel at its limit.
-pub(super) fn follow_twist(
+pub(super) fn twist(
     held: &mut Twist,
     robot: &RobotDef,
     drive: &Drive,
     normalized: bool,
     problems: &mut Vec<Problem>,
-) -> Option<Vec<f64>> {
+) -> Option<Order> {
     if names_wheels(drive) {
         *held = Twist::default();
     }
@@ -68,11 +65,11 @@ pub(super) fn follow_twist(
         right: value(right, limit.right, held.right),
         clockwise: value(clockwise, limit.clockwise, held.clockwise),
     };
-    given.iter().any(Option::is_some).then(|| follow(robot, *held))
+    given.iter().any(Option::is_some).then_some(Order::Twist(*held))
 }
 
 /// Returns the wheel speeds for a twist, rad/s. A twist out of reach is scaled down as a whole, which keeps its direction.
-fn follow(robot: &RobotDef, twist: Twist) -> Vec<f64> {
+pub(super) fn speeds(robot: &RobotDef, twist: Twist) -> Vec<f64> {
     let Some(mecanum) = mecanum::textbook(robot) else { return Vec::new() };
     let speeds = mecanum.inverse(twist);
     let limits = robot.driven().map(|wheel| wheel.drive.map_or(0.0, |motor| motor.max_speed));

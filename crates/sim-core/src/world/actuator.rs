@@ -11,6 +11,7 @@ use scene::{Actuator, Gripper, Joint, JointKind, RobotDef};
 
 use super::answer::item_geo;
 use super::robot::{Robot, unknown};
+use crate::drive::Order;
 use crate::physics::Physics;
 use crate::sensor::floats;
 
@@ -59,7 +60,7 @@ impl Robot {
             let known = def.actuators.iter().map(|it| it.name.as_str());
             problems.push(unknown("Name", name, known.chain(def.grippers.iter().map(|it| it.name.as_str()))));
         }
-        joints.into_iter().for_each(|(joint, target)| self.bodies_mut().set_joint_target(joint, target));
+        self.follow(&Order::Joints(joints));
         for number in grippers {
             if let Some(gripper) = gripper {
                 self.grip(number, gripper != 0.0);
@@ -84,7 +85,7 @@ impl Robot {
         let targets = if closed { &gripper.closed } else { &gripper.open };
         let joints = gripper.links.iter().zip(targets);
         let joints: Vec<_> = joints.filter_map(|(&link, &target)| Some((def.value_of(link)?, target))).collect();
-        joints.into_iter().for_each(|(joint, target)| self.bodies_mut().set_joint_target(joint, target));
+        self.follow(&Order::Joints(joints));
         self.note_gripper(number, closed);
     }
 

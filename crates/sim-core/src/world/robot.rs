@@ -12,7 +12,7 @@ use super::actuator::is_asked;
 use super::tools::{self, Tool};
 use super::{Options, PawnId, Report, seed};
 use crate::WheelState;
-use crate::drive::DriveState;
+use crate::drive::{DriveState, Order};
 use crate::physics::{CompiledRobot, Physics, RobotBodies, SavedBodies};
 use crate::sensor::{self, Effect, Mounted, SavedSensor, View};
 
@@ -179,12 +179,29 @@ impl Robot {
     }
 
     pub(super) fn drive(&mut self, drive: &Drive, problems: &mut Vec<Problem>) {
-        self.drive.apply(&self.bodies.robot().def, drive, self.options.speed_unit, problems);
-        self.bodies.set_wheel_speeds(&self.drive.targets);
-        for (joint, target) in self.drive.joint_targets(&self.bodies.robot().def) {
-            self.bodies.set_joint_target(joint, target);
+        let orders = self.drive.read(&self.bodies.robot().def, drive, self.options.speed_unit, problems);
+        orders.iter().for_each(|order| _ = self.follow(order));
+    }
+
+    /// Follows an order. Returns false if it has a number that is not finite, or if robots of this kind do not follow such orders.
+    pub(super) fn follow(&mut self, order: &Order) -> bool {
+        let class = self.bodies.robot().clone();
+        if !(order.is_finite() && self.drive.take(&class.def, order)) {
+            return false;
         }
-        self.bodies.set_flight(self.drive.flight());
+        match order {
+            Order::Wheels(_) | Order::Twist(_) => self.bodies.set_wheel_speeds(&self.drive.targets),
+            Order::Steer(_) => {
+                for (joint, target) in self.drive.joint_targets(&class.def) {
+                    self.bodies.set_joint_target(joint, target);
+                }
+            }
+            Order::Joints(targets) => {
+                targets.iter().for_each(|&(joint, target)| self.bodies.set_joint_target(joint, target));
+            }
+            Order::Flight(_) => self.bodies.set_flight(self.drive.flight()),
+        }
+        true
     }
 
     /// Sets the targets of joints other than wheels: `SET {Type Joint}` with the opcode `Angle` or `Target`, both in exact case, and the name
@@ -211,9 +228,8 @@ impl Robot {
     fn set_targets(&mut self, target: f64, fits: impl Fn(&str) -> bool) -> bool {
         let joints = self.def().with_values().enumerate();
         let named = joints.filter(|(_, link)| link.wheel.is_none() && fits(&link.name));
-        let numbers: Vec<usize> = named.map(|(number, _)| number).collect();
-        numbers.iter().for_each(|&number| self.bodies.set_joint_target(number, target));
-        !numbers.is_empty()
+        let targets: Vec<(usize, f64)> = named.map(|(number, _)| (number, target)).collect();
+        !targets.is_empty() && self.follow(&Order::Joints(targets))
     }
 
     /// Delivers a SET to the sensors, grippers or joints that it names. Returns the readings of requested scans, which go out at once, and
