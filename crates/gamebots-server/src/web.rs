@@ -2,7 +2,7 @@
 //! to the protocol's own port.
 //!
 //! A foreign page in the same browser must not get in. So a WebSocket's `Origin` must be the page's own host. `Host` must be an
-//! address or a name that no stranger can point here (DNS rebinding).
+//! address or a name that no stranger can point here (DNS rebinding). No CORS header is ever sent, and the page cannot be framed.
 
 mod log_scene;
 mod page;

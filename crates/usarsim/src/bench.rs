@@ -26,8 +26,8 @@ pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml. A crowd takes several, which take turns.
     #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE", value_delimiter = ',')]
     robot: Vec<String>,
-    /// Drive model: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the one in its robot.toml.
-    #[arg(long, value_name = "MODEL")]
+    /// Drive model: articulated, bodies, analytic or kinematic; by default the one in its robot.toml.
+    #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
     drive_model: Option<DriveModel>,
     /// Number of robots that drive side by side.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]

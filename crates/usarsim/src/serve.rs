@@ -43,9 +43,9 @@ pub(crate) struct Arguments {
     /// several times; `usarsim show` prints the result.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
-    /// Drive model of the robots that support it: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the
+    /// Drive model of the robots that support it: articulated, bodies, analytic or kinematic; by default the
     /// one in their robot.toml.
-    #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL")]
+    #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL", value_parser = drive_model)]
     drive_model: Option<DriveModel>,
     /// Address to listen on, for controllers and for the page. 0.0.0.0 accepts connections from other machines.
     #[arg(long, env = "USARSIM_HOST", default_value = "127.0.0.1")]
@@ -269,5 +269,15 @@ pub(crate) async fn stop_signal() {
     tokio::select! {
         () = terminated => {}
         () = interrupted => {}
+    }
+}
+
+/// Reads a drive model of the command line. That of the textbook is for experiments, which compare with it.
+pub(crate) fn drive_model(name: &str) -> Result<DriveModel, String> {
+    match name.parse()? {
+        DriveModel::KinematicTextbook => {
+            Err(format!("`{name}` is for experiments: expected articulated, bodies, analytic or kinematic"))
+        }
+        model => Ok(model),
     }
 }

@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
     /// Drive model of a Mecanum robot, instead of the one in its file.
-    #[arg(long, value_name = "MODEL")]
+    #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
     drive_model: Option<DriveModel>,
     /// Print JSON.
     #[arg(long)]

@@ -44,7 +44,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
     /// Drive model, as for `serve`.
-    #[arg(long, value_name = "MODEL")]
+    #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
     drive_model: Option<DriveModel>,
     /// Position of the camera.
     #[arg(long, default_value = "corner")]

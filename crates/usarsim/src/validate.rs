@@ -18,8 +18,8 @@ pub(crate) struct Arguments {
     /// A robot class with wheels, or the path of its robot.toml.
     #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
     robot: String,
-    /// Drive model: articulated, bodies, analytic, kinematic or kinematic-textbook; by default the one in its robot.toml.
-    #[arg(long, value_name = "MODEL")]
+    /// Drive model: articulated, bodies, analytic or kinematic; by default the one in its robot.toml.
+    #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
     drive_model: Option<DriveModel>,
     /// Run only this check: 1 to 12, or 1 to 9 for a robot without Mecanum wheels. May be given several times.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=12))]

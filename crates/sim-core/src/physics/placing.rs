@@ -1,4 +1,8 @@
 //! Free places for robots: on the surface at the wanted place and clear of all solids, or else beside it.
+//!
+//! A pose in the floor, in a ramp or below everything is lifted onto the surface above it. A robot above a surface falls. Where another
+//! robot, an object or a solid is in the way, the robot is put at the nearest free place beside it, on the same floor and on the same side
+//! of walls. A robot comes to stand on another only if it is asked for above it.
 
 use nalgebra::{Point3, Vector3};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};

@@ -1,4 +1,5 @@
-//! Named random streams.
+//! Named random streams: one for each sensor, from the seed, the robot's number, the sensor's name and its index. Another seed changes
+//! noise, never motion.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,5 @@
-//! Parameters of the engine's solver, and extra sweeps for landing robots.
+//! Parameters of the engine's solver, and extra sweeps for landing robots. One sweep at 500 Hz, with friction solved in the same pass as
+//! penetration, is better than four without.
 
 use rapier3d::prelude::*;
 
