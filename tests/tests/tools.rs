@@ -5,7 +5,7 @@ use std::path::Path;
 use gamebots_proto::Problem;
 use gamebots_proto::message::{Eff, Message};
 use nalgebra::Vector3;
-use scene::{ObjectSnapshot, WorldDef};
+use scene::{DriveModel, ObjectSnapshot, WorldDef};
 use sim_core::{Options, PawnId, World};
 use system_tests::{apply, command, init, run};
 
@@ -180,6 +180,20 @@ fn a_robot_that_leaves_takes_its_tool_along_held_or_dropped() {
         world.remove(robot);
         assert_eq!(world.objects().count(), objects - 1);
     }
+}
+
+#[test]
+fn a_robot_of_the_engine_keeps_its_tool_and_says_why() {
+    let mut scene = scene();
+    scene.robots.values_mut().for_each(|robot| robot.set_drive_model(Some(DriveModel::Bodies)));
+    let mut world = World::new(scene, Options::default());
+    let robot = init(&mut world, "INIT {ClassName KR60} {Location 0,0,-0.1}");
+    run(&mut world, 0.5);
+    let why = refusal(&mut world, robot, OPEN);
+    assert!(why.contains("`bodies`"), "{why}");
+    assert!(state(&mut world).closed);
+    run(&mut world, 0.5);
+    assert!((place(&world) - Vector3::new(1.0, 0.0, -0.8465)).norm() < 0.02, "{}", place(&world));
 }
 
 #[test]

@@ -3,6 +3,9 @@
  * or, when it was cut off and has none, from the heads of its records; a chunk is read when it is asked for.
  *
  * Times are whole ns.
+ *
+ * The library for it, @mcap/core (2.2.2), refuses a file that is not indexed, as one that was cut off, and reads and decompresses a
+ * chunk again for each question; a page that plays a log asks thirty times a second.
  */
 
 import { Bytes } from './bytes';
