@@ -228,8 +228,9 @@ function slotsOf(topics: Map<number, string>): Slot[] {
   return [...slots].flatMap(([slot, channels]) => {
     const state = channels.get('state');
     const ofSensors = [...channels].filter(([name]) => name.startsWith('sensor/'));
-    const readings = ofSensors.flatMap(([name, channel]) => (name.endsWith('/reading') ? [channel] : []));
-    const ofScans = ofSensors.filter(([name]) => !/\/(reading|image|picture)$/.test(name));
+    // A sensor may be called `reading` itself.
+    const readings = ofSensors.flatMap(([name, channel]) => (/^sensor\/.+\/reading$/.test(name) ? [channel] : []));
+    const ofScans = ofSensors.filter(([name]) => !/^sensor\/.+\/(reading|image|picture)$/.test(name));
     const scans = ofScans.map(([name, channel]) => ({ name: name.slice('sensor/'.length), channel }));
     const transforms = channels.get('tf');
     return state === undefined ? [] : [{ frame: `robot/${slot}`, state, transforms, readings, scans }];
