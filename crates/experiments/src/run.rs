@@ -266,14 +266,10 @@ struct Stage {
 impl Stage {
     fn new(world: World, log: Option<LogWriter>) -> Result<Self, RecordError> {
         let mut stage = Self { sessions: Sessions::new(world), log, states: StateTimer::default() };
-        match stage.log {
-            Some(_) => {
-                let open = |sessions: &mut Sessions, hear: Listener| {
-                    sessions.open(SESSION, Some(Dialect::Udk), false, hear);
-                };
-                stage.record(open).map(|_| ())?;
-            }
-            None => stage.sessions.open_silent(SESSION),
+        if stage.log.is_some() {
+            stage.record(|sessions, hear| sessions.open(SESSION, Some(Dialect::Udk), false, hear))?;
+        } else {
+            stage.sessions.open_silent(SESSION);
         }
         Ok(stage)
     }

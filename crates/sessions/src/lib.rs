@@ -9,7 +9,7 @@ mod owners;
 use std::collections::{BTreeMap, BTreeSet};
 
 use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
-use gamebots_proto::{Command, Dialect, Line, Problem};
+use gamebots_proto::{Command, Dialect, Problem};
 use scene::{PawnId, Sensed};
 use sim_core::{Executed, Fault, LostRobot, Report, World};
 
@@ -35,7 +35,7 @@ impl Request {
         match line {
             Ok(text) => {
                 let mut problems = Vec::new();
-                let command = Command::read(&Line::parse(&text), &mut problems);
+                let command = Command::parse(&text, &mut problems);
                 Self { text, command, problems }
             }
             Err(problem) => Self { text: String::new(), command: None, problems: vec![problem] },
@@ -187,7 +187,7 @@ impl Sessions {
             self.owners.add(pawn, id, text.clone());
             hear(&self.world, News::Came(pawn));
         }
-        let mut answers = self.messages(answers, hear);
+        let mut answers = self.messages(Some(id), answers, hear);
         let pawn = spawned.or(pawn);
         let time = self.world.time() as f32;
         let receipt = command.as_ref().filter(|_| pawn.is_some());
@@ -204,11 +204,10 @@ impl Sessions {
         while let Some(&(pawn, _)) = reports.peek() {
             let own = std::iter::from_fn(|| reports.next_if(|(next, _)| *next == pawn));
             let own: Vec<Report> = own.map(|(_, report)| report).collect();
-            let owner = self.owners.of(pawn).filter(|owner| self.hears(*owner));
-            own.iter().for_each(|report| tell(&self.world, report, hear));
+            let owner = self.owners.of(pawn);
+            let messages = self.messages(owner, own, hear);
             if let Some(owner) = owner {
-                let messages = own.into_iter().filter_map(|report| self.world.message(report));
-                self.send(owner, Some(pawn), &messages.collect::<Vec<_>>(), hear);
+                self.send(owner, Some(pawn), &messages, hear);
             }
         }
         for lost in self.world.take_lost() {
@@ -279,9 +278,16 @@ impl Sessions {
         self.sessions.get(&id).is_some_and(|session| !session.is_silent)
     }
 
-    /// Tells of the readings among reports, and returns all as messages.
-    fn messages(&self, reports: Vec<Report>, hear: Listener) -> Vec<Message> {
-        reports.iter().for_each(|report| tell(&self.world, report, hear));
+    /// Tells of the readings among reports, and returns all as messages to a session; none if nobody gets them.
+    fn messages(&self, to: Option<SessionId>, reports: Vec<Report>, hear: Listener) -> Vec<Message> {
+        for report in &reports {
+            if let Report::Sensed(sensed) = report {
+                hear(&self.world, News::Sensed(sensed));
+            }
+        }
+        if !to.is_some_and(|session| self.hears(session)) {
+            return Vec::new();
+        }
         reports.into_iter().filter_map(|report| self.world.message(report)).collect()
     }
 
@@ -294,12 +300,5 @@ impl Sessions {
             let is_periodic = messages.iter().all(|message| message.is_periodic());
             hear(&self.world, News::Sent { session, pawn, line, is_periodic });
         }
-    }
-}
-
-/// Tells of a reading.
-fn tell(world: &World, report: &Report, hear: Listener) {
-    if let Report::Sensed(sensed) = report {
-        hear(world, News::Sensed(sensed));
     }
 }

@@ -199,10 +199,8 @@ impl World {
             return Some(id);
         }
         let class = self.class(init, problems)?;
-        let next = PawnId(self.next_id);
-        let tools = self.first_tools(&class.def, next);
-        let class = match self.fitted(&class, next, &tools) {
-            Ok(class) => class,
+        let (tools, class) = match self.outfit(&class) {
+            Ok(outfit) => outfit,
             Err(why) => {
                 problems.push(Problem::NoRoom { wanted: wire_place(init), why });
                 return None;
@@ -264,10 +262,8 @@ impl World {
     /// If there is no free place, with the reason in words.
     pub fn fit(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Result<Room, String>> {
         let class = self.scene.robots().get(class)?.clone();
-        let next = PawnId(self.next_id);
-        let tools = self.first_tools(&class.def, next);
-        let class = match self.fitted(&class, next, &tools) {
-            Ok(class) => class,
+        let class = match self.outfit(&class) {
+            Ok((_, class)) => class,
             Err(why) => return Some(Err(why)),
         };
         // A running engine keeps its shapes in place, and a query must not change its next step.
@@ -529,14 +525,9 @@ impl World {
 
     /// Returns every movable object, by their ids, and the tools that robots hold.
     pub fn objects(&self) -> impl Iterator<Item = ObjectSnapshot> {
-        let mut held: Vec<ObjectSnapshot> = self.held_tools().collect();
-        held.sort_by_key(|tool| tool.id);
-        let (mut held, mut free) = (held.into_iter().peekable(), self.physics.objects().peekable());
-        std::iter::from_fn(move || match (held.peek(), free.peek()) {
-            (Some(tool), Some(object)) if tool.id < object.id => held.next(),
-            (Some(_), None) => held.next(),
-            _ => free.next(),
-        })
+        let mut objects: Vec<ObjectSnapshot> = self.physics.objects().chain(self.held_tools()).collect();
+        objects.sort_by_key(|object| object.id);
+        objects.into_iter()
     }
 
     /// Returns a hash of the number of steps and of the bits of every body. Worlds with different digests differ.

@@ -143,9 +143,7 @@ impl Control {
             Self::Unknown { type_name } => type_name,
         }
     }
-}
 
-impl Control {
     /// Returns the name of the object or robot that it is about; empty if it is about several.
     pub fn name(&self) -> &str {
         match self {

@@ -28,8 +28,7 @@ pub struct Given {
 impl Given {
     fn new(block: Block) -> Self {
         let mut problems = Vec::new();
-        let number =
-            if block.value.is_empty() { 0.0 } else { value::scalar_of(&block.key, &block.value, &mut problems) };
+        let number = value::scalar_of(&block.key, &block.value, &mut problems);
         Self { block, number, problem: problems.pop() }
     }
 
@@ -40,9 +39,6 @@ impl Given {
 
     /// Returns the number, and reports its problem. It is 0 if the block has none.
     pub fn number(&self, problems: &mut Vec<Problem>) -> f64 {
-        if self.block.value.is_empty() {
-            return value::scalar_of(&self.block.key, "", problems);
-        }
         problems.extend(self.problem.clone());
         self.number
     }
@@ -56,8 +52,7 @@ impl Given {
 impl Drive {
     /// Adds a number.
     pub fn with(mut self, key: &str, number: f64) -> Self {
-        let block = Block { key: key.to_owned(), value: number.to_string() };
-        self.given.push(Given { block, number, problem: None });
+        self.given.push(Given::new(Block { key: key.to_owned(), value: number.to_string() }));
         self
     }
 

@@ -25,9 +25,7 @@ impl Set {
             .map(|part| part.parse().ok().filter(|number: &f64| number.is_finite()))
             .collect()
     }
-}
 
-impl Set {
     /// Returns true for the opcode `Close`, false for `Open`, and for `Grip` if its number is not 0, in any case. `None` for another one.
     pub fn closes(&self) -> Option<bool> {
         match self.opcode.to_ascii_uppercase().as_str() {

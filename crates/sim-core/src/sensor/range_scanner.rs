@@ -14,17 +14,18 @@ use super::{Effect, Mount, Sensor, View};
 
 pub(super) fn build(config: &RangeScanner, mount: Mount) -> Mounted {
     let RangeScanner { max_range, min_range, yaw, pitch, .. } = *config;
-    let (resolution, field_of_view) = (config.resolution_units(), rotation_units::from_radians(config.field_of_view));
+    let units = (config.resolution_units(), rotation_units::from_radians(config.field_of_view));
+    let (resolution, field_of_view) = angles(config);
     Mounted {
         name: mount.name.to_owned(),
         pose: mount.pose,
         max_range,
         min_range,
-        resolution: rotation_units::to_radians(resolution),
-        field_of_view: rotation_units::to_radians(field_of_view),
+        resolution,
+        field_of_view,
         yaw,
         pitch,
-        beams: beams(resolution, field_of_view, yaw, pitch),
+        beams: beams(units.0, units.1, yaw, pitch),
     }
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::World;
 use super::controller::{Controller, Created};
 use super::robot::{Robot, SavedRobot};
-use super::tools::Tool;
+use super::tools::{self, Tool};
 use crate::CompiledScene;
 use crate::physics::SavedObject;
 
@@ -135,7 +135,7 @@ impl World {
                 let expected = world.scene.robots().keys().cloned().collect::<Vec<_>>().join(", ");
                 return Err(LoadError::UnknownClass { id, class, expected });
             };
-            let fitted = world.fitted(&compiled, id, &saved.tools);
+            let fitted = tools::fitted(&mut world.physics, &compiled, id, &saved.tools);
             let fitted = fitted.map_err(|_| LoadError::OtherClass { id, class: class.clone() })?;
             let loaded = Robot::load(&mut world.physics, fitted, robot, saved.steps, saved.options);
             world.robots.insert(id, loaded.ok_or(LoadError::OtherClass { id, class })?);

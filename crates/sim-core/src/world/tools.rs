@@ -10,13 +10,13 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::{Act, Command, MisPkg};
 use gamebots_proto::message::{Eff, ItemConf, ItemGeo, ToolChangerConf};
 use nalgebra::Vector3;
-use scene::{Object, ObjectId, ObjectSnapshot, PawnId, Pose, RobotDef, ToolChanger, check};
+use scene::{BodyState, Object, ObjectId, ObjectSnapshot, PawnId, RobotDef, ToolChanger, check};
 use serde::{Deserialize, Serialize};
 
 use super::World;
 use super::actuator::is_asked;
 use super::answer::item_geo;
-use crate::physics::{CompiledRobot, Identity};
+use crate::physics::{CompiledRobot, Identity, Physics};
 
 /// Tolerance of comparisons with the limits of a tool changer, m or rad.
 const ROUNDING: f64 = 1e-9;
@@ -32,7 +32,7 @@ pub(super) struct Tool {
     /// Type on the wire.
     kind: String,
     /// Name, shape and mass. The pose of the shape is in the frame of the changer.
-    pub(super) object: Arc<Object>,
+    object: Arc<Object>,
 }
 
 impl Tool {
@@ -43,9 +43,11 @@ impl Tool {
 }
 
 impl World {
-    /// Returns the tools with which a robot of a class is spawned, as its own.
-    pub(super) fn first_tools(&self, class: &RobotDef, robot: PawnId) -> Vec<Tool> {
-        let held = class.tool_changers.iter().enumerate().filter_map(|(number, it)| Some((number, it.tool.as_ref()?)));
+    /// Returns the tools with which the next robot of a class is spawned, and the class with them. Fails with the reason in words.
+    pub(super) fn outfit(&mut self, class: &Arc<CompiledRobot>) -> Result<(Vec<Tool>, Arc<CompiledRobot>), String> {
+        let robot = PawnId(self.next_id);
+        let held =
+            class.def.tool_changers.iter().enumerate().filter_map(|(number, it)| Some((number, it.tool.as_ref()?)));
         let ids = (self.next_object..).map(ObjectId);
         let tool = |((changer, tool), id): ((usize, &scene::Tool), ObjectId)| Tool {
             id,
@@ -54,18 +56,9 @@ impl World {
             kind: tool.kind.clone(),
             object: Arc::new(tool.object.clone()),
         };
-        held.zip(ids).map(tool).collect()
-    }
-
-    /// Returns a class with the tools that a robot holds. Fails with the reason in words.
-    pub(super) fn fitted(
-        &mut self,
-        class: &Arc<CompiledRobot>,
-        robot: PawnId,
-        tools: &[Tool],
-    ) -> Result<Arc<CompiledRobot>, String> {
-        let held = tools.iter().filter(|tool| tool.robot == robot);
-        self.physics.fitted(class, held.filter_map(|tool| Some((tool.changer?, &*tool.object))))
+        let tools: Vec<Tool> = held.zip(ids).map(tool).collect();
+        let fitted = fitted(&mut self.physics, class, robot, &tools)?;
+        Ok((tools, fitted))
     }
 
     /// Returns the name of the tool changers that a command is for, empty for all, and true if they close: SET with `Open`, `Close` or `Grip`
@@ -97,7 +90,7 @@ impl World {
         let named = def.tool_changers.iter().enumerate().filter(|(_, it)| is_asked(&it.name, name));
         let changers: Vec<(usize, ToolChanger)> = named.map(|(number, it)| (number, it.clone())).collect();
         for (number, changer) in &changers {
-            let held = self.held_by(robot, *number);
+            let held = held_by(&self.tools, robot, *number);
             let done = match (closed, held) {
                 (true, None) => self.take_tool(robot, *number, changer),
                 (false, Some(tool)) => self.drop_tool(tool, changer),
@@ -110,27 +103,25 @@ impl World {
         !changers.is_empty()
     }
 
-    /// Returns the place in the list of the tool that a tool changer holds.
-    fn held_by(&self, robot: PawnId, changer: usize) -> Option<usize> {
-        self.tools.iter().position(|tool| tool.robot == robot && tool.changer == Some(changer))
-    }
-
     fn drop_tool(&mut self, place: usize, changer: &ToolChanger) -> Result<(), String> {
         let tool = self.tools[place].clone();
-        let (pose, linear, angular) = self.held_pose(&tool, changer).ok_or("the robot is gone")?;
+        let carrier = self.carrier(tool.robot, changer).ok_or("the robot is gone")?;
+        let pose = carrier.pose * changer.pose() * tool.object.solid.pose();
+        let lever = pose.translation.vector - carrier.pose.translation.vector;
         self.tools[place].changer = None;
         if let Err(why) = self.refit(tool.robot) {
             self.tools[place].changer = tool.changer;
             return Err(why);
         }
         self.physics.spawn_object(tool.id, tool.object, &pose, false);
-        self.physics.push_off(tool.id, &linear, &angular);
+        let linear = carrier.linear + carrier.angular.cross(&lever);
+        self.physics.push_off(tool.id, &linear, &carrier.angular);
         Ok(())
     }
 
     /// Takes the first tool that a ray along the changer's z axis meets, if it is near enough and turned like the changer.
     fn take_tool(&mut self, robot: PawnId, number: usize, changer: &ToolChanger) -> Result<(), String> {
-        let own = self.changer_pose(robot, changer).ok_or("the robot is gone")?;
+        let own = self.carrier(robot, changer).ok_or("the robot is gone")?.pose * changer.pose();
         let sight = self.physics.sight(&own.translation.vector.into(), 2.0 * changer.position_tolerance, robot);
         let hit = sight.cast_ray(&(own.rotation * Vector3::z())).ok_or("nothing is ahead of it")?;
         let Identity::Object(id) = hit.identity else { return Err("what is ahead of it is no tool".to_owned()) };
@@ -161,35 +152,23 @@ impl World {
     fn refit(&mut self, id: PawnId) -> Result<(), String> {
         let name = self.robots.get(&id).map(|robot| robot.def().class.clone()).ok_or("the robot is gone")?;
         let class = self.scene.robots().get(&name).cloned().ok_or("its class is gone")?;
-        let tools = std::mem::take(&mut self.tools);
-        let fitted = self.fitted(&class, id, &tools);
-        self.tools = tools;
+        let fitted = fitted(&mut self.physics, &class, id, &self.tools)?;
         let robot = self.robots.get_mut(&id).ok_or("the robot is gone")?;
-        let is_refitted = self.physics.refit(robot.bodies_mut(), id, fitted?);
+        let is_refitted = self.physics.refit(robot.bodies_mut(), id, fitted);
         is_refitted.then_some(()).ok_or("the drive model `bodies` cannot change tools".to_owned())
     }
 
-    /// Returns the pose of a tool changer in the world.
-    fn changer_pose(&self, robot: PawnId, changer: &ToolChanger) -> Option<Pose> {
+    /// Returns the robot frame as it moves with the link that carries a tool changer.
+    fn carrier(&self, robot: PawnId, changer: &ToolChanger) -> Option<BodyState> {
         let bodies = self.robots.get(&robot)?.bodies();
-        let carrier = self.physics.carrier(bodies, changer.link).unwrap_or_else(|| self.physics.body(bodies));
-        Some(carrier.pose * changer.pose())
-    }
-
-    /// Returns the pose of the shape of a tool that a changer holds, its velocity, m/s, and its angular velocity, rad/s.
-    fn held_pose(&self, tool: &Tool, changer: &ToolChanger) -> Option<(Pose, Vector3<f64>, Vector3<f64>)> {
-        let bodies = self.robots.get(&tool.robot)?.bodies();
-        let carrier = self.physics.carrier(bodies, changer.link).unwrap_or_else(|| self.physics.body(bodies));
-        let pose = carrier.pose * changer.pose() * tool.object.solid.pose();
-        let lever = pose.translation.vector - carrier.pose.translation.vector;
-        Some((pose, carrier.linear + carrier.angular.cross(&lever), carrier.angular))
+        Some(self.physics.carrier(bodies, changer.link).unwrap_or_else(|| self.physics.body(bodies)))
     }
 
     /// Returns snapshots of the tools that robots hold.
     pub(super) fn held_tools(&self) -> impl Iterator<Item = ObjectSnapshot> {
         self.tools.iter().filter_map(|tool| {
             let changer = self.robot(tool.robot)?.tool_changers.get(tool.changer?)?;
-            let (pose, ..) = self.held_pose(tool, changer)?;
+            let pose = self.carrier(tool.robot, changer)?.pose * changer.pose() * tool.object.solid.pose();
             Some(ObjectSnapshot { id: tool.id, def: tool.object.clone(), pose })
         })
     }
@@ -202,10 +181,26 @@ impl World {
     }
 }
 
+/// Returns a class with the tools that a robot holds. Fails with the reason in words.
+pub(super) fn fitted(
+    physics: &mut Physics,
+    class: &Arc<CompiledRobot>,
+    robot: PawnId,
+    tools: &[Tool],
+) -> Result<Arc<CompiledRobot>, String> {
+    let held = tools.iter().filter(|tool| tool.robot == robot);
+    physics.fitted(class, held.filter_map(|tool| Some((tool.changer?, &*tool.object))))
+}
+
+/// Returns the place in a list of the tool that a tool changer holds.
+fn held_by(tools: &[Tool], robot: PawnId, changer: usize) -> Option<usize> {
+    tools.iter().position(|tool| tool.robot == robot && tool.changer == Some(changer))
+}
+
 /// Returns the states of a robot's tool changers.
 pub(super) fn states(tools: &[Tool], robot: PawnId, def: &RobotDef, time: f64) -> impl Iterator<Item = Eff> {
     def.tool_changers.iter().enumerate().map(move |(number, changer)| {
-        let tool = tools.iter().find(|tool| tool.robot == robot && tool.changer == Some(number));
+        let tool = held_by(tools, robot, number).and_then(|place| tools.get(place));
         Eff {
             time: time as f32,
             is_tool_changer: true,
