@@ -17,8 +17,6 @@ use crate::{ObjectState, Publish, Record, RecordError, RobotState};
 
 /// Value in a covariance whose quantity is not measured (sensor_msgs/msg/Imu).
 const NOT_MEASURED: f64 = -1.0;
-/// Acceleration of free fall, m/s².
-const GRAVITY: f64 = 9.81;
 
 /// Begins a file for the messages.
 pub(crate) fn begin(storage: Box<dyn Storage>, path: &Path) -> Result<LogFile, RecordError> {
@@ -142,7 +140,9 @@ impl Ros2 {
                 file.publish(time, &topic, &message)
             }
             (Reading::Ins(ins), _) => file.publish(time, &topic, &orientation(header, ins.angles)),
-            (Reading::Imu(reading), _) => file.publish(time, &topic, &imu(header, sensor, reading)),
+            (Reading::Imu(reading), _) => {
+                file.publish(time, &topic, &imu(header, sensor, reading, self.world.map.gravity))
+            }
             (Reading::Odometry(odometry), _) => {
                 let pose = scene::pose([odometry.x, odometry.y, 0.0], [0.0, 0.0, odometry.theta]);
                 let mut message = ros::Odometry {
@@ -192,12 +192,12 @@ fn orientation(header: ros::Header, angles: [f64; 3]) -> ros::Imu {
     }
 }
 
-/// Converts a reading of an IMU to its own frame. A real accelerometer feels what holds it up (REP 145), so gravity is added.
-fn imu(header: ros::Header, sensor: &SensorDef, reading: &imu::Reading) -> ros::Imu {
+/// Converts a reading of an IMU to its own frame. A real accelerometer feels what holds it up (REP 145), so gravity, m/s², is added.
+fn imu(header: ros::Header, sensor: &SensorDef, reading: &imu::Reading, gravity: f64) -> ros::Imu {
     let imu::Reading { acceleration: [ahead, right, up], angular_velocity, angles, .. } = *reading;
     let mount = scene::pose(sensor.position, sensor.direction).rotation;
     let attitude = scene::pose([0.0; 3], angles).rotation * mount;
-    let held_up = attitude.inverse() * Vector3::new(0.0, 0.0, -GRAVITY);
+    let held_up = attitude.inverse() * Vector3::new(0.0, 0.0, -gravity);
     let pose = Pose::from_parts(Translation3::identity(), attitude);
     ros::Imu {
         header,
@@ -295,6 +295,19 @@ mod tests {
         let later: [f64; 3] = std::array::from_fn(|axis| angles[axis] + rates[axis] * time);
         let turned = (rotation(angles).inverse() * rotation(later)).scaled_axis() / time;
         assert!((turned - about_axes(angles, rates)).norm() < 1e-5);
+    }
+
+    /// Checks the acceleration of a resting IMU on the Moon, mounted with its x axis down.
+    #[test]
+    fn a_resting_imu_feels_the_gravity_of_its_map() {
+        let config = Config::Imu(imu::Config {});
+        let direction = [0.0, -std::f64::consts::FRAC_PI_2, 0.0];
+        let sensor =
+            SensorDef { name: "IMU".to_owned(), link: 0, position: [0.0; 3], direction, scan_interval: 0.1, config };
+        let [acceleration, angular_velocity, angular_acceleration, angles] = [[0.0; 3]; 4];
+        let reading = imu::Reading { acceleration, angular_velocity, angular_acceleration, angles };
+        let ros::Vector3 { x, y, z } = imu(header(0.0, "it"), &sensor, &reading, 1.62).linear_acceleration;
+        assert!((x + 1.62).abs() < 1e-12 && y.abs() < 1e-12 && z.abs() < 1e-12, "{x} {y} {z}");
     }
 
     #[test]
