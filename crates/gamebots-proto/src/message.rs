@@ -12,7 +12,7 @@ mod sta;
 
 pub use asta::{Asta, Eff, JointSta};
 pub use conf::*;
-pub use geo::{ActuatorGeo, Geo, GroundGeo, ItemGeo, JointGeo, RobotGeo, VehicleGeo};
+pub use geo::{ActuatorGeo, Geo, GroundGeo, ItemGeo, JointGeo, MountedGeo, RobotGeo, VehicleGeo};
 pub use nfo::{Greeting, NamedPose, Nfo, PathNode};
 pub use object::ObjectSta;
 pub use res::{Nothing, Res};
@@ -115,7 +115,7 @@ pub fn tables() -> Vec<(String, Option<Field>, Table)> {
     tables.extend(items);
     tables.extend([
         of("GEO {Type GroundVehicle}", GroundGeo::TABLE),
-        of("GEO {Type ..}", ItemGeo::TABLE),
+        of("GEO {Type ..}", MountedGeo::TABLE),
         of("GEO {Type Actuator}", ActuatorGeo::TABLE),
         of("RES", Res::TABLE),
         of("CONF, GEO", Nothing::TABLE),

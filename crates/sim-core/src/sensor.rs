@@ -19,7 +19,7 @@ use gamebots_proto::message::{self, ItemConf};
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use scene::sensor::{Config, Reading};
-use scene::{Pose, RobotDef, SensorDef};
+use scene::{JointState, Pose, RobotDef, SensorDef};
 use serde::{Deserialize, Serialize};
 
 use crate::PawnId;
@@ -40,6 +40,7 @@ pub(crate) struct View<'a> {
     pub(crate) wheels: &'a [WheelState],
     /// The class of the robot.
     pub(crate) robot: &'a RobotDef,
+    pub(crate) bodies: &'a RobotBodies,
     pub(crate) physics: &'a Physics,
     /// The robot's number. Rays do not hit this robot.
     pub(crate) id: PawnId,
@@ -47,8 +48,13 @@ pub(crate) struct View<'a> {
 
 impl View<'_> {
     /// Returns the view of a sensor on a link, by the link's number.
-    pub(crate) fn on_link(self, bodies: &RobotBodies, link: usize) -> Self {
-        Self { carrier: self.physics.carrier(bodies, link).unwrap_or(self.body), ..self }
+    pub(crate) fn on_link(self, link: usize) -> Self {
+        Self { carrier: self.physics.carrier(self.bodies, link).unwrap_or(self.body), ..self }
+    }
+
+    /// Returns the states of the joints that have a value.
+    pub(crate) fn joints(&self) -> Vec<JointState> {
+        self.physics.joints(self.bodies)
     }
 
     /// Prepares a query for rays from a point in world coordinates.
@@ -80,37 +86,35 @@ pub(crate) enum Effect {
     Scan,
 }
 
-/// The part of a sensor that changes, to be saved or loaded.
+/// The part of an item that changes, to be saved or loaded.
 #[derive(Default)]
 pub(crate) struct State<'a> {
-    numbers: Vec<&'a mut f64>,
-    flags: Vec<&'a mut bool>,
-    random: Option<&'a mut ChaCha8Rng>,
+    pub(crate) numbers: Vec<&'a mut f64>,
+    pub(crate) flags: Vec<&'a mut bool>,
+    pub(crate) random: Option<&'a mut ChaCha8Rng>,
 }
 
-/// A sensor's state as plain data.
+/// An item's state as plain data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct SavedSensor {
+pub(crate) struct SavedState {
     numbers: Vec<f64>,
     flags: Vec<bool>,
     random: Option<ChaCha8Rng>,
 }
 
-impl Mounted {
-    /// Returns the sensor's state.
-    pub(crate) fn save(&self) -> SavedSensor {
-        let mut copy = self.clone();
-        let State { numbers, flags, random } = copy.get_mut().state();
-        SavedSensor {
-            numbers: numbers.into_iter().map(|number| *number).collect(),
-            flags: flags.into_iter().map(|flag| *flag).collect(),
-            random: random.cloned(),
+impl State<'_> {
+    /// Returns the state.
+    pub(crate) fn save(self) -> SavedState {
+        SavedState {
+            numbers: self.numbers.into_iter().map(|number| *number).collect(),
+            flags: self.flags.into_iter().map(|flag| *flag).collect(),
+            random: self.random.cloned(),
         }
     }
 
-    /// Takes a saved state. Returns false, and changes nothing, if the state is another sensor's.
-    pub(crate) fn load(&mut self, saved: &SavedSensor) -> bool {
-        let State { numbers, flags, random } = self.get_mut().state();
+    /// Takes a saved state. Returns false, and changes nothing, if the state is another item's.
+    pub(crate) fn load(self, saved: &SavedState) -> bool {
+        let Self { numbers, flags, random } = self;
         let fits = numbers.len() == saved.numbers.len()
             && saved.numbers.iter().all(|number| number.is_finite())
             && flags.len() == saved.flags.len()

@@ -1,8 +1,8 @@
 //! The world: robots on a map, advanced step by step.
 
-mod actuator;
 mod answer;
 mod controller;
+mod item;
 mod report;
 mod robot;
 mod saved;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-use gamebots_proto::command::{Command, Init};
+use gamebots_proto::command::{Act, Command, Init, MisPkg};
 use gamebots_proto::message::{Greeting, Message, NamedPose as WirePose, Nfo, PathNode};
 use gamebots_proto::{Problem, shown};
 
@@ -23,6 +23,7 @@ use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
 use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
 use controller::{Controller, Created};
+use item::Motion;
 pub use report::Report;
 use robot::Robot;
 pub use saved::{LoadError, SaveError, SavedWorld};
@@ -322,12 +323,7 @@ impl World {
             self.enter_shapes();
         }
         let time = self.time();
-        if let Some((changer, closed)) = self.tool_order(pawn, command) {
-            let pawn = pawn.filter(|pawn| self.robots.get(pawn).is_some_and(|robot| robot.battery_left(time) > 0));
-            let found = pawn.is_some_and(|pawn| self.change_tools(pawn, &changer, closed, problems));
-            return Executed { found, ..Executed::default() };
-        }
-        let mut found = false;
+        let (mut found, mut tools) = (false, Vec::new());
         let answers = match (command, pawn.and_then(|pawn| self.robots.get_mut(&pawn))) {
             (Command::Init(init), _) => {
                 return Executed { spawned: self.init(init, problems), ..Executed::default() };
@@ -360,21 +356,23 @@ impl World {
                 robot.multi_drive(drive, problems);
                 Vec::new()
             }
-            (Command::Act(act), Some(robot)) => {
-                robot.act(&act.name, 0, &act.targets, act.gripper, problems);
+            (Command::Act(Act { name, targets, gripper }), Some(robot)) => {
+                let closed = gripper.map(|gripper| gripper != 0.0);
+                tools = robot.act(&Motion { name, first: 0, targets, closed }, problems).tools;
                 Vec::new()
             }
-            (Command::MisPkg(act), Some(robot)) => {
-                robot.act(&act.name, 1, &act.targets, act.gripper, problems);
+            (Command::MisPkg(MisPkg { name, targets, gripper }), Some(robot)) => {
+                let closed = gripper.map(|gripper| gripper != 0.0);
+                tools = robot.act(&Motion { name, first: 1, targets, closed }, problems).tools;
                 Vec::new()
             }
             (Command::Set(set), Some(robot)) => {
-                let (answers, has_item) = robot.set(set, &self.physics, time);
-                found = has_item;
+                let outcome = robot.set(set, &self.physics, time);
+                (found, tools) = (outcome.found, outcome.tools);
                 if !found {
                     problems.push(robot.no_item(set));
                 }
-                answers.into_iter().map(Report::Sensed).collect()
+                outcome.reports
             }
             (Command::GetConf(ask), Some(robot)) => {
                 let conf = answer::conf(robot, ask);
@@ -387,6 +385,9 @@ impl World {
                 geo.map(|geo| Message::Geo(geo).into()).into_iter().collect()
             }
         };
+        for (changer, closed) in tools {
+            pawn.into_iter().for_each(|pawn| self.change_tool(pawn, changer, closed, problems));
+        }
         Executed { answers, found, spawned: None }
     }
 

@@ -10,13 +10,6 @@ use crate::{Dialect, Line};
 pub enum Geo {
     /// Answer to `GETGEO {Type Robot}`.
     Robot(RobotGeo),
-    /// Answer to `GETGEO {Type Actuator}`.
-    Actuators {
-        /// The type as the client typed it.
-        type_name: String,
-        /// The actuators in the order of the robot.
-        items: Vec<ActuatorGeo>,
-    },
     /// Answer to any other type: every item of that type in one line.
     Items {
         /// The type as the client typed it.
@@ -24,6 +17,15 @@ pub enum Geo {
         /// The items in mounting order.
         items: Vec<ItemGeo>,
     },
+}
+
+/// Geometry of one item, in the form of its type.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ItemGeo {
+    /// An item other than an actuator.
+    Mounted(MountedGeo),
+    /// An actuator.
+    Actuator(ActuatorGeo),
 }
 
 /// Geometry of a robot.
@@ -64,7 +66,7 @@ record! {
 
 record! {
     /// Mounting of an item.
-    ItemGeo {
+    MountedGeo {
         /// Name of the item.
         name: String = Field::new("Name", Format::Word),
         /// Position in the robot frame. USARSim gives the world-axis difference, which is the same at zero rotation.
@@ -117,23 +119,9 @@ impl Geo {
     pub(super) fn write(&self, dialect: Dialect) -> String {
         match self {
             Self::Robot(robot) => robot.write(dialect),
-            Self::Actuators { type_name, items } => {
-                let item = |item: &ActuatorGeo| {
-                    let mut item = item.clone();
-                    let from_base = item.joints.iter_mut().filter(|it| it.parent == 0 && dialect == Dialect::Ut2004);
-                    from_base.for_each(|it| it.parent = -1);
-                    field::blocks(item.write(dialect))
-                };
-                format!("GEO {{Type {type_name}}}{}", items.iter().map(item).collect::<String>())
-            }
             Self::Items { type_name, items } => {
-                let item = |item: &ItemGeo| match dialect {
-                    Dialect::Udk => field::blocks(item.write(dialect)),
-                    Dialect::Ut2004 => {
-                        field::merged(&ItemGeo { mount: item.ut2004_mount(), ..item.clone() }.write(dialect))
-                    }
-                };
-                format!("GEO {{Type {type_name}}}{}", items.iter().map(item).collect::<String>())
+                let items: String = items.iter().map(|item| item.write(dialect)).collect();
+                format!("GEO {{Type {type_name}}}{items}")
             }
         }
     }
@@ -143,13 +131,35 @@ impl Geo {
             return Some(Self::Robot(robot));
         }
         let type_name = line.get("Type")?.to_owned();
-        let blocks: Vec<_> = line.blocks.iter().skip(1).flat_map(|block| ItemGeo::TABLE.unmerged(block)).collect();
-        if line.get("Link").is_some() {
-            let items = split_items(&blocks).iter().map(ActuatorGeo::read).collect::<Option<_>>()?;
-            return Some(Self::Actuators { type_name, items });
-        }
+        let blocks: Vec<_> = line.blocks.iter().skip(1).flat_map(|block| MountedGeo::TABLE.unmerged(block)).collect();
         let items = split_items(&blocks).iter().map(ItemGeo::read).collect::<Option<_>>()?;
         Some(Self::Items { type_name, items })
+    }
+}
+
+impl ItemGeo {
+    fn write(&self, dialect: Dialect) -> String {
+        match (self, dialect) {
+            (Self::Mounted(item), Dialect::Udk) => field::blocks(item.write(dialect)),
+            (Self::Mounted(item), Dialect::Ut2004) => {
+                field::merged(&MountedGeo { mount: item.ut2004_mount(), ..item.clone() }.write(dialect))
+            }
+            (Self::Actuator(item), Dialect::Udk) => field::blocks(item.write(dialect)),
+            (Self::Actuator(item), Dialect::Ut2004) => {
+                let mut item = item.clone();
+                item.joints.iter_mut().filter(|it| it.parent == 0).for_each(|it| it.parent = -1);
+                field::blocks(item.write(dialect))
+            }
+        }
+    }
+
+    fn read(item: &Line) -> Option<Self> {
+        let is_actuator = item.get("Link").is_some();
+        if is_actuator {
+            ActuatorGeo::read(item).map(Self::Actuator)
+        } else {
+            MountedGeo::read(item).map(Self::Mounted)
+        }
     }
 }
 
@@ -179,7 +189,7 @@ impl RobotGeo {
     }
 }
 
-impl ItemGeo {
+impl MountedGeo {
     /// Returns UT2004's mount: `HARD` on the body, or the link of an actuator, as in `CameraPanTilt_Link2`.
     fn ut2004_mount(&self) -> String {
         self.mount_link.map_or_else(|| "HARD".to_owned(), |link| format!("{}_Link{link}", self.mount))

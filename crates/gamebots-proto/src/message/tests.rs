@@ -354,7 +354,7 @@ fn any_message() -> impl Strategy<Value = Message> {
         }),
         (word(), proptest::collection::vec((word(), vector(2), vector(2), word(), 0usize..3, any::<bool>()), 1..4))
             .prop_map(|(type_name, items)| {
-                let items = items.into_iter().map(|(name, location, orientation, mount, link, has_tip)| ItemGeo {
+                let items = items.into_iter().map(|(name, location, orientation, mount, link, has_tip)| MountedGeo {
                     name,
                     location,
                     orientation,
@@ -362,7 +362,7 @@ fn any_message() -> impl Strategy<Value = Message> {
                     mount_link: Some(link).filter(|&link| link > 0),
                     tip: has_tip.then_some(location),
                 });
-                Message::Geo(Geo::Items { type_name, items: items.collect() })
+                Message::Geo(Geo::Items { type_name, items: items.map(ItemGeo::Mounted).collect() })
             }),
     ]
 }

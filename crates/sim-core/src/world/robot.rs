@@ -5,19 +5,17 @@ use std::sync::Arc;
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use gamebots_proto::message::{Message, Sta};
 use gamebots_proto::{Problem, shown};
-use scene::{Pose, RobotDef, RobotSnapshot, Sensed, SensorDef};
+use scene::{Pose, RobotDef, RobotSnapshot};
 use serde::{Deserialize, Serialize};
 
-use super::actuator::is_asked;
-use super::tools::{self, Tool};
-use super::{Options, PawnId, Report, seed};
+use super::item::{self, Effect, Item, Motion, STATUS_INTERVAL};
+use super::tools::Tool;
+use super::{Options, PawnId, Report};
 use crate::WheelState;
 use crate::drive::{DriveState, Order};
 use crate::physics::{CompiledRobot, Physics, RobotBodies, SavedBodies};
-use crate::sensor::{self, Effect, Mounted, SavedSensor, View};
+use crate::sensor::{SavedState, View};
 
-/// Seconds between two STA lines (USARVehicle.uc:264).
-const STATUS_INTERVAL: f64 = 0.1;
 /// Battery level that STA reports without a battery (BaseVehicle.uc:106-109).
 const NO_BATTERY: i32 = 99999;
 
@@ -28,19 +26,21 @@ pub(super) struct Robot {
     bodies: RobotBodies,
     drive: DriveState,
     items: Vec<Item>,
-    /// True for each gripper that is closed.
-    closed: Vec<bool>,
     spawned: u64,
     /// The step of its next report.
     next_report: u64,
     options: Options,
 }
 
-/// A mounted sensor and its definition.
-#[derive(Clone)]
-pub(super) struct Item {
-    pub(super) def: SensorDef,
-    pub(super) sensor: Mounted,
+/// The outcome of a command to items.
+#[derive(Default)]
+pub(super) struct Outcome {
+    /// Readings that go out at once.
+    pub(super) reports: Vec<Report>,
+    /// True if the robot has the item.
+    pub(super) found: bool,
+    /// Numbers of tool changers, each with true if it takes a tool, or false if it drops its own.
+    pub(super) tools: Vec<(usize, bool)>,
 }
 
 /// The state of a robot as plain data.
@@ -51,8 +51,7 @@ pub(super) struct SavedRobot {
     pub(super) name: String,
     bodies: SavedBodies,
     drive: DriveState,
-    sensors: Vec<SavedSensor>,
-    closed: Vec<bool>,
+    items: Vec<SavedState>,
     spawned: u64,
 }
 
@@ -65,8 +64,7 @@ impl Robot {
             name: self.name.clone(),
             bodies: self.bodies.save()?,
             drive: self.drive.clone(),
-            sensors: self.items.iter().map(|item| item.sensor.save()).collect(),
-            closed: self.closed.clone(),
+            items: self.items.iter().map(Item::save).collect(),
             spawned: self.spawned,
         })
     }
@@ -84,13 +82,11 @@ impl Robot {
         }
         let mut robot =
             Self::spawn(physics, class, saved.name.clone(), &Pose::identity(), saved.id, saved.spawned, options);
-        let fits = robot.items.len() == saved.sensors.len()
-            && robot.items.iter_mut().zip(&saved.sensors).all(|(item, saved)| item.sensor.load(saved))
-            && robot.closed.len() == saved.closed.len()
+        let fits = robot.items.len() == saved.items.len()
+            && robot.items.iter_mut().zip(&saved.items).all(|(item, saved)| item.load(saved))
             && robot.drive.is_like(&saved.drive)
             && robot.bodies.load(&saved.bodies);
         robot.drive = saved.drive.clone();
-        robot.closed.clone_from(&saved.closed);
         robot.next_report = robot.report_after(step);
         fits.then_some(robot)
     }
@@ -106,15 +102,10 @@ impl Robot {
     ) -> Self {
         let drive = DriveState::new(&class.def);
         let bodies = physics.spawn(class.clone(), id, pose);
-        let closed = vec![false; class.def.grippers.len()];
-        let mut robot = Self { id, name, bodies, drive, items: Vec::new(), closed, spawned, next_report: 0, options };
+        let mut robot = Self { id, name, bodies, drive, items: Vec::new(), spawned, next_report: 0, options };
         let wheels = physics.wheels(&robot.bodies);
         let view = view(id, &robot.bodies, physics, spawned as f64 * options.time_step, &wheels);
-        let mount = |(index, def): (usize, &SensorDef)| {
-            let rng = seed::stream(options.seed, id.0, &def.name, index);
-            Item { def: def.clone(), sensor: sensor::mount(def, rng, &view.on_link(&robot.bodies, def.link)) }
-        };
-        robot.items = class.def.sensors.iter().enumerate().map(mount).collect();
+        robot.items = item::mount(&view, options);
         robot.next_report = robot.report_after(spawned);
         robot
     }
@@ -139,18 +130,9 @@ impl Robot {
         &mut self.bodies
     }
 
-    pub(super) fn closed_grippers(&self) -> &[bool] {
-        &self.closed
-    }
-
-    pub(super) fn note_gripper(&mut self, number: usize, closed: bool) {
-        if let Some(gripper) = self.closed.get_mut(number) {
-            *gripper = closed;
-        }
-    }
-
-    pub(super) fn items(&self) -> &[Item] {
-        &self.items
+    /// Returns the items of a type with a name, both in any case. An empty name selects all of the type.
+    pub(super) fn asked(&self, type_name: &str, name: &str) -> impl Iterator<Item = &Item> {
+        self.items.iter().filter(move |item| item.is_asked(type_name, name))
     }
 
     pub(super) fn speed_unit(&self) -> f64 {
@@ -232,51 +214,72 @@ impl Robot {
         !targets.is_empty() && self.follow(&Order::Joints(targets))
     }
 
-    /// Delivers a SET to the sensors, grippers or joints that it names. Returns the readings of requested scans, which go out at once, and
-    /// true if anything matched.
-    pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> (Vec<Sensed>, bool) {
+    /// Delivers a SET to the items or joints that it names.
+    pub(super) fn set(&mut self, set: &Set, physics: &Physics, time: f64) -> Outcome {
         if set.type_name == "Joint" {
-            return (Vec::new(), self.set_joints(set));
+            return Outcome { found: self.set_joints(set), ..Outcome::default() };
         }
-        if set.type_name.eq_ignore_ascii_case("Gripper") {
-            return (Vec::new(), self.set_grippers(set));
+        let wheels = physics.wheels(&self.bodies);
+        let (items, view) = self.items_and_view(physics, time, &wheels);
+        let asked = items.iter_mut().filter(|item| item.is_asked(&set.type_name, &set.name));
+        let effects = asked.filter_map(|item| item.get_mut().set(set, &view)).collect();
+        self.carry_out(effects)
+    }
+
+    /// Delivers an ACT or MISPKG to the items that it names: joint targets to an actuator; `Gripper` to a gripper, to those that an actuator
+    /// carries, or to a tool changer.
+    pub(super) fn act(&mut self, motion: &Motion, problems: &mut Vec<Problem>) -> Outcome {
+        if motion.targets.is_empty() && motion.closed.is_none() {
+            let (verb, key) = if motion.first == 0 {
+                ("ACT", "Link and Value, or Gripper")
+            } else {
+                ("MISPKG", "Link, Value and Order 0 in this order, or Gripper")
+            };
+            problems.push(Problem::MissingKey { verb, key });
         }
-        let (robot, wheels) = (self.id, physics.wheels(&self.bodies));
-        let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
-        let opcode = set.opcode.to_ascii_uppercase();
-        let (mut readings, mut found) = (Vec::new(), false);
-        let named = items.iter_mut().enumerate().filter(|(_, item)| item.matches(&set.type_name, &set.name));
-        for (sensor, item) in named {
-            found = true;
-            let view = view.on_link(bodies, item.def.link);
-            if item.sensor.get_mut().set(&opcode, set, &view) == Effect::Scan {
-                let reading = item.sensor.get_mut().sense(&view);
-                readings.extend(reading.map(|reading| Sensed { robot, sensor, reading }));
+        let (items, def) = (&mut self.items, &self.bodies.robot().def);
+        let effects: Vec<Effect> =
+            items.iter_mut().filter_map(|item| item.get_mut().act(motion, def, problems)).collect();
+        if effects.is_empty() {
+            let known = self.items.iter().filter(|item| !item.is_sensor()).map(|item| item.get().identity().1);
+            problems.push(unknown("Name", motion.name, known));
+        }
+        self.carry_out(effects)
+    }
+
+    /// Follows the orders of items. Tools are left to the world.
+    fn carry_out(&mut self, effects: Vec<Effect>) -> Outcome {
+        let mut outcome = Outcome { found: !effects.is_empty(), ..Outcome::default() };
+        for effect in effects {
+            match effect {
+                Effect::None => {}
+                Effect::Sensed(sensed) => outcome.reports.push(Report::Sensed(sensed)),
+                Effect::Order(order) => _ = self.follow(&order),
+                Effect::Tool { changer, closed } => outcome.tools.push((changer, closed)),
             }
         }
-        (readings, found)
+        outcome
     }
 
     /// Returns the problem of a SET that matches nothing, with a list of the robot's items.
     pub(super) fn no_item(&self, set: &Set) -> Problem {
-        let sensors = self.items.iter().map(|item| format!("{} {}", item.sensor.get().type_name(), item.def.name));
-        let grippers = self.def().grippers.iter().map(|gripper| format!("Gripper {}", gripper.name));
+        let items = self.items.iter().filter(|item| item.takes_set()).map(|item| item.get().identity());
+        let items = items.map(|(type_name, name)| format!("{type_name} {name}"));
         let joints = self.def().with_values().filter(|link| link.wheel.is_none());
         let joints = joints.map(|link| format!("Joint {} (opcode Angle)", link.name));
-        let changers = self.def().tool_changers.iter().map(|changer| format!("ToolChanger {}", changer.name));
-        let known: Vec<String> = sensors.chain(grippers).chain(changers).chain(joints).collect();
+        let known: Vec<String> = items.chain(joints).collect();
         Problem::NoItem { type_name: shown(&set.type_name), name: shown(&set.name), expected: known.join(", ") }
     }
 
-    /// Borrows the sensors mutably together with their view, which is read-only.
+    /// Borrows the items mutably together with their view, which is read-only.
     fn items_and_view<'a>(
         &'a mut self,
         physics: &'a Physics,
         time: f64,
         wheels: &'a [WheelState],
-    ) -> (&'a mut [Item], &'a RobotBodies, View<'a>) {
+    ) -> (&'a mut [Item], View<'a>) {
         let Self { items, id, bodies, .. } = self;
-        (items, bodies, view(*id, bodies, physics, time, wheels))
+        (items, view(*id, bodies, physics, time, wheels))
     }
 
     pub(super) fn before_step(&mut self, physics: &mut Physics) {
@@ -290,7 +293,7 @@ impl Robot {
 
     /// Returns the first step after `step` in which it has something to report.
     fn report_after(&self, step: u64) -> u64 {
-        let intervals = self.items.iter().map(|item| item.def.scan_interval).chain([STATUS_INTERVAL]);
+        let intervals = self.items.iter().map(|item| item.get().interval()).chain([STATUS_INTERVAL]);
         let next = intervals.map(|interval| due_after(step - self.spawned, self.options.time_step, interval)).min();
         next.map_or(u64::MAX, |age| age.saturating_add(self.spawned))
     }
@@ -298,11 +301,11 @@ impl Robot {
     /// True if one of its sensors measures at a step.
     pub(super) fn is_about_to_look(&self, step: u64) -> bool {
         let age = step - self.spawned;
-        self.items.iter().any(|item| is_due(age, self.options.time_step, item.def.scan_interval))
+        let mut sensors = self.items.iter().filter(|item| item.is_sensor());
+        sensors.any(|item| is_due(age, self.options.time_step, item.get().interval()))
     }
 
-    /// Sends the reports that are due at a step: the status and, unless the battery is flat, actuators, effectors, and sensors in mounting
-    /// order.
+    /// Sends the reports that are due at a step: the status and, unless the battery is flat, items in mounting order.
     pub(super) fn report(
         &mut self,
         physics: &Physics,
@@ -311,41 +314,21 @@ impl Robot {
         step: u64,
         mut send: impl FnMut(Report),
     ) {
-        let age = step - self.spawned;
+        let (age, time_step) = (step - self.spawned, self.options.time_step);
         self.next_report = self.report_after(step);
         let battery = self.battery_left(time);
-        if is_due(age, self.options.time_step, STATUS_INTERVAL) {
+        if is_due(age, time_step, STATUS_INTERVAL) {
             let vehicle = self.drive.status(self.def(), || physics.joints(&self.bodies));
             send(Message::Sta(Sta { time: time as f32, battery, vehicle }).into());
         }
-        let time_step = self.options.time_step;
-        let due = |item: &Item| is_due(age, time_step, item.def.scan_interval);
-        if battery <= 0 {
+        let is_due = |item: &Item| is_due(age, time_step, item.get().interval());
+        if battery <= 0 || !self.items.iter().any(is_due) {
             return;
         }
-        if is_due(age, time_step, STATUS_INTERVAL) {
-            self.report_actuators(physics, time, |message| send(message.into()));
-            let states = tools::states(tools, self.id, self.def(), time);
-            states.for_each(|state| send(Message::Eff(state).into()));
-        }
-        if !self.items.iter().any(due) {
-            return;
-        }
-        let (robot, wheels) = (self.id, physics.wheels(&self.bodies));
-        let (items, bodies, view) = self.items_and_view(physics, time, &wheels);
-        for (sensor, item) in items.iter_mut().enumerate().filter(|(_, item)| due(item)) {
-            let view = view.on_link(bodies, item.def.link);
-            if let Some(reading) = item.sensor.get_mut().sense(&view) {
-                send(Report::Sensed(Sensed { robot, sensor, reading }));
-            }
-        }
-    }
-}
-
-impl Item {
-    /// True if type and name match, in any case. An empty name matches every item of the type.
-    pub(super) fn matches(&self, type_name: &str, name: &str) -> bool {
-        self.sensor.get().type_name().eq_ignore_ascii_case(type_name) && is_asked(&self.def.name, name)
+        let wheels = physics.wheels(&self.bodies);
+        let (items, view) = self.items_and_view(physics, time, &wheels);
+        let due = items.iter_mut().filter(|item| is_due(item));
+        due.filter_map(|item| item.get_mut().report(&view, tools)).for_each(send);
     }
 }
 
@@ -357,7 +340,7 @@ fn view<'a>(
     wheels: &'a [WheelState],
 ) -> View<'a> {
     let (robot, body) = (&bodies.robot().def, physics.body(bodies));
-    View { time, body, carrier: body, wheels, robot, physics, id }
+    View { time, body, carrier: body, wheels, robot, bodies, physics, id }
 }
 
 /// Returns the problem of a name that none of the robot's joints, actuators or grippers has.

@@ -7,15 +7,11 @@
 use std::sync::Arc;
 
 use gamebots_proto::Problem;
-use gamebots_proto::command::{Act, Command, MisPkg};
-use gamebots_proto::message::{Eff, ItemConf, ItemGeo, ToolChangerConf};
 use nalgebra::Vector3;
-use scene::{BodyState, Object, ObjectId, ObjectSnapshot, PawnId, RobotDef, ToolChanger, check};
+use scene::{BodyState, Object, ObjectId, ObjectSnapshot, PawnId, ToolChanger, check};
 use serde::{Deserialize, Serialize};
 
 use super::World;
-use super::actuator::is_asked;
-use super::answer::item_geo;
 use crate::physics::{CompiledRobot, Identity, Physics};
 
 /// Tolerance of comparisons with the limits of a tool changer, m or rad.
@@ -36,6 +32,16 @@ pub(super) struct Tool {
 }
 
 impl Tool {
+    /// Returns the type on the wire.
+    pub(super) fn kind(&self) -> &str {
+        &self.kind
+    }
+
+    /// Returns the name.
+    pub(super) fn name(&self) -> &str {
+        &self.object.solid.name
+    }
+
     /// True if it is a tool that a robot can hold.
     pub(super) fn is_sound(&self) -> bool {
         check::spawned_object(&self.object).is_empty()
@@ -61,46 +67,18 @@ impl World {
         Ok((tools, fitted))
     }
 
-    /// Returns the name of the tool changers that a command is for, empty for all, and true if they close: SET with `Open`, `Close` or `Grip`
-    /// and a number, in any case, or ACT or MISPKG with `Gripper` and the name of a tool changer.
-    pub(super) fn tool_order(&self, pawn: Option<PawnId>, command: &Command) -> Option<(String, bool)> {
-        let def = self.robot(pawn?)?;
-        match command {
-            Command::Set(set) if set.type_name.eq_ignore_ascii_case("ToolChanger") => {
-                let is_named = def.tool_changers.iter().any(|it| is_asked(&it.name, &set.name));
-                is_named.then_some((set.name.clone(), set.closes()?))
-            }
-            Command::Act(Act { name, gripper, .. }) | Command::MisPkg(MisPkg { name, gripper, .. }) => {
-                let is_known = def.tool_changers.iter().any(|it| it.name.eq_ignore_ascii_case(name));
-                is_known.then_some((name.clone(), (*gripper)? != 0.0))
-            }
-            _ => None,
+    /// Closes a tool changer, so that it takes a tool, or opens it, so that it drops its own.
+    pub(super) fn change_tool(&mut self, robot: PawnId, number: usize, closed: bool, problems: &mut Vec<Problem>) {
+        let changer = self.robot(robot).and_then(|def| def.tool_changers.get(number)).cloned();
+        let Some(changer) = changer else { return };
+        let done = match (closed, held_by(&self.tools, robot, number)) {
+            (true, None) => self.take_tool(robot, number, &changer),
+            (false, Some(tool)) => self.drop_tool(tool, &changer),
+            _ => Ok(()),
+        };
+        if let Err(why) = done {
+            problems.push(Problem::ToolRefused { name: changer.name, why });
         }
-    }
-
-    /// Closes or opens the tool changers of a robot with a name. Returns false if none matches.
-    pub(super) fn change_tools(
-        &mut self,
-        robot: PawnId,
-        name: &str,
-        closed: bool,
-        problems: &mut Vec<Problem>,
-    ) -> bool {
-        let Some(def) = self.robot(robot) else { return false };
-        let named = def.tool_changers.iter().enumerate().filter(|(_, it)| is_asked(&it.name, name));
-        let changers: Vec<(usize, ToolChanger)> = named.map(|(number, it)| (number, it.clone())).collect();
-        for (number, changer) in &changers {
-            let held = held_by(&self.tools, robot, *number);
-            let done = match (closed, held) {
-                (true, None) => self.take_tool(robot, *number, changer),
-                (false, Some(tool)) => self.drop_tool(tool, changer),
-                _ => Ok(()),
-            };
-            if let Err(why) = done {
-                problems.push(Problem::ToolRefused { name: changer.name.clone(), why });
-            }
-        }
-        !changers.is_empty()
     }
 
     fn drop_tool(&mut self, place: usize, changer: &ToolChanger) -> Result<(), String> {
@@ -121,6 +99,7 @@ impl World {
 
     /// Takes the first tool that a ray along the changer's z axis meets, if it is near enough and turned like the changer.
     fn take_tool(&mut self, robot: PawnId, number: usize, changer: &ToolChanger) -> Result<(), String> {
+        self.enter_shapes();
         let own = self.carrier(robot, changer).ok_or("the robot is gone")?.pose * changer.pose();
         let sight = self.physics.sight(&own.translation.vector.into(), 2.0 * changer.position_tolerance, robot);
         let hit = sight.cast_ray(&(own.rotation * Vector3::z())).ok_or("nothing is ahead of it")?;
@@ -197,38 +176,7 @@ fn held_by(tools: &[Tool], robot: PawnId, changer: usize) -> Option<usize> {
     tools.iter().position(|tool| tool.robot == robot && tool.changer == Some(changer))
 }
 
-/// Returns the states of a robot's tool changers.
-pub(super) fn states(tools: &[Tool], robot: PawnId, def: &RobotDef, time: f64) -> impl Iterator<Item = Eff> {
-    def.tool_changers.iter().enumerate().map(move |(number, changer)| {
-        let tool = held_by(tools, robot, number).and_then(|place| tools.get(place));
-        Eff {
-            time: time as f32,
-            is_tool_changer: true,
-            name: changer.name.clone(),
-            closed: tool.is_some(),
-            tool_type: tool.map(|tool| tool.kind.clone()),
-            tool: tool.map(|tool| tool.object.solid.name.clone()),
-        }
-    })
-}
-
-/// Returns CONF of the tool changers that a name, in any case, selects; an empty one selects all.
-pub(super) fn confs(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemConf> {
-    let conf = |it: &ToolChanger| {
-        let tolerances = [it.position_tolerance, it.angle_tolerance].map(|it| it as f32);
-        let [position_tolerance, angle_tolerance] = tolerances;
-        ToolChangerConf { name: it.name.clone(), position_tolerance, angle_tolerance }.into()
-    };
-    asked(def, type_name, name).map(conf).collect()
-}
-
-/// Returns GEO of the tool changers that a name selects.
-pub(super) fn geos(def: &RobotDef, type_name: &str, name: &str) -> Vec<ItemGeo> {
-    let geo = |it: &ToolChanger| item_geo(def, &it.name, it.link, it.position.into(), it.direction);
-    asked(def, type_name, name).map(geo).collect()
-}
-
-fn asked<'a>(def: &'a RobotDef, type_name: &str, name: &'a str) -> impl Iterator<Item = &'a ToolChanger> {
-    let is_meant = type_name.eq_ignore_ascii_case("ToolChanger");
-    def.tool_changers.iter().filter(move |it| is_meant && is_asked(&it.name, name))
+/// Returns the tool that a tool changer holds.
+pub(super) fn held(tools: &[Tool], robot: PawnId, changer: usize) -> Option<&Tool> {
+    held_by(tools, robot, changer).and_then(|place| tools.get(place))
 }

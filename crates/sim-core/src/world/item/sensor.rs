@@ -1,0 +1,63 @@
+//! Sensors as items. What they measure is in [`crate::sensor`].
+
+use gamebots_proto::command::Set;
+use gamebots_proto::message::{ItemConf, ItemGeo};
+use rand_chacha::ChaCha8Rng;
+use scene::{RobotDef, Sensed, SensorDef};
+
+use super::{Effect, Report, State, Tool, Verbs, View, mounted};
+use crate::sensor::{self, Mounted};
+
+#[derive(Clone)]
+pub(crate) struct Item {
+    /// Number in the robot's class.
+    number: usize,
+    def: SensorDef,
+    sensor: Mounted,
+}
+
+impl Item {
+    /// Mounts a sensor with a random stream of its own.
+    pub(super) fn new(number: usize, def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Self {
+        Self { number, def: def.clone(), sensor: sensor::mount(def, rng, &view.on_link(def.link)) }
+    }
+
+    fn sense(&mut self, view: &View) -> Option<Sensed> {
+        let reading = self.sensor.get_mut().sense(&view.on_link(self.def.link))?;
+        Some(Sensed { robot: view.id, sensor: self.number, reading })
+    }
+}
+
+impl Verbs for Item {
+    fn identity(&self) -> (&'static str, &str) {
+        (self.sensor.get().type_name(), &self.def.name)
+    }
+
+    fn interval(&self) -> f64 {
+        self.def.scan_interval
+    }
+
+    fn set(&mut self, set: &Set, view: &View) -> Option<Effect> {
+        let opcode = set.opcode.to_ascii_uppercase();
+        let effect = self.sensor.get_mut().set(&opcode, set, &view.on_link(self.def.link));
+        let reading = if effect == sensor::Effect::Scan { self.sense(view) } else { None };
+        Some(reading.map_or(Effect::None, Effect::Sensed))
+    }
+
+    fn conf(&self, _robot: &RobotDef) -> ItemConf {
+        self.sensor.get().conf()
+    }
+
+    fn geo(&self, robot: &RobotDef) -> Option<ItemGeo> {
+        let SensorDef { name, link, position, direction, .. } = &self.def;
+        Some(ItemGeo::Mounted(mounted(robot, name, *link, (*position).into(), *direction)))
+    }
+
+    fn report(&mut self, view: &View, _tools: &[Tool]) -> Option<Report> {
+        self.sense(view).map(Report::Sensed)
+    }
+
+    fn state(&mut self) -> State<'_> {
+        self.sensor.get_mut().state()
+    }
+}
