@@ -1,7 +1,7 @@
 //! Requirements on every drive model of a Mecanum base besides driving straight: it stands, climbs, pushes, slides and carries.
 
 use nalgebra::{Matrix3, Vector3};
-use scene::{DriveModel, Part, WorldDef};
+use scene::{DriveModel, Part, Steering, WorldDef};
 use sim_core::{BodyState, Options, PawnId, World};
 use system_tests::{apply, init, run};
 
@@ -241,5 +241,25 @@ fn several_robots_repeat_themselves_and_do_not_change_each_other() {
         };
         assert_eq!(play(5), play(5), "{name}");
         assert_eq!(play(1).1, play(5).1, "{name}: alone and among others");
+    }
+}
+
+/// The keys of a robot's commands decide nothing about its mechanics.
+#[test]
+fn a_mecanum_base_with_the_keys_of_a_skid_robot_moves_as_with_its_own() {
+    for (name, model) in DriveModel::ALL {
+        let drive = |steering| {
+            let mut def = of_model("rough", model);
+            def.robots.get_mut("KUKA_YouBot").expect("a youBot").steering = steering;
+            def.check().unwrap_or_else(|problem| panic!("{name}: {problem}"));
+            let mut world = World::new(def, Options::default());
+            let robot = init(&mut world, "INIT {ClassName USARBot.KUKA_YouBot} {Location 0,0,0}");
+            apply(&mut world, robot, "DRIVE {Left 4} {Right 2}");
+            let messages = run(&mut world, 1.0);
+            let moved = place(&world, robot).xy().norm();
+            assert!(moved > 0.05, "{name}: it moved by {moved} m");
+            (world.digest(), messages)
+        };
+        assert_eq!(drive(Steering::Skid), drive(Steering::Omni), "{name}");
     }
 }

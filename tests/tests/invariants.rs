@@ -85,11 +85,27 @@ fn the_core_computes_elementary_functions_by_libm_alone() {
         for file in files(&repository().join("crates").join(package).join("src"), &["rs"]) {
             let text = text(&file);
             let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-            for (number, line) in code.lines().enumerate() {
-                let called = functions.iter().find(|name| line.contains(&format!(".{name}(")));
+            for (number, line) in code.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//")) {
+                let calls = |name: &&&str| line.contains(&format!(".{name}(")) || names_path(line, name);
+                let called = functions.iter().find(calls);
                 assert!(called.is_none(), "{}:{}: {line}: call libm's", file.display(), number + 1);
             }
         }
+    }
+}
+
+/// True if a line names a function by its path, as in `map(f64::tan)`.
+fn names_path(line: &str, name: &str) -> bool {
+    let path = format!("f64::{name}");
+    line.split(&path).skip(1).any(|rest| !rest.starts_with(|next: char| next.is_alphanumeric() || next == '_'))
+}
+
+/// Links and footing decide what moves a robot.
+#[test]
+fn steering_decides_nothing_but_commands_and_their_answers() {
+    for path in files(&repository().join("crates/sim-core/src"), &["rs"]) {
+        let is_drive = path.ends_with("sim-core/src/drive.rs");
+        assert!(is_drive || !text(&path).contains("Steering::"), "{} names a steering", path.display());
     }
 }
 

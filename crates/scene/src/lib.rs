@@ -4,6 +4,7 @@
 //! in a log, read back bit for bit.
 
 mod actuator;
+mod base;
 pub mod check;
 mod drawing;
 mod fnv;
@@ -28,6 +29,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 pub use actuator::{Actuator, Gripper, Tool, ToolChanger};
+pub use base::{Aerial, Drivetrain, Footing};
 pub use drawing::{Drawn, Geometry, Visual};
 pub use fnv::Fnv;
 pub use hull::hull_surface;
@@ -37,7 +39,7 @@ pub use mass::Mass;
 pub use material::Material;
 pub use options::{Options, TIME_STEP};
 pub use reading::{Quantity, Sensed};
-pub use robot::{Aerial, Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
+pub use robot::{Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
 pub use sensor::{Reading, SensorDef};
 pub use shape::{Shape, Solid};
 pub use state::{

@@ -4,11 +4,11 @@ use nalgebra::{Translation3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Actuator, Gripper, JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid, ToolChanger, Wheel, pose,
-    stored,
+    Actuator, Drivetrain, Footing, Gripper, JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid,
+    ToolChanger, Wheel, pose, stored,
 };
 
-/// Steering of a robot.
+/// Steering of a robot: the keys of its commands, and its part of STA. What moves it is in its links and its footing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Steering {
     /// Left and right wheels turn by side.
@@ -141,8 +141,8 @@ pub struct RobotDef {
     pub battery: Option<Battery>,
     /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).
     pub reported_max_torque: f64,
-    /// Flight limits; only of aerial robots.
-    pub aerial: Option<Aerial>,
+    /// Support of its root.
+    pub footing: Footing,
     /// Assumptions where its file gives no value.
     pub assumptions: Vec<String>,
 }
@@ -160,7 +160,7 @@ impl RobotDef {
         match model {
             DriveModel::Bodies | DriveModel::Articulated => true,
             DriveModel::Analytic | DriveModel::Kinematic | DriveModel::KinematicTextbook => {
-                self.steering == Steering::Omni
+                self.drivetrain() == Drivetrain::Mecanum
             }
         }
     }
@@ -302,17 +302,6 @@ pub struct WheelGeometry {
     pub track: f64,
     /// Distance between front and rear wheels.
     pub wheel_base: f64,
-}
-
-/// Flight limits of a robot; percentages in commands refer to these.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Aerial {
-    /// Greatest forward, sideways and vertical velocity, m/s.
-    pub max_velocity: [f64; 3],
-    /// Greatest turn rate, rad/s.
-    pub max_turn: f64,
-    /// Greatest lean, rad.
-    pub max_tilt: f64,
 }
 
 /// A battery with a linear discharge, independent of what the robot does (Battery.uc:44-129).

@@ -5,8 +5,8 @@
 use serde::Deserialize;
 
 use crate::{
-    Actuator, Aerial, Battery, DriveModel, Gripper, Link, Material, Motor, Part, ROOT, RobotDef, Rollers, SensorDef,
-    Side, Solid, Steering, ToolChanger, Wheel,
+    Actuator, Aerial, Battery, DriveModel, Footing, Gripper, Link, Material, Motor, Part, ROOT, RobotDef, Rollers,
+    SensorDef, Side, Solid, Steering, ToolChanger, Wheel,
 };
 
 #[derive(Deserialize)]
@@ -37,7 +37,8 @@ pub(crate) struct Robot {
     tool_changers: Vec<ToolChanger>,
     battery: Option<Battery>,
     reported_max_torque: f64,
-    #[serde(default)]
+    /// In older logs the steering says it, and `aerial` has the limits.
+    footing: Option<Footing>,
     aerial: Option<Aerial>,
     #[serde(default)]
     assumptions: Vec<String>,
@@ -66,6 +67,11 @@ impl From<Robot> for RobotDef {
                 Link::of_wheel(name, position, drive, Wheel { side, radius, width, mass, material, rollers })
             }));
         }
+        let footing = match (stored.aerial, stored.steering) {
+            (Some(aerial), _) => Footing::Flying(aerial),
+            (None, Steering::None) => Footing::Fixed,
+            (None, _) => Footing::Free,
+        };
         Self {
             class: stored.class,
             description: stored.description,
@@ -81,7 +87,7 @@ impl From<Robot> for RobotDef {
             tool_changers: stored.tool_changers,
             battery: stored.battery,
             reported_max_torque: stored.reported_max_torque,
-            aerial: stored.aerial,
+            footing: stored.footing.unwrap_or(footing),
             assumptions: stored.assumptions,
         }
     }

@@ -145,7 +145,7 @@ impl DriveState {
             }
             (Order::Steer(angles), Family::Ackermann(steer)) => *steer = *angles,
             (Order::Flight(targets), Family::Aerial(flight)) => {
-                *flight = robot.aerial.map_or(*flight, |it| targets.within(&it))
+                *flight = robot.footing.aerial().map_or(*flight, |it| targets.within(&it))
             }
             (Order::Joints(targets), _) => {
                 let is_joint = |number| robot.with_values().nth(number).is_some_and(|link| link.wheel.is_none());

@@ -1,19 +1,19 @@
 //! The kinematics of a robot with Mecanum wheels.
 
 use kinematics::{FiniteRollers, Mecanum};
-use scene::{RobotDef, Steering};
+use scene::{Drivetrain, RobotDef};
 
-/// Returns the textbook kinematics of an omni robot with four driven wheels, in Mecanum order. `None` for other robots.
+/// Returns the textbook kinematics of a robot with Mecanum wheels. `None` for other robots.
 pub fn textbook(robot: &RobotDef) -> Option<Mecanum> {
     let geometry = robot.wheel_geometry();
-    (robot.steering == Steering::Omni && robot.driven().count() == 4).then_some(Mecanum {
+    (robot.drivetrain() == Drivetrain::Mecanum).then_some(Mecanum {
         half_wheelbase: geometry.wheel_base / 2.0,
         half_track: geometry.track / 2.0,
         wheel_radius: geometry.radius,
     })
 }
 
-/// Returns the kinematics of an omni robot that account for its finite number of rollers. `None` for other robots and without rollers.
+/// Returns the kinematics that account for the finite number of rollers. `None` for other robots.
 pub fn finite_rollers(robot: &RobotDef) -> Option<FiniteRollers> {
     let rollers = robot.driven().next()?.wheel.rollers.as_ref()?;
     let mut firsts = robot.driven().map(|wheel| wheel.rollers.as_ref().map_or(0.0, |rollers| rollers.first_roller));

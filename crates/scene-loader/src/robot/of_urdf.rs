@@ -2,7 +2,9 @@
 //! robot.toml that names the URDF is more precise.
 
 use nalgebra::{Point3, Vector3};
-use scene::{JointKind, Link, Material, Motor, Pose, RobotDef, SensorDef, Shape, Side, Steering, Wheel, check, sensor};
+use scene::{
+    Footing, JointKind, Link, Material, Motor, Pose, RobotDef, SensorDef, Shape, Side, Steering, Wheel, check, sensor,
+};
 
 use super::joint::rebuilt;
 use super::wheel::wrong_wheel;
@@ -54,7 +56,7 @@ pub(crate) fn read(
         tool_changers: Vec::new(),
         battery: None,
         reported_max_torque: 50000.0,
-        aerial: None,
+        footing: if steering == Steering::None { Footing::Fixed } else { Footing::Free },
         assumptions,
     };
     let shown = source.display(file);

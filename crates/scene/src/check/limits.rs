@@ -48,8 +48,8 @@ pub(super) const LEAST_GYRATION: f64 = 0.01;
 pub const WHEEL_RADIUS: Range = Range { least: 0.004, most: 10.0, unit: " m" };
 /// Width of a wheel.
 pub const WHEEL_WIDTH: Range = Range { least: 0.001, most: 20.0, unit: " m" };
-/// Least distance of a driven wheel from the middle of the robot, toward its side.
-pub(super) const LEAST_OFFSET: f64 = 0.001;
+/// Least distance of a driven wheel from the middle of the robot, toward its side, and of a Mecanum wheel toward its end.
+pub(crate) const LEAST_OFFSET: f64 = 0.001;
 /// Speed limit of a motor.
 pub const MAX_SPEED: Range = Range { least: 1e-3, most: 1e3, unit: " rad/s" };
 /// Greatest speed of a driven wheel's rim, m/s: its speed limit times its radius. The fastest shipped robot has 2.4, a model race

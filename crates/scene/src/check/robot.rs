@@ -7,8 +7,9 @@ use super::map::{material, object};
 use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
-    Actuator, Aerial, Battery, Coupling, CouplingKind, Gripper, Joint, JointKind, Link, Motor, MountedWheel, Part,
-    RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Tool, ToolChanger, Visual, WHEEL_AXIS,
+    Actuator, Aerial, Battery, Coupling, CouplingKind, Drivetrain, Gripper, Joint, JointKind, Link, Motor,
+    MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Tool, ToolChanger, Visual,
+    WHEEL_AXIS,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -43,7 +44,7 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     let tools = def.tool_changers.iter().filter_map(|it| it.tool.as_ref());
     first(&class, tools.flat_map(|tool| material(&tool.object.solid.material)))?;
     first(&class, def.battery.iter().flat_map(battery))?;
-    first(&class, def.aerial.iter().flat_map(aerial))?;
+    first(&class, def.footing.aerial().iter().flat_map(aerial))?;
     first(&class, robot(def))
 }
 
@@ -345,16 +346,16 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
         let (name, count) = (shown(&sensor.name), def.links.len());
         wrong.push(format!("sensor {name}: it is on link {}: expected less than {count}", sensor.link));
     }
-    if def.aerial.is_some() != (def.steering == Steering::Aerial) {
+    if def.footing.aerial().is_some() != (def.steering == Steering::Aerial) {
         wrong.push("what it can do in the air: expected of steering \"aerial\", and of that alone".to_owned());
     }
-    if def.steering == Steering::Ackermann && !def.links.iter().any(|link| link.steered_axle().is_some()) {
+    if def.steering == Steering::Ackermann && def.drivetrain() != Drivetrain::Steered {
         let expected = "expected a revolute [[joint]] with FrontSteer or RearSteer in its name";
         wrong.push(format!("steering \"ackermann\": {expected}"));
     }
     if !def.can_have(def.drive_model) {
         let name = def.drive_model.name();
-        wrong.push(format!("`drive_model` \"{name}\": expected steering \"omni\", or \"articulated\" or \"bodies\""));
+        wrong.push(format!("`drive_model` \"{name}\": expected four Mecanum wheels, or \"articulated\" or \"bodies\""));
     }
     if wrong.is_empty() {
         wrong.extend(masses(def).into_iter().chain(push(def)));
@@ -435,21 +436,11 @@ fn couplings(def: &RobotDef) -> impl Iterator<Item = String> {
     })
 }
 
-/// Checks that an omni base has four wheels with rollers in the fixed order that its kinematics and its encoders use.
+/// Checks that an omni base has the wheels that its kinematics and its encoders use.
 fn omni(def: &RobotDef) -> Option<String> {
-    const ORDER: [(f64, Side, f64); 4] =
-        [(1.0, Side::Left, 1.0), (1.0, Side::Right, -1.0), (-1.0, Side::Left, -1.0), (-1.0, Side::Right, 1.0)];
-    if def.steering != Steering::Omni {
-        return None;
-    }
-    let fits = |(wheel, (front, side, angle)): (MountedWheel, (f64, Side, f64))| {
-        wheel.position[0] * front >= LEAST_OFFSET
-            && wheel.side == side
-            && wheel.rollers.as_ref().is_some_and(|rollers| rollers.angle * angle > 0.0)
-    };
-    let good = def.driven().count() == 4 && def.driven().zip(ORDER).all(fits);
     let expected = "expected four wheels front left, front right, back left, back right with `roller_angle` +, -, -, +";
-    (!good).then(|| format!("steering \"omni\": {expected}"))
+    let is_well = def.steering != Steering::Omni || def.drivetrain() == Drivetrain::Mecanum;
+    (!is_well).then(|| format!("steering \"omni\": {expected}"))
 }
 
 fn masses(def: &RobotDef) -> Vec<String> {

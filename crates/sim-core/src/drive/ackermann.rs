@@ -55,7 +55,7 @@ pub(super) fn joint_targets(robot: &RobotDef, steer: [f64; 2]) -> Vec<(usize, f6
 fn turning_centre(robot: &RobotDef, [front, rear]: [f64; 2]) -> Option<[f64; 2]> {
     let geometry = robot.wheel_geometry();
     let front_x = robot.driven().map(|wheel| wheel.position[0]).reduce(f64::max)?;
-    let [front_slope, rear_slope] = [front, rear].map(f64::tan);
+    let [front_slope, rear_slope] = [front, rear].map(libm::tan);
     let aside = geometry.wheel_base / (front_slope - rear_slope);
     let is_outside = aside.is_finite() && aside.abs() > geometry.track / 2.0;
     is_outside.then_some([front_x - aside * front_slope, aside])

@@ -15,7 +15,7 @@ use crate::flight::Flight;
 
 /// Returns the order of a command: the targets of a flight, of which it changes what it names. [`Flight::within`] applies the limits.
 pub(super) fn order(mut flight: Flight, robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Option<Order> {
-    let Aerial { max_velocity, max_turn, max_tilt } = robot.aerial?;
+    let Aerial { max_velocity, max_turn, max_tilt } = robot.footing.aerial()?;
     let normalized = drive.normalized == Some(true);
     let share = |value: f64, limit: f64| if normalized { value / 100.0 * limit } else { value };
     let [linear, lateral, altitude, turn, pitch, roll] = drive.numbers(

@@ -8,7 +8,7 @@ use nalgebra::{Point3, Vector3};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::query::{self, Ray};
 use rapier3d::prelude::*;
-use scene::{MountedWheel, Object, Pose, Steering};
+use scene::{Footing, MountedWheel, Object, Pose};
 
 use super::compile::CompiledRobot;
 use super::identity::{Identity, Mark};
@@ -159,7 +159,7 @@ impl Physics {
     /// Returns the deepest overlap of a robot at a pose with a solid, m, and the solid. `None` for a robot that is fixed to the ground,
     /// which may overlap.
     fn deepest_overlap(&self, robot: &CompiledRobot, pose: &Pose) -> Option<(f64, Identity)> {
-        if robot.def.steering == Steering::None {
+        if robot.def.footing == Footing::Fixed {
             return None;
         }
         let fixed = self.fixed();
@@ -177,7 +177,7 @@ impl Physics {
     /// Returns the pose of a robot on the surface at a place. It stays as it is above a surface, and is otherwise lifted onto the next
     /// surface above.
     fn standing_pose(&self, robot: &CompiledRobot, pose: &Pose) -> Pose {
-        if robot.def.steering == Steering::None {
+        if robot.def.footing == Footing::Fixed {
             return *pose;
         }
         let of_wheel = |wheel: MountedWheel| pose * Point3::from(wheel.position) + Vector3::z() * wheel.radius;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rapier3d::prelude::*;
-use scene::{BodyState, JointState, Object, Pose, Steering, WheelState, check};
+use scene::{BodyState, JointState, Object, Pose, WheelState, check};
 use serde::{Deserialize, Serialize};
 
 use super::articulated::{self, SavedTree, Surroundings};
@@ -83,7 +83,7 @@ impl Physics {
         self.is_changed = true;
         self.robots_of_engine += usize::from(mechanism.is_of_engine());
         self.enter_queries(&mechanism.bodies());
-        let flight = (robot.def.steering == Steering::Aerial).then(Flight::default);
+        let flight = robot.def.footing.aerial().map(|_| Flight::default());
         RobotBodies { robot, mechanism, flight }
     }
 

@@ -7,7 +7,7 @@ use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, Odometry, WheelsConf};
 use kinematics::{FiniteRollers, Mecanum, PlanarPose, Skid, Twist};
 use scene::sensor::odometry::{Config, Reading};
-use scene::{RobotDef, SensorDef, Side, Steering};
+use scene::{Drivetrain, RobotDef, SensorDef, Side};
 
 use super::{Effect, Mount, Sensor, State, View, floats};
 use crate::{WheelState, mecanum, sliding};
@@ -47,12 +47,14 @@ pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
 }
 
 fn base(robot: &RobotDef, config: &Config) -> Base {
-    match robot.steering {
-        Steering::Omni if config.finite_rollers => mecanum::finite_rollers(robot).map_or(Base::None, Base::FiniteOmni),
-        Steering::Omni => mecanum::textbook(robot).map_or(Base::None, Base::Omni),
-        Steering::Ackermann | Steering::Aerial | Steering::Legged | Steering::None => Base::None,
-        Steering::Skid if config.sliding => Base::Sliding(sliding::places(robot)),
-        Steering::Skid => {
+    match robot.drivetrain() {
+        Drivetrain::Mecanum if config.finite_rollers => {
+            mecanum::finite_rollers(robot).map_or(Base::None, Base::FiniteOmni)
+        }
+        Drivetrain::Mecanum => mecanum::textbook(robot).map_or(Base::None, Base::Omni),
+        Drivetrain::None | Drivetrain::Steered => Base::None,
+        Drivetrain::Sides if config.sliding => Base::Sliding(sliding::places(robot)),
+        Drivetrain::Sides => {
             let foremost = |side| {
                 let on_side = robot.driven().enumerate().filter(|(_, wheel)| wheel.side == side);
                 on_side.max_by(|a, b| a.1.position[0].total_cmp(&b.1.position[0]))

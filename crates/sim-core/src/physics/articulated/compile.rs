@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::SharedShape;
-use scene::{Coupling, CouplingKind, DriveModel, JointKind, Material, MountedWheel, RobotDef, Rollers, Steering};
+use scene::{Coupling, CouplingKind, DriveModel, Footing, JointKind, Material, MountedWheel, RobotDef, Rollers};
 
 use super::super::motor::Value;
 use super::super::rolling::Hub;
@@ -166,7 +166,7 @@ impl Articulated {
         let centre = if mass.mass > 0.0 { mass.centre } else { Vector3::zeros() };
         let mass = Mass { mass: mass.mass, centre, inertia: mass.inertia };
         let Some(joint) = &link.joint else {
-            let is_free = def.steering != Steering::None;
+            let is_free = def.footing != Footing::Fixed;
             let [linear_damping, damping] = def.body_damping();
             let root = Link::new(0, if is_free { Joint::Free } else { Joint::Fixed }, Vector3::zeros(), mass);
             links.push(Link { damping, linear_damping, ..root });

@@ -2,7 +2,7 @@
 
 use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
-use scene::{Coupling, CouplingKind, Mass, Material, MountedWheel, Pose, RobotDef, Steering};
+use scene::{Coupling, CouplingKind, Footing, Mass, Material, MountedWheel, Pose, RobotDef};
 
 use super::super::rolling::Hub;
 use super::super::surface::{Materials, Surface};
@@ -29,17 +29,6 @@ pub(in super::super) struct Tree {
     pub(super) root_damping: [f64; 2],
 }
 
-/// The support of a tree's root.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Footing {
-    /// The ground, which carries a root that is free to move.
-    Free,
-    /// The air: the root has no weight, and its velocities are set.
-    Flying,
-    /// A fixed root.
-    Fixed,
-}
-
 /// A body and its joint to the parent.
 pub(super) struct Link {
     /// Pose in the parent's frame when every joint is at 0. The root's is that of the robot frame.
@@ -64,15 +53,10 @@ impl Tree {
             joint: None,
             wheel: None,
         };
-        let footing = match def.steering {
-            Steering::Aerial => Footing::Flying,
-            Steering::None => Footing::Fixed,
-            Steering::Skid | Steering::Omni | Steering::Ackermann | Steering::Legged => Footing::Free,
-        };
         let mut tree = Self {
             mass: f64::from(def.mass()),
             centre,
-            footing,
+            footing: def.footing,
             numbers: Vec::new(),
             links: vec![root],
             hubs: Vec::new(),

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{Translation3, Vector3};
 use rapier3d::prelude::*;
-use scene::Pose;
+use scene::{Footing, Pose};
 
 use super::super::convert;
 use super::super::identity::Identity;
 use super::super::motor::Servo;
-use super::compile::{Footing, Tree};
+use super::compile::Tree;
 use super::joint::{Gear, Joint, Role};
 use super::{MultibodyRobot, ValueJoint};
 use crate::PawnId;
@@ -27,7 +27,7 @@ impl MultibodyRobot {
             let body = match tree.footing {
                 Footing::Fixed if parent.is_none() => world.insert_body(fixed_body(&origin, link.mass)),
                 Footing::Fixed | Footing::Free => world.insert_body(dynamic_body(&origin, link.mass)),
-                Footing::Flying => world.insert_body(dynamic_body(&origin, link.mass).gravity_scale(0.0)),
+                Footing::Flying(_) => world.insert_body(dynamic_body(&origin, link.mass).gravity_scale(0.0)),
             };
             let identity = Identity::Link { robot: id, link: number };
             let colliders = link.surfaces.iter().map(|it| world.insert_collider(it.collider(identity), Some(body)));
