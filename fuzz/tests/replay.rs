@@ -116,8 +116,7 @@ fn write_log(path: &Path) {
             log.write(world.time(), &Record::Out(WireLine { connection: 1, robot: Some(robot.0), line })).unwrap();
         }
         if states.is_due(world.time()) {
-            let records = states.records(&world.def().map, &world.snapshot());
-            records.iter().for_each(|record| log.write(world.time(), record).unwrap());
+            log.write_states(&world.snapshot()).unwrap();
         }
     }
     log.write(world.time(), &Record::In(line(2, "GETSTARTPOSES"))).unwrap();

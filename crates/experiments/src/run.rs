@@ -294,8 +294,7 @@ impl Stage {
         if let Some(log) = &mut self.log {
             let world = self.sessions.world();
             if self.states.is_due(world.time()) {
-                let records = self.states.records(&world.def().map, &world.snapshot());
-                records.iter().try_for_each(|state| log.write(world.time(), state))?;
+                log.write_states(&world.snapshot())?;
             }
         }
         Ok(heard.has_truth)

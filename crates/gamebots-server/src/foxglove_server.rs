@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use foxglove::websocket::service::{Request, Service, ServiceSchema};
 use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
 use foxglove::{Context, Schema, WebSocketServerHandle};
-use recorder::{Latched, Live, Record, Recorder, StateTimer};
+use recorder::{Latched, Live, Record, Recorder};
 use scene::{MapDef, Snapshot, WorldDef};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
@@ -30,7 +30,6 @@ pub(crate) struct FoxgloveServer {
     /// Keeps the channels alive.
     _context: Arc<Context>,
     recorder: Recorder,
-    states: StateTimer,
     next_time: Instant,
 }
 
@@ -50,8 +49,8 @@ pub(crate) async fn start(
     let started = server.start().await;
     let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;
     tokio::spawn(gate::serve(listener, host.to_owned(), SocketAddr::from((hidden, handle.port()))));
-    let (recorder, states) = (Recorder::new(live)?, StateTimer::default());
-    Ok(FoxgloveServer { handle, _context: context, recorder, states, next_time: Instant::now() })
+    let recorder = Recorder::new(live)?;
+    Ok(FoxgloveServer { handle, _context: context, recorder, next_time: Instant::now() })
 }
 
 impl FoxgloveServer {
@@ -59,15 +58,8 @@ impl FoxgloveServer {
         self.recorder.record(time, record);
     }
 
-    /// True if the states of the world are due at a simulated time, s.
-    pub(crate) fn wants_states(&self, time: f64) -> bool {
-        self.states.is_due(time)
-    }
-
-    /// Records the states of the world.
-    pub(crate) fn record_states(&mut self, map: &MapDef, snapshot: &Snapshot) {
-        let Self { states, recorder, .. } = self;
-        states.records(map, snapshot).into_iter().for_each(|state| recorder.record(snapshot.time, state));
+    pub(crate) fn record_states(&mut self, snapshot: Arc<Snapshot>) {
+        self.recorder.record_states(snapshot);
     }
 
     /// Publishes new records and the simulated time; to be called often.
@@ -85,7 +77,6 @@ impl FoxgloveServer {
             self.recorder.record(0.0, Record::Map(Box::new(map.clone())));
         }
         self.recorder.hand_over();
-        self.states = StateTimer::default();
         self.handle.clear_session(None);
     }
 }

@@ -2,6 +2,7 @@
 //! published elsewhere.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use recorder::{Record, RecordError, WireLine};
@@ -21,7 +22,7 @@ pub(crate) struct Publisher {
     /// Pictures of cameras for logs, if they are recorded.
     shots: Option<Shots>,
     /// The present snapshot, made when first needed after a change.
-    snapshot: Option<Snapshot>,
+    snapshot: Option<Arc<Snapshot>>,
 }
 
 impl Publisher {
@@ -104,10 +105,8 @@ impl Publisher {
         for Shot { taken, png } in self.shots.iter_mut().flat_map(|shots| shots.due(world.time())) {
             self.recording.record(world, Record::Picture(taken, png));
         }
-        if self.recording.wants_states(world.time()) {
-            let snapshot = self.snapshot.get_or_insert_with(|| world.snapshot());
-            self.recording.record_states(&world.def().map, snapshot);
-        }
+        let Self { recording, snapshot, .. } = self;
+        recording.stepped(world.time(), || snapshot.get_or_insert_with(|| Arc::new(world.snapshot())).clone());
     }
 
     /// Publishes what is due by the clock: the frame, the status, and news of logs. `status` gets the path of the open log. To
@@ -115,7 +114,7 @@ impl Publisher {
     pub(crate) fn publish(&mut self, now: Instant, world: &World, status: impl FnOnce(Option<&Path>) -> Status) {
         if let Some(due) = self.live.due(now) {
             let status = due.status.then(|| status(self.recording.path()));
-            let snapshot = self.snapshot.get_or_insert_with(|| world.snapshot());
+            let snapshot = self.snapshot.get_or_insert_with(|| Arc::new(world.snapshot()));
             self.live.publish(now, world.def(), snapshot, status);
         }
         self.recording.publish(now, world.time());

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use recorder::{Closing, End, LogWriter, Record, RecordError, Recorder, StateTimer, Storage, ros2_path};
-use scene::{MapDef, Snapshot};
+use scene::Snapshot;
 use sim_core::{Options, World};
 
 use crate::foxglove_server::FoxgloveServer;
@@ -29,6 +30,7 @@ pub(crate) struct Recording {
     numbers: BTreeMap<PathBuf, u32>,
     /// Time when the last log was started on request, or because the world started over.
     begun: Option<Instant>,
+    states: StateTimer,
     foxglove: Option<FoxgloveServer>,
     storage: fn(&Path) -> std::io::Result<Box<dyn Storage>>,
 }
@@ -39,7 +41,6 @@ struct Open {
     /// Its name without a number.
     name: PathBuf,
     recorder: Recorder,
-    states: StateTimer,
 }
 
 /// The reason why no log starts.
@@ -66,7 +67,8 @@ impl Recording {
         foxglove: Option<FoxgloveServer>,
     ) -> Self {
         let (open, closing, numbers, begun, storage) = (None, Vec::new(), BTreeMap::new(), None, recorder::storage);
-        Self { options, real_time_factor, ros2, unnamed, open, closing, numbers, begun, foxglove, storage }
+        let states = StateTimer::default();
+        Self { options, real_time_factor, ros2, unnamed, open, closing, numbers, begun, states, foxglove, storage }
     }
 
     /// Returns the file that is being written.
@@ -121,6 +123,7 @@ impl Recording {
     /// # Errors
     /// When the next file cannot be written.
     pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) -> Result<(), RecordError> {
+        self.states = StateTimer::default();
         if let Some(foxglove) = &mut self.foxglove {
             let (before, map) = (&old.def().map, &new.def().map);
             foxglove.start_over(Some(map).filter(|map| map.name != before.name));
@@ -166,20 +169,17 @@ impl Recording {
         }
     }
 
-    /// True if states are due at a simulated time, s; to be called after every step.
-    pub(crate) fn wants_states(&self, time: f64) -> bool {
-        self.open.as_ref().is_some_and(|open| open.states.is_due(time))
-            || self.foxglove.as_ref().is_some_and(|foxglove| foxglove.wants_states(time))
-    }
-
-    /// Records the states of the world wherever they are due.
-    pub(crate) fn record_states(&mut self, map: &MapDef, snapshot: &Snapshot) {
-        let time = snapshot.time;
-        if let Some(Open { recorder, states, .. }) = self.open.as_mut().filter(|open| open.states.is_due(time)) {
-            states.records(map, snapshot).into_iter().for_each(|state| recorder.record(time, state));
+    /// Records the states of the world at a simulated time, s, if they are due; to be called after every step.
+    pub(crate) fn stepped(&mut self, time: f64, snapshot: impl FnOnce() -> Arc<Snapshot>) {
+        if !(self.is_wanted() && self.states.is_due(time)) {
+            return;
         }
-        if let Some(foxglove) = self.foxglove.as_mut().filter(|foxglove| foxglove.wants_states(time)) {
-            foxglove.record_states(map, snapshot);
+        let snapshot = snapshot();
+        if let Some(foxglove) = &mut self.foxglove {
+            foxglove.record_states(snapshot.clone());
+        }
+        if let Some(open) = &mut self.open {
+            open.recorder.record_states(snapshot);
         }
     }
 
@@ -209,8 +209,8 @@ impl Recording {
         if self.ros2 {
             log = log.with_ros2(world.def(), self.storage)?;
         }
-        let (recorder, states) = (Recorder::new(log)?, StateTimer::default());
-        self.open = Some(Open { path, name: name.to_owned(), recorder, states });
+        self.open = Some(Open { path, name: name.to_owned(), recorder: Recorder::new(log)? });
+        self.states = StateTimer::default();
         Ok(())
     }
 

@@ -20,6 +20,7 @@ mod records;
 mod recover;
 pub mod ros2;
 mod slots;
+mod states;
 mod table;
 mod writer;
 
@@ -31,15 +32,14 @@ pub use messages::{
 };
 pub use reader::{Entry, Log, ReadError, read, scene};
 pub use recover::{RecoverError, Recovered, recover};
+pub use states::{STATE_INTERVAL, StateTimer};
 pub use table::{Column, Table};
 pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink, ros2_path};
 
 use foxglove::Encode;
 use mcap::McapResult;
-use scene::{MapDef, ObjectId, ObjectSnapshot, Sensed, Snapshot};
+use scene::{MapDef, Sensed};
 
-/// Interval between two recorded states of the robots, s.
-pub const STATE_INTERVAL: f64 = 0.02;
 /// The newest format of logs, which is written; older ones are read, too. In format 1, which logs do not name, robots are
 /// bodies with wheels. In format 2, robots are trees of links.
 const FORMAT: u32 = 2;
@@ -51,50 +51,6 @@ const END: &str = "end";
 const LEFT: &str = "/robots/left";
 /// Topics of objects that the map does not have, and of those that leave.
 const OBJECTS: [&str; 2] = ["/objects/spawned", "/objects/removed"];
-
-/// Timer of the recorded states of robots and objects.
-#[derive(Debug, Default)]
-pub struct StateTimer {
-    taken: u64,
-    /// Objects at the last call, by their ids; `None` before the first one.
-    objects: Option<Vec<ObjectSnapshot>>,
-}
-
-impl StateTimer {
-    /// True if another interval has passed at a simulated time, s; to be called after every step.
-    pub fn is_due(&self, time: f64) -> bool {
-        intervals(time) > self.taken
-    }
-
-    /// Returns the states of all robots, and of the objects that were spawned, moved or removed since the last call.
-    pub fn records(&mut self, map: &MapDef, snapshot: &Snapshot) -> Vec<Record> {
-        self.taken = intervals(snapshot.time);
-        let mut records: Vec<Record> = snapshot.robots.iter().map(RobotState::new).map(Record::State).collect();
-        let find = |objects: &[ObjectSnapshot], id| objects.binary_search_by_key(&id, |object| object.id).ok();
-        let of_map = map.objects.len() as u64;
-        let known = self.objects.as_deref().unwrap_or_default();
-        for object in &snapshot.objects {
-            let before = find(known, object.id).map(|place| &known[place]);
-            if before.is_none() && object.id.0 >= of_map {
-                records.push(Record::ObjectSpawned(ObjectSpawned::new(object)));
-            }
-            if before.is_none_or(|before| before.pose != object.pose) {
-                records.push(Record::Object(ObjectState::new(object)));
-            }
-        }
-        // At the first call the log knows those of the map.
-        let of_map = (0..of_map).map(ObjectId).filter(|_| self.objects.is_none());
-        let before = known.iter().map(|object| object.id).chain(of_map);
-        let removed = before.filter(|id| find(&snapshot.objects, *id).is_none());
-        records.extend(removed.map(|id| Record::ObjectRemoved(ObjectRemoved { object: id.0 as u32 })));
-        self.objects = Some(snapshot.objects.clone());
-        records
-    }
-}
-
-fn intervals(time: f64) -> u64 {
-    (time / STATE_INTERVAL + 1e-6) as u64
-}
 
 /// The end of a world.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,10 +5,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use foxglove::{Context, Encode, PartialMetadata, RawChannel, SinkId};
 use mcap::McapResult;
-use scene::WorldDef;
+use scene::{Snapshot, WorldDef};
 
 use crate::file::nanoseconds;
 use crate::native::Native;
+use crate::states::States;
 use crate::writer::{Sink, refused};
 use crate::{End, LEFT, Publish, Record, RecordError};
 
@@ -18,6 +19,7 @@ const PASSING: [&str; 4] = ["/wire/", "/log", LEFT, "/objects/"];
 /// Converts records to messages on the channels of a Foxglove context.
 pub struct Live {
     native: Native,
+    states: States,
     channels: Channels,
     /// Simulated time of the last record, s. An earlier record belongs to a fresh world.
     time: f64,
@@ -47,20 +49,37 @@ impl Live {
     pub fn new(world: &WorldDef, context: Arc<Context>, latched: Latched) -> Result<Self, RecordError> {
         let mut channels = Channels { context, by_topic: BTreeMap::new(), latched };
         let native = Native::new(world, &mut channels).map_err(|reason| refused("of Foxglove", reason))?;
-        Ok(Self { native, channels, time: 0.0 })
+        Ok(Self { native, states: States::default(), channels, time: 0.0 })
+    }
+
+    /// Prepares for records of a simulated time, s.
+    fn enter(&mut self, time: f64) -> McapResult<()> {
+        let is_fresh = time < self.time;
+        self.time = time;
+        if !is_fresh {
+            return Ok(());
+        }
+        self.states = States::default();
+        self.native.start_over(time, &mut self.channels)
     }
 }
 
 impl Sink for Live {
     fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError> {
-        let mut write = || {
-            if time < self.time {
-                self.native.start_over(time, &mut self.channels)?;
-            }
-            self.time = time;
-            self.native.write(time, record, &mut self.channels)
-        };
-        write().map_err(|reason: mcap::McapError| refused("of Foxglove", reason))
+        if let Record::Map(_) = record {
+            self.states = States::default();
+        }
+        let written = self.enter(time).and_then(|()| self.native.write(time, record, &mut self.channels));
+        written.map_err(|reason| refused("of Foxglove", reason))
+    }
+
+    fn write_states(&mut self, snapshot: &Snapshot) -> Result<(), RecordError> {
+        let time = snapshot.time;
+        let written = self.enter(time).and_then(|()| {
+            let records = self.states.records(self.native.objects_of_map(), snapshot);
+            records.iter().try_for_each(|record| self.native.write(time, record, &mut self.channels))
+        });
+        written.map_err(|reason| refused("of Foxglove", reason))
     }
 
     fn flush(&mut self) -> Result<(), RecordError> {

@@ -37,6 +37,11 @@ impl Native {
         Ok(Self { world: world.clone(), slots: Slots::default(), objects: Slots::default() })
     }
 
+    /// Returns the number of the map's objects.
+    pub(crate) fn objects_of_map(&self) -> u64 {
+        self.world.map.objects.len() as u64
+    }
+
     pub(crate) fn write(&mut self, time: f64, record: &Record, file: &mut impl Publish) -> McapResult<()> {
         match record {
             Record::In(line) => file.publish(time, "/wire/in", line),

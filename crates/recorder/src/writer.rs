@@ -6,12 +6,12 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use scene::Options;
-use scene::WorldDef;
+use scene::{Options, Snapshot, WorldDef};
 
 use crate::file::{LogFile, Storage, storage};
 use crate::native::Native;
 use crate::ros2::{self, Ros2};
+use crate::states::States;
 use crate::{END, End, FORMAT, RUN, Record};
 
 /// Number of records that is worth waking the thread.
@@ -34,6 +34,7 @@ pub struct RecordError {
 pub struct LogWriter {
     file: LogFile,
     native: Native,
+    states: States,
     ros2: Option<(LogFile, Ros2)>,
 }
 
@@ -83,7 +84,7 @@ impl LogWriter {
             file.flush()?;
             Ok(native)
         })?;
-        Ok(Self { file, native, ros2: None })
+        Ok(Self { file, native, states: States::default(), ros2: None })
     }
 
     /// Writes the messages of [`crate::ros2`] as well, to a separate storage: `run.ros2.mcap` for `run.mcap`.
@@ -110,6 +111,15 @@ impl LogWriter {
             file.with(|file| ros2.write(time, record, file))?;
         }
         self.file.with(|file| self.native.write(time, record, file))
+    }
+
+    /// Writes the states of robots, and those of objects that changed since the last snapshot.
+    ///
+    /// # Errors
+    /// When the disk takes no more.
+    pub fn write_states(&mut self, snapshot: &Snapshot) -> Result<(), RecordError> {
+        let records = self.states.records(self.native.objects_of_map(), snapshot);
+        records.iter().try_for_each(|record| self.write(snapshot.time, record))
     }
 
     /// Flushes everything written so far to the operating system.
@@ -171,6 +181,12 @@ pub trait Sink: Send + 'static {
     /// When the sink takes no more.
     fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError>;
 
+    /// Takes the states in a snapshot.
+    ///
+    /// # Errors
+    /// When the sink takes no more.
+    fn write_states(&mut self, snapshot: &Snapshot) -> Result<(), RecordError>;
+
     /// Flushes everything taken so far.
     ///
     /// # Errors
@@ -189,6 +205,10 @@ impl Sink for LogWriter {
         Self::write(self, time, record)
     }
 
+    fn write_states(&mut self, snapshot: &Snapshot) -> Result<(), RecordError> {
+        Self::write_states(self, snapshot)
+    }
+
     fn flush(&mut self) -> Result<(), RecordError> {
         Self::flush(self)
     }
@@ -204,8 +224,39 @@ pub struct Recorder {
     thread: Option<JoinHandle<Result<(), RecordError>>>,
 }
 
-/// A record and its simulated time, s.
-type Timed = (f64, Record);
+/// A thing for the thread to write.
+#[expect(clippy::large_enum_variant, reason = "nearly all are records, the largest variant")]
+enum Item {
+    /// A record at a simulated time, s.
+    Record(f64, Record),
+    /// The states in a snapshot.
+    States(Arc<Snapshot>),
+}
+
+impl Item {
+    /// Returns the bytes of memory that it takes, approximately, as if nobody else held the snapshot.
+    fn size(&self) -> usize {
+        match self {
+            Self::Record(_, record) => size_of::<Self>() + record.size(),
+            Self::States(snapshot) => size_of::<Self>() + snapshot.size(),
+        }
+    }
+
+    /// Returns the number of records that it becomes, without objects.
+    fn count(&self) -> u64 {
+        match self {
+            Self::Record(..) => 1,
+            Self::States(snapshot) => snapshot.robots.len() as u64,
+        }
+    }
+
+    fn write(&self, log: &mut impl Sink) -> Result<(), RecordError> {
+        match self {
+            Self::Record(time, record) => log.write(*time, record),
+            Self::States(snapshot) => log.write_states(snapshot),
+        }
+    }
+}
 
 impl Recorder {
     /// Starts the thread that continues a log.
@@ -228,7 +279,12 @@ impl Recorder {
 
     /// Takes a record at a simulated time, s; never waits for the disk.
     pub fn record(&mut self, time: f64, record: Record) {
-        self.queue.push(time, record);
+        self.queue.push(Item::Record(time, record));
+    }
+
+    /// Takes the states in a snapshot; never waits for the disk.
+    pub fn record_states(&mut self, snapshot: Arc<Snapshot>) {
+        self.queue.push(Item::States(snapshot));
     }
 
     /// Wakes the thread at once, for example because somebody waits for the records. Otherwise it waits for a batch or the next flush.
@@ -303,7 +359,7 @@ struct Queue {
 
 #[derive(Default)]
 struct Waiting {
-    records: Vec<Timed>,
+    items: Vec<Item>,
     /// Bytes of the records that wait, and of those that are being written.
     bytes: usize,
     dropped: u64,
@@ -329,9 +385,9 @@ impl Queue {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn push(&self, time: f64, record: Record) {
+    fn push(&self, item: Item) {
         let mut waiting = self.lock();
-        let bytes = waiting.bytes + record.size();
+        let bytes = waiting.bytes + item.size();
         if waiting.closed {
             return;
         }
@@ -339,20 +395,20 @@ impl Queue {
             if waiting.dropped == 0 {
                 tracing::warn!("the disk is too slow: records are missing in the log");
             }
-            waiting.dropped += 1;
+            waiting.dropped += item.count();
             return;
         }
         waiting.bytes = bytes;
-        waiting.records.push((time, record));
+        waiting.items.push(item);
         // Waking the thread for each record would cost more than writing it.
-        if waiting.records.len().is_multiple_of(BATCH) {
+        if waiting.items.len().is_multiple_of(BATCH) {
             self.news.notify_one();
         }
     }
 
     fn hand_over(&self) {
         let mut waiting = self.lock();
-        if !waiting.records.is_empty() && !waiting.handed_over {
+        if !waiting.items.is_empty() && !waiting.handed_over {
             waiting.handed_over = true;
             self.news.notify_one();
         }
@@ -364,9 +420,9 @@ impl Queue {
     }
 
     /// Takes the waiting records once they are a batch, are handed over, or no more come; at the latest at `latest`.
-    fn take(&self, records: &mut Vec<Timed>, latest: Instant) -> Option<Ending> {
+    fn take(&self, items: &mut Vec<Item>, latest: Instant) -> Option<Ending> {
         let mut waiting = self.lock();
-        while waiting.records.len() < BATCH && !waiting.handed_over && waiting.ending.is_none() {
+        while waiting.items.len() < BATCH && !waiting.handed_over && waiting.ending.is_none() {
             let left = latest.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 break;
@@ -374,7 +430,7 @@ impl Queue {
             waiting = self.news.wait_timeout(waiting, left).unwrap_or_else(PoisonError::into_inner).0;
         }
         waiting.handed_over = false;
-        std::mem::swap(&mut waiting.records, records);
+        std::mem::swap(&mut waiting.items, items);
         waiting.ending
     }
 }
@@ -385,18 +441,18 @@ struct Closes<'a>(&'a Queue);
 impl Drop for Closes<'_> {
     fn drop(&mut self) {
         let mut waiting = self.0.lock();
-        (waiting.records, waiting.closed) = (Vec::new(), true);
+        (waiting.items, waiting.closed) = (Vec::new(), true);
     }
 }
 
 fn write_all(mut log: impl Sink, queue: &Queue) -> Result<(), RecordError> {
-    let (mut records, mut flush_at) = (Vec::new(), Instant::now() + FLUSH_INTERVAL);
+    let (mut items, mut flush_at) = (Vec::new(), Instant::now() + FLUSH_INTERVAL);
     loop {
-        let ending = queue.take(&mut records, flush_at);
-        let bytes: usize = records.iter().map(|(_, record)| record.size()).sum();
-        records.drain(..).try_for_each(|(time, record)| log.write(time, &record))?;
+        let ending = queue.take(&mut items, flush_at);
+        let bytes: usize = items.iter().map(Item::size).sum();
+        items.drain(..).try_for_each(|item| item.write(&mut log))?;
         // Frees the memory that a rush has left.
-        records.shrink_to(2 * BATCH);
+        items.shrink_to(2 * BATCH);
         let dropped = {
             let mut waiting = queue.lock();
             waiting.bytes -= bytes;

@@ -55,6 +55,23 @@ pub struct Snapshot {
     pub objects: Vec<ObjectSnapshot>,
 }
 
+impl Snapshot {
+    /// Returns the bytes of memory that it takes, approximately: spare capacity of buffers and definitions of objects are not counted.
+    pub fn size(&self) -> usize {
+        let of_robot = |RobotSnapshot { class, name, joints, targets, rollers, contacts, .. }: &RobotSnapshot| {
+            size_of::<RobotSnapshot>()
+                + class.len()
+                + name.len()
+                + size_of_val(joints.as_slice())
+                + size_of_val(targets.as_slice())
+                + size_of_val(rollers.as_slice())
+                + size_of_val(contacts.as_slice())
+        };
+        let robots: usize = self.robots.iter().map(of_robot).sum();
+        size_of::<Self>() + robots + size_of_val(self.objects.as_slice())
+    }
+}
+
 /// State of a movable object in a snapshot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectSnapshot {

@@ -58,8 +58,8 @@ pub(crate) fn run() -> (Vec<(f64, Record)>, End) {
             records.push((world.time(), Record::Out(line)));
         }
         if states.is_due(world.time()) {
-            let due = states.records(&world.def().map, &world.snapshot());
-            records.extend(due.into_iter().map(|record| (world.time(), record)));
+            let due = world.snapshot().robots;
+            records.extend(due.iter().map(|robot| (world.time(), Record::State(RobotState::new(robot)))));
         }
         if step == 125 {
             let robot = robots[1];
