@@ -13,6 +13,8 @@ use sim_core::{CompiledScene, PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
 
+use crate::present::Present;
+
 /// Width and height of a picture, pixels.
 pub(crate) const SIZE: [usize; 2] = picture::SENSOR_SIZE;
 /// Simulated time between what a picture in a log shows and its record, s.
@@ -97,14 +99,14 @@ impl Drop for Wish {
 /// A picture to draw.
 struct Job {
     scene: CompiledScene,
-    snapshot: Snapshot,
+    snapshot: Arc<Snapshot>,
     sensed: Sensed,
 }
 
 impl Job {
-    /// Creates the picture of a camera's reading of this moment.
-    fn new(world: &World, sensed: &Sensed) -> Self {
-        Self { scene: world.scene().clone(), snapshot: world.snapshot(), sensed: sensed.clone() }
+    /// Creates the picture of a camera's reading in a snapshot of the same time.
+    fn new(world: &World, sensed: &Sensed, snapshot: Arc<Snapshot>) -> Self {
+        Self { scene: world.scene().clone(), snapshot, sensed: sensed.clone() }
     }
 }
 
@@ -133,7 +135,7 @@ impl Cameras {
     }
 
     /// Draws what a camera sees now, if a viewer wants it and the thread keeps up.
-    pub(crate) fn look(&mut self, world: &World, sensed: &Sensed) {
+    pub(crate) fn look(&mut self, world: &World, sensed: &Sensed, present: &mut Present) {
         let camera = (sensed.robot, sensed.sensor);
         if !self.demand.wants(sensed.robot.0) {
             self.drawn.remove(&camera);
@@ -147,7 +149,7 @@ impl Cameras {
             self.jobs = self.start();
         }
         let Some(jobs) = &self.jobs else { return };
-        match jobs.try_send(Job::new(world, sensed)) {
+        match jobs.try_send(Job::new(world, sensed, present.of(world))) {
             Ok(()) => {
                 self.drawn.insert(camera, now);
             }
@@ -188,7 +190,7 @@ pub(crate) struct Shot {
 
 impl Shots {
     /// Begins to draw what a camera sees now.
-    pub(crate) fn take(&mut self, world: &World, sensed: &Sensed) {
+    pub(crate) fn take(&mut self, world: &World, sensed: &Sensed, snapshot: Arc<Snapshot>) {
         if self.due.len() >= MAX_SHOTS {
             return;
         }
@@ -196,7 +198,7 @@ impl Shots {
             self.thread = start_shots();
         }
         let Some((jobs, _)) = &self.thread else { return };
-        if jobs.send(Job::new(world, sensed)).is_ok() {
+        if jobs.send(Job::new(world, sensed, snapshot)).is_ok() {
             self.due.push_back(world.time() + DELAY);
         }
     }

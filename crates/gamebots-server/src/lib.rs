@@ -24,6 +24,7 @@ mod listener;
 mod live;
 mod pace;
 mod playback;
+mod present;
 mod publisher;
 mod recording;
 mod saved;

@@ -18,6 +18,7 @@ use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
 use crate::cameras::{Cameras, Demand, Picture, Wish};
+use crate::present::Present;
 
 pub(crate) use scene_json::{About, scene_json};
 
@@ -340,12 +341,12 @@ impl Broadcast {
 
     /// Publishes a reading to viewers who want it. The ranges of lasers and sonars and the pictures of cameras go out no more often
     /// than a viewer can follow.
-    pub(crate) fn sensed(&mut self, world: &World, sensed: &Sensed) {
+    pub(crate) fn sensed(&mut self, world: &World, sensed: &Sensed, present: &mut Present) {
         let ranges = match &sensed.reading {
             Reading::RangeScanner(scan) => &*scan.ranges,
             Reading::Sonar(sonar) => std::slice::from_ref(&sonar.range),
             Reading::Camera(_) => {
-                self.cameras.look(world, sensed);
+                self.cameras.look(world, sensed, present);
                 &[]
             }
             _ => &[],
@@ -391,7 +392,8 @@ mod tests {
         let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about));
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::from(scene::sensor::sonar::Reading { range: 1.0 });
-            broadcast.sensed(&world, &Sensed { robot: PawnId(robot), sensor: 0, reading });
+            let sensed = Sensed { robot: PawnId(robot), sensor: 0, reading };
+            broadcast.sensed(&world, &sensed, &mut Present::default());
             broadcast.scanned.len()
         };
         assert_eq!(scan(&mut broadcast, 0), 0);

@@ -2,17 +2,17 @@
 //! published elsewhere.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
 use recorder::{Record, RecordError, WireLine};
-use scene::{Reading, Sensed, Snapshot};
+use scene::{Reading, Sensed};
 use sim_core::{PawnId, World};
 
 use crate::cameras::{Shot, Shots};
 use crate::connection::ConnectionId;
 use crate::journal::Journal;
 use crate::live::{Broadcast, Line, Status};
+use crate::present::Present;
 use crate::recording::{BeginError, Recording};
 
 pub(crate) struct Publisher {
@@ -21,20 +21,19 @@ pub(crate) struct Publisher {
     journal: Journal,
     /// Pictures of cameras for logs, if they are recorded.
     shots: Option<Shots>,
-    /// The present snapshot, made when first needed after a change.
-    snapshot: Option<Arc<Snapshot>>,
+    present: Present,
 }
 
 impl Publisher {
     /// Creates the publisher of a world. `pictures` is true to record what cameras see.
     pub(crate) fn new(recording: Recording, live: Broadcast, world: &World, pictures: bool) -> Self {
         let shots = pictures.then(Shots::default);
-        Self { recording, live, journal: Journal::of(world), shots, snapshot: None }
+        Self { recording, live, journal: Journal::of(world), shots, present: Present::default() }
     }
 
     /// Publishes a line that came from a client. `pawn` is the client's newest robot.
     pub(crate) fn received(&mut self, world: &World, connection: ConnectionId, pawn: Option<PawnId>, line: &str) {
-        self.snapshot = None;
+        self.present.forget();
         let robot = pawn.map(|robot| robot.0);
         self.keep(world, Record::In(WireLine { connection, robot, line: line.to_owned() }));
         self.live.line(|| Line { time: world.time(), direction: "in", connection, robot, text: line.to_owned() });
@@ -51,25 +50,25 @@ impl Publisher {
 
     /// Publishes a reading, whether or not the robot has a client.
     pub(crate) fn sensed(&mut self, world: &World, sensed: &Sensed) {
-        self.live.sensed(world, sensed);
+        self.live.sensed(world, sensed, &mut self.present);
         if !self.recording.is_wanted() {
             return;
         }
         self.recording.record(world, Record::Sensed(sensed.clone()));
         if let (Some(shots), Reading::Camera(_)) = (&mut self.shots, &sensed.reading) {
-            shots.take(world, sensed);
+            shots.take(world, sensed, self.present.of(world));
         }
     }
 
     /// Notes that the status changed: a client or robot arrived, or the timing changed.
     pub(crate) fn changed(&mut self, now: Instant) {
-        self.snapshot = None;
+        self.present.forget();
         self.live.changed(now);
     }
 
     /// Publishes that a robot left the world.
     pub(crate) fn left(&mut self, world: &World, robot: PawnId) {
-        self.snapshot = None;
+        self.present.forget();
         self.live.forget(robot);
         self.keep(world, Record::Left(robot.0));
     }
@@ -101,12 +100,10 @@ impl Publisher {
 
     /// Records the states after a step, if they are due.
     pub(crate) fn stepped(&mut self, world: &World) {
-        self.snapshot = None;
         for Shot { taken, png } in self.shots.iter_mut().flat_map(|shots| shots.due(world.time())) {
             self.recording.record(world, Record::Picture(taken, png));
         }
-        let Self { recording, snapshot, .. } = self;
-        recording.stepped(world.time(), || snapshot.get_or_insert_with(|| Arc::new(world.snapshot())).clone());
+        self.recording.stepped(world.time(), || self.present.of(world));
     }
 
     /// Publishes what is due by the clock: the frame, the status, and news of logs. `status` gets the path of the open log. To
@@ -114,8 +111,7 @@ impl Publisher {
     pub(crate) fn publish(&mut self, now: Instant, world: &World, status: impl FnOnce(Option<&Path>) -> Status) {
         if let Some(due) = self.live.due(now) {
             let status = due.status.then(|| status(self.recording.path()));
-            let snapshot = self.snapshot.get_or_insert_with(|| Arc::new(world.snapshot()));
-            self.live.publish(now, world.def(), snapshot, status);
+            self.live.publish(now, world.def(), &self.present.of(world), status);
         }
         self.recording.publish(now, world.time());
         for news in self.recording.news() {
@@ -147,7 +143,7 @@ impl Publisher {
 
     /// Replaces the old world with a fresh one, for viewers and logs.
     pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) {
-        (self.snapshot, self.journal) = (None, Journal::of(new));
+        (self.present, self.journal) = (Present::default(), Journal::of(new));
         // The thread ends by itself: nobody takes the pictures of the old world.
         self.shots.iter_mut().for_each(|shots| *shots = Shots::default());
         if old.def().map.name != new.def().map.name {
