@@ -1,5 +1,10 @@
-//! Rebuilds the program when the page in it changes.
+//! Generates Rust types from `proto/live.proto`.
 
-fn main() {
-    println!("cargo::rerun-if-changed=../../viewer/dist");
+use std::error::Error;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rerun-if-changed=proto");
+    let files = protox::compile(["live.proto"], ["proto"])?;
+    prost_build::Config::new().compile_fds(files)?;
+    Ok(())
 }

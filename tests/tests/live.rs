@@ -7,7 +7,9 @@ use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use gamebots_server::viewer_messages::{self, message::Content};
 use gamebots_server::{Config, Listener, Service, WorldControl};
+use prost::Message as _;
 use recorder::Record;
 use serde_json::Value;
 use system_tests::{PATIENCE, Peer, Server};
@@ -92,54 +94,27 @@ fn json(message: &Message, key: &str) -> Option<Value> {
     serde_json::from_str::<Value>(text).ok()?.get(key).cloned()
 }
 
-/// Reads a frame, by the table in `crates/gamebots-server/src/live/frame.rs`.
-fn frame(message: &Message) -> Option<Frame> {
+/// Reads a binary message.
+fn content(message: &Message) -> Option<Content> {
     let Message::Binary(bytes) = message else { return None };
-    let mut rest = &bytes[..];
-    let mut take = |count: usize| {
-        let (head, tail) = rest.split_at(count);
-        rest = tail;
-        head.to_vec()
+    viewer_messages::Message::decode(&bytes[..]).expect("a message of live.proto").content
+}
+
+fn frame(message: &Message) -> Option<Frame> {
+    let Some(Content::Frame(frame)) = content(message) else { return None };
+    let robot = |it: &viewer_messages::Robot| {
+        let (angle, target) = it.wheels.first().map_or((0.0, 0.0), |wheel| (wheel.angle, wheel.target));
+        assert_eq!((it.pose.len(), it.contact_points.len()), (7, it.contact_forces.len()));
+        (it.robot, [it.pose[0], it.pose[1], it.pose[2]], angle, target)
     };
-    if take(1)[0] != 1 {
-        return None;
-    }
-    let f32_at = |bytes: &[u8], index: usize| f32::from_le_bytes(bytes[4 * index..4 * index + 4].try_into().unwrap());
-    let u16_of = |bytes: Vec<u8>| u16::from_le_bytes(bytes.try_into().unwrap());
-    let time = f64::from_le_bytes(take(8).try_into().unwrap());
-    let (mut robots, mut contacts, mut joints) = (Vec::new(), 0, Vec::new());
-    for _ in 0..u16_of(take(2)) {
-        let id = u32::from_le_bytes(take(4).try_into().unwrap());
-        let pose = take(28);
-        take(24);
-        let mut first = (0.0, 0.0);
-        for wheel in 0..take(1)[0] {
-            let numbers = take(12);
-            if wheel == 0 {
-                first = (f32_at(&numbers, 0), f32_at(&numbers, 2));
-            }
-            let rollers = take(1)[0];
-            take(2 * usize::from(rollers));
-        }
-        let links = usize::from(take(1)[0]);
-        take(28 * links);
-        for _ in 0..take(1)[0] {
-            joints.push(f32_at(&take(8), 0));
-        }
-        let count = usize::from(take(1)[0]);
-        take(18 * count);
-        contacts += count;
-        robots.push((id, [0, 1, 2].map(|index| f32_at(&pose, index)), first.0, first.1));
-    }
-    let objects = usize::from(u16_of(take(2)));
-    let objects = (0..objects).map(|_| {
-        let number = u32::from_le_bytes(take(4).try_into().unwrap());
-        take(28);
-        number
-    });
-    let objects: Vec<u32> = objects.collect();
-    assert!(rest.is_empty(), "{} bytes too many", rest.len());
-    Some(Frame { time, bytes: bytes.len(), robots, contacts, objects, joints })
+    Some(Frame {
+        time: frame.time,
+        bytes: message.len(),
+        robots: frame.robots.iter().map(robot).collect(),
+        contacts: frame.robots.iter().map(|it| it.contact_points.len() / 3).sum(),
+        objects: frame.objects.iter().map(|it| it.object).collect(),
+        joints: frame.robots.iter().flat_map(|it| it.joint_positions.clone()).collect(),
+    })
 }
 
 fn robot(peer: &mut Peer) {
@@ -387,25 +362,25 @@ fn a_viewer_gets_pictures_of_the_cameras_that_it_asks_for() {
     viewer.send("{\"wire\":false,\"robots\":[],\"cameras\":[1,1,7]}");
     let mut before = 0.0;
     for _ in 0..3 {
-        let picture = viewer.wait("a picture", |message| match message {
-            Message::Binary(bytes) if bytes[0] == 3 => Some(bytes.to_vec()),
+        let picture = viewer.wait("a picture", |message| match content(message) {
+            Some(Content::Picture(picture)) => Some(picture),
             _ => None,
         });
-        assert_eq!((&picture[1..5], usize::from(picture[5])), (&[1, 0, 0, 0][..], camera));
-        let time = f64::from_le_bytes(picture[6..14].try_into().unwrap());
+        assert_eq!((picture.robot, picture.sensor as usize), (1, camera));
+        let time = picture.time;
         assert!(time >= before + 0.09, "{time} after {before}");
         before = time;
-        let reader = png::Decoder::new(std::io::Cursor::new(&picture[14..])).read_info().unwrap();
+        let reader = png::Decoder::new(std::io::Cursor::new(&picture.png)).read_info().unwrap();
         assert_eq!((reader.info().width, reader.info().height), (320, 240));
     }
     viewer.send("{\"wire\":false,\"robots\":[],\"cameras\":[]}");
     viewer.frame("a frame after the wish", |_| true);
-    let is_picture = |message: &Message| matches!(message, Message::Binary(bytes) if bytes[0] == 3).then_some(true);
+    let is_picture = |message: &Message| matches!(content(message), Some(Content::Picture(_)));
     let (mut frames, mut late) = (0, 0);
     while frames < 30 {
         let message = viewer.next();
         frames += usize::from(frame(&message).is_some());
-        late += usize::from(is_picture(&message).is_some());
+        late += usize::from(is_picture(&message));
     }
     assert!(late <= 2, "{late} pictures after the wish ended");
 }

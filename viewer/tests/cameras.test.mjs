@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
+import { frameBytes, messageBytes } from './messages.mjs';
 import { root } from './server.mjs';
 
 const module = async (name) => (await runnerImport(join(root, `viewer/src/${name}.ts`))).module;
@@ -15,23 +16,7 @@ const PNG = [0x89, 0x50, 0x4e, 0x47];
 const passed = () => new Promise((resolve) => setTimeout(resolve, 10));
 const listenerOf = (names, heard) => Object.fromEntries(names.map((name) => [name, heard]));
 
-/** A picture as the server sends it. */
-function pictureBytes({ robot, sensor, time, png }) {
-  const head = Buffer.alloc(14);
-  head.writeUInt8(3);
-  head.writeUInt32LE(robot, 1);
-  head.writeUInt8(sensor, 5);
-  head.writeDoubleLE(time, 6);
-  return Uint8Array.from([...head, ...png]).buffer;
-}
-
-/** An empty frame as the server sends it. */
-function frameBytes(time) {
-  const bytes = Buffer.alloc(13);
-  bytes.writeUInt8(1);
-  bytes.writeDoubleLE(time, 1);
-  return Uint8Array.from(bytes).buffer;
-}
+const pictureBytes = ({ png, ...picture }) => messageBytes({ picture: { ...picture, png: Uint8Array.from(png) } });
 
 test('a picture names its robot, its sensor and its time, and has a file', () => {
   for (const sent of [
@@ -41,7 +26,8 @@ test('a picture names its robot, its sensor and its time, and has a file', () =>
     const { picture } = readMessage(pictureBytes(sent));
     assert.deepEqual({ ...picture, png: [...picture.png] }, sent);
   }
-  assert.throws(() => readMessage(pictureBytes({ robot: 0, sensor: 0, time: 0, png: [] }).slice(0, 13)), RangeError);
+  const cut = pictureBytes({ robot: 1, sensor: 1, time: 12.5, png: [] }).slice(0, 9);
+  assert.throws(() => readMessage(cut), RangeError);
 });
 
 test('the page says whose pictures it wants, when that changes and to each server', async (context) => {

@@ -5,6 +5,7 @@ import { test } from 'node:test';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
 import { message, writeLog } from './mcap.mjs';
+import { frameBytes } from './messages.mjs';
 import { root } from './server.mjs';
 
 const module = async (name) => (await runnerImport(join(root, `viewer/src/${name}.ts`))).module;
@@ -30,19 +31,6 @@ const sceneOf = (...objects) => ({
 const statusOf = (resets) => ({ resets, robots: [], recording: null });
 const passed = () => new Promise((resolve) => setTimeout(resolve, 10));
 const numbersOf = (objects) => objects.map(({ number }) => number);
-
-/** A frame as the server sends it. */
-function frameBytes(time, objects) {
-  const bytes = Buffer.alloc(13 + 32 * objects.length);
-  bytes.writeUInt8(1);
-  bytes.writeDoubleLE(time, 1);
-  bytes.writeUInt16LE(objects.length, 11);
-  objects.forEach(({ number, pose }, at) => {
-    bytes.writeUInt32LE(number, 13 + 32 * at);
-    pose.forEach((value, part) => bytes.writeFloatLE(value, 17 + 32 * at + 4 * part));
-  });
-  return Uint8Array.from(bytes).buffer;
-}
 
 test('a frame names its objects by their numbers', () => {
   const objects = [

@@ -13,6 +13,8 @@ use sim_core::{CompiledScene, PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
 
+use crate::live::messages::message::Content;
+use crate::live::{frame, messages};
 use crate::present::Present;
 
 /// Width and height of a picture, pixels.
@@ -30,7 +32,7 @@ const MAX_BEHIND: usize = 8;
 /// Most robots whose pictures a viewer can ask for.
 const MAX_ROBOTS: usize = 8;
 
-/// A picture of a robot's camera, as a message to viewers (kind 3): 1 kind, 4 robot u32, 1 sensor, 8 simulated time f64, then a PNG file.
+/// A picture of a robot's camera, as a message to viewers.
 #[derive(Debug, Clone)]
 pub(crate) struct Picture {
     /// The robot's number.
@@ -241,13 +243,11 @@ fn draw(waiting: &Receiver<Job>, pictures: &broadcast::Sender<Picture>) {
     let mut stage = None;
     while let Ok(job) = waiting.recv() {
         if let Some(png) = png_of(&job, &mut stage) {
-            let mut message = vec![3];
-            message.extend((job.sensed.robot.0 as u32).to_le_bytes());
-            message.push(job.sensed.sensor as u8);
-            message.extend(job.snapshot.time.to_le_bytes());
-            message.extend(png);
+            let (robot, sensor) = (job.sensed.robot.0, job.sensed.sensor as u32);
+            let picture = messages::Picture { robot: robot as u32, sensor, time: job.snapshot.time, png };
+            let message = frame::encode(Content::Picture(picture)).into();
             // The last viewer may have left.
-            let _ = pictures.send(Picture { robot: job.sensed.robot.0, message: message.into() });
+            let _ = pictures.send(Picture { robot, message });
         }
     }
 }

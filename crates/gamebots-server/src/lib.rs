@@ -32,6 +32,7 @@ mod web;
 mod world_thread;
 
 pub use control::{WorldControl, check_real_time_factor};
+pub use live::messages as viewer_messages;
 pub use playback::{Playback, play};
 pub use saved::{SavedFileError, read_saved};
 

@@ -4,7 +4,8 @@
 //! every [`Notice`], and every [`Line`] of the wire and the readings of robots ([`Measured`]) if it wants them. If it falls too
 //! far behind, it is told how many it missed. A viewer that takes nothing for half a minute is dropped.
 
-mod frame;
+pub(crate) mod frame;
+pub mod messages;
 mod scene_json;
 
 use std::collections::BTreeMap;

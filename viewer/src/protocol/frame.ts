@@ -1,5 +1,9 @@
-/** The binary messages of `/live`; their layout is in crates/gamebots-server/src/live/frame.rs. */
+/**
+ * The binary messages of `/live`. crates/gamebots-server/proto/live.proto defines them, and `npm run generate` makes their reader.
+ */
 
+import { PbfReader } from 'pbf';
+import * as live from './live.pb.js';
 import type { Pose, Vector } from './scene';
 
 export interface WheelState {
@@ -60,88 +64,56 @@ export interface Picture {
   png: Uint8Array<ArrayBuffer>;
 }
 
-class Reader {
-  private at = 0;
-  constructor(private readonly view: DataView<ArrayBuffer>) {}
-  u8(): number {
-    return this.view.getUint8(this.at++);
-  }
-  u16(): number {
-    this.at += 2;
-    return this.view.getUint16(this.at - 2, true);
-  }
-  i16(): number {
-    this.at += 2;
-    return this.view.getInt16(this.at - 2, true);
-  }
-  u32(): number {
-    this.at += 4;
-    return this.view.getUint32(this.at - 4, true);
-  }
-  f32(): number {
-    this.at += 4;
-    return this.view.getFloat32(this.at - 4, true);
-  }
-  f64(): number {
-    this.at += 8;
-    return this.view.getFloat64(this.at - 8, true);
-  }
-  /** All bytes that follow. */
-  rest(): Uint8Array<ArrayBuffer> {
-    return new Uint8Array(this.view.buffer, this.at);
-  }
-  list<T>(count: number, item: () => T): T[] {
-    return Array.from({ length: count }, item);
-  }
-  vector(): Vector {
-    return [this.f32(), this.f32(), this.f32()];
-  }
-  pose(): Pose {
-    return [...this.vector(), this.f32(), this.f32(), this.f32(), this.f32()];
-  }
-}
-
+/** Unit of a force, N. */
 const FORCE_UNIT = 0.25;
+/** Units of a roller's angle in pi. */
+const HALF_TURN = 32768;
+/** Units of a range in a sensor's greatest range. */
+const FULL_RANGE = 65535;
 
 export function readMessage(bytes: ArrayBuffer): { frame: Frame } | { scan: Scan } | { picture: Picture } | null {
-  const reader = new Reader(new DataView(bytes));
-  const kind = reader.u8();
-  if (kind === 1) {
-    const time = reader.f64();
-    const robots = reader.list(reader.u16(), () => readRobot(reader));
-    const objects = reader.list(reader.u16(), () => ({ number: reader.u32(), pose: reader.pose() }));
-    return { frame: { time, robots, objects } };
+  const { frame, scan, picture } = live.readMessage(new PbfReader(bytes), bytes.byteLength);
+  if (frame) {
+    const objects = frame.objects.map((it) => ({ number: it.object, pose: it.pose as Pose }));
+    return { frame: { time: frame.time, robots: frame.robots.map(readRobot), objects } };
   }
-  if (kind === 2) {
-    const robot = reader.u32();
-    const sensor = reader.u8();
-    return { scan: { robot, sensor, ranges: reader.list(reader.u16(), () => reader.u16() / 65535) } };
+  if (scan) {
+    const ranges = scan.ranges.map((range) => range / FULL_RANGE);
+    return { scan: { robot: scan.robot, sensor: scan.sensor, ranges } };
   }
-  if (kind === 3) {
-    const robot = reader.u32();
-    const sensor = reader.u8();
-    return { picture: { robot, sensor, time: reader.f64(), png: reader.rest() } };
+  if (picture) {
+    return { picture: { ...picture, png: picture.png ?? new Uint8Array() } };
   }
   return null;
 }
 
-function readRobot(reader: Reader): RobotState {
-  const id = reader.u32();
-  const pose = reader.pose();
-  const linear = reader.vector();
-  const angular = reader.vector();
-  const wheels = reader.list(reader.u8(), () => {
-    const [angle, speed, target] = reader.vector();
-    return { angle, speed, target, rollers: reader.list(reader.u8(), () => (reader.i16() / 32768) * Math.PI) };
-  });
-  const links = reader.list(reader.u8(), () => reader.pose());
-  const joints = reader.list(reader.u8(), () => ({ position: reader.f32(), speed: reader.f32() }));
-  const force = () => reader.i16() * FORCE_UNIT;
-  const contacts = reader.list(reader.u8(), () => {
-    const point = reader.vector();
-    return { point, force: [force(), force(), force()] as Vector };
-  });
-  return { id, pose, linear, angular, wheels, links, joints, contacts };
+function readRobot(robot: live.Robot): RobotState {
+  const { pose, linear, angular, wheels, links, joint_positions, joint_speeds, contact_points, contact_forces } = robot;
+  const forces = inParts<Vector>(
+    contact_forces.map((part) => part * FORCE_UNIT),
+    3,
+  );
+  return {
+    id: robot.robot,
+    pose: pose as Pose,
+    linear: linear as Vector,
+    angular: angular as Vector,
+    wheels: wheels.map((wheel) => ({
+      ...wheel,
+      rollers: wheel.rollers.map((angle) => (angle / HALF_TURN) * Math.PI),
+    })),
+    links: inParts<Pose>(links, 7),
+    joints: joint_positions.map((position, at) => ({ position, speed: joint_speeds[at] ?? 0 })),
+    contacts: inParts<Vector>(contact_points, 3).map((point, at) => ({ point, force: forces[at] ?? [0, 0, 0] })),
+  };
+}
+
+/** Cuts a list of numbers into parts of a length. */
+function inParts<Part extends number[]>(numbers: number[], length: number): Part[] {
+  return Array.from(
+    { length: Math.floor(numbers.length / length) },
+    (_, part) => numbers.slice(part * length, (part + 1) * length) as Part,
+  );
 }
 
 /** Roll, pitch, yaw of a pose, rad, as the wire writes them. */

@@ -1,0 +1,22 @@
+// Binary messages as the server sends them, written by a writer made of live.proto.
+
+import { join } from 'node:path';
+import { compile } from 'pbf/compile';
+import { PbfWriter } from 'pbf';
+import schema from 'resolve-protobuf-schema';
+import { root } from './server.mjs';
+
+const { writeMessage } = compile(schema.sync(join(root, 'crates/gamebots-server/proto/live.proto')));
+
+/** Returns a message: `{frame}`, `{scan}` or `{picture}`. */
+export function messageBytes(message) {
+  const pbf = new PbfWriter();
+  writeMessage(message, pbf);
+  return Uint8Array.from(pbf.finish()).buffer;
+}
+
+/** Returns a frame without robots. Objects are `{number, pose}`. */
+export function frameBytes(time, objects = []) {
+  const placed = objects.map(({ number, pose }) => ({ object: number, pose }));
+  return messageBytes({ frame: { time, robots: [], objects: placed } });
+}
