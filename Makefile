@@ -90,6 +90,7 @@ check:
 
 # Every measured number that README.md and docs show, made anew: a quarter of an hour on a machine that does nothing else.
 figures: target/interop/venv/bin/python
+	UPDATE_FIGURES=1 cargo test -p gamebots-server --lib the_page_has_the_types_of_the_scene
 	UPDATE_FIGURES=1 cargo test --release -p usarsim --test figures -- --nocapture
 	$< -m pip install --quiet --requirement tests/interop/requirements.txt
 	$< bench/validation.py

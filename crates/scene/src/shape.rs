@@ -6,6 +6,7 @@ use crate::{Material, Pose, pose};
 
 /// Geometry of a solid, in its own frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "ts", derive(ts_rs::TS))]
 pub enum Shape {
     /// Everything below the plane z = 0 (positive z); the space above it (negative z) is free.
     HalfSpace,

@@ -11,20 +11,14 @@ import { Chunks, lastMessage, messagesBetween } from './chunks';
 import { type Chunk, type Contents, type Message, readContents } from './mcap';
 import { readLeft, readLine, readLineOwner, readRanges, readReading, readState, readTransforms } from './messages';
 import { LogObjects } from './objects';
-import { type LogClass, type LogRobotState, robotState } from './robot';
+import { robotState } from './robot';
 import { Source } from './source';
 
-export interface LogScene extends Scene {
-  classes: Record<string, LogClass>;
-}
-export interface LogFrame extends Frame {
-  robots: LogRobotState[];
-}
 export type LogRobots = Status['robots'];
 
 /** Where the robots were, and who was there. */
 export interface RobotsMoment {
-  frame: LogFrame;
+  frame: Frame;
   robots: LogRobots;
 }
 
@@ -68,7 +62,7 @@ export class LogFile {
     contents: Contents,
     /** What describes the run: seed, time step, and what else it was begun with. */
     readonly run: Record<string, string>,
-    readonly scene: LogScene,
+    readonly scene: Scene,
   ) {
     const last = contents.chunks.reduce((end, chunk) => Math.max(end, chunk.end), 0) / 1e9;
     this.start = numberOf(run.began) ?? 0;
@@ -90,7 +84,7 @@ export class LogFile {
       throw new Error(`it is of format ${run.format}, expected 1 to ${FORMAT}; a newer usarsim may read it`);
     }
     if (run.scene === undefined) throw new Error('no `scene` in its metadata');
-    const scene = (await askScene(run.scene)) as LogScene;
+    const scene = (await askScene(run.scene)) as Scene;
     // The text has several MB where a map has meshes.
     const { scene: _, ...rest } = run;
     const numbers = { seed: numberOf(run.seed) ?? 0, time_step: numberOf(run.time_step) ?? 0 };
@@ -98,7 +92,7 @@ export class LogFile {
   }
 
   /** Where everything was at a time, s. */
-  async frameAt(time: number): Promise<LogFrame> {
+  async frameAt(time: number): Promise<Frame> {
     return (await this.momentAt(time)).frame;
   }
 

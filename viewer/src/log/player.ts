@@ -1,14 +1,14 @@
 /** Plays a log: what a live world tells by itself is read from the file as time goes on. */
 
-import type { Scan } from '../protocol/frame';
+import type { Frame, Scan } from '../protocol/frame';
 import type { WireLine } from '../protocol/live';
 import type { Solid } from '../protocol/scene';
 import type { Reading } from '../protocol/sensors';
-import type { LogFile, LogFrame, LogRobots } from './file';
+import type { LogFile, LogRobots } from './file';
 
 /** What the page does with what a log has. */
 export interface LogListener {
-  frame(frame: LogFrame): void;
+  frame(frame: Frame): void;
   /** The objects that the map does not have, by their numbers, when that changes. The frame with them follows. */
   objects(objects: Map<number, Solid>): void;
   /** Who is there, when that changes. */

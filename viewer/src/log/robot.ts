@@ -4,24 +4,7 @@ import type { RobotState } from '../protocol/frame';
 import type { Pose, RobotClass, Vector } from '../protocol/scene';
 import type { StateMessage } from './messages';
 
-/** A class as the scene has it, with what only logs need. */
-export interface LogClass extends RobotClass {
-  /** the links that have a value: those that `joint_positions` of a state are of */
-  values: string[];
-  /** with poses in the robot frame when every joint is at 0 */
-  links: (RobotClass['links'][number] & { pose: Pose })[];
-}
-
-/** rad and rad/s, or m and m/s */
-export interface JointState {
-  position: number;
-  speed: number;
-}
-
-export interface LogRobotState extends RobotState {
-  /** those that the class's `joints` lists, in its order */
-  joints: JointState[];
-}
+type JointState = RobotState['joints'][number];
 
 /**
  * What a log has of a robot. It has no targets of wheels, which repeat their speeds, no angles of rollers, which are 0, and no
@@ -29,10 +12,10 @@ export interface LogRobotState extends RobotState {
  */
 export function robotState(
   state: StateMessage,
-  robotClass: LogClass,
+  robotClass: RobotClass,
   frame: string,
   transforms: Map<string, Pose>,
-): LogRobotState {
+): RobotState {
   const joints = valuesOf(state, robotClass);
   const wheels = robotClass.wheels.map(({ name, rollers }) => {
     const { position, speed } = joints.get(name) ?? { position: 0, speed: 0 };
@@ -51,12 +34,12 @@ export function robotState(
 }
 
 /** The joints that the class's `joints` lists, in its order. */
-export function jointStates(state: StateMessage, robotClass: LogClass): JointState[] {
+export function jointStates(state: StateMessage, robotClass: RobotClass): JointState[] {
   const joints = valuesOf(state, robotClass);
   return robotClass.joints.map(({ name }) => joints.get(name) ?? { position: 0, speed: 0 });
 }
 
-function valuesOf({ positions, speeds }: StateMessage, { values }: LogClass): Map<string, JointState> {
+function valuesOf({ positions, speeds }: StateMessage, { values }: RobotClass): Map<string, JointState> {
   return new Map(values.map((name, at) => [name, { position: positions[at] ?? 0, speed: speeds[at] ?? 0 }]));
 }
 

@@ -104,8 +104,8 @@ class JointRow {
     if (document.activeElement !== this.field) this.field.value = this.shown(joint.position);
   }
 
-  private get unit(): 'rad' | 'm' {
-    return this.joint.unit ?? 'rad';
+  private get unit(): Joint['unit'] {
+    return this.joint.unit;
   }
 
   private shown(value: number): string {

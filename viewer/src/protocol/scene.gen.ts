@@ -1,0 +1,171 @@
+// Generated from crates/gamebots-server/src/live/scene_json.rs by `make figures`.
+
+export type Scene = { version: string, seed: number | null, 
+/**
+ * Time step, s.
+ */
+time_step: number | null, 
+/**
+ * Port for controllers.
+ */
+port: number | null, 
+/**
+ * Maps that the server can change to.
+ */
+maps: Array<OtherMap>, map: Map, classes: Record<string, RobotClass>, };
+
+export type OtherMap = { name: string, description: string, };
+
+export type Map = { name: string, description: string, solids: Array<Solid>, objects: Array<Solid>, starts: Array<NamedPlace>, path_nodes: Array<NamedPlace>, };
+
+export type Solid = { name: string, shape: Shape, pose: [number, number, number, number, number, number, number], 
+/**
+ * Name of the material.
+ */
+material: string, colour: [number, number, number], friction: number, };
+
+export type Spawned = { number: number, name: string, shape: Shape, pose: [number, number, number, number, number, number, number], 
+/**
+ * Name of the material.
+ */
+material: string, colour: [number, number, number], friction: number, };
+
+export type NamedPlace = { name: string, position: [number, number, number], 
+/**
+ * Roll, pitch, yaw, rad.
+ */
+rotation: [number, number, number], };
+
+export type RobotClass = { description: string, steering: 'SkidSteered' | 'OmniDrive' | 'AckermanSteered' | 'Aerial' | 'Legged' | 'None', 
+/**
+ * Largest angles of front and rear, rad.
+ */
+max_steer: [number, number], drive_model: string, wheel_radius: number, track: number, wheel_base: number, 
+/**
+ * Pieces of the body.
+ */
+drawn: Array<Drawn>, 
+/**
+ * Links except the body and driven wheels.
+ */
+links: Array<Link>, 
+/**
+ * Driven wheels.
+ */
+wheels: Array<Wheel>, 
+/**
+ * Links with a joint that has a value, in the order of a log's positions.
+ */
+values: Array<string>, 
+/**
+ * Joints that go to positions.
+ */
+joints: Array<Joint>, grippers: Array<Gripper>, sensors: Array<Sensor>, };
+
+export type Link = { name: string, 
+/**
+ * Pose in the robot frame when every joint is at 0.
+ */
+pose: [number, number, number, number, number, number, number], drawn: Array<Drawn>, };
+
+export type Drawn = { shape: Shape, pose: [number, number, number, number, number, number, number], colour: [number, number, number], };
+
+export type Wheel = { name: string, 
+/**
+ * Index of the carrier among the links; null for the body.
+ */
+link: number | null, 
+/**
+ * Position in the carrier's frame, m.
+ */
+position: [number, number, number], 
+/**
+ * Pieces except rollers.
+ */
+drawn: Array<Drawn>, 
+/**
+ * Speed limit, rad/s.
+ */
+max_speed: number | null, rollers: Rollers | null, };
+
+export type Rollers = { 
+/**
+ * Poses in the wheel's frame.
+ */
+poses: Array<[number, number, number, number, number, number, number]>, 
+/**
+ * Points of the outline: along the axis and away from it, m.
+ */
+outline: Array<[number, number]>, colour: [number, number, number], };
+
+export type Joint = { name: string, min: number, max: number, unit: 'rad' | 'm', };
+
+export type Gripper = { name: string, joints: Array<string>, 
+/**
+ * Positions of the joints, rad or m.
+ */
+open: Array<number>, closed: Array<number>, };
+
+export type Sensor = { name: string, 
+/**
+ * Index of the carrier among the links; null for the body.
+ */
+link: number | null, 
+/**
+ * Pose in the carrier's frame.
+ */
+pose: [number, number, number, number, number, number, number], 
+/**
+ * Size of its pictures; null if it is no camera.
+ */
+camera: Camera | null, 
+/**
+ * Greatest range, m.
+ */
+max_range: number | null, fan: Fan | null, };
+
+export type Camera = { width: number, height: number, };
+
+export type Fan = { 
+/**
+ * Angle of the first beam, rad.
+ */
+first: number, 
+/**
+ * Angle between two beams, rad.
+ */
+resolution: number, 
+/**
+ * True if the beams are in the sensor's horizontal plane.
+ */
+level: boolean, };
+
+export type Shape = "HalfSpace" | { "Box": { 
+/**
+ * Edge lengths along x, y, z.
+ */
+size: [number, number, number], } } | { "Cylinder": { 
+/**
+ * Radius.
+ */
+radius: number, 
+/**
+ * Length along z.
+ */
+length: number, } } | { "Ball": { 
+/**
+ * Radius.
+ */
+radius: number, } } | { "Hull": { 
+/**
+ * At least four points that are not in one plane.
+ */
+points: Array<[number, number, number]>, } } | { "Mesh": { 
+/**
+ * Corners.
+ */
+vertices: Array<[number, number, number]>, 
+/**
+ * Indices of three corners each.
+ */
+triangles: Array<[number, number, number]>, } };
