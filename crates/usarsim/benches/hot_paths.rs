@@ -61,9 +61,15 @@ fn one_laser_scan(bencher: Bencher) {
 }
 
 #[divan::bench]
-fn a_drive_line(bencher: Bencher) {
+fn a_drive_line_read_and_executed(bencher: Bencher) {
     let line = "DRIVE {Front-Left 1,00} {Front-Right 1,00} {Back-Left 1,00} {Back-Right 1,00}";
-    bencher.bench(|| Command::read(&Line::parse(divan::black_box(line)), &mut Vec::new()));
+    let mut world = world("KUKA_YouBot", DriveModel::Analytic, 1);
+    let robot = world.robots().next().map(|(id, ..)| id).expect("a robot");
+    bencher.bench_local(|| {
+        let mut problems = Vec::new();
+        let drive = Command::read(&Line::parse(divan::black_box(line)), &mut problems).expect("a command");
+        world.execute(Some(robot), &drive, &mut problems)
+    });
 }
 
 #[divan::bench]

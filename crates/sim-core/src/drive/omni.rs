@@ -54,8 +54,11 @@ pub(super) fn twist(
     if names_wheels(drive) {
         *held = Twist::default();
     }
-    let limit = fastest(robot);
     let given = drive.numbers(VELOCITIES, problems);
+    if given.iter().all(Option::is_none) {
+        return None;
+    }
+    let limit = if normalized { fastest(robot) } else { Twist::default() };
     let value = |given: Option<f64>, limit: f64, held: f64| {
         given.map_or(held, |given| if normalized { given * limit / 100.0 } else { given })
     };
@@ -65,7 +68,7 @@ pub(super) fn twist(
         right: value(right, limit.right, held.right),
         clockwise: value(clockwise, limit.clockwise, held.clockwise),
     };
-    given.iter().any(Option::is_some).then_some(Order::Twist(*held))
+    Some(Order::Twist(*held))
 }
 
 /// Returns the wheel speeds for a twist, rad/s. A twist out of reach is scaled down as a whole, which keeps its direction.
