@@ -41,5 +41,5 @@ pageTest('problems of clients are told in plain words', { serve: ['--map', 'roug
   assert.ok(!/connection \d/.test(toasts) && !/DRIVE \{/.test(toasts), toasts);
   // The raw lines stay.
   await page.click('[data-tab=wire]');
-  await page.waitForSelector('#lines .said:has-text("line 2: ")');
+  await page.waitForSelector('#lines .said:has-text("line 3: ")');
 });

@@ -37,13 +37,23 @@ export async function startServer(...options) {
   return { folder, port, http, url: `http://127.0.0.1:${http}/`, stop };
 }
 
-/** Connects a client of the protocol that sends some lines. */
+/** Connects a client of the protocol that sends some lines, and waits until the server has executed them. */
 export async function connectClient(port, ...lines) {
   const socket = net.connect(port, '127.0.0.1');
   await new Promise((resolve, failed) => socket.once('connect', resolve).once('error', failed));
   socket.on('error', () => {});
-  socket.resume();
-  lines.forEach((line) => socket.write(`${line}\r\n`));
+  // Two clients whose lines wait are served in any order.
+  const served = new Promise((resolve) => {
+    let heard = '';
+    socket.on('data', (data) => {
+      if (heard === null) return;
+      heard += data;
+      if (heard.includes('{StartPoses')) resolve((heard = null));
+    });
+    socket.once('close', resolve);
+  });
+  [...lines, 'GETSTARTPOSES'].forEach((line) => socket.write(`${line}\r\n`));
+  await served;
   return { send: (line) => socket.write(`${line}\r\n`), end: () => socket.destroy() };
 }
 
