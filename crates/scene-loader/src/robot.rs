@@ -108,7 +108,7 @@ pub(crate) fn read(
     let tool_changers = read_tool_changers(&mut document, &mut root, materials, &links, complete);
     let sensors = read_sensors(&mut document, &mut root, &links, wheels.as_ref().ok().map(Vec::len), complete);
     let battery = read_battery(&mut document, &mut root);
-    let footing = read_footing(&mut document, &mut root, steering);
+    let aerial = read_aerial(&mut document, &mut root, steering);
     document.finish(root, KEYS);
     wheels.ok()?;
     let steering = steering?;
@@ -127,7 +127,7 @@ pub(crate) fn read(
         tool_changers,
         battery,
         reported_max_torque,
-        footing,
+        footing: Footing::of(steering, aerial),
         assumptions,
     };
     document.as_a_whole(|| check::robot(&robot));
@@ -150,13 +150,6 @@ struct AerialEntry {
     max_velocity: Vector,
     max_turn: f64,
     max_tilt: f64,
-}
-
-/// Reads what the steering says of the footing. A file with limits of flight and another steering is refused as a whole.
-fn read_footing<'a>(document: &mut Document<'a>, root: &mut Table<'a>, steering: Option<Steering>) -> Footing {
-    let aerial = read_aerial(document, root, steering);
-    let other = if steering == Some(Steering::None) { Footing::Fixed } else { Footing::Free };
-    aerial.map_or(other, Footing::Flying)
 }
 
 fn read_aerial<'a>(document: &mut Document<'a>, root: &mut Table<'a>, steering: Option<Steering>) -> Option<Aerial> {

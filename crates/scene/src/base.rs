@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::check::LEAST_OFFSET;
-use crate::{MountedWheel, RobotDef, Side};
+use crate::{MountedWheel, RobotDef, Side, Steering};
 
 /// The support of a robot's root.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -29,6 +29,12 @@ pub struct Aerial {
 }
 
 impl Footing {
+    /// Returns the footing of robots with a steering, whose files say nothing else, and with these limits of flight, if any.
+    pub fn of(steering: Steering, aerial: Option<Aerial>) -> Self {
+        let other = if steering == Steering::None { Self::Fixed } else { Self::Free };
+        aerial.map_or(other, Self::Flying)
+    }
+
     /// Returns the flight limits. `None` if the robot does not fly.
     pub fn aerial(&self) -> Option<Aerial> {
         if let Self::Flying(aerial) = self { Some(*aerial) } else { None }

@@ -227,6 +227,11 @@ impl RobotDef {
         Some(self.links.iter().take(link).filter(|link| link.has_value()).count())
     }
 
+    /// Returns the link that a link's joint hangs on; `None` for the root.
+    pub fn parent_of(&self, link: usize) -> Option<usize> {
+        Some(self.links.get(link)?.joint.as_ref()?.parent)
+    }
+
     /// Returns the actuator that moves a link, and the number of its joint there, from 1.
     pub fn actuator_of(&self, link: usize) -> Option<(&Actuator, usize)> {
         self.actuators.iter().find_map(|it| Some((it, it.links.iter().position(|&other| other == link)? + 1)))

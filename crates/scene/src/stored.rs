@@ -67,11 +67,6 @@ impl From<Robot> for RobotDef {
                 Link::of_wheel(name, position, drive, Wheel { side, radius, width, mass, material, rollers })
             }));
         }
-        let footing = match (stored.aerial, stored.steering) {
-            (Some(aerial), _) => Footing::Flying(aerial),
-            (None, Steering::None) => Footing::Fixed,
-            (None, _) => Footing::Free,
-        };
         Self {
             class: stored.class,
             description: stored.description,
@@ -87,7 +82,7 @@ impl From<Robot> for RobotDef {
             tool_changers: stored.tool_changers,
             battery: stored.battery,
             reported_max_torque: stored.reported_max_torque,
-            footing: stored.footing.unwrap_or(footing),
+            footing: stored.footing.unwrap_or_else(|| Footing::of(stored.steering, stored.aerial)),
             assumptions: stored.assumptions,
         }
     }

@@ -9,6 +9,7 @@
 mod compiled;
 mod drive;
 mod flight;
+mod kinds;
 pub mod mecanum;
 mod physics;
 mod sensor;

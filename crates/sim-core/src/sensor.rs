@@ -1,6 +1,6 @@
 //! Sensors, one file each, with measurement, CONF and the reading on the wire. Their parameters and readings are in the crate `scene`.
 //!
-//! To add one, write its parameters there and its file here, then add its lines to `kinds`, [`mount`] and [`wire`].
+//! To add one, write its parameters there and its file here, then add its lines to [`Mounted`], [`mount`] and [`wire`].
 
 mod battery;
 mod camera;
@@ -23,6 +23,7 @@ use scene::{JointState, Pose, RobotDef, SensorDef};
 use serde::{Deserialize, Serialize};
 
 use crate::PawnId;
+use crate::kinds::kinds;
 use crate::physics::{Physics, RobotBodies, Sight};
 use crate::{BodyState, WheelState};
 
@@ -146,45 +147,21 @@ pub(crate) trait Sensor {
     fn conf(&self) -> ItemConf;
 }
 
-/// Defines the enum of mounted sensors. An enum can be cloned, unlike boxed traits, so a world can be copied.
-macro_rules! kinds {
-    ($($kind:ident($file:ident)),* $(,)?) => {
-        /// A mounted sensor of any kind.
-        #[derive(Clone)]
-        pub(crate) enum Mounted {
-            $($kind($file::Mounted)),*
-        }
-
-        impl Mounted {
-            /// Returns the sensor for reading.
-            pub(crate) fn get(&self) -> &dyn Sensor {
-                match self {
-                    $(Self::$kind(sensor) => sensor),*
-                }
-            }
-
-            /// Returns the sensor for measuring or setting.
-            pub(crate) fn get_mut(&mut self) -> &mut dyn Sensor {
-                match self {
-                    $(Self::$kind(sensor) => sensor),*
-                }
-            }
-        }
-    };
-}
-
 kinds! {
-    Battery(battery),
-    Camera(camera),
-    Encoder(encoder),
-    GroundTruth(ground_truth),
-    Imu(imu),
-    Ins(ins),
-    Odometry(odometry),
-    RangeScanner(range_scanner),
-    Sonar(sonar),
-    Tachometer(tachometer),
-    Touch(touch),
+    /// A mounted sensor of any kind.
+    pub(crate) enum Mounted of Sensor {
+        Battery(battery::Mounted),
+        Camera(camera::Mounted),
+        Encoder(encoder::Mounted),
+        GroundTruth(ground_truth::Mounted),
+        Imu(imu::Mounted),
+        Ins(ins::Mounted),
+        Odometry(odometry::Mounted),
+        RangeScanner(range_scanner::Mounted),
+        Sonar(sonar::Mounted),
+        Tachometer(tachometer::Mounted),
+        Touch(touch::Mounted),
+    }
 }
 
 /// Mounts a sensor on a robot.

@@ -356,14 +356,13 @@ impl World {
                 robot.multi_drive(drive, problems);
                 Vec::new()
             }
-            (Command::Act(Act { name, targets, gripper }), Some(robot)) => {
+            (
+                Command::Act(Act { name, targets, gripper }) | Command::MisPkg(MisPkg { name, targets, gripper }),
+                Some(robot),
+            ) => {
+                let first = usize::from(matches!(command, Command::MisPkg(_)));
                 let closed = gripper.map(|gripper| gripper != 0.0);
-                tools = robot.act(&Motion { name, first: 0, targets, closed }, problems).tools;
-                Vec::new()
-            }
-            (Command::MisPkg(MisPkg { name, targets, gripper }), Some(robot)) => {
-                let closed = gripper.map(|gripper| gripper != 0.0);
-                tools = robot.act(&Motion { name, first: 1, targets, closed }, problems).tools;
+                tools = robot.act(&Motion { name, first, targets, closed }, problems).tools;
                 Vec::new()
             }
             (Command::Set(set), Some(robot)) => {
@@ -385,8 +384,8 @@ impl World {
                 geo.map(|geo| Message::Geo(geo).into()).into_iter().collect()
             }
         };
-        for (changer, closed) in tools {
-            pawn.into_iter().for_each(|pawn| self.change_tool(pawn, changer, closed, problems));
+        if let Some(pawn) = pawn {
+            tools.into_iter().for_each(|(changer, closed)| self.change_tool(pawn, changer, closed, problems));
         }
         Executed { answers, found, spawned: None }
     }

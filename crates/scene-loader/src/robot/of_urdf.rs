@@ -56,7 +56,7 @@ pub(crate) fn read(
         tool_changers: Vec::new(),
         battery: None,
         reported_max_torque: 50000.0,
-        footing: if steering == Steering::None { Footing::Fixed } else { Footing::Free },
+        footing: Footing::of(steering, None),
         assumptions,
     };
     let shown = source.display(file);

@@ -1,6 +1,6 @@
 //! Items of robots: actuators, grippers, tool changers and sensors, in one list in mounting order, with one set of verbs.
 //!
-//! To add a kind, write its file here, and add its lines to `kinds` and [`mount`].
+//! To add a kind, write its file here, and add its lines to [`Item`] and [`mount`].
 
 mod actuator;
 mod gripper;
@@ -11,12 +11,13 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, ItemGeo, MountedGeo};
 use nalgebra::Vector3;
-use scene::{Actuator, RobotDef, Sensed};
+use scene::{RobotDef, Sensed};
 
 use super::seed;
 use super::tools::Tool;
 use super::{Options, Report};
 use crate::drive::Order;
+use crate::kinds::kinds;
 use crate::sensor::{SavedState, State, View, floats};
 
 /// Seconds between two reports of actuators and effectors, and between two STA lines (USARVehicle.uc:264).
@@ -74,39 +75,15 @@ pub(super) trait Verbs {
     }
 }
 
-/// Defines the enum of items. An enum can be cloned, unlike boxed traits, so a world can be copied.
-macro_rules! kinds {
-    ($($kind:ident($file:ident)),* $(,)?) => {
-        /// An item of a robot.
-        #[derive(Clone)]
-        #[expect(clippy::large_enum_variant, reason = "most items are sensors, the largest variant")]
-        pub(super) enum Item {
-            $($kind($file::Item)),*
-        }
-
-        impl Item {
-            /// Returns the item for questions.
-            pub(super) fn get(&self) -> &dyn Verbs {
-                match self {
-                    $(Self::$kind(item) => item),*
-                }
-            }
-
-            /// Returns the item for commands and reports.
-            pub(super) fn get_mut(&mut self) -> &mut dyn Verbs {
-                match self {
-                    $(Self::$kind(item) => item),*
-                }
-            }
-        }
-    };
-}
-
 kinds! {
-    Actuator(actuator),
-    Gripper(gripper),
-    ToolChanger(tool_changer),
-    Sensor(sensor),
+    /// An item of a robot.
+    #[expect(clippy::large_enum_variant, reason = "most items are sensors, the largest variant")]
+    pub(super) enum Item of Verbs {
+        Actuator(actuator::Item),
+        Gripper(gripper::Item),
+        ToolChanger(tool_changer::Item),
+        Sensor(sensor::Item),
+    }
 }
 
 /// Mounts the items of a robot, in the order in which they report.
@@ -154,11 +131,6 @@ impl Item {
     pub(super) fn load(&mut self, saved: &SavedState) -> bool {
         self.get_mut().state().load(saved)
     }
-}
-
-/// Returns the actuator of a robot with a name, in any case.
-pub(super) fn actuator_called<'a>(robot: &'a RobotDef, name: &str) -> Option<&'a Actuator> {
-    robot.actuators.iter().find(|it| it.name.eq_ignore_ascii_case(name))
 }
 
 /// Returns the pose of an item when every joint is at 0, in the robot frame or relative to the actuator's link that carries it.

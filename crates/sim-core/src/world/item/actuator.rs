@@ -71,10 +71,9 @@ impl Verbs for Item {
     fn geo(&self, robot: &RobotDef) -> Option<ItemGeo> {
         let Actuator { name, links, tip } = &self.def;
         let origin = |link: usize| robot.links.get(link).map_or_else(Vector3::zeros, |link| link.origin().into());
-        let parent_of = |link: usize| robot.links.get(link)?.joint.as_ref().map(|joint| joint.parent);
-        let base = links.first().and_then(|&link| parent_of(link)).map_or_else(Vector3::zeros, origin);
+        let base = links.first().and_then(|&link| robot.parent_of(link)).map_or_else(Vector3::zeros, origin);
         let joint = |(number, &link): (usize, &usize)| {
-            let parent = parent_of(link).and_then(|it| links.iter().position(|&own| own == it));
+            let parent = robot.parent_of(link).and_then(|it| links.iter().position(|&own| own == it));
             let from = parent.and_then(|parent| links.get(parent)).map_or(base, |&parent| origin(parent));
             JointGeo {
                 link: number,

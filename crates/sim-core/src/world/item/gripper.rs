@@ -6,7 +6,7 @@ use gamebots_proto::message::{Eff, GripperConf, ItemConf, ItemGeo, Message, Moun
 use nalgebra::Vector3;
 use scene::{Gripper, RobotDef};
 
-use super::{Effect, Motion, Order, Report, State, Tool, Verbs, View, actuator_called, mounted};
+use super::{Effect, Motion, Order, Report, State, Tool, Verbs, View, mounted};
 
 #[derive(Clone)]
 pub(crate) struct Item {
@@ -26,7 +26,8 @@ impl Item {
 
     /// True if the robot's actuator of a name carries it.
     fn is_carried_by(&self, actuator: &str, robot: &RobotDef) -> bool {
-        let links = actuator_called(robot, actuator).zip(self.def.links.first());
+        let named = robot.actuators.iter().find(|it| it.name.eq_ignore_ascii_case(actuator));
+        let links = named.zip(self.def.links.first());
         links.is_some_and(|(actuator, &finger)| actuator.links.iter().any(|&link| hangs_on(robot, finger, link)))
     }
 }
@@ -55,7 +56,7 @@ impl Verbs for Item {
         let Gripper { name, links, .. } = &self.def;
         let fingers = links.iter().filter_map(|&link| robot.links.get(link));
         let middle = fingers.map(|it| Vector3::from(it.origin())).sum::<Vector3<f64>>() / links.len() as f64;
-        let carrier = robot.links.get(*links.first()?)?.joint.as_ref()?.parent;
+        let carrier = robot.parent_of(*links.first()?)?;
         Some(ItemGeo::Mounted(MountedGeo { tip: Some([0.0; 3]), ..mounted(robot, name, carrier, middle, [0.0; 3]) }))
     }
 
@@ -71,6 +72,5 @@ impl Verbs for Item {
 
 /// True if `link` is the link `on` or one of its descendants.
 fn hangs_on(robot: &RobotDef, link: usize, on: usize) -> bool {
-    let parent = |&link: &usize| robot.links.get(link)?.joint.as_ref().map(|joint| joint.parent);
-    std::iter::successors(Some(link), parent).any(|link| link == on)
+    std::iter::successors(Some(link), |&link| robot.parent_of(link)).any(|link| link == on)
 }
