@@ -354,8 +354,7 @@ fn a_tree_that_is_none_is_refused_by_name() {
         |it| it.links[1].parts.clear(),
         "robot Cart, link Arm: expected at least one part with a mass, or a wheel without other parts",
     );
-    let wheel =
-        "robot Cart, link FL: a wheel's joint: expected a continuous one with a motor about the left, or a ball";
+    let wheel = "robot Cart, link FL: a wheel's joint: expected a continuous one with a motor about the left, a belt, or a ball";
     check(|it| joint(it, 2).axis = [0.0, 1.0, 0.0], wheel);
     check(|it| joint(it, 2).drive = None, wheel);
     check(|it| joint(it, 1).axis = [0.0, 2.0, 0.0], "robot Cart, link Arm: `axis` has the length 2: expected 1");

@@ -204,6 +204,14 @@ impl Body {
         linear + angular.cross(&(point - self.centre() - origin))
     }
 
+    /// Returns the degree of freedom of a link's belt, and the velocity of the belt's surface at a sprocket speed of 1 where it touches a
+    /// plane, m. The normal, either way, is in world axes. `None` for a link without a belt.
+    pub(crate) fn belt_at(&self, link: usize, normal: Vector3<f64>) -> Option<(usize, Vector3<f64>)> {
+        let &Link { joint: Joint::Belt { axis, radius }, parent, .. } = self.tree.links.get(link)? else { return None };
+        let axis = self.frames[parent].rotation * axis;
+        Some((self.tree.dof_of(link), normal.cross(&axis) * radius))
+    }
+
     /// Sets gravity, m/s². It is 0 at first.
     pub fn set_gravity(&mut self, gravity: Vector3<f64>) {
         self.gravity = gravity;
@@ -278,6 +286,11 @@ impl Body {
                     let linear = carried(&origin) + axis * velocity[first];
                     Frame { rotation: parent.rotation, origin, angular: parent.angular, linear }
                 }
+                Joint::Belt { .. } => {
+                    axes[first] = Axis { angular: Vector3::zeros(), linear: Vector3::zeros() };
+                    let linear = carried(&origin);
+                    Frame { rotation: parent.rotation, origin, angular: parent.angular, linear }
+                }
                 Joint::Ball => {
                     let mut angular = parent.angular;
                     for axis in 0..3 {
@@ -327,7 +340,9 @@ impl Body {
                     let origin = centre - rotation * link.mass.centre;
                     *pose = Pose::from_parts(Translation3::from(origin), rotation);
                 }
-                Joint::Revolute(_) | Joint::Prismatic(_) => positions[number] += velocity[dof] * time_step,
+                Joint::Revolute(_) | Joint::Prismatic(_) | Joint::Belt { .. } => {
+                    positions[number] += velocity[dof] * time_step;
+                }
                 // Its speeds are in world axes, its orientation in the parent's frame.
                 Joint::Ball if !link.is_round => {
                     let angular = frames[link.parent].rotation.transpose() * three(&velocity[dof..]);

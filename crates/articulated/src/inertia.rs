@@ -51,7 +51,9 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64) {
                     Acceleration { angular: above.angular, linear: linear + sliding }
                 }
                 // The speeds of a ball joint are along axes that do not turn.
-                Joint::Ball | Joint::Free | Joint::Fixed => Acceleration { angular: above.angular, linear },
+                Joint::Ball | Joint::Belt { .. } | Joint::Free | Joint::Fixed => {
+                    Acceleration { angular: above.angular, linear }
+                }
             }
         };
         accelerations[number] = acceleration;

@@ -11,6 +11,9 @@ const SOFTNESS: f64 = 1e-6;
 /// that holds creeps by a ten-thousandth of the velocity that its friction stops in a step.
 const SOFTNESS_BETWEEN: f64 = 1e-4;
 
+/// Least compliance of a row, m/s per N s. A contact of a robot that is fixed to the ground may have a direction in which nothing moves.
+const LEAST_COMPLIANCE: f64 = 1e-10;
+
 /// Largest number of rows of a single body for the dense solver: nearly all rows share its root. Robots in steady motion have up to 60.
 const DENSE_ROWS: usize = 96;
 /// Multiplications that a step of several bodies may take: for each of the first [`FEW`] bodies, and for each of all. A millisecond has
@@ -275,7 +278,7 @@ impl Workspace {
         }
         for (row, &compliance) in compliance.iter().enumerate() {
             let own = &mut response[row * (count + 1)];
-            *own += if compliance > 0.0 { compliance } else { *own * SOFTNESS };
+            *own += if compliance > 0.0 { compliance } else { (*own * SOFTNESS).max(LEAST_COMPLIANCE) };
         }
         let friction::Outcome { sweeps, newton_steps, is_settled } = friction::solve(problem, impulses, friction);
         Outcome { is_settled, sweeps, newton_steps, work: 0 }
@@ -308,7 +311,7 @@ impl Workspace {
             for row in 0..block.rows {
                 let given = compliance[block.row + row];
                 let response: f64 = own.iter().map(|(_, entry)| entry[row] * entry[row]).sum();
-                sparse.compliance.push(if given > 0.0 { given } else { response * softness });
+                sparse.compliance.push(if given > 0.0 { given } else { (response * softness).max(LEAST_COMPLIANCE) });
             }
             sparse.ranges.push(start..sparse.entries.len());
         }
@@ -353,9 +356,12 @@ impl Workspace {
             let body = &bodies[side.body];
             let (tip, axes) = body.axes_of(side.link)?;
             let at = contact.point - body.centre();
+            let belt = body.belt_at(side.link, contact.normal);
             let start = self.entries.len();
             for (dof, axis) in axes {
-                let moved = axis.at(at) * sign;
+                // Both sides' belts run the same way, as their outward normals are opposite.
+                let run = belt.filter(|(of_belt, _)| *of_belt == dof).map_or_else(Vector3::zeros, |(_, run)| run);
+                let moved = axis.at(at) * sign + run;
                 let entry = directions.map(|direction| direction.dot(&moved));
                 for (velocity, entry) in velocity.iter_mut().zip(entry) {
                     *velocity += entry * body.free[dof];

@@ -38,7 +38,7 @@ pub struct Link {
     pub damping: f64,
     /// Viscous friction of a free root's velocity, N s/m.
     pub linear_damping: f64,
-    /// Inertia of the motor's rotor at every degree of freedom, kg m² or kg.
+    /// Inertia of the motor's rotor at every degree of freedom, kg m² or kg. A belt needs some, as its link does not move.
     pub armature: f64,
 }
 
@@ -55,6 +55,13 @@ pub enum Joint {
     Prismatic(Vector3<f64>),
     /// Rotation about every axis, with speeds along world axes.
     Ball,
+    /// A belt that runs around the link. The link does not move; the surface at its contacts does.
+    Belt {
+        /// Axle of the sprocket, a unit vector in the frame of the parent.
+        axis: Vector3<f64>,
+        /// Travel of the belt for each rad of the sprocket, m.
+        radius: f64,
+    },
 }
 
 /// Mass and its distribution.
@@ -186,7 +193,7 @@ impl Joint {
         match self {
             Self::Free => 6,
             Self::Fixed => 0,
-            Self::Revolute(_) | Self::Prismatic(_) => 1,
+            Self::Revolute(_) | Self::Prismatic(_) | Self::Belt { .. } => 1,
             Self::Ball => 3,
         }
     }

@@ -3,7 +3,7 @@
 use kinematics::coulomb::{self, Contact};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::Vector3;
-use scene::{Material, RobotDef, RobotSnapshot, WHEEL_AXIS};
+use scene::{Material, Pose, RobotDef, RobotSnapshot, WHEEL_AXIS};
 use sim_core::mecanum;
 
 /// Kinematics of a robot.
@@ -22,7 +22,7 @@ pub(crate) struct Sliding {
     noted: f64,
 }
 
-/// A wheel and its contact with the ground.
+/// A contact of a wheel with the ground. A track has several along its lowest run.
 struct Wheel {
     /// Forward and to the right in the robot frame, m.
     position: [f64; 2],
@@ -33,7 +33,8 @@ struct Wheel {
     friction: f64,
     /// Rolling resistance of the wheel on the floor.
     resistance: f64,
-    is_driven: bool,
+    /// Number of its wheel among the driven ones; `None` for a caster.
+    driven: Option<usize>,
     /// Sum of the loads over all snapshots, N.
     load: f64,
 }
@@ -52,23 +53,26 @@ impl Sliding {
         let placed = def.placed_links(&robot.joints);
         let wheels = placed.iter().filter_map(|(link, pose)| Some((link, link.wheel.as_ref()?, pose)));
         let loads: Vec<f64> = self.wheels.iter().map(|wheel| wheel.load).collect();
-        self.wheels = wheels
-            .enumerate()
-            .map(|(number, (link, wheel, pose))| {
-                let axis = pose.rotation * Vector3::from(WHEEL_AXIS);
-                // The wheel rolls across its axis, with z down.
-                let rolling = Vector3::z().cross(&axis);
-                Wheel {
-                    position: [pose.translation.x, pose.translation.y],
+        let mut count = 0;
+        self.wheels.clear();
+        for (link, wheel, pose) in wheels {
+            let axis = pose.rotation * Vector3::from(WHEEL_AXIS);
+            // The wheel rolls across its axis, with z down.
+            let rolling = Vector3::z().cross(&axis);
+            let is_driven = link.is_driven_wheel();
+            for [x, y] in stands(wheel, pose) {
+                self.wheels.push(Wheel {
+                    position: [x, y],
                     rolling: [rolling.x, rolling.y],
                     radius: wheel.radius,
-                    friction: if link.is_driven_wheel() { wheel.material.pair(floor).0 } else { 0.0 },
+                    friction: if is_driven { wheel.material.pair(floor).0 } else { 0.0 },
                     resistance: wheel.material.rolling_resistance + floor.rolling_resistance,
-                    is_driven: link.is_driven_wheel(),
-                    load: loads.get(number).copied().unwrap_or_default(),
-                }
-            })
-            .collect();
+                    driven: is_driven.then_some(count),
+                    load: loads.get(self.wheels.len()).copied().unwrap_or_default(),
+                });
+            }
+            count += usize::from(is_driven);
+        }
         self.noted += 1.0;
         let own = robot.body.pose.inverse();
         for contact in &robot.contacts {
@@ -83,23 +87,35 @@ impl Sliding {
 
     /// Returns the mean load on each driven wheel, N.
     pub(crate) fn driven_loads(&self) -> impl Iterator<Item = f64> {
-        self.wheels.iter().filter(|wheel| wheel.is_driven).map(|wheel| wheel.load / self.noted)
+        let count = self.wheels.iter().filter_map(|wheel| wheel.driven).max().map_or(0, |last| last + 1);
+        let load =
+            move |number| self.wheels.iter().filter(move |wheel| wheel.driven == Some(number)).map(|wheel| wheel.load);
+        (0..count).map(move |number| load(number).sum::<f64>() / self.noted)
     }
 
     /// Returns the twist while the driven wheels turn at the given speeds, rad/s.
     pub(crate) fn twist(&self, speeds: &[f64]) -> Twist {
-        let mut speeds = speeds.iter();
         let mut contacts = Vec::new();
         for wheel in &self.wheels {
             let Wheel { position, rolling, radius, friction, resistance, .. } = *wheel;
-            let speed = if wheel.is_driven { speeds.next().copied().unwrap_or_default() } else { 0.0 };
+            let speed = wheel.driven.and_then(|number| speeds.get(number)).copied().unwrap_or_default();
             let load = wheel.load / self.noted;
             let passing = rolling.map(|part| part * radius * speed);
             contacts.push(Contact { position, rolling: passing, friction: friction * load, along: None });
             // Rolling resistance is a force against the motion of the hub. A driven wheel rolls only ahead.
-            let along = wheel.is_driven.then_some(rolling);
+            let along = wheel.driven.map(|_| rolling);
             contacts.push(Contact { position, rolling: [0.0; 2], friction: resistance * load, along });
         }
         coulomb::quasi_static(&contacts)
     }
+}
+
+/// Returns where a wheel at a pose in the robot frame can touch the ground, forward and to the right in the robot frame, m.
+fn stands(wheel: &scene::Wheel, pose: &Pose) -> Vec<[f64; 2]> {
+    let Some(belt) = &wheel.belt else { return vec![[pose.translation.x, pose.translation.y]] };
+    let down = pose.rotation.inverse() * Vector3::z();
+    let [x, z] = belt.rollers.first().map_or([0.0; 2], |&[x, z, _]| [x, z]);
+    let discs = belt.lowest_run(&belt.around(), [down.x, down.z]).into_iter();
+    let places = discs.map(|disc| pose * nalgebra::Point3::new(disc.middle[0] - x, 0.0, disc.middle[1] - z));
+    places.map(|place| [place.x, place.y]).collect()
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use scene::{Drawn, Geometry, ObjectSnapshot, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WorldDef};
+use scene::{Drawn, Geometry, Moves, ObjectSnapshot, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WorldDef};
 
 use crate::mesh::{Floor, Mesh, Triangle};
 
@@ -65,7 +65,8 @@ impl Stage {
 
 fn pieces(robot: &RobotDef) -> Vec<Piece> {
     let of_link = |(link, (_, drawn)): (usize, (_, Vec<Drawn>))| {
-        let piece = move |Drawn { pose, geometry, colour, is_roller }: Drawn| {
+        let piece = move |Drawn { pose, geometry, colour, moves }: Drawn| {
+            let is_roller = moves == Moves::Roller;
             let mut mesh = Mesh::default();
             match geometry {
                 Geometry::Shape(shape) => mesh.add(&shape, &Pose::identity(), colour),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use include_dir::{Dir, include_dir};
 use names::did_you_mean;
@@ -21,9 +22,37 @@ pub fn map_names() -> Vec<String> {
     folders(&MAPS)
 }
 
+/// Names of the embedded robot classes, each with its folder. A class may have several names.
+static ROBOTS: LazyLock<BTreeMap<String, &Dir>> = LazyLock::new(|| {
+    let folders = ASSETS.get_dir("robots").into_iter().flat_map(Dir::dirs);
+    let of_folder = |dir: &'static Dir| {
+        let text = Source::BuiltIn(dir).text("robot.toml").unwrap_or_default();
+        folder_name(dir).into_iter().chain(further_names(&text)).map(move |name| (name, dir))
+    };
+    folders.flat_map(of_folder).collect()
+});
+
 /// Returns the names of the embedded robot classes.
 pub fn robot_names() -> Vec<String> {
-    ASSETS.get_dir("robots").map_or_else(Vec::new, folders)
+    ROBOTS.keys().cloned().collect()
+}
+
+/// Returns the names of the embedded actuators.
+fn actuator_names() -> Vec<String> {
+    ASSETS.get_dir("actuators").map_or_else(Vec::new, folders)
+}
+
+/// Returns the names that a robot.toml has besides that of its folder. A text with a mistake has none; its reader reports it.
+fn further_names(text: &str) -> Vec<String> {
+    #[derive(serde::Deserialize)]
+    struct Names {
+        #[serde(default)]
+        names: Vec<String>,
+    }
+    if !text.contains("names") {
+        return Vec::new();
+    }
+    toml::from_str::<Names>(text).map_or_else(|_| Vec::new(), |it| it.names)
 }
 
 /// Name and contents of an embedded file.
@@ -58,10 +87,16 @@ pub fn load(map_name: &str, robot_files: &[&Path]) -> Result<WorldDef, LoadError
 /// # Errors
 /// As [`load`], and an override that is not used.
 pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) -> Result<WorldDef, LoadError> {
-    let files = robot_files.iter().map(|file| file.display().to_string());
     let mut robots = BTreeMap::new();
-    for name in robot_names().into_iter().chain(files) {
-        let definition = robot(&name, overrides)?;
+    for name in robot_names() {
+        robots.insert(name.clone(), robot(&name, overrides)?);
+    }
+    for file in robot_files {
+        let definition = robot(&file.display().to_string(), overrides)?;
+        let text = std::fs::read_to_string(in_folder(file, "robot.toml")).unwrap_or_default();
+        for class in further_names(&text) {
+            robots.insert(class.clone(), RobotDef { class, ..definition.clone() });
+        }
         robots.insert(definition.class.clone(), definition);
     }
     let map = map(map_name, overrides)?;
@@ -97,7 +132,7 @@ pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
 pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
     let path = &in_folder(Path::new(name), "robot.toml");
     match built_in_robot(name) {
-        Some((class, dir)) => read_robot(&Source::BuiltIn(dir), "robot.toml", &class, overrides),
+        Some(_) => built_in(name, overrides),
         None if path.is_file() => {
             let class = name_of(path, "robot");
             if is_urdf(path) {
@@ -108,6 +143,30 @@ pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> 
         }
         None => Err(unknown("robot", name, &robot_names())),
     }
+}
+
+/// Loads an embedded robot class by its name, in any case.
+pub(crate) fn built_in(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
+    let (class, dir) = built_in_robot(name).ok_or_else(|| unknown("robot", name, &robot_names()))?;
+    read_robot(&Source::BuiltIn(dir), "robot.toml", &class, overrides)
+}
+
+/// Loads an actuator: one in a folder beside the file that names it, or an embedded one. `depth` is the number of actuators that it is
+/// mounted on.
+pub(crate) fn actuator(
+    beside: &Source,
+    class: &str,
+    overrides: &[Override],
+    depth: usize,
+) -> Result<RobotDef, LoadError> {
+    let own = beside.folder(class).filter(|source| source.has("actuator.toml"));
+    let embedded = || {
+        let name = actuator_names().into_iter().find(|known| known.eq_ignore_ascii_case(class));
+        let dir = ASSETS.get_dir(format!("actuators/{}", name?))?;
+        Some(Source::BuiltIn(dir))
+    };
+    let source = own.or_else(embedded).ok_or_else(|| unknown("actuator", class, &actuator_names()))?;
+    read_definition(&source, "actuator.toml", class, overrides, Some(depth))
 }
 
 /// Loads a robot from only a URDF. Its assumptions list the values that a URDF does not give.
@@ -130,10 +189,22 @@ pub(crate) fn is_urdf(path: &Path) -> bool {
 }
 
 fn read_robot(source: &Source, file: &str, class: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
+    read_definition(source, file, class, overrides, None)
+}
+
+fn read_definition(
+    source: &Source,
+    file: &str,
+    class: &str,
+    overrides: &[Override],
+    depth: Option<usize>,
+) -> Result<RobotDef, LoadError> {
     overrides::blame(overrides, |overrides| {
         let mut problems = Problems::default();
         let text = overrides::apply(source.text(file)?, overrides, &["robot", class]);
-        let robot = robot_file::read(source, file, class, &text, &built_in_materials(overrides)?, &mut problems);
+        let materials = &built_in_materials(overrides)?;
+        let definition = robot_file::Definition { source, file, class, materials, overrides, depth };
+        let robot = robot_file::read(&definition, &text, &mut problems);
         problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
     })
 }
@@ -173,9 +244,8 @@ fn file_name(path: &Path, expected: &'static str) -> Result<String, LoadError> {
 
 /// Returns an embedded class, by its name in any case, and its folder.
 fn built_in_robot(name: &str) -> Option<(String, &'static Dir<'static>)> {
-    let class = robot_names().into_iter().find(|known| known.eq_ignore_ascii_case(name))?;
-    let folder = ASSETS.get_dir(format!("robots/{class}"))?;
-    Some((class, folder))
+    let (class, folder) = ROBOTS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
+    Some((class.clone(), folder))
 }
 
 fn files(dir: &'static Dir) -> Vec<File> {
@@ -186,10 +256,13 @@ fn files(dir: &'static Dir) -> Vec<File> {
 }
 
 fn folders(dir: &'static Dir) -> Vec<String> {
-    let name = |dir: &'static Dir| dir.path().file_name().map(|name| name.to_string_lossy().into_owned());
-    let mut names: Vec<String> = dir.dirs().filter_map(name).collect();
+    let mut names: Vec<String> = dir.dirs().filter_map(folder_name).collect();
     names.sort();
     names
+}
+
+fn folder_name(dir: &Dir) -> Option<String> {
+    dir.path().file_name().map(|name| name.to_string_lossy().into_owned())
 }
 
 fn unknown(kind: &'static str, got: &str, names: &[String]) -> LoadError {

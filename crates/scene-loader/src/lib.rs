@@ -40,7 +40,7 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
     check_toml(&Source::of_file(path), name)
 }
 
-/// Checks a TOML file. Files of materials and of objects are known by their names, a robot by its name or its wheels; any other file is a map.
+/// Checks a TOML file. Files of materials, objects and actuators are known by their names, a robot by its name or its wheels; any other file is a map.
 fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
     let text = source.text(name)?;
     let materials = catalogue::built_in_materials(&[])?;
@@ -50,8 +50,11 @@ fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
         materials::read(&source.display(name), &text, &mut problems);
     } else if name.starts_with("objects") {
         map::read_objects(source, name, &text, &materials, &mut problems);
-    } else if name.starts_with("robot") || text.contains("[[wheel]]") {
-        let robot = robot::read(source, name, "Checked", &text, &materials, &mut problems);
+    } else if name.starts_with("actuator") || name.starts_with("robot") || text.contains("[[wheel]]") {
+        let depth = name.starts_with("actuator").then_some(0);
+        let definition =
+            robot::Definition { source, file: name, class: "Checked", materials: &materials, overrides: &[], depth };
+        let robot = robot::read(&definition, &text, &mut problems);
         assumptions = robot.map_or(Vec::new(), |robot| robot.assumptions);
     } else {
         map::read(source, name, "checked", &text, &materials, &mut problems);

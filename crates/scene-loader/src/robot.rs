@@ -1,8 +1,11 @@
-//! `robot.toml`: parts, wheels, sensors and battery of a class of robots.
+//! `robot.toml`: parts, wheels, sensors and battery of a class of robots. `actuator.toml`: an actuator that robots carry.
 
 mod actuator;
 mod joint;
+mod like;
+mod mount;
 pub(crate) mod of_urdf;
+mod track;
 mod visual;
 mod wheel;
 
@@ -20,12 +23,42 @@ use self::visual::read_visuals;
 use self::wheel::{read_casters, read_wheels};
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
+use crate::overrides::Override;
 use crate::problem::{Problems, Unread};
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
-const KEYS: &str = "description, steering, reported_steering, drive_model, one_side_drives, dialect, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
-                    caster, joint, visual, actuator, gripper, tool_changer, sensor, battery, aerial";
+const KEYS: &str = "description, names, like, steering, reported_steering, drive_model, one_side_drives, dialect, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
+                    tracks, track, caster, joint, visual, actuator, gripper, tool_changer, mount, sensor, battery, aerial";
+/// Keys of a robot that an actuator does not have.
+const NOT_OF_ACTUATORS: [&str; 13] = [
+    "like",
+    "names",
+    "steering",
+    "drive_model",
+    "dialect",
+    "urdf",
+    "wheels",
+    "wheel",
+    "tracks",
+    "track",
+    "caster",
+    "battery",
+    "aerial",
+];
+
+/// A file to be read, and what its definition may refer to.
+#[derive(Clone, Copy)]
+pub(crate) struct Definition<'a> {
+    pub(crate) source: &'a Source,
+    pub(crate) file: &'a str,
+    pub(crate) class: &'a str,
+    pub(crate) materials: &'a Materials,
+    /// Overrides for the classes and actuators that it names.
+    pub(crate) overrides: &'a [Override],
+    /// Number of actuators that it is mounted on, if it is an actuator. `None` for a robot.
+    pub(crate) depth: Option<usize>,
+}
 
 /// A part of the body: a solid box that sets its mass, and a colliding shape unless it is hidden.
 #[derive(Deserialize)]
@@ -66,18 +99,21 @@ struct BatteryEntry {
     life: f64,
 }
 
-pub(crate) fn read(
-    source: &Source,
-    file: &str,
-    class: &str,
-    text: &str,
-    materials: &Materials,
-    problems: &mut Problems,
-) -> Option<RobotDef> {
+/// Reads the text of a definition.
+pub(crate) fn read(definition: &Definition, text: &str, problems: &mut Problems) -> Option<RobotDef> {
+    let &Definition { source, file, class, materials, depth, .. } = definition;
     let shown = source.display(file);
     let (mut document, mut root) = Document::parse(&shown, text, problems)?;
+    if depth.is_some() {
+        for key in NOT_OF_ACTUATORS.iter().filter(|key| root.has(key)) {
+            document.problem(&(0..0), format_args!("`{key}` of an actuator: expected none, robots have it"));
+        }
+    } else if root.has("like") {
+        return like::read(definition, document, root);
+    }
+    let _: Option<Vec<String>> = document.optional(&mut root, "names");
     let description = document.required(&mut root, "description", "one sentence about the robot");
-    let steering = read_steering(&mut document, &mut root);
+    let steering = if depth.is_some() { Some(Steering::None) } else { read_steering(&mut document, &mut root) };
     let reported_steering = read_reported_steering(&mut document, &mut root);
     let drive_model = read_drive_model(&mut document, &mut root);
     let one_side_drives = document.optional(&mut root, "one_side_drives").unwrap_or(false);
@@ -109,10 +145,11 @@ pub(crate) fn read(
     let sensors = read_sensors(&mut document, &mut root, &links, wheels.as_ref().ok().map(Vec::len), complete);
     let battery = read_battery(&mut document, &mut root);
     let aerial = read_aerial(&mut document, &mut root, steering);
+    let mounts = mount::read(definition, &mut document, &mut root);
     document.finish(root, KEYS);
     wheels.ok()?;
     let steering = steering?;
-    let robot = RobotDef {
+    let mut robot = RobotDef {
         class: class.to_owned(),
         description: description?,
         steering,
@@ -130,6 +167,7 @@ pub(crate) fn read(
         footing: Footing::of(steering, aerial),
         assumptions,
     };
+    mount::mount(&mut document, &mut robot, mounts, complete);
     document.as_a_whole(|| check::robot(&robot));
     Some(robot)
 }

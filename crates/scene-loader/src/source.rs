@@ -25,6 +25,14 @@ impl Source {
         Self::Folder(path.parent().map(Path::to_owned).unwrap_or_default())
     }
 
+    /// Returns a folder inside this one, which may not exist. Embedded folders have none.
+    pub(crate) fn folder(&self, name: &str) -> Option<Self> {
+        match self {
+            Self::BuiltIn(_) => None,
+            Self::Folder(folder) => Some(Self::Folder(folder.join(name))),
+        }
+    }
+
     /// True if the file exists.
     pub(crate) fn has(&self, name: &str) -> bool {
         match self {

@@ -30,8 +30,19 @@ pub struct Drawn<'a> {
     pub geometry: Geometry<'a>,
     /// Red, green and blue, 0 to 1, sRGB.
     pub colour: [f64; 3],
-    /// True for rollers, which turn about their own x axis and follow the order of the robot's rollers.
-    pub is_roller: bool,
+    /// Motion in the frame of its link.
+    pub moves: Moves,
+}
+
+/// Motion of a drawn piece in the frame of its link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moves {
+    /// No motion.
+    Still,
+    /// Turns about its own x axis. Rollers follow the order of the robot's rollers.
+    Roller,
+    /// Moves along a belt; its pose is that with the sprocket at 0.
+    Pad,
 }
 
 /// Geometry of a drawn piece.
@@ -46,6 +57,7 @@ pub enum Geometry<'a> {
 /// Number of cone pieces that a roller is drawn with.
 const ROLLER_PIECES: u32 = 8;
 const BODY: [f64; 3] = [0.93, 0.45, 0.12];
+const CORE: [f64; 3] = [0.3, 0.31, 0.33];
 const HUB: [f64; 3] = [0.55, 0.57, 0.6];
 
 impl RobotDef {
@@ -55,13 +67,24 @@ impl RobotDef {
     }
 }
 
-/// Returns the visuals of a link, or its solids and wheel if it has none. Rollers are always drawn, as they turn by themselves.
+/// Returns the visuals of a link, or its solids and wheel if it has none. Rollers and belts are always drawn, as they move by themselves.
 fn drawn<'a>((number, link): (usize, &'a Link)) -> Vec<Drawn<'a>> {
-    let still = |pose, shape, colour| Drawn { pose, geometry: Geometry::Shape(shape), colour, is_roller: false };
+    let still = |pose, shape, colour| Drawn { pose, geometry: Geometry::Shape(shape), colour, moves: Moves::Still };
     let to_link = Translation3::from(link.origin()).inverse();
     let visual = |it: &'a Visual| still(to_link * pose(it.position, it.rotation), Cow::Borrowed(&it.shape), it.colour);
     let mut drawn: Vec<Drawn> = link.visuals.iter().map(visual).collect();
     let wheel = MountedWheel::of((number, link));
+    let belt = wheel.and_then(|wheel| Some((wheel, wheel.wheel.belt.as_ref()?)));
+    if let Some((wheel, belt)) = belt {
+        drawn.push(still(Pose::identity(), Cow::Owned(belt.core(wheel.width)), CORE));
+        let pads = belt.pads(wheel.width);
+        drawn.extend(pads.poses(0.0).into_iter().map(|pose| Drawn {
+            pose,
+            geometry: Geometry::Shape(Cow::Owned(Shape::Box { size: pads.size })),
+            colour: wheel.material.colour,
+            moves: Moves::Pad,
+        }));
+    }
     if drawn.is_empty() {
         drawn.extend(link.solids.iter().map(|it| still(link.pose_of(it), Cow::Borrowed(&it.shape), BODY)));
         drawn.extend(wheel.map(|wheel| {
@@ -74,7 +97,7 @@ fn drawn<'a>((number, link): (usize, &'a Link)) -> Vec<Drawn<'a>> {
             pose: rollers.pose(index),
             geometry: Geometry::Revolved(rollers.outline(wheel.radius, ROLLER_PIECES)),
             colour: rollers.material.colour,
-            is_roller: true,
+            moves: Moves::Roller,
         }));
     }
     drawn

@@ -5,6 +5,7 @@
 
 mod actuator;
 mod base;
+mod belt;
 pub mod check;
 mod drawing;
 mod fnv;
@@ -13,6 +14,7 @@ mod link;
 mod map;
 mod mass;
 mod material;
+mod mount;
 mod options;
 mod reading;
 mod robot;
@@ -30,7 +32,8 @@ use serde::{Deserialize, Serialize};
 
 pub use actuator::{Actuator, Gripper, Tool, ToolChanger};
 pub use base::{Aerial, Drivetrain, Footing};
-pub use drawing::{Drawn, Geometry, Visual};
+pub use belt::{Belt, Disc, Pads};
+pub use drawing::{Drawn, Geometry, Moves, Visual};
 pub use fnv::Fnv;
 pub use hull::hull_surface;
 pub use link::{Coupling, CouplingKind, Joint, JointKind, Link, Part, ROOT, WHEEL_AXIS};

@@ -96,6 +96,8 @@ pub enum JointKind {
     Prismatic,
     /// Turns about every axis.
     Ball,
+    /// A belt runs around the link, across the axis. The link itself does not move. The value is the angle of the sprocket.
+    Belt,
 }
 
 /// Mass properties of a piece of a link.
@@ -112,7 +114,7 @@ pub struct Part {
 }
 
 impl JointKind {
-    /// All kinds of joints, with their names in robot.toml.
+    /// Kinds of joints that a `[[joint]]` can have, with their names in robot.toml.
     pub const ALL: [(&str, Self); 5] = [
         ("fixed", Self::Fixed),
         ("revolute", Self::Revolute),
@@ -123,7 +125,7 @@ impl JointKind {
 
     /// True if one number gives the position. A state has one value for each such joint.
     pub fn has_value(self) -> bool {
-        matches!(self, Self::Revolute | Self::Continuous | Self::Prismatic)
+        matches!(self, Self::Revolute | Self::Continuous | Self::Prismatic | Self::Belt)
     }
 }
 
@@ -147,7 +149,7 @@ impl Joint {
                 Pose::from_parts(Translation3::identity(), turn)
             }
             JointKind::Prismatic => Translation3::from(axis * value).into(),
-            JointKind::Fixed | JointKind::Ball => Pose::identity(),
+            JointKind::Fixed | JointKind::Ball | JointKind::Belt => Pose::identity(),
         }
     }
 }
@@ -188,9 +190,10 @@ impl Link {
         ["frontsteer", "rearsteer"].iter().position(|steer| turns && name.contains(steer))
     }
 
-    /// Creates a wheel on the root link: driven by a motor about the robot's left, or a ball that is free to turn about every axis.
+    /// Creates a wheel on the root link: driven by a motor about the robot's left, or a ball that is free to turn about every axis. A
+    /// wheel with a belt is the sprocket of a track.
     pub fn of_wheel(name: String, position: [f64; 3], drive: Option<Motor>, wheel: Wheel) -> Self {
-        let kind = if drive.is_some() { JointKind::Continuous } else { JointKind::Ball };
+        let kind = wheel.joint_kind(drive.is_some());
         let joint = Joint { drive, ..Joint::new(0, kind, position, WHEEL_AXIS) };
         Self { name, joint: Some(joint), wheel: Some(wheel), ..Self::default() }
     }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Link, RobotDef, Rollers, Wheel};
+use crate::{Belt, Link, MountedWheel, RobotDef, Rollers, Wheel};
 
 /// Mass properties of a body.
 #[derive(Debug, Clone, Copy)]
@@ -20,8 +20,11 @@ pub struct Mass {
 impl RobotDef {
     /// Returns the mass of the robot with its joints held at 0.
     pub fn total_mass(&self) -> Mass {
-        let wheels =
-            self.wheels().map(|it| Mass { centre: it.position.into(), ..it.mass_with_rollers(it.drive.is_some()) });
+        let of_wheel = |wheel: MountedWheel| {
+            let mass = wheel.mass_with_rollers(wheel.drive.is_some());
+            Mass { centre: mass.centre + Vector3::from(wheel.position), ..mass }
+        };
+        let wheels = self.wheels().map(of_wheel);
         combined(self.links.iter().flat_map(part_masses).chain(wheels))
     }
 
@@ -43,9 +46,12 @@ fn part_masses(link: &Link) -> impl Iterator<Item = Mass> {
 }
 
 impl Wheel {
-    /// Mass without rollers: a driven plain wheel is a solid disc, the hub of a Mecanum wheel a disc out to the roller axes, a
-    /// caster a ball.
+    /// Mass without rollers, about the wheel's middle: a driven plain wheel is a solid disc, the hub of a Mecanum wheel a disc out to the
+    /// roller axes, a caster a ball, a track the box around its belt.
     pub fn hub_mass(&self, driven: bool) -> Mass {
+        if let Some(belt) = &self.belt {
+            return self.track_mass(belt);
+        }
         let radius = self.rollers.as_ref().map_or(self.radius, |rollers| rollers.axis_circle);
         let spin = self.mass * radius * radius / 2.0;
         let tilt = self.mass * (3.0 * radius * radius + self.width * self.width) / 12.0;
@@ -53,9 +59,28 @@ impl Wheel {
         Mass { mass: self.mass, centre: Vector3::zeros(), inertia: Matrix3::from_diagonal(&moments.into()) }
     }
 
-    /// Returns the inertia of a driven wheel with its rollers about its axle, kg m², without the motor's rotor.
+    fn track_mass(&self, belt: &Belt) -> Mass {
+        let [x, z] = belt.rollers.first().map_or([0.0; 2], |&[x, z, _]| [x, z]);
+        let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for [along, down] in belt.outline() {
+            for (axis, value) in [along - x, down - z].into_iter().enumerate() {
+                (least[axis], most[axis]) = (least[axis].min(value), most[axis].max(value));
+            }
+        }
+        let [length, height] = [most[0] - least[0], most[1] - least[1]].map(|edge| edge * edge);
+        let width = self.width * self.width;
+        let moments = Vector3::new(width + height, length + height, length + width) * (self.mass / 12.0);
+        let centre = Vector3::new(least[0] + most[0], 0.0, least[1] + most[1]) / 2.0;
+        Mass { mass: self.mass, centre, inertia: Matrix3::from_diagonal(&moments) }
+    }
+
+    /// Returns the inertia of a driven wheel with its rollers about its axle, kg m², without the motor's rotor. Half of a track's mass is
+    /// its belt, which moves; its rollers are light.
     pub fn spin_inertia(&self) -> f64 {
-        self.mass_with_rollers(true).inertia[(1, 1)]
+        match &self.belt {
+            Some(_) => self.mass / 2.0 * self.radius.powi(2),
+            None => self.mass_with_rollers(true).inertia[(1, 1)],
+        }
     }
 
     /// Returns the mass with the rollers held.

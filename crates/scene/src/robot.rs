@@ -155,10 +155,11 @@ impl RobotDef {
         }
     }
 
-    /// True if a drive model can move the robot. The models of rollers need Mecanum wheels.
+    /// True if a drive model can move the robot. The models of rollers need Mecanum wheels, and `bodies` has no belts.
     pub fn can_have(&self, model: DriveModel) -> bool {
         match model {
-            DriveModel::Bodies | DriveModel::Articulated => true,
+            DriveModel::Articulated => true,
+            DriveModel::Bodies => self.wheels().all(|wheel| wheel.belt.is_none()),
             DriveModel::Analytic | DriveModel::Kinematic | DriveModel::KinematicTextbook => {
                 self.drivetrain() == Drivetrain::Mecanum
             }

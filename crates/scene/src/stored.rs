@@ -64,7 +64,12 @@ impl From<Robot> for RobotDef {
             links.push(Link { name: ROOT.to_owned(), parts, solids, ..Link::default() });
             links.extend(wheels.into_iter().map(|it| {
                 let OldWheel { name, side, position, radius, width, mass, material, drive, rollers } = it;
-                Link::of_wheel(name, position, drive, Wheel { side, radius, width, mass, material, rollers })
+                Link::of_wheel(
+                    name,
+                    position,
+                    drive,
+                    Wheel { side, radius, width, mass, material, rollers, belt: None },
+                )
             }));
         }
         Self {

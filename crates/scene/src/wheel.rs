@@ -6,7 +6,7 @@ use std::ops::Deref;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::{Link, Material, Pose, Side, pose};
+use crate::{Belt, JointKind, Link, Material, Pose, Side, pose};
 
 /// A wheel on a joint: it rolls about the robot's y axis, or, as a caster, is a ball.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,6 +23,10 @@ pub struct Wheel {
     pub material: Material,
     /// Rollers of a Mecanum wheel.
     pub rollers: Option<Rollers>,
+    /// Belt around the wheel, which then is the sprocket of a track: its radius is that of the belt around it, and its mass that of the
+    /// whole track.
+    #[serde(default)]
+    pub belt: Option<Belt>,
 }
 
 /// A wheel and the joint that carries it.
@@ -56,6 +60,14 @@ impl<'a> MountedWheel<'a> {
         })
     }
 
+    /// Returns the discs that touch the ground: middle in the robot frame and radius, m. A wheel is one, a track has one around each of
+    /// its rollers.
+    pub fn discs(&self) -> Vec<([f64; 3], f64)> {
+        let [_, y, _] = self.position;
+        let of_belt = |belt: &Belt| belt.rollers.iter().map(|&[x, z, radius]| ([x, y, z], radius)).collect();
+        self.belt.as_ref().map_or_else(|| vec![(self.position, self.radius)], of_belt)
+    }
+
     /// Returns the pose of the wheel in the robot frame after it turned forward by an angle in radians.
     pub fn pose(&self, angle: f64) -> Pose {
         pose(self.position, [0.0, -angle, 0.0])
@@ -71,6 +83,15 @@ impl Deref for MountedWheel<'_> {
 }
 
 impl Wheel {
+    /// Returns the kind of a wheel's joint, driven or not.
+    pub fn joint_kind(&self, is_driven: bool) -> JointKind {
+        match &self.belt {
+            Some(_) => JointKind::Belt,
+            None if is_driven => JointKind::Continuous,
+            None => JointKind::Ball,
+        }
+    }
+
     /// Returns the number of rollers.
     pub fn roller_count(&self) -> usize {
         self.rollers.as_ref().map_or(0, |rollers| rollers.count as usize)

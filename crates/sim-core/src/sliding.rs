@@ -3,15 +3,17 @@
 use kinematics::Twist;
 use kinematics::coulomb::{Contact, quasi_static};
 use nalgebra::{Matrix3, Vector3};
-use scene::RobotDef;
+use scene::{Disc, MountedWheel, RobotDef};
 
-/// A wheel's contact with the ground.
+/// A contact of a wheel or a track with the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     /// Forward and to the right in the robot frame, m.
     position: [f64; 2],
+    /// Number of its wheel among the driven ones.
+    wheel: usize,
     radius: f64,
-    /// The wheel's share of the weight.
+    /// The contact's share of the weight.
     share: f64,
 }
 
@@ -21,34 +23,59 @@ const OFF_GROUND: f64 = 0.002;
 /// Returns the contacts of the driven wheels, all of one material, on a level floor.
 ///
 /// The robot is rigid and its wheels are equally compliant, so the load is a linear function of a wheel's position. The centroid of the
-/// loads is the centre of mass. Casters carry their share of the weight but cause no friction.
+/// loads is the centre of mass. Casters carry their share of the weight but cause no friction. A track has several contacts along its
+/// lowest run.
 pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
-    let row = |position: [f64; 3]| Vector3::new(1.0, position[0], position[1]);
-    let bottom = |wheel: &scene::MountedWheel| wheel.position[2] + wheel.wheel.radius;
-    let lowest = robot.wheels().map(|wheel| bottom(&wheel)).fold(f64::NEG_INFINITY, f64::max);
-    let stands = |wheel: &scene::MountedWheel| bottom(wheel) > lowest - OFF_GROUND;
-    let squares: Matrix3<f64> =
-        robot.wheels().filter(stands).map(|wheel| row(wheel.position) * row(wheel.position).transpose()).sum();
+    let row = |[x, y]: [f64; 2]| Vector3::new(1.0, x, y);
+    let contacts: Vec<Standing> = robot.wheels().flat_map(|wheel| standing(&wheel)).collect();
+    let lowest = contacts.iter().map(|contact| contact.bottom).fold(f64::NEG_INFINITY, f64::max);
+    let stands = |contact: &&Standing| contact.bottom > lowest - OFF_GROUND;
+    let square = |it: &Standing| row(it.position) * row(it.position).transpose() * it.part;
+    let squares: Matrix3<f64> = contacts.iter().filter(stands).map(square).sum();
     let middle = robot.total_mass().centre;
     let least_squares = squares.svd(true, true).solve(&Vector3::new(1.0, middle.x, middle.y), 1e-12);
     let factors = least_squares.unwrap_or_else(|_| Vector3::zeros());
-    let place = |wheel: scene::MountedWheel| Place {
-        position: [wheel.position[0], wheel.position[1]],
-        radius: wheel.wheel.radius,
-        share: if stands(&wheel) { row(wheel.position).dot(&factors).max(0.0) } else { 0.0 },
+    let place = |(wheel, mounted): (usize, MountedWheel)| {
+        let radius = mounted.radius;
+        standing(&mounted).into_iter().map(move |contact| Place {
+            position: contact.position,
+            wheel,
+            radius,
+            share: if stands(&&contact) { contact.part * row(contact.position).dot(&factors).max(0.0) } else { 0.0 },
+        })
     };
-    robot.driven().map(place).collect()
+    robot.driven().enumerate().flat_map(place).collect()
+}
+
+/// A possible contact with the ground.
+struct Standing {
+    /// m.
+    position: [f64; 2],
+    /// Height of the lowest point, downward, m.
+    bottom: f64,
+    /// Stiffness over that of a wheel.
+    part: f64,
+}
+
+fn standing(wheel: &MountedWheel) -> Vec<Standing> {
+    let [x, y, z] = wheel.position;
+    let Some(belt) = &wheel.belt else {
+        return vec![Standing { position: [x, y], bottom: z + wheel.radius, part: 1.0 }];
+    };
+    let of_disc =
+        |Disc { middle: [x, z], radius, share }: Disc| Standing { position: [x, y], bottom: z + radius, part: share };
+    belt.lowest_run(&belt.around(), [0.0, 1.0]).into_iter().map(of_disc).collect()
 }
 
 /// Returns the robot's displacement, in m and rad clockwise, while its driven wheels turn by the angles `turned`, rad. Coulomb friction
 /// does not depend on the magnitude of the speed, so angles can replace speeds.
 pub(crate) fn twist(places: &[Place], turned: &[f64]) -> Twist {
-    let contact = |(place, turned): (&Place, &f64)| Contact {
+    let contact = |place: &Place| Contact {
         position: place.position,
-        rolling: [place.radius * turned, 0.0],
+        rolling: [place.radius * turned.get(place.wheel).copied().unwrap_or(0.0), 0.0],
         friction: place.share,
         along: None,
     };
-    let contacts: Vec<Contact> = places.iter().zip(turned).map(contact).collect();
+    let contacts: Vec<Contact> = places.iter().map(contact).collect();
     quasi_static(&contacts)
 }

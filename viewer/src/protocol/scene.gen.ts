@@ -80,13 +80,31 @@ link: number | null,
  */
 position: [number, number, number], 
 /**
- * Pieces except rollers.
+ * Pieces except rollers and pads.
  */
 drawn: Array<Drawn>, 
 /**
  * Speed limit, rad/s.
  */
-max_speed: number | null, rollers: Rollers | null, };
+max_speed: number | null, rollers: Rollers | null, 
+/**
+ * Pads of the belt around it; a wheel with a belt does not turn.
+ */
+belt: Belt | null, };
+
+export type Belt = { 
+/**
+ * Corners of the path, x and z in the wheel's frame, m.
+ */
+path: Array<[number, number]>, pads: number, 
+/**
+ * Edges of a pad along the path, across the belt and outward, m.
+ */
+size: [number, number, number], 
+/**
+ * Travel for each rad of the sprocket, m.
+ */
+radius: number, colour: [number, number, number], };
 
 export type Rollers = { 
 /**

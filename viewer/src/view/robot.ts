@@ -8,6 +8,7 @@ import { setPose } from './pose';
 import { simplified } from './simplify';
 import { merged, solidGeometry } from './solid';
 import type { Surfaces } from './surfaces';
+import { pad, padPoses } from './belt';
 import { roller, spoked } from './wheel';
 
 /** How far from the camera a robot's rollers are one piece with their wheels, and how far all is made simple, in robots. */
@@ -31,6 +32,12 @@ interface Rollers {
   poses: THREE.Matrix4[];
 }
 
+/** The pads of a belt, which move around it. */
+interface Belt {
+  one: Instances;
+  of: NonNullable<Wheel['belt']>;
+}
+
 /** A part of a robot and where it is. */
 export interface Placed {
   part: Instances;
@@ -49,6 +56,7 @@ export class RobotFleet {
   /** For each wheel; wheels that look alike share theirs. A browser without a graphics card takes its time for each instance. */
   private readonly wheels: Piece[];
   private readonly rollers: (Rollers | null)[];
+  private readonly belts: (Belt | null)[];
   private readonly all: Instances[];
 
   constructor(
@@ -98,8 +106,13 @@ export class RobotFleet {
           poses: rollers.poses.map((pose) => setPose(new THREE.Matrix4(), pose)),
         },
     );
+    const onePad = remembering(
+      (belt: NonNullable<Wheel['belt']>) => instances(pad(belt)),
+      ({ size, colour }) => [size, colour],
+    );
+    this.belts = wheels.map(({ belt }) => belt && { one: onePad(belt), of: belt });
     const pieces = [this.body, ...this.links, ...this.wheels].flatMap(({ near, far, afar }) => [near, far, afar]);
-    this.all = [...new Set([...pieces, ...this.rollers.flatMap((rollers) => rollers?.one ?? [])])];
+    this.all = [...new Set([...pieces, ...[...this.rollers, ...this.belts].flatMap((moving) => moving?.one ?? [])])];
     this.all.forEach(({ mesh: { geometry } }) => geometry.hasAttribute('position') && geometry.computeBoundingBox());
   }
 
@@ -128,9 +141,15 @@ export class RobotFleet {
     this.robotClass.wheels.forEach(({ link, position }, index) => {
       const { angle = 0, rollers: angles = [] } = state.wheels[index] ?? {};
       const wheel = ((link !== null && carriers[link]) || robot).clone();
-      wheel.multiply(local.makeTranslation(...position)).multiply(local.makeRotationY(-angle));
+      const belt = this.belts[index];
+      wheel.multiply(local.makeTranslation(...position));
+      if (!belt) wheel.multiply(local.makeRotationY(-angle));
       const piece = this.wheels[index];
       if (piece) placed.push({ part: piece[detail], matrix: wheel });
+      if (belt) {
+        for (const matrix of padPoses(belt.of, angle))
+          placed.push({ part: belt.one, matrix: matrix.premultiply(wheel) });
+      }
       const rollers = level === 'near' ? this.rollers[index] : null;
       rollers?.poses.forEach((pose, number) => {
         const matrix = new THREE.Matrix4().makeRotationX(angles[number] ?? 0);

@@ -146,9 +146,10 @@ fn tips(subject: &Subject, axis: usize) -> bool {
     let robot = &subject.robot;
     let centre = robot.total_mass().centre;
     // z is down.
-    let height = robot.wheels().map(|wheel| wheel.position[2] + wheel.radius - centre.z).fold(0.0, f64::max);
+    let discs = || robot.wheels().flat_map(|wheel| wheel.discs());
+    let height = discs().map(|(middle, radius)| middle[2] + radius - centre.z).fold(0.0, f64::max);
     let [least, most] = [f64::min, f64::max].map(|pick| {
-        let places = robot.wheels().map(|wheel| wheel.position[axis]);
+        let places = discs().map(|(middle, _)| middle[axis]);
         places.reduce(pick).unwrap_or(0.0)
     });
     friction(subject) * height > 0.95 * (most - centre[axis]).min(centre[axis] - least)

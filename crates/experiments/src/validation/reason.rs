@@ -144,7 +144,7 @@ impl Stance {
                     let touching = if link.is_driven_wheel() { Touching::Driven(driven) } else { Touching::Caster };
                     driven += usize::from(link.is_driven_wheel());
                     // A wheel wins over a shape at the same distance.
-                    offer(outside_wheel(pose.inverse() * at, wheel.radius, wheel.width) - NEAR, touching);
+                    offer(outside_wheel(pose.inverse() * at, wheel) - NEAR, touching);
                 }
                 for solid in &link.solids {
                     let local = (pose * link.pose_of(solid)).inverse() * at;
@@ -208,8 +208,20 @@ enum Touching {
 }
 
 /// Returns the distance of a point in a wheel's frame from the wheel, m; negative inside. The axle is y.
-fn outside_wheel(at: Point3<f64>, radius: f64, width: f64) -> f64 {
-    (at.x.hypot(at.z) - radius).max(at.y.abs() - width / 2.0)
+fn outside_wheel(at: Point3<f64>, wheel: &scene::Wheel) -> f64 {
+    let outside = |middle: [f64; 2], radius: f64| (at.x - middle[0]).hypot(at.z - middle[1]) - radius;
+    let across = match &wheel.belt {
+        None => outside([0.0; 2], wheel.radius),
+        Some(belt) => {
+            let (around, [x, z]) = (belt.around(), belt.rollers.first().map_or([0.0; 2], |&[x, z, _]| [x, z]));
+            let next = around.iter().cycle().skip(1);
+            let discs = around.iter().zip(next).flat_map(|(&one, &other)| belt.run(one, other));
+            discs
+                .map(|disc| outside([disc.middle[0] - x, disc.middle[1] - z], disc.radius))
+                .fold(f64::INFINITY, f64::min)
+        }
+    };
+    across.max(at.y.abs() - wheel.width / 2.0)
 }
 
 /// Returns the approximate distance of a point in a shape's frame outside the shape, m.

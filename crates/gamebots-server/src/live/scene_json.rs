@@ -6,8 +6,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use scene::{
-    Drawn as DrawnPiece, Geometry, JointKind, MapDef, MountedWheel, ObjectSnapshot, Pose, RobotDef, SensorDef, Shape,
-    WorldDef,
+    Drawn as DrawnPiece, Geometry, JointKind, MapDef, MountedWheel, Moves, ObjectSnapshot, Pads, Pose, RobotDef,
+    SensorDef, Shape, WorldDef,
 };
 use serde::Serialize;
 
@@ -147,11 +147,25 @@ page_types! {
         link: Option<usize>,
         /// Position in the carrier's frame, m.
         position: [f64; 3],
-        /// Pieces except rollers.
+        /// Pieces except rollers and pads.
         drawn: Vec<Drawn<'a>>,
         /// Speed limit, rad/s.
         max_speed: Option<f64>,
         rollers: Option<Rollers>,
+        /// Pads of the belt around it; a wheel with a belt does not turn.
+        belt: Option<Belt>,
+    }
+
+    /// Boxes that move along a closed path around a sprocket.
+    struct Belt {
+        /// Corners of the path, x and z in the wheel's frame, m.
+        path: Vec<[f64; 2]>,
+        pads: usize,
+        /// Edges of a pad along the path, across the belt and outward, m.
+        size: [f64; 3],
+        /// Travel for each rad of the sprocket, m.
+        radius: f64,
+        colour: [f64; 3],
     }
 
     struct Rollers {
@@ -322,7 +336,7 @@ fn wheel<'a>(def: &RobotDef, wheel: MountedWheel<'a>, drawn: &[DrawnPiece<'a>]) 
     let carrier = def.links.get(wheel.parent).map_or([0.0; 3], scene::Link::origin);
     let [x, y, z] = wheel.position;
     let [from_x, from_y, from_z] = carrier;
-    let rollers: Vec<&DrawnPiece> = drawn.iter().filter(|it| it.is_roller).collect();
+    let rollers: Vec<&DrawnPiece> = drawn.iter().filter(|it| it.moves == Moves::Roller).collect();
     let outline = rollers.first().and_then(|it| match &it.geometry {
         Geometry::Revolved(outline) => Some((outline, it.colour)),
         Geometry::Shape(_) => None,
@@ -338,6 +352,10 @@ fn wheel<'a>(def: &RobotDef, wheel: MountedWheel<'a>, drawn: &[DrawnPiece<'a>]) 
             outline: outline.clone(),
             colour,
         }),
+        belt: wheel.belt.as_ref().map(|belt| {
+            let Pads { path, count, size, radius } = belt.pads(wheel.width);
+            Belt { path, pads: count, size, radius, colour: wheel.material.colour }
+        }),
     }
 }
 
@@ -347,13 +365,13 @@ fn link_number(def: &RobotDef, link: usize) -> Option<usize> {
     links.map(|(number, _)| number).position(|number| number == link)
 }
 
-/// Returns the drawn pieces of a link, except rollers, in its frame.
+/// Returns the drawn pieces of a link, except rollers and pads, in its frame.
 fn still<'a>(drawn: &[DrawnPiece<'a>]) -> Vec<Drawn<'a>> {
     let piece = |it: &DrawnPiece<'a>| match &it.geometry {
         Geometry::Shape(drawn) => Some(Drawn { shape: shape(drawn.clone()), pose: place(&it.pose), colour: it.colour }),
         Geometry::Revolved(_) => None,
     };
-    drawn.iter().filter_map(piece).collect()
+    drawn.iter().filter(|it| it.moves == Moves::Still).filter_map(piece).collect()
 }
 
 /// Returns a shape that a viewer can draw: a hull becomes its surface.

@@ -125,6 +125,7 @@ impl Guess {
                 mass: link.mass().mass,
                 material: self.tyre.clone(),
                 rollers: None,
+                belt: None,
             };
             let is_caster = is_caster(&self.urdf.links, continuous.link);
             let drive = (!is_caster).then(|| motor(continuous, mass, radius));

@@ -7,6 +7,7 @@ use scene::{Link, Motor, MountedWheel, Rollers, Side, Steering, Wheel, check};
 use serde::Deserialize;
 
 use super::joint::Links;
+use super::track::read_tracks;
 use crate::document::{Document, Table, Vector};
 use crate::materials::Materials;
 use crate::problem::Unread;
@@ -14,40 +15,40 @@ use crate::problem::Unread;
 /// Numbers of a wheel; missing ones are taken from `[wheels]`.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-struct WheelEntry {
-    name: Option<String>,
-    side: Option<SideEntry>,
-    joint: Option<String>,
-    position: Option<Vector>,
-    radius: Option<f64>,
-    width: Option<f64>,
-    mass: Option<f64>,
-    material: Option<String>,
-    max_speed: Option<f64>,
-    gain: Option<f64>,
-    max_torque: Option<f64>,
-    integral_time: Option<f64>,
-    armature: Option<f64>,
-    gear: Option<f64>,
-    torque_constant: Option<f64>,
-    max_current: Option<f64>,
-    rotor_inertia: Option<f64>,
-    roller_angle: Option<f64>,
-    first_roller: Option<f64>,
+pub(super) struct WheelEntry {
+    pub(super) name: Option<String>,
+    pub(super) side: Option<SideEntry>,
+    pub(super) joint: Option<String>,
+    pub(super) position: Option<Vector>,
+    pub(super) radius: Option<f64>,
+    pub(super) width: Option<f64>,
+    pub(super) mass: Option<f64>,
+    pub(super) material: Option<String>,
+    pub(super) max_speed: Option<f64>,
+    pub(super) gain: Option<f64>,
+    pub(super) max_torque: Option<f64>,
+    pub(super) integral_time: Option<f64>,
+    pub(super) armature: Option<f64>,
+    pub(super) gear: Option<f64>,
+    pub(super) torque_constant: Option<f64>,
+    pub(super) max_current: Option<f64>,
+    pub(super) rotor_inertia: Option<f64>,
+    pub(super) roller_angle: Option<f64>,
+    pub(super) first_roller: Option<f64>,
     /// Link that carries it; without one, the body.
-    link: Option<String>,
+    pub(super) link: Option<String>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum SideEntry {
+pub(super) enum SideEntry {
     Left,
     Right,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RollersEntry {
+pub(super) struct RollersEntry {
     count: u32,
     axis_circle: f64,
     half_length: Option<f64>,
@@ -78,24 +79,20 @@ pub(super) fn read_wheels<'a>(
 ) -> Result<Vec<Link>, Unread> {
     let common = document.section::<WheelEntry>(root, "wheels");
     let rollers = document.section::<RollersEntry>(root, "rollers");
-    if !root.has("wheel") && steering.is_none_or(Steering::is_on_wheels) {
-        document.problem(&(0..0), "no [[wheel]]: expected at least one driven wheel");
+    if !root.has("wheel") && !root.has("track") && steering.is_none_or(Steering::is_on_wheels) {
+        document.problem(&(0..0), "no [[wheel]] or [[track]]: expected at least one driven wheel or track");
     }
     let noted = document.problems().count();
     let entries = document.list::<WheelEntry>(root, "wheel");
     let (Ok(common), Ok(rollers)) = (common, rollers) else { return Err(Unread) };
     let (place, common) = common.unwrap_or_default();
     let wheel = |(span, entry): (Range<usize>, WheelEntry)| {
-        let parent = links.find(document, &span, "link", entry.link.as_deref());
-        let on_link = entry.link.is_some();
-        let mut wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), links, materials)?;
-        if on_link {
-            wheel.joint.as_mut()?.parent = parent?;
-        }
+        let wheel = read_wheel(document, &span, entry, &common, rollers.as_ref(), links, materials)?;
         Some((span, wheel))
     };
     let count = entries.len();
-    let wheels: Vec<(Range<usize>, Link)> = entries.into_iter().filter_map(wheel).collect();
+    let mut wheels: Vec<(Range<usize>, Link)> = entries.into_iter().filter_map(wheel).collect();
+    wheels.extend(read_tracks(document, root, links, materials));
     for (span, link) in &wheels {
         document.wrong(span, wrong_wheel(link));
     }
@@ -108,7 +105,7 @@ pub(super) fn read_wheels<'a>(
     if document.problems().count() == noted { Ok(wheels) } else { Err(Unread) }
 }
 
-fn read_wheel(
+pub(super) fn read_wheel(
     document: &mut Document,
     span: &Range<usize>,
     entry: WheelEntry,
@@ -117,6 +114,7 @@ fn read_wheel(
     links: &mut Links,
     materials: &Materials,
 ) -> Option<Link> {
+    let parent = entry.link.as_deref().map(|link| links.find(document, span, "link", Some(link)));
     let joint = match (&entry.joint, &links.wheels) {
         (None, _) => None,
         (Some(name), None) => {
@@ -139,7 +137,10 @@ fn read_wheel(
     let mut number = |key: &str, own: Option<f64>, urdf: Option<f64>, common: Option<f64>| {
         let value = own.or(urdf).or(common);
         if value.is_none() {
-            document.problem(span, format_args!("missing `{key}`: expected it here, in [wheels] or in the URDF"));
+            document.problem(
+                span,
+                format_args!("missing `{key}`: expected it here, in the table that all share, or in the URDF"),
+            );
         }
         value
     };
@@ -190,12 +191,15 @@ fn read_wheel(
     };
     let motor =
         Motor { max_speed: max_speed?, gain: gain?, max_torque: max_torque?, stiffness: None, integral_time, armature };
-    let wheel = Wheel { side, radius: radius?, width: width?, mass: mass?, material, rollers };
+    let wheel = Wheel { side, radius: radius?, width: width?, mass: mass?, material, rollers, belt: None };
     let mut wheel = Link::of_wheel(entry.name?, position?, Some(motor), wheel);
     if let (Some(link), Some(joint)) = (link, joint) {
         wheel.visuals.clone_from(&link.visuals);
         wheel.joint.as_mut()?.parent = link.joint.as_ref()?.parent;
         links.taken.push(joint.link);
+    }
+    if let Some(parent) = parent {
+        wheel.joint.as_mut()?.parent = parent?;
     }
     Some(wheel)
 }
@@ -284,7 +288,7 @@ pub(super) fn read_casters<'a>(document: &mut Document<'a>, root: &mut Table<'a>
         let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
         let material = document.material(&span, &material, materials);
         let width = 2.0 * radius;
-        let wheel = Wheel { side, radius, width, mass, material, rollers: None };
+        let wheel = Wheel { side, radius, width, mass, material, rollers: None, belt: None };
         let caster = Link::of_wheel(name, position, None, wheel);
         document.wrong(&span, wrong_wheel(&caster));
         casters.push(caster);

@@ -80,6 +80,8 @@ pub const INTEGRAL_TIME: Range = Range { least: 1e-3, most: 1e3, unit: " s" };
 pub const ARMATURE: Range = Range { least: 0.0, most: 100.0, unit: " kg m²" };
 /// Number of rollers on a wheel; with fewer than three it is not round.
 pub const ROLLER_COUNT: Range = Range { least: 3.0, most: 32.0, unit: " rollers" };
+/// Number of rollers in a belt.
+pub const BELT_ROLLERS: Range = Range { least: 1.0, most: 16.0, unit: " rollers" };
 /// Angle between the axes of roller and wheel, of either sign.
 pub const ROLLER_ANGLE: Range = Range { least: 0.1, most: 1.5, unit: " rad, either sign" };
 /// Least radius of the circle of roller axes over the radius of the wheel; real ones have 0.6 to 0.9.

@@ -7,9 +7,9 @@ use super::map::{material, object};
 use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
-    Actuator, Aerial, Battery, Coupling, CouplingKind, Drivetrain, Gripper, Joint, JointKind, Link, Motor,
+    Actuator, Aerial, Battery, Belt, Coupling, CouplingKind, Drivetrain, Gripper, Joint, JointKind, Link, Motor,
     MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Tool, ToolChanger, Visual,
-    WHEEL_AXIS,
+    WHEEL_AXIS, Wheel,
 };
 
 pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
@@ -78,7 +78,7 @@ pub fn link(def: &Link, number: usize) -> Vec<String> {
     match &def.joint {
         None if number > 0 => wrong.push("no joint: expected one to a parent".to_owned()),
         Some(_) if number == 0 => wrong.push("a joint: expected none of the first link, which is the root".to_owned()),
-        Some(joint) => wrong.extend(self::joint(joint, number, def.wheel.is_some())),
+        Some(joint) => wrong.extend(self::joint(joint, number, def.wheel.as_ref())),
         None => {}
     }
     if number > 0 && def.parts.is_empty() == def.wheel.is_none() {
@@ -88,7 +88,7 @@ pub fn link(def: &Link, number: usize) -> Vec<String> {
 }
 
 /// Lists the problems of a link's joint. The check of a wheel covers the position and the motor of its joint.
-fn joint(def: &Joint, number: usize, of_wheel: bool) -> Vec<String> {
+fn joint(def: &Joint, number: usize, of_wheel: Option<&Wheel>) -> Vec<String> {
     let mut wrong = Vec::new();
     if def.parent >= number {
         wrong.push(format!("its parent is link {}: expected one of the {number} before it", def.parent));
@@ -113,10 +113,11 @@ fn joint(def: &Joint, number: usize, of_wheel: bool) -> Vec<String> {
             CouplingKind::Mimic | CouplingKind::Target => {}
         }
     }
-    if of_wheel {
-        let kind = if def.drive.is_some() { JointKind::Continuous } else { JointKind::Ball };
-        if def.kind != kind || def.axis != WHEEL_AXIS {
-            wrong.push("a wheel's joint: expected a continuous one with a motor about the left, or a ball".to_owned());
+    if let Some(wheel) = of_wheel {
+        if def.kind != wheel.joint_kind(def.drive.is_some()) || def.axis != WHEEL_AXIS {
+            wrong.push(
+                "a wheel's joint: expected a continuous one with a motor about the left, a belt, or a ball".to_owned(),
+            );
         }
         if def.friction != 0.0 || def.drive.as_ref().is_some_and(|motor| motor.stiffness.is_some()) {
             wrong.push("a wheel's joint with `friction` or `stiffness`: expected neither".to_owned());
@@ -124,6 +125,9 @@ fn joint(def: &Joint, number: usize, of_wheel: bool) -> Vec<String> {
     } else {
         wrong.extend(ROBOT_REACH.problem_in("position", &def.anchor));
         wrong.extend(def.drive.iter().flat_map(motor));
+    }
+    if def.kind == JointKind::Belt && of_wheel.is_none() {
+        wrong.push("a belt without a sprocket: expected a [[track]]".to_owned());
     }
     let has_ends = matches!(def.kind, JointKind::Revolute | JointKind::Prismatic);
     match def.limits {
@@ -212,8 +216,29 @@ pub fn wheel(def: &MountedWheel) -> Vec<String> {
         }
         wrong.extend(FIRST_ROLLER.problem("first_roller", rollers.first_roller));
     }
-    if def.drive.is_none() && def.rollers.is_some() {
-        wrong.push("a caster with rollers: expected a ball".to_owned());
+    if def.drive.is_none() && (def.rollers.is_some() || def.belt.is_some()) {
+        wrong.push("a caster with rollers or a belt: expected a ball".to_owned());
+    }
+    wrong.extend(def.belt.iter().flat_map(|belt| self::belt(belt, def)));
+    wrong
+}
+
+/// Checks a belt, and that the wheel is its first roller.
+fn belt(def: &Belt, wheel: &MountedWheel) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if !BELT_ROLLERS.holds(def.rollers.len() as f64) {
+        wrong.push(format!("a belt around {} rollers: expected {BELT_ROLLERS}", def.rollers.len()));
+    }
+    for &[x, z, radius] in &def.rollers {
+        wrong.extend(ROBOT_REACH.problem_in("rollers", &[x, z]));
+        wrong.extend(WHEEL_RADIUS.problem("radius of a roller", radius));
+    }
+    let [x, _, z] = wheel.position;
+    if def.rollers.first() != Some(&[x, z, wheel.radius]) {
+        wrong.push("a belt whose first roller is not its sprocket: expected the wheel's place and radius".to_owned());
+    }
+    if wheel.rollers.is_some() {
+        wrong.push("a belt around a Mecanum wheel: expected a plain one".to_owned());
     }
     wrong
 }
@@ -355,7 +380,7 @@ pub fn robot(def: &RobotDef) -> Vec<String> {
     }
     if !def.can_have(def.drive_model) {
         let name = def.drive_model.name();
-        wrong.push(format!("`drive_model` \"{name}\": expected four Mecanum wheels, or \"articulated\" or \"bodies\""));
+        wrong.push(format!("`drive_model` \"{name}\": expected \"articulated\", with four Mecanum wheels any, or without tracks \"bodies\""));
     }
     if wrong.is_empty() {
         wrong.extend(masses(def).into_iter().chain(push(def)));

@@ -11,6 +11,7 @@ mod ring;
 mod saved;
 mod shape_contact;
 mod together;
+mod track;
 mod wheel;
 
 use std::sync::Arc;

@@ -180,8 +180,9 @@ impl Physics {
         if robot.def.footing == Footing::Fixed {
             return *pose;
         }
-        let of_wheel = |wheel: MountedWheel| pose * Point3::from(wheel.position) + Vector3::z() * wheel.radius;
-        let mut lowest: Vec<Point3<f64>> = robot.def.wheels().map(of_wheel).collect();
+        let of_disc = |(middle, radius): ([f64; 3], f64)| pose * Point3::from(middle) + Vector3::z() * radius;
+        let discs = robot.def.wheels().flat_map(|wheel: MountedWheel| wheel.discs());
+        let mut lowest: Vec<Point3<f64>> = discs.map(of_disc).collect();
         let lowest_wheel = lowest.iter().map(|point| point.z).reduce(f64::max);
         if lowest.is_empty() {
             lowest.extend(robot.outlines.iter().map(|(local, part)| {

@@ -27,11 +27,12 @@ pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
     }
 }
 
-/// Builds the outline of a wheel: a plain disc about the y axis, or a ball for a caster.
+/// Builds the outline of a wheel: a plain disc about the y axis, a ball for a caster, or the volume of a track.
 pub(super) fn outline(wheel: &MountedWheel) -> SharedShape {
-    match wheel.drive {
-        Some(_) => SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
-        None => SharedShape::ball(wheel.radius),
+    match (wheel.drive, &wheel.belt) {
+        (Some(_), Some(belt)) => shared(&belt.hull(wheel.width)),
+        (Some(_), None) => SharedShape::cylinder(wheel.width / 2.0, wheel.radius),
+        (None, _) => SharedShape::ball(wheel.radius),
     }
 }
 

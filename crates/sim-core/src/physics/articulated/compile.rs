@@ -15,6 +15,7 @@ use super::super::surface::{Materials, Surface as Seen};
 use super::super::{convert, shape};
 use super::following::Following;
 use super::ring::RollerRing;
+use super::track::Track;
 
 /// Data that the robots of a class share.
 pub(in super::super) struct Articulated {
@@ -30,6 +31,7 @@ pub(in super::super) struct Articulated {
     /// Hubs of the wheels, including casters.
     pub(super) wheels: Vec<Hub>,
     pub(super) rings: Vec<Ring>,
+    pub(super) tracks: Vec<Track>,
     /// Data to make the base follow its commands, if it does.
     pub(super) following: Option<Following>,
 }
@@ -104,6 +106,8 @@ pub(super) enum Form {
     },
     /// The rollers of a wheel, by the number of their ring.
     Rollers(usize),
+    /// A track, by its number.
+    Track(usize),
     /// A ball about the origin of its link.
     Ball {
         /// m.
@@ -122,6 +126,7 @@ impl Articulated {
             gears: Vec::new(),
             wheels: Vec::new(),
             rings: Vec::new(),
+            tracks: Vec::new(),
             following: Following::of(def),
         };
         let mut links: Vec<Link> = Vec::new();
@@ -183,11 +188,13 @@ impl Articulated {
             JointKind::Revolute | JointKind::Continuous => Joint::Revolute(axis),
             JointKind::Prismatic => Joint::Prismatic(axis),
             JointKind::Ball => Joint::Ball,
+            JointKind::Belt => Joint::Belt { axis, radius: wheel.as_ref().map_or(0.0, |wheel| wheel.radius) },
         };
         links.push(Link {
             is_round: wheel.as_ref().is_some_and(|wheel| wheel.rollers.is_none() || !rollers_are_links(def)),
             damping: joint.damping,
-            armature: joint.drive.as_ref().map_or(0.0, |motor| motor.armature),
+            armature: joint.drive.as_ref().map_or(0.0, |motor| motor.armature)
+                + wheel.as_ref().map_or(0.0, belt_inertia),
             ..Link::new(parent, kind, anchor, mass)
         });
         let own = links.len() - 1;
@@ -212,6 +219,10 @@ impl Articulated {
     ) {
         let (radius, half_width) = (wheel.radius, wheel.width / 2.0);
         let (form, material) = match (wheel.drive, &wheel.rollers) {
+            (Some(_), _) if wheel.belt.is_some() => {
+                self.tracks.extend(Track::new(wheel));
+                (Form::Track(self.tracks.len() - 1), &wheel.material)
+            }
             (None, _) => (Form::Ball { radius }, &wheel.material),
             (Some(_), None) => (Form::Wheel { radius, half_width }, &wheel.material),
             (Some(_), Some(rollers)) => {
@@ -271,6 +282,11 @@ impl Surface {
         let (middle, half) = (convert::from_vector(on_link.center()), convert::from_vector(on_link.half_extents()));
         Self { link, form, material: material.clone(), seen, shape, pose, around, middle, half, wheel }
     }
+}
+
+/// Returns the inertia of a track's belt as felt at the sprocket, kg m²; that of a wheel is in its link's mass.
+fn belt_inertia(wheel: &MountedWheel) -> f64 {
+    if wheel.belt.is_some() { wheel.spin_inertia() } else { 0.0 }
 }
 
 /// True if the rollers of a robot's wheels are links of their own.

@@ -45,7 +45,8 @@ impl ArticulatedRobot {
             Second::Robot(..) | Second::OfEngine(..) => between,
         };
         let first = Side { body, link: self.link_of(found) };
-        let Touch { point, normal, gap, .. } = found.touch;
+        let Touch { point, normal, gap, share, .. } = found.touch;
+        let stiffness = stiffness * share;
         let velocity = self.body.velocity_at(first.link, point) - moves;
         let speed = normal.dot(&velocity);
         let push = if gap > 0.0 { -gap / time_step } else { (-gap / (time_step + RECOVERY_TIME)).min(MAX_RECOVERY) };
@@ -80,7 +81,7 @@ impl ArticulatedRobot {
         let surface = &self.made_of.surfaces[found.key.surface];
         let along = match (found.touch.roller, surface.form) {
             (Some(RollerTouch { axis, .. }), _) => (axis - normal * axis.dot(&normal)).try_normalize(1e-6),
-            (None, Form::Wheel { .. }) => {
+            (None, Form::Wheel { .. } | Form::Track(_)) => {
                 normal.cross(&(self.body.frames()[surface.link].rotation * Vector3::y())).try_normalize(0.1)
             }
             (None, _) => None,

@@ -128,7 +128,7 @@ impl ArticulatedRobot {
             let pose = convert::pose(&link_pose(body, surface.link)) * surface.pose;
             let arm = frame.rotation * surface.middle;
             // A wheel's own turning does not move its outline.
-            let (velocity, speed) = if surface.form == Form::Solid {
+            let (velocity, speed) = if matches!(surface.form, Form::Solid | Form::Track(_)) {
                 let velocity = frame.linear + frame.angular.cross(&arm);
                 (velocity, velocity.norm() + frame.angular.norm() * surface.half.norm())
             } else {
@@ -234,15 +234,25 @@ impl ArticulatedRobot {
         prediction: f64,
         met: &mut Vec<Touch>,
     ) {
-        let Form::Rollers(ring) = surface.form else {
-            return touches(surface, at, shape, pose, prediction, met);
+        let ring = match surface.form {
+            Form::Rollers(ring) => ring,
+            Form::Track(track) => return self.made_of.tracks[track].touch(surface, at, shape, pose, prediction, met),
+            Form::Solid | Form::Wheel { .. } | Form::Ball { .. } => {
+                return touches(surface, at, shape, pose, prediction, met);
+            }
         };
         let ring = &self.made_of.rings[ring];
         let hub = convert::from_pose(at);
         let mut contacts: Vec<WheelContact> = Vec::new();
         ring.shape.touch(&hub, self.turned(ring), prediction, shape, pose, &mut contacts);
         met.extend(contacts.into_iter().map(|WheelContact { point, normal, roller, axis, rolling_radius, gap }| {
-            Touch { normal, point, gap, roller: Some(RollerTouch { index: roller, axis, radius: rolling_radius }) }
+            Touch {
+                normal,
+                point,
+                gap,
+                share: 1.0,
+                roller: Some(RollerTouch { index: roller, axis, radius: rolling_radius }),
+            }
         }));
     }
 
@@ -375,7 +385,8 @@ impl Form {
             Self::Solid => 0,
             Self::Ball { .. } => 1,
             Self::Wheel { .. } => 2,
-            Self::Rollers(_) => 3,
+            Self::Track(_) => 3,
+            Self::Rollers(_) => 4,
         }
     }
 }

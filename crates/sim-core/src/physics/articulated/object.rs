@@ -73,6 +73,7 @@ impl Articulated {
             gears: Vec::new(),
             wheels: Vec::new(),
             rings: Vec::new(),
+            tracks: Vec::new(),
             following: None,
         }
     }

@@ -61,7 +61,7 @@ pub(super) fn touches(
                 }
             }
             Form::Ball { radius } => [on_ball(centre, radius, prediction, nearest), None, None],
-            Form::Solid | Form::Rollers(_) => [None; 3],
+            Form::Solid | Form::Rollers(_) | Form::Track(_) => [None; 3],
         };
         for touch in touches.into_iter().flatten() {
             if within.is_some_and(|within| is_inner_edge(within, &local, &touch)) {
@@ -71,6 +71,7 @@ pub(super) fn touches(
                 point: convert::from_vector(frame * convert::vector(touch.point)),
                 normal: convert::from_vector(frame.rotation * convert::vector(touch.normal)),
                 gap: touch.gap,
+                share: 1.0,
                 roller: None,
             };
             // Two triangles that share an edge find the same contact there.
@@ -113,9 +114,9 @@ fn on_plane(
         }
         Form::Ball { radius } => {
             let height = normal.dot(&(centre - place));
-            Touch { normal, point: centre - normal * radius, gap: height - radius, roller: None }
+            Touch { normal, point: centre - normal * radius, gap: height - radius, share: 1.0, roller: None }
         }
-        Form::Solid | Form::Rollers(_) => {
+        Form::Solid | Form::Rollers(_) | Form::Track(_) => {
             // The bounding box, in the surface's own axes.
             let middle = convert::from_vector(*pose * own.around.center());
             let half = own.around.half_extents().to_array();
@@ -137,7 +138,7 @@ fn on_ball(
     nearest: impl Fn(Vector3<f64>) -> Option<(f64, Vector3<f64>)>,
 ) -> Option<Touch> {
     let (distance, normal) = nearest(centre)?;
-    let touch = Touch { normal, point: centre - normal * radius, gap: distance - radius, roller: None };
+    let touch = Touch { normal, point: centre - normal * radius, gap: distance - radius, share: 1.0, roller: None };
     (touch.gap <= prediction).then_some(touch)
 }
 
@@ -150,7 +151,7 @@ fn is_inner_edge(within: &dyn NormalConstraints, pose: &EnginePose, touch: &Touc
     !allowed || convert::from_vector(normal).dot(&touch.normal) < 1.0 - 1e-6
 }
 
-/// Adds the contacts that the engine's geometry finds.
+/// Adds the contacts that the engine's geometry finds: at most four of a face.
 fn on_solid(
     own: &Surface,
     own_pose: &EnginePose,
@@ -158,6 +159,18 @@ fn on_solid(
     other_pose: &EnginePose,
     prediction: f64,
     found: &mut Vec<Touch>,
+) {
+    on_faces(own, own_pose, other, other_pose, prediction, |touches| spread(touches, found));
+}
+
+/// Finds contacts by the engine's geometry. `on_face` gets the corners of each area of contact, in world axes.
+pub(super) fn on_faces(
+    own: &Surface,
+    own_pose: &EnginePose,
+    other: &dyn Shape,
+    other_pose: &EnginePose,
+    prediction: f64,
+    mut on_face: impl FnMut(Vec<Touch>),
 ) {
     let mut manifolds: Vec<ContactManifold<ContactManifoldData, ContactData>> = Vec::new();
     let between = other_pose.inv_mul(own_pose);
@@ -173,9 +186,9 @@ fn on_solid(
         let points = manifold.points.iter().filter(|point| point.dist <= prediction);
         let touches = points.map(|point| {
             let on_other = convert::from_vector(frame * point.local_p1);
-            Touch { normal, point: on_other + normal * point.dist, gap: point.dist, roller: None }
+            Touch { normal, point: on_other + normal * point.dist, gap: point.dist, share: 1.0, roller: None }
         });
-        spread(touches.collect(), found);
+        on_face(touches.collect());
     }
 }
 

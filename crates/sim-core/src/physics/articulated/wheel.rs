@@ -7,7 +7,7 @@
 use nalgebra::{Vector2, Vector3};
 
 /// Sine of the lean at which a wheel stands on its edge alone. A tyre is round there.
-const LEANING: f64 = 0.1;
+pub(super) const LEANING: f64 = 0.1;
 /// Cosine of the normal with the axle above which a surface meets the side of the wheel.
 pub(super) const SIDE: f64 = 0.7;
 /// Limits within which two planes are one: the cosine of their normals, and their distance, m.
@@ -29,6 +29,8 @@ pub(super) struct Touch {
     pub(super) point: Vector3<f64>,
     /// Gap; negative where they overlap, m.
     pub(super) gap: f64,
+    /// Share of the stiffness that it has of its surface's contacts with this normal.
+    pub(super) share: f64,
     /// The roller in contact, if any.
     pub(super) roller: Option<RollerTouch>,
 }
@@ -60,7 +62,7 @@ impl Wheel {
         let lean = normal.dot(&self.axle);
         let along = (-lean / LEANING).clamp(-1.0, 1.0) * self.half_width;
         let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
-        Touch { normal, point, gap: normal.dot(&(point - place)), roller: None }
+        Touch { normal, point, gap: normal.dot(&(point - place)), share: 1.0, roller: None }
     }
 
     /// Returns the unit vector from the axle to the rim's nearest point to a plane.
@@ -97,7 +99,7 @@ impl Wheel {
         }
         let touch = |along: f64, normal: Vector3<f64>, place: Vector3<f64>| {
             let point = self.hub + self.axle * along + self.toward(&normal) * self.radius;
-            Touch { normal, point, gap: normal.dot(&(point - place)), roller: None }
+            Touch { normal, point, gap: normal.dot(&(point - place)), share: 1.0, roller: None }
         };
         let edges = [touch(-self.half_width, left, left_place), touch(self.half_width, right, right_place)];
         let least = edges.iter().map(|edge| edge.gap).fold(prediction, f64::min);

@@ -58,7 +58,8 @@ impl Joint {
 fn engine_joint(joint: &scene::Joint, anchor: Vector3<f64>) -> GenericJoint {
     let (anchor, axis) = (convert::vector(anchor), convert::vector(joint.axis));
     let mut built: GenericJoint = match joint.kind {
-        JointKind::Fixed => FixedJointBuilder::new().local_anchor1(anchor).into(),
+        // No robot with a belt is compiled for the engine.
+        JointKind::Fixed | JointKind::Belt => FixedJointBuilder::new().local_anchor1(anchor).into(),
         JointKind::Ball => SphericalJointBuilder::new().local_anchor1(anchor).into(),
         JointKind::Revolute | JointKind::Continuous => RevoluteJointBuilder::new(axis).local_anchor1(anchor).into(),
         JointKind::Prismatic => PrismaticJointBuilder::new(axis).local_anchor1(anchor).into(),
@@ -80,6 +81,6 @@ pub(super) fn axis_of(kind: JointKind) -> Option<JointAxis> {
     match kind {
         JointKind::Revolute | JointKind::Continuous => Some(JointAxis::AngX),
         JointKind::Prismatic => Some(JointAxis::LinX),
-        JointKind::Fixed | JointKind::Ball => None,
+        JointKind::Fixed | JointKind::Ball | JointKind::Belt => None,
     }
 }

@@ -31,7 +31,7 @@ impl Item {
             let kind = match joint.kind {
                 JointKind::Revolute | JointKind::Continuous => "Revolute",
                 JointKind::Prismatic => "Prismatic",
-                JointKind::Fixed | JointKind::Ball => "Unknown",
+                JointKind::Fixed | JointKind::Ball | JointKind::Belt => "Unknown",
             };
             let [min, max] = joint.limits.unwrap_or_default().map(|limit| limit as f32);
             Some(JointConf { link, kind: kind.to_owned(), max_torque: max_torque(joint), min, max })
