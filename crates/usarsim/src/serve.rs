@@ -239,7 +239,7 @@ fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> Strin
         let see = page.map(|page| SocketAddr::new(ip, page.port()));
         let see = see.map(|page| format!("\nsee it at http://{page}")).unwrap_or_default();
         let foxglove = foxglove.map(|port| format!("\nFoxglove: open ws://{ip}:{port}")).unwrap_or_default();
-        format!("usarsim ready on {address}, map {map}, robots {}{see}{foxglove}", classes.join(", "))
+        format!("usarsim ready on {address}, map {map}, {} classes of robots{see}{foxglove}", classes.len())
     }
 }
 

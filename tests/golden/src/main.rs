@@ -52,7 +52,7 @@ const WORLDS: [Golden; 5] = [
             (1, "DRIVE {Left 2} {Right 3}"),
             (1, "MULTIDRIVE {FLFlipper 0.5} {RRFlipper -0.7}"),
         ],
-        digest: 0x2291_a363_d218_8350,
+        digest: 0x6cb4_1215_7e63_2924,
     },
     Golden {
         name: "a heap",
@@ -81,7 +81,7 @@ const WORLDS: [Golden; 5] = [
             (2, "INIT {ClassName USARBot.AirRobot} {Location 3,0,-1}"),
             (2, "DRIVE {AltitudeVelocity 0.2} {LinearVelocity 0.5} {RotationalVelocity 30}"),
         ],
-        digest: 0x94f2_e995_5421_89b1,
+        digest: 0x5eaf_3012_ff37_b062,
     },
 ];
 
