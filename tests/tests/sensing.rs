@@ -345,3 +345,42 @@ fn an_imu_reads_changes_of_velocity_with_z_up_and_rates_of_roll_pitch_and_yaw() 
     let [acceleration, ..] = imu("DRIVE {LinearVelocity 1} {PitchAngle 0}");
     assert_eq!(acceleration, [10.0, 0.0, 0.0]);
 }
+
+/// Numbers worked out by hand: a robot in the air that climbs at 0.5 m/s and turns by 40 degrees a second.
+#[test]
+fn instruments_of_the_air_robot_and_the_nao_read_what_they_should() {
+    let mut world = World::new(scene_loader::load("rough", &[]).expect("a map"), Options::default());
+    let air = init(&mut world, "INIT {ClassName USARBot.AirRobot} {Location 1,2,-1.5} {Rotation 0,0,0.5}");
+    apply(&mut world, air, "DRIVE {AltitudeVelocity 0.5} {RotationalVelocity 40}");
+    let readings_of = |world: &mut World, seconds: f64| readings(run(world, seconds)).collect::<Vec<_>>();
+    let found = readings_of(&mut world, 2.0);
+    let truth = world.state(air).expect("the robot").0.pose;
+    let altitude = found.iter().rev().find_map(|it| match it {
+        Reading::AltitudeSensor(it) => Some((it.relative, it.absolute)),
+        _ => None,
+    });
+    let (relative, absolute) = altitude.expect("an altitude");
+    assert!((relative - 1.0).abs() < 0.06 && (absolute - relative - 111.0).abs() < 1e-3, "{relative} {absolute}");
+    let compass = found.iter().rev().find_map(|it| match it {
+        Reading::MagneticCompass(it) => Some(f64::from(it.angle)),
+        _ => None,
+    });
+    let yaw = truth.rotation.euler_angles().2;
+    assert!((compass.expect("an angle") + yaw).abs() < 0.1 && yaw > 1.5, "{compass:?}, yaw {yaw}");
+    let minutes = |found: &[Reading]| {
+        found.iter().rev().find_map(|it| match it {
+            Reading::MissionTime(it) => Some(it.minutes),
+            _ => None,
+        })
+    };
+    assert_eq!(minutes(&found), Some(0));
+    assert_eq!(minutes(&readings_of(&mut world, 58.2)), Some(1));
+    let mut world = World::new(scene_loader::load("rough", &[]).expect("a map"), Options::default());
+    init(&mut world, "INIT {ClassName USARBot.Nao} {Location 0,0,0}");
+    let felt = readings_of(&mut world, 2.0).iter().rev().find_map(|it| match it {
+        Reading::AcceleroMeter(it) => Some(it.acceleration),
+        _ => None,
+    });
+    let [x, y, z] = felt.expect("an acceleration");
+    assert!(x.abs() < 0.2 && y.abs() < 0.05 && (z - 9.81).abs() < 0.05, "{x} {y} {z}");
+}

@@ -2,12 +2,17 @@
 //!
 //! To add one: write its file, add its lines to the lists `sensors!` and `readings!` below, and add its measurement to `sim-core`.
 
+pub mod acceleration;
+pub mod accelerometer;
+pub mod altitude;
 pub mod battery;
 pub mod camera;
+pub mod compass;
 pub mod encoder;
 pub mod ground_truth;
 pub mod imu;
 pub mod ins;
+pub mod mission_time;
 pub mod odometry;
 pub mod range_scanner;
 pub mod sonar;
@@ -84,6 +89,16 @@ sensors! {
     "Touch", 0.1 => Touch(touch::Config), Deserialize::deserialize;
     /// Status line of a camera; another server sends its pictures.
     "Camera", 0.1 => Camera(camera::Config), Deserialize::deserialize;
+    /// Acceleration without gravity.
+    "Acceleration", 0.1 => Acceleration(acceleration::Config), Deserialize::deserialize;
+    /// Acceleration with gravity.
+    "Accelerometer", 0.1 => Accelerometer(accelerometer::Config), Deserialize::deserialize;
+    /// Height above the place of the spawn.
+    "AltitudeSensor", 0.1 => Altitude(altitude::Config), Deserialize::deserialize;
+    /// Direction against north.
+    "MagneticCompass", 0.1 => Compass(compass::Config), Deserialize::deserialize;
+    /// Minutes since the spawn.
+    "MissionTime", 0.1 => MissionTime(mission_time::Config), Deserialize::deserialize;
     /// Battery listed as a sensor: it answers GETCONF and sends nothing.
     "Battery", 0.1 => Battery(battery::Config), Deserialize::deserialize;
 }
@@ -137,6 +152,11 @@ readings! {
     "Sonar" => Sonar(sonar),
     "Touch" => Touch(touch),
     "Camera" => Camera(camera),
+    "Accel" => Acceleration(acceleration),
+    "AcceleroMeter" => Accelerometer(accelerometer),
+    "AltitudeSensor" => Altitude(altitude),
+    "MagneticCompass" => Compass(compass),
+    "MissionTime" => MissionTime(mission_time),
 }
 
 impl Config {

@@ -139,6 +139,11 @@ impl Physics {
         }
     }
 
+    /// Returns the gravity of the map, m/s².
+    pub(crate) fn gravity(&self) -> nalgebra::Vector3<f64> {
+        convert::from_vector(self.world.gravity)
+    }
+
     /// True if the engine has a robot to move or a change to notice.
     pub(crate) fn is_engine_needed(&self) -> bool {
         self.robots_of_engine > 0 || self.is_changed

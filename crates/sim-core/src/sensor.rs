@@ -2,12 +2,16 @@
 //!
 //! To add one, write its parameters there and its file here, then add its lines to [`Mounted`], [`mount`] and [`wire`].
 
+mod acceleration;
+mod altitude;
 mod battery;
 mod camera;
+mod compass;
 mod encoder;
 mod ground_truth;
 mod imu;
 mod ins;
+mod mission_time;
 mod odometry;
 mod range_scanner;
 mod sonar;
@@ -150,12 +154,16 @@ pub(crate) trait Sensor {
 kinds! {
     /// A mounted sensor of any kind.
     pub(crate) enum Mounted of Sensor {
+        Acceleration(acceleration::Mounted),
+        Altitude(altitude::Mounted),
         Battery(battery::Mounted),
         Camera(camera::Mounted),
+        Compass(compass::Mounted),
         Encoder(encoder::Mounted),
         GroundTruth(ground_truth::Mounted),
         Imu(imu::Mounted),
         Ins(ins::Mounted),
+        MissionTime(mission_time::Mounted),
         Odometry(odometry::Mounted),
         RangeScanner(range_scanner::Mounted),
         Sonar(sonar::Mounted),
@@ -181,6 +189,11 @@ pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Mounted {
         Config::Sonar(config) => Mounted::Sonar(sonar::build(config, mount)),
         Config::Touch(config) => Mounted::Touch(touch::build(config, mount)),
         Config::Camera(config) => Mounted::Camera(camera::build(config, mount)),
+        Config::Acceleration(_) => Mounted::Acceleration(acceleration::build(false, mount)),
+        Config::Accelerometer(_) => Mounted::Acceleration(acceleration::build(true, mount)),
+        Config::Altitude(_) => Mounted::Altitude(altitude::build(mount)),
+        Config::Compass(_) => Mounted::Compass(compass::build(mount)),
+        Config::MissionTime(_) => Mounted::MissionTime(mission_time::build(mount)),
         Config::Battery(_) => Mounted::Battery(battery::build(mount)),
     }
 }
@@ -197,6 +210,11 @@ pub(crate) fn wire(robot: &RobotDef, def: &SensorDef, reading: &Reading, speed_u
         Reading::RangeScanner(reading) => range_scanner::wire(def, reading).into(),
         Reading::Sonar(reading) => sonar::wire(def, reading).into(),
         Reading::Touch(reading) => touch::wire(def, reading).into(),
+        Reading::Acceleration(reading) => acceleration::wire(def, reading).into(),
+        Reading::Accelerometer(reading) => acceleration::wire_with_gravity(def, reading).into(),
+        Reading::Altitude(reading) => altitude::wire(def, reading).into(),
+        Reading::Compass(reading) => compass::wire(def, reading).into(),
+        Reading::MissionTime(reading) => mission_time::wire(def, reading).into(),
         Reading::Camera(_) => message::Camera {}.into(),
     }
 }

@@ -3,7 +3,7 @@
 use kinematics::Twist;
 use kinematics::coulomb::{Contact, quasi_static};
 use nalgebra::{Matrix3, Vector3};
-use scene::{Disc, MountedWheel, RobotDef};
+use scene::{Belt, Disc, MountedWheel, RobotDef};
 
 /// A contact of a wheel or a track with the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,21 +27,22 @@ const OFF_GROUND: f64 = 0.002;
 /// lowest run.
 pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
     let row = |[x, y]: [f64; 2]| Vector3::new(1.0, x, y);
-    let contacts: Vec<Standing> = robot.wheels().flat_map(|wheel| standing(&wheel)).collect();
-    let lowest = contacts.iter().map(|contact| contact.bottom).fold(f64::NEG_INFINITY, f64::max);
-    let stands = |contact: &&Standing| contact.bottom > lowest - OFF_GROUND;
+    let bottoms = robot.wheels().flat_map(|wheel| standing(&wheel, f64::NEG_INFINITY));
+    let lowest = bottoms.map(|contact| contact.bottom).fold(f64::NEG_INFINITY, f64::max);
+    let stands = |wheel: &MountedWheel| standing(wheel, lowest - OFF_GROUND);
+    let contacts: Vec<Standing> = robot.wheels().flat_map(|wheel| stands(&wheel)).collect();
     let square = |it: &Standing| row(it.position) * row(it.position).transpose() * it.part;
-    let squares: Matrix3<f64> = contacts.iter().filter(stands).map(square).sum();
+    let squares: Matrix3<f64> = contacts.iter().map(square).sum();
     let middle = robot.total_mass().centre;
     let least_squares = squares.svd(true, true).solve(&Vector3::new(1.0, middle.x, middle.y), 1e-12);
     let factors = least_squares.unwrap_or_else(|_| Vector3::zeros());
     let place = |(wheel, mounted): (usize, MountedWheel)| {
         let radius = mounted.radius;
-        standing(&mounted).into_iter().map(move |contact| Place {
+        stands(&mounted).into_iter().map(move |contact| Place {
             position: contact.position,
             wheel,
             radius,
-            share: if stands(&&contact) { contact.part * row(contact.position).dot(&factors).max(0.0) } else { 0.0 },
+            share: contact.part * row(contact.position).dot(&factors).max(0.0),
         })
     };
     robot.driven().enumerate().flat_map(place).collect()
@@ -57,14 +58,25 @@ struct Standing {
     part: f64,
 }
 
-fn standing(wheel: &MountedWheel) -> Vec<Standing> {
+/// Returns the contacts of a wheel that reach below a height, downward, m.
+fn standing(wheel: &MountedWheel, height: f64) -> Vec<Standing> {
     let [x, y, z] = wheel.position;
-    let Some(belt) = &wheel.belt else {
-        return vec![Standing { position: [x, y], bottom: z + wheel.radius, part: 1.0 }];
+    let mut contacts = match &wheel.belt {
+        None => vec![Standing { position: [x, y], bottom: z + wheel.radius, part: 1.0 }],
+        Some(belt) => {
+            let of_disc = |Disc { middle: [x, z], radius, share }: Disc| Standing {
+                position: [x, y],
+                bottom: z + radius,
+                part: share,
+            };
+            belt.lowest_run(&belt.around(), [0.0, 1.0]).into_iter().map(of_disc).collect()
+        }
     };
-    let of_disc =
-        |Disc { middle: [x, z], radius, share }: Disc| Standing { position: [x, y], bottom: z + radius, part: share };
-    belt.lowest_run(&belt.around(), [0.0, 1.0]).into_iter().map(of_disc).collect()
+    contacts.retain(|contact| contact.bottom > height);
+    if let ([alone], Some(_)) = (&mut contacts[..], &wheel.belt) {
+        alone.part = Belt::ALONE;
+    }
+    contacts
 }
 
 /// Returns the robot's displacement, in m and rad clockwise, while its driven wheels turn by the angles `turned`, rad. Coulomb friction

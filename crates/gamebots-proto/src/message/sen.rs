@@ -99,6 +99,11 @@ readings! {
     sonar::Sonar,
     touch::Touch,
     camera::Camera,
+    acceleration::Acceleration,
+    accelerometer::AcceleroMeter,
+    altitude::AltitudeSensor,
+    compass::MagneticCompass,
+    mission_time::MissionTime,
 }
 
 pub use encoder::Tick;

@@ -23,6 +23,11 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "EFF {Time 5.2000} {Type Gripper} {Name Hand} {Status OPEN}",
         "SEN {Time 29.9739} {Type GroundTruth} {Name GndTruth} {Location 0.625,2.250,1.875} {Orientation 0.000,-0.500,0.000}",
         "SEN {Time 5.2000} {Type IMU} {Name IMU} {XYZAcceleration 0.2500,-0.5000,0.0000} {AngularVel 0.0000,0.0000,1.5000} {AngularAccel 0.0000,0.0000,-0.2500} {Rotation 0.0000,-0.4375,1.2500}",
+        "SEN {Time 5.2000} {Type Accel} {Name Acc} {Acceleration 0.2500,-0.5000,0.0000}",
+        "SEN {Time 5.2000} {Type AcceleroMeter} {Name Accelerometer} {ProperAcceleration 0.0000,0.0000,9.8125}",
+        "SEN {Time 5.2000} {Type AltitudeSensor} {Name GPS} {relativeAltitude 1.5000} {absoluteAltitude 112.5000}",
+        "SEN {Time 5.2000} {Type MagneticCompass} {Name Compass} {MagneticAngle -1.2500}",
+        "SEN {Time 65.2000} {Type MissionTime} {Name Time} {Minutes 1}",
         "SEN {Type INS} {Name InsTest} {Location 12.61,-2.68,1.84} {Orientation 0.00,0.00,6.28}",
         "SEN {Time 44.5467} {Type Odometry} {Name Odometer} {Pose 0.0000,0.0000,0.0000}",
         "SEN {Time 5.2000} {Type Tachometer} {Name TachTest} {Vel 0.0000,0.0000,0.0000,0.0000} {Pos 6.2832,6.2832,6.2832,6.2832}",
@@ -190,6 +195,12 @@ fn reading() -> impl Strategy<Value = Reading> {
                 Imu { name, acceleration, angular_velocity, angular_acceleration, rotation }.into()
             }
         ),
+        (word(), vector(4)).prop_map(|(name, acceleration)| Acceleration { name, acceleration }.into()),
+        (word(), vector(4)).prop_map(|(name, acceleration)| AcceleroMeter { name, acceleration }.into()),
+        (word(), grid(4), grid(4))
+            .prop_map(|(name, relative, absolute)| AltitudeSensor { name, relative, absolute }.into()),
+        (word(), grid(4)).prop_map(|(name, angle)| MagneticCompass { name, angle }.into()),
+        (word(), any::<i32>()).prop_map(|(name, minutes)| MissionTime { name, minutes }.into()),
         (word(), vector(4)).prop_map(|(name, pose)| Odometry { name, pose }.into()),
         proptest::collection::vec((word(), any::<i32>()).prop_map(|(name, tick)| Tick { name, tick }), 0..4)
             .prop_map(|ticks| Encoder { ticks }.into()),

@@ -16,8 +16,6 @@ use super::wheel::{LEANING, SIDE, Touch};
 
 /// Parts into which an area of contact is divided along the run.
 const PARTS: usize = 6;
-/// Share of the stiffness of a contact that has no others beside it: that of a part of a run.
-const ALONE: f64 = 1.0 / PARTS as f64;
 /// Length of an area along the run below which it has one contact, m.
 const SHORT: f64 = 1e-3;
 
@@ -66,7 +64,7 @@ impl Track {
                 let touches = discs.into_iter().map(|disc| self.on_plane(at, &axle, disc, normal, place));
                 let mut touches: Vec<Touch> = touches.filter(|touch| touch.gap <= prediction).collect();
                 if let [alone] = &mut touches[..] {
-                    alone.share = ALONE;
+                    alone.share = Belt::ALONE;
                 }
                 found.extend(touches);
                 return;
@@ -122,7 +120,7 @@ impl Track {
                 if parts == 0 { (least + most) / 2.0 } else { least + (most - least) * number as f64 / parts as f64 };
             let [aside, gap] = middle_of(section(&flat, place));
             let share = match (parts, number) {
-                (0, _) => ALONE,
+                (0, _) => Belt::ALONE,
                 (_, 0 | PARTS) => 0.5 / PARTS as f64,
                 _ => 1.0 / PARTS as f64,
             };
