@@ -11,7 +11,7 @@ use gamebots_proto::Dialect;
 use gamebots_proto::message::{self, Field, Message, Reading};
 use kinematics::FiniteRollers;
 use kinematics::thesis::{Sizes, base_velocity, printed};
-use scene::{DriveModel, PawnId, Steering, WorldDef};
+use scene::{DriveModel, PawnId, RobotDef, Steering, WorldDef};
 use sim_core::{Options, World};
 
 use crate::{UNTIMED, budget, repository};
@@ -168,18 +168,31 @@ fn by_kinematics(motion: Motion, signs: [f64; 4]) -> [f64; 3] {
 /// Compares the motion of robots on plain wheels with the balance of friction.
 pub(crate) fn sliding() -> String {
     let def = world("rough");
-    let on_plain_wheels =
-        def.robots.values().filter(|robot| robot.steering != Steering::Omni && robot.driven().next().is_some());
+    // Further names of a class, and classes like another, have the same body.
+    let has_own_body = |robot: &RobotDef| {
+        let files = scene_loader::robot_files(&robot.class).unwrap();
+        let (_, text) = files.into_iter().find(|(file, _)| file == "robot.toml").unwrap();
+        let text = String::from_utf8_lossy(text);
+        !text.contains(&format!("\"{}\"", robot.class)) && !text.lines().any(|line| line.starts_with("like = "))
+    };
+    let on_plain_wheels = def
+        .robots
+        .values()
+        .filter(|robot| robot.steering != Steering::Omni && robot.driven().next().is_some() && has_own_body(robot));
     let rows = on_plain_wheels.map(|robot| {
         let motions = Motion::of_robot(robot);
         let ratio = |model: DriveModel, motion| {
-            let mut def = def.clone();
-            def.robots.get_mut(&robot.class).unwrap().set_drive_model(Some(model));
+            let mut own = robot.clone();
+            own.set_drive_model(Some(model));
+            let robots = [(robot.class.clone(), own)].into();
+            let def = WorldDef { map: def.map.clone(), robots, ..WorldDef::default() };
             let mut course = Course::start(World::new(def, Options::default()), &robot.class, 1, motion, 1.0).unwrap();
             course.run(10.0);
             format!("{:.4}", course.travel().unwrap().ratio)
         };
-        let cell = |model, motion| if motions.contains(&motion) { ratio(model, motion) } else { "-".to_owned() };
+        let cell = |model, motion| {
+            if motions.contains(&motion) && robot.can_have(model) { ratio(model, motion) } else { "-".to_owned() }
+        };
         let cells = [DriveModel::Articulated, DriveModel::Bodies].map(|model| {
             [Motion::Forward, Motion::Clockwise, Motion::Curve].map(|motion| cell(model, motion)).join(" | ")
         });
