@@ -196,6 +196,10 @@ def mujoco_p3at_row(definition, shape, gain, rotor, dt, seconds):
     return {"factor": 2 * driven_time(dt, seconds) / spent, "error": error, "ratios": ratios}
 
 
+# Step between the numbers of the wheels of a row.
+ROW = 1000
+
+
 def flipped(vector):
     """From x forward, y right, z down to x forward, y left, z up; a turn about x, so axes go the same way."""
     return np.array([vector[0], -vector[1], -vector[2]])
@@ -205,9 +209,31 @@ def numbers(values):
     return " ".join(f"{value:.9g}" for value in values)
 
 
+def row_xml(links, number, servos):
+    """A track as a row of wheels, as MuJoCo has no belts: one at each roller, and in the middle of a long run."""
+    link, joint = links[number], links[number]["joint"]
+    wheel, drive = link["wheel"], joint["drive"]
+    discs = [np.array(disc) for disc in wheel["belt"]["rollers"]]
+    if len(discs) == 2 and np.linalg.norm(discs[0][:2] - discs[1][:2]) > 0.3:
+        discs.append((discs[0] + discs[1]) / 2)
+    parent, xml = links[joint["parent"]].get("joint"), ""
+    for place, (x, z, radius) in enumerate(discs):
+        name = f"w{number + ROW * place}"
+        at = flipped([x, joint["anchor"][1], z]) - (flipped(parent["anchor"]) if parent else 0)
+        most = drive["max_torque"] / len(discs)
+        servos.append(f'<velocity joint="{name}" kv="{drive["gain"] / len(discs)}" forcerange="{-most} {most}"/>')
+        xml += (
+            f'<body pos="{numbers(at)}"><joint name="{name}" axis="{numbers(flipped(joint["axis"]))}"/><geom type="cylinder" '
+            f'size="{radius} {wheel["width"] / 2}" euler="90 0 0" mass="{wheel["mass"] / len(discs)}" friction="0.85 0 0"/></body>'
+        )
+    return xml
+
+
 def tree_xml(links, number, servos, height=0.0):
     """A link of the definition with what hangs on it, and its servos; the root at a height."""
     link, joint = links[number], links[number].get("joint")
+    if link.get("wheel", {}).get("belt"):
+        return row_xml(links, number, servos)
     if "rollers" in link.get("wheel", {}):
         servos.append(f'<velocity joint="w{number}" kv="{joint["drive"]["gain"]}"/>')
         parent = links[joint["parent"]].get("joint", {"anchor": [0, 0, 0]})["anchor"]
@@ -263,7 +289,7 @@ def mujoco_tree_row(definition, step, cone, dt, seconds):
         f'<actuator>{"".join(servos)}</actuator></mujoco>'
     )
     driven = [(index, int(servo.split('"')[1][1:])) for index, servo in enumerate(servos) if servo.startswith("<velocity")]
-    actuators, wheels = [index for index, _ in driven], [links[number]["wheel"] for _, number in driven]
+    actuators, wheels = [index for index, _ in driven], [links[number % ROW]["wheel"] for _, number in driven]
     if "rollers" in wheels[0]:
         motions = [(1, 1, 1, 1), (1, -1, -1, 1), (1, -1, 1, -1)]
     else:
@@ -442,7 +468,7 @@ def main():
     text += f"\n\n## A robot that has to slide\n\nA P3AT forward and on the spot at 1 rad/s, 2 x {seconds:g} seconds, beside the twist at which Coulomb's friction balances (docs/kinematics.md). MuJoCo's contacts do not feel the servo: with the robot's own it turns a sixth as far as it should or less, with a softer one and an invented rotor nearly as far.\n\n"
     text += "\n".join(made[1][0]) + "\n\n" + verdict(made[1][1], 2, 0.3)
     text += " MuJoCo's P3AT has no sensors; usarsim's has a laser of 181 beams and seven others, which are in its time, but where the row says not."
-    text += f"\n\n## Trees\n\nThe same trees of links with the same servos, times real time in the motions of `usarsim bench` (3 x {seconds:g} seconds): a youBot with its arm and 24 rollers, and a Kenaf that starts with its front half on a step of 5 cm. usarsim's have their sensors, too.\n\n"
+    text += f"\n\n## Trees\n\nThe same trees of links with the same servos, times real time in the motions of `usarsim bench` (3 x {seconds:g} seconds): a youBot with its arm and 24 rollers, and a Kenaf that starts with its front half on a step of 5 cm, whose tracks are rows of wheels in MuJoCo. usarsim's have their sensors, too.\n\n"
     text += "\n".join(trees(seconds, arguments.repeat))
     text += "\n\n## Crowds and walls\n\nP3ATs without sensors on a grid of 0.75 m that all drive to its middle at 5 rad/s, and one that drives into a wall of boxes, ten high, for 5 simulated seconds: microseconds of one core for each robot, or box, and step (`bench/compare.py --crowds`). MuJoCo's P3AT is a box on four cylinders with the softer servo and the rotor of above. In crowds usarsim takes two to three times as long: it solves Coulomb's cone to 1e-6 or to the end of its budget, with the servos' stiffness in the contacts. A wall of boxes costs next to nothing while it sleeps.\n\n"
     text += "\n".join(crowds(5, arguments.repeat, folder.name))

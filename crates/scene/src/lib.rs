@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 
 pub use actuator::{Actuator, Gripper, Tool, ToolChanger};
 pub use base::{Aerial, Drivetrain, Footing};
-pub use belt::{Belt, Disc, Pads};
+pub use belt::{Belt, Disc, LOADED, Pads};
 pub use drawing::{Drawn, Geometry, Moves, Visual};
 pub use fnv::Fnv;
 pub use hull::hull_surface;

@@ -52,7 +52,7 @@ const WORLDS: [Golden; 5] = [
             (1, "DRIVE {Left 2} {Right 3}"),
             (1, "MULTIDRIVE {FLFlipper 0.5} {RRFlipper -0.7}"),
         ],
-        digest: 0x6cb4_1215_7e63_2924,
+        digest: 0x2646_0e38_7ce6_cfa7,
     },
     Golden {
         name: "a heap",

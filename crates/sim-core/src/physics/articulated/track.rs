@@ -1,21 +1,19 @@
 //! Contacts of a track.
 //!
-//! The belt of a track is the union of discs inside it. On a plane its load is on seven of them along its lowest run, by the trapezoidal
-//! rule: friction on the spot and in curves is then that of an even load to 2 %. On other shapes the engine finds the area of contact, which
-//! gets as many contacts along the run alike. Across the belt each is in the middle, and moves to an edge as the track leans, as under a wheel.
+//! The belt of a track is the union of discs inside it. On a plane its load is on four of them along its lowest run, whose friction is that of
+//! an even load ([`scene::LOADED`]). On other shapes the engine finds the area of contact, which gets four contacts along the run alike.
+//! Across the belt each is in the middle, and moves to an edge as the track leans, as under a wheel.
 
 use nalgebra::{Vector2, Vector3};
 use rapier3d::math::{Pose as EnginePose, Vector};
 use rapier3d::parry::shape::Shape;
-use scene::{Belt, Disc, MountedWheel};
+use scene::{Belt, Disc, LOADED, MountedWheel};
 
 use super::super::convert;
 use super::compile::Surface;
 use super::shape_contact::on_faces;
 use super::wheel::{LEANING, SIDE, Touch};
 
-/// Parts into which an area of contact is divided along the run.
-const PARTS: usize = 6;
 /// Length of an area along the run below which it has one contact, m.
 const SHORT: f64 = 1e-3;
 
@@ -114,16 +112,11 @@ impl Track {
         let (least, most) = flat.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), corner| {
             (least.min(corner[0]), most.max(corner[0]))
         });
-        let parts = if most - least < SHORT { 0 } else { PARTS };
-        for number in 0..=parts {
-            let place =
-                if parts == 0 { (least + most) / 2.0 } else { least + (most - least) * number as f64 / parts as f64 };
+        let alone = [(0.5, Belt::ALONE)];
+        let loaded: &[(f64, f64)] = if most - least < SHORT { &alone } else { &LOADED };
+        for &(part, share) in loaded {
+            let place = least + (most - least) * part;
             let [aside, gap] = middle_of(section(&flat, place));
-            let share = match (parts, number) {
-                (0, _) => Belt::ALONE,
-                (_, 0 | PARTS) => 0.5 / PARTS as f64,
-                _ => 1.0 / PARTS as f64,
-            };
             let on_other = first.point - normal * first.gap + along * place + across * aside;
             found.push(Touch { normal, point: on_other + normal * gap, gap, share, roller: None });
         }
