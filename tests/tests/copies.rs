@@ -43,8 +43,8 @@ fn a_copy_of_any_class_on_any_map_goes_on_with_the_same_bits() {
     for map in scene_loader::map_names() {
         let mut world = world(&map, 3);
         for (number, class) in scene_loader::robot_names().into_iter().enumerate() {
-            let (row, column) = (number / 4, number % 4);
-            let place = format!("{},{},-0.3", 1.5 * row as f64 - 2.5, 1.5 * column as f64 - 2.5);
+            let (row, column) = (number / 9, number % 9);
+            let place = format!("{},{},-0.3", 5.0 * row as f64 - 17.5, 5.0 * column as f64 - 17.5);
             let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location {place}}}"));
             apply(&mut world, robot, "DRIVE {Left 2}{Right 1}");
         }
@@ -140,8 +140,8 @@ fn a_saved_world_of_any_map_goes_on_with_the_same_bits() {
         for (number, class) in
             scene_loader::robot_names().into_iter().filter(|class| class != "KUKA_YouBot").enumerate()
         {
-            let (row, column) = (number / 4, number % 4);
-            let place = format!("{},{},-0.3", 1.5 * row as f64 - 2.5, 1.5 * column as f64 - 2.5);
+            let (row, column) = (number / 9, number % 9);
+            let place = format!("{},{},-0.3", 5.0 * row as f64 - 17.5, 5.0 * column as f64 - 17.5);
             let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location {place}}}"));
             apply(&mut world, robot, "DRIVE {Left 2}{Right 1}");
         }
