@@ -111,9 +111,7 @@ fn world(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> World {
         gravity: 9.81,
         time_limit: 0,
         solids: std::iter::once(floor).chain(solids).collect(),
-        objects: Vec::new(),
-        starts: Vec::new(),
-        path_nodes: Vec::new(),
+        ..MapDef::default()
     };
     let class = subject.robot.class.clone();
     let def = WorldDef { map, robots: BTreeMap::from([(class, subject.robot.clone())]), ..WorldDef::default() };

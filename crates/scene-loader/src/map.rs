@@ -1,8 +1,10 @@
-//! `map.toml`: solids, their materials, and start poses.
+//! `map.toml`: solids, their materials, start poses, and what sensors perceive beside shapes.
+
+mod perceived;
 
 use std::collections::BTreeMap;
 
-use scene::{MapDef, NamedPose, Object, Shape, Solid, check};
+use scene::{Geographic, MapDef, NamedPose, Object, Shape, Solid, check};
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::{self, Materials};
@@ -10,8 +12,8 @@ use crate::mesh;
 use crate::problem::Problems;
 use crate::source::Source;
 
-const KEYS: &str =
-    "description, gravity, time_limit, material, half_space, box, ramp, cylinder, ball, mesh, start, path_node";
+const KEYS: &str = "description, gravity, time_limit, north, latitude, longitude, material, half_space, box, ramp, cylinder, ball, mesh, \
+                    start, path_node, victim, rfid, smoke, sound";
 
 pub(crate) fn read(
     source: &Source,
@@ -29,6 +31,16 @@ pub(crate) fn read(
         gravity
     });
     let time_limit = document.optional(&mut root, "time_limit").unwrap_or(20);
+    let north = document.optional(&mut root, "north").unwrap_or(0.0);
+    let origin = match ["latitude", "longitude"].map(|key| document.optional(&mut root, key)) {
+        [None, None] => None,
+        [latitude, longitude] => {
+            if latitude.is_none() || longitude.is_none() {
+                document.problem(&(0..0), "`latitude` or `longitude` is missing: expected both, or neither");
+            }
+            Some(Geographic { latitude: latitude.unwrap_or(0.0), longitude: longitude.unwrap_or(0.0) })
+        }
+    };
     let materials = materials::read_own(&mut document, &mut root, materials);
     let (mut solids, mut objects) = (Vec::new(), Vec::new());
     for kind in ["half_space", "box", "ramp", "cylinder", "ball", "mesh"] {
@@ -46,9 +58,26 @@ pub(crate) fn read(
     }
     let starts = read_poses(&mut document, &mut root, "start");
     let path_nodes = read_poses(&mut document, &mut root, "path_node");
+    let perceived = perceived::read(&mut document, &mut root, &materials);
+    solids.extend(perceived.solids);
     document.finish(root, KEYS);
     let description = description?;
-    let map = MapDef { name: name.to_owned(), description, gravity, time_limit, solids, objects, starts, path_nodes };
+    let map = MapDef {
+        name: name.to_owned(),
+        description,
+        gravity,
+        time_limit,
+        solids,
+        objects,
+        starts,
+        path_nodes,
+        north,
+        origin,
+        victims: perceived.victims,
+        tags: perceived.tags,
+        smoke: perceived.smoke,
+        sounds: perceived.sounds,
+    };
     document.as_a_whole(|| check::map(&map));
     Some(map)
 }

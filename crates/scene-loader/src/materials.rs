@@ -27,6 +27,8 @@ struct Entry {
     #[serde(default = "grey")]
     colour: [f64; 3],
     #[serde(default)]
+    transparent: bool,
+    #[serde(default)]
     source: String,
 }
 
@@ -59,8 +61,16 @@ pub(crate) fn read_own<'a>(document: &mut Document<'a>, root: &mut Table<'a>, al
 /// Reads every entry of a table with its position.
 fn read_table<'a>(document: &mut Document<'a>, mut table: Table<'a>) -> Vec<(Range<usize>, Material)> {
     let entries = document.named::<Entry>(&mut table).into_iter().map(|(span, name, entry)| {
-        let Entry { friction, restitution, rolling_resistance, linear_damping, angular_damping, colour, source } =
-            entry;
+        let Entry {
+            friction,
+            restitution,
+            rolling_resistance,
+            linear_damping,
+            angular_damping,
+            colour,
+            transparent,
+            source,
+        } = entry;
         let material = Material {
             name,
             friction,
@@ -69,6 +79,7 @@ fn read_table<'a>(document: &mut Document<'a>, mut table: Table<'a>) -> Vec<(Ran
             linear_damping,
             angular_damping,
             colour,
+            transparent,
             source,
         };
         (span, material)

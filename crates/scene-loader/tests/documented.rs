@@ -17,6 +17,10 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("### `[[mesh]]`", "map.toml", "[[mesh]]"),
     ("### `[[start]]` and `[[path_node]]`", "map.toml", "[[start]]"),
     ("### `[[start]]` and `[[path_node]]`", "map.toml", "[[path_node]]"),
+    ("### `[[victim]]`", "map.toml", "[[victim]]"),
+    ("### `[[rfid]]`", "map.toml", "[[rfid]]"),
+    ("### `[[smoke]]`", "map.toml", "[[smoke]]"),
+    ("### `[[sound]]`", "map.toml", "[[sound]]"),
     ("## robot.toml", "robot.toml", ""),
     ("### `[[link]]`", "robot.toml", "[[link]]"),
     ("### `[[part]]`", "robot.toml", "[[part]]"),
@@ -37,7 +41,7 @@ const TABLES: &[(&str, &str, &str)] = &[
 ];
 
 /// Sensors without settings.
-const PLAIN: [&str; 8] = [
+const PLAIN: [&str; 10] = [
     "IMU",
     "Tachometer",
     "Battery",
@@ -46,6 +50,8 @@ const PLAIN: [&str; 8] = [
     "AltitudeSensor",
     "MagneticCompass",
     "MissionTime",
+    "RFIDReleaser",
+    "INUSensor",
 ];
 
 /// Returns the text under a heading, up to the next one.

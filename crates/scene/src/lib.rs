@@ -37,7 +37,7 @@ pub use drawing::{Drawn, Geometry, Moves, Visual};
 pub use fnv::Fnv;
 pub use hull::hull_surface;
 pub use link::{Coupling, CouplingKind, Joint, JointKind, Link, Part, ROOT, WHEEL_AXIS};
-pub use map::{MapDef, NamedPose, Object};
+pub use map::{Geographic, MapDef, NamedPose, Object, RfidTag, Smoke, Sound, Victim};
 pub use mass::Mass;
 pub use material::Material;
 pub use options::{Options, TIME_STEP};

@@ -21,6 +21,9 @@ pub struct Material {
     /// Displayed red, green and blue, 0 to 1. A scene written before colours existed reads as black.
     #[serde(default)]
     pub colour: [f64; 3],
+    /// True if infrared light passes through it, as through glass.
+    #[serde(default)]
+    pub transparent: bool,
     /// Source of the numbers.
     pub source: String,
 }

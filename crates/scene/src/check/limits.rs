@@ -21,6 +21,14 @@ pub const TOOL_DISTANCE: Range = Range { least: 0.0, most: 10.0, unit: " m" };
 pub const TOOL_ANGLE: Range = Range { least: 0.0, most: std::f64::consts::PI, unit: " rad" };
 /// Gravity; the Moon has 1.6, Jupiter 25.
 pub const GRAVITY: Range = Range { least: 0.0, most: 100.0, unit: " m/s²" };
+/// Density of smoke; USARSim's rooms have 0.5 to 1.
+pub const SMOKE_DENSITY: Range = Range { least: 0.0, most: 1000.0, unit: " 1/m" };
+/// Duration of a sound, and time between two of them.
+pub const SOUND_TIME: Range = Range { least: 0.01, most: 3600.0, unit: " s" };
+/// Latitudes of an origin.
+pub const LATITUDE: Range = Range { least: -89.0, most: 89.0, unit: " degrees" };
+/// Longitudes of an origin.
+pub const LONGITUDE: Range = Range { least: -180.0, most: 180.0, unit: " degrees" };
 /// Coulomb friction.
 pub const FRICTION: Range = Range { least: 0.0, most: 10.0, unit: "" };
 /// Restitution, rolling resistance, and the components of a colour.
@@ -115,6 +123,10 @@ pub(super) const MAX_SOLIDS: usize = 10_000;
 pub(super) const MAX_OBJECTS: usize = 1000;
 /// Maximum number of start poses of a map, and of path nodes; each list is sent in one line.
 pub(super) const MAX_POSES: usize = 1000;
+/// Maximum number of RFID tags, those that robots release included.
+pub const MAX_TAGS: usize = 1000;
+/// Maximum number of boxes of smoke; each laser beam is compared with all.
+pub(super) const MAX_SMOKE: usize = 64;
 /// Maximum number of parts of a robot, and of solids of its body.
 pub const MAX_PARTS: usize = 1000;
 /// Maximum number of links of a robot without its rollers. A Nao has 25; the cost of a step grows with the square of the number.

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::limits::*;
 use super::shape::{hull_points, solid, triangles};
 use super::{SceneProblem, count, first, shown, text, wire_name};
-use crate::{MapDef, Material, NamedPose, Object, Shape, Solid};
+use crate::{MapDef, Material, NamedPose, Object, RfidTag, Shape, Smoke, Solid, Sound, Victim};
 
 pub(super) fn check_map(def: &MapDef) -> Result<(), SceneProblem> {
     first("the map", map(def))?;
@@ -19,7 +19,49 @@ pub(super) fn check_map(def: &MapDef) -> Result<(), SceneProblem> {
     for pose in def.starts.iter().chain(&def.path_nodes) {
         first(&format!("the map, pose {}", shown(&pose.name)), named_pose(pose))?;
     }
-    Ok(())
+    let victims = def.victims.iter().map(|it| (it.name.clone(), victim(it)));
+    let tags = def.tags.iter().map(|it| (format!("tag {}", it.id), tag(it)));
+    let smoke = def.smoke.iter().map(|it| (it.name.clone(), smoke(it)));
+    let sounds = def.sounds.iter().map(|it| (it.name.clone(), sound(it)));
+    let mut all = victims.chain(tags).chain(smoke).chain(sounds);
+    all.try_for_each(|(name, wrong)| first(&format!("the map, {}", shown(&name)), wrong))
+}
+
+/// Lists the problems of a victim; its solids have their own checks.
+pub fn victim(def: &Victim) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(MAP_REACH.problem_in("position", &def.position));
+    wrong.extend(ANGLE.problem_in("rotation", &def.rotation));
+    wrong.extend(SHARE.problem("co2", def.co2));
+    wrong
+}
+
+/// Lists the problems of an RFID tag.
+pub fn tag(def: &RfidTag) -> Vec<String> {
+    let mut wrong: Vec<String> = MAP_REACH.problem_in("position", &def.position).into_iter().collect();
+    let length = def.memory.chars().count();
+    let good = length <= MAX_NAME && !def.memory.contains(|c: char| c.is_control() || c == '{' || c == '}');
+    wrong.extend((!good).then(|| format!("`memory`: expected at most {MAX_NAME} characters without braces")));
+    wrong
+}
+
+/// Lists the problems of a box of smoke.
+pub fn smoke(def: &Smoke) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(MAP_REACH.problem_in("position", &def.position));
+    wrong.extend(MAP_SIZE.problem_in("size", &def.size));
+    wrong.extend(SMOKE_DENSITY.problem("density", def.density));
+    wrong
+}
+
+/// Lists the problems of a source of sounds.
+pub fn sound(def: &Sound) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(MAP_REACH.problem_in("position", &def.position));
+    wrong.extend(SHARE.problem("volume", def.volume));
+    wrong.extend(SOUND_TIME.problem("duration", def.duration));
+    wrong.extend(SOUND_TIME.problem("interval", def.interval));
+    wrong
 }
 
 /// Checks the classes of objects.
@@ -41,6 +83,13 @@ pub fn map(def: &MapDef) -> Vec<String> {
     wrong.extend(count("objects", def.objects.len(), MAX_OBJECTS));
     wrong.extend(count("start poses", def.starts.len(), MAX_POSES));
     wrong.extend(count("path nodes", def.path_nodes.len(), MAX_POSES));
+    wrong.extend(ANGLE.problem("north", def.north));
+    wrong.extend(def.origin.and_then(|origin| LATITUDE.problem("latitude", origin.latitude)));
+    wrong.extend(def.origin.and_then(|origin| LONGITUDE.problem("longitude", origin.longitude)));
+    wrong.extend(count("victims", def.victims.len(), MAX_POSES));
+    wrong.extend(count("RFID tags", def.tags.len(), MAX_TAGS));
+    wrong.extend(count("boxes of smoke", def.smoke.len(), MAX_SMOKE));
+    wrong.extend(count("sounds", def.sounds.len(), MAX_POSES));
     wrong.extend(count("triangles", shapes().map(triangles).sum(), MAX_TRIANGLES));
     wrong.extend(count("corners of hulls", shapes().map(hull_points).sum(), MAX_HULL_POINTS));
     wrong
