@@ -30,6 +30,14 @@ pub enum Format {
     Turns(u32),
     /// x, y and an angle, truncated, the angle in (-pi, pi].
     Pose(u32),
+    /// Whole degrees, minutes with four decimals, truncated, and a letter.
+    Minutes,
+    /// Points with a number of decimals, truncated, each in brackets.
+    Brackets(u32),
+    /// Points with a number of decimals, rounded, with semicolons between them.
+    Semicolons(u32),
+    /// Points with a number of decimals, truncated, with blanks between them.
+    Blanks(u32),
 }
 
 impl fmt::Display for Format {
@@ -45,11 +53,16 @@ impl fmt::Display for Format {
             Self::Rounded(decimals) => write!(f, "{decimals} decimals"),
             Self::Turns(decimals) => write!(f, "{decimals} decimals, 0 to 2 pi"),
             Self::Pose(decimals) => write!(f, "{decimals} decimals, truncated, the angle -pi to pi"),
+            Self::Minutes => f.write_str("degrees, minutes of 4 decimals, truncated, letter"),
+            Self::Brackets(decimals) => write!(f, "`[x,y,z][x,y,z]`, {decimals} decimals, truncated"),
+            Self::Semicolons(decimals) => write!(f, "`x,y,z;x,y,z`, {decimals} decimals"),
+            Self::Blanks(decimals) => write!(f, "`x,y,z x,y,z`, {decimals} decimals, truncated"),
         }
     }
 }
 
-/// A row: the definition of one block of a line. Pairs are for UDK and UT2004.
+/// A row: the definition of one block of a line. Pairs are for UDK and UT2004. A row without a key is a block of its value alone, the last
+/// of its line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
     /// The word before the value.
@@ -136,6 +149,10 @@ impl Field {
     /// default.
     pub(crate) fn read<V: Value>(&self, line: &Line) -> Option<V> {
         let [udk, ut2004] = self.key;
+        if udk.is_empty() {
+            let block = line.blocks.last()?;
+            return V::read(Some(format!("{} {}", block.key, block.value).trim()), self.format[0]);
+        }
         let (text, format) = match line.get(udk) {
             None if udk != ut2004 => (line.get(ut2004), self.format[1]),
             text if self.format[0] == Format::Absent => (text, self.format[1]),
@@ -170,8 +187,10 @@ impl Written {
 /// Joins the blocks by rank, each with the space before it.
 pub(crate) fn blocks(mut blocks: Vec<Written>) -> String {
     blocks.sort_by_key(|block| block.rank);
-    let text =
-        |Written { key, value, tight, .. }: Written| format!("{}{{{key} {value}}}", if tight { "" } else { " " });
+    let text = |Written { key, value, tight, .. }: Written| {
+        let (before, between) = (if tight { "" } else { " " }, if key.is_empty() { "" } else { " " });
+        format!("{before}{{{key}{between}{value}}}")
+    };
     blocks.into_iter().map(text).collect()
 }
 
@@ -386,6 +405,33 @@ impl Value for Vec<f32> {
     }
 }
 
+/// An empty list has no block.
+impl Value for Vec<[f32; 3]> {
+    fn write(&self, format: Format) -> Option<String> {
+        let (decimals, between) = match format {
+            Format::Brackets(decimals) => (Format::Fixed(decimals), "]["),
+            Format::Semicolons(decimals) => (Format::Rounded(decimals), ";"),
+            Format::Blanks(decimals) => (Format::Fixed(decimals), " "),
+            other => (other, " "),
+        };
+        let points: Vec<String> = self.iter().filter_map(|point| point.write(decimals)).collect();
+        let text = points.join(between);
+        let text = if let Format::Brackets(_) = format { format!("[{text}]") } else { text };
+        if points.is_empty() { None } else { Some(text) }
+    }
+
+    fn read(text: Option<&str>, format: Format) -> Option<Self> {
+        let Some(text) = text else { return Some(Vec::new()) };
+        let text = text.trim_start_matches('[').trim_end_matches(']');
+        let between = match format {
+            Format::Brackets(_) => "][",
+            Format::Semicolons(_) => ";",
+            _ => " ",
+        };
+        text.split(between).map(|point| Value::read(Some(point), format)).collect()
+    }
+}
+
 macro_rules! optional {
     ($($type:ty)*) => {$(
         /// A missing value has no block.
@@ -407,7 +453,7 @@ fn number(value: f32, format: Format) -> String {
         Format::Fixed(decimals) | Format::FixedOrZero(decimals) | Format::Pose(decimals) => fixed(value, decimals),
         Format::Rounded(decimals) => rounded(value, decimals),
         Format::Turns(decimals) => rounded(value.rem_euclid(std::f32::consts::TAU), decimals),
-        Format::Absent | Format::Word | Format::Integer | Format::Boolean | Format::Either(_) => value.to_string(),
+        _ => value.to_string(),
     }
 }
 

@@ -184,6 +184,14 @@ pub enum Problem {
         /// The reason, in words.
         why: String,
     },
+    /// An RFID tag that cannot be released or written.
+    #[error("RFID tag {id}: {why}; nothing is done")]
+    TagRefused {
+        /// Its number.
+        id: u32,
+        /// The reason, in words.
+        why: String,
+    },
     /// A name that another robot has.
     #[error(
         "{{Name {got}}} is the name of another robot too: both are spawned; choose another name to tell them apart"

@@ -2,22 +2,39 @@
 //!
 //! To add one: write its file, add its lines to the lists `sensors!` and `readings!` below, and add its measurement to `sim-core`.
 
+#![expect(clippy::approx_constant, reason = "the numbers are those of USARSim's files")]
+
 pub mod acceleration;
 pub mod accelerometer;
+pub mod acoustic;
 pub mod altitude;
 pub mod battery;
+pub mod bumper_array;
 pub mod camera;
+pub mod co2;
 pub mod compass;
 pub mod encoder;
+pub mod gps;
 pub mod ground_truth;
+pub mod human_motion;
 pub mod imu;
+pub mod infrared;
 pub mod ins;
+pub mod inu;
+pub mod kinect_depth;
+pub mod line_laser;
 pub mod mission_time;
+pub mod object_sensor;
 pub mod odometry;
+pub mod point_cloud;
 pub mod range_scanner;
+pub mod range_scanner_3d;
+pub mod rfid;
 pub mod sonar;
+pub mod sound;
 pub mod tachometer;
 pub mod touch;
+pub mod victim;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -83,6 +100,42 @@ sensors! {
     "SICK", 0.2 => Sick(RangeScanner), |settings| range_scanner::SICK.changed(settings);
     /// Hokuyo URG-04LX.
     "HokuyoURG04LX", 0.3 => HokuyoUrg04Lx(RangeScanner), |settings| range_scanner::HOKUYO_URG_04LX.changed(settings);
+    /// A fan of infrared beams, which pass through glass.
+    "IRScanner", 0.1 => IrScanner(RangeScanner), |settings| range_scanner::INFRARED.changed(settings);
+    /// Rows of laser beams, of UT2004.
+    "RangeScanner3D", 0.2 => RangeScanner3D(range_scanner_3d::Config), Deserialize::deserialize;
+    /// A Kinect's depth picture.
+    "KinectDepth", 0.1 => KinectDepth(kinect_depth::Config), Deserialize::deserialize;
+    /// Points of a line of light.
+    "LineLaser", 0.1 => LineLaser(line_laser::Config), Deserialize::deserialize;
+    /// Points of a nodding fan of beams.
+    "RotatingPointCloudScanner", 0.2 => RotatingPointCloud(point_cloud::Rotating), Deserialize::deserialize;
+    /// Points of a grid of parallel sonars.
+    "ExampleSonarArray", 0.2 => SonarArray(point_cloud::Grid), Deserialize::deserialize;
+    /// One infrared beam, which passes through glass.
+    "IRSensor", 0.1 => Infrared(infrared::Config), Deserialize::deserialize;
+    /// A bow of bumpers.
+    "BumperArray", 0.1 => BumperArray(bumper_array::Config), Deserialize::deserialize;
+    /// Latitude and longitude from satellites.
+    "GPSSensor", 0.2 => Gps(gps::Config), Deserialize::deserialize;
+    /// Directions of sounds.
+    "AcousticArraySensor", 1.0 => Acoustic(acoustic::Config), Deserialize::deserialize;
+    /// Names and places of objects in view.
+    "ObjectSensor", 0.5 => ObjectSensor(object_sensor::Config), Deserialize::deserialize;
+    /// A reader of RFID tags, of UT2004.
+    "RFIDSensor", 0.2 => Rfid(rfid::Config), Deserialize::deserialize;
+    /// A releaser of RFID tags, of UT2004: it sends nothing.
+    "RFIDReleaser", 0.0 => RfidReleaser(rfid::Releaser), Deserialize::deserialize;
+    /// Parts of victims in view, of UT2004.
+    "VictSensor", 0.2 => Victim(victim::Config), Deserialize::deserialize;
+    /// Motion of victims in view, of UT2004.
+    "HumanMotionSensor", 0.2 => HumanMotion(human_motion::Config), Deserialize::deserialize;
+    /// The loudest sound, of UT2004.
+    "SoundSensor", 0.2 => Sound(sound::Config), Deserialize::deserialize;
+    /// Density of CO2, of UT2004.
+    "CO2Sensor", 0.2 => Co2(co2::Config), Deserialize::deserialize;
+    /// Roll, pitch and yaw, of UT2004.
+    "INUSensor", 0.2 => Inu(inu::Config), Deserialize::deserialize;
     /// One ultrasonic cone.
     "Sonar", 0.2 => Sonar(sonar::Config), Deserialize::deserialize;
     /// A face that feels what is in front of it.
@@ -157,6 +210,30 @@ readings! {
     "AltitudeSensor" => Altitude(altitude),
     "MagneticCompass" => Compass(compass),
     "MissionTime" => MissionTime(mission_time),
+    "IR" => Infrared(infrared),
+    "RangeScanner3D" => RangeScanner3D(range_scanner_3d),
+    "RangeImager" => KinectDepth(kinect_depth),
+    "LineLaser" => LineLaser(line_laser),
+    "PCL" => PointCloud(point_cloud),
+    "TouchArray" => BumperArray(bumper_array),
+    "GPS" => Gps(gps),
+    "Acoustic" => Acoustic(acoustic),
+    "ObjectSensor" => ObjectSensor(object_sensor),
+    "RFID" => Rfid(rfid),
+    "VictSensor" => Victim(victim),
+    "HumanMotion" => HumanMotion(human_motion),
+    "Sound" => Sound(sound),
+    "CO2Sensor" => Co2(co2),
+    "INU" => Inu(inu),
+}
+
+/// Maximum number of beams of one sensor.
+const MAX_BEAMS: usize = 10_000;
+
+/// Checks the ranges of a sensor that measures distances.
+fn ranges(least: f64, most: f64) -> Result<(), &'static str> {
+    let good = 0.0 <= least && least < most && most <= 10_000.0;
+    if good { Ok(()) } else { Err("min_range < max_range, both 0 to 10000 m") }
 }
 
 impl Config {
@@ -168,7 +245,9 @@ impl Config {
     /// Returns the settings of a laser, or `None` for every other sensor.
     pub fn laser(&self) -> Option<&RangeScanner> {
         match self {
-            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) => Some(config),
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) | Self::IrScanner(config) => {
+                Some(config)
+            }
             _ => None,
         }
     }
@@ -191,6 +270,15 @@ impl Config {
         match self {
             Self::Sonar(config) => config.rays(),
             Self::Touch(_) => 7,
+            Self::Infrared(_) => 1,
+            Self::RangeScanner3D(config) => config.counts().iter().product(),
+            Self::KinectDepth(_) => kinect_depth::Config::rays(),
+            Self::LineLaser(config) => config.beams as usize,
+            Self::RotatingPointCloud(config) => config.beams as usize,
+            Self::SonarArray(config) => (config.size * config.size) as usize,
+            Self::BumperArray(_) => 140,
+            Self::ObjectSensor(config) => config.rays(),
+            Self::Gps(_) => 24,
             _ => self.fan().map_or(0, |fan| fan.rays()),
         }
     }
@@ -206,6 +294,19 @@ impl Config {
             Self::Ins(config) => config.validate(),
             Self::Camera(config) => config.validate(),
             Self::Touch(config) => config.validate(),
+            Self::Infrared(config) => config.validate(),
+            Self::RangeScanner3D(config) => config.validate(),
+            Self::KinectDepth(config) => config.validate(),
+            Self::LineLaser(config) => config.validate(),
+            Self::RotatingPointCloud(config) => config.validate(),
+            Self::SonarArray(config) => config.validate(),
+            Self::BumperArray(config) => config.validate(),
+            Self::Gps(config) => config.validate(),
+            Self::Acoustic(config) | Self::Sound(config) => config.validate(),
+            Self::ObjectSensor(config) => config.validate(),
+            Self::Rfid(config) => config.validate(),
+            Self::Victim(config) | Self::HumanMotion(config) => config.validate(),
+            Self::Co2(config) => config.validate(),
             _ => self.laser().map_or(Ok(()), RangeScanner::validate),
         }
     }

@@ -13,6 +13,7 @@ mod kinds;
 pub mod mecanum;
 mod physics;
 mod sensor;
+mod site;
 mod sliding;
 mod threads;
 mod world;

@@ -27,7 +27,7 @@ pub(crate) use compile::{CompiledMap, CompiledRobot};
 pub use fault::Fault;
 pub(crate) use identity::Identity;
 pub(crate) use placing::Placement;
-pub(crate) use query::Sight;
+pub(crate) use query::{Light, Sight};
 pub(crate) use robot::{RobotBodies, SavedBodies};
 pub(crate) use surface::Materials;
 
@@ -35,7 +35,9 @@ pub(crate) use articulated::SavedObject;
 
 use articulated::MovableObject;
 use bodies::Landing;
-use scene::ObjectId;
+use scene::{ObjectId, RfidTag};
+
+use crate::site::Site;
 
 /// The bodies of the world and the engine that moves them.
 pub(crate) struct Physics {
@@ -43,6 +45,10 @@ pub(crate) struct Physics {
     materials: Arc<Materials>,
     /// Movable objects, by their ids.
     objects: Vec<MovableObject>,
+    /// Parts of the map that sensors perceive beside shapes.
+    site: Arc<Site>,
+    /// RFID tags, those of the map first.
+    pub(crate) tags: Vec<RfidTag>,
     /// Number of robots that the engine moves.
     robots_of_engine: usize,
     /// True if a robot came or left since the engine's last step, so the engine has to step to notice.
@@ -65,6 +71,8 @@ impl Clone for Physics {
             world,
             materials,
             objects,
+            site,
+            tags,
             robots_of_engine,
             is_changed,
             landing,
@@ -77,6 +85,8 @@ impl Clone for Physics {
             world: engine_copy(world),
             materials: materials.clone(),
             objects: objects.clone(),
+            site: site.clone(),
+            tags: tags.clone(),
             robots_of_engine: *robots_of_engine,
             is_changed: *is_changed,
             landing: landing.clone(),
@@ -129,6 +139,8 @@ impl Physics {
             world,
             materials,
             objects,
+            site: map.site.clone(),
+            tags: map.tags.clone(),
             robots_of_engine: 0,
             is_changed: false,
             landing: Landing::default(),
@@ -137,6 +149,11 @@ impl Physics {
             work: 0,
             placeholders: Vec::new(),
         }
+    }
+
+    /// Returns the parts of the map that sensors perceive beside shapes.
+    pub(crate) fn site(&self) -> &Site {
+        &self.site
     }
 
     /// Returns the gravity of the map, m/s².

@@ -3,24 +3,40 @@
 //! To add one, write its parameters there and its file here, then add its lines to [`Mounted`], [`mount`] and [`wire`].
 
 mod acceleration;
+mod acoustic;
 mod altitude;
 mod battery;
+mod bumper_array;
 mod camera;
+mod co2;
 mod compass;
 mod encoder;
+mod gps;
 mod ground_truth;
+mod hearing;
+mod human_motion;
 mod imu;
+mod infrared;
 mod ins;
+mod inu;
+mod kinect_depth;
+mod line_laser;
 mod mission_time;
+mod object_sensor;
 mod odometry;
+mod point_cloud;
 mod range_scanner;
+mod range_scanner_3d;
+mod rfid;
 mod sonar;
+mod sound;
 mod tachometer;
 mod touch;
+mod victim;
 
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{self, ItemConf};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use scene::sensor::{Config, Reading};
 use scene::{JointState, Pose, RobotDef, SensorDef};
@@ -28,7 +44,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::PawnId;
 use crate::kinds::kinds;
-use crate::physics::{Physics, RobotBodies, Sight};
+use crate::physics::{Light, Physics, RobotBodies, Sight};
 use crate::{BodyState, WheelState};
 
 /// The data that a sensor may read. A sensor cannot change the world.
@@ -64,7 +80,12 @@ impl View<'_> {
 
     /// Prepares a query for rays from a point in world coordinates.
     pub(crate) fn sight(&self, origin: &Point3<f64>, max_distance: f64) -> Sight<'_> {
-        self.physics.sight(origin, max_distance, self.id)
+        self.sight_in(Light::Visible, origin, max_distance)
+    }
+
+    /// Prepares a query for rays of a kind.
+    pub(crate) fn sight_in(&self, light: Light, origin: &Point3<f64>, max_distance: f64) -> Sight<'_> {
+        self.physics.sight(light, origin, max_distance, self.id)
     }
 }
 
@@ -83,12 +104,21 @@ pub(crate) struct Mount<'a> {
 }
 
 /// Side effect of a `SET`, beside changing the sensor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Effect {
     /// No side effect.
     None,
     /// One reading goes out at once.
     Scan,
+    /// A new RFID tag lies at a position in the world, m.
+    Release([f64; 3]),
+    /// A text is written to an RFID tag.
+    Write {
+        /// Number of the tag.
+        id: u32,
+        /// The text.
+        memory: String,
+    },
 }
 
 /// The part of an item that changes, to be saved or loaded.
@@ -155,20 +185,35 @@ kinds! {
     /// A mounted sensor of any kind.
     pub(crate) enum Mounted of Sensor {
         Acceleration(acceleration::Mounted),
+        Acoustic(acoustic::Mounted),
         Altitude(altitude::Mounted),
         Battery(battery::Mounted),
+        BumperArray(bumper_array::Mounted),
         Camera(camera::Mounted),
+        Co2(co2::Mounted),
         Compass(compass::Mounted),
         Encoder(encoder::Mounted),
+        Gps(gps::Mounted),
         GroundTruth(ground_truth::Mounted),
+        HumanMotion(human_motion::Mounted),
         Imu(imu::Mounted),
+        Infrared(infrared::Mounted),
         Ins(ins::Mounted),
+        Inu(inu::Mounted),
+        KinectDepth(kinect_depth::Mounted),
+        LineLaser(line_laser::Mounted),
         MissionTime(mission_time::Mounted),
+        ObjectSensor(object_sensor::Mounted),
         Odometry(odometry::Mounted),
+        PointCloud(point_cloud::Mounted),
         RangeScanner(range_scanner::Mounted),
+        RangeScanner3D(range_scanner_3d::Mounted),
+        Rfid(rfid::Mounted),
         Sonar(sonar::Mounted),
+        Sound(sound::Mounted),
         Tachometer(tachometer::Mounted),
         Touch(touch::Mounted),
+        Victim(victim::Mounted),
     }
 }
 
@@ -183,9 +228,27 @@ pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Mounted {
         Config::Odometry(config) => Mounted::Odometry(odometry::build(config, mount)),
         Config::Encoder(config) => Mounted::Encoder(encoder::build(config, mount)),
         Config::Tachometer(_) => Mounted::Tachometer(tachometer::build(mount)),
-        Config::RangeScanner(config) | Config::Sick(config) | Config::HokuyoUrg04Lx(config) => {
-            Mounted::RangeScanner(range_scanner::build(config, mount))
-        }
+        Config::RangeScanner(config)
+        | Config::Sick(config)
+        | Config::HokuyoUrg04Lx(config)
+        | Config::IrScanner(config) => Mounted::RangeScanner(range_scanner::build(config, mount)),
+        Config::RangeScanner3D(config) => Mounted::RangeScanner3D(range_scanner_3d::build(config, mount)),
+        Config::KinectDepth(config) => Mounted::KinectDepth(kinect_depth::build(config, mount)),
+        Config::LineLaser(config) => Mounted::LineLaser(line_laser::build(config, mount)),
+        Config::RotatingPointCloud(config) => Mounted::PointCloud(point_cloud::build_rotating(config, mount)),
+        Config::SonarArray(config) => Mounted::PointCloud(point_cloud::build_grid(config, mount)),
+        Config::Infrared(config) => Mounted::Infrared(infrared::build(config, mount)),
+        Config::BumperArray(config) => Mounted::BumperArray(bumper_array::build(config, mount)),
+        Config::Gps(config) => Mounted::Gps(gps::build(config, mount)),
+        Config::Acoustic(config) => Mounted::Acoustic(acoustic::build(config, mount)),
+        Config::ObjectSensor(config) => Mounted::ObjectSensor(object_sensor::build(config, mount)),
+        Config::Rfid(config) => Mounted::Rfid(rfid::build(config, mount)),
+        Config::RfidReleaser(_) => Mounted::Rfid(rfid::build_releaser(mount)),
+        Config::Victim(config) => Mounted::Victim(victim::build(config, mount)),
+        Config::HumanMotion(config) => Mounted::HumanMotion(human_motion::build(config, mount)),
+        Config::Sound(config) => Mounted::Sound(sound::build(config, mount)),
+        Config::Co2(config) => Mounted::Co2(co2::build(config, mount)),
+        Config::Inu(_) => Mounted::Inu(inu::build(mount)),
         Config::Sonar(config) => Mounted::Sonar(sonar::build(config, mount)),
         Config::Touch(config) => Mounted::Touch(touch::build(config, mount)),
         Config::Camera(config) => Mounted::Camera(camera::build(config, mount)),
@@ -201,6 +264,27 @@ pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Mounted {
 /// Returns a reading as the wire says it. `speed_unit` is one wheel-speed unit of the wire, rad/s.
 pub(crate) fn wire(robot: &RobotDef, def: &SensorDef, reading: &Reading, speed_unit: f64) -> message::Reading {
     match reading {
+        Reading::RangeScanner(reading) if matches!(def.config, Config::IrScanner(_)) => {
+            range_scanner::wire_infrared(def, reading).into()
+        }
+        Reading::PointCloud(reading) if matches!(def.config, Config::SonarArray(_)) => {
+            point_cloud::wire_grid(def, reading).into()
+        }
+        Reading::RangeScanner3D(reading) => range_scanner_3d::wire(def, reading).into(),
+        Reading::KinectDepth(reading) => kinect_depth::wire(def, reading).into(),
+        Reading::LineLaser(reading) => line_laser::wire(def, reading).into(),
+        Reading::PointCloud(reading) => point_cloud::wire(def, reading).into(),
+        Reading::Infrared(reading) => infrared::wire(def, reading).into(),
+        Reading::BumperArray(reading) => bumper_array::wire(def, reading).into(),
+        Reading::Gps(reading) => gps::wire(def, reading).into(),
+        Reading::Acoustic(reading) => acoustic::wire(def, reading).into(),
+        Reading::ObjectSensor(reading) => object_sensor::wire(def, reading).into(),
+        Reading::Rfid(reading) => rfid::wire(def, reading).into(),
+        Reading::Victim(reading) => victim::wire(def, reading).into(),
+        Reading::HumanMotion(reading) => human_motion::wire(def, reading).into(),
+        Reading::Sound(reading) => sound::wire(def, reading).into(),
+        Reading::Co2(reading) => co2::wire(def, reading).into(),
+        Reading::Inu(reading) => inu::wire(def, reading).into(),
         Reading::GroundTruth(reading) => ground_truth::wire(def, reading).into(),
         Reading::Ins(reading) => ins::wire(def, reading).into(),
         Reading::Imu(reading) => imu::wire(def, reading).into(),
@@ -217,6 +301,16 @@ pub(crate) fn wire(robot: &RobotDef, def: &SensorDef, reading: &Reading, speed_u
         Reading::MissionTime(reading) => mission_time::wire(def, reading).into(),
         Reading::Camera(_) => message::Camera {}.into(),
     }
+}
+
+/// Returns the direction of a beam in the sensor frame: yaw to the right and pitch up, rad.
+fn beam(yaw: f64, pitch: f64) -> Vector3<f64> {
+    nalgebra::UnitQuaternion::from_euler_angles(0.0, pitch, yaw) * Vector3::x()
+}
+
+/// Converts the coordinates of points for a message.
+fn points(coordinates: &[f64]) -> Vec<[f32; 3]> {
+    coordinates.as_chunks().0.iter().map(|point| floats(*point)).collect()
 }
 
 /// Converts a vector for a message.

@@ -7,6 +7,7 @@ mod report;
 mod robot;
 mod saved;
 mod seed;
+mod tags;
 mod tools;
 
 use std::collections::BTreeMap;
@@ -368,6 +369,7 @@ impl World {
             (Command::Set(set), Some(robot)) => {
                 let outcome = robot.set(set, &self.physics, time);
                 (found, tools) = (outcome.found, outcome.tools);
+                outcome.tags.into_iter().for_each(|order| self.physics.change_tag(order, problems));
                 if !found {
                     problems.push(robot.no_item(set));
                 }

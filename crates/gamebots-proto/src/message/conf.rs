@@ -1,6 +1,6 @@
 //! `CONF`: configuration of the robot or of its items (protocol.md 4.7).
 
-use super::TouchConf;
+use super::{IrConf, LineLaserConf, RangeImagerConf, RangeScanner3DConf, TouchArrayConf, TouchConf};
 use crate::field::{self, Field, Format, Record, Table, Written, record};
 use crate::{Block, Dialect, Line};
 
@@ -275,12 +275,17 @@ macro_rules! items {
 
 items! {
     Plain: PlainConf,
-    Pose: PoseConf "groundtruth" "ins",
+    Pose: PoseConf "groundtruth" "ins" "gps",
     Wheels: WheelsConf "odometry" "tachometer",
     Encoder: EncoderConf "encoder",
-    RangeScanner: RangeScannerConf "rangescanner",
+    RangeScanner: RangeScannerConf "rangescanner" "irscanner",
+    RangeScanner3D: RangeScanner3DConf "rangescanner3d",
+    RangeImager: RangeImagerConf "rangeimager",
+    LineLaser: LineLaserConf "linelaser",
+    Ir: IrConf "ir",
     Sonar: SonarConf "sonar",
     Touch: TouchConf "touch",
+    TouchArray: TouchArrayConf "toucharray",
     Camera: CameraConf "camera",
     Actuator: ActuatorConf "actuator",
     MisPkg: MisPkgConf "mispkg",

@@ -75,8 +75,11 @@ macro_rules! readings {
 
             fn read(line: &Line) -> Option<Self> {
                 let type_name = line.get("Type")?;
-                $(if type_name == $name::TYPE {
-                    return $name::read(line).filter(Body::is_whole).map(Self::$name);
+                // Two types share the word PCL; their points have other separators.
+                $(if type_name == $name::TYPE
+                    && let Some(reading) = $name::read(line).filter(Body::is_whole)
+                {
+                    return Some(Self::$name(reading));
                 })*
                 None
             }
@@ -104,10 +107,37 @@ readings! {
     altitude::AltitudeSensor,
     compass::MagneticCompass,
     mission_time::MissionTime,
+    ir::Ir,
+    ir_scanner::IrScanner,
+    range_scanner_3d::RangeScanner3D,
+    range_imager::RangeImager,
+    line_laser::LineLaser,
+    point_cloud::PointCloud,
+    sonar_array::SonarArray,
+    touch_array::TouchArray,
+    gps::Gps,
+    acoustic::Acoustic,
+    object_sensor::ObjectSensor,
+    rfid::Rfid,
+    victim::VictSensor,
+    human_motion::HumanMotion,
+    sound::Sound,
+    co2::Co2,
+    inu::Inu,
 }
 
+pub use acoustic::Heard;
 pub use encoder::Tick;
+pub use gps::Bearing;
+pub use ir::IrConf;
+pub use line_laser::LineLaserConf;
+pub use object_sensor::SeenObject;
+pub use range_imager::RangeImagerConf;
+pub use range_scanner_3d::RangeScanner3DConf;
+pub use rfid::SeenTag;
 pub use touch::TouchConf;
+pub use touch_array::{ArcRotation, TouchArrayConf};
+pub use victim::SeenPart;
 
 const fn time(format: [Format; 2]) -> Field {
     Field::new("Time", format[0]).ut2004(format[1]).unit("s").about(" Simulated time.")

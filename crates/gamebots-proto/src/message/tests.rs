@@ -38,6 +38,35 @@ fn golden_lines_are_written_back_byte_for_byte() {
         "SEN {Time 5.2000} {Type Encoder} {Name W0} {Tick 3} {Name W2} {Tick -4}",
         "SEN {Time 5.2000} {Type RangeScanner} {Name lms200} {Resolution 0.0625} {FOV 3.1250} {Range 2.25,20.00,0.50}",
         "SEN {Time 5.2000} {Type Camera} ",
+        "SEN {Time 5.2000} {Type IR} {Name IR1} {Range 1.2500}",
+        "SEN {Time 5.2000} {Type IRScanner} {Name Scan} {Resolution 0.0625} {FOV 3.1250} {Range 2.25,10.00,0.50}",
+        "SEN {Time 5.2000} {Type RangeScanner3D} {Name Scan} {Resolution 0.0625,0.0312} {FOV 0.5000,3.1250} {Range 2.25,20.00,0.50}",
+        "SEN {Time 5.2000} {Type RangeImager} {Name Kinect} {Resolution 320,240} {FOV 1.0000,0.7500} {Frames 0} {Frame 0}",
+        "SEN {Time 5.2000} {Type RangeImager} {Name Kinect} {Resolution 320,240} {FOV 1.0000,0.7500} {Frames 20} {Frame 3} {Range 2.25,20.00}",
+        "SEN {Type LineLaser} {Name Line} {Location 0.5000,0.0000,-0.2500} {Orientation 0.0000,0.0000,1.5000} {Points [1.500,-0.250,0.000][1.500,0.250,0.000]}",
+        "SEN {Time 5.2000} {Type PCL} {Name Cloud} {1.50,-0.25,0.00;1.50,0.25,0.00}",
+        "SEN {Time 5.2000} {Type PCL}{Name Grid}{1.5000,-0.2500,0.0000 1.5000,0.2500,0.0000}",
+        "SEN {Time 5.2000} {Type TouchArray} {Name Bumper} {Touch True}",
+        "SEN {Time 5.2000} {Type GPS} {Name GPS} {Latitude 39,8.0312,N} {Longitude 77,12.9980,W} {Fix 1} {Satellites 11}",
+        "SEN {Time 5.2000} {Type GPS} {Name GPS} {Fix 0} {Satellites 2}",
+        "SEN {Time 5.2000} {Type Acoustic} {Name Ears} {None}",
+        "SEN {Time 5.2000} {Type Acoustic} {Name Ears} {Far} {Direction 0.50,0.00,-0.50} {Volume 97.0000} {Duration 0.5000} {Delay 0.0312} {Far}",
+        "SEN {Type ObjectSensor} {Name Vision1}",
+        "SEN {Type ObjectSensor} {Name Vision1} {Object Crate}{Location 4.00,0.25,-1.00}{Orientation 0.00,0.00,1.50}{HitLoc 3.75,0.25,-1.00}{Material wood} {Object Wall}{Location 5.00,0.00,-1.00}{Orientation 0.00,0.00,0.00}{HitLoc 5.00,0.25,-1.00}{Material None}",
+        "SEN {Type RFID} {Name RFIDReader} {ID 118} {Location -0.25,-0.50,0.25} {Mem 0} {ID 119} {Location 1.00,0.00,0.00}",
+        "SEN {Type VictSensor} {Name VictimSensor} {PartName Leg} {Location 2.00,0.25,0.50} {PartName Arm} {Location 2.50,0.50,0.25}",
+        "SEN {Type VictSensor} {Name VictimSensor} {Status NoVictims}",
+        "SEN {Type HumanMotion} {Name Motion} {Prob 0.50}",
+        "SEN {Type Sound} {Name Ear} {Loudness 42.50} {Duration 1.50}",
+        "SEN {Type CO2Sensor} {Name CO2} {Gas CO2} {Density 0.25}",
+        "SEN {Type INU} {Name INU} {Orientation 0.00,-0.50,1.50}",
+        "CONF {Type IR} {Name IR1} {MaxRange 1.5000} {MinRange 0.2500} {MaxRange 1.5000} {MinRange 0.2500}",
+        "CONF {Type IRScanner} {Name Scan} {MaxRange 10.0000} {MinRange 0.2500} {Resolution 0.0625} {Fov 3.1250} {Panning True} {Tilting False}",
+        "CONF {Type RangeScanner3D} {Name Scan} {MaxRange 20.0000} {MinRange 0.1250} {Resolution 0.0625,0.0312} {Fov 0.5000,3.1250}",
+        "CONF {Type RangeImager} {Name Kinect} {MaxRange 20.0000} {MinRange 0.1250} {Resolution 320,240} {Fov 1.0000,0.7500}",
+        "CONF {Type LineLaser} {Name Line} {MaxRange 5.0000} {MinRange 0.1250} {FOV 1.5000} {Resolution 120}",
+        "CONF {Type TouchArray} {Name Bumper} {Diameter 0.0098} {ArcRotation Pitch 0.2500 Roll 0.0000 Yaw -0.5000} {ArcRadius 0.1250} {ArcAngle 3.1250}",
+        "CONF {Type GPS} {Name GPS} {ScanInterval 0.2000}",
         "CONF {Name P3AT} {Type GroundVehicle} {SteeringType SkidSteered} {Mass 11.5000} {MaxSpeed 8.1250} {MaxTorque 50000.0000} {MaxFrontSteer 0} {MaxRearSteer 0}",
         "CONF {Name FrontAckerman} {Type GroundVehicle} {SteeringType AckermanSteered} {Mass 147.0000} {MaxSpeed 3.5000} {MaxTorque 50000.0000} {MaxFrontSteer 1.0000} {MaxRearSteer 6.2500}",
         "CONF {Name KR60} {Type StaticPlatform} {SteeringType None} {Mass 0} ",
@@ -211,6 +240,41 @@ fn reading() -> impl Strategy<Value = Reading> {
         }),
         (word(), grid(4)).prop_map(|(name, range)| Sonar { name, range }.into()),
         (word(), any::<bool>()).prop_map(|(name, touch)| Touch { name, touch }.into()),
+        (word(), any::<bool>()).prop_map(|(name, touch)| TouchArray { name, touch }.into()),
+        (word(), grid(4)).prop_map(|(name, range)| Ir { name, range }.into()),
+        (word(), grid(2), grid(2)).prop_map(|(name, loudness, duration)| Sound { name, loudness, duration }.into()),
+        (word(), vector(4), proptest::collection::vec(vector(2), 1..5))
+            .prop_map(|(name, location, points)| LineLaser { name, location, orientation: location, points }.into()),
+        (word(), proptest::collection::vec(vector(2), 1..5))
+            .prop_map(|(name, points)| PointCloud { name, points }.into()),
+        (word(), proptest::collection::vec(vector(4), 2..5))
+            .prop_map(|(name, points)| SonarArray { name, points }.into()),
+        (word(), proptest::option::of((0..90u32, grid(4))), any::<u32>()).prop_map(|(name, place, satellites)| {
+            let bearing = |letter| place.map(|(degrees, minutes)| Bearing { degrees, minutes, letter });
+            Gps { name, latitude: bearing('S'), longitude: bearing('E'), fix: 1, satellites }.into()
+        }),
+        (word(), proptest::collection::vec(proptest::option::of((vector(2), grid(4))), 0..4)).prop_map(
+            |(name, sounds)| {
+                let heard = |(direction, volume)| Heard { direction, volume, duration: volume, delay: volume };
+                Acoustic { name, sounds: sounds.into_iter().map(|sound| sound.map(heard)).collect() }.into()
+            }
+        ),
+        (word(), proptest::collection::vec((word(), vector(2), word()), 0..4)).prop_map(|(name, objects)| {
+            let seen = |(object, location, material)| SeenObject {
+                object,
+                location,
+                orientation: location,
+                hit: location,
+                material,
+            };
+            ObjectSensor { name, objects: objects.into_iter().map(seen).collect() }.into()
+        }),
+        (word(), proptest::collection::vec((any::<u32>(), vector(2), proptest::option::of(word())), 1..4)).prop_map(
+            |(name, tags)| {
+                let tag = |(id, location, memory)| SeenTag { id, location, memory };
+                Rfid { name, tags: tags.into_iter().map(tag).collect() }.into()
+            }
+        ),
         Just(Camera {}.into()),
     ]
 }

@@ -2,12 +2,11 @@
 //!
 //! Angles are rounded to USARSim's whole rotation units, which fixes the number of beams: 21, 181 and 228.
 
-#![expect(clippy::approx_constant, reason = "the numbers are those of USARSim's files")]
-
 use std::sync::Arc;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::MAX_BEAMS;
 use crate::reading::reading;
 use crate::rotation_units;
 
@@ -17,7 +16,7 @@ use crate::rotation_units;
 pub struct RangeScanner {
     /// Reading without a hit, m.
     pub max_range: f64,
-    /// Smallest range, m; reported, not applied.
+    /// Smallest range, m; reported, and applied to infrared beams alone.
     pub min_range: f64,
     /// Angle between two beams, rad.
     pub resolution: f64,
@@ -27,15 +26,33 @@ pub struct RangeScanner {
     pub yaw: bool,
     /// True if the fan is spread by pitch.
     pub pitch: bool,
+    /// True if the beams pass through glass.
+    #[serde(default)]
+    pub infrared: bool,
+    /// Smoke that a beam passes before it reads 0: density times path; `None` passes any.
+    #[serde(default)]
+    pub smoke: Option<f64>,
 }
 
 /// Plain scanner (DefaultUSAR.ini:100-107).
-pub const PLAIN: RangeScanner =
-    RangeScanner { max_range: 4.0, min_range: 0.1, resolution: 0.157, field_of_view: 3.14, yaw: true, pitch: false };
+pub const PLAIN: RangeScanner = RangeScanner {
+    max_range: 4.0,
+    min_range: 0.1,
+    resolution: 0.157,
+    field_of_view: 3.14,
+    yaw: true,
+    pitch: false,
+    infrared: false,
+    smoke: None,
+};
 /// SICK LMS 200 (DefaultUSAR.ini:137-140).
 pub const SICK: RangeScanner = RangeScanner { max_range: 20.0, field_of_view: 3.14159, resolution: 0.01745, ..PLAIN };
-/// Hokuyo URG-04LX (DefaultUSAR.ini:94-98).
-pub const HOKUYO_URG_04LX: RangeScanner = RangeScanner { field_of_view: 4.189, resolution: 0.0184086914, ..PLAIN };
+/// Hokuyo URG-04LX (DefaultUSAR.ini:94-98; the smoke is that of HokuyoURG04LX.uc).
+pub const HOKUYO_URG_04LX: RangeScanner =
+    RangeScanner { field_of_view: 4.189, resolution: 0.0184086914, smoke: Some(0.00575), ..PLAIN };
+/// Infrared scanner (DefaultUSAR.ini:208-215; it has no yaw there, which it needs to scan).
+pub const INFRARED: RangeScanner =
+    RangeScanner { max_range: 10.0, min_range: 0.2, resolution: 0.087, infrared: true, ..PLAIN };
 
 /// The beams of a laser.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,6 +88,7 @@ impl RangeScanner {
             field_of_view: Option<f64>,
             yaw: Option<bool>,
             pitch: Option<bool>,
+            smoke: Option<f64>,
         }
         let settings = Settings::deserialize(settings)?;
         Ok(Self {
@@ -80,6 +98,8 @@ impl RangeScanner {
             field_of_view: settings.field_of_view.unwrap_or(self.field_of_view),
             yaw: settings.yaw.unwrap_or(self.yaw),
             pitch: settings.pitch.unwrap_or(self.pitch),
+            infrared: self.infrared,
+            smoke: settings.smoke.or(self.smoke),
         })
     }
 
@@ -91,12 +111,13 @@ impl RangeScanner {
             && (0.0..=std::f64::consts::TAU).contains(&self.field_of_view)
             && self.resolution > 0.0
             && self.resolution <= std::f64::consts::TAU
-            && self.field_of_view / self.resolution <= 10_000.0;
+            && self.smoke.is_none_or(|smoke| (0.0..=1e6).contains(&smoke))
+            && self.field_of_view / self.resolution <= MAX_BEAMS as f64;
         if good {
             Ok(())
         } else {
             Err(
-                "min_range <= max_range, both 0 to 10000 m, field_of_view and resolution 0 to 2 pi, at most 10000 beams",
+                "min_range <= max_range, both 0 to 10000 m, field_of_view and resolution 0 to 2 pi, at most 10000 beams, smoke 0 to 1000000",
             )
         }
     }

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 use rapier3d::prelude::*;
-use scene::{DriveModel, MapDef, Object, Part, Pose, RobotDef, Shape, Solid, position_and_rotation};
+use scene::{DriveModel, MapDef, Object, Part, Pose, RfidTag, RobotDef, Shape, Solid, position_and_rotation};
 
 use super::articulated::{Articulated, CompiledObject, uniform};
 use super::bodies;
 use super::shape;
 use super::surface::{Materials, Surface};
+use crate::site::Site;
 
 /// The solids and objects of a map.
 pub(crate) struct CompiledMap {
@@ -17,6 +18,8 @@ pub(crate) struct CompiledMap {
     pub(super) gravity: f64,
     pub(super) solids: Vec<Surface>,
     pub(super) objects: Vec<CompiledObject>,
+    pub(super) site: Arc<Site>,
+    pub(super) tags: Vec<RfidTag>,
 }
 
 impl CompiledMap {
@@ -25,7 +28,13 @@ impl CompiledMap {
             |shape: &Shape, pose: &Pose, material| Surface::new(shape::shared(shape), pose, material, materials);
         let solids = map.solids.iter().map(|solid| surface(&solid.shape, &solid.pose(), &solid.material)).collect();
         let objects = map.objects.iter().map(|object| CompiledObject::new(Arc::new(object.clone()), materials));
-        Self { gravity: map.gravity, objects: objects.collect(), solids }
+        Self {
+            gravity: map.gravity,
+            objects: objects.collect(),
+            solids,
+            site: Arc::new(Site::new(map)),
+            tags: map.tags.clone(),
+        }
     }
 }
 

@@ -81,6 +81,11 @@ impl Physics {
         self.place_of(id).map(|place| self.objects[place].pose())
     }
 
+    /// Returns the name of an object.
+    pub(crate) fn object_name(&self, id: ObjectId) -> Option<&str> {
+        self.place_of(id).map(|place| self.objects[place].name())
+    }
+
     /// Returns the extents of an object along the world's axes, m.
     pub(crate) fn object_size(&self, id: ObjectId) -> Option<Vector3<f64>> {
         let place = self.place_of(id)?;

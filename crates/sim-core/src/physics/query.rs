@@ -6,7 +6,10 @@ use rapier3d::parry::query::{Ray, RayCast, RayIntersection};
 use rapier3d::prelude::*;
 
 use super::identity::{Identity, Mark};
+use super::surface::Materials;
 use super::{Physics, convert};
+use scene::Pose;
+
 use crate::PawnId;
 
 /// Most colliders in reach that each ray tests one by one.
@@ -24,11 +27,24 @@ pub(crate) struct RayHit {
     pub(crate) normal: Vector3<f64>,
     /// The entity that was hit.
     pub(crate) identity: Identity,
+    /// Number of its material.
+    material: u32,
+}
+
+/// The kind of a sensor's rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Light {
+    /// Stops at every surface.
+    Visible,
+    /// Passes through transparent materials.
+    Infrared,
 }
 
 /// A query for the rays of one sensor.
 pub(crate) struct Sight<'a> {
     world: &'a PhysicsWorld,
+    materials: &'a Materials,
+    light: Light,
     robot: PawnId,
     origin: Vector,
     max_distance: f64,
@@ -55,14 +71,15 @@ impl Sight<'_> {
                 nearest?
             }
             None => {
-                let not_own = |_: ColliderHandle, collider: &Collider| !Mark::is_of(collider, self.robot);
-                let query = self.world.query_pipeline_with_filter(QueryFilter::default().predicate(&not_own));
+                let stops =
+                    |_: ColliderHandle, collider: &Collider| self.light.stops_at(collider, self.robot, self.materials);
+                let query = self.world.query_pipeline_with_filter(QueryFilter::default().predicate(&stops));
                 let (met, hit) = query.cast_ray_and_get_normal(&ray, self.max_distance, true)?;
                 (&self.world.colliders[met], hit)
             }
         };
-        let identity = Mark::of(met).identity;
-        Some(RayHit { distance: hit.time_of_impact, normal: convert::from_vector(hit.normal), identity })
+        let Mark { identity, material } = Mark::of(met);
+        Some(RayHit { distance: hit.time_of_impact, normal: convert::from_vector(hit.normal), identity, material })
     }
 }
 
@@ -81,17 +98,44 @@ pub(super) fn set_box(
 
 impl Physics {
     /// Prepares a query for the rays of a sensor. They do not hit the robot that carries it, and inside a solid they read 0.
-    pub(crate) fn sight(&self, origin: &Point3<f64>, max_distance: f64, robot: PawnId) -> Sight<'_> {
-        let (world, origin) = (&self.world, convert::vector(origin.coords));
+    pub(crate) fn sight(&self, light: Light, origin: &Point3<f64>, max_distance: f64, robot: PawnId) -> Sight<'_> {
+        let (world, materials, origin) = (&self.world, &*self.materials, convert::vector(origin.coords));
         let around = Aabb::from_half_extents(origin, Vector::splat(max_distance));
-        let not_own = |_: ColliderHandle, collider: &Collider| !Mark::is_of(collider, robot);
-        let query = world.query_pipeline_with_filter(QueryFilter::default().predicate(&not_own));
+        let stops = |_: ColliderHandle, collider: &Collider| light.stops_at(collider, robot, materials);
+        let query = world.query_pipeline_with_filter(QueryFilter::default().predicate(&stops));
         let near = query.intersect_aabb_conservative(around).take(FEW + 1);
         let handles: Vec<ColliderHandle> = near.map(|(handle, _)| handle).collect();
         let colliders = handles.iter().filter_map(|&handle| world.colliders.get(handle));
         let near: Vec<(&Collider, Aabb)> = colliders.map(|collider| (collider, collider.compute_aabb())).collect();
         let few = Some(near).filter(|near| near.len() <= FEW);
-        Sight { world, robot, origin, max_distance, few }
+        Sight { world, materials, light, robot, origin, max_distance, few }
+    }
+
+    /// Returns the name of the material that a ray has hit.
+    pub(crate) fn material_of(&self, hit: &RayHit) -> &str {
+        self.materials.get(hit.material).map_or("", |material| &material.name)
+    }
+
+    /// Returns the name and the pose of the entity that a ray has hit. A robot is named by its number.
+    pub(crate) fn named(&self, identity: Identity) -> Option<(String, Pose)> {
+        match identity {
+            Identity::Solid(number) => self.site.solid(number).map(|(name, pose)| (name.to_owned(), pose)),
+            Identity::Object(id) => Some((self.object_name(id)?.to_owned(), self.object(id)?)),
+            Identity::Link { robot, .. } => {
+                let is_body = |collider: &&Collider| Mark::of(collider).identity == Identity::Link { robot, link: 0 };
+                let collider = self.world.colliders.iter().map(|(_, collider)| collider).find(is_body)?;
+                let body = self.world.bodies.get(collider.parent()?)?;
+                Some((format!("Robot_{}", robot.0), convert::from_pose(body.position())))
+            }
+        }
+    }
+}
+
+impl Light {
+    /// True if a surface that is not the robot's own stops a ray.
+    fn stops_at(self, collider: &Collider, robot: PawnId, materials: &Materials) -> bool {
+        let passes = self == Self::Infrared && materials.of(collider).transparent;
+        !passes && !Mark::is_of(collider, robot)
     }
 }
 

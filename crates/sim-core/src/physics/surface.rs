@@ -21,6 +21,11 @@ impl Materials {
         }) as u32
     }
 
+    /// Returns a material by its number.
+    pub(super) fn get(&self, number: u32) -> Option<&Material> {
+        self.0.get(number as usize)
+    }
+
     /// Returns the material of a collider's surface.
     pub(super) fn of(&self, collider: &Collider) -> &Material {
         &self.0[Mark::of(collider).material as usize]

@@ -1,5 +1,5 @@
-//! Direction of a sensor against north, the x axis of the map (MagneticCompass.uc:8-49). The original rounds the angle to nearly 0 twice;
-//! this is what it means.
+//! Direction of a sensor against the map's north (MagneticCompass.uc:8-49). The original rounds the angle to nearly 0 twice; this is what it
+//! means.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +31,8 @@ impl Sensor for Mounted {
 
     fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let (_, _, yaw) = (view.carrier.pose.rotation * self.pose.rotation).euler_angles();
-        Some(Reading { angle: -yaw + TAU * (yaw / TAU).round() }.into())
+        let angle = view.physics.site().north - yaw;
+        Some(Reading { angle: angle - TAU * (angle / TAU).round() }.into())
     }
 
     fn conf(&self) -> ItemConf {

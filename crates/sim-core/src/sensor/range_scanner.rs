@@ -1,19 +1,21 @@
 //! Laser scanners: a fan of beams from right to left (RangeScanner.uc:18-71, SICK.uc, HokuyoURG04LX.uc).
 //!
 //! Angles are rounded to USARSim's whole rotation units, which fixes the numbers of beams at 21, 181 and 228. As in USARSim there is no
-//! noise and no minimum range, and a miss reads the maximum range.
+//! noise and no minimum range, and a miss reads the maximum range. Infrared beams (IRScanner.uc) pass through transparent materials and have
+//! a minimum range. A Hokuyo's beam that passes too much smoke reads 0 (HokuyoURG04LX.uc:13-133).
 
 use gamebots_proto::command::Set;
-use gamebots_proto::message::{ItemConf, RangeScanner as Scan, RangeScannerConf};
+use gamebots_proto::message::{IrScanner, ItemConf, RangeScanner as Scan, RangeScannerConf};
 use nalgebra::Vector3;
 use scene::sensor::RangeScanner;
 use scene::sensor::range_scanner::Reading;
 use scene::{Pose, SensorDef, rotation_units};
 
-use super::{Effect, Mount, Sensor, View};
+use super::{Effect, Mount, Sensor, View, beam};
+use crate::physics::Light;
 
 pub(super) fn build(config: &RangeScanner, mount: Mount) -> Mounted {
-    let RangeScanner { max_range, min_range, yaw, pitch, .. } = *config;
+    let RangeScanner { max_range, min_range, yaw, pitch, infrared, smoke, .. } = *config;
     let units = (config.resolution_units(), rotation_units::from_radians(config.field_of_view));
     let (resolution, field_of_view) = angles(config);
     Mounted {
@@ -25,6 +27,8 @@ pub(super) fn build(config: &RangeScanner, mount: Mount) -> Mounted {
         field_of_view,
         yaw,
         pitch,
+        light: if infrared { Light::Infrared } else { Light::Visible },
+        smoke,
         beams: beams(units.0, units.1, yaw, pitch),
     }
 }
@@ -39,11 +43,8 @@ fn beams(resolution: i32, field_of_view: i32, yaw: bool, pitch: bool) -> Vec<Vec
         angles.push(f64::from(rotation_units::to_radians(angle)));
         angle -= resolution;
     }
-    let direction = |angle: f64| {
-        let turn = |on: bool| if on { angle } else { 0.0 };
-        nalgebra::UnitQuaternion::from_euler_angles(0.0, turn(pitch), turn(yaw)) * Vector3::x()
-    };
-    angles.into_iter().map(direction).collect()
+    let turn = |on: bool, angle: f64| if on { angle } else { 0.0 };
+    angles.into_iter().map(|angle| beam(turn(yaw, angle), turn(pitch, angle))).collect()
 }
 
 #[derive(Clone)]
@@ -56,6 +57,9 @@ pub(crate) struct Mounted {
     field_of_view: f32,
     yaw: bool,
     pitch: bool,
+    light: Light,
+    /// Smoke that a beam passes before it reads 0.
+    smoke: Option<f64>,
     beams: Vec<Vector3<f64>>,
 }
 
@@ -70,6 +74,12 @@ pub(super) fn wire(def: &SensorDef, reading: &Reading) -> Scan {
     }
 }
 
+/// Returns the reading of an infrared scanner for the wire.
+pub(super) fn wire_infrared(def: &SensorDef, reading: &Reading) -> IrScanner {
+    let Scan { name, resolution, field_of_view, ranges } = wire(def, reading);
+    IrScanner { name, resolution, field_of_view, ranges }
+}
+
 /// Returns resolution and field of view, rad, in whole rotation units.
 fn angles(config: &RangeScanner) -> (f32, f32) {
     let field_of_view = rotation_units::from_radians(config.field_of_view);
@@ -78,15 +88,19 @@ fn angles(config: &RangeScanner) -> (f32, f32) {
 
 impl Sensor for Mounted {
     fn type_name(&self) -> &'static str {
-        "RangeScanner"
+        if self.light == Light::Infrared { "IRScanner" } else { "RangeScanner" }
     }
 
     fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let pose = view.carrier.pose * self.pose;
-        let sight = view.sight(&pose.translation.vector.into(), self.max_range);
+        let origin = pose.translation.vector.into();
+        let sight = view.sight_in(self.light, &origin, self.max_range);
+        let least = if self.light == Light::Infrared { self.min_range } else { 0.0 };
         let range = |beam: &Vector3<f64>| {
-            let hit = sight.cast_ray(&(pose.rotation * beam));
-            hit.map_or(self.max_range, |hit| hit.distance)
+            let direction = pose.rotation * beam;
+            let range = sight.cast_ray(&direction).map_or(self.max_range, |hit| hit.distance);
+            let is_lost = self.smoke.is_some_and(|most| view.physics.site().smoke(&origin, &direction, range) > most);
+            if is_lost { 0.0 } else { range.max(least) }
         };
         Some(Reading { ranges: self.beams.iter().map(range).collect() }.into())
     }

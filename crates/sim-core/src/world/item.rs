@@ -33,6 +33,16 @@ pub(super) enum Effect {
     Order(Order),
     /// The tool changer of this number takes a tool, or drops its own.
     Tool { changer: usize, closed: bool },
+    /// A change of the world's RFID tags.
+    Tag(TagOrder),
+}
+
+/// A change of the world's RFID tags.
+pub(super) enum TagOrder {
+    /// A new tag lies at a position, m.
+    Release([f64; 3]),
+    /// A text is written to the tag of this number.
+    Write { id: u32, memory: String },
 }
 
 /// An ACT or MISPKG.

@@ -8,7 +8,7 @@ use gamebots_proto::{Problem, shown};
 use scene::{Pose, RobotDef, RobotSnapshot};
 use serde::{Deserialize, Serialize};
 
-use super::item::{self, Effect, Item, Motion, STATUS_INTERVAL};
+use super::item::{self, Effect, Item, Motion, STATUS_INTERVAL, TagOrder};
 use super::tools::Tool;
 use super::{Options, PawnId, Report};
 use crate::WheelState;
@@ -41,6 +41,8 @@ pub(super) struct Outcome {
     pub(super) found: bool,
     /// Numbers of tool changers, each with true if it takes a tool, or false if it drops its own.
     pub(super) tools: Vec<(usize, bool)>,
+    /// Changes of RFID tags.
+    pub(super) tags: Vec<TagOrder>,
 }
 
 /// The state of a robot as plain data.
@@ -256,6 +258,7 @@ impl Robot {
                 Effect::Sensed(sensed) => outcome.reports.push(Report::Sensed(sensed)),
                 Effect::Order(order) => _ = self.follow(&order),
                 Effect::Tool { changer, closed } => outcome.tools.push((changer, closed)),
+                Effect::Tag(order) => outcome.tags.push(order),
             }
         }
         outcome

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use scene::{ObjectId, Options, PawnId};
+use scene::{ObjectId, Options, PawnId, RfidTag, check};
 use serde::{Deserialize, Serialize};
 
 use super::World;
@@ -23,6 +23,9 @@ pub struct SavedWorld {
     next_object: u64,
     #[serde(default)]
     tools: Vec<Tool>,
+    /// `None` in files from before there were any: then those of the map.
+    #[serde(default)]
+    tags: Option<Vec<RfidTag>>,
     unsettled: u64,
     objects: Vec<SavedObject>,
     robots: Vec<SavedRobot>,
@@ -75,6 +78,9 @@ pub enum LoadError {
         /// The object.
         id: ObjectId,
     },
+    /// There are too many RFID tags, or one has a text or a position that no tag can have.
+    #[error("RFID tags: expected at most {}, each within the map and with a text without braces", check::MAX_TAGS)]
+    Tags,
     /// Robots are not in the order of their numbers, or have numbers that are still to be given.
     #[error("robot {}: its number is out of order", id.0)]
     OutOfOrder {
@@ -101,6 +107,7 @@ impl World {
             created: self.created.clone(),
             next_object: self.next_object,
             tools: self.tools.clone(),
+            tags: Some(self.physics.tags.clone()),
             unsettled: self.physics.unsettled_steps(),
             objects: self.physics.save_objects(),
             robots: self.robots.values().map(save).collect::<Result<_, _>>()?,
@@ -123,6 +130,13 @@ impl World {
         }
         if let Some(Tool { id, .. }) = saved.tools.iter().find(|tool| tool.id.0 >= next || !tool.is_sound()) {
             return Err(LoadError::OtherMap { id: *id });
+        }
+        let is_sound = |tag: &RfidTag| check::tag(tag).is_empty();
+        if let Some(tags) = &saved.tags {
+            if tags.len() > check::MAX_TAGS || !tags.iter().all(is_sound) {
+                return Err(LoadError::Tags);
+            }
+            world.physics.tags = tags.clone();
         }
         let objects = world.physics.load_objects(&saved.objects, saved.unsettled);
         objects.map_err(|id| LoadError::OtherMap { id })?;

@@ -12,7 +12,7 @@ use scene::{BodyState, Object, ObjectId, ObjectSnapshot, PawnId, ToolChanger, ch
 use serde::{Deserialize, Serialize};
 
 use super::World;
-use crate::physics::{CompiledRobot, Identity, Physics};
+use crate::physics::{CompiledRobot, Identity, Light, Physics};
 
 /// Tolerance of comparisons with the limits of a tool changer, m or rad.
 const ROUNDING: f64 = 1e-9;
@@ -101,7 +101,8 @@ impl World {
     fn take_tool(&mut self, robot: PawnId, number: usize, changer: &ToolChanger) -> Result<(), String> {
         self.enter_shapes();
         let own = self.carrier(robot, changer).ok_or("the robot is gone")?.pose * changer.pose();
-        let sight = self.physics.sight(&own.translation.vector.into(), 2.0 * changer.position_tolerance, robot);
+        let (origin, reach) = (own.translation.vector.into(), 2.0 * changer.position_tolerance);
+        let sight = self.physics.sight(Light::Visible, &origin, reach, robot);
         let hit = sight.cast_ray(&(own.rotation * Vector3::z())).ok_or("nothing is ahead of it")?;
         let Identity::Object(id) = hit.identity else { return Err("what is ahead of it is no tool".to_owned()) };
         let is_it = |tool: &Tool| tool.id == id && tool.changer.is_none();

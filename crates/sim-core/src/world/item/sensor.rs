@@ -5,7 +5,7 @@ use gamebots_proto::message::{ItemConf, ItemGeo};
 use rand_chacha::ChaCha8Rng;
 use scene::{RobotDef, Sensed, SensorDef};
 
-use super::{Effect, Report, State, Tool, Verbs, View, mounted};
+use super::{Effect, Report, State, TagOrder, Tool, Verbs, View, mounted};
 use crate::sensor::{self, Mounted};
 
 #[derive(Clone)]
@@ -39,9 +39,12 @@ impl Verbs for Item {
 
     fn set(&mut self, set: &Set, view: &View) -> Option<Effect> {
         let opcode = set.opcode.to_ascii_uppercase();
-        let effect = self.sensor.get_mut().set(&opcode, set, &view.on_link(self.def.link));
-        let reading = if effect == sensor::Effect::Scan { self.sense(view) } else { None };
-        Some(reading.map_or(Effect::None, Effect::Sensed))
+        Some(match self.sensor.get_mut().set(&opcode, set, &view.on_link(self.def.link)) {
+            sensor::Effect::None => Effect::None,
+            sensor::Effect::Scan => self.sense(view).map_or(Effect::None, Effect::Sensed),
+            sensor::Effect::Release(position) => Effect::Tag(TagOrder::Release(position)),
+            sensor::Effect::Write { id, memory } => Effect::Tag(TagOrder::Write { id, memory }),
+        })
     }
 
     fn conf(&self, _robot: &RobotDef) -> ItemConf {
