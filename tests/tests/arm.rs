@@ -125,10 +125,12 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
         ("ACT {Name ARM} {Link 0} {Value 0.3}", 0.3),
         ("MISPKG {Name Arm} {Link 1} {Value 0.1} {Order 0}", 0.1),
         ("MISPKG {Name Arm} {Link 1} {Value 0.2} {Order 1}", 0.1),
-        ("MISPKG {Name Arm} {Link 1} {Value 0.2}", 0.1),
-        ("ACT {Name Arm} {link 0} {value 0.5}", 0.1),
-        ("ACT {Name nobody} {Link 0} {Value 1}", 0.1),
-        ("ACT {Name Arm} {Link 9} {Value 1}", 0.1),
+        ("MISPKG {Name Arm} {Link 1} {Order 0} {Value 0.4}", 0.4),
+        ("MISPKG {Name Arm} {Link 1} {Order 1} {Value 0.1}", 0.4),
+        ("MISPKG {Name Arm} {Link 2} {Value 0.3} {Link 1} {Value 0.2}", 0.2),
+        ("ACT {Name Arm} {link 0} {value 0.5}", 0.2),
+        ("ACT {Name nobody} {Link 0} {Value 1}", 0.2),
+        ("ACT {Name Arm} {Link 9} {Value 1}", 0.2),
         ("SET {Type Joint} {Name ArmJoint1} {Opcode Angle} {Params -0.2}", -0.2),
     ] {
         assert_eq!(apply(&mut world, robot, line), [""; 0], "{line}");
@@ -145,7 +147,7 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
             "MISPKG {Name Arm} {Link 0} {Value 1} {Order 0}",
             "{Link 0}: the actuator `Arm` has links 1 to 5; nothing is moved",
         ),
-        ("MISPKG {Name Arm} {Link -1} {Value NaN}", "MISPKG needs Link, Value and Order 0 in this order"),
+        ("MISPKG {Name Arm} {Value 1} {Link 1}", "MISPKG needs Link and Value, or Gripper"),
         ("ACT {Name Arm}", "ACT needs Link and Value, or Gripper"),
         (
             "SET {Type Lamp} {Opcode RESET}",

@@ -149,7 +149,7 @@ mod tests {
             ),
             (
                 "MISPKG {Name Arm} {Link 1} {Value 0.1} {Order 0} {Link 2} {Value 1} {Order 1} {Link 3} {Value 2}",
-                "MISPKG {Name Arm} {Link 1} {Value 0.1} {Order 0}",
+                "MISPKG {Name Arm} {Link 1} {Value 0.1} {Order 0} {Link 3} {Value 2} {Order 0}",
             ),
             (
                 "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1} ",

@@ -1,5 +1,6 @@
 //! `ACT` and `MISPKG`: targets of the joints of an actuator. Unlike in other commands, the case of their keys matters, and so
-//! does the order of their blocks (BotConnection.uc:70-97, 483-512).
+//! does the order of their blocks (BotConnection.uc:70-97, 483-512). In MISPKG the blocks after a `Link` may have any order, and `Order`
+//! may be missing, as older clients send it (clients-2.md 4).
 
 use super::{ReadWrite, text, with_text};
 use crate::{Block, Line, Problem, value};
@@ -15,7 +16,8 @@ pub struct Act {
     pub gripper: Option<f64>,
 }
 
-/// Moves the joints of an actuator in the form before ACT: `{Link i} {Value v} {Order 0}`, links from 1. No reply.
+/// Moves the joints of an actuator in the form before ACT: `{Link i} {Value v} {Order 0}`, links from 1. Without an order it is 0. No
+/// reply.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MisPkg {
     /// Name of the actuator, in any case.
@@ -46,15 +48,14 @@ impl ReadWrite for Act {
 
 impl ReadWrite for MisPkg {
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
-        let triple = |blocks: &[Block], problems: &mut Vec<Problem>| match blocks {
-            [link, of_value, order]
-                if [&link.key, &of_value.key, &order.key] == ["Link", "Value", "Order"] && order.value == "0" =>
-            {
-                target(link, of_value, problems)
-            }
-            _ => None,
+        let group = |blocks: &[Block], problems: &mut Vec<Problem>| {
+            let (link, rest) = blocks.split_first().filter(|(link, _)| link.key == "Link")?;
+            let find = |key: &str| rest.iter().find(|block| block.key == key);
+            let is_position = find("Order").is_none_or(|order| order.value == "0");
+            find("Value").filter(|_| is_position).and_then(|of_value| target(link, of_value, problems))
         };
-        let targets = line.blocks.windows(3).filter_map(|blocks| triple(blocks, problems)).collect();
+        let groups = line.blocks.chunk_by(|_, next| next.key != "Link");
+        let targets = groups.filter_map(|blocks| group(blocks, problems)).collect();
         Self { name: text(line, "Name"), targets, gripper: gripper(line, problems) }
     }
 

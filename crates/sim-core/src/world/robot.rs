@@ -232,12 +232,8 @@ impl Robot {
     /// carries, or to a tool changer.
     pub(super) fn act(&mut self, motion: &Motion, problems: &mut Vec<Problem>) -> Outcome {
         if motion.targets.is_empty() && motion.closed.is_none() {
-            let (verb, key) = if motion.first == 0 {
-                ("ACT", "Link and Value, or Gripper")
-            } else {
-                ("MISPKG", "Link, Value and Order 0 in this order, or Gripper")
-            };
-            problems.push(Problem::MissingKey { verb, key });
+            let verb = if motion.first == 0 { "ACT" } else { "MISPKG" };
+            problems.push(Problem::MissingKey { verb, key: "Link and Value, or Gripper" });
         }
         let (items, def) = (&mut self.items, &self.bodies.robot().def);
         let effects: Vec<Effect> =
