@@ -249,6 +249,20 @@ impl RobotDef {
         self.links.iter().filter(|link| link.has_value())
     }
 
+    /// Returns the joints of flippers and the like, with their numbers among the values: those of no wheel, steering, actuator or gripper.
+    pub fn flippers(&self) -> impl Iterator<Item = (usize, &Link)> {
+        let has_owner = |link: usize| {
+            self.actuator_of(link).is_some() || self.grippers.iter().any(|gripper| gripper.links.contains(&link))
+        };
+        let joints = self.links.iter().enumerate().filter(move |(number, link)| {
+            link.wheel.is_none()
+                && link.position_limits().is_some()
+                && link.steered_axle().is_none()
+                && !has_owner(*number)
+        });
+        joints.filter_map(|(number, link)| Some((self.value_of(number)?, link)))
+    }
+
     /// Returns the parts of all links, without wheels.
     pub fn parts(&self) -> impl Iterator<Item = &Part> + Clone {
         self.links.iter().flat_map(|link| &link.parts)

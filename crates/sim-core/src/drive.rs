@@ -11,7 +11,7 @@ use gamebots_proto::Problem;
 use gamebots_proto::command::Drive;
 use gamebots_proto::message::{GroundSta, Vehicle, VehicleConf, VehicleGeo};
 use kinematics::Twist;
-use scene::{JointState, Motor, RobotDef, Side, Steering};
+use scene::{JointState, Link, Motor, RobotDef, Side, Steering};
 use serde::{Deserialize, Serialize};
 
 use crate::flight::Flight;
@@ -172,8 +172,8 @@ impl DriveState {
     /// Returns its fields of STA.
     pub(crate) fn status(&self, robot: &RobotDef, joints: impl FnOnce() -> Vec<JointState>) -> Vehicle {
         match &self.family {
-            Family::Skid | Family::Omni(_) => self.ground([None; 2]),
-            Family::Ackermann(steer) => self.ground(steer.map(|angle| Some(angle as f32))),
+            Family::Skid | Family::Omni(_) => self.ground([None; 2], robot, joints),
+            Family::Ackermann(steer) => self.ground(steer.map(|angle| Some(angle as f32)), robot, joints),
             Family::Aerial(_) => Vehicle::Aerial,
             Family::Legged => {
                 let joints = robot.with_values().zip(joints());
@@ -183,8 +183,18 @@ impl DriveState {
         }
     }
 
-    fn ground(&self, [front_steer, rear_steer]: [Option<f32>; 2]) -> Vehicle {
-        Vehicle::Ground(GroundSta { light: self.light, front_steer, rear_steer })
+    /// Returns the status of a robot on wheels, with the angles of its flippers.
+    fn ground(
+        &self,
+        [front_steer, rear_steer]: [Option<f32>; 2],
+        robot: &RobotDef,
+        joints: impl FnOnce() -> Vec<JointState>,
+    ) -> Vehicle {
+        let mut flippers = robot.flippers().peekable();
+        let joints = if flippers.peek().is_some() { joints() } else { Vec::new() };
+        let angle = |(value, link): (usize, &Link)| Some((link.name.clone(), joints.get(value)?.position as f32));
+        let ground = GroundSta { light: self.light, front_steer, rear_steer };
+        Vehicle::Ground(ground, flippers.filter_map(angle).collect())
     }
 }
 

@@ -28,8 +28,8 @@ pub struct Sta {
 /// The part of a state that depends on the kind of robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Vehicle {
-    /// A robot on wheels.
-    Ground(GroundSta),
+    /// A robot on wheels or tracks, with its other joints by name, rad or m. Only UT2004 writes the joints.
+    Ground(GroundSta, Vec<(String, f32)>),
     /// A robot on legs: its joints by name, rad.
     Legged {
         /// Joints in the robot's order.
@@ -53,11 +53,24 @@ record! {
     }
 }
 
+/// Keys of a status that are not joints.
+const KEYS: [&str; 8] = ["Time", "Battery", "Type", "View", "LightToggle", "LightIntensity", "FrontSteer", "RearSteer"];
+
+fn joint_block((name, value): &(String, f32)) -> Written {
+    Written::new(name, rounded(*value, 4))
+}
+
+/// Returns the blocks that are joints.
+fn joints(line: &Line) -> Option<Vec<(String, f32)>> {
+    let joints = line.blocks.iter().filter(|block| !KEYS.contains(&block.key.as_str()));
+    joints.map(|block| Some((block.key.clone(), block.value.parse().ok()?))).collect()
+}
+
 impl Sta {
     pub(super) fn write(&self, dialect: Dialect) -> String {
         let mut blocks = StaHead { time: self.time, battery: self.battery }.write(dialect);
         let type_name = match &self.vehicle {
-            Vehicle::Ground(_) => "GroundVehicle",
+            Vehicle::Ground(..) => "GroundVehicle",
             Vehicle::Legged { .. } => "LeggedVehicle",
             Vehicle::Static => "StaticPlatform",
             Vehicle::Aerial => dialect.of(["", "AerialVehicle"]),
@@ -66,11 +79,13 @@ impl Sta {
             blocks.push(Written::new("Type", type_name).ranked(dialect.of([1, 0])));
         }
         match &self.vehicle {
-            Vehicle::Ground(ground) => blocks.extend(ground.write(dialect)),
-            Vehicle::Legged { joints } => {
-                let joint = |(name, angle): &(String, f32)| Written::new(name, rounded(*angle, 4)).ranked(2);
-                blocks.extend(joints.iter().map(joint));
+            Vehicle::Ground(ground, joints) => {
+                blocks.extend(ground.write(dialect));
+                // Between the steering and the light, as ros-usarsim quotes it (usarsimInf.cpp).
+                let joints = if dialect == Dialect::Ut2004 { joints.as_slice() } else { &[] };
+                blocks.extend(joints.iter().map(|joint| joint_block(joint).ranked(3)));
             }
+            Vehicle::Legged { joints } => blocks.extend(joints.iter().map(|joint| joint_block(joint).ranked(2))),
             Vehicle::Aerial if dialect == Dialect::Ut2004 => {
                 let light = [("LightToggle", "False"), ("LightIntensity", "0")];
                 blocks.extend(light.map(|(key, value)| Written::new(key, value).ranked(4)));
@@ -82,13 +97,8 @@ impl Sta {
 
     pub(super) fn read(line: &Line) -> Option<Self> {
         let vehicle = match line.get("Type") {
-            Some("GroundVehicle") => Vehicle::Ground(GroundSta::read(line)?),
-            Some("LeggedVehicle") => {
-                let is_joint =
-                    |block: &&crate::Block| !["Time", "Battery", "Type", "View"].contains(&block.key.as_str());
-                let joint = |block: &crate::Block| Some((block.key.clone(), block.value.parse().ok()?));
-                Vehicle::Legged { joints: line.blocks.iter().filter(is_joint).map(joint).collect::<Option<_>>()? }
-            }
+            Some("GroundVehicle") => Vehicle::Ground(GroundSta::read(line)?, joints(line)?),
+            Some("LeggedVehicle") => Vehicle::Legged { joints: joints(line)? },
             Some("StaticPlatform") => Vehicle::Static,
             Some("AerialVehicle") | None => Vehicle::Aerial,
             Some(_) => return None,

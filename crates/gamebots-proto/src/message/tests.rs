@@ -112,6 +112,7 @@ fn golden_lines_of_ut2004_are_written_back_byte_for_byte() {
         "SEN {Type Tachometer} {Name TachTest} {Vel 0.0000,0.0000} {Pos 6.2832,6.2832}",
         "MISSTA {Time 310.57} {Name CameraPanTilt} {Link 1} {Value 0.0000} {Torque -20.00} {Link 2} {Value 0.0000} {Torque -20.00}",
         "STA {Type GroundVehicle} {Time 310.57} {FrontSteer 0.0000} {RearSteer 0.0000} {LightToggle False} {LightIntensity 0} {Battery 1200} {View -1}",
+        "STA {Type GroundVehicle} {Time 48.25} {FrontSteer 0.0000} {RearSteer 0.0000} {FRFlipper -0.0625} {FLFlipper 0.0000} {LightToggle False} {LightIntensity 0} {Battery 1196} {View -1}",
         "STA {Type AerialVehicle} {Time 268.50} {LightToggle False} {LightIntensity 0} {Battery 1192} {View -1}",
         "CONF {Type GroundVehicle} {Name P2AT} {SteeringType SkidSteered} {Mass 14.0000} {MaxSpeed 5.3750} {MaxTorque 60.0000} {MaxFrontSteer 0.0000} {MaxRearSteer 0.0000}",
         "CONF {Type RangeScanner} {Name Scanner1} {MaxRange 20.0000} {MinRange 0.1250} {Resolution 0.0625} {Fov 3.1250} {Paning True} {Tilting False}",
@@ -377,8 +378,12 @@ fn items() -> impl Strategy<Value = Conf> {
 
 fn vehicle() -> impl Strategy<Value = Vehicle> {
     prop_oneof![
-        (any::<bool>(), proptest::option::of(grid(4)), proptest::option::of(grid(4)))
-            .prop_map(|(light, front_steer, rear_steer)| Vehicle::Ground(GroundSta { light, front_steer, rear_steer })),
+        (any::<bool>(), proptest::option::of(grid(4)), proptest::option::of(grid(4))).prop_map(
+            |(light, front_steer, rear_steer)| Vehicle::Ground(
+                GroundSta { light, front_steer, rear_steer },
+                Vec::new()
+            )
+        ),
         proptest::collection::vec((word(), grid(4)), 0..4).prop_map(|joints| Vehicle::Legged { joints }),
         Just(Vehicle::Static),
         Just(Vehicle::Aerial),
