@@ -8,6 +8,7 @@ use include_dir::{Dir, include_dir};
 use names::did_you_mean;
 use scene::{MapDef, Object, RobotDef, WorldDef};
 
+use crate::equipment::Changes;
 use crate::materials::{self, Materials};
 use crate::overrides::{self, Override};
 use crate::problem::Problems;
@@ -38,8 +39,20 @@ pub fn robot_names() -> Vec<String> {
 }
 
 /// Returns the names of the embedded actuators.
-fn actuator_names() -> Vec<String> {
+pub(crate) fn actuator_names() -> Vec<String> {
     ASSETS.get_dir("actuators").map_or_else(Vec::new, folders)
+}
+
+/// Returns the names of the embedded sets of equipment.
+pub(crate) fn equipment_names() -> Vec<String> {
+    let files = ASSETS.get_dir("equipment").into_iter().flat_map(Dir::files);
+    files.filter_map(|file| Some(file.path().file_stem()?.to_string_lossy().into_owned())).collect()
+}
+
+/// Returns the folder and the file of an embedded set of equipment, by its name in any case.
+pub(crate) fn equipment_file(name: &str) -> Option<(Source, String)> {
+    let known = equipment_names().into_iter().find(|known| known.eq_ignore_ascii_case(name))?;
+    Some((Source::BuiltIn(ASSETS.get_dir("equipment")?), format!("{known}.toml")))
 }
 
 /// Returns the names that a robot.toml has besides that of its folder. A text with a mistake has none; its reader reports it.
@@ -87,12 +100,21 @@ pub fn load(map_name: &str, robot_files: &[&Path]) -> Result<WorldDef, LoadError
 /// # Errors
 /// As [`load`], and an override that is not used.
 pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) -> Result<WorldDef, LoadError> {
+    load_equipped(map_name, robot_files, Changes::of(overrides))
+}
+
+/// Loads a world with overrides, and with equipment for its robots.
+///
+/// # Errors
+/// As [`load_with`], and a class of the equipment that does not exist.
+pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) -> Result<WorldDef, LoadError> {
+    let overrides = changes.overrides;
     let mut robots = BTreeMap::new();
     for name in robot_names() {
-        robots.insert(name.clone(), robot(&name, overrides)?);
+        robots.insert(name.clone(), robot_equipped(&name, changes)?);
     }
     for file in robot_files {
-        let definition = robot(&file.display().to_string(), overrides)?;
+        let definition = robot_equipped(&file.display().to_string(), changes)?;
         let text = std::fs::read_to_string(in_folder(file, "robot.toml")).unwrap_or_default();
         for class in further_names(&text) {
             robots.insert(class.clone(), RobotDef { class, ..definition.clone() });
@@ -101,6 +123,7 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
     }
     let map = map(map_name, overrides)?;
     overrides::check_used(overrides)?;
+    changes.equipment.check_classes(robots.keys().map(String::as_str))?;
     let world = WorldDef { map, robots, objects: built_in_objects()? };
     world.check()?;
     Ok(world)
@@ -119,7 +142,7 @@ pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
     };
     overrides::blame(overrides, |overrides| {
         let mut problems = Problems::default();
-        let text = overrides::apply(source.text(&file)?, overrides, &["map"]);
+        let text = overrides::apply(source.text(&file)?, overrides, &["map"], &[]);
         let map = map_file::read(&source, &file, &name, &text, &built_in_materials(overrides)?, &mut problems);
         problems.into_result(map)?.ok_or_else(|| unknown("map", &name, &map_names()))
     })
@@ -130,35 +153,41 @@ pub fn map(name: &str, overrides: &[Override]) -> Result<MapDef, LoadError> {
 /// # Errors
 /// As [`load`].
 pub fn robot(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
+    robot_equipped(name, Changes::of(overrides))
+}
+
+/// Loads a robot class with overrides and equipment.
+///
+/// # Errors
+/// As [`robot`].
+pub fn robot_equipped(name: &str, changes: Changes) -> Result<RobotDef, LoadError> {
     let path = &in_folder(Path::new(name), "robot.toml");
     match built_in_robot(name) {
-        Some(_) => built_in(name, overrides),
+        Some(_) => built_in_as(name, changes, None),
         None if path.is_file() => {
             let class = name_of(path, "robot");
             if is_urdf(path) {
                 return robot_of_urdf(path, &class);
             }
             let file = file_name(path, "a robot.toml or a URDF")?;
-            read_robot(&Source::of_file(path), &file, &class, overrides)
+            read_definition(&Source::of_file(path), &file, [&class; 2], changes, None)
         }
         None => Err(unknown("robot", name, &robot_names())),
     }
 }
 
-/// Loads an embedded robot class by its name, in any case.
-pub(crate) fn built_in(name: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
+/// Loads an embedded robot class by its name, in any case, with the equipment of that class or another. A further name of a class has the
+/// class's equipment if it has none of its own.
+pub(crate) fn built_in_as(name: &str, changes: Changes, equipped_as: Option<&str>) -> Result<RobotDef, LoadError> {
     let (class, dir) = built_in_robot(name).ok_or_else(|| unknown("robot", name, &robot_names()))?;
-    read_robot(&Source::BuiltIn(dir), "robot.toml", &class, overrides)
+    let own = if changes.equipment.has(&class) { None } else { folder_name(dir) };
+    let equipped_as = equipped_as.unwrap_or_else(|| own.as_deref().unwrap_or(&class));
+    read_definition(&Source::BuiltIn(dir), "robot.toml", [&class, equipped_as], changes, None)
 }
 
 /// Loads an actuator: one in a folder beside the file that names it, or an embedded one. `depth` is the number of actuators that it is
 /// mounted on.
-pub(crate) fn actuator(
-    beside: &Source,
-    class: &str,
-    overrides: &[Override],
-    depth: usize,
-) -> Result<RobotDef, LoadError> {
+pub(crate) fn actuator(beside: &Source, class: &str, changes: Changes, depth: usize) -> Result<RobotDef, LoadError> {
     let own = beside.folder(class).filter(|source| source.has("actuator.toml"));
     let embedded = || {
         let name = actuator_names().into_iter().find(|known| known.eq_ignore_ascii_case(class));
@@ -166,7 +195,7 @@ pub(crate) fn actuator(
         Some(Source::BuiltIn(dir))
     };
     let source = own.or_else(embedded).ok_or_else(|| unknown("actuator", class, &actuator_names()))?;
-    read_definition(&source, "actuator.toml", class, overrides, Some(depth))
+    read_definition(&source, "actuator.toml", [class; 2], changes, Some(depth))
 }
 
 /// Loads a robot from only a URDF. Its assumptions list the values that a URDF does not give.
@@ -188,22 +217,19 @@ pub(crate) fn is_urdf(path: &Path) -> bool {
     path.extension().is_some_and(|extension| ["urdf", "xacro"].iter().any(|known| extension == *known))
 }
 
-fn read_robot(source: &Source, file: &str, class: &str, overrides: &[Override]) -> Result<RobotDef, LoadError> {
-    read_definition(source, file, class, overrides, None)
-}
-
 fn read_definition(
     source: &Source,
     file: &str,
-    class: &str,
-    overrides: &[Override],
+    [class, equipped_as]: [&str; 2],
+    changes: Changes,
     depth: Option<usize>,
 ) -> Result<RobotDef, LoadError> {
-    overrides::blame(overrides, |overrides| {
+    let without: &[&str] = if changes.equipment.replaces(equipped_as) { &["sensor", "mount"] } else { &[] };
+    overrides::blame(changes.overrides, |overrides| {
         let mut problems = Problems::default();
-        let text = overrides::apply(source.text(file)?, overrides, &["robot", class]);
-        let materials = &built_in_materials(overrides)?;
-        let definition = robot_file::Definition { source, file, class, materials, overrides, depth };
+        let text = overrides::apply(source.text(file)?, overrides, &["robot", class], without);
+        let (materials, changes) = (&built_in_materials(overrides)?, Changes { overrides, ..changes });
+        let definition = robot_file::Definition { source, file, class, equipped_as, materials, changes, depth };
         let robot = robot_file::read(&definition, &text, &mut problems);
         problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
     })
@@ -220,7 +246,7 @@ fn built_in_objects() -> Result<BTreeMap<String, Object>, LoadError> {
 pub(crate) fn built_in_materials(overrides: &[Override]) -> Result<Materials, LoadError> {
     let source = Source::BuiltIn(&ASSETS);
     let mut problems = Problems::default();
-    let text = overrides::apply(source.text("materials.toml")?, overrides, &["material"]);
+    let text = overrides::apply(source.text("materials.toml")?, overrides, &["material"], &[]);
     let materials = materials::read("assets/materials.toml", &text, &mut problems);
     problems.into_result(materials)
 }

@@ -222,10 +222,32 @@ impl<'a> Document<'a> {
     }
 }
 
-impl Table<'_> {
+impl<'a> Table<'a> {
     /// True if a key has not been taken.
     pub(crate) fn has(&self, key: &str) -> bool {
         self.entries.contains_key(key)
+    }
+
+    /// Adds a value in TOML for a key that the table does not have.
+    pub(crate) fn add_default(&mut self, key: &'a str, value: &'a str) {
+        if !self.has(key)
+            && let Ok(value) = DeValue::parse(value)
+        {
+            let value = Spanned::new(self.span(), value.into_inner());
+            self.entries.insert(Spanned::new(self.span(), key.into()), value);
+        }
+    }
+
+    /// Removes keys that do not count, so that they are not reported.
+    pub(crate) fn forget(&mut self, keys: &[&str]) {
+        for key in keys {
+            self.entries.remove(*key);
+        }
+    }
+
+    /// Returns the keys that have not been taken, with their positions.
+    pub(crate) fn keys(&self) -> Vec<(Range<usize>, String)> {
+        self.entries.keys().map(|key| (key.span(), key.get_ref().to_string())).collect()
     }
 
     /// Returns the position of the table.

@@ -5,6 +5,7 @@
 
 mod catalogue;
 mod document;
+mod equipment;
 mod map;
 mod materials;
 mod mesh;
@@ -14,7 +15,10 @@ mod robot;
 mod source;
 mod urdf;
 
-pub use catalogue::{File, load, load_with, map, map_files, map_names, robot, robot_files, robot_names};
+pub use catalogue::{
+    File, load, load_equipped, load_with, map, map_files, map_names, robot, robot_equipped, robot_files, robot_names,
+};
+pub use equipment::{Changes, Equipment};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
 
@@ -23,7 +27,8 @@ use std::path::Path;
 use problem::Problems;
 use source::Source;
 
-/// Checks a robot.toml, a map.toml, a materials.toml, an objects.toml or a URDF. Returns the assumptions made where a robot's file gives no value.
+/// Checks a robot.toml, a map.toml, a materials.toml, an objects.toml, a set of equipment, a URDF or an ini of USARSim. Returns the assumptions
+/// made where a robot's file gives no value, and the lines of an ini that have no effect.
 ///
 /// # Errors
 /// Lists all problems of the file. Also fails if the file cannot be read or is of an unknown kind.
@@ -32,17 +37,53 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
     if catalogue::is_urdf(path) {
         return catalogue::robot_of_urdf(path, "Checked").map(|robot| robot.assumptions);
     }
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ini")) {
+        return check_ini(path);
+    }
     if path.extension().is_none_or(|extension| extension != "toml") {
-        let expected = "a .toml (robot, map, materials or objects) or a .urdf file";
+        let expected = "a .toml (robot, map, materials, objects or equipment), a .urdf or an .ini file";
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
     }
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     check_toml(&Source::of_file(path), name)
 }
 
-/// Checks a TOML file. Files of materials, objects and actuators are known by their names, a robot by its name or its wheels; any other file is a map.
+/// True for a set of equipment: its name or its tables say so.
+fn is_equipment(name: &str, text: &str) -> bool {
+    name.starts_with("equipment") || [".sensor]]", ".mount]]"].iter().any(|table| text.contains(table))
+}
+
+/// Checks a set of equipment with the shipped robots and actuators that it names.
+fn check_equipment(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
+    let equipment = &Equipment::load(&source.display(name))?;
+    let robots = robot_names();
+    equipment.check_classes(robots.iter().map(String::as_str))?;
+    let changes = Changes { overrides: &[], equipment };
+    for class in equipment.set_classes() {
+        if robots.iter().any(|robot| robot.eq_ignore_ascii_case(class)) {
+            robot_equipped(class, changes)?;
+        } else {
+            catalogue::actuator(source, class, changes, 0)?;
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// Checks an ini of USARSim. Returns the lines without an effect.
+fn check_ini(path: &Path) -> Result<Vec<String>, LoadError> {
+    let equipment = Equipment::of_inis(&[path.to_owned()])?;
+    let robots = robot_names();
+    let warnings = equipment.warnings(robots.iter().map(String::as_str));
+    Ok(warnings.iter().map(|it| format!("{}:{}: {}", it.line, it.column, it.message)).collect())
+}
+
+/// Checks a TOML file. Files of materials, objects and actuators are known by their names, a robot by its name or its wheels, equipment by its tables; any other
+/// file is a map.
 fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
     let text = source.text(name)?;
+    if is_equipment(name, &text) {
+        return check_equipment(source, name);
+    }
     let materials = catalogue::built_in_materials(&[])?;
     let mut problems = Problems::default();
     let mut assumptions = Vec::new();
@@ -52,8 +93,15 @@ fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
         map::read_objects(source, name, &text, &materials, &mut problems);
     } else if name.starts_with("actuator") || name.starts_with("robot") || text.contains("[[wheel]]") {
         let depth = name.starts_with("actuator").then_some(0);
-        let definition =
-            robot::Definition { source, file: name, class: "Checked", materials: &materials, overrides: &[], depth };
+        let definition = robot::Definition {
+            source,
+            file: name,
+            class: "Checked",
+            equipped_as: "",
+            materials: &materials,
+            changes: Changes::of(&[]),
+            depth,
+        };
         let robot = robot::read(&definition, &text, &mut problems);
         assumptions = robot.map_or(Vec::new(), |robot| robot.assumptions);
     } else {

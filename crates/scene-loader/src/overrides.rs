@@ -70,11 +70,14 @@ impl FromStr for Override {
 }
 
 /// Applies every override with a scope among the names to the text of a file. A text that is not TOML stays unchanged; its reader
-/// reports the problem.
-pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str]) -> String {
+/// reports the problem. Keys that do not count (`without`) are removed before.
+pub(crate) fn apply(text: String, overrides: &[Override], names: &[&str], without: &[&str]) -> String {
     let mut wanted = overrides.iter().filter(|it| names.iter().any(|name| name.eq_ignore_ascii_case(&it.scope)));
     let Some(first) = wanted.next() else { return text };
     let Ok(mut document) = text.parse::<DocumentMut>() else { return text };
+    without.iter().for_each(|key| {
+        document.remove(key);
+    });
     let mut known = BTreeSet::new();
     paths(document.as_table(), "", &mut known);
     for it in std::iter::once(first).chain(wanted) {
@@ -225,7 +228,7 @@ mod tests {
     #[track_caller]
     fn check(text: &str, expected: &str) {
         let it: Override = text.parse().expect("an override");
-        assert_eq!(apply(FILE.to_owned(), std::slice::from_ref(&it), &["robot"]).trim(), expected.trim());
+        assert_eq!(apply(FILE.to_owned(), std::slice::from_ref(&it), &["robot"], &[]).trim(), expected.trim());
         assert_eq!(it.found().used, FILE.trim() != expected.trim());
     }
 

@@ -125,10 +125,16 @@ impl Problems {
     }
 
     /// Returns the value if there are no problems. Otherwise returns every problem once, in the order of the lines.
-    pub(crate) fn into_result<T>(mut self, value: T) -> Result<T, LoadError> {
+    pub(crate) fn into_result<T>(self, value: T) -> Result<T, LoadError> {
+        let problems = self.into_list();
+        if problems.is_empty() { Ok(value) } else { Err(LoadError::Bad(problems)) }
+    }
+
+    /// Returns every problem once, in the order of the lines.
+    pub(crate) fn into_list(mut self) -> Vec<FileProblem> {
         self.0.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
         self.0.dedup();
-        if self.0.is_empty() { Ok(value) } else { Err(LoadError::Bad(self.0)) }
+        self.0
     }
 }
 

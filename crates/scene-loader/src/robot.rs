@@ -3,7 +3,7 @@
 mod actuator;
 mod joint;
 mod like;
-mod mount;
+pub(crate) mod mount;
 pub(crate) mod of_urdf;
 mod track;
 mod visual;
@@ -22,8 +22,8 @@ use self::joint::{Links, find_link};
 use self::visual::read_visuals;
 use self::wheel::{read_casters, read_wheels};
 use crate::document::{Document, Table, Vector};
+use crate::equipment::{Changes, Equipment};
 use crate::materials::Materials;
-use crate::overrides::Override;
 use crate::problem::{Problems, Unread};
 use crate::source::Source;
 use crate::urdf::{self, Urdf};
@@ -54,8 +54,10 @@ pub(crate) struct Definition<'a> {
     pub(crate) file: &'a str,
     pub(crate) class: &'a str,
     pub(crate) materials: &'a Materials,
-    /// Overrides for the classes and actuators that it names.
-    pub(crate) overrides: &'a [Override],
+    /// Class whose items in the equipment it has.
+    pub(crate) equipped_as: &'a str,
+    /// Changes for itself, and for the classes and actuators that it names.
+    pub(crate) changes: Changes<'a>,
     /// Number of actuators that it is mounted on, if it is an actuator. `None` for a robot.
     pub(crate) depth: Option<usize>,
 }
@@ -104,6 +106,10 @@ pub(crate) fn read(definition: &Definition, text: &str, problems: &mut Problems)
     let &Definition { source, file, class, materials, depth, .. } = definition;
     let shown = source.display(file);
     let (mut document, mut root) = Document::parse(&shown, text, problems)?;
+    let equipment = definition.changes.equipment;
+    if equipment.replaces(definition.equipped_as) {
+        root.forget(&["sensor", "mount"]);
+    }
     if depth.is_some() {
         for key in NOT_OF_ACTUATORS.iter().filter(|key| root.has(key)) {
             document.problem(&(0..0), format_args!("`{key}` of an actuator: expected none, robots have it"));
@@ -142,7 +148,8 @@ pub(crate) fn read(definition: &Definition, text: &str, problems: &mut Problems)
     let actuators = read_actuators(&mut document, &mut root, &links, complete);
     let grippers = read_grippers(&mut document, &mut root, &links, complete);
     let tool_changers = read_tool_changers(&mut document, &mut root, materials, &links, complete);
-    let sensors = read_sensors(&mut document, &mut root, &links, wheels.as_ref().ok().map(Vec::len), complete);
+    let sensors =
+        read_sensors(&mut document, &mut root, equipment, &links, wheels.as_ref().ok().map(Vec::len), complete);
     let battery = read_battery(&mut document, &mut root);
     let aerial = read_aerial(&mut document, &mut root, steering);
     let mounts = mount::read(definition, &mut document, &mut root);
@@ -168,6 +175,7 @@ pub(crate) fn read(definition: &Definition, text: &str, problems: &mut Problems)
         assumptions,
     };
     mount::mount(&mut document, &mut robot, mounts, complete);
+    equipment.put_on(definition, &mut robot, complete, document.problems());
     document.as_a_whole(|| check::robot(&robot));
     Some(robot)
 }
@@ -294,10 +302,11 @@ fn box_inertia(mass: f64, [x, y, z]: Vector) -> Matrix3<f64> {
     Matrix3::from_diagonal(&(diagonal * (mass / 12.0)))
 }
 
-/// Reads the sensors. `wheels` is the number of driven wheels, if they could be read; `complete` is true if all links could.
-fn read_sensors<'a>(
+/// Reads the sensors. `equipment` has their settings that differ from the defaults. `wheels` is the number of driven wheels, if they could be read; `complete` is true if all links could.
+pub(crate) fn read_sensors<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
+    equipment: &'a Equipment,
     links: &[Link],
     wheels: Option<usize>,
     complete: bool,
@@ -311,6 +320,9 @@ fn read_sensors<'a>(
         let link: Option<String> = document.optional(&mut table, "link");
         let position: Vector = document.optional(&mut table, "position").unwrap_or_default();
         let direction: Vector = document.optional(&mut table, "direction").unwrap_or_default();
+        for (key, value) in class.iter().flat_map(|class| equipment.settings(class)) {
+            table.add_default(key, value);
+        }
         let scan_interval: Option<f64> = document.optional(&mut table, "scan_interval");
         let (Some(class), Some(name)) = (class, name) else { continue };
         let Some(&(_, default_interval)) = sensor::CLASSES.iter().find(|(known, _)| *known == class) else {
@@ -335,7 +347,7 @@ fn read_sensors<'a>(
     sensors
 }
 
-fn read_battery<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Option<Battery> {
+pub(crate) fn read_battery<'a>(document: &mut Document<'a>, root: &mut Table<'a>) -> Option<Battery> {
     let (span, BatteryEntry { max_energy, life }) = document.section(root, "battery").ok().flatten()?;
     let battery = Battery { max_energy, life };
     document.wrong(&span, check::battery(&battery));

@@ -69,7 +69,12 @@ impl Source {
 
     /// Returns the contents of a text file.
     pub(crate) fn text(&self, name: &str) -> Result<String, LoadError> {
-        String::from_utf8(self.bytes(name, MAX_TEXT)?).map_err(|error| LoadError::Unreadable {
+        self.text_up_to(name, MAX_TEXT)
+    }
+
+    /// Returns the contents of a text file with at most `most` bytes.
+    pub(crate) fn text_up_to(&self, name: &str, most: u64) -> Result<String, LoadError> {
+        String::from_utf8(self.bytes(name, most)?).map_err(|error| LoadError::Unreadable {
             file: self.display(name),
             reason: format!("not UTF-8 at byte {}", error.utf8_error().valid_up_to()),
         })

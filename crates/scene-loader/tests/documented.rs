@@ -38,6 +38,7 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("### `[[gripper]]`", "robot.toml", "[[gripper]]"),
     ("### `[battery]`", "robot.toml", "[battery]"),
     ("### `[aerial]`", "robot.toml", "[aerial]"),
+    ("## Equipment", "equipment.toml", "description = \"\"\n[P3AT]"),
 ];
 
 /// Sensors without settings.

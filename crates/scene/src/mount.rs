@@ -29,6 +29,7 @@ impl RobotDef {
             });
             self.links.push(Link { name: format!("{name}.{}", made.name), joint, ..made });
         }
+        self.assumptions.extend(actuator.assumptions.iter().map(|it| format!("{name}: {it}")));
         let named = |own: &str| if own == actuator.class { name.to_owned() } else { own.to_owned() };
         let numbers = |links: &[usize]| links.iter().map(|&own| number(own)).collect::<Vec<_>>();
         self.actuators.extend(actuator.actuators.iter().map(|it| crate::Actuator {

@@ -11,9 +11,17 @@ const KEYS: &str = "like, names, description, dialect, one_side_drives, reported
 
 /// Reads a class that is like another, a shipped one. Each key that the file has replaces that of the other class, the sensors as a whole.
 /// Mounts are added to those of the other class.
-pub(super) fn read<'a>(definition: &Definition, mut document: Document<'a>, mut root: Table<'a>) -> Option<RobotDef> {
+pub(super) fn read<'a>(
+    definition: &Definition<'a>,
+    mut document: Document<'a>,
+    mut root: Table<'a>,
+) -> Option<RobotDef> {
     let (span, other) = document.section::<String>(&mut root, "like").ok()??;
-    let mut robot = match catalogue::built_in(&other, definition.overrides) {
+    let equipment = definition.changes.equipment;
+    let replaced = equipment.replaces(definition.equipped_as);
+    // What replaces the items of this class replaces those of the other class, too.
+    let as_itself = replaced.then_some(definition.equipped_as);
+    let mut robot = match catalogue::built_in_as(&other, definition.changes, as_itself) {
         Ok(robot) => robot,
         Err(error) => {
             document.problem(&span, error);
@@ -37,13 +45,19 @@ pub(super) fn read<'a>(definition: &Definition, mut document: Document<'a>, mut 
     if root.has("battery") {
         robot.battery = read_battery(&mut document, &mut root);
     }
+    if replaced {
+        root.forget(&["sensor", "mount"]);
+    }
     if root.has("sensor") {
         let wheels = robot.driven().count();
-        robot.sensors = read_sensors(&mut document, &mut root, &robot.links, Some(wheels), true);
+        robot.sensors = read_sensors(&mut document, &mut root, equipment, &robot.links, Some(wheels), true);
     }
     let mounts = mount::read(definition, &mut document, &mut root);
     document.finish(root, KEYS);
     mount::mount(&mut document, &mut robot, mounts, true);
+    if !replaced {
+        equipment.put_on(definition, &mut robot, true, document.problems());
+    }
     document.as_a_whole(|| scene::check::robot(&robot));
     Some(robot)
 }

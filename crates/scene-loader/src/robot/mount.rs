@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use scene::check::MAX_LINKS;
 use scene::{RobotDef, pose};
 use serde::Deserialize;
 
@@ -10,6 +11,8 @@ use super::joint::find_link;
 use crate::catalogue;
 use crate::document::{Document, Table, Vector};
 
+/// Most mounts of one file.
+pub(crate) const MAX_MOUNTS: usize = 256;
 /// Largest number of actuators that carry each other. One of the industrial robots has two.
 const MOST_DEEP: usize = 4;
 
@@ -28,7 +31,7 @@ struct MountEntry {
 }
 
 /// An actuator and its place.
-pub(super) struct Mount {
+pub(crate) struct Mount {
     span: Range<usize>,
     actuator: RobotDef,
     name: String,
@@ -37,28 +40,47 @@ pub(super) struct Mount {
     direction: Vector,
 }
 
-/// Reads the mounts with their actuators. Those with a problem are left out.
-pub(super) fn read<'a>(definition: &Definition, document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<Mount> {
+/// Loads an actuator for a definition.
+pub(crate) fn load(definition: &Definition, class: &str) -> Result<RobotDef, String> {
     let depth = definition.depth.map_or(0, |depth| depth + 1);
-    let mut mounts = Vec::new();
-    for (span, MountEntry { class, name, link, position, direction }) in document.list::<MountEntry>(root, "mount") {
-        if depth > MOST_DEEP {
-            document.problem(&span, format_args!("an actuator on {depth} others: expected at most {MOST_DEEP}"));
-            continue;
-        }
-        match catalogue::actuator(definition.source, &class, definition.overrides, depth) {
+    if depth > MOST_DEEP {
+        return Err(format!("an actuator on {depth} others: expected at most {MOST_DEEP}"));
+    }
+    catalogue::actuator(definition.source, class, definition.changes, depth).map_err(|error| error.to_string())
+}
+
+/// Reads the mounts with their actuators. Those with a problem are left out.
+///
+/// Actuators that carry each other could be very many. So reading ends at more links than a robot can have, or a few mistakes.
+pub(crate) fn read<'a>(definition: &Definition, document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<Mount> {
+    let (mut mounts, mut links) = (Vec::new(), 0);
+    let mut entries = document.list::<MountEntry>(root, "mount");
+    if let Some((span, _)) = entries.get(MAX_MOUNTS) {
+        document.problem(span, format_args!("more mounts than {MAX_MOUNTS}: expected at most so many"));
+        entries.truncate(MAX_MOUNTS);
+    }
+    for (span, MountEntry { class, name, link, position, direction }) in entries {
+        match load(definition, &class) {
             Ok(actuator) => {
                 let name = name.unwrap_or(class);
+                links += actuator.links.len();
                 mounts.push(Mount { span, actuator, name, link, position, direction });
             }
-            Err(error) => document.problem(&span, error),
+            Err(error) => {
+                document.problem(&span, error);
+                links += if definition.depth.is_some() { 2 * MAX_LINKS } else { MAX_LINKS / 4 };
+            }
+        }
+        // The robot's check reports that these are too many.
+        if links >= 2 * MAX_LINKS {
+            break;
         }
     }
     mounts
 }
 
 /// Puts actuators on a robot. `complete` is true if all of its links could be read.
-pub(super) fn mount(document: &mut Document, robot: &mut RobotDef, mounts: Vec<Mount>, complete: bool) {
+pub(crate) fn mount(document: &mut Document, robot: &mut RobotDef, mounts: Vec<Mount>, complete: bool) {
     for Mount { span, actuator, name, link, position, direction } in mounts {
         let Some(link) = find_link(document, &span, "link", link.as_deref(), &robot.links, complete) else { continue };
         robot.mount(&actuator, &name, link, &pose(position, direction));
