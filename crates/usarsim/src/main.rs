@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod connect;
 mod copy;
+mod equipment;
 mod experiment;
 mod list;
 mod log;
@@ -69,7 +70,7 @@ enum Command {
     Show(show::Arguments),
     /// Copy the files of a built-in robot or map, as a start for your own.
     Copy(copy::Arguments),
-    /// Check robot.toml, map.toml, materials.toml and URDF files and report every mistake with its line.
+    /// Check robot.toml, map.toml, materials.toml, equipment, URDF and ini files and report every mistake with its line.
     Check(check::Arguments),
     /// Run the physical checks of a robot on wheels.
     Validate(validate::Arguments),

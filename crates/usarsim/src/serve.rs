@@ -8,12 +8,12 @@ use clap::ValueEnum;
 use gamebots_proto::Dialect;
 use gamebots_server::{Config, Listener, Ready, ServeError, Service, WorldControl};
 use scene::{DriveModel, MapDef};
-use scene_loader::Override;
+use scene_loader::{Changes, Override};
 use sim_core::{Options, SavedWorld};
 use thread_pool::ThreadPool;
 
 use crate::terminal::printable;
-use crate::{Failure, exit, print};
+use crate::{Failure, equipment, exit, print};
 
 /// Default port of the page.
 const DEFAULT_HTTP_PORT: u16 = 8080;
@@ -23,6 +23,8 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
 #[command(after_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
     usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n  \
     usarsim serve --robot turtlebot3_burger.urdf\n  \
+    usarsim serve --equipment robocup2014    # a P3AT with eight sonars\n  \
+    usarsim serve --ini DefaultUSAR.ini --ini my/UDKUSAR.ini\n  \
     usarsim serve --from usarsim-hall.json   # go on with a world that the page saved\n  \
     usarsim serve --host 0.0.0.0             # other machines can watch and drive\n  \
     usarsim serve --host 0.0.0.0 --control local  # only this machine can pause and reset\n\n\
@@ -33,7 +35,7 @@ pub(crate) struct Arguments {
     map: String,
     /// Go on with a world that the page saved (`Save the world`), from its file. Its map, robots, seed, time step and units count. An
     /// INIT with the class and name of a robot in it takes that robot over.
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "robot", "set", "drive_model", "dt", "seed", "wheel_speeds"])]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "robot", "set", "equipment", "ini", "drive_model", "dt", "seed", "wheel_speeds"])]
     from: Option<PathBuf>,
     /// A further robot class from a robot.toml, whose class is the name of its folder, or from a URDF, whose class is the name of
     /// the file. May be given several times.
@@ -43,6 +45,8 @@ pub(crate) struct Arguments {
     /// several times; `usarsim show` prints the result.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
+    #[command(flatten)]
+    equipment: equipment::Choice,
     /// Drive model of the robots that support it: articulated, bodies, analytic or kinematic; by default the
     /// one in their robot.toml.
     #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL", value_parser = drive_model)]
@@ -153,8 +157,12 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
             gamebots_server::read_saved(path).map(|(scene, state)| (scene, Some(state))).map_err(|it| wrong(&it))?
         }
         None => {
-            let loaded = scene_loader::load_with(&arguments.map, &robots, &arguments.set);
-            (loaded.map_err(|error| wrong(&error))?, None)
+            let equipment = arguments.equipment.load()?;
+            let changes = Changes { overrides: &arguments.set, equipment: &equipment };
+            let loaded = scene_loader::load_equipped(&arguments.map, &robots, changes);
+            let world = loaded.map_err(|error| wrong(&error))?;
+            equipment::warn(&equipment.warnings(world.robots.keys().map(String::as_str)));
+            (world, None)
         }
     };
     world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));

@@ -2,11 +2,11 @@
 
 use clap::ValueEnum;
 use scene::DriveModel;
-use scene_loader::Override;
+use scene_loader::{Changes, Override};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::{Failure, exit, print};
+use crate::{Failure, equipment, exit, print};
 
 /// Longest list that is shown.
 const MAX_SHOWN: usize = 64;
@@ -28,6 +28,8 @@ pub(crate) struct Arguments {
     /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE. May be given several times.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
+    #[command(flatten)]
+    equipment: equipment::Choice,
     /// Drive model of a Mecanum robot, instead of the one in its file.
     #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
     drive_model: Option<DriveModel>,
@@ -43,11 +45,15 @@ pub(crate) enum What {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { what, name, set, drive_model, json } = arguments;
+    let Arguments { what, name, set, equipment, drive_model, json } = arguments;
     let broken = |error| Failure::new(exit::BAD_CONFIGURATION, error);
     let text = match what {
         What::Robot => {
-            let mut robot = scene_loader::robot(name, set).map_err(broken)?;
+            let equipment = equipment.load()?;
+            let changes = Changes { overrides: set, equipment: &equipment };
+            let mut robot = scene_loader::robot_equipped(name, changes).map_err(broken)?;
+            let robots = scene_loader::robot_names();
+            equipment::warn(&equipment.warnings(robots.iter().chain([&robot.class]).map(String::as_str)));
             robot.set_drive_model(*drive_model);
             text(&robot, *json)
         }

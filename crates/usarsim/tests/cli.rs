@@ -609,6 +609,33 @@ fn copies_of_all_robots_and_maps_are_good_and_overwrite_nothing() {
 }
 
 #[test]
+fn robots_have_the_equipment_of_a_set_or_of_an_ini() {
+    let show = |arguments: &[&str]| run(&[&["show", "robot", "P3AT"], arguments].concat());
+    let set = show(&["--equipment", "robocup2014"]);
+    assert!(set.status.success() && text(&set.stdout).contains("\"Sonar8\""), "{}", text(&set.stderr));
+    let folder = tempfile::tempdir().expect("a folder");
+    let ini = folder.path().join("team.ini");
+    let lines = "[USARBot.P3AT]\nAddParts=(ItemClass=class'USARSensor.IMU',ItemName=\"only\")\nColour=red\n";
+    std::fs::write(&ini, lines).expect("a file");
+    let path = ini.display().to_string();
+    let shown = show(&["--ini", &path]);
+    assert!(shown.status.success() && text(&shown.stdout).contains("\"only\""), "{}", text(&shown.stderr));
+    let warning = format!("warning: {path}:3:1: `Colour` of P3AT has no effect\n");
+    assert_eq!(text(&shown.stderr), warning);
+    let checked = run(&["check", &path]);
+    assert!(checked.status.success() && text(&checked.stdout).contains("note: 3:1: `Colour`"), "{checked:?}");
+    for (arguments, code, message) in [
+        (vec!["--equipment", "robocup2015"], 78, "did you mean `robocup2014`?"),
+        (vec!["--ini", "none.ini"], 78, "none.ini: cannot be read"),
+        (vec!["--equipment", "shipped", "--ini", &path], 2, "cannot be used with"),
+    ] {
+        let refused = show(&arguments);
+        assert_eq!(refused.status.code(), Some(code), "{arguments:?}");
+        assert!(text(&refused.stderr).contains(message), "{arguments:?}: {}", text(&refused.stderr));
+    }
+}
+
+#[test]
 fn show_prints_the_numbers_in_effect() {
     let output = run(&["show", "robot", "KUKA_YouBot", "--set", "robot.wheels.gain=2.5", "--drive-model", "analytic"]);
     let shown = text(&output.stdout);
