@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use gamebots_proto::Command;
 use scene::WorldDef;
-use scene_loader::LoadError;
+use scene_loader::{Changes, Equipment, LoadError};
 use sim_core::{Options, World};
 use tempfile::TempDir;
 
@@ -48,6 +48,29 @@ pub fn map(bytes: &[u8]) {
 /// A materials.toml, which is only checked: a world takes those that are built in.
 pub fn material(bytes: &[u8]) {
     assert_lines(&scene_loader::check(&Folder::new(&[]).with("materials.toml", bytes)));
+}
+
+/// An ini of USARSim, as the equipment of three robots: one on wheels, one that flies, and an arm.
+pub fn ini(bytes: &[u8]) {
+    let read = Equipment::of_inis(&[Folder::new(&[]).with("x.ini", bytes)]);
+    assert_lines(&read);
+    let Ok(equipment) = read else { return };
+    let classes = scene_loader::robot_names();
+    let warnings = equipment.warnings(classes.iter().map(String::as_str));
+    assert!(warnings.iter().all(|warning| warning.line > 0 && warning.column > 0), "{warnings:?}");
+    let map = scene_loader::map("arena", &[]).expect("a map");
+    for class in ["P3AT", "AirRobot", "KR60"] {
+        let loaded = scene_loader::robot_equipped(class, Changes { overrides: &[], equipment: &equipment });
+        assert_lines(&loaded);
+        if let Ok(robot) = loaded {
+            let robots = [(class.to_owned(), robot)].into();
+            let world = WorldDef { map: map.clone(), robots, ..WorldDef::default() };
+            // Loading a world ends with this check.
+            if world.check().is_ok() {
+                drive(world, class);
+            }
+        }
+    }
 }
 
 /// A URDF, checked by itself and as the body of two robots. A mesh that it may name is there.

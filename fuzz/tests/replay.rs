@@ -78,6 +78,7 @@ targets! {
     robot: 200,
     map: 200,
     material: 200,
+    ini: 200,
     urdf: 200,
     stl: 200,
     obj: 200,
