@@ -2,9 +2,10 @@
 
 use std::sync::LazyLock;
 
+use gamebots_proto::Command;
 use scene::{CouplingKind, Footing, Link, Steering, WorldDef};
 use sim_core::{Options, Order, PawnId, TIME_STEP, World};
-use system_tests::{apply, init, run};
+use system_tests::{apply, command, init, run};
 
 /// Classes that known programs ask for by name (clients.md, clients-2.md 2).
 const ASKED_FOR: &str = "P3AT P2AT AirRobot P2DX Kenaf ComStation Zerg Nao ARDrone Talon Sedan KR60 KR6 Kiva4Wheel kiva4Wheel Fanuc_M16iB20 \
@@ -12,7 +13,7 @@ const ASKED_FOR: &str = "P3AT P2AT AirRobot P2DX Kenaf ComStation Zerg Nao ARDro
      KUKA_YouBot pioneer3at_with_sensors pioneer3at_with_sensors_b pioneer2dx_with_sensors pioneer2dx_with_sensors_g turtlebot_with_sensors \
      turtlebot_with_sensors_r Crawler_Robot crawler_robot crawler_robot_y Rugbot Hummer ATRVJr ATRV ATRV2 Matilda Soryu Cooper KR3 KR5 \
      FanucM16 Forklift GripperBase CasterSkidRobot KURT2D P2AT_ATLANTA TarantulaSIED FrontAckerman HandBot KUKA_LWR_BOT StaticPlatform \
-     YouBot YouBotArm";
+     YouBot YouBotArm SoccerRobot Element QRIO";
 /// Steps of 8 ms: contacts converge in each.
 const STEP: f64 = 0.008;
 /// Part of a joint's range that it has to reach.
@@ -144,11 +145,21 @@ fn check(classes: impl Iterator<Item = &'static String>) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// With its package and without, as programs spell it and in other cases.
 #[test]
-fn every_class_that_programs_ask_for_is_there() {
-    let is_known = |name: &&str| SCENE.robots.keys().any(|class| class.eq_ignore_ascii_case(name));
-    let missing: Vec<&str> = ASKED_FOR.split_whitespace().filter(|name| !is_known(name)).collect();
-    assert!(missing.is_empty(), "{missing:?}");
+fn every_class_that_programs_ask_for_spawns() {
+    let mut world = World::new(SCENE.clone(), Options::default());
+    let mut problems = Vec::new();
+    for name in ASKED_FOR.split_whitespace() {
+        for class in [format!("USARBot.{name}"), name.to_lowercase(), format!("usarbot.{}", name.to_uppercase())] {
+            let line = command(&format!("INIT {{ClassName {class}}} {{Location 0,0,-3}}"));
+            let Command::Init(line) = line else { panic!("{line:?}") };
+            if let Some(robot) = world.init(&line, &mut problems) {
+                world.remove(robot);
+            }
+        }
+    }
+    assert!(problems.is_empty(), "{problems:?}");
 }
 
 /// Half of the classes; the other half is another test, which runs beside it.
