@@ -86,6 +86,10 @@ fn settings_come_down_the_chain_of_classes() {
     let interval = |ini, class, name| sensor(&with(class, ini), name).scan_interval;
     assert_eq!(interval("[USARSensor.Sensor]\nScanInterval=0.5", "P3AT", "Camera"), 0.5);
     assert_eq!(interval("[USARSensor.Sensor]\nScanInterval=0.5", "P3AT", "GndTruth"), 0.1);
+    let gps = "[USARBot.GPSSensor]\nmaxNoise=1\nminNoise=.5\n\
+               ZeroZeroLocation=(LatitudeDegree=47,LatitudeMinute=30,LongitudeDegree=-122,LongitudeMinute=15)";
+    let Config::Gps(gps) = &sensor(&with("AirRobot", gps), "GPS").config.clone() else { panic!() };
+    assert_eq!([gps.max_noise, gps.min_noise, gps.latitude, gps.longitude], [1.0, 0.5, 47.5, -122.25]);
     // A number in robot.toml is that robot's own.
     let own = with("P2AT", "[USARSensor.SICK]\nScanFov=3.0");
     let Config::Sick(laser) = &sensor(&own, "Scanner1").config else { panic!() };
@@ -279,7 +283,7 @@ fn robots_of_2014_carry_what_they_carried() {
     for (class, expected) in [
         ("P3AT", format!("GndTruth InsTest lms200 Camera battery {sonars}")),
         ("Kenaf", "InsTest Hokuyo Camera fishEyeCamera Encoder".to_owned()),
-        ("AirRobot", "Time GPS IMU Compass cams".to_owned()),
+        ("AirRobot", "GPS Time GPS IMU Compass cams".to_owned()),
     ] {
         assert_eq!(names(&robot(class, &equipment)), expected);
     }
@@ -303,13 +307,12 @@ fn a_replaced_number_cannot_be_overridden() {
 }
 
 /// Classes whose own files differ from DefaultUSAR.ini, and why.
-const DEPARTURES: [(&str, &str); 3] = [
+const DEPARTURES: [(&str, &str); 2] = [
     (
         "AirRobot",
         "it has GndTruth, so that a controller knows where it is; its camera tilts, which the original's parent `Topitem` prevents",
     ),
     ("ATRV2", "its ForkLift was not published; ForkliftArm hangs lower, so that it reaches the floor"),
-    ("KinectBot", "a camera in place of the depth camera"),
 ];
 
 /// Lists what a robot carries, with numbers to a millimetre or a milliradian.

@@ -11,7 +11,7 @@ pub(super) struct Row {
     parent: Option<&'static str>,
     /// Class of robot.toml; `None` for one that cannot be mounted.
     pub(super) here: Option<&'static str>,
-    /// Keys of the ini, and the keys of robot.toml that they set.
+    /// Keys of the ini, and the keys of robot.toml that they set. Those that change nothing here have none.
     keys: &'static [(&'static str, &'static str)],
     /// Keys that DefaultUSAR.ini sets for this class itself.
     own: &'static [&'static str],
@@ -142,8 +142,151 @@ const ROWS: &[Row] = &[
     Row { names: &["AltitudeSensor"], here: Some("AltitudeSensor"), ..PLAIN },
     Row { names: &["MagneticCompass"], here: Some("MagneticCompass"), ..PLAIN },
     Row { names: &["MissionTime"], here: Some("MissionTime"), ..PLAIN },
+    Row {
+        names: &["IRSensor", "IR2Sensor"],
+        parent: Some("RangeSensor"),
+        here: Some("IRSensor"),
+        own: &["MaxRange", "MinRange"],
+        ..PLAIN
+    },
+    // Without yaw, as DefaultUSAR.ini has it, it would not scan.
+    Row {
+        names: &["IRScanner"],
+        parent: Some("IRSensor"),
+        here: Some("IRScanner"),
+        keys: &[("Resolution", "resolution"), ("ScanFov", "field_of_view"), ("bYaw", ""), ("bPitch", "")],
+        own: &["MaxRange", "MinRange", "ScanInterval", "Resolution", "ScanFov"],
+        ..PLAIN
+    },
+    Row {
+        names: &["RangeScanner3D"],
+        here: Some("RangeScanner3D"),
+        keys: &[
+            ("MaxRange", "max_range"),
+            ("MinRange", "min_range"),
+            ("VerticalFOV", "vertical_field_of_view"),
+            ("VerticalResolution", "vertical_resolution"),
+            ("HorizontalFOV", "horizontal_field_of_view"),
+            ("HorizontalResolution", "horizontal_resolution"),
+        ],
+        own: &["ScanInterval"],
+        ..PLAIN
+    },
+    Row {
+        names: &["KinectDepth"],
+        parent: Some("RangeSensor"),
+        here: Some("KinectDepth"),
+        own: &["MaxRange"],
+        ..PLAIN
+    },
+    Row {
+        names: &["LineLaser"],
+        parent: Some("RangeSensor"),
+        here: Some("LineLaser"),
+        keys: &[
+            ("FOV", "field_of_view"),
+            ("Resolution", "beams"),
+            ("squareSize", ""),
+            ("lineSpace", ""),
+            ("isPointOnLineVariance", ""),
+        ],
+        own: &["ScanInterval", "FOV", "Resolution", "MaxRange", "MinRange"],
+        ..PLAIN
+    },
+    // The interval of its beams is that of its readings here.
+    Row {
+        names: &["RotatingPointCloudScanner"],
+        here: Some("RotatingPointCloudScanner"),
+        keys: &[
+            ("scanRate", "scan_interval"),
+            ("numberOfBeams", "beams"),
+            ("HFieldOfView", "horizontal_field_of_view"),
+            ("VFieldOfView", "vertical_field_of_view"),
+            ("maxRange", "max_range"),
+            ("spinRate", "spin_time"),
+        ],
+        own: &["ScanInterval"],
+        ..PLAIN
+    },
+    Row { names: &["RangeSensorArray"], ..PLAIN },
+    Row {
+        names: &["ExampleSonarArray"],
+        parent: Some("RangeSensorArray"),
+        here: Some("ExampleSonarArray"),
+        keys: &[("gridSize", "size"), ("spacing", "spacing"), ("maxRange", "max_range")],
+        own: &["ScanInterval"],
+        ..PLAIN
+    },
+    Row {
+        names: &["BumperArray"],
+        here: Some("BumperArray"),
+        keys: &[
+            ("TouchRange", "reach"),
+            ("Diameter", "diameter"),
+            ("arcRadius", "arc_radius"),
+            ("arcAngle", "arc_angle"),
+            ("ScanStep", ""),
+            ("PointsPerCircle", ""),
+        ],
+        ..PLAIN
+    },
+    // A class without a published source carries the GPS of AirRobot.
+    Row {
+        names: &["GPSSensor", "GPSSensor_FIXED"],
+        here: Some("GPSSensor"),
+        keys: &[
+            ("maxNoise", "max_noise"),
+            ("minNoise", "min_noise"),
+            (LATITUDE, "latitude"),
+            (LONGITUDE, "longitude"),
+            (ORIGIN, ""),
+        ],
+        own: &["ScanInterval"],
+        ..PLAIN
+    },
+    Row {
+        names: &["AcousticArraySensor", "ExampleAcousticArray"],
+        here: Some("AcousticArraySensor"),
+        keys: &[("SoundSpeed", "sound_speed"), ("HearThreshold", "hear_threshold"), ("InitLoudnessRadius", "")],
+        own: &["ScanInterval"],
+        ..PLAIN
+    },
+    Row {
+        names: &["ObjectSensor"],
+        here: Some("ObjectSensor"),
+        keys: &[
+            ("MaxRange", "max_range"),
+            ("ScanFov", "field_of_view"),
+            ("Resolution", "resolution"),
+            ("bYaw", ""),
+            ("bPitch", ""),
+        ],
+        own: &["ScanInterval"],
+        ..PLAIN
+    },
+    Row { names: &["RFIDSensor"], here: Some("RFIDSensor"), keys: &[("MaxRange", "max_range")], own: OWN, ..PLAIN },
+    Row { names: &["RFIDReleaser"], here: Some("RFIDReleaser"), own: OWN, ..PLAIN },
+    Row { names: &["VictSensor"], here: Some("VictSensor"), keys: &[("MaxRange", "max_range")], own: OWN, ..PLAIN },
+    Row {
+        names: &["HumanMotionSensor"],
+        here: Some("HumanMotionSensor"),
+        keys: &[("MaxRange", "max_range")],
+        own: OWN,
+        ..PLAIN
+    },
+    Row { names: &["SoundSensor"], here: Some("SoundSensor"), own: OWN, ..PLAIN },
+    Row { names: &["CO2Sensor"], here: Some("CO2Sensor"), own: OWN, ..PLAIN },
+    Row { names: &["INUSensor", "INU"], here: Some("INUSensor"), own: OWN, ..PLAIN },
     Row { names: &[BATTERY], here: Some(BATTERY), keys: &[(MAX_ENERGY, MAX_ENERGY), (LIFE, LIFE)], ..PLAIN },
 ];
+
+/// Keys that the sensors of UT2004 set themselves.
+const OWN: &[&str] = &["ScanInterval"];
+
+/// The key of a GPS whose value in parentheses is the latitude and longitude of the map's origin, and the keys of these, degrees.
+pub(super) const ORIGIN: &str = "ZeroZeroLocation";
+pub(super) const LATITUDE: &str = "Latitude";
+pub(super) const LONGITUDE: &str = "Longitude";
 
 /// The class whose settings are those of the robot's battery, and its keys.
 pub(super) const BATTERY: &str = "Battery";
@@ -235,7 +378,7 @@ mod tests {
             let Some(here) = row.here else { continue };
             assert!(CLASSES.iter().any(|(class, _)| *class == here), "{here}");
             let settings = row.all_keys().map(|(_, key)| key).chain(row.settings.iter().map(|(key, _)| *key));
-            for key in settings.filter(|key| !["scan_interval", MAX_ENERGY, LIFE].contains(key)) {
+            for key in settings.filter(|key| !["", "scan_interval", MAX_ENERGY, LIFE].contains(key)) {
                 let value = ["1.0", "1", "true"].into_iter().find(|value| {
                     let table = toml::Table::from_iter([(key.to_owned(), value.parse().expect("TOML"))]);
                     Config::read(here, table).expect("a class").is_ok()

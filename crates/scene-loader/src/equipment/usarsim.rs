@@ -137,7 +137,7 @@ impl Inis {
     /// Returns the settings that the sections give a class of sensors: keys of robot.toml, and values in TOML.
     fn settings_of(&self, row: &'static Row) -> Vec<(&'static str, String)> {
         let mut settings: Vec<(&'static str, String)> = Vec::new();
-        for (key, here) in row.all_keys() {
+        for (key, here) in row.all_keys().filter(|(_, here)| !here.is_empty()) {
             if let Some(value) = self.value(row, key) {
                 settings.push((here, value));
             }
@@ -336,6 +336,12 @@ impl Reader {
                 }
                 continue;
             };
+            if key == classes::ORIGIN {
+                self.read_origin(row, entry);
+            }
+            if here.is_empty() {
+                continue;
+            }
             match toml_value(row, here, entry.value) {
                 Some(value) => {
                     self.values.insert((row.name(), key.to_lowercase()), value);
@@ -344,6 +350,23 @@ impl Reader {
                     self.note(entry.value_at, format!("`{key}` is `{}`: it is left out", short(entry.value)));
                 }
             }
+        }
+    }
+
+    /// Reads the geographic place of a map's origin. Degrees and minutes may have different signs; those of the degrees count.
+    fn read_origin(&mut self, row: &'static Row, entry: &ini::Entry) {
+        let Ok(fields) = ini::fields(entry.value, entry.value_at) else {
+            self.note(entry.value_at, "expected (LatitudeDegree=..,LatitudeMinute=..,..): it is left out");
+            return;
+        };
+        let number = |wanted: &str| {
+            let field = fields.iter().find(|field| field.name.eq_ignore_ascii_case(wanted))?;
+            if let Value::Word(word) = field.value { ini::number(word) } else { None }
+        };
+        for key in [classes::LATITUDE, classes::LONGITUDE] {
+            let [degrees, minutes] = ["Degree", "Minute"].map(|unit| number(&format!("{key}{unit}")).unwrap_or(0.0));
+            let angle = degrees + if degrees < 0.0 { -minutes.abs() } else { minutes } / 60.0;
+            self.values.insert((row.name(), key.to_lowercase()), format!("{angle:?}"));
         }
     }
 
