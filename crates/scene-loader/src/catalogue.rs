@@ -68,6 +68,12 @@ fn further_names(text: &str) -> Vec<String> {
     toml::from_str::<Names>(text).map_or_else(|_| Vec::new(), |it| it.names)
 }
 
+/// True if an embedded class is like another one.
+fn is_like_another(name: &str) -> bool {
+    let text = ROBOTS.get(name).map(|dir| Source::BuiltIn(dir).text("robot.toml").unwrap_or_default());
+    text.is_some_and(|text| text.lines().any(|line| line.starts_with("like = ")))
+}
+
 /// Name and contents of an embedded file.
 pub type File = (String, &'static [u8]);
 
@@ -110,7 +116,9 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
 pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) -> Result<WorldDef, LoadError> {
     let overrides = changes.overrides;
     let mut robots = BTreeMap::new();
-    for name in robot_names() {
+    // Classes that are like another one come last, so a mistake is reported of the class that has it.
+    let (like, own): (Vec<String>, Vec<String>) = robot_names().into_iter().partition(|name| is_like_another(name));
+    for name in own.into_iter().chain(like) {
         robots.insert(name.clone(), robot_equipped(&name, changes)?);
     }
     for file in robot_files {
