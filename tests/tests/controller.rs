@@ -185,7 +185,7 @@ fn orders_that_cannot_be_followed_say_why() {
         ("{Type Rotate} {Name c} {Speed 0,0,1000}", "got 1000 rad/s, expected at most 50"),
         ("{Type SetWP} {Name c} {Speed 1000}", "got 1000 m/s, expected at most 50"),
         ("{Type AddWP} {Name d} {WP 1,2,3}", "this controller has no object of that name"),
-        ("{Type Conveyor} {Name belt} {Speed 1}", "the map has no such conveyor"),
+        ("{Type Conveyor} {Name belt} {Speed 1}", "there is no such conveyor: the map has none"),
         ("{Type Creat}", "is unknown (did you mean `Create`?)"),
     ] {
         let problems = stage.order(order);

@@ -81,6 +81,7 @@ impl Mesh {
                     self.add(&surface, pose, colour);
                 }
             }
+            Shape::HeightField(field) => self.add(&field.surface(), pose, colour),
             Shape::Mesh { vertices, triangles } => {
                 for triangle in triangles {
                     let corners = triangle.map(|corner| pose * Point3::from(vertices[corner as usize]));

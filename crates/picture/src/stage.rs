@@ -35,7 +35,8 @@ impl Stage {
     /// Prepares a scene.
     pub fn new(def: &WorldDef) -> Self {
         let mut fixed = Mesh::default();
-        def.map.solids.iter().for_each(|solid| fixed.add(&solid.shape, &solid.pose(), solid.material.colour));
+        let solids = def.map.solids.iter().chain(&def.map.markings);
+        solids.for_each(|solid| fixed.add(&solid.shape, &solid.pose(), solid.material.colour));
         let classes = def.robots.iter().map(|(name, robot)| (name.clone(), pieces(robot))).collect();
         Self { fixed, classes }
     }

@@ -15,7 +15,7 @@ const PLANE_THICKNESS: f64 = 0.01;
 
 /// Draws the solids of a map in the world.
 pub(crate) fn map(map: &MapDef) -> Vec<SceneEntity> {
-    map.solids.iter().map(|fixed| solid("world", fixed, &fixed.pose())).collect()
+    map.solids.iter().chain(&map.markings).map(|fixed| solid("world", fixed, &fixed.pose())).collect()
 }
 
 /// Draws an object in its frame.
@@ -101,6 +101,7 @@ fn add(drawn: &mut SceneEntity, shape: &Shape, pose: &Pose, colour: Color) {
                 add(drawn, &surface, pose, colour);
             }
         }
+        Shape::HeightField(field) => add(drawn, &field.surface(), pose, colour),
         Shape::Mesh { vertices, triangles } => {
             let points = vertices.iter().map(|&[x, y, z]| Point3 { x, y, z }).collect();
             let indices = triangles.iter().flatten().copied().collect();

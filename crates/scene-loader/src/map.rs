@@ -1,10 +1,11 @@
 //! `map.toml`: solids, their materials, start poses, and what sensors perceive beside shapes.
 
+mod height_field;
 mod perceived;
 
 use std::collections::BTreeMap;
 
-use scene::{Geographic, MapDef, NamedPose, Object, Shape, Solid, check};
+use scene::{Conveyor, Geographic, MapDef, NamedPose, Object, Shape, Solid, check};
 
 use crate::document::{Document, Table, Vector};
 use crate::materials::{self, Materials};
@@ -13,7 +14,7 @@ use crate::problem::Problems;
 use crate::source::Source;
 
 const KEYS: &str = "description, gravity, time_limit, north, latitude, longitude, material, half_space, box, ramp, cylinder, ball, mesh, \
-                    start, path_node, victim, rfid, smoke, sound";
+                    height_field, start, path_node, victim, rfid, smoke, sound";
 
 pub(crate) fn read(
     source: &Source,
@@ -42,13 +43,18 @@ pub(crate) fn read(
         }
     };
     let materials = materials::read_own(&mut document, &mut root, materials);
-    let (mut solids, mut objects) = (Vec::new(), Vec::new());
-    for kind in ["half_space", "box", "ramp", "cylinder", "ball", "mesh"] {
+    let mut map = MapDef { name: name.to_owned(), gravity, time_limit, north, origin, ..MapDef::default() };
+    for kind in ["half_space", "box", "ramp", "cylinder", "ball", "mesh", "height_field"] {
         for table in document.tables(&mut root, kind) {
             match read_solid(source, &mut document, kind, table, &materials) {
                 // A solid with a mass can be pushed.
-                Some((solid, Some(mass))) => objects.push(Object { solid, mass }),
-                Some((solid, None)) => solids.push(solid),
+                Some((solid, Use::Object { mass })) => map.objects.push(Object { solid, mass }),
+                Some((solid, Use::Marking)) => map.markings.push(solid),
+                Some((solid, Use::Conveyor { velocity })) => {
+                    map.conveyors.push(Conveyor { solid: map.solids.len(), velocity });
+                    map.solids.push(solid);
+                }
+                Some((solid, Use::Fixed)) => map.solids.push(solid),
                 None => {}
             }
         }
@@ -56,28 +62,14 @@ pub(crate) fn read(
     if !root.has("start") {
         document.problem(&(0..0), "no [[start]]: expected at least one start pose");
     }
-    let starts = read_poses(&mut document, &mut root, "start");
-    let path_nodes = read_poses(&mut document, &mut root, "path_node");
+    map.starts = read_poses(&mut document, &mut root, "start");
+    map.path_nodes = read_poses(&mut document, &mut root, "path_node");
     let perceived = perceived::read(&mut document, &mut root, &materials);
-    solids.extend(perceived.solids);
+    map.solids.extend(perceived.solids);
+    (map.victims, map.tags) = (perceived.victims, perceived.tags);
+    (map.smoke, map.sounds) = (perceived.smoke, perceived.sounds);
     document.finish(root, KEYS);
-    let description = description?;
-    let map = MapDef {
-        name: name.to_owned(),
-        description,
-        gravity,
-        time_limit,
-        solids,
-        objects,
-        starts,
-        path_nodes,
-        north,
-        origin,
-        victims: perceived.victims,
-        tags: perceived.tags,
-        smoke: perceived.smoke,
-        sounds: perceived.sounds,
-    };
+    map.description = description?;
     document.as_a_whole(|| check::map(&map));
     Some(map)
 }
@@ -97,10 +89,10 @@ pub(crate) fn read_objects(
         for table in document.tables(&mut root, kind) {
             let span = table.span();
             match read_solid(source, &mut document, kind, table, materials) {
-                Some((solid, Some(mass))) => {
+                Some((solid, Use::Object { mass })) => {
                     objects.insert(solid.name.clone(), Object { solid, mass });
                 }
-                Some((solid, None)) => document.problem(&span, format_args!("{} has no mass", solid.name)),
+                Some((solid, _)) => document.problem(&span, format_args!("{} has no mass", solid.name)),
                 None => {}
             }
         }
@@ -109,13 +101,21 @@ pub(crate) fn read_objects(
     objects
 }
 
+/// Use of a solid of a map.
+enum Use {
+    Fixed,
+    Object { mass: f64 },
+    Conveyor { velocity: Vector },
+    Marking,
+}
+
 fn read_solid<'a>(
     source: &Source,
     document: &mut Document<'a>,
     kind: &str,
     mut table: Table<'a>,
     materials: &Materials,
-) -> Option<(Solid, Option<f64>)> {
+) -> Option<(Solid, Use)> {
     let span = table.span();
     let name: Option<String> = document.required(&mut table, "name", "a name for the solid");
     let material: Option<String> = document.required(&mut table, "material", "the name of a material");
@@ -126,6 +126,24 @@ fn read_solid<'a>(
     if matches!(kind, "box" | "cylinder" | "ball") {
         mass = document.optional(&mut table, "mass");
     }
+    let mut velocity: Option<Vector> = None;
+    if kind == "box" {
+        velocity = document.optional(&mut table, "conveyor");
+    }
+    let mut collides = true;
+    if !matches!(kind, "half_space" | "height_field") {
+        collides = document.optional(&mut table, "collides").unwrap_or(true);
+    }
+    let used_as = match (mass, velocity, collides) {
+        (None, None, true) => Use::Fixed,
+        (Some(mass), None, true) => Use::Object { mass },
+        (None, Some(velocity), true) => Use::Conveyor { velocity },
+        (None, None, false) => Use::Marking,
+        _ => {
+            document.problem(&span, "expected at most one of `mass`, `conveyor` and `collides = false`");
+            Use::Fixed
+        }
+    };
     let mut length = |document: &mut Document<'a>, key: &str| -> Option<f64> {
         document.required(&mut table, key, "a length in metres")
     };
@@ -133,7 +151,7 @@ fn read_solid<'a>(
         "half_space" => (Some(Shape::HalfSpace), ""),
         "box" => {
             let size: Option<Vector> = document.required(&mut table, "size", "edge lengths [x, y, z] in metres");
-            (size.map(|size| Shape::Box { size }), ", size, mass")
+            (size.map(|size| Shape::Box { size }), ", collides, size, mass, conveyor")
         }
         "ramp" => {
             let edges = ["length", "width", "height"]
@@ -142,16 +160,18 @@ fn read_solid<'a>(
                 [Some(length), Some(width), Some(height)] => Some(ramp(length, width, height)),
                 _ => None,
             };
-            (shape, ", length, width, height")
+            (shape, ", collides, length, width, height")
         }
         "cylinder" => {
             let (radius, length) = (length(document, "radius"), length(document, "length"));
-            (radius.zip(length).map(|(radius, length)| Shape::Cylinder { radius, length }), ", radius, length, mass")
+            let shape = radius.zip(length).map(|(radius, length)| Shape::Cylinder { radius, length });
+            (shape, ", collides, radius, length, mass")
         }
         "ball" => {
             let radius = length(document, "radius");
-            (radius.map(|radius| Shape::Ball { radius }), ", radius, mass")
+            (radius.map(|radius| Shape::Ball { radius }), ", collides, radius, mass")
         }
+        "height_field" => (height_field::read(source, document, &mut table), height_field::KEYS),
         _ => {
             let file: Option<String> =
                 document.required(&mut table, "file", "an .stl, .obj, .dae, .glb or .gltf file beside the map");
@@ -159,7 +179,7 @@ fn read_solid<'a>(
             let file = file.filter(|_| document.within(&span, "scale", scale, mesh::SCALE));
             let mesh = file.map(|file| mesh::read(source, &file, [scale; 3]));
             let mesh = mesh.and_then(|mesh| mesh.map_err(|reason| document.problem(&span, reason)).ok());
-            (mesh, ", file, scale")
+            (mesh, ", collides, file, scale")
         }
     };
     document.finish(table, &format!("name, material, colour, position, rotation{keys}"));
@@ -169,11 +189,14 @@ fn read_solid<'a>(
         document.wrong(&span, check::material(&material));
     }
     let solid = Solid { name, shape: shape?, position, rotation, material };
-    match mass {
-        None => document.wrong(&span, check::map_solid(&solid)),
-        Some(mass) => document.wrong(&span, check::object(&Object { solid: solid.clone(), mass })),
+    match used_as {
+        Use::Object { mass } => document.wrong(&span, check::object(&Object { solid: solid.clone(), mass })),
+        _ => document.wrong(&span, check::map_solid(&solid)),
     }
-    Some((solid, mass))
+    if let Use::Conveyor { velocity } = used_as {
+        document.wrong(&span, check::conveyor(&Conveyor { solid: 0, velocity }, Some(&solid.shape)));
+    }
+    Some((solid, used_as))
 }
 
 /// Returns a wedge. Its low edge lies on the y axis; it rises along x to `height` and ends in a vertical face.

@@ -15,6 +15,7 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("### `[[cylinder]]`", "map.toml", "[[cylinder]]"),
     ("### `[[ball]]`", "map.toml", "[[ball]]"),
     ("### `[[mesh]]`", "map.toml", "[[mesh]]"),
+    ("### `[[height_field]]`", "map.toml", "[[height_field]]"),
     ("### `[[start]]` and `[[path_node]]`", "map.toml", "[[start]]"),
     ("### `[[start]]` and `[[path_node]]`", "map.toml", "[[path_node]]"),
     ("### `[[victim]]`", "map.toml", "[[victim]]"),
@@ -75,11 +76,9 @@ fn keys(file: &str, table: &str) -> Vec<String> {
 
 fn check(book: &str, heading: &str, file: &str, table: &str) {
     // The keys common to all solids are documented once.
-    let every = if ["[[half_space]]", "[[box]]", "[[ramp]]", "[[cylinder]]", "[[ball]]", "[[mesh]]"].contains(&table) {
-        section(book, "### Every solid")
-    } else {
-        ""
-    };
+    let solids = ["half_space", "box", "ramp", "cylinder", "ball", "mesh", "height_field"];
+    let is_solid = solids.iter().any(|solid| *table == format!("[[{solid}]]"));
+    let every = if is_solid { section(book, "### Every solid") } else { "" };
     let text = [section(book, heading), every].concat();
     for key in keys(file, table) {
         let named = [format!("`{key}`"), format!("`[[{key}]]`"), format!("`[{key}]`"), format!("`[{key}.NAME]`")];

@@ -13,6 +13,15 @@ pub struct Object {
     pub mass: f64,
 }
 
+/// A box that stands fast and whose surface moves, as a conveyor belt does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Conveyor {
+    /// Index of the box among the solids.
+    pub solid: usize,
+    /// Velocity of the surface in the frame of the box, m/s. A world controller sets a multiple of it.
+    pub velocity: [f64; 3],
+}
+
 /// A named pose on a map.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NamedPose {
@@ -131,6 +140,12 @@ pub struct MapDef {
     pub solids: Vec<Solid>,
     /// Solids that can be pushed.
     pub objects: Vec<Object>,
+    /// Solids whose surfaces move.
+    #[serde(default)]
+    pub conveyors: Vec<Conveyor>,
+    /// Solids that are only seen: nothing touches them, and no ray hits them.
+    #[serde(default)]
+    pub markings: Vec<Solid>,
     /// Start poses, in the order of the file.
     pub starts: Vec<NamedPose>,
     /// Path nodes, in the order of the file.

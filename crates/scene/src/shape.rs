@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Material, Pose, pose};
+use crate::{HeightField, Material, Pose, pose};
 
 /// Geometry of a solid, in its own frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,6 +39,8 @@ pub enum Shape {
         /// Indices of three corners each.
         triangles: Vec<[u32; 3]>,
     },
+    /// A surface of heights over a grid.
+    HeightField(HeightField),
 }
 
 impl Shape {
@@ -55,6 +57,7 @@ impl Shape {
             Self::Mesh { vertices, triangles } => {
                 Self::Mesh { vertices: scaled(vertices), triangles: triangles.clone() }
             }
+            Self::HeightField(field) => Self::HeightField(field.scaled([x, y, z])),
         }
     }
 }

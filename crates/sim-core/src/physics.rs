@@ -5,6 +5,7 @@ mod bodies;
 mod compile;
 mod contact;
 mod convert;
+mod conveyor;
 mod fault;
 mod identity;
 mod mechanism;
@@ -35,6 +36,7 @@ pub(crate) use articulated::SavedObject;
 
 use articulated::MovableObject;
 use bodies::Landing;
+use conveyor::Conveyor;
 use scene::{ObjectId, RfidTag};
 
 use crate::site::Site;
@@ -49,6 +51,7 @@ pub(crate) struct Physics {
     site: Arc<Site>,
     /// RFID tags, those of the map first.
     pub(crate) tags: Vec<RfidTag>,
+    conveyors: Vec<Conveyor>,
     /// Number of robots that the engine moves.
     robots_of_engine: usize,
     /// True if a robot came or left since the engine's last step, so the engine has to step to notice.
@@ -73,6 +76,7 @@ impl Clone for Physics {
             objects,
             site,
             tags,
+            conveyors,
             robots_of_engine,
             is_changed,
             landing,
@@ -87,6 +91,7 @@ impl Clone for Physics {
             objects: objects.clone(),
             site: site.clone(),
             tags: tags.clone(),
+            conveyors: conveyors.clone(),
             robots_of_engine: *robots_of_engine,
             is_changed: *is_changed,
             landing: landing.clone(),
@@ -125,9 +130,10 @@ impl Physics {
         world.gravity = Vector::new(0.0, 0.0, map.gravity);
         bodies::set_parameters(&mut world.integration_parameters, time_step);
         let ground = world.insert_body(RigidBodyBuilder::fixed());
-        for (index, solid) in (0..).zip(&map.solids) {
-            world.insert_collider(solid.collider(Identity::Solid(index)), Some(ground));
-        }
+        let solids = (0..).zip(&map.solids);
+        let solids: Vec<ColliderHandle> = solids
+            .map(|(index, solid)| world.insert_collider(solid.collider(Identity::Solid(index)), Some(ground)))
+            .collect();
         let mut objects = Vec::new();
         for (number, object) in (0..).zip(&map.objects) {
             let pose = object.def.solid.pose();
@@ -141,6 +147,7 @@ impl Physics {
             objects,
             site: map.site.clone(),
             tags: map.tags.clone(),
+            conveyors: Conveyor::of(map, &solids),
             robots_of_engine: 0,
             is_changed: false,
             landing: Landing::default(),
@@ -195,6 +202,7 @@ impl Physics {
             vectors.into_iter().flatten().chain(position.rotation.to_array())
         });
         numbers.for_each(&mut mix);
-        self.objects.iter().flat_map(MovableObject::numbers).for_each(mix);
+        self.objects.iter().flat_map(MovableObject::numbers).for_each(&mut mix);
+        self.conveyor_factors().for_each(mix);
     }
 }

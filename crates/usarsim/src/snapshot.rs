@@ -242,6 +242,7 @@ fn corners(shape: &Shape, pose: &Pose) -> Vec<Point3<f64>> {
         Shape::Hull { points } | Shape::Mesh { vertices: points, .. } => {
             return points.iter().map(|&point| pose * Point3::from(point)).collect();
         }
+        Shape::HeightField(field) => return field.corners().map(|point| pose * Point3::from(point)).collect(),
         Shape::Box { size } => Vector3::from(*size) / 2.0,
         Shape::Ball { radius } => Vector3::repeat(*radius),
         Shape::Cylinder { radius, length } => Vector3::new(*radius, *radius, length / 2.0),

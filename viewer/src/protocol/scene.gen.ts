@@ -158,6 +158,20 @@ resolution: number,
  */
 level: boolean, };
 
+export type HeightField = { 
+/**
+ * Lengths along x and y, m.
+ */
+size: [number, number], 
+/**
+ * Number of points along y.
+ */
+columns: number, 
+/**
+ * Heights, upward, m. Rows of points along y follow each other along x.
+ */
+heights: Array<number>, };
+
 export type Shape = "HalfSpace" | { "Box": { 
 /**
  * Edge lengths along x, y, z.
@@ -186,4 +200,4 @@ vertices: Array<[number, number, number]>,
 /**
  * Indices of three corners each.
  */
-triangles: Array<[number, number, number]>, } };
+triangles: Array<[number, number, number]>, } } | { "HeightField": HeightField };

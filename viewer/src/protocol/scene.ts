@@ -6,6 +6,7 @@ export type {
   Camera,
   Drawn,
   Gripper,
+  HeightField,
   Joint,
   NamedPlace,
   RobotClass,

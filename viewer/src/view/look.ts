@@ -31,7 +31,7 @@ export function drawnSolid({ shape, material, colour }: Solid, pose: Pose, numbe
 
 /** Ends of the lines along the edges of a solid, in pairs. */
 export function edgesOf({ shape }: Solid, pose: Pose): number[] {
-  if (shape === 'HalfSpace' || 'Ball' in shape) return [];
+  if (shape === 'HalfSpace' || 'Ball' in shape || 'HeightField' in shape) return [];
   if ('Mesh' in shape && shape.Mesh.triangles.length > EDGE_TRIANGLES) return [];
   const edges = new THREE.EdgesGeometry(shapeGeometry(shape), EDGE_ANGLE);
   edges.applyMatrix4(setPose(new THREE.Matrix4(), pose));

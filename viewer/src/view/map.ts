@@ -148,7 +148,7 @@ function boundsOf(shape: Solid['shape'], pose: Pose): THREE.Box3 {
 
 /** Under what stands upright on the floor. */
 function contactShadow({ shape }: Solid, pose: Pose): Decal | null {
-  if (shape === 'HalfSpace' || 'Mesh' in shape || 'Hull' in shape) return null;
+  if (shape === 'HalfSpace' || 'Mesh' in shape || 'Hull' in shape || 'HeightField' in shape) return null;
   const size =
     'Box' in shape
       ? shape.Box.size.map((edge) => edge / 2)

@@ -2,7 +2,7 @@
 
 import * as THREE from 'three';
 import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
-import type { Colour, Pose, Shape, Vector } from '../protocol/scene';
+import type { Colour, HeightField, Pose, Shape, Vector } from '../protocol/scene';
 import { setPose } from './pose';
 
 /** Edge of the square that stands for a plane without end, m: its end is beyond what the air lets through. */
@@ -27,12 +27,34 @@ export function shapeGeometry(shape: Shape): THREE.BufferGeometry {
     return new THREE.CylinderGeometry(radius, radius, length, 32).rotateX(Math.PI / 2);
   }
   if ('Hull' in shape) return boundingBox(shape.Hull.points);
+  if ('HeightField' in shape) return ground(shape.HeightField);
   const { vertices, triangles } = shape.Mesh;
   const geometry = new THREE.BufferGeometry();
   const corners = triangles.flatMap((triangle) => triangle.flatMap((corner) => vertices[corner] ?? [0, 0, 0]));
   geometry.setAttribute('position', new THREE.Float32BufferAttribute(corners, 3));
   geometry.computeVertexNormals();
   geometry.setAttribute('uv', new THREE.Float32BufferAttribute(new Float32Array((corners.length / 3) * 2), 2));
+  return geometry;
+}
+
+/** Heights over a grid, with a smooth look. Cells are divided as the world divides them. */
+function ground({ size: [length, width], columns, heights }: HeightField): THREE.BufferGeometry {
+  const rows = heights.length / columns;
+  const places = heights.flatMap((height, number) => {
+    const [row, column] = [Math.floor(number / columns), number % columns];
+    return [length * (row / (rows - 1) - 0.5), width * (column / (columns - 1) - 0.5), -height];
+  });
+  const corners: number[] = [];
+  for (let near = 0; near + columns + 1 < heights.length; near++) {
+    if (near % columns === columns - 1) continue;
+    const [right, far, across] = [near + 1, near + columns, near + columns + 1];
+    corners.push(near, right, far, far, right, across);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.Float32BufferAttribute(places, 3));
+  geometry.setAttribute('uv', new THREE.Float32BufferAttribute(new Float32Array(heights.length * 2), 2));
+  geometry.setIndex(corners);
+  geometry.computeVertexNormals();
   return geometry;
 }
 

@@ -231,6 +231,10 @@ fn outside(shape: &Shape, at: Point3<f64>) -> f64 {
         Shape::Box { size } => (0..3).map(|axis| at[axis].abs() - size[axis] / 2.0).fold(f64::MIN, f64::max),
         Shape::Cylinder { radius, length } => (at.x.hypot(at.y) - radius).max(at.z.abs() - length / 2.0),
         Shape::Ball { radius } => at.coords.norm() - radius,
+        Shape::HeightField(field) => {
+            let distances = field.corners().map(|corner| (Vector3::from(corner) - at.coords).norm());
+            distances.fold(f64::INFINITY, f64::min)
+        }
         Shape::Hull { points: corners } | Shape::Mesh { vertices: corners, .. } => {
             let distances = corners.iter().map(|corner| (Vector3::from(*corner) - at.coords).norm());
             distances.fold(f64::INFINITY, f64::min)

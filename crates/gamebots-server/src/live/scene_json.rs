@@ -250,7 +250,7 @@ fn map(map: &MapDef) -> Map<'_> {
     Map {
         name: &map.name,
         description: &map.description,
-        solids: map.solids.iter().map(solid).collect(),
+        solids: map.solids.iter().chain(&map.markings).map(solid).collect(),
         objects: map.objects.iter().map(|object| solid(&object.solid)).collect(),
         starts: map.starts.iter().map(named).collect(),
         path_nodes: map.path_nodes.iter().map(named).collect(),
@@ -398,7 +398,9 @@ mod tests {
     /// `UPDATE_FIGURES=1` renews the file.
     #[test]
     fn the_page_has_the_types_of_the_scene() {
-        let declarations = declarations().into_iter().chain([Shape::decl(&ts_rs::Config::default())]);
+        let declarations = declarations().into_iter();
+        let config = ts_rs::Config::default();
+        let declarations = declarations.chain([scene::HeightField::decl(&config), Shape::decl(&config)]);
         let types: String = declarations.map(|it| format!("\nexport {it}\n")).collect();
         let text =
             format!("// Generated from crates/gamebots-server/src/live/scene_json.rs by `make figures`.\n{types}");

@@ -288,6 +288,7 @@ fn corners(shape: &Shape) -> Vec<Point3<f64>> {
             let ends = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| axis * *radius);
             ends.iter().flat_map(|end| [Point3::from(*end), Point3::from(-end)]).collect()
         }
+        Shape::HeightField(field) => field.corners().map(Point3::from).collect(),
         Shape::Hull { points: vertices } | Shape::Mesh { vertices, .. } => {
             vertices.iter().map(|&vertex| Point3::from(vertex)).collect()
         }

@@ -13,6 +13,8 @@ pub const ROBOT_SIZE: Range = Range { least: 1e-4, most: ROBOT_REACH.most, unit:
 /// Height of a solid on a map. A robot spawned inside a solid is lifted onto it if the surface is within 1000 m above. Otherwise it
 /// is thrown out at any speed.
 pub const SOLID_HEIGHT: Range = Range { least: 0.0, most: 900.0, unit: " m" };
+/// Heights of a height field above its own plane.
+pub const FIELD_HEIGHT: Range = Range { least: -450.0, most: 450.0, unit: " m" };
 /// Roll, pitch and yaw.
 pub const ANGLE: Range = Range { least: -1000.0, most: 1000.0, unit: " rad" };
 /// Distance at which a tool changer takes a tool.
@@ -29,6 +31,8 @@ pub const SOUND_TIME: Range = Range { least: 0.01, most: 3600.0, unit: " s" };
 pub const LATITUDE: Range = Range { least: -89.0, most: 89.0, unit: " degrees" };
 /// Longitudes of an origin.
 pub const LONGITUDE: Range = Range { least: -180.0, most: 180.0, unit: " degrees" };
+/// Velocity of a conveyor along each axis. USARSim's run at 0.24 m/s.
+pub const CONVEYOR_SPEED: Range = Range { least: -10.0, most: 10.0, unit: " m/s" };
 /// Coulomb friction.
 pub const FRICTION: Range = Range { least: 0.0, most: 10.0, unit: "" };
 /// Restitution, rolling resistance, and the components of a colour.

@@ -7,14 +7,21 @@ use nalgebra::Vector3;
 use super::limits::*;
 use super::shape::{hull_points, solid, triangles};
 use super::{SceneProblem, count, first, shown, text, wire_name};
-use crate::{MapDef, Material, NamedPose, Object, RfidTag, Shape, Smoke, Solid, Sound, Victim};
+use crate::{Conveyor, MapDef, Material, NamedPose, Object, RfidTag, Shape, Smoke, Solid, Sound, Victim};
 
 pub(super) fn check_map(def: &MapDef) -> Result<(), SceneProblem> {
     first("the map", map(def))?;
     let solids = def.solids.iter().map(|it| (it, map_solid(it)));
     let objects = def.objects.iter().map(|it| (&it.solid, object(it)));
-    for (it, wrong) in solids.chain(objects) {
+    let markings = def.markings.iter().map(|it| (it, map_solid(it)));
+    for (it, wrong) in solids.chain(objects).chain(markings) {
         first(&format!("the map, solid {}", shown(&it.name)), wrong.into_iter().chain(material(&it.material)))?;
+    }
+    for (number, it) in def.conveyors.iter().enumerate() {
+        let solid = def.solids.get(it.solid);
+        let wrong = conveyor(it, solid.map(|solid| &solid.shape));
+        let name = solid.map_or_else(|| number.to_string(), |solid| shown(&solid.name));
+        first(&format!("the map, conveyor {name}"), wrong)?;
     }
     for pose in def.starts.iter().chain(&def.path_nodes) {
         first(&format!("the map, pose {}", shown(&pose.name)), named_pose(pose))?;
@@ -75,11 +82,14 @@ pub(super) fn check_classes(classes: &BTreeMap<String, Object>) -> Result<(), Sc
 
 /// Lists the problems of a map as a whole; its solids and poses have their own checks.
 pub fn map(def: &MapDef) -> Vec<String> {
-    let shapes = || def.solids.iter().chain(def.objects.iter().map(|object| &object.solid)).map(|solid| &solid.shape);
+    let objects = || def.objects.iter().map(|object| &object.solid);
+    let shapes = || def.solids.iter().chain(&def.markings).chain(objects()).map(|solid| &solid.shape);
     let mut wrong = wire_name("name", &def.name);
     wrong.extend(text("description", &def.description));
     wrong.extend(GRAVITY.problem("gravity", def.gravity));
     wrong.extend(count("solids", def.solids.len(), MAX_SOLIDS));
+    wrong.extend(count("markings", def.markings.len(), MAX_SOLIDS));
+    wrong.extend(count("conveyors", def.conveyors.len(), MAX_SOLIDS));
     wrong.extend(count("objects", def.objects.len(), MAX_OBJECTS));
     wrong.extend(count("start poses", def.starts.len(), MAX_POSES));
     wrong.extend(count("path nodes", def.path_nodes.len(), MAX_POSES));
@@ -130,10 +140,18 @@ pub fn map_solid(def: &Solid) -> Vec<String> {
     wrong
 }
 
+/// Lists the problems of a conveyor with the shape of its solid.
+pub fn conveyor(def: &Conveyor, shape: Option<&Shape>) -> Vec<String> {
+    let is_box = matches!(shape, Some(Shape::Box { .. }));
+    let mut wrong: Vec<String> = CONVEYOR_SPEED.problem_in("conveyor", &def.velocity).into_iter().collect();
+    wrong.extend((!is_box).then(|| "a conveyor of another shape: expected a box".to_owned()));
+    wrong
+}
+
 /// Lists the problems of an object of a map; its material has its own check.
 pub fn object(def: &Object) -> Vec<String> {
     let mut wrong = map_solid(&def.solid);
-    if matches!(def.solid.shape, Shape::HalfSpace | Shape::Mesh { .. }) {
+    if matches!(def.solid.shape, Shape::HalfSpace | Shape::Mesh { .. } | Shape::HeightField(_)) {
         wrong.push("a mass: expected a box, a cylinder, a ball or a hull".to_owned());
     }
     wrong.extend(BODY_MASS.problem("mass", def.mass));
@@ -154,7 +172,7 @@ fn height(def: &Solid) -> Option<String> {
     let turn = def.pose().rotation;
     let down = turn.inverse() * Vector3::z();
     let height = match &def.shape {
-        Shape::HalfSpace | Shape::Mesh { .. } => return None,
+        Shape::HalfSpace | Shape::Mesh { .. } | Shape::HeightField(_) => return None,
         Shape::Box { size } => Vector3::from(*size).dot(&down.abs()),
         Shape::Cylinder { radius, length } => length * down.z.abs() + 2.0 * radius * down.xy().norm(),
         Shape::Ball { radius } => 2.0 * radius,

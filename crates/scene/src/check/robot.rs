@@ -52,7 +52,7 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
 pub fn body_solid(def: &Solid) -> Vec<String> {
     let mut wrong = name("name", &def.name);
     wrong.extend(solid(def, ROBOT_REACH, ROBOT_SIZE));
-    if matches!(def.shape, Shape::HalfSpace | Shape::Mesh { .. }) {
+    if matches!(def.shape, Shape::HalfSpace | Shape::Mesh { .. } | Shape::HeightField(_)) {
         wrong.push(
             "a shape without an end or without a volume: expected a box, a cylinder, a ball or a hull".to_owned(),
         );

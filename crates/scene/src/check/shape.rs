@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::limits::*;
 use super::{Number, Range};
-use crate::{Shape, Solid, hull_surface};
+use crate::{HeightField, Shape, Solid, hull_surface};
 
 pub(super) fn solid(def: &Solid, reach: Range, size: Range) -> Vec<String> {
     let mut wrong: Vec<String> = reach.problem_in("position", &def.position).into_iter().collect();
@@ -28,6 +28,7 @@ pub(super) fn shape(shape: &Shape, reach: Range, size: Range) -> Vec<String> {
             far.into_iter().chain(flat).collect()
         }
         Shape::Mesh { vertices, triangles } => mesh(vertices, triangles, reach),
+        Shape::HeightField(field) => height_field(field, size),
     }
 }
 
@@ -61,8 +62,23 @@ fn mesh(vertices: &[[f64; 3]], triangles: &[[u32; 3]], reach: Range) -> Vec<Stri
     Vec::new()
 }
 
+fn height_field(field: &HeightField, size: Range) -> Vec<String> {
+    let HeightField { size: lengths, columns, heights } = field;
+    let mut wrong: Vec<String> = size.problem_in("size", lengths).into_iter().collect();
+    let (rows, points) = (field.rows(), heights.len());
+    if *columns < 2 || rows < 2 || rows.checked_mul(*columns) != Some(points) {
+        wrong.push(format!("{points} heights in rows of {columns}: expected at least two full rows of at least two"));
+    }
+    wrong.extend(heights.iter().find_map(|&height| FIELD_HEIGHT.problem("height", height)));
+    wrong
+}
+
 pub(super) fn triangles(shape: &Shape) -> usize {
-    if let Shape::Mesh { vertices, triangles } = shape { triangles.len().max(vertices.len()) } else { 0 }
+    match shape {
+        Shape::Mesh { vertices, triangles } => triangles.len().max(vertices.len()),
+        Shape::HeightField(field) => field.triangle_count().max(field.heights.len()),
+        _ => 0,
+    }
 }
 
 pub(super) fn hull_points(shape: &Shape) -> usize {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rapier3d::prelude::*;
 use scene::{DriveModel, MapDef, Object, Part, Pose, RfidTag, RobotDef, Shape, Solid, position_and_rotation};
 
@@ -20,6 +20,8 @@ pub(crate) struct CompiledMap {
     pub(super) objects: Vec<CompiledObject>,
     pub(super) site: Arc<Site>,
     pub(super) tags: Vec<RfidTag>,
+    /// Solids whose surfaces move, by number, with the velocity of the surface, world axes, m/s.
+    pub(super) conveyors: Vec<(usize, Vector3<f64>)>,
 }
 
 impl CompiledMap {
@@ -28,9 +30,14 @@ impl CompiledMap {
             |shape: &Shape, pose: &Pose, material| Surface::new(shape::shared(shape), pose, material, materials);
         let solids = map.solids.iter().map(|solid| surface(&solid.shape, &solid.pose(), &solid.material)).collect();
         let objects = map.objects.iter().map(|object| CompiledObject::new(Arc::new(object.clone()), materials));
+        let conveyors = map.conveyors.iter().filter_map(|it| {
+            let pose = map.solids.get(it.solid)?.pose();
+            Some((it.solid, pose.rotation * Vector3::from(it.velocity)))
+        });
         Self {
             gravity: map.gravity,
             objects: objects.collect(),
+            conveyors: conveyors.collect(),
             solids,
             site: Arc::new(Site::new(map)),
             tags: map.tags.clone(),

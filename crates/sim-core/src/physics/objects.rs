@@ -9,6 +9,9 @@ use scene::{Object, ObjectId, ObjectSnapshot, Pose};
 use super::articulated::{CompiledObject, MovableObject, SavedObject};
 use super::{Fault, Physics, convert};
 
+/// Distance from a change over which sleeping objects wake, m.
+pub(super) const WAKING_REACH: f64 = 0.01;
+
 impl Physics {
     /// Spawns an object at a pose, at rest. No other may have its id. A held object is not pushed by anything.
     pub(crate) fn spawn_object(&mut self, id: ObjectId, def: Arc<Object>, pose: &Pose, is_held: bool) {

@@ -176,12 +176,13 @@ impl Physics {
             ref mut world,
             ref materials,
             ref mut objects,
+            ref conveyors,
             robots_of_engine,
             is_changed,
             ref mut rooms,
             ..
         } = self;
-        let surroundings = Surroundings { materials, robots_of_engine, is_changed, threads };
+        let surroundings = Surroundings { materials, conveyors, robots_of_engine, is_changed, threads };
         let cost = articulated::solve(world, surroundings, robots.collect(), objects, rooms);
         self.unsettled += cost.unsettled;
         self.work = cost.work;

@@ -24,6 +24,7 @@ pub(super) fn shared(shape: &scene::Shape) -> SharedShape {
             let flags = TriMeshFlags::MERGE_DUPLICATE_VERTICES | TriMeshFlags::FIX_INTERNAL_EDGES;
             SharedShape::trimesh_with_flags(points(vertices), triangles.clone(), flags).unwrap_or_else(|_| dot())
         }
+        scene::Shape::HeightField(field) => shared(&field.surface()),
     }
 }
 

@@ -135,7 +135,7 @@ impl World {
             Control::AddPoints { name, points } => self.add_points(by, name, points),
             Control::SetPath(set) => self.set_path(by, set),
             Control::ClearPath { name } => self.clear_path(by, name),
-            Control::Conveyor { .. } => Err("the map has no such conveyor".to_owned()),
+            Control::Conveyor { name, speed } => self.set_conveyor(name, *speed),
             Control::Kill { name } => self.kill(by, name),
             Control::KillAll { corners } => {
                 self.kill_all(*corners);
@@ -381,6 +381,33 @@ impl World {
             }
             self.physics.hold_object(id, is_led || !is_rigid);
         }
+        Ok(())
+    }
+
+    /// Has the conveyors of a name run at a multiple of their velocity on the map.
+    fn set_conveyor(&mut self, name: &str, factor: f64) -> Result<(), String> {
+        let map = &self.scene.def().map;
+        let conveyors = || {
+            map.conveyors.iter().enumerate().filter_map(|(number, it)| {
+                Some((number, map.solids.get(it.solid)?.name.as_str(), Vector3::from(it.velocity).norm()))
+            })
+        };
+        let meant: Vec<_> = conveyors().filter(|(_, known, _)| known.eq_ignore_ascii_case(name)).collect();
+        if meant.is_empty() {
+            let known: Vec<&str> = conveyors().map(|(_, known, _)| known).collect();
+            let expected = if known.is_empty() {
+                "the map has none".to_owned()
+            } else {
+                format!("expected one of {}", known.join(", "))
+            };
+            return Err(format!("there is no such conveyor: {expected}"));
+        }
+        if let Some(speed) =
+            meant.iter().map(|(_, _, speed)| speed * factor.abs()).find(|speed| !(0.0..=MAX_SPEED).contains(speed))
+        {
+            return Err(format!("got {speed} m/s, expected at most {MAX_SPEED}"));
+        }
+        meant.into_iter().for_each(|(number, ..)| self.physics.set_conveyor(number, factor));
         Ok(())
     }
 

@@ -26,6 +26,9 @@ pub struct SavedWorld {
     /// `None` in files from before there were any: then those of the map.
     #[serde(default)]
     tags: Option<Vec<RfidTag>>,
+    /// Factors at which conveyors run, in the order of the map; empty in worlds that were saved before there were any.
+    #[serde(default)]
+    conveyors: Vec<f64>,
     unsettled: u64,
     objects: Vec<SavedObject>,
     robots: Vec<SavedRobot>,
@@ -81,6 +84,14 @@ pub enum LoadError {
     /// There are too many RFID tags, or one has a text or a position that no tag can have.
     #[error("RFID tags: expected at most {}, each within the map and with a text without braces", check::MAX_TAGS)]
     Tags,
+    /// The map has other conveyors than when the world was saved.
+    #[error("got factors of {got} conveyors, expected finite ones of {expected}")]
+    OtherConveyors {
+        /// Number of the saved ones.
+        got: usize,
+        /// Number of those of the map.
+        expected: usize,
+    },
     /// Robots are not in the order of their numbers, or have numbers that are still to be given.
     #[error("robot {}: its number is out of order", id.0)]
     OutOfOrder {
@@ -108,6 +119,7 @@ impl World {
             next_object: self.next_object,
             tools: self.tools.clone(),
             tags: Some(self.physics.tags.clone()),
+            conveyors: self.physics.conveyor_factors().collect(),
             unsettled: self.physics.unsettled_steps(),
             objects: self.physics.save_objects(),
             robots: self.robots.values().map(save).collect::<Result<_, _>>()?,
@@ -138,6 +150,11 @@ impl World {
             }
             world.physics.tags = tags.clone();
         }
+        let (got, expected) = (saved.conveyors.len(), world.def().map.conveyors.len());
+        if got > 0 && got != expected || !saved.conveyors.iter().all(|factor| factor.is_finite()) {
+            return Err(LoadError::OtherConveyors { got, expected });
+        }
+        world.physics.load_conveyors(&saved.conveyors);
         let objects = world.physics.load_objects(&saved.objects, saved.unsettled);
         objects.map_err(|id| LoadError::OtherMap { id })?;
         for robot in &saved.robots {

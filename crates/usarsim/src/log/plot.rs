@@ -128,6 +128,7 @@ fn outline(solid: &Solid) -> Option<Vec<(f64, f64)>> {
             .collect(),
         Shape::Hull { points } => points.clone(),
         Shape::Mesh { vertices, .. } => vertices.clone(),
+        Shape::HeightField(field) => field.corners().collect(),
     };
     let pose = solid.pose();
     let seen = corners.into_iter().map(|corner| pose * Point3::from(corner));

@@ -18,6 +18,7 @@ use super::compile::{Form, Surface};
 use super::link_pose;
 use super::ring::WheelContact;
 use super::shape_contact::touches;
+use super::together::Surroundings;
 use super::wheel::{RollerTouch, Touch};
 
 /// Distance over which contacts are found, beyond the distance that a surface moves in a step, m.
@@ -55,7 +56,7 @@ pub(super) struct Found {
     pub(super) key: Key,
     pub(super) second: Second,
     pub(super) touch: Touch,
-    /// Velocity of the other surface at the contact, m/s, if the other body is held and moves as told.
+    /// Velocity of the other surface at the contact, m/s, if it is that of a conveyor or of a held body.
     pub(super) drift: Vector3<f64>,
     /// Coefficients of the pair: friction, restitution and rolling resistance.
     pub(super) friction: f64,
@@ -102,14 +103,14 @@ impl Key {
 
 impl ArticulatedRobot {
     /// Updates the bounds of the surfaces, the contacts with fixed bodies and the fault.
-    pub(super) fn look_around(&mut self, world: &PhysicsWorld, materials: &Materials, time_step: f64) {
+    pub(super) fn look_around(&mut self, world: &PhysicsWorld, surroundings: Surroundings, time_step: f64) {
         self.standing.is_known = true;
         let is_finite = self.body.is_finite();
         self.standing.fault = if is_finite { Fault::of(&self.state()) } else { Some(Fault::NotFinite) };
         self.found.clear();
         if self.standing.fault.is_none() {
             self.place_surfaces(time_step);
-            self.touch_fixed(world, materials);
+            self.touch_fixed(world, surroundings);
         }
     }
 
@@ -151,7 +152,7 @@ impl ArticulatedRobot {
         self.standing.around
     }
 
-    fn touch_fixed(&mut self, world: &PhysicsWorld, materials: &Materials) {
+    fn touch_fixed(&mut self, world: &PhysicsWorld, surroundings: Surroundings) {
         let mut found = std::mem::take(&mut self.found);
         if let Some(whole) = self.standing.around {
             let near = match self.near.take() {
@@ -167,9 +168,13 @@ impl ArticulatedRobot {
             };
             for &handle in &near.1 {
                 if let Some(collider) = world.colliders.get(handle) {
-                    let material = materials.of(collider);
+                    let material = surroundings.materials.of(collider);
                     let other = Other { collider, material, peer: Peer::Fixed, handle, second: Second::Fixed };
+                    let before = found.len();
                     self.touch_collider(&other, &mut found);
+                    if let Some(conveyor) = surroundings.conveyors.iter().find(|it| it.collider == handle) {
+                        found[before..].iter_mut().for_each(|it| it.drift = conveyor.drift(&it.touch.normal));
+                    }
                 }
             }
             self.near = Some(near);

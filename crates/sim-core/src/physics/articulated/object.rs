@@ -14,6 +14,7 @@ use scene::{BodyState, Object, ObjectId, ObjectSnapshot, Pose};
 use super::super::convert;
 use super::super::fault::Fault;
 use super::super::identity::{BodyId, Identity};
+use super::super::objects::WAKING_REACH;
 use super::super::surface::Surface as Seen;
 use super::ArticulatedRobot;
 use super::compile::{Articulated, CompiledObject, Form, Surface};
@@ -24,8 +25,6 @@ const REST_SPEED: f64 = 1e-3;
 const REST_TIME: f64 = 0.1;
 /// Change of the impulse on a sleeping object that wakes it, as a share of its weight's impulse in a step.
 const WAKING_SHARE: f64 = 0.05;
-/// Distance from a change over which sleeping objects wake, m.
-const WAKING_REACH: f64 = 0.01;
 /// Least change that wakes an object if there is no gravity, as a velocity, m/s.
 const WAKING_SPEED: f64 = 1e-5;
 

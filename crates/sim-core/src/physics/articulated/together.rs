@@ -9,6 +9,7 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 
 use super::super::convert;
+use super::super::conveyor::Conveyor;
 use super::super::identity::BodyId;
 use super::super::surface::Materials;
 use super::ArticulatedRobot;
@@ -59,6 +60,7 @@ struct Push {
 #[derive(Clone, Copy)]
 pub(in super::super) struct Surroundings<'a> {
     pub(in super::super) materials: &'a Materials,
+    pub(in super::super) conveyors: &'a [Conveyor],
     pub(in super::super) robots_of_engine: usize,
     /// True if a robot came or left since the last step.
     pub(in super::super) is_changed: bool,
@@ -79,7 +81,7 @@ pub(in super::super) fn solve<'a>(
     objects: &'a mut [MovableObject],
     rooms: &mut Vec<Room>,
 ) -> Cost {
-    let Surroundings { materials, robots_of_engine, is_changed, threads } = surroundings;
+    let Surroundings { materials, robots_of_engine, is_changed, threads, .. } = surroundings;
     // A robot that left may have carried an object.
     let is_still = robots.is_empty() && robots_of_engine == 0 && !is_changed;
     if is_still && objects.iter().all(MovableObject::is_asleep) {
@@ -105,7 +107,7 @@ pub(in super::super) fn solve<'a>(
     let listening: Vec<ObjectId> = listening.map(MovableObject::id).collect();
     let mut robots: Vec<&mut ArticulatedRobot> = robots.into_iter().map(|(robot, _)| robot).collect();
     robots.extend(objects.iter_mut().map(|object| &mut *object.body));
-    look_around(robots.iter_mut().map(|robot| &mut **robot), world, materials, threads);
+    look_around(robots.iter_mut().map(|robot| &mut **robot), world, surroundings);
     let (mut of_engine, mut touching) = (Vec::new(), Vec::new());
     if robots_of_engine > 0 {
         let count = robots.len();
@@ -137,12 +139,12 @@ pub(in super::super) fn solve<'a>(
                 step.solve(group, room);
                 if group.len() <= SMALL {
                     let robots = group.iter_mut().filter_map(Member::robot);
-                    robots.for_each(|robot| robot.look_around(seen, materials, time_step));
+                    robots.for_each(|robot| robot.look_around(seen, surroundings, time_step));
                 }
             }
         }
     });
-    look_around(members.iter_mut().filter_map(Member::robot), seen, materials, threads);
+    look_around(members.iter_mut().filter_map(Member::robot), seen, surroundings);
     for OfEngine { links, reactions, .. } in of_engine {
         for (link, point, impulse) in reactions {
             react(world, links[link], point, impulse);
@@ -159,13 +161,12 @@ pub(in super::super) fn solve<'a>(
 fn look_around<'a>(
     robots: impl Iterator<Item = &'a mut ArticulatedRobot>,
     world: &PhysicsWorld,
-    materials: &Materials,
-    threads: &dyn Threads,
+    surroundings: Surroundings,
 ) {
     let time_step = world.integration_parameters.dt;
     let mut moved: Vec<&mut ArticulatedRobot> = robots.filter(|robot| !robot.standing.is_known).collect();
-    in_parts(threads, TOGETHER, &mut moved, &|robots| {
-        robots.iter_mut().for_each(|robot| robot.look_around(world, materials, time_step));
+    in_parts(surroundings.threads, TOGETHER, &mut moved, &|robots| {
+        robots.iter_mut().for_each(|robot| robot.look_around(world, surroundings, time_step));
     });
 }
 
