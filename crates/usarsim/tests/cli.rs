@@ -188,7 +188,8 @@ fn an_unknown_map_is_exit_code_78_and_names_those_there_are() {
     let output = run(&["serve", "--map", "mars"]);
     assert_eq!(output.status.code(), Some(78));
     assert!(
-        text(&output.stderr).contains("unknown map `mars`: expected a file or one of arena, hall, rough, slope-1.5,")
+        text(&output.stderr)
+            .contains("unknown map `mars`: expected a file or one of arena, factory, hall, rescue, rough, slope-1.5,")
     );
 }
 
@@ -552,9 +553,7 @@ fn a_picture_is_taken_of_a_robot_whatever_its_file_is_called() {
 #[test]
 fn what_is_shipped_is_good() {
     let mut files = vec!["assets/materials.toml".to_owned(), "assets/robots/KUKA_YouBot/robot.urdf".to_owned()];
-    files.extend(
-        ["arena", "hall", "rough", "slope-1.5", "slope-4.5", "smooth"].map(|map| format!("maps/{map}/map.toml")),
-    );
+    files.extend(scene_loader::map_names().iter().map(|map| format!("maps/{map}/map.toml")));
     // A class may have several names, but only one folder.
     for (folder, file) in [("robots", "robot.toml"), ("actuators", "actuator.toml")] {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
