@@ -19,6 +19,9 @@ pub(crate) const SCALE: Range = Range { least: 1e-6, most: 1e6, unit: "" };
 /// Colour of a mesh without one.
 pub(crate) const COLOUR: [f64; 3] = [0.72, 0.72, 0.74];
 
+/// Name that the reader of OBJ gives to triangles before the first object.
+const UNNAMED: &str = "unnamed_object";
+
 /// Triangles of one colour, in the axes of their file: z up, or converted to that by its reader.
 #[derive(Default)]
 pub(crate) struct Piece {
@@ -26,6 +29,8 @@ pub(crate) struct Piece {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Red, green and blue, if the file gives them.
     pub(crate) colour: Option<[f64; 3]>,
+    /// Name of its object, if the file gives one.
+    pub(crate) name: Option<String>,
 }
 
 /// Reads a mesh as one surface and scales it along the axes of its file. Files are z up, as usual; the result is in the frame of
@@ -47,11 +52,20 @@ pub(crate) fn joined(pieces: Vec<Piece>) -> Piece {
 
 /// Reads the pieces of a mesh.
 pub(crate) fn pieces(source: &Source, name: &str) -> Result<Vec<Piece>, String> {
+    read_pieces(source, name, false)
+}
+
+/// Reads the pieces of a mesh, at least one for each named object.
+pub(crate) fn named_pieces(source: &Source, name: &str) -> Result<Vec<Piece>, String> {
+    read_pieces(source, name, true)
+}
+
+fn read_pieces(source: &Source, name: &str, by_object: bool) -> Result<Vec<Piece>, String> {
     let bytes = || source.bytes(name, MAX_MESH).map_err(|error: LoadError| error.to_string());
     let ending = name.rsplit('.').next().map(str::to_ascii_lowercase);
     let pieces = match ending.as_deref() {
         Some("stl") => stl(&bytes()?),
-        Some("obj") => obj(&bytes()?),
+        Some("obj") => obj(&bytes()?, by_object),
         Some("dae") => collada::read(&bytes()?),
         Some("glb" | "gltf") => gltf::read(source, &bytes()?),
         _ => return Err(format!("mesh `{name}`: expected a file that ends in .stl, .obj, .dae, .glb or .gltf")),
@@ -79,30 +93,40 @@ fn stl(bytes: &[u8]) -> Result<Vec<Piece>, String> {
     let mesh = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let vertices = mesh.vertices.iter().map(|vertex| [vertex[0], vertex[1], vertex[2]]).collect();
     let triangles = mesh.faces.iter().map(|face| face.vertices.map(|index| index as u32)).collect();
-    Ok(vec![Piece { vertices, triangles, colour: None }])
+    Ok(vec![Piece { vertices, triangles, ..Piece::default() }])
 }
 
-fn obj(bytes: &[u8]) -> Result<Vec<Piece>, String> {
+fn obj(bytes: &[u8], by_object: bool) -> Result<Vec<Piece>, String> {
     let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
     // Material libraries only affect looks; the physical material is the map's.
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::GenericFailure);
-    let geometry = geometry(&String::from_utf8_lossy(bytes));
+    let geometry = geometry(&String::from_utf8_lossy(bytes), by_object);
     let (models, _) =
         tobj::load_obj_buf(&mut Cursor::new(geometry), &options, no_materials).map_err(|error| error.to_string())?;
     let piece = |model: tobj::Model| Piece {
         vertices: model.mesh.positions.chunks_exact(3).map(|point| [point[0], point[1], point[2]]).collect(),
         triangles: model.mesh.indices.chunks_exact(3).map(|face| [face[0], face[1], face[2]]).collect(),
         colour: None,
+        name: Some(model.name).filter(|name| by_object && name != UNNAMED),
     };
     Ok(models.into_iter().map(piece).collect())
 }
 
-/// Keeps only corners and faces: tobj trusts the indices of textures and normals, which are not needed.
-fn geometry(text: &str) -> String {
+/// Keeps only corners and faces, and the names of objects if they are wanted: tobj trusts the indices of textures and normals, which are
+/// not needed.
+fn geometry(text: &str, by_object: bool) -> String {
     let mut geometry = String::with_capacity(text.len());
     for line in text.lines() {
         let mut words = line.split_whitespace();
-        let Some(kind @ ("v" | "f")) = words.next() else { continue };
+        let kind = match words.next() {
+            Some(kind @ ("v" | "f")) => kind,
+            Some("o" | "g") if by_object => {
+                geometry.push_str(line.trim());
+                geometry.push('\n');
+                continue;
+            }
+            _ => continue,
+        };
         geometry.push_str(kind);
         for word in words {
             geometry.push(' ');

@@ -65,6 +65,19 @@ pub enum LoadError {
         /// Known kinds.
         expected: &'static str,
     },
+    /// A file that no map can be made from.
+    #[error("{0}")]
+    Import(String),
+    /// A material that is not among the shipped ones.
+    #[error("unknown material `{got}`{suggestion}: expected one of {expected}")]
+    UnknownMaterial {
+        /// Requested name.
+        got: String,
+        /// Nearest known name, in words; empty if none is near.
+        suggestion: String,
+        /// Known names.
+        expected: String,
+    },
     /// An override with an unknown path or an invalid value.
     #[error("--set {text}: {reason}")]
     Override {

@@ -316,7 +316,7 @@ fn inertia_beyond(links: &[Link], joint: usize) -> f64 {
 }
 
 /// Returns the rotation from the URDF's axes to the robot frame: exactly half a turn about x.
-fn z_down() -> UnitQuaternion<f64> {
+pub(crate) fn z_down() -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(0.0, 1.0, 0.0, 0.0))
 }
 
@@ -373,7 +373,7 @@ fn primitive(geometry: &Geometry) -> Result<Shape, String> {
 }
 
 /// Returns the file of a mesh. `package://` names a folder above that of the URDF, or beside one.
-fn mesh_file(source: &Source, filename: &str) -> String {
+pub(crate) fn mesh_file(source: &Source, filename: &str) -> String {
     let name = filename.rsplit("://").next().unwrap_or(filename);
     let above = |levels: usize| format!("{}{name}", "../".repeat(levels));
     (0..=MAX_LEVELS).map(above).find(|file| source.has(file)).unwrap_or_else(|| name.to_owned())

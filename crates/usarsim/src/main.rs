@@ -7,6 +7,7 @@ mod connect;
 mod copy;
 mod equipment;
 mod experiment;
+mod import_map;
 mod list;
 mod log;
 mod output;
@@ -70,6 +71,8 @@ enum Command {
     Show(show::Arguments),
     /// Copy the files of a built-in robot or map, as a start for your own.
     Copy(copy::Arguments),
+    /// Make a map from a glTF, OBJ, STL or COLLADA mesh, or from a world of Gazebo (SDF).
+    ImportMap(import_map::Arguments),
     /// Check robot.toml, map.toml, materials.toml, equipment, URDF and ini files and report every mistake with its line.
     Check(check::Arguments),
     /// Run the physical checks of a robot on wheels.
@@ -115,6 +118,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Snapshot(arguments) => snapshot::run(&arguments),
         Command::Show(arguments) => show::run(&arguments),
         Command::Copy(arguments) => copy::run(&arguments),
+        Command::ImportMap(arguments) => import_map::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),

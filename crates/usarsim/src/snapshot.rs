@@ -212,7 +212,7 @@ fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), St
 }
 
 /// Returns the corners of all solids and objects of the map.
-fn standing(world: &World) -> Vec<Point3<f64>> {
+pub(crate) fn standing(world: &World) -> Vec<Point3<f64>> {
     let map = &world.def().map;
     let solids = map.solids.iter().chain(map.objects.iter().map(|object| &object.solid));
     let mut places: Vec<Point3<f64>> = solids.flat_map(|solid| corners(&solid.shape, &solid.pose())).collect();

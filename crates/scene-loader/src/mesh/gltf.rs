@@ -107,7 +107,8 @@ fn add(node: &Node, pose: &Matrix4<f32>, buffers: &[Vec<u8>], pieces: &mut Vec<P
         let triangles = indices.chunks_exact(3).map(|it| [it[0], it[1], it[2]]).collect();
         let [r, g, b, _] = primitive.material().pbr_metallic_roughness().base_color_factor();
         let colour = primitive.material().index().map(|_| [r, g, b].map(srgb));
-        pieces.push(Piece { vertices, triangles, colour });
+        let name = node.name().or(node.mesh().and_then(|mesh| mesh.name())).map(str::to_owned);
+        pieces.push(Piece { vertices, triangles, colour, name });
         if pieces.iter().map(|piece| piece.triangles.len()).sum::<usize>() > MAX_TRIANGLES {
             return Err(format!("expected at most {MAX_TRIANGLES} triangles"));
         }

@@ -122,7 +122,7 @@ pub const REPORTED_TORQUE: Range = Range { least: 0.0, most: 1e9, unit: "" };
 /// Maximum number of robot classes; a world holds the same number of robots.
 pub(super) const MAX_ROBOTS: usize = 256;
 /// Maximum number of solids of a map.
-pub(super) const MAX_SOLIDS: usize = 10_000;
+pub const MAX_SOLIDS: usize = 10_000;
 /// Maximum number of objects of a map; all of them move.
 pub(super) const MAX_OBJECTS: usize = 1000;
 /// Maximum number of start poses of a map, and of path nodes; each list is sent in one line.
@@ -155,6 +155,6 @@ pub(super) const LEAST_SURFACE: f64 = 1e-8;
 /// Least volume of a hull, m³: a cube of 0.1 mm.
 pub(super) const LEAST_VOLUME: f64 = 1e-12;
 /// Maximum number of characters of a name.
-pub(super) const MAX_NAME: usize = 256;
+pub const MAX_NAME: usize = 256;
 /// Maximum number of characters of a description or of a source.
 pub(super) const MAX_TEXT: usize = 10_000;

@@ -1,0 +1,179 @@
+//! `usarsim import-map`: makes the folder of a map from a file of another program.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use names::count;
+use scene_loader::{Import, Imported, ImportedSolid};
+use serde_json::json;
+use sim_core::{Options, Room, World};
+
+use crate::snapshot::standing;
+use crate::{Failure, exit, print, within};
+
+/// Options of `import-map`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  usarsim import-map building.glb --name building --material 'wall*=plywood' --material 'floor*=carpet'\n  \
+    usarsim import-map scan.stl --name scan --scale 0.001 --floor\n  \
+    usarsim import-map gazebo.world --name office && usarsim serve --map office\n\n\
+    Objects of a mesh become [[mesh]] tables, or [[box]] if they are boxes. Of SDF it takes the colliding shapes; included models \
+    have to be in folders beside the file, and lights are left out. Files are z up; glTF is y up."
+)]
+pub(crate) struct Arguments {
+    /// A .sdf, .world, .glb, .gltf, .obj, .stl or .dae file.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Name of the map, and of its new folder here.
+    #[arg(long, value_parser = name)]
+    name: String,
+    /// Material of the objects whose names fit a pattern, in which * is any text; the first that fits counts, and without one it is
+    /// concrete.
+    #[arg(long, value_name = "PATTERN=MATERIAL", value_parser = pair)]
+    material: Vec<(String, String)>,
+    /// Factor from the unit of a mesh to metres.
+    #[arg(long, default_value = "1", value_parser = scale)]
+    scale: f64,
+    /// Add a plane below everything.
+    #[arg(long)]
+    floor: bool,
+    /// Print what was made as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Start poses that are looked for; clients ask for them by name.
+const STARTS: [&str; 3] = ["PlayerStart_0", "RobotStart1", "RobotStart2"];
+/// Robot that has to find room at a start pose.
+const CLASS: &str = "P3AT";
+/// Distance between places that are tried, m.
+const STEP: f64 = 1.5;
+/// Rings of places that are tried around the middle.
+const RINGS: i32 = 12;
+
+fn name(text: &str) -> Result<String, String> {
+    let is_good = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let good = (1..=60).contains(&text.len()) && text.chars().all(is_good) && !text.starts_with(['.', '-']);
+    good.then(|| text.to_owned()).ok_or_else(|| "expected up to 60 letters, digits, -, _ or points".to_owned())
+}
+
+fn pair(text: &str) -> Result<(String, String), String> {
+    let (pattern, material) = text.rsplit_once('=').ok_or("expected PATTERN=MATERIAL, as in wall*=plywood")?;
+    Ok((pattern.to_owned(), material.to_owned()))
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    within(text, 1e-6, 1e6)
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { file, name, material, scale, floor, json } = arguments;
+    let made = scene_loader::import_map(&Import { file, scale: *scale, materials: material, floor: *floor });
+    let made = made.map_err(|error| Failure::new(exit::BAD_DATA, error))?;
+    let folder = Path::new(name);
+    let failed = |path: &Path, error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
+    // The folder must be new: another program may use an empty one.
+    std::fs::create_dir(folder).map_err(|error| failed(folder, error))?;
+    let result = fill(folder, &made);
+    if result.is_err() {
+        let _ = std::fs::remove_dir_all(folder);
+    }
+    let starts = result?;
+    if *json {
+        let solid = |it: &ImportedSolid| {
+            let ImportedSolid { name, kind, material, triangles, is_movable } = it;
+            json!({"name": name, "kind": kind, "material": material, "triangles": triangles, "movable": is_movable})
+        };
+        let starts = starts.iter().map(|(name, place)| json!({"name": name, "position": place}));
+        print(json!({
+            "map": folder.join("map.toml"),
+            "solids": made.solids.iter().map(solid).collect::<Vec<_>>(),
+            "starts": starts.collect::<Vec<_>>(),
+            "notes": made.notes,
+        }));
+        return Ok(());
+    }
+    for ImportedSolid { name, kind, material, triangles, is_movable } in &made.solids {
+        let size = if *triangles > 0 { format!(" of {}", count(*triangles, "triangle")) } else { String::new() };
+        let moves = if *is_movable { ", can be pushed" } else { "" };
+        print(format_args!("{name}: {kind}{size}, {material}{moves}"));
+    }
+    made.notes.iter().for_each(|note| print(format_args!("note: {note}")));
+    for (name, [x, y, z]) in &starts {
+        print(format_args!("{name}: at {x}, {y}, {z}"));
+    }
+    print(format_args!("{} ({})", folder.join("map.toml").display(), count(made.solids.len(), "solid")));
+    Ok(())
+}
+
+/// Writes the files of a map into its new folder, with the start poses that are free. Returns these.
+fn fill(folder: &Path, made: &Imported) -> Result<Vec<(&'static str, [f64; 3])>, Failure> {
+    let write = |file: &str, content: &[u8]| {
+        let path = folder.join(file);
+        let failed = |error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
+        std::fs::write(&path, content).map_err(failed)
+    };
+    for (file, content) in &made.meshes {
+        write(file, content)?;
+    }
+    let text = |starts: &[(&str, [f64; 3])]| {
+        let mut text = made.text.clone();
+        for (name, [x, y, z]) in starts {
+            let _ = write!(text, "\n[[start]]\nname = \"{name}\"\nposition = [{x:?}, {y:?}, {z:?}]\n");
+        }
+        text
+    };
+    write("map.toml", text(&[(STARTS[0], [0.0; 3])]).as_bytes())?;
+    let def = scene_loader::load(&folder.display().to_string(), &[]);
+    let mut world = World::new(def.map_err(|error| Failure::new(exit::BAD_DATA, error))?, Options::default());
+    let starts = free_places(&mut world);
+    if starts.is_empty() {
+        let hint = "no place on which a robot could stand: expected a floor. --floor adds one, --scale turns other units into metres";
+        return Err(Failure::new(exit::BAD_DATA, hint));
+    }
+    write("map.toml", text(&starts).as_bytes())?;
+    Ok(starts)
+}
+
+/// Returns free places, the nearest to the middle first, each with the name of a start pose.
+fn free_places(world: &mut World) -> Vec<(&'static str, [f64; 3])> {
+    let points = standing(world);
+    let ends = |axis: usize| {
+        let places = points.iter().map(|point| point[axis]);
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)])
+    };
+    let [x, y, [_, lowest]] = [0, 1, 2].map(ends);
+    let middle = [x, y].map(|[least, most]| (least + most) / 2.0);
+    let all = (-RINGS..=RINGS).flat_map(|row| (-RINGS..=RINGS).map(move |column| [row, column]));
+    let mut places: Vec<[i32; 2]> = all.collect();
+    places.sort_by_key(|[row, column]| row * row + column * column);
+    // Start poses lie on the floor, on which robots of any class are put.
+    let wheels = world.def().robots[CLASS].wheels().map(|wheel| wheel.position[2] + wheel.radius);
+    let under = wheels.fold(0.0, f64::max);
+    let mut free: Vec<[f64; 3]> = Vec::new();
+    for place in places {
+        let [x, y] = [0, 1].map(|axis| middle[axis] + STEP * f64::from(place[axis]));
+        // A robot below everything is lifted onto the lowest floor.
+        let Some(Ok(Room { pose, beside: None })) = world.fit(CLASS, [x, y, lowest], [0.0; 3]) else { continue };
+        if stands(world, [x, y, pose.translation.z]) {
+            free.push([x, y, pose.translation.z + under].map(|part| (part * 1e3).round() / 1e3));
+        }
+        if free.len() == STARTS.len() {
+            break;
+        }
+    }
+    STARTS.into_iter().zip(free).collect()
+}
+
+/// True if a robot stays where it is put: it has a floor.
+fn stands(world: &World, [x, y, z]: [f64; 3]) -> bool {
+    /// Time after which it has come to rest, s, and the way that it may fall until then, m.
+    const SETTLED: (f64, f64) = (0.3, 0.1);
+    let mut copy = world.clone();
+    let init =
+        gamebots_proto::command::Init { class_name: CLASS.to_owned(), location: [x, y, z], ..Default::default() };
+    let Some(robot) = copy.init(&init, &mut Vec::new()) else { return false };
+    let steps = (SETTLED.0 / copy.time_step()) as usize;
+    (0..steps).for_each(|_| drop(copy.step()));
+    copy.state(robot).is_some_and(|(body, _)| (body.pose.translation.z - z).abs() < SETTLED.1)
+}
