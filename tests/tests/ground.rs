@@ -194,7 +194,7 @@ fn a_wrong_height_field_is_refused_by_name() {
     }
 }
 
-/// What files say of `collides`, `conveyor` and `mass` together.
+/// `collides`, `conveyor` and `mass` exclude each other.
 #[test]
 fn a_solid_has_one_use() {
     let check = |keys: &str, expected: &str| {

@@ -47,7 +47,7 @@ impl Physics {
         self.conveyors.iter_mut().zip(factors).for_each(|(conveyor, &factor)| conveyor.factor = factor);
     }
 
-    /// Has a conveyor run at a multiple of its velocity on the map. What is on it finds its contacts anew, and objects wake.
+    /// Sets a conveyor to a multiple of its velocity on the map. Robots and objects on it find their contacts anew, and objects wake.
     pub(crate) fn set_conveyor(&mut self, number: usize, factor: f64) {
         let Some(conveyor) = self.conveyors.get_mut(number) else { return };
         conveyor.factor = factor;

@@ -384,7 +384,7 @@ impl World {
         Ok(())
     }
 
-    /// Has the conveyors of a name run at a multiple of their velocity on the map.
+    /// Sets the conveyors of a name to a multiple of their velocity on the map.
     fn set_conveyor(&mut self, name: &str, factor: f64) -> Result<(), String> {
         let map = &self.scene.def().map;
         let conveyors = || {
