@@ -35,6 +35,8 @@ def number(value):
 def text_of(value):
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
     if isinstance(value, str):
         return f'"{value}"'
     if isinstance(value, (tuple, list)):
@@ -101,6 +103,10 @@ class Map:
             size = (length, thickness, height) if along == 0 else (thickness, length, height)
             self.box(f"{name}-", at, size, material, **more)
 
+    def victim(self, name, at, yaw, posture, **more):
+        x, y, low = at
+        self.table("victim", name=name, position=(x, y, -low), rotation=(0, 0, yaw) if yaw else None, posture=posture, **more)
+
     def pose(self, kind, name, position, yaw=0.0):
         self.table(kind, name=name, position=(*position, 0), rotation=(0, 0, yaw) if kind == "start" or yaw else None)
 
@@ -147,13 +153,13 @@ def step_field(field, x, y, pattern):
             field.box("step-", (*middle, 0.1 * (layer - 1)), size, colour=colour)
 
 
-def victim_box(arena, x, y, yaw, low=0.0):
+def box_with_hole(arena, x, y, yaw):
     """A box of 0.6 x 0.6 x 0.6 m with a hole of 20 cm in the side that faces along its x axis."""
     edge, thick = 0.6, 0.02
 
     def panel(ahead, aside, height, size):
-        at = (x + ahead * math.cos(yaw) - aside * math.sin(yaw), y + ahead * math.sin(yaw) + aside * math.cos(yaw), low + height)
-        arena.box("victim-box-", at, size, turn=(0, 0, yaw) if yaw else None, colour=PALE)
+        at = (x + ahead * math.cos(yaw) - aside * math.sin(yaw), y + ahead * math.sin(yaw) + aside * math.cos(yaw), height)
+        arena.box("panel-", at, size, turn=(0, 0, yaw) if yaw else None, colour=PALE)
 
     half = (edge - thick) / 2
     panel(-half, 0, 0, (thick, edge, edge))
@@ -167,8 +173,8 @@ def victim_box(arena, x, y, yaw, low=0.0):
 def rescue():
     arena = Map("""
 An arena after NIST's standard test methods for response robots (ASTM E54): tiles of 1.2 m, walls of plywood 1.2 m high.
-Yellow is a maze, orange has ramps and stairs, red has step fields. The arena is 16.8 x 12 m.""",
-                "Rescue arena of 16.8 x 12 m: rooms, a corridor, ramps, step fields, a stair, inclined planes and boxes with victims")
+Yellow is a maze, orange has ramps and stairs, red has step fields. The arena is 16.8 x 12 m, with six victims and ten RFID tags.""",
+                "Rescue arena of 16.8 x 12 m: rooms, a corridor, ramps, step fields, a stair, inclined planes, smoke and six victims")
     arena.table("half_space", name="floor", material="concrete")
     wall = 1.2
     arena.note("The outer walls, and those of the rooms with their doorways.")
@@ -247,10 +253,33 @@ Yellow is a maze, orange has ramps and stairs, red has step fields. The arena is
     for x, y in ((7.9, 5.5), (8.0, 1.2)):
         arena.cylinder("pillar-", (x, y, 0), 0.16, wall, "concrete")
 
-    arena.note("Boxes with a hole, in which victims lie.")
-    for x, y, yaw in ((-4.4, 4.3, 0.0), (1.1, -1.2, -math.pi / 2), (8.05, -5.6, math.pi / 2), (2.0, -5.65, math.pi / 2),
-                      (8.05, 3.4, math.pi), (-0.8, 5.65, 0.0)):
-        victim_box(arena, x, y, yaw)
+    arena.note("Boxes with a hole. In each is a tag.")
+    boxes = ((-4.4, 4.3, 0.0), (1.1, -1.2, -math.pi / 2), (8.05, -5.6, math.pi / 2), (2.0, -5.65, math.pi / 2),
+             (8.05, 3.4, math.pi), (-0.8, 5.65, 0.0))
+    for x, y, yaw in boxes:
+        box_with_hole(arena, x, y, yaw)
+    arena.note("A shelter with a gap, in which a victim lies.")
+    arena.box("shelter-roof", (-7.3, 5.5, 0.6), (2.1, 0.95, 0.02), colour=PALE)
+    arena.box("shelter-front", (-7.3, 5.03, 0.35), (2.06, 0.02, 0.25), colour=PALE)
+    for x in (-8.34, -6.26):
+        arena.box("shelter-end-", (x, 5.5, 0), (0.02, 0.95, 0.6), colour=PALE)
+
+    arena.note("Victims: their pelvis, and what of them sensors notice.")
+    arena.victim("office", (-0.8, -1.7, 0), 0.0, "sitting", moves=True, volume=0.4, co2=0.8)
+    arena.victim("landing", (6.8, -4.8, 1.02), -math.pi / 2, "lying", co2=0.6)
+    arena.victim("maze", (-3.0, 4.35, 0), -math.pi / 2, "sitting", moves=True, co2=0.9)
+    arena.victim("fields", (1.2, 5.62, 0), 0.0, "lying", volume=0.6, co2=0.7)
+    arena.victim("rubble", (6.6, 5.5, 0), math.pi, "lying", moves=True, volume=0.8, co2=1.0)
+    arena.victim("shelter", (-7.3, 5.55, 0), 0.0, "lying", volume=0.3, co2=0.8)
+
+    arena.note("Tags: one in each box, the others at doorways.")
+    places = [(x, y, 0.1, "box") for x, y, _ in boxes]
+    places += [(-4.8, -4.0, 0.6, "ramps"), (0.0, -0.65, 0.6, "smoke"), (3.9, 0.65, 0.6, "rubble"), (2.4, -3.0, 0.6, "stair")]
+    for number, (x, y, high, memory) in enumerate(places, 1):
+        arena.table("rfid", id=number, position=(x, y, -high), memory=memory)
+
+    arena.note("The office is full of smoke.")
+    arena.table("smoke", name="office", position=(0.6, -3.35, -0.6), size=(3.5, 5.3, 1.2), density=0.5)
 
     arena.note("Things to push.")
     for x, y, edge, mass, colour in ((-6.4, -4.2, 0.4, 4.0, OLD), (-6.9, 4.6, 0.3, 2.0, PLY), (-6.7, 4.65, 0.2, 0.8, PALE),
