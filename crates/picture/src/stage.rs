@@ -21,8 +21,8 @@ struct Piece {
     link: usize,
     /// Pose in the link's frame.
     pose: Pose,
-    /// True if it turns about its own x axis.
-    is_roller: bool,
+    /// Motion in the link's frame.
+    moves: Moves,
     triangles: Vec<Triangle>,
     /// Middle and radius of a ball around it, in its own frame, m.
     bounds: (Point3<f64>, f64),
@@ -41,6 +41,15 @@ impl Stage {
         Self { fixed, classes }
     }
 
+    /// Returns the corners of everything that is drawn of a robot of a snapshot, in the world frame.
+    pub fn corners_of(&self, def: &WorldDef, snapshot: &Snapshot, robot: &RobotSnapshot) -> Vec<Point3<f64>> {
+        let mut triangles = Vec::new();
+        if let (Some(def), Some(pieces)) = (def.robots.get(&robot.class), self.classes.get(&robot.class)) {
+            place(pieces, def, robot, snapshot.time, None, &mut triangles);
+        }
+        triangles.iter().flat_map(|triangle| triangle.corners).collect()
+    }
+
     /// Returns the triangles and floors of a snapshot. `own` is the robot that carries the camera at an eye: it does not see its housing.
     pub(crate) fn scene(
         &self,
@@ -57,7 +66,7 @@ impl Stage {
         for robot in &snapshot.robots {
             if let (Some(def), Some(pieces)) = (def.robots.get(&robot.class), self.classes.get(&robot.class)) {
                 let eye = own.filter(|(id, _)| *id == robot.id).map(|(_, eye)| eye);
-                place(pieces, def, robot, eye, &mut triangles);
+                place(pieces, def, robot, snapshot.time, eye, &mut triangles);
             }
         }
         (triangles, &self.fixed.floors)
@@ -67,13 +76,12 @@ impl Stage {
 fn pieces(robot: &RobotDef) -> Vec<Piece> {
     let of_link = |(link, (_, drawn)): (usize, (_, Vec<Drawn>))| {
         let piece = move |Drawn { pose, geometry, colour, moves }: Drawn| {
-            let is_roller = moves == Moves::Roller;
             let mut mesh = Mesh::default();
             match geometry {
                 Geometry::Shape(shape) => mesh.add(&shape, &Pose::identity(), colour),
                 Geometry::Revolved(outline) => mesh.add_lathe(&outline, &Pose::identity(), colour),
             }
-            Piece { link, pose, is_roller, bounds: bounds(&mesh.triangles), triangles: mesh.triangles }
+            Piece { link, pose, moves, bounds: bounds(&mesh.triangles), triangles: mesh.triangles }
         };
         drawn.into_iter().map(piece).collect::<Vec<_>>()
     };
@@ -93,24 +101,92 @@ fn place(
     pieces: &[Piece],
     def: &RobotDef,
     robot: &RobotSnapshot,
+    time: f64,
     eye: Option<Point3<f64>>,
     triangles: &mut Vec<Triangle>,
 ) {
     let RobotSnapshot { body, joints, rollers, .. } = robot;
     let links: Vec<Pose> = def.placed_links(joints).into_iter().map(|(_, pose)| body.pose * pose).collect();
-    let mut spins = rollers.iter();
+    let mut rollers = rollers.iter();
     let [largest, margin] = HOUSING;
-    for Piece { link, pose, is_roller, triangles: own, bounds: (middle, radius) } in pieces {
-        let spin = spins.by_ref().take(usize::from(*is_roller)).sum();
-        let Some(link) = links.get(*link) else { continue };
-        let pose = link * pose * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), spin);
-        let is_near = |eye: Point3<f64>| (pose * middle - eye).norm() < radius + margin;
-        if *radius < largest && eye.is_some_and(is_near) {
-            continue;
+    for Piece { link: number, pose, moves, triangles: own, bounds: (middle, radius) } in pieces {
+        let turned = |axis, angle| vec![pose * UnitQuaternion::from_axis_angle(&axis, angle)];
+        let places = match moves {
+            Moves::Still => vec![*pose],
+            Moves::Roller => turned(Vector3::x_axis(), rollers.next().copied().unwrap_or_default()),
+            Moves::Spin(speed) => turned(Vector3::z_axis(), speed * time),
+            Moves::Belt(pads) => {
+                let sprocket = def.value_of(*number).and_then(|value| joints.get(value));
+                pads.poses(sprocket.map_or(0.0, |sprocket| sprocket.position))
+            }
+        };
+        let Some(link) = links.get(*number) else { continue };
+        for place in places {
+            let pose = link * place;
+            let is_near = |eye: Point3<f64>| (pose * middle - eye).norm() < radius + margin;
+            if *radius < largest && eye.is_some_and(is_near) {
+                continue;
+            }
+            triangles.extend(own.iter().map(|Triangle { corners, colour }| Triangle {
+                corners: corners.map(|corner: Point3<f64>| pose * corner),
+                colour: *colour,
+            }));
         }
-        triangles.extend(own.iter().map(|Triangle { corners, colour }| Triangle {
-            corners: corners.map(|corner: Point3<f64>| pose * corner),
-            colour: *colour,
-        }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use gamebots_proto::command::Init;
+    use scene::MountedWheel;
+    use sim_core::{Options, World};
+
+    use super::*;
+
+    /// Spawns a robot; returns the definition, the snapshot and the stage.
+    fn spawned(class: &str) -> (WorldDef, Snapshot, Stage) {
+        let def = scene_loader::load("smooth", &[]).unwrap();
+        let mut world = World::new(def.clone(), Options::default());
+        world.init(&Init { class_name: class.to_owned(), ..Init::default() }, &mut Vec::new()).unwrap();
+        let stage = Stage::new(&def);
+        (def, world.snapshot(), stage)
+    }
+
+    /// Counts the corners that differ by more than a rounding error.
+    fn moved(one: &[Point3<f64>], other: &[Point3<f64>]) -> usize {
+        assert_eq!(one.len(), other.len());
+        one.iter().zip(other).filter(|(a, b)| (*a - *b).norm() > 1e-9).count()
+    }
+
+    #[test]
+    fn only_propellers_turn_with_the_time() {
+        let (def, mut snapshot, stage) = spawned("AirRobot");
+        let spinning = |moves: &Moves| matches!(moves, Moves::Spin(_));
+        let blades: usize =
+            stage.classes["AirRobot"].iter().filter(|it| spinning(&it.moves)).map(|it| it.triangles.len()).sum();
+        let mut at = |time: f64| {
+            snapshot.time = time;
+            stage.corners_of(&def, &snapshot, &snapshot.robots[0])
+        };
+        let (begin, later, round) = (at(0.0), at(0.1), at(TAU / 7.0));
+        assert!(blades > 0 && begin.len() > 6 * blades, "{blades} of {}", begin.len());
+        assert!(moved(&begin, &later).abs_diff(3 * blades) < blades / 10);
+        assert_eq!(moved(&begin, &round), 0);
+    }
+
+    #[test]
+    fn the_pads_of_a_belt_move_with_its_sprocket() {
+        let (def, mut snapshot, stage) = spawned("Kenaf");
+        let class = &def.robots["Kenaf"];
+        let (number, link) = class.links.iter().enumerate().find(|(_, link)| link.name == "RightTrack").unwrap();
+        let wheel = MountedWheel::of((number, link)).unwrap();
+        let pads = wheel.wheel.belt.as_ref().unwrap().pads(wheel.width);
+        let value = class.value_of(number).unwrap();
+        let before = stage.corners_of(&def, &snapshot, &snapshot.robots[0]);
+        snapshot.robots[0].joints[value].position += 0.1;
+        let after = stage.corners_of(&def, &snapshot, &snapshot.robots[0]);
+        assert_eq!(moved(&before, &after), pads.count * 12 * 3);
     }
 }

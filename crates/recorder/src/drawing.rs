@@ -6,7 +6,7 @@ use foxglove::messages::{
     Color, CubePrimitive, CylinderPrimitive, Point3, Pose as FoxPose, Quaternion, SceneEntity, SpherePrimitive,
     TriangleListPrimitive, Vector3,
 };
-use scene::{Drawn, Geometry, Link, MapDef, Pose, RobotDef, Shape, Solid};
+use scene::{Drawn, Geometry, Link, MapDef, Moves, Pose, RobotDef, Shape, Solid};
 
 /// Edge of the square that represents an infinite plane, m.
 const PLANE_EDGE: f64 = 100.0;
@@ -40,11 +40,18 @@ pub(crate) fn robot(frame: &str, def: &RobotDef) -> Vec<SceneEntity> {
             0 => entity(frame, "body"),
             _ => entity(&format!("{frame}/{}", link.name), "link"),
         };
-        for Drawn { pose, geometry, colour: [r, g, b], .. } in pieces {
+        for Drawn { pose, geometry, colour: [r, g, b], moves } in pieces {
             let colour = Color { r, g, b, a: 1.0 };
-            match geometry {
-                Geometry::Shape(shape) => add(&mut drawn, &shape, &pose, colour),
-                Geometry::Revolved(outline) => drawn.cylinders.extend(cones(&outline, &pose, colour)),
+            // Foxglove moves the frames of links only: belts and propellers stand still in it.
+            let places = match moves {
+                Moves::Belt(pads) => pads.poses(0.0),
+                Moves::Still | Moves::Roller | Moves::Spin(_) => vec![pose],
+            };
+            for pose in &places {
+                match &geometry {
+                    Geometry::Shape(shape) => add(&mut drawn, shape, pose, colour),
+                    Geometry::Revolved(outline) => drawn.cylinders.extend(cones(outline, pose, colour)),
+                }
             }
         }
         drawn

@@ -104,6 +104,7 @@ fn a_visual_is_of_its_link_and_of_one_shape() {
         ("link = \"Rr\"\nradius = 0.1", "(did you mean `R`?)"),
         ("radius = -1.0", "`radius` is -1"),
         ("radius = 0.1\ncolour = [2.0, 0.0, 0.0]", "`colour` is [2, 0, 0]"),
+        ("radius = 0.1\nspin = 2000.0", "`spin` is 2000"),
         ("mesh = \"box.fbx\"", "expected a file that ends in .stl, .obj, .dae, .glb or .gltf"),
         ("mesh = \"none.dae\"", "none.dae"),
         ("mesh = \"box.stl\"\nscale = 0.0", "`scale` is 0"),
@@ -112,6 +113,24 @@ fn a_visual_is_of_its_link_and_of_one_shape() {
         let error = load(visual, None).map(|_| ()).expect_err(visual);
         assert!(error.lines().count() == 1 && error.contains(expected), "{visual}: {error}");
     }
+}
+
+#[test]
+fn a_visual_can_spin() {
+    let speed = |visual: &str| load(visual, None).expect("a cart").links[0].visuals[0].spin.to_bits();
+    assert_eq!(speed("radius = 0.1"), 0.0_f64.to_bits());
+    assert_eq!(speed("radius = 0.1\nspin = -7.5"), (-7.5_f64).to_bits());
+}
+
+#[test]
+fn a_class_like_another_adds_visuals() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("robot.toml");
+    std::fs::write(&path, "like = \"P3AT\"\n[[visual]]\nradius = 0.1\n").expect("a file");
+    let like = scene_loader::robot(&path.display().to_string(), &[]).expect("a robot");
+    let of_other = scene_loader::robot("P3AT", &[]).expect("a P3AT").links[0].visuals.len();
+    assert_eq!(like.links[0].visuals.len(), of_other + 1);
+    assert_eq!(like.links[0].visuals[of_other].shape, Shape::Ball { radius: 0.1 });
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::Translation3;
 use serde::{Deserialize, Serialize};
 
-use crate::{Link, MountedWheel, Pose, RobotDef, Shape, pose};
+use crate::{Link, MountedWheel, Pads, Pose, RobotDef, Shape, pose};
 
 /// Visible geometry of a link, if it differs from the colliding geometry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,12 +19,19 @@ pub struct Visual {
     pub rotation: [f64; 3],
     /// Red, green and blue, 0 to 1, sRGB.
     pub colour: [f64; 3],
+    /// Speed about its own z axis, rad/s. It turns with the world's time, for looks only, as a propeller does.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub spin: f64,
+}
+
+fn is_zero(spin: &f64) -> bool {
+    *spin == 0.0
 }
 
 /// One drawn piece of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn<'a> {
-    /// Pose in the frame of its link; for a roller, with the roller at 0.
+    /// Pose in the frame of its link; for a roller or a spinning piece, with its angle at 0.
     pub pose: Pose,
     /// Geometry.
     pub geometry: Geometry<'a>,
@@ -35,14 +42,16 @@ pub struct Drawn<'a> {
 }
 
 /// Motion of a drawn piece in the frame of its link.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Moves {
     /// No motion.
     Still,
     /// Turns about its own x axis. Rollers follow the order of the robot's rollers.
     Roller,
-    /// Moves along a belt; its pose is that with the sprocket at 0.
-    Pad,
+    /// Turns about its own z axis at a speed, rad/s. At time 0 its angle is 0.
+    Spin(f64),
+    /// Is drawn at every pad of a belt. The pads move with the sprocket.
+    Belt(Pads),
 }
 
 /// Geometry of a drawn piece.
@@ -71,19 +80,22 @@ impl RobotDef {
 fn drawn<'a>((number, link): (usize, &'a Link)) -> Vec<Drawn<'a>> {
     let still = |pose, shape, colour| Drawn { pose, geometry: Geometry::Shape(shape), colour, moves: Moves::Still };
     let to_link = Translation3::from(link.origin()).inverse();
-    let visual = |it: &'a Visual| still(to_link * pose(it.position, it.rotation), Cow::Borrowed(&it.shape), it.colour);
+    let visual = |it: &'a Visual| Drawn {
+        moves: if it.spin == 0.0 { Moves::Still } else { Moves::Spin(it.spin) },
+        ..still(to_link * pose(it.position, it.rotation), Cow::Borrowed(&it.shape), it.colour)
+    };
     let mut drawn: Vec<Drawn> = link.visuals.iter().map(visual).collect();
     let wheel = MountedWheel::of((number, link));
     let belt = wheel.and_then(|wheel| Some((wheel, wheel.wheel.belt.as_ref()?)));
     if let Some((wheel, belt)) = belt {
         drawn.push(still(Pose::identity(), Cow::Owned(belt.core(wheel.width)), CORE));
         let pads = belt.pads(wheel.width);
-        drawn.extend(pads.poses(0.0).into_iter().map(|pose| Drawn {
-            pose,
+        drawn.push(Drawn {
+            pose: Pose::identity(),
             geometry: Geometry::Shape(Cow::Owned(Shape::Box { size: pads.size })),
             colour: wheel.material.colour,
-            moves: Moves::Pad,
-        }));
+            moves: Moves::Belt(pads),
+        });
     }
     if drawn.is_empty() {
         drawn.extend(link.solids.iter().map(|it| still(link.pose_of(it), Cow::Borrowed(&it.shape), BODY)));

@@ -68,7 +68,11 @@ export type Link = { name: string,
  */
 pose: [number, number, number, number, number, number, number], drawn: Array<Drawn>, };
 
-export type Drawn = { shape: Shape, pose: [number, number, number, number, number, number, number], colour: [number, number, number], };
+export type Drawn = { shape: Shape, pose: [number, number, number, number, number, number, number], colour: [number, number, number], 
+/**
+ * Speed about its own z axis, rad/s: it turns with the world's time.
+ */
+spin: number, };
 
 export type Wheel = { name: string, 
 /**

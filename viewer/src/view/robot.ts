@@ -38,6 +38,16 @@ interface Belt {
   of: NonNullable<Wheel['belt']>;
 }
 
+/** A piece that turns about its own z axis with the world's time, as a propeller. */
+interface Spinner {
+  one: Instances;
+  /** its carrier among the links; null for the body */
+  link: number | null;
+  pose: THREE.Matrix4;
+  /** rad/s */
+  speed: number;
+}
+
 /** A part of a robot and where it is. */
 export interface Placed {
   part: Instances;
@@ -57,6 +67,7 @@ export class RobotFleet {
   private readonly wheels: Piece[];
   private readonly rollers: (Rollers | null)[];
   private readonly belts: (Belt | null)[];
+  private readonly spinners: Spinner[];
   private readonly all: Instances[];
 
   constructor(
@@ -64,9 +75,12 @@ export class RobotFleet {
     surfaces: Surfaces,
   ) {
     const { drawn, links, wheels } = robotClass;
-    const geometry = ({ shape, pose, colour }: Drawn) => solidGeometry(shape, pose, colour);
-    const bodyGeometry = merged(drawn.map(geometry));
-    const linkGeometries = links.map((link) => merged(link.drawn.map(geometry)));
+    const rigidly = (drawn: Drawn[]) =>
+      merged(
+        drawn.filter(({ spin }) => spin === 0).map(({ shape, pose, colour }) => solidGeometry(shape, pose, colour)),
+      );
+    const bodyGeometry = rigidly(drawn);
+    const linkGeometries = links.map((link) => rigidly(link.drawn));
     const hubs = wheels.map(
       remembering(
         (wheel) => merged(wheel.drawn.map(spoked)),
@@ -111,22 +125,40 @@ export class RobotFleet {
       ({ size, colour }) => [size, colour],
     );
     this.belts = wheels.map(({ belt }) => belt && { one: onePad(belt), of: belt });
+    const oneSpinner = remembering(
+      ({ shape, colour }: Drawn) => instances(solidGeometry(shape, [0, 0, 0, 0, 0, 0, 1], colour)),
+      ({ shape, colour }) => [shape, colour],
+    );
+    const spinner = (link: number | null) => (it: Drawn) => ({
+      one: oneSpinner(it),
+      link,
+      pose: setPose(new THREE.Matrix4(), it.pose),
+      speed: it.spin,
+    });
+    const spinning = (drawn: Drawn[], link: number | null) => drawn.filter(({ spin }) => spin !== 0).map(spinner(link));
+    this.spinners = [...spinning(drawn, null), ...links.flatMap((link, index) => spinning(link.drawn, index))];
     const pieces = [this.body, ...this.links, ...this.wheels].flatMap(({ near, far, afar }) => [near, far, afar]);
-    this.all = [...new Set([...pieces, ...[...this.rollers, ...this.belts].flatMap((moving) => moving?.one ?? [])])];
+    const moving = [...this.rollers, ...this.belts, ...this.spinners].flatMap((moving) => moving?.one ?? []);
+    this.all = [...new Set([...pieces, ...moving])];
     this.all.forEach(({ mesh: { geometry } }) => geometry.hasAttribute('position') && geometry.computeBoundingBox());
   }
 
-  /** Puts every robot of the class where it is, as seen from a place in the world. */
-  place(robots: RobotState[], eye: THREE.Vector3): void {
+  /** Whether it has pieces that turn with the world's time. */
+  get spins(): boolean {
+    return this.spinners.length > 0;
+  }
+
+  /** Puts every robot of the class where it is at a time, s, as seen from a place in the world. */
+  place(robots: RobotState[], eye: THREE.Vector3, time: number): void {
     this.all.forEach((part) => part.begin());
     for (const robot of robots) {
-      this.parts(robot, eye).forEach(({ part, matrix }) => part.add(matrix));
+      this.parts(robot, eye, time).forEach(({ part, matrix }) => part.add(matrix));
     }
     this.all.forEach((part) => part.end());
   }
 
   /** The parts of a robot; without an eye without its rollers. */
-  parts(state: RobotState, eye: THREE.Vector3 | null): Placed[] {
+  parts(state: RobotState, eye: THREE.Vector3 | null, time = 0): Placed[] {
     const level = this.level(state, eye);
     const detail = level === 'plain' ? 'near' : level;
     const robot = setPose(new THREE.Matrix4(), state.pose);
@@ -136,6 +168,11 @@ export class RobotFleet {
       const matrix = pose ? setPose(new THREE.Matrix4(), pose).premultiply(robot) : null;
       if (matrix) placed.push({ part: link[detail], matrix });
       return matrix;
+    });
+    this.spinners.forEach(({ one, link, pose, speed }) => {
+      const carrier = link === null ? robot : carriers[link];
+      const turn = new THREE.Matrix4().makeRotationZ(speed * time).premultiply(pose);
+      if (carrier) placed.push({ part: one, matrix: turn.premultiply(carrier) });
     });
     const local = new THREE.Matrix4();
     this.robotClass.wheels.forEach(({ link, position }, index) => {

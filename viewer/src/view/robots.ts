@@ -52,6 +52,11 @@ export class Robots {
     return this.known;
   }
 
+  /** Whether a robot has propellers, which turn while nothing else moves. */
+  get spin(): boolean {
+    return this.known.some(({ fleet }) => fleet.spins);
+  }
+
   fleet(name: string): RobotFleet | null {
     const known = this.fleets.get(name);
     const robotClass = this.scene.classes[name];
@@ -82,6 +87,7 @@ export class Robots {
       fleet.place(
         own.map(({ state }) => state),
         eye,
+        frame.time,
       );
     }
     this.decals.set(this.known.map((known) => this.decalOf(known)));

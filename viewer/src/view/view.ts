@@ -126,7 +126,9 @@ export class View {
     if (this.frame && frame.time < this.frame.time) this.world?.overlay.clear();
     this.frame = frame;
     const forces = this.shown.get('forces') === true;
-    if (this.drawnFrame && !moved(this.drawnFrame, frame, forces)) return;
+    const drawn = this.drawnFrame;
+    const turned = frame.time !== drawn?.time && this.world?.robots.spin === true;
+    if (drawn && !turned && !moved(drawn, frame, forces)) return;
     this.stale = true;
     this.stage.renewShadows();
   }
@@ -325,7 +327,10 @@ export class View {
       const distance = eye.distanceTo(new THREE.Vector3(px, py, pz));
       this.outline.suit(selected.fleet.size * this.pixelsPerMetre(Math.max(0.1, distance)));
     }
-    this.outline.place(selected ? selected.fleet.parts(selected.state, eye) : [], colourOf(robots.selected ?? 0));
+    this.outline.place(
+      selected ? selected.fleet.parts(selected.state, eye, frame.time) : [],
+      colourOf(robots.selected ?? 0),
+    );
     this.drawnFrame = frame;
   }
 

@@ -139,6 +139,8 @@ page_types! {
         shape: Cow<'a, Shape>,
         pose: Place,
         colour: [f64; 3],
+        /// Speed about its own z axis, rad/s: it turns with the world's time.
+        spin: f64,
     }
 
     struct Wheel<'a> {
@@ -367,11 +369,16 @@ fn link_number(def: &RobotDef, link: usize) -> Option<usize> {
 
 /// Returns the drawn pieces of a link, except rollers and pads, in its frame.
 fn still<'a>(drawn: &[DrawnPiece<'a>]) -> Vec<Drawn<'a>> {
-    let piece = |it: &DrawnPiece<'a>| match &it.geometry {
-        Geometry::Shape(drawn) => Some(Drawn { shape: shape(drawn.clone()), pose: place(&it.pose), colour: it.colour }),
-        Geometry::Revolved(_) => None,
+    let piece = |it: &DrawnPiece<'a>| {
+        let spin = match it.moves {
+            Moves::Still => 0.0,
+            Moves::Spin(speed) => speed,
+            Moves::Roller | Moves::Belt(_) => return None,
+        };
+        let Geometry::Shape(drawn) = &it.geometry else { return None };
+        Some(Drawn { shape: shape(drawn.clone()), pose: place(&it.pose), colour: it.colour, spin })
     };
-    drawn.iter().filter(|it| it.moves == Moves::Still).filter_map(piece).collect()
+    drawn.iter().filter_map(piece).collect()
 }
 
 /// Returns a shape that a viewer can draw: a hull becomes its surface.

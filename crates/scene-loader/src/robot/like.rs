@@ -1,16 +1,18 @@
-//! `like`: a class that is another one with other names, items or battery.
+//! `like`: a class that is another one with other names, items, battery or additional visuals.
 
 use scene::RobotDef;
 
+use super::visual::read_visuals;
 use super::{Definition, mount, read_battery, read_dialect, read_reported_steering, read_sensors};
 use crate::catalogue;
 use crate::document::{Document, Table};
 
 /// Keys that may stand beside `like`.
-const KEYS: &str = "like, names, description, dialect, one_side_drives, reported_steering, battery, sensor, mount";
+const KEYS: &str =
+    "like, names, description, dialect, one_side_drives, reported_steering, battery, sensor, visual, mount";
 
 /// Reads a class that is like another, a shipped one. Each key that the file has replaces that of the other class, the sensors as a whole.
-/// Mounts are added to those of the other class.
+/// Visuals and mounts are added to those of the other class.
 pub(super) fn read<'a>(
     definition: &Definition<'a>,
     mut document: Document<'a>,
@@ -52,6 +54,7 @@ pub(super) fn read<'a>(
         let wheels = robot.driven().count();
         robot.sensors = read_sensors(&mut document, &mut root, equipment, &robot.links, Some(wheels), true);
     }
+    read_visuals(definition.source, &mut document, &mut root, &mut robot.links, true);
     let mounts = mount::read(definition, &mut document, &mut root);
     document.finish(root, KEYS);
     mount::mount(&mut document, &mut robot, mounts, true);

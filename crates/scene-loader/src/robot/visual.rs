@@ -26,6 +26,8 @@ struct VisualEntry {
     rotation: Vector,
     /// Colour instead of those of the mesh.
     colour: Option<[f64; 3]>,
+    #[serde(default)]
+    spin: f64,
 }
 
 /// Adds visuals to links. If not all links could be read, an unknown name is not reported.
@@ -39,8 +41,8 @@ pub(super) fn read_visuals<'a>(
     for (span, entry) in document.list::<VisualEntry>(root, "visual") {
         let link = find_link(document, &span, "link", entry.link.as_deref(), links, complete);
         for (shape, colour) in shapes(source, document, &span, &entry) {
-            let VisualEntry { position, rotation, .. } = entry;
-            let visual = Visual { shape, position, rotation, colour };
+            let VisualEntry { position, rotation, spin, .. } = entry;
+            let visual = Visual { shape, position, rotation, colour, spin };
             document.wrong(&span, check::visual(&visual));
             if let Some(link) = link.and_then(|link| links.get_mut(link)) {
                 link.visuals.push(visual);

@@ -64,6 +64,7 @@ impl Looks {
                 position: it.position,
                 rotation: it.rotation,
                 colour: mesh::COLOUR,
+                spin: 0.0,
             };
             drawn = solids.iter().map(of_solid).collect();
             how = "drawn as its collision shape";
@@ -140,6 +141,7 @@ impl Looks {
             position,
             rotation,
             colour: colour.or(own).unwrap_or(mesh::COLOUR),
+            spin: 0.0,
         };
         Ok(shapes.into_iter().map(drawn).collect())
     }

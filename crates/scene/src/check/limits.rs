@@ -17,6 +17,8 @@ pub const SOLID_HEIGHT: Range = Range { least: 0.0, most: 900.0, unit: " m" };
 pub const FIELD_HEIGHT: Range = Range { least: -450.0, most: 450.0, unit: " m" };
 /// Roll, pitch and yaw.
 pub const ANGLE: Range = Range { least: -1000.0, most: 1000.0, unit: " rad" };
+/// Speed at which a visual turns.
+pub const SPIN: Range = Range { least: -1000.0, most: 1000.0, unit: " rad/s" };
 /// Distance at which a tool changer takes a tool.
 pub const TOOL_DISTANCE: Range = Range { least: 0.0, most: 10.0, unit: " m" };
 /// Angle at which a tool changer takes a tool.

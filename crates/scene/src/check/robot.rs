@@ -65,6 +65,7 @@ pub fn visual(def: &Visual) -> Vec<String> {
     let mut wrong: Vec<String> = ROBOT_REACH.problem_in("position", &def.position).into_iter().collect();
     wrong.extend(ANGLE.problem_in("rotation", &def.rotation));
     wrong.extend(SHARE.problem_in("colour", &def.colour));
+    wrong.extend(SPIN.problem("spin", def.spin));
     wrong.extend(shape(&def.shape, ROBOT_REACH, ROBOT_SIZE));
     if def.shape == Shape::HalfSpace {
         wrong.push("a shape without an end: expected one with an end".to_owned());
