@@ -9,19 +9,21 @@ from solids import *
 def body(mesh, colour, stations, axles, arch, half, sill):
     """A body along x with arches over its wheels. Stations: x, half width of its shoulder, z of its top edge and of its shoulder; between
     them all is straight. Its sides end at `sill`, over the wheels at the arches; its widest half is `half`."""
+
     def at(x):
         for a, b in zip(stations, stations[1:]):
             if a[0] <= x <= b[0]:
                 part = (x - a[0]) / (b[0] - a[0])
                 return [p + part * (q - p) for p, q in zip(a, b)][1:]
         raise ValueError(x)
+
     cuts = {x for x, *_ in stations}
     for axle in axles:
         cuts |= {axle + arch * math.cos(math.pi * i / 8) for i in range(9)}
     rings = []
     for x in sorted(it for it in cuts if stations[0][0] <= it <= stations[-1][0]):
         wide, top, shoulder = at(x)
-        low = min([sill] + [-math.sqrt(max(arch ** 2 - (x - axle) ** 2, 0)) for axle in axles if abs(x - axle) < arch - 1e-9])
+        low = min([sill] + [-math.sqrt(max(arch**2 - (x - axle) ** 2, 0)) for axle in axles if abs(x - axle) < arch - 1e-9])
         wide = min(wide, half)
         waist = (low + shoulder) / 2
         right = [(0.97 * wide, low), (wide, min(waist, low - 0.02)), (wide, shoulder), (0.88 * wide, top)]
@@ -44,9 +46,25 @@ def cabin(mesh, colour, low, high, top, bottom, pillars, glass=GLASS, roof=None)
         for a, b, wide in posts:
             b = a + (b - a) * 0.86
             ha, hb = low[2] + 0.004, skin(0.86, (0, 0, 0))[2] + 0.004
-            mesh.add(loft([[(a - wide, sign * (ha - 0.05), z(0)), (a + wide, sign * (ha - 0.05), z(0)), (a + wide, sign * ha, z(0)), (a - wide, sign * ha, z(0))],
-                           [(b - wide, sign * (hb - 0.05), z(0.86)), (b + wide, sign * (hb - 0.05), z(0.86)),
-                            (b + wide, sign * hb, z(0.86)), (b - wide, sign * hb, z(0.86))]]), colour)
+            mesh.add(
+                loft(
+                    [
+                        [
+                            (a - wide, sign * (ha - 0.05), z(0)),
+                            (a + wide, sign * (ha - 0.05), z(0)),
+                            (a + wide, sign * ha, z(0)),
+                            (a - wide, sign * ha, z(0)),
+                        ],
+                        [
+                            (b - wide, sign * (hb - 0.05), z(0.86)),
+                            (b + wide, sign * (hb - 0.05), z(0.86)),
+                            (b + wide, sign * hb, z(0.86)),
+                            (b - wide, sign * hb, z(0.86)),
+                        ],
+                    ]
+                ),
+                colour,
+            )
     return mesh
 
 
@@ -72,16 +90,37 @@ def mirrors(mesh, colour, at):
 def cooper():
     """A Mini: short, upright, with a white roof, stripes on the bonnet and round lamps."""
     mesh, half, axles = Mesh(), 0.83, (-1.235, 1.235)
-    stations = [(-1.80, 0.66, -0.34, -0.20), (-1.72, 0.78, -0.52, -0.36), (-1.35, 0.83, -0.56, -0.44), (0.75, 0.83, -0.56, -0.42),
-                (1.35, 0.82, -0.50, -0.36), (1.70, 0.76, -0.42, -0.26), (1.80, 0.64, -0.28, -0.16)]
+    stations = [
+        (-1.80, 0.66, -0.34, -0.20),
+        (-1.72, 0.78, -0.52, -0.36),
+        (-1.35, 0.83, -0.56, -0.44),
+        (0.75, 0.83, -0.56, -0.42),
+        (1.35, 0.82, -0.50, -0.36),
+        (1.70, 0.76, -0.42, -0.26),
+        (1.80, 0.64, -0.28, -0.16),
+    ]
     body(mesh, RED, stations, axles, 0.34, half, 0.12)
     cabin(mesh, RED, (-1.62, 0.72, 0.74), (-1.36, 0.28, 0.60), -1.12, -0.54, (-0.22,), roof=WHITE)
     arches(mesh, BLACK, axles, 0.33, half)
     mesh.add_pair(box(1.75, 0.02, 0.09), BLACK, (0, half - 0.01, 0.09))
     for sign in (-1, 1):  # stripes
-        mesh.add(loft([[(x, sign * y, z - 0.006), (x, sign * (y + 0.13), z - 0.006), (x, sign * (y + 0.13), z + 0.01), (x, sign * y, z + 0.01)]
-                       for x, y, z in ((0.78, 0.20, -0.562), (1.35, 0.20, -0.502), (1.66, 0.20, -0.432))]), WHITE)
-    mesh.add_pair(rod(0.125, -0.08, 0.075, 14), METAL, (1.72, 0.53, -0.27), X).add_pair(rod(0.105, 0.0, 0.09, 14), LAMP, (1.72, 0.53, -0.27), X)
+        mesh.add(
+            loft(
+                [
+                    [
+                        (x, sign * y, z - 0.006),
+                        (x, sign * (y + 0.13), z - 0.006),
+                        (x, sign * (y + 0.13), z + 0.01),
+                        (x, sign * y, z + 0.01),
+                    ]
+                    for x, y, z in ((0.78, 0.20, -0.562), (1.35, 0.20, -0.502), (1.66, 0.20, -0.432))
+                ]
+            ),
+            WHITE,
+        )
+    mesh.add_pair(rod(0.125, -0.08, 0.075, 14), METAL, (1.72, 0.53, -0.27), X).add_pair(
+        rod(0.105, 0.0, 0.09, 14), LAMP, (1.72, 0.53, -0.27), X
+    )
     mesh.add(box(0.05, 0.62, 0.10), BLACK, (1.785, 0, -0.20)).add(box(0.055, 0.66, 0.02), METAL, (1.79, 0, -0.26))
     mesh.add(box(0.055, 0.70, 0.10), BLACK, (1.80, 0, 0.03))
     mesh.add_pair(rod(0.055, 0.0, 0.05, 10), LAMP, (1.78, 0.50, 0.0), X)
@@ -95,8 +134,15 @@ def cooper():
 
 def sedan():
     mesh, half, axles = Mesh(), 0.86, (-1.35, 1.35)
-    stations = [(-2.19, 0.66, -0.40, -0.24), (-2.12, 0.80, -0.55, -0.40), (-1.55, 0.86, -0.60, -0.48), (0.90, 0.86, -0.58, -0.45),
-                (1.60, 0.84, -0.50, -0.36), (2.08, 0.76, -0.40, -0.25), (2.19, 0.62, -0.28, -0.16)]
+    stations = [
+        (-2.19, 0.66, -0.40, -0.24),
+        (-2.12, 0.80, -0.55, -0.40),
+        (-1.55, 0.86, -0.60, -0.48),
+        (0.90, 0.86, -0.58, -0.45),
+        (1.60, 0.84, -0.50, -0.36),
+        (2.08, 0.76, -0.40, -0.25),
+        (2.19, 0.62, -0.28, -0.16),
+    ]
     body(mesh, BLUE, stations, axles, 0.37, half, 0.14)
     cabin(mesh, BLUE, (-1.62, 1.00, 0.76), (-1.02, 0.26, 0.60), -1.13, -0.57, (-0.18,))
     doors(mesh, [0.86, -0.20, -1.02], half, -0.45, 0.10)
@@ -109,7 +155,9 @@ def sedan():
         mesh.add(box(0.055, 0.58, 0.012), METAL, (2.18, 0, z))
     mesh.add(box(0.05, 1.1, 0.10), BLACK, (2.17, 0, 0.04)).add_pair(rod(0.05, 0, 0.03, 10), LAMP, (2.17, 0.60, 0.03), X)
     mesh.add(box(0.06, 1.30, 0.09), BLUE, (2.19, 0, -0.05)).add(box(0.06, 1.34, 0.11), BLUE, (-2.19, 0, -0.03))
-    mesh.add_pair(box(0.10, 0.34, 0.13), RED_LAMP, (-2.135, 0.57, -0.34), (0, 0, -0.22)).add(box(0.03, 0.52, 0.11), WHITE, (-2.20, 0, -0.20))
+    mesh.add_pair(box(0.10, 0.34, 0.13), RED_LAMP, (-2.135, 0.57, -0.34), (0, 0, -0.22)).add(
+        box(0.03, 0.52, 0.11), WHITE, (-2.20, 0, -0.20)
+    )
     mesh.add(rod(0.04, -0.1, 0.0, 8), METAL, (-2.16, 0.5, 0.09), X)
     return mirrors(mesh, BLUE, (0.68, 0.90, -0.64))
 
@@ -117,17 +165,32 @@ def sedan():
 def hummer():
     """A HMMWV: wide, flat, high over the ground, with a raked back."""
     mesh, half, axles = Mesh(), 1.05, (-1.65, 1.65)
-    stations = [(-2.28, 1.00, -0.60, -0.50), (-2.2, 1.05, -0.66, -0.56), (0.75, 1.05, -0.70, -0.56), (0.85, 1.05, -0.68, -0.50),
-                (2.10, 1.00, -0.52, -0.34), (2.27, 0.92, -0.40, -0.28)]
+    stations = [
+        (-2.28, 1.00, -0.60, -0.50),
+        (-2.2, 1.05, -0.66, -0.56),
+        (0.75, 1.05, -0.70, -0.56),
+        (0.85, 1.05, -0.68, -0.50),
+        (2.10, 1.00, -0.52, -0.34),
+        (2.27, 0.92, -0.40, -0.28),
+    ]
     body(mesh, SAND, stations, axles, 0.54, half, 0.02)
     cabin(mesh, SAND, (-2.10, 0.72, 0.98), (-1.05, 0.46, 0.90), -1.37, -0.66, (-0.62,))
-    mesh.add(loft([[(-2.12, -0.99, -0.64), (-2.12, 0.99, -0.64), (-2.12, 0.99, -0.60), (-2.12, -0.99, -0.60)],
-                   [(-1.05, -0.93, -1.34), (-1.05, 0.93, -1.34), (-1.05, 0.93, -0.60), (-1.05, -0.93, -0.60)]]), SAND)  # the raked back
+    mesh.add(
+        loft(
+            [
+                [(-2.12, -0.99, -0.64), (-2.12, 0.99, -0.64), (-2.12, 0.99, -0.60), (-2.12, -0.99, -0.60)],
+                [(-1.05, -0.93, -1.34), (-1.05, 0.93, -1.34), (-1.05, 0.93, -0.60), (-1.05, -0.93, -0.60)],
+            ]
+        ),
+        SAND,
+    )  # the raked back
     doors(mesh, [0.70, -0.58, -1.05], half, -0.56, -0.02)
     mesh.add(box(0.05, 0.95, 0.22), BLACK, (2.26, 0, -0.30))
     for i in range(8):
         mesh.add(box(0.06, 0.035, 0.22), SAND, (2.265, -0.42 + 0.12 * i, -0.30))
-    mesh.add_pair(rod(0.115, 0.0, 0.05, 14), BLACK, (2.24, 0.68, -0.30), X).add_pair(rod(0.095, 0.0, 0.06, 14), LAMP, (2.24, 0.68, -0.30), X)
+    mesh.add_pair(rod(0.115, 0.0, 0.05, 14), BLACK, (2.24, 0.68, -0.30), X).add_pair(
+        rod(0.095, 0.0, 0.06, 14), LAMP, (2.24, 0.68, -0.30), X
+    )
     mesh.add_pair(box(0.05, 0.06, 0.08), ORANGE, (2.27, 0.86, -0.32))
     for x, z in ((2.32, 0.0), (-2.30, -0.02)):
         mesh.add(box(0.10, 1.9, 0.16), BLACK, (x, 0, z))

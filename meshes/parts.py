@@ -15,8 +15,12 @@ def wheel(radius, width, rim, lugs, spokes=5, colour=LIGHT, corners=16):
     for i in range(lugs):
         angle, y = i * pitch, (1 if i % 2 else -1) * 0.3 * half
         place = ((radius - lug) * math.cos(angle), y, (radius - lug) * math.sin(angle))
-        block = frustum((-0.28 * pitch * radius, 0.28 * pitch * radius, 0.6 * half),
-                        (-0.2 * pitch * radius, 0.2 * pitch * radius, 0.5 * half), -0.96 * lug, 0.5 * lug)
+        block = frustum(
+            (-0.28 * pitch * radius, 0.28 * pitch * radius, 0.6 * half),
+            (-0.2 * pitch * radius, 0.2 * pitch * radius, 0.5 * half),
+            -0.96 * lug,
+            0.5 * lug,
+        )
         mesh.add(block, RUBBER, place, (0, -angle - math.pi / 2, 0), stands=True)
     mesh.add(rod(rim * 1.02, -0.62 * half, 0.62 * half, corners), DARK, turn=Y)
     for i in range(spokes):
@@ -68,12 +72,13 @@ def sick_yellow():
 
 
 def add_camera(mesh, at, size=0.05):
-    """A camera on a pan and tilt head; `at` is the middle of its lens."""
-    x, y, z = at[0] - 0.55 * size, at[1], at[2]
+    """A camera on a pan and tilt head; `at` is the sensor, just before its lens, which hides nothing from it."""
+    lens, y, z = at[0] - 0.22 * size, at[1], at[2]
+    x = lens - 0.53 * size
     mesh.add(prism(rounded(1.1 * size, 0.9 * size, 0.25 * size, 2), -0.4 * size, 0.4 * size, 0.1 * size), LIGHT, (x, y, z))
-    mesh.add(rod(0.28 * size, 0, 0.18 * size, 10), BLACK, (at[0] - 0.02 * size, y, z), X)
-    mesh.add(rod(0.18 * size, 0, 0.2 * size, 8), GLASS, (at[0] - 0.02 * size, y, z), X)
-    mesh.add_pair(box(0.4 * size, 0.12 * size, 0.8 * size), DARK, (x, 0.52 * size, z + 0.25 * size)) if y == 0 else None
+    mesh.add(rod(0.28 * size, 0, 0.18 * size, 10), BLACK, (lens, y, z), X)
+    mesh.add(rod(0.18 * size, 0, 0.2 * size, 8), GLASS, (lens, y, z), X)
+    mesh.add_pair(box(0.4 * size, 0.12 * size, 0.8 * size), DARK, (x, 0.52 * size, z + 0.25 * size))
     return mesh.add(rod(0.45 * size, 0.55 * size, 0.9 * size, 12), DARK, (x, y, z))
 
 
@@ -101,9 +106,18 @@ def propeller(radius, chord, sense, colour=(0.32, 0.33, 0.35), blades=2):
     mesh = Mesh()
     for blade in range(blades):
         stations = [(0.08, 0.6, 0.4), (0.38, 1.0, 0.30), (0.75, 0.85, 0.2), (1.0, 0.45, 0.12)]
-        rings = [[placed(corner, (0, 0, 0), (sense * pitch, 0, 0)) for corner in
-                  [(r * radius, -c * chord, 0), (r * radius, 0, -0.1 * chord), (r * radius, c * chord, 0),
-                   (r * radius, 0, 0.1 * chord)]] for r, c, pitch in stations]
+        rings = [
+            [
+                placed(corner, (0, 0, 0), (sense * pitch, 0, 0))
+                for corner in [
+                    (r * radius, -c * chord, 0),
+                    (r * radius, 0, -0.1 * chord),
+                    (r * radius, c * chord, 0),
+                    (r * radius, 0, 0.1 * chord),
+                ]
+            ]
+            for r, c, pitch in stations
+        ]
         mesh.add(loft(rings), colour, turn=(0, 0, 2 * math.pi * blade / blades))
     return mesh.add(rod(0.1 * radius, -0.06 * radius, 0.05 * radius, 8), BLACK)
 

@@ -86,3 +86,23 @@ pageTest('a sheet on a phone leaves the view and its sticks', { page: PHONE }, a
   await page.tap('#canvas', { position: { x: 60, y: 150 } });
   await page.waitForSelector('#layers:not([open])', { state: 'attached' });
 });
+
+pageTest('propellers turn while a robot hovers', {}, async ({ page }) => {
+  await spawnRobot(page, { robotClass: 'AirRobot' });
+  await waitForScale(page, 0.5);
+  await page.keyboard.press('Space');
+  const box = await page.locator('#canvas').boundingBox();
+  const clip = { x: box.x + box.width / 2 - 150, y: box.y + box.height / 2 - 100, width: 300, height: 200 };
+  let shown = await page.screenshot({ clip });
+  const waitUntil = async (same) => {
+    for (const end = performance.now() + 30_000; performance.now() < end; await page.waitForTimeout(300)) {
+      const before = shown;
+      shown = await page.screenshot({ clip });
+      if (shown.equals(before) === same) return;
+    }
+    throw new Error(`the view ${same ? 'changes' : 'is the same'} for half a minute`);
+  };
+  await waitUntil(true);
+  for (let step = 0; step < 5; step++) await page.keyboard.press('.');
+  await waitUntil(false);
+});

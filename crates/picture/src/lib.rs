@@ -375,4 +375,32 @@ mod tests {
         assert_eq!(boxes, [[0, 0, 40, 30], [7, 5, 3, 2], [7, 5, 3, 2]]);
         assert!(film(&[], 15).is_err());
     }
+
+    #[test]
+    fn no_robot_hides_the_view_of_its_cameras() {
+        let def = scene_loader::load("smooth", &[]).unwrap();
+        let (stage, mut world) = (Stage::new(&def), World::new(def.clone(), Options::default()));
+        // In the air, far from each other and from their shadows.
+        for (number, class) in def.robots.keys().enumerate() {
+            let location = [20.0 * number as f64, 0.0, -10.0];
+            let init = gamebots_proto::command::Init { class_name: class.clone(), location, ..Default::default() };
+            world.init(&init, &mut Vec::new()).unwrap();
+        }
+        let (snapshot, size) = (world.snapshot(), [32, 24]);
+        let only = |robots: &[scene::RobotSnapshot]| Snapshot { robots: robots.to_vec(), ..snapshot.clone() };
+        let mut blind = Vec::new();
+        for robot in &snapshot.robots {
+            let class = &def.robots[&robot.class];
+            for sensor in class.sensors.iter().filter(|sensor| sensor.config.is_camera()) {
+                let camera = Camera::of_robot(class, robot, sensor, 0.8, size).unwrap();
+                let draw = |snapshot: &Snapshot| view(&stage, &def, snapshot, robot.id, &camera, size).pixels;
+                let (with, without) = (draw(&only(std::slice::from_ref(robot))), draw(&only(&[])));
+                let hidden = with.iter().zip(without).filter(|(with, without)| *with != without).count();
+                if hidden > 32 * 24 / 2 {
+                    blind.push(format!("{}, {}: {hidden} of 768 pixels", robot.class, sensor.name));
+                }
+            }
+        }
+        assert!(blind.is_empty(), "{blind:#?}");
+    }
 }

@@ -17,6 +17,9 @@ const AFAR = 11;
 /** What is smaller than this is left out afar, in robots. */
 const SIMPLE = 1 / 24;
 
+/** How far joints give way under a robot, m: what lies under it is drawn above the ground. */
+const GIVING_WAY = 0.012;
+
 /** How much of a robot is drawn: all but its rollers, all, rollers that do not turn by themselves, or few triangles. */
 type Level = 'plain' | 'near' | 'far' | 'afar';
 
@@ -57,7 +60,7 @@ export interface Placed {
 
 export class RobotFleet {
   readonly group = new THREE.Group();
-  /** Of the body and the wheels that it carries, in the robot's frame. */
+  /** Of the body and the wheels that it carries, down to what stands lowest, in the robot's frame. */
   readonly bounds = new THREE.Box3();
   /** Of the bounds, from corner to corner, m. */
   readonly size: number;
@@ -87,7 +90,7 @@ export class RobotFleet {
         ({ drawn }) => drawn,
       ),
     );
-    this.measure(bodyGeometry, hubs);
+    this.measure(bodyGeometry, hubs, linkGeometries);
     this.size = this.bounds.getSize(new THREE.Vector3()).length();
 
     const instances = (geometry: THREE.BufferGeometry) => new Instances(this.group, geometry, surfaces);
@@ -217,7 +220,7 @@ export class RobotFleet {
     return robots < FAR ? 'near' : robots < AFAR ? 'far' : 'afar';
   }
 
-  private measure(body: THREE.BufferGeometry, hubs: THREE.BufferGeometry[]): void {
+  private measure(body: THREE.BufferGeometry, hubs: THREE.BufferGeometry[], limbs: THREE.BufferGeometry[]): void {
     const add = (geometry: THREE.BufferGeometry | undefined, x: number, y: number, z: number) => {
       if (!geometry?.hasAttribute('position')) return;
       geometry.computeBoundingBox();
@@ -230,6 +233,14 @@ export class RobotFleet {
       // Its rollers stand out of it.
       const { wheel_radius: radius } = this.robotClass;
       this.bounds.expandByPoint(new THREE.Vector3(position[0], position[1], position[2] + radius));
+    });
+    // A robot may stand on its links, as on legs or flippers, which give way a little.
+    this.robotClass.links.forEach(({ pose }, index) => {
+      const limb = limbs[index];
+      if (this.bounds.isEmpty() || !limb?.hasAttribute('position')) return;
+      limb.computeBoundingBox();
+      const box = limb.boundingBox?.clone().applyMatrix4(setPose(new THREE.Matrix4(), pose));
+      if (box) this.bounds.max.z = Math.max(this.bounds.max.z, box.max.z - GIVING_WAY);
     });
     if (this.bounds.isEmpty()) this.bounds.set(new THREE.Vector3(-0.2, -0.2, -0.1), new THREE.Vector3(0.2, 0.2, 0.1));
   }
