@@ -7,7 +7,7 @@ use gamebots_proto::{Line, Problem};
 use indicatif::ProgressBar;
 use nalgebra::{Point3, Vector3};
 use picture::{Camera, Image, Stage};
-use scene::{DriveModel, Geometry, Pose, Shape};
+use scene::{DriveModel, Pose, Shape};
 use scene_loader::Override;
 use sim_core::{Options, World};
 
@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     /// Position of the camera.
     #[arg(long, default_value = "corner")]
     view: View,
-    /// Distance from the camera to the robot or the middle of the map, m; by default the robot, or the whole map, fills the picture.
+    /// Distance from the camera to the middle of the robot or of the map, m; by default the robot, or the whole map, fills the picture.
     #[arg(long, value_name = "M", value_parser = distance)]
     distance: Option<f64>,
     /// Pixels, width x height.
@@ -70,6 +70,8 @@ enum View {
     Side,
     /// From ahead, a little above.
     Front,
+    /// From ahead, to the left and above.
+    Portrait,
 }
 
 impl View {
@@ -80,6 +82,7 @@ impl View {
             Self::Top => -Vector3::z(),
             Self::Side => Vector3::new(0.0, 1.0, -0.2),
             Self::Front => Vector3::new(1.0, 0.25, -0.3),
+            Self::Portrait => Vector3::new(0.85, -0.6, -0.5),
         }
         .normalize()
     }
@@ -114,12 +117,11 @@ fn size(text: &str) -> Result<[usize; 2], String> {
 const FRAMES_PER_SECOND: u16 = 15;
 /// Vertical field of view, rad.
 const FIELD_OF_VIEW: f64 = 0.6;
-/// Least half width of the view, m.
-const LEAST_REACH: f64 = 0.2;
+/// Distances of the camera from a robot over that at which it fills the picture: a driving one needs more room.
+const AROUND: f64 = 1.15;
+const AROUND_IN_FILMS: f64 = 2.0;
 /// Size of the view of an empty map, m.
 const BARE_MAP: [f64; 3] = [4.0, 4.0, 0.1];
-/// Height of the picture over that of a ball around the target.
-const FILLING: f64 = 1.1;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let given = [Some(&arguments.map), arguments.robot.as_ref()];
@@ -132,30 +134,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|error| configuration(error.to_string()))?;
     def.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     let mut world = World::new(def, Options::default());
-    let (mut target, mut ahead, mut reach) = (None, Vector3::x(), LEAST_REACH);
     if let Some(robot) = &arguments.robot {
         let class = scene_loader::robot(robot, &[]).map_or_else(|_| robot.clone(), |def| def.class);
-        let class = class.as_str();
-        place(&mut world, class, arguments).map_err(configuration)?;
-        if let Some((body, _)) = world.robots().next().and_then(|(id, _, _)| world.state(id)) {
-            target = Some(Point3::from(body.pose.translation.vector));
-            (ahead, reach) = (body.pose.rotation * Vector3::x(), reach_of(&world, class).max(LEAST_REACH));
-        }
+        place(&mut world, &class, arguments).map_err(configuration)?;
     }
+    let stage = Stage::new(world.def());
+    let snapshot = world.snapshot();
+    let robot = snapshot.robots.first();
+    let ahead = robot.map_or_else(Vector3::x, |robot| robot.body.pose.rotation * Vector3::x());
     let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), ahead.y.atan2(ahead.x));
     let direction = turn * arguments.view.direction().normalize();
     let [width, height] = arguments.size;
-    let fitted = Camera::fitting(&standing(&world), -direction, FIELD_OF_VIEW, arguments.size);
-    let tall = (height as f64 / width as f64).max(1.0);
-    let camera = match (target, arguments.distance) {
-        (None, None) => fitted,
-        (target, distance) => {
-            let target = target.unwrap_or(fitted.target);
-            let distance = distance.unwrap_or(FILLING * tall * reach / (FIELD_OF_VIEW / 2.0).tan());
-            Camera { eye: target + direction * distance, target, down: Vector3::z(), field_of_view: FIELD_OF_VIEW }
-        }
+    let drawn = robot.map_or_else(|| standing(&world), |robot| stage.corners_of(world.def(), &snapshot, robot));
+    let fitted = Camera::fitting(&drawn, -direction, FIELD_OF_VIEW, arguments.size);
+    let around = match (robot, arguments.film) {
+        (None, _) => 1.0,
+        (Some(_), None) => AROUND,
+        (Some(_), Some(_)) => AROUND_IN_FILMS,
     };
-    let stage = Stage::new(world.def());
+    let distance = arguments.distance.unwrap_or(around * (fitted.eye - fitted.target).norm());
+    let camera = Camera { eye: fitted.target + direction * distance, ..fitted };
     let draw = |world: &World| picture::picture(&stage, world.def(), &world.snapshot(), &camera, arguments.size);
     let written = match arguments.film {
         Some(seconds) => picture::film(&film(&mut world, seconds, draw), FRAMES_PER_SECOND),
@@ -220,19 +218,6 @@ pub(crate) fn standing(world: &World) -> Vec<Point3<f64>> {
         places.extend(corners(&Shape::Box { size: BARE_MAP }, &Pose::identity()));
     }
     places
-}
-
-/// Returns the largest distance of a class's drawn parts from its origin, with every joint at 0, m.
-fn reach_of(world: &World, class: &str) -> f64 {
-    let def = world.def().robots.iter().find(|(name, _)| name.eq_ignore_ascii_case(class)).map(|(_, def)| def);
-    let pieces = def.into_iter().flat_map(scene::RobotDef::drawn).flat_map(|(link, pieces)| {
-        let origin = nalgebra::Translation3::from(Vector3::from(link.origin()));
-        pieces.into_iter().flat_map(move |piece| match &piece.geometry {
-            Geometry::Shape(shape) => corners(shape, &(origin * piece.pose)),
-            Geometry::Revolved(_) => vec![origin * piece.pose * Point3::origin()],
-        })
-    });
-    pieces.map(|place| place.coords.norm()).fold(0.0, f64::max)
 }
 
 /// Returns points that span a shape.

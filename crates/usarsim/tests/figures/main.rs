@@ -9,6 +9,7 @@
 #[path = "../../benches/budget.rs"]
 #[expect(dead_code, reason = "its main is that of `cargo bench`")]
 mod budget;
+mod gallery;
 mod makers;
 
 use std::collections::BTreeMap;
@@ -24,7 +25,8 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure. With `true` it also measures times.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 15] = [
+const FIGURES: [(&str, Maker); 16] = [
+    ("gallery", |_| gallery::chapters()),
     ("messages", |_| makers::messages()),
     ("session", |_| makers::session()),
     ("motion", |_| makers::motion()),
