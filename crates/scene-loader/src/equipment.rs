@@ -45,7 +45,7 @@ struct Set {
     classes: BTreeMap<String, (String, Range<usize>)>,
 }
 
-/// What a command line changes in the files of robots: numbers, and items.
+/// Changes of a command line to the files of robots: numbers, and items.
 #[derive(Debug, Clone, Copy)]
 pub struct Changes<'a> {
     /// Replaced numbers.

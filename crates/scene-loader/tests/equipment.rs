@@ -62,8 +62,10 @@ fn an_ini_replaces_the_items_of_its_classes() {
     assert!(p3at.actuators.iter().any(|it| it.name == "Fork"), "{:?}", p3at.actuators);
     // Another class keeps its own.
     assert_eq!(names(&robot("Kiva4Wheel", &equipment)), names(&robot("Kiva4Wheel", &Equipment::default())));
-    // A class that is like this one has what this one has, unless its file says otherwise.
-    assert_eq!(names(&robot("P2AT_ATLANTA", &equipment)), "Scanner1");
+    // A further name of a class has what the class has.
+    let atlanta = robot("P2AT_ATLANTA", &equipment);
+    assert_eq!(names(&atlanta), "Scanner1 Camera");
+    assert_eq!(atlanta.actuators.iter().map(|it| it.name.as_str()).collect::<Vec<_>>(), ["Pan"]);
 }
 
 #[test]

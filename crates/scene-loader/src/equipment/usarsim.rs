@@ -55,7 +55,7 @@ struct Place {
 #[derive(Debug, Default)]
 pub(super) struct Inis {
     texts: Vec<Text>,
-    /// What classes carry, by their names in lower case.
+    /// Items of classes, by their names in lower case.
     classes: BTreeMap<String, Carried>,
     /// Settings of classes of sensors that replace their defaults, by the class of robot.toml.
     settings: BTreeMap<&'static str, Vec<(&'static str, String)>>,
@@ -64,7 +64,7 @@ pub(super) struct Inis {
     warnings: Vec<FileProblem>,
 }
 
-/// What a class of robots or actuators carries.
+/// The items of a class of robots or actuators.
 #[derive(Debug)]
 struct Carried {
     /// Name as its first section spells it.
@@ -281,7 +281,7 @@ fn check_settings(class: &str, settings: &[(&'static str, String)]) -> Result<()
     config(class, settings)?.validate().map_err(|expected| format!("expected {expected}"))
 }
 
-/// What was read so far.
+/// The contents of the lines read so far.
 #[derive(Default)]
 struct Reader {
     file: usize,
