@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use gamebots_proto::Command;
 use scene::WorldDef;
-use scene_loader::{Changes, Equipment, LoadError};
+use scene_loader::{Changes, Equipment, Import, LoadError};
 use sim_core::{Options, World};
 use tempfile::TempDir;
 
@@ -71,6 +71,21 @@ pub fn ini(bytes: &[u8]) {
             }
         }
     }
+}
+
+/// A world of Gazebo, from which a map is made.
+pub fn sdf(bytes: &[u8]) {
+    let folder = Folder::new(&[("part.obj", MESH.as_bytes())]);
+    let file = folder.with("x.sdf", bytes);
+    let import = Import { file: &file, scale: 1.0, materials: &[], floor: true };
+    let made = scene_loader::import_map(&import);
+    assert_lines(&made);
+    let Ok(made) = made else { return };
+    for (name, bytes) in &made.meshes {
+        folder.with(name, bytes);
+    }
+    let start = "[[start]]\nname = \"PlayerStart_0\"\nposition = [0.0, 0.0, 0.0]\n";
+    drive_on_map(&folder.with("map.toml", (made.text + start).as_bytes()));
 }
 
 /// A URDF, checked by itself and as the body of two robots. A mesh that it may name is there.

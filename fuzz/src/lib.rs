@@ -14,7 +14,7 @@ mod requests;
 mod wire;
 mod world;
 
-pub use files::{dae, glb, ini, map, material, obj, robot, stl, urdf};
+pub use files::{dae, glb, ini, map, material, obj, robot, sdf, stl, urdf};
 #[cfg(feature = "libfuzzer")]
 pub use guided::guided;
 pub use log::log;
@@ -33,13 +33,14 @@ use cap::Cap;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 13] = [
+pub const TARGETS: [(&str, Target); 14] = [
     ("wire", wire),
     ("world", world),
     ("robot", robot),
     ("map", map),
     ("material", material),
     ("ini", ini),
+    ("sdf", sdf),
     ("urdf", urdf),
     ("stl", stl),
     ("obj", obj),

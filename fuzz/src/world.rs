@@ -13,7 +13,7 @@ use sim_core::{CompiledScene, Options, World};
 use crate::assert_finite;
 
 /// Maps that an input can choose, the first unless it names one.
-const MAPS: [&str; 4] = ["rough", "arena", "slope-4.5", "hall"];
+const MAPS: [&str; 6] = ["rough", "arena", "slope-4.5", "hall", "rescue", "factory"];
 /// Most steps of one input; and most at once.
 const MAX_STEPS: u32 = 200;
 /// Most robots in the world at once.

@@ -79,6 +79,7 @@ targets! {
     map: 200,
     material: 200,
     ini: 200,
+    sdf: 200,
     urdf: 200,
     stl: 200,
     obj: 200,
