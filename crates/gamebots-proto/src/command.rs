@@ -29,14 +29,17 @@ pub trait ReadWrite: Sized {
 }
 
 macro_rules! commands {
-    ($($(#[$doc:meta])* $verb:literal => $name:ident,)*) => {
+    ($($(#[doc = $about:literal])* $verb:literal => $name:ident,)*) => {
         /// Every command that this server acts on.
         #[derive(Debug, Clone, PartialEq)]
-        pub enum Command { $($(#[$doc])* $name($name),)* }
+        pub enum Command { $($(#[doc = $about])* $name($name),)* }
 
         impl Command {
             /// The verbs in upper case, in the order of the list.
             pub const VERBS: &'static [&'static str] = &[$($verb),*];
+
+            /// The meaning of each verb, in the same order.
+            pub const ABOUT: &'static [&'static str] = &[$(concat!($($about,)*)),*];
 
             /// Reads a line as it was sent, see [`Command::read`].
             pub fn parse(text: &str, problems: &mut Vec<Problem>) -> Option<Self> {

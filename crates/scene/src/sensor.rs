@@ -61,15 +61,23 @@ pub struct SensorDef {
 }
 
 macro_rules! sensors {
-    ($($(#[$doc:meta])* $class:literal, $interval:literal => $name:ident($config:path), $read:expr;)*) => {
+    ($($(#[doc = $about:literal])* $class:literal, $interval:literal => $name:ident($config:path), $read:expr;)*) => {
         /// Settings of a sensor of any class.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-        pub enum Config { $($(#[$doc])* $name($config),)* }
+        pub enum Config { $($(#[doc = $about])* $name($config),)* }
 
         /// Every class of sensor with its default scan interval, s.
         pub const CLASSES: &[(&str, f64)] = &[$(($class, $interval)),*];
 
+        /// The meaning of each class, in the same order.
+        pub const ABOUT: &[&str] = &[$(concat!($($about,)*)),*];
+
         impl Config {
+            /// Returns the name of the class.
+            pub fn class(&self) -> &'static str {
+                match self { $(Self::$name(_) => $class,)* }
+            }
+
             /// Reads the settings of a class; `None` for a class that is not in [`CLASSES`].
             pub fn read<'de, D: Deserializer<'de>>(class: &str, settings: D) -> Option<Result<Self, D::Error>> {
                 match class {

@@ -10,8 +10,8 @@ use crate::{Failure, exit};
 /// Options for the equipment of robots.
 #[derive(clap::Args)]
 pub(crate) struct Choice {
-    /// What robots carry: `shipped`, as their files say; `robocup2014`, as at that competition; or a TOML file with the [[CLASS.sensor]] and
-    /// [[CLASS.mount]] tables of classes.
+    /// Items that robots carry: `shipped`, as their files say; `robocup2014`, as at that competition; or a TOML file with the
+    /// [[CLASS.sensor]] and [[CLASS.mount]] tables of classes.
     #[arg(long, env = "USARSIM_EQUIPMENT", value_name = "NAME|FILE", conflicts_with = "ini")]
     equipment: Option<String>,
     /// Take the robots' items and the sensors' settings from a USARSim ini file, as DefaultUSAR.ini or UT2004's USARBot.ini. May be given

@@ -107,6 +107,9 @@ pub(super) fn read<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materi
     all
 }
 
+/// A part of a body: its word, shape, position and rotation in the victim's frame, and material.
+type Limb<'a> = (&'a str, Shape, [f64; 3], [f64; 3], &'a Material);
+
 fn read_victim(
     document: &mut Document,
     span: &Range<usize>,
@@ -144,7 +147,7 @@ fn body(victim: &Victim, posture: Posture, materials: &Materials) -> Vec<Solid> 
     let (ball, limb) = (|radius| Shape::Ball { radius }, |radius, length| Shape::Cylinder { radius, length });
     let edges = |size| Shape::Box { size };
     // Of paired parts the right one, which is mirrored by its y.
-    let parts: [(&str, Shape, [f64; 3], [f64; 3], &Material); 7] = match posture {
+    let parts: [Limb; 7] = match posture {
         Posture::Lying => [
             ("Head", ball(0.1), [0.72, 0.0, -0.1], [0.0; 3], &skin),
             ("Chest", edges([0.45, 0.36, 0.2]), [0.38, 0.0, -0.1], [0.0; 3], &clothes),

@@ -11,6 +11,7 @@
 mod budget;
 mod gallery;
 mod makers;
+mod reference;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -25,8 +26,15 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure. With `true` it also measures times.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 16] = [
+const FIGURES: [(&str, Maker); 23] = [
     ("gallery", |_| gallery::chapters()),
+    ("reference-robots", |_| reference::robots()),
+    ("reference-actuators", |_| reference::actuators()),
+    ("reference-sensors", |_| reference::sensors()),
+    ("reference-commands", |_| reference::commands()),
+    ("reference-maps", |_| reference::maps()),
+    ("reference-materials", |_| reference::materials()),
+    ("reference-objects", |_| reference::objects()),
     ("messages", |_| makers::messages()),
     ("session", |_| makers::session()),
     ("motion", |_| makers::motion()),
