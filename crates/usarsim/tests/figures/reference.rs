@@ -10,6 +10,44 @@ use sim_core::{Options, TIME_STEP, World};
 
 use super::repository;
 
+/// Map of the sensors' lines: a victim who moans and breathes out, a tag, and a wall behind them.
+const MAP: &str = r#"
+description = "A victim before a wall"
+
+[[half_space]]
+name = "Floor"
+material = "concrete"
+
+[[box]]
+name = "Wall"
+material = "plywood"
+position = [4.0, 0.0, -0.5]
+size = [0.1, 12.0, 1.0]
+
+[[victim]]
+name = "Ann"
+position = [2.0, 0.0, 0.0]
+rotation = [0.0, 0.0, 1.5]
+moves = true
+volume = 0.6
+co2 = 0.8
+
+[[rfid]]
+id = 7
+position = [1.0, 0.5, -0.1]
+memory = "room 2"
+
+[[sound]]
+name = "Horn"
+position = [3.0, 1.0, -0.5]
+volume = 0.8
+duration = 0.5
+interval = 0.4
+
+[[start]]
+name = "PlayerStart_0"
+position = [0.0, 0.0, 0.0]
+"#;
 /// Longest shown line.
 const SHOWN: usize = 200;
 
@@ -111,7 +149,7 @@ pub(crate) fn actuators() -> String {
     format!("\n\n{}", table(&["class", "", "joints", "sensors"], folders("actuators").into_iter().map(row)))
 }
 
-/// Returns the first line of a sensor of a class, 1.5 m in front of a victim of the map `rescue`.
+/// Returns the line of a sensor of a class on a P3AT at rest, 2 m from a victim.
 fn example(class: &str, scene: &WorldDef) -> Option<String> {
     let mut robot = scene.robots["P3AT"].clone();
     let config = sensor::Config::read(class, serde_json::json!({}))?.ok()?;
@@ -121,21 +159,23 @@ fn example(class: &str, scene: &WorldDef) -> Option<String> {
     robot.sensors = vec![SensorDef { name, link: 0, position, direction: [0.0; 3], scan_interval: *interval, config }];
     let robots = [("P3AT".to_owned(), robot)].into();
     let mut world = World::new(WorldDef { robots, ..scene.clone() }, Options::default());
-    let victim = scene.map.victims.first()?;
-    let [x, y, z] = victim.position;
-    let text = format!("INIT {{ClassName USARBot.P3AT}} {{Location {},{y},{}}}", x - 1.5, z - 0.2);
-    let Some(Command::Init(init)) = Command::read(&Line::parse(&text), &mut Vec::new()) else { return None };
+    let text = "INIT {ClassName USARBot.P3AT} {Location 0,0,0}";
+    let Some(Command::Init(init)) = Command::read(&Line::parse(text), &mut Vec::new()) else { return None };
     world.init(&init, &mut Vec::new())?;
     let steps = (1.3 / TIME_STEP) as usize;
-    (0..steps).find_map(|_| {
+    let line = |_| {
         let reports = world.step();
         let mut messages = reports.into_iter().filter_map(|(_, report)| world.message(report));
         messages.find(|message| matches!(message, Message::Sen(_))).map(|message| message.write(Dialect::Udk))
-    })
+    };
+    (0..steps).filter_map(line).last()
 }
 
 pub(crate) fn sensors() -> String {
-    let scene = scene_loader::load("rescue", &[]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("map.toml");
+    fs::write(&file, MAP).unwrap();
+    let scene = scene_loader::load(&file.display().to_string(), &[]).unwrap();
     let row = |(&(class, interval), about): (&(&str, f64), &&str)| {
         let line = example(class, &scene).map_or("sends nothing".to_owned(), |line| {
             let shown: String = line.chars().take(SHOWN).collect();
