@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use gamebots_proto::Command;
 use scene::WorldDef;
-use scene_loader::{Changes, Equipment, Import, LoadError};
+use scene_loader::{Changes, Equipment, LoadError, MapImport};
 use sim_core::{Options, World};
 use tempfile::TempDir;
 
@@ -77,7 +77,7 @@ pub fn ini(bytes: &[u8]) {
 pub fn sdf(bytes: &[u8]) {
     let folder = Folder::new(&[("part.obj", MESH.as_bytes())]);
     let file = folder.with("x.sdf", bytes);
-    let import = Import { file: &file, scale: 1.0, materials: &[], floor: true };
+    let import = MapImport { file: &file, scale: 1.0, materials: &[], floor: true };
     let made = scene_loader::import_map(&import);
     assert_lines(&made);
     let Ok(made) = made else { return };

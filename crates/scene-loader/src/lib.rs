@@ -6,7 +6,7 @@
 mod catalogue;
 mod document;
 mod equipment;
-mod import;
+mod import_map;
 mod map;
 mod materials;
 mod mesh;
@@ -20,7 +20,7 @@ pub use catalogue::{
     File, load, load_equipped, load_with, map, map_files, map_names, robot, robot_equipped, robot_files, robot_names,
 };
 pub use equipment::{Changes, Equipment};
-pub use import::{Import, Imported, ImportedSolid, import_map};
+pub use import_map::{ImportedMap, ImportedSolid, MapImport, import_map};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
 

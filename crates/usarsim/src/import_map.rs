@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use names::count;
-use scene_loader::{Import, Imported, ImportedSolid};
+use scene_loader::{ImportedMap, ImportedSolid, MapImport};
 use serde_json::json;
 use sim_core::{Options, Room, World};
 
@@ -68,7 +68,7 @@ fn scale(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { file, name, material, scale, floor, json } = arguments;
-    let made = scene_loader::import_map(&Import { file, scale: *scale, materials: material, floor: *floor });
+    let made = scene_loader::import_map(&MapImport { file, scale: *scale, materials: material, floor: *floor });
     let made = made.map_err(|error| Failure::new(exit::BAD_DATA, error))?;
     let folder = Path::new(name);
     let failed = |path: &Path, error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
@@ -107,7 +107,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Writes the files of a map into its new folder, with the start poses that are free. Returns these.
-fn fill(folder: &Path, made: &Imported) -> Result<Vec<(&'static str, [f64; 3])>, Failure> {
+fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3])>, Failure> {
     let write = |file: &str, content: &[u8]| {
         let path = folder.join(file);
         let failed = |error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));

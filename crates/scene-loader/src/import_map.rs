@@ -24,7 +24,7 @@ const MATERIAL: &str = "concrete";
 
 /// Settings of an import.
 #[derive(Debug, Clone, Copy)]
-pub struct Import<'a> {
+pub struct MapImport<'a> {
     /// A .sdf, .world, .glb, .gltf, .obj, .stl or .dae file.
     pub file: &'a Path,
     /// Factor from the unit of a mesh to metres. SDF is in metres.
@@ -52,7 +52,7 @@ pub struct ImportedSolid {
 
 /// A map made from a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Imported {
+pub struct ImportedMap {
     /// Text of map.toml without start poses.
     pub text: String,
     /// Meshes beside it: names and contents.
@@ -84,7 +84,7 @@ enum Geometry {
 ///
 /// # Errors
 /// Reports an unreadable file, an unknown material, or all problems of the file.
-pub fn import_map(import: &Import) -> Result<Imported, LoadError> {
+pub fn import_map(import: &MapImport) -> Result<ImportedMap, LoadError> {
     import.materials.iter().try_for_each(|(_, material)| known_material(material))?;
     let (source, file) = (Source::of_file(import.file), file_name(import.file));
     let ending = import.file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
@@ -114,7 +114,7 @@ pub fn import_map(import: &Import) -> Result<Imported, LoadError> {
         let geometry = Geometry::Plain(Shape::HalfSpace);
         found.insert(0, Found { name: "floor".to_owned(), pose, geometry, colour: None, mass: None });
     }
-    let mut made = Imported { text: String::new(), meshes: Vec::new(), solids: Vec::new(), notes };
+    let mut made = ImportedMap { text: String::new(), meshes: Vec::new(), solids: Vec::new(), notes };
     let _ = writeln!(made.text, "description = {}", quoted(&format!("From {file}")));
     let mut names = Names::default();
     for object in found {
@@ -229,7 +229,7 @@ impl Names {
     }
 }
 
-impl Imported {
+impl ImportedMap {
     fn add(&mut self, found: Found, patterns: &[(String, String)], names: &mut Names) {
         let is_bad = |c: char| c.is_whitespace() || c.is_control() || "{}".contains(c);
         let plain: String = found.name.trim().chars().take(MAX_NAME - 10).collect();
