@@ -1,7 +1,7 @@
 //! A copy of a world, and a world that was saved and loaded, go on as the world does. Neither disturbs the other.
 
 use gamebots_proto::Command;
-use scene::{DriveModel, WorldDef};
+use scene::{Conveyor, DriveModel, WorldDef};
 use sim_core::{LoadError, ObjectId, PawnId, SaveError, SavedWorld, World};
 use system_tests::{apply, busy_scene, busy_world, command, init, world};
 
@@ -182,7 +182,7 @@ fn a_robot_of_the_engine_is_not_saved() {
 #[test]
 fn a_saved_world_that_does_not_fit_is_refused() {
     type Row = (&'static str, fn(&mut serde_json::Value, &mut WorldDef), fn(&LoadError) -> bool);
-    let changes: [Row; 8] = [
+    let changes: [Row; 10] = [
         (
             "a class is gone",
             |_, scene| drop(scene.robots.remove("Kenaf")),
@@ -202,6 +202,20 @@ fn a_saved_world_that_does_not_fit_is_refused() {
             "a crate is gone",
             |_, scene| drop(scene.map.objects.pop()),
             |it| matches!(it, LoadError::OtherMap { id: ObjectId(2) }),
+        ),
+        (
+            "a conveyor too many",
+            |saved, _| saved["conveyors"] = vec![1.0].into(),
+            |it| matches!(it, LoadError::OtherConveyors { got: 1, expected: 0 }),
+        ),
+        (
+            "a conveyor too few",
+            |saved, scene| {
+                saved["conveyors"] = vec![1.0].into();
+                let velocity = [0.0; 3];
+                scene.map.conveyors = vec![Conveyor { solid: 1, velocity }, Conveyor { solid: 2, velocity }];
+            },
+            |it| matches!(it, LoadError::OtherConveyors { got: 1, expected: 2 }),
         ),
         (
             "a number twice",

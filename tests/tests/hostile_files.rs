@@ -9,8 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use scene::check::{self, Range};
 use scene::sensor::Config;
 use scene::{
-    Battery, DriveModel, Joint, JointKind, MapDef, Material, Motor, Object, Part, RobotDef, RobotSnapshot, Rollers,
-    Shape, Solid, Steering, Wheel, WorldDef,
+    Battery, Conveyor, DriveModel, HeightField, Joint, JointKind, MapDef, Material, Motor, Object, Part, RobotDef,
+    RobotSnapshot, Rollers, Shape, Solid, Steering, Wheel, WorldDef,
 };
 use sim_core::{Options, World};
 use system_tests::{apply, init};
@@ -212,6 +212,47 @@ fn what_no_world_can_be_made_with_is_refused_by_name() {
     check(
         mesh(|_, triangles| triangles.resize(1_000_001, [0, 1, 2])),
         "the map: 1000001 triangles: expected at most 1000000",
+    );
+    let field = |size: [f64; 2], columns: usize, heights: Vec<f64>| {
+        move |def: &mut WorldDef| def.map.solids[1].shape = Shape::HeightField(HeightField { size, columns, heights })
+    };
+    let edge = [1.0, 1.0];
+    for columns in [0, 1, 3, 4, usize::MAX] {
+        check(
+            field(edge, columns, vec![0.0; 4]),
+            &format!(
+                "the map, solid wall-front: 4 heights in rows of {columns}: expected at least two full rows of at least two"
+            ),
+        );
+    }
+    check(
+        field([1.0, 0.0], 2, vec![0.0; 4]),
+        "the map, solid wall-front: `size` is [1, 0]: expected numbers of 0.0001 to 100000 m",
+    );
+    check(
+        field(edge, 2, vec![0.0, 0.0, f64::NAN, 0.0]),
+        "the map, solid wall-front: `height` is NaN: expected -450 to 450 m",
+    );
+    check(field(edge, 1000, vec![0.0; 600_000]), "the map: 1197090 triangles: expected at most 1000000");
+    let belt = |solid: usize, speed: f64| {
+        move |def: &mut WorldDef| def.map.conveyors.push(Conveyor { solid, velocity: [speed, 0.0, 0.0] })
+    };
+    check(belt(1, 11.0), "the map, conveyor wall-front: `conveyor` is [11, 0, 0]: expected numbers of -10 to 10 m/s");
+    check(belt(0, 1.0), "the map, conveyor floor: a conveyor of another shape: expected a box");
+    check(belt(999, 1.0), "the map, conveyor 0: a conveyor of another shape: expected a box");
+    check(
+        |def| {
+            let line = Solid { shape: Shape::Ball { radius: -1.0 }, ..def.map.solids[1].clone() };
+            def.map.markings.push(line);
+        },
+        "the map, solid wall-front: `radius` is -1: expected 0.0001 to 100000 m",
+    );
+    check(
+        |def| {
+            def.map.objects[0].solid.shape =
+                Shape::HeightField(HeightField { size: [1.0; 2], columns: 2, heights: vec![0.0; 4] })
+        },
+        "the map, solid crate: a mass: expected a box, a cylinder, a ball or a hull",
     );
     check(|def| def.map.objects[0].mass = 1e-10, "the map, solid crate: `mass` is 1e-10: expected 0.001 to 100000 kg");
     check(

@@ -1,12 +1,12 @@
 //! Poses of standing robots, and the repeatability of runs.
 
-use gamebots_proto::{Command, Dialect};
+use gamebots_proto::Dialect;
 use sim_core::{CompiledScene, Options, World};
-use system_tests::{apply, command, init, run, world};
+use system_tests::{apply, init, run, world};
 
 /// Height of the origin of a standing P3AT above its surface, m.
 const P3AT_HEIGHT: f64 = 0.146;
-/// Cars of full size, which have no room between some walls.
+/// Cars of full size, which have no room at the starts of rooms.
 const CARS: [&str; 3] = ["Cooper", "Hummer", "Sedan"];
 
 #[track_caller]
@@ -46,29 +46,26 @@ fn a_robot_in_a_box_or_ramp_is_put_onto_it() {
 
 #[test]
 fn every_start_of_every_map_is_a_place_to_stand() {
+    let mut wrong: Vec<String> = Vec::new();
     for map in scene_loader::map_names() {
         let def = scene_loader::load(&map, &[]).unwrap_or_else(|error| panic!("{error}"));
         let scene = CompiledScene::from(def);
         for start in ["PlayerStart_0", "RobotStart1", "RobotStart2"] {
-            for class in scene_loader::robot_names() {
+            assert!(scene.def().map.starts.iter().any(|pose| pose.name == start), "{map} has no {start}");
+            for class in scene_loader::robot_names().into_iter().filter(|class| !CARS.contains(&class.as_str())) {
                 let mut world = World::new(scene.clone(), Options::default());
-                assert!(world.def().map.starts.iter().any(|pose| pose.name == start), "{map} has no {start}");
-                let Command::Init(init) = command(&format!("INIT {{ClassName USARBot.{class}}} {{Start {start}}}"))
-                else {
-                    panic!("{class}")
-                };
-                let Some(robot) = world.init(&init, &mut Vec::new()) else {
-                    assert!(CARS.contains(&class.as_str()), "{class} has no room at {start} of {map}");
-                    continue;
-                };
+                let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Start {start}}}"));
                 let (before, _) = world.state(robot).expect("the robot is there");
                 run(&mut world, 0.5);
                 let (after, _) = world.state(robot).expect("the robot is there");
                 let moved = (after.pose.translation.vector - before.pose.translation.vector).norm();
-                assert!(moved < 0.03, "{class} at {start} of {map} moves by {moved:.3} m");
+                if moved >= 0.03 {
+                    wrong.push(format!("{class} at {start} of {map} moves by {moved:.3} m"));
+                }
             }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

@@ -24,7 +24,7 @@ const solid = (name, x, shape = { Box: { size: [1, 1, 1] } }) => {
   return { name, shape, pose: pose(x), material: 'wood', colour: [1, 0, 0], friction: 0.5 };
 };
 const sceneOf = (...objects) => ({
-  map: { name: 'test', description: '', solids: [], objects, starts: [], path_nodes: [] },
+  map: { name: 'test', description: '', solids: [], markings: [], objects, starts: [], path_nodes: [] },
   maps: [],
   classes: {},
 });

@@ -16,7 +16,11 @@ maps: Array<OtherMap>, map: Map, classes: Record<string, RobotClass>, };
 
 export type OtherMap = { name: string, description: string, };
 
-export type Map = { name: string, description: string, solids: Array<Solid>, objects: Array<Solid>, starts: Array<NamedPlace>, path_nodes: Array<NamedPlace>, };
+export type Map = { name: string, description: string, solids: Array<Solid>, 
+/**
+ * Solids that are only seen, without edges and shadows.
+ */
+markings: Array<Solid>, objects: Array<Solid>, starts: Array<NamedPlace>, path_nodes: Array<NamedPlace>, };
 
 export type Solid = { name: string, shape: Shape, pose: [number, number, number, number, number, number, number], 
 /**

@@ -42,9 +42,9 @@ export class MapView {
     private readonly surfaces: Surfaces,
     private readonly catalogue: Catalogue,
   ) {
-    const { solids } = scene.map;
+    const { solids, markings } = scene.map;
     const kinds = new Map<SurfaceName, THREE.BufferGeometry[]>();
-    solids.forEach((solid, index) => {
+    [...solids, ...markings].forEach((solid, index) => {
       const kind = surfaceOf(solid.material);
       kinds.set(kind, [...(kinds.get(kind) ?? []), drawnSolid(solid, solid.pose, index)]);
     });

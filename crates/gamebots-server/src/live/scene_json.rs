@@ -73,6 +73,8 @@ page_types! {
         name: &'a str,
         description: &'a str,
         solids: Vec<Solid<'a>>,
+        /// Solids that are only seen, without edges and shadows.
+        markings: Vec<Solid<'a>>,
         objects: Vec<Solid<'a>>,
         starts: Vec<NamedPlace<'a>>,
         path_nodes: Vec<NamedPlace<'a>>,
@@ -252,7 +254,8 @@ fn map(map: &MapDef) -> Map<'_> {
     Map {
         name: &map.name,
         description: &map.description,
-        solids: map.solids.iter().chain(&map.markings).map(solid).collect(),
+        solids: map.solids.iter().map(solid).collect(),
+        markings: map.markings.iter().map(solid).collect(),
         objects: map.objects.iter().map(|object| solid(&object.solid)).collect(),
         starts: map.starts.iter().map(named).collect(),
         path_nodes: map.path_nodes.iter().map(named).collect(),
