@@ -142,6 +142,7 @@ fn a_world_of_sdf_keeps_shapes_poses_and_masses() {
 
 #[test]
 fn what_cannot_be_imported_is_refused_by_name_and_leaves_nothing() {
+    let empty = "<sdf version='1.6'><model name='m'/></sdf>";
     let recursive = "<sdf version='1.6'><model name='m'><include><uri>model://m</uri></include></model></sdf>";
     let relative = model("a", "<pose relative_to='b'>0 0 0 0 0 0</pose>", "<box><size>1 1 1</size></box>");
     for (file, text, more, code, expected) in [
@@ -174,6 +175,13 @@ fn what_cannot_be_imported_is_refused_by_name_and_leaves_nothing() {
             65,
             "expected at most 16 models inside each other",
         ),
+        (
+            "a.sdf",
+            &sdf(&"<include><uri>model://empty</uri></include>".repeat(1001)),
+            &[],
+            65,
+            "more than 1000 included models",
+        ),
         ("a.sdf", &sdf(&relative), &[], 65, "a pose in the frame `b`: expected one in that of its parent"),
         ("a.sdf", &sdf(&model("a", "<pose>1 2 x</pose>", "")), &[], 65, "a pose that is not `x y z roll pitch yaw`"),
         (
@@ -194,7 +202,8 @@ fn what_cannot_be_imported_is_refused_by_name_and_leaves_nothing() {
         ("a.sdf", &sdf(&model("a", "", "<mesh><uri>none.stl</uri></mesh>")), &[], 65, "none.stl: cannot be read"),
     ] {
         let folder = tempfile::tempdir().expect("a folder");
-        let files = [(file, text.as_bytes()), ("m/model.sdf", recursive.as_bytes())];
+        let files =
+            [(file, text.as_bytes()), ("m/model.sdf", recursive.as_bytes()), ("empty/model.sdf", empty.as_bytes())];
         let named: &[&str] = if more.contains(&"--name") { &[] } else { &["--name", "made"] };
         let output = import(folder.path(), &files, &[&[file], named, more].concat());
         let said = String::from_utf8_lossy(&output.stderr);

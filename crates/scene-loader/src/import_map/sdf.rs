@@ -20,6 +20,8 @@ const MAX_NODES: u32 = 500_000;
 const MAX_NAMESPACES: usize = 100;
 /// Maximum nesting of models, and of files that include each other.
 const MAX_DEPTH: usize = 16;
+/// Maximum number of included files: files that include each other twice would be read without end.
+const MAX_INCLUDED: usize = 1000;
 /// Elements that say nothing about shapes.
 const SILENT: [&str; 24] = [
     "physics",
@@ -54,7 +56,8 @@ pub(super) fn read(
     file: &str,
     problems: &mut Problems,
 ) -> Result<(Vec<Found>, Vec<String>), LoadError> {
-    let mut reader = Reader { problems, found: Vec::new(), left_out: BTreeMap::new(), triangles: Budget::default() };
+    let (found, left_out, triangles) = (Vec::new(), BTreeMap::new(), Budget::default());
+    let mut reader = Reader { problems, found, left_out, triangles, included: 0 };
     reader.file(source, file, &Isometry3::identity(), None, 0)?;
     let Reader { found, left_out, .. } = reader;
     Ok((found, left_out.into_iter().map(|(what, count)| format!("{count} of {what} left out")).collect()))
@@ -66,6 +69,8 @@ struct Reader<'p> {
     /// Counts of what is left out.
     left_out: BTreeMap<String, usize>,
     triangles: Budget,
+    /// Number of included files.
+    included: usize,
 }
 
 /// A file that is being read.
@@ -146,7 +151,12 @@ impl Reader<'_> {
             folder.has("model.sdf").then_some(folder)
         });
         match folder {
+            Some(_) if self.included >= MAX_INCLUDED => {
+                self.problem(place, node, format_args!("more than {MAX_INCLUDED} included models"));
+                Ok(())
+            }
             Some(folder) if !name.is_empty() => {
+                self.included += 1;
                 let called = Some(text_of(node, "name")).filter(|name| !name.is_empty());
                 self.file(&folder, "model.sdf", &(pose * own), called, place.depth + 1)
             }
