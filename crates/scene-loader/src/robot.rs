@@ -141,7 +141,7 @@ pub(crate) fn read(definition: &Definition, text: &str, problems: &mut Problems)
     links.read_joints(&mut document, &mut root);
     read_parts(&mut document, &mut root, materials, &mut links);
     let wheels = read_wheels(&mut document, &mut root, &mut links, steering, materials);
-    let casters = read_casters(&mut document, &mut root, materials);
+    let casters = read_casters(&mut document, &mut root, &links, materials);
     let complete = links.complete && wheels.is_ok();
     let mut links = links.with_wheels(&mut document, wheels.iter().flatten().cloned().chain(casters));
     read_visuals(source, &mut document, &mut root, &mut links, complete);

@@ -67,6 +67,8 @@ struct CasterEntry {
     radius: f64,
     mass: f64,
     material: String,
+    /// Link that carries it; without one, the body.
+    link: Option<String>,
 }
 
 /// Reads the driven wheels; fails unless all of them could be read.
@@ -281,15 +283,24 @@ fn last_phase_of(
     Some(low)
 }
 
-pub(super) fn read_casters<'a>(document: &mut Document<'a>, root: &mut Table<'a>, materials: &Materials) -> Vec<Link> {
+pub(super) fn read_casters<'a>(
+    document: &mut Document<'a>,
+    root: &mut Table<'a>,
+    links: &Links,
+    materials: &Materials,
+) -> Vec<Link> {
     let mut casters = Vec::new();
     for (span, entry) in document.list::<CasterEntry>(root, "caster") {
-        let CasterEntry { name, position, radius, mass, material } = entry;
+        let CasterEntry { name, position, radius, mass, material, link } = entry;
+        let Some(parent) = links.find(document, &span, "link", link.as_deref()) else { continue };
         let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
         let material = document.material(&span, &material, materials);
         let width = 2.0 * radius;
         let wheel = Wheel { side, radius, width, mass, material, rollers: None, belt: None };
-        let caster = Link::of_wheel(name, position, None, wheel);
+        let mut caster = Link::of_wheel(name, position, None, wheel);
+        if let Some(joint) = &mut caster.joint {
+            joint.parent = parent;
+        }
         document.wrong(&span, wrong_wheel(&caster));
         casters.push(caster);
     }
