@@ -152,7 +152,8 @@ impl Check<'_> {
                 "size" | "scale" => (3, FINITE),
                 "ixx" | "ixy" | "ixz" | "iyy" | "iyz" | "izz" => (1, INERTIA),
                 "radius" | "length" | "velocity" | "effort" | "lower" | "upper" => (1, FINITE),
-                "damping" | "friction" | "multiplier" | "offset" => (1, FINITE),
+                "multiplier" | "offset" => (1, FINITE),
+                "damping" | "friction" if node.has_tag_name("dynamics") => (1, FINITE),
                 "value" if node.has_tag_name("mass") => (1, FINITE),
                 _ => continue,
             };
@@ -202,5 +203,7 @@ fn of_xacro(node: Node) -> Option<String> {
 
 /// Returns the message for a file that needs xacro.
 pub(super) fn unexpanded(what: &str) -> String {
-    format!("`{what}` is of xacro: expected a URDF; expand it first: `xacro robot.xacro > robot.urdf`")
+    format!(
+        "`{what}` is of xacro: expected a URDF; expand it first by `usarsim import`, or `xacro robot.xacro > robot.urdf`"
+    )
 }
