@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use gamebots_proto::Command;
 use scene::WorldDef;
-use scene_loader::{Changes, Equipment, LoadError, MapImport};
+use scene_loader::{Changes, Content, Equipment, Import, LoadError, MapImport, Packages};
 use sim_core::{Options, World};
 use tempfile::TempDir;
 
@@ -88,7 +88,7 @@ pub fn sdf(bytes: &[u8]) {
     drive_on_map(&folder.with("map.toml", (made.text + start).as_bytes()));
 }
 
-/// A URDF, checked by itself and as the body of two robots. A mesh that it may name is there.
+/// A URDF, checked by itself, as the body of two robots, and imported. A mesh that it may name is there.
 pub fn urdf(bytes: &[u8]) {
     let folder = Folder::new(&[
         ("robot.toml", ROBOT_OF_URDF.as_bytes()),
@@ -101,6 +101,27 @@ pub fn urdf(bytes: &[u8]) {
     assert_lines(&scene_loader::check(&folder.with("robot.urdf", bytes)));
     drive_robot(&folder.path("robot.toml"));
     drive_robot(&folder.path("jointed.toml"));
+    import(&folder.path("robot.urdf"));
+}
+
+/// Imports a URDF. What the import makes is a robot.
+fn import(file: &Path) {
+    let Ok(text) = scene_loader::text(file) else { return };
+    let packages = Packages::around(file, &[], &[]).expect("its folder");
+    let Ok(imported) = scene_loader::import(&Import { file, text: &text, class: "Robot", packages: &packages }) else {
+        return;
+    };
+    let folder = Folder::new(&[]);
+    std::fs::create_dir(folder.path("meshes")).expect("a folder");
+    for (name, content) in imported.files {
+        match content {
+            Content::Text(text) => folder.with(&name, text.as_bytes()),
+            Content::CopyOf(path) => folder.with(&name, &std::fs::read(path).expect("a mesh")),
+        };
+    }
+    let robot = folder.path("robot.toml");
+    scene_loader::check(&robot).expect("what was imported is good");
+    drive_robot(&robot);
 }
 
 /// An STL file as a part of a map and as the body of a robot.

@@ -85,7 +85,7 @@ fn a_check_that_a_robot_has_not_is_named() {
     assert_eq!(refused("AirRobot", 1), "robot `AirRobot`: expected one with driven wheels");
 }
 
-/// A small robot in the style of ROS: two wheels, and a box that its file calls a caster and that rubs on the floor.
+/// A small robot in the style of ROS: two wheels, and a skid that rubs on the floor.
 #[test]
 fn a_failed_check_says_what_it_means_and_what_rubs_on_the_floor() {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/burger.urdf");
@@ -103,7 +103,7 @@ fn a_failed_check_says_what_it_means_and_what_rubs_on_the_floor() {
     }
     let remark = Stance::of(&burger).expect("it stands").remark(&burger.robot).expect("a remark");
     assert!(
-        remark.starts_with("`caster_back_link` rubs on the floor with 5 % of the weight and friction 0.40"),
+        remark.starts_with("`skid_back_link` rubs on the floor with 5 % of the weight and friction 0.75"),
         "{remark}"
     );
 }

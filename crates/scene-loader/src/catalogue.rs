@@ -13,6 +13,7 @@ use crate::materials::{self, Materials};
 use crate::overrides::{self, Override};
 use crate::problem::Problems;
 use crate::source::Source;
+use crate::urdf::hints_at_mecanum;
 use crate::{LoadError, map as map_file, robot as robot_file};
 
 static ASSETS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../assets");
@@ -211,7 +212,9 @@ pub(crate) fn robot_of_urdf(path: &Path, class: &str) -> Result<RobotDef, LoadEr
     let (source, mut problems) = (Source::of_file(path), Problems::default());
     let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let (text, materials) = (source.text(&file)?, built_in_materials(&[])?);
-    let robot = robot_file::of_urdf::read(&source, &file, class, &text, &materials, &mut problems);
+    let mecanum = hints_at_mecanum(&text);
+    let guessed = robot_file::of_urdf::read(&source, &file, class, &text, &materials, mecanum, &mut problems);
+    let robot = guessed.map(|guessed| guessed.robot);
     problems.into_result(robot)?.ok_or_else(|| unknown("robot", class, &robot_names()))
 }
 

@@ -6,6 +6,7 @@
 mod catalogue;
 mod document;
 mod equipment;
+mod import;
 mod import_map;
 mod map;
 mod materials;
@@ -20,6 +21,7 @@ pub use catalogue::{
     File, load, load_equipped, load_with, map, map_files, map_names, robot, robot_equipped, robot_files, robot_names,
 };
 pub use equipment::{Changes, Equipment};
+pub use import::{Content, Import, Imported, Packages, import};
 pub use import_map::{ImportedMap, ImportedSolid, MapImport, import_map};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
@@ -48,6 +50,15 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
     }
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     check_toml(&Source::of_file(path), name)
+}
+
+/// Returns the text of a file, such as a URDF, of at most 4 MB.
+///
+/// # Errors
+/// When it cannot be read, is larger or is not UTF-8.
+pub fn text(path: &Path) -> Result<String, LoadError> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    Source::of_file(path).text(&name)
 }
 
 /// True for a set of equipment: its name or its tables say so.

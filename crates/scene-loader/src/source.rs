@@ -1,5 +1,6 @@
 //! Sources of files: a folder on disk, or one embedded in the program.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,8 @@ pub(crate) const MAX_MESH: u64 = 64 << 20;
 pub(crate) enum Source {
     BuiltIn(&'static Dir<'static>),
     Folder(PathBuf),
+    /// A folder that is not written yet: names with the files that will be copied there.
+    Files(BTreeMap<String, PathBuf>),
 }
 
 impl Source {
@@ -28,7 +31,7 @@ impl Source {
     /// Returns a folder inside this one, which may not exist. Embedded folders have none.
     pub(crate) fn folder(&self, name: &str) -> Option<Self> {
         match self {
-            Self::BuiltIn(_) => None,
+            Self::BuiltIn(_) | Self::Files(_) => None,
             Self::Folder(folder) => Some(Self::Folder(folder.join(name))),
         }
     }
@@ -38,6 +41,7 @@ impl Source {
         match self {
             Self::BuiltIn(dir) => dir.get_file(dir.path().join(name)).is_some(),
             Self::Folder(folder) => folder.join(name).is_file(),
+            Self::Files(files) => files.contains_key(name),
         }
     }
 
@@ -45,7 +49,8 @@ impl Source {
     pub(crate) fn size(&self, name: &str) -> u64 {
         match self {
             Self::BuiltIn(dir) => dir.get_file(dir.path().join(name)).map_or(0, |file| file.contents().len() as u64),
-            Self::Folder(folder) => std::fs::metadata(folder.join(name)).map_or(0, |found| found.len()),
+            Self::Folder(folder) => size(&folder.join(name)),
+            Self::Files(files) => files.get(name).map_or(0, |file| size(file)),
         }
     }
 
@@ -57,12 +62,10 @@ impl Source {
                 let file = dir.get_file(dir.path().join(name));
                 file.map(|file| file.contents().to_owned()).ok_or_else(|| unreadable("not built in".to_owned()))
             }
-            Self::Folder(folder) => {
-                let content = read_file(&folder.join(name), most).map_err(|error| unreadable(error.to_string()))?;
-                if content.len() as u64 > most {
-                    return Err(unreadable(format!("larger than {most} bytes, the most that is read")));
-                }
-                Ok(content)
+            Self::Folder(folder) => read_file(&folder.join(name), most).map_err(unreadable),
+            Self::Files(files) => {
+                let file = files.get(name).ok_or_else(|| unreadable("no such file".to_owned()))?;
+                read_file(file, most).map_err(unreadable)
             }
         }
     }
@@ -85,16 +88,25 @@ impl Source {
         match self {
             Self::BuiltIn(dir) => dir.path().join(name).display().to_string(),
             Self::Folder(folder) => folder.join(name).display().to_string(),
+            Self::Files(_) => name.to_owned(),
         }
     }
 }
 
-/// Reads a file, up to one byte beyond the limit. Refuses pipes and devices, as they could go on for ever.
-fn read_file(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("not a regular file"));
+fn size(path: &Path) -> u64 {
+    std::fs::metadata(path).map_or(0, |found| found.len())
+}
+
+/// Reads a file of at most so many bytes. Refuses pipes and devices, as they could go on for ever.
+fn read_file(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    let text = |error: std::io::Error| error.to_string();
+    if !std::fs::metadata(path).map_err(text)?.is_file() {
+        return Err("not a regular file".to_owned());
     }
     let mut content = Vec::new();
-    File::open(path)?.take(most + 1).read_to_end(&mut content)?;
+    File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut content)).map_err(text)?;
+    if content.len() as u64 > most {
+        return Err(format!("larger than {most} bytes, the most that is read"));
+    }
     Ok(content)
 }

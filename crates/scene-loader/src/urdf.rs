@@ -59,6 +59,51 @@ impl Urdf {
     }
 }
 
+/// Parses the XML of a URDF.
+pub(crate) fn document(text: &str) -> Result<roxmltree::Document<'_>, roxmltree::Error> {
+    if namespaces(text).is_some() {
+        return Err(roxmltree::Error::NodesLimitReached);
+    }
+    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+    roxmltree::Document::parse_with_options(text, options)
+}
+
+fn namespaces(text: &str) -> Option<String> {
+    let namespaces = text.matches("xmlns").count();
+    (namespaces > MAX_NAMESPACES).then(|| format!("{namespaces} namespaces: expected at most {MAX_NAMESPACES}"))
+}
+
+/// Parses a URDF and checks the tree and the numbers. `shown` names the file in problems.
+pub(crate) fn parse<'t>(
+    shown: &str,
+    text: &'t str,
+    problems: &mut Problems,
+) -> Result<(roxmltree::Document<'t>, urdf_rs::Robot), Unread> {
+    let mut at = |offset: usize, message: String| problems.at(shown, text, offset, message);
+    if let Some(problem) = namespaces(text) {
+        at(0, problem);
+        return Err(Unread);
+    }
+    let document = self::document(text).map_err(|error| {
+        let place = error.pos();
+        let line_start: usize = text.split_inclusive('\n').take(place.row as usize - 1).map(str::len).sum();
+        let xacro = matches!(&error, roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro");
+        let message = if xacro { unexpanded("<xacro:..>") } else { format!("not XML: {error}") };
+        at(line_start + place.col as usize - 1, message);
+        Unread
+    })?;
+    let mut check = Check { file: shown, text, problems, good: true };
+    check.robot(document.root_element());
+    if !check.good {
+        return Err(Unread);
+    }
+    let robot = urdf_rs::read_from_string(text).map_err(|error| {
+        problems.at(shown, text, 0, format_args!("not a URDF: {error}"));
+        Unread
+    })?;
+    Ok((document, robot))
+}
+
 /// Reads a URDF; its links get the given material.
 pub(crate) fn read(
     source: &Source,
@@ -68,30 +113,7 @@ pub(crate) fn read(
     problems: &mut Problems,
 ) -> Result<Urdf, Unread> {
     let shown = source.display(file);
-    let mut at = |offset: usize, message: String| problems.at(&shown, text, offset, message);
-    let namespaces = text.matches("xmlns").count();
-    if namespaces > MAX_NAMESPACES {
-        at(0, format!("{namespaces} namespaces: expected at most {MAX_NAMESPACES}"));
-        return Err(Unread);
-    }
-    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-    let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
-        let place = error.pos();
-        let line_start: usize = text.split_inclusive('\n').take(place.row as usize - 1).map(str::len).sum();
-        let xacro = matches!(&error, roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro");
-        let message = if xacro { unexpanded("<xacro:..>") } else { format!("not XML: {error}") };
-        at(line_start + place.col as usize - 1, message);
-        Unread
-    })?;
-    let mut check = Check { file: &shown, text, problems, good: true };
-    check.robot(document.root_element());
-    if !check.good {
-        return Err(Unread);
-    }
-    let robot = urdf_rs::read_from_string(text).map_err(|error| {
-        problems.at(&shown, text, 0, format_args!("not a URDF: {error}"));
-        Unread
-    })?;
+    let (document, robot) = parse(&shown, text, problems)?;
     let mut tree = Tree {
         source,
         document: &document,
@@ -109,8 +131,29 @@ pub(crate) fn read(
     if good { Ok(urdf) } else { Err(Unread) }
 }
 
+/// True if a URDF hints at Mecanum wheels: by names of links or meshes, or by Gazebo's diagonal directions of friction or its plugin
+/// that moves a base to all sides.
+pub(crate) fn hints_at_mecanum(text: &str) -> bool {
+    let Ok(document) = document(text) else { return false };
+    let named = |name: &str| {
+        let name = name.to_ascii_lowercase();
+        ["mecanum", "omni_wheel", "omniwheel"].iter().any(|word| name.contains(word))
+    };
+    let is_diagonal = |text: &str| {
+        let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        matches!(numbers[..], [x, y, _] if x.abs() > 0.5 && (x.abs() - y.abs()).abs() < 0.1)
+    };
+    document.root_element().descendants().any(|node| match node.tag_name().name() {
+        "link" | "joint" => node.attribute("name").is_some_and(named),
+        "mesh" => node.attribute("filename").is_some_and(named),
+        "fdir1" => node.text().is_some_and(is_diagonal),
+        "plugin" => node.attribute("filename").is_some_and(|name| name.contains("planar_move")),
+        _ => false,
+    })
+}
+
 /// Lists the elements of a URDF that are for other programs.
-fn ignored(robot: Node) -> Vec<String> {
+pub(crate) fn ignored(robot: Node) -> Vec<String> {
     let mut counts = BTreeMap::<&str, usize>::new();
     for node in robot.children().filter(Node::is_element) {
         let tag = node.tag_name().name();
@@ -320,13 +363,13 @@ pub(crate) fn z_down() -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::new(0.0, 1.0, 0.0, 0.0))
 }
 
-fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {
+pub(crate) fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64> {
     let [roll, pitch, yaw] = *origin.rpy;
     Isometry3::from_parts(Vector3::from(*origin.xyz).into(), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
 }
 
 /// Returns the mass properties of a link, or `None` for a frame without mass.
-fn part(link: &urdf_rs::Link, pose: &Pose) -> Option<Part> {
+pub(crate) fn part(link: &urdf_rs::Link, pose: &Pose) -> Option<Part> {
     let inertial = &link.inertial;
     let mass = inertial.mass.value;
     if mass == 0.0 {
@@ -345,7 +388,7 @@ fn part(link: &urdf_rs::Link, pose: &Pose) -> Option<Part> {
 }
 
 /// Returns the shape of a link, in the robot frame.
-fn solid(
+pub(crate) fn solid(
     source: &Source,
     link: &urdf_rs::Link,
     collision: &urdf_rs::Collision,

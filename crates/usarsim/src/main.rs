@@ -7,6 +7,7 @@ mod connect;
 mod copy;
 mod equipment;
 mod experiment;
+mod import;
 mod import_map;
 mod list;
 mod log;
@@ -71,6 +72,8 @@ enum Command {
     Show(show::Arguments),
     /// Copy the files of a built-in robot or map, as a start for your own.
     Copy(copy::Arguments),
+    /// Make a robot from a ROS description package.
+    Import(import::Arguments),
     /// Make a map from a glTF, OBJ, STL or COLLADA mesh, or from a world of Gazebo (SDF).
     ImportMap(import_map::Arguments),
     /// Check robot.toml, map.toml, materials.toml, equipment, URDF and ini files and report every mistake with its line.
@@ -119,6 +122,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Show(arguments) => show::run(&arguments),
         Command::Copy(arguments) => copy::run(&arguments),
         Command::ImportMap(arguments) => import_map::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),

@@ -1,11 +1,16 @@
 //! Robots from only a URDF. Wheels, steering and motors are guessed, and the guesses are listed in the robot's assumptions. A
 //! robot.toml that names the URDF is more precise.
 
-use nalgebra::{Point3, Vector3};
+mod arms;
+pub(crate) mod extent;
+mod legs;
+
 use scene::{
-    Footing, JointKind, Link, Material, Motor, Pose, RobotDef, SensorDef, Shape, Side, Steering, Wheel, check, sensor,
+    Actuator, Footing, JointKind, Link, Material, Motor, RobotDef, Rollers, SensorDef, Side, Steering, Wheel, check,
+    sensor,
 };
 
+use self::extent::{Extent, bounds};
 use super::joint::rebuilt;
 use super::wheel::wrong_wheel;
 use crate::materials::Materials;
@@ -21,26 +26,81 @@ const WHEEL_SPEED: f64 = 10.0;
 const WHEEL_PUSH: f64 = 0.5;
 /// Fraction of a limit that stays within it in spite of rounding.
 const ROUNDING: f64 = 0.999;
-const BODY: &str = "unreal-default";
-const TYRE: &str = "rubber-tyre";
+/// Least roundness of a wheel about its axis.
+const ROUND: f64 = 0.6;
+/// Greatest height of a wheel above the lowest one, as a fraction of its radius.
+const ABOVE_GROUND: f64 = 0.25;
+/// Distance from the middle within which a wheel is a caster, m.
+const MIDDLE: f64 = 0.01;
+/// Mass of a caster's ball over the robot's. Its own mass stays with its link.
+const BALL_MASS: f64 = 1e-3;
+/// Rollers of a guessed Mecanum wheel: number, circle of their axes over the wheel's radius, and mass over the wheel's. A youBot has
+/// these.
+const ROLLERS: u32 = 6;
+const AXIS_CIRCLE: f64 = 0.72;
+const ROLLERS_MASS: f64 = 0.3;
+/// Viscous friction of a roller's bearing, N m s/rad, as of a youBot.
+const ROLLER_DAMPING: f64 = 5e-6;
+/// Material of links.
+pub(crate) const BODY: &str = "unreal-default";
+/// Material of wheels.
+pub(crate) const TYRE: &str = "rubber-tyre";
+/// Material of rollers.
+pub(crate) const ROLLER: &str = "roller";
+/// Material of casters.
+pub(crate) const CASTER: &str = "nylon";
 
+/// A guessed robot, and the URDF's differences from it.
+pub(crate) struct Guessed {
+    pub(crate) robot: RobotDef,
+    pub(crate) changes: Vec<Change>,
+}
+
+/// A change of the URDF that the guess is based on.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Change {
+    /// A joint is held.
+    Hold(String),
+    /// A joint has another name.
+    Rename(String, String),
+    /// A link of the URDF collides with nothing, as a caster takes its place.
+    NoCollision(String),
+}
+
+/// Guesses a robot. `mecanum` is true if the file hints at Mecanum wheels.
 pub(crate) fn read(
     source: &Source,
     file: &str,
     class: &str,
     text: &str,
     materials: &Materials,
+    mecanum: bool,
     problems: &mut Problems,
-) -> Option<RobotDef> {
+) -> Option<Guessed> {
     let material = |name: &str| materials.get(name).cloned().unwrap_or_default();
     let urdf = urdf::read(source, file, text, material(BODY), problems).ok()?;
-    let mut guess = Guess { tyre: material(TYRE), urdf, casters: Vec::new(), wheels: Vec::new() };
+    let mut guess = Guess {
+        material: &material,
+        urdf,
+        casters: Vec::new(),
+        wheels: Vec::new(),
+        balls: Vec::new(),
+        changes: Vec::new(),
+    };
     guess.find_wheels();
-    let steering = guess.steering();
+    let steering = guess.steering(mecanum);
     guess.free_casters();
     guess.limit_motors();
-    let (links, mut assumptions) = guess.finish(steering);
-    assumptions.push(format!("links are of `{BODY}`, wheels of `{TYRE}`"));
+    let changes = std::mem::take(&mut guess.changes);
+    let (links, mut assumptions) = guess.finish();
+    let wheels = if steering.is_on_wheels() { format!(", wheels of `{TYRE}`") } else { String::new() };
+    assumptions.push(format!("links are of `{BODY}`{wheels}"));
+    let actuators = arms::actuators(&links);
+    if !actuators.is_empty() {
+        let named = |it: &Actuator| format!("{} ({})", it.name, names::count(it.links.len(), "joint"));
+        let names: Vec<String> = actuators.iter().map(named).collect();
+        assumptions.push(format!("actuators are chains of joints with servos: {}", names.join(", ")));
+    }
     let robot = RobotDef {
         class: class.to_owned(),
         description: format!("From {file}"),
@@ -51,7 +111,7 @@ pub(crate) fn read(
         speaks_ut2004: false,
         links,
         sensors: sensors(steering),
-        actuators: Vec::new(),
+        actuators,
         grippers: Vec::new(),
         tool_changers: Vec::new(),
         battery: None,
@@ -70,13 +130,16 @@ pub(crate) fn read(
         wrong = check::robot(&robot);
     }
     wrong.into_iter().for_each(|message| problems.at(&shown, text, 0, message));
-    Some(robot)
+    Some(Guessed { robot, changes })
 }
 
-/// Returns a ground truth sensor, and odometry for skid robots.
+/// Returns the classes and names of a guessed robot's sensors: ground truth, and odometry if its wheels can have one.
+pub(crate) fn sensor_names(steering: Steering) -> &'static [(&'static str, &'static str)] {
+    const NAMES: [(&str, &str); 2] = [("GroundTruth", "GndTruth"), ("Odometry", "Odometry")];
+    if matches!(steering, Steering::Skid | Steering::Omni) { &NAMES } else { &NAMES[..1] }
+}
+
 fn sensors(steering: Steering) -> Vec<SensorDef> {
-    let names = [("GroundTruth", "GndTruth"), ("Odometry", "Odometry")];
-    let names = names.iter().take(if steering == Steering::Skid { 2 } else { 1 });
     let sensor = |(class, name): &(&str, &str)| {
         let (_, scan_interval) = *sensor::CLASSES.iter().find(|(known, _)| known == class)?;
         let config = sensor::Config::read(class, toml::Table::new())?.ok()?;
@@ -89,32 +152,45 @@ fn sensors(steering: Steering) -> Vec<SensorDef> {
             config,
         })
     };
-    names.filter_map(sensor).collect()
+    sensor_names(steering).iter().filter_map(sensor).collect()
 }
 
-struct Guess {
+struct Guess<'a> {
+    material: &'a dyn Fn(&str) -> Material,
     urdf: Urdf,
-    tyre: Material,
     /// Numbers of links, with the wheels made from them.
     wheels: Vec<(usize, Link)>,
     casters: Vec<(usize, Link)>,
+    /// Casters as the robot has them.
+    balls: Vec<Link>,
+    changes: Vec<Change>,
 }
 
-impl Guess {
-    /// Finds wheels: links with a shape on continuous joints about a sideways axis.
+impl Guess<'_> {
+    fn say(&mut self, assumption: String) {
+        self.urdf.assumptions.push(assumption);
+    }
+
+    fn mass(&self) -> f64 {
+        self.urdf.links.iter().map(|link| link.mass().mass).sum()
+    }
+
+    /// Finds wheels: links with a round shape on continuous joints about a sideways axis, on the ground.
     fn find_wheels(&mut self) {
-        let mass: f64 = self.urdf.links.iter().map(|link| link.mass().mass).sum();
+        let mass = self.mass();
+        let mut found = Vec::new();
         for continuous in &self.urdf.continuous {
             let link = &self.urdf.links[continuous.link];
-            let Some(joint) = &link.joint else { continue };
-            if joint.axis[1].abs() < NEARLY {
-                continue;
-            }
-            let Some([radius, left, right]) = extent(link) else {
-                let joint = &continuous.joint;
-                self.urdf.assumptions.push(format!("joint {joint} has no shape, so it is no wheel"));
+            let Some(joint) = link.joint.as_ref().filter(|joint| joint.axis[1].abs() >= NEARLY) else { continue };
+            let name = &continuous.joint;
+            let Some(Extent { radius, left, right, roundness }) = Extent::of(link) else {
+                self.urdf.assumptions.push(format!("joint {name} has no shape, so it is no wheel"));
                 continue;
             };
+            if roundness < ROUND {
+                self.urdf.assumptions.push(format!("joint {name} is not round about its axis, so it is no wheel"));
+                continue;
+            }
             let [x, y, z] = joint.anchor;
             let position = [x, y + (left + right) / 2.0, z];
             let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
@@ -123,32 +199,84 @@ impl Guess {
                 radius,
                 width: right - left,
                 mass: link.mass().mass,
-                material: self.tyre.clone(),
+                material: (self.material)(TYRE),
                 rollers: None,
                 belt: None,
             };
-            let is_caster = is_caster(&self.urdf.links, continuous.link);
-            let drive = (!is_caster).then(|| motor(continuous, mass, radius));
-            let mut made = Link::of_wheel(link.name.clone(), position, drive, wheel);
+            let drive = motor(continuous, mass, radius);
+            let mut made = Link::of_wheel(link.name.clone(), position, Some(drive), wheel);
             made.visuals.clone_from(&link.visuals);
             if let Some(made) = &mut made.joint {
                 made.parent = joint.parent;
             }
-            let list = if is_caster { &mut self.casters } else { &mut self.wheels };
-            list.push((continuous.link, made));
+            found.push((continuous.link, made));
+        }
+        let ground = found.iter().map(|(_, wheel)| bottom(wheel)).fold(f64::MIN, f64::max);
+        for (number, wheel) in found {
+            let radius = wheel.wheel.as_ref().map_or(0.0, |wheel| wheel.radius);
+            if bottom(&wheel) < ground - ABOVE_GROUND * radius {
+                self.say(format!("joint {} is above the ground, so it is no wheel", wheel.name));
+                continue;
+            }
+            let is_caster = is_caster(&self.urdf.links, number);
+            if is_caster { &mut self.casters } else { &mut self.wheels }.push((number, wheel));
+        }
+        if !on_both_sides(&self.wheels) && on_both_sides(&self.casters) {
+            self.drive_casters();
         }
     }
 
-    /// Guesses the steering. A robot without wheels on both sides is fixed, and its possible wheels are joints.
-    fn steering(&mut self) -> Steering {
-        let sides = [Side::Left, Side::Right];
-        let is_on = |side| self.wheels.iter().any(|(_, link)| link.wheel.as_ref().is_some_and(|it| it.side == side));
-        if !sides.into_iter().all(is_on) {
-            self.urdf.assumptions.push("no wheels on both sides: it is fixed to the ground".to_owned());
+    /// Drives the wheels that seemed casters, as there are no others: a youBot calls its wheels so.
+    fn drive_casters(&mut self) {
+        let (middle, sides) = std::mem::take(&mut self.casters).into_iter().partition(|(_, it)| is_in_middle(it));
+        self.casters = middle;
+        self.wheels.extend::<Vec<_>>(sides);
+        for number in 0..self.wheels.len() {
+            self.hold_swivel(self.wheels[number].0);
+        }
+        self.say("wheels that are called casters are driven, as there are no others".to_owned());
+    }
+
+    /// Guesses the steering. A robot without wheels on both sides stands on legs or is fixed, and its possible wheels are joints.
+    fn steering(&mut self, mecanum: bool) -> Steering {
+        if !on_both_sides(&self.wheels) {
             self.wheels.clear();
             self.casters.clear();
-            return Steering::None;
+            let feet = legs::feet(&self.urdf.links);
+            if feet.is_empty() {
+                self.say("no wheels on both sides: it is fixed to the ground".to_owned());
+                return Steering::None;
+            }
+            self.say(format!("no wheels, but legs: it stands on {}", feet.join(", ")));
+            return Steering::Legged;
         }
+        let names =
+            |wheels: &[(usize, Link)]| wheels.iter().map(|(_, link)| link.name.as_str()).collect::<Vec<_>>().join(", ");
+        let steered = self.name_steered();
+        if steered.is_empty() {
+            if mecanum && self.add_rollers() {
+                let wheels = names(&self.wheels);
+                self.say(format!("Mecanum wheels, as names or Gazebo's settings say: {wheels}"));
+                self.say(format!(
+                    "rollers are guessed: {ROLLERS} on each wheel at 45 degrees, their axes at {AXIS_CIRCLE} of its radius"
+                ));
+                return Steering::Omni;
+            }
+            let wheels = names(&self.wheels);
+            self.say(format!("steered by the sides of its wheels; its driven wheels are {wheels}"));
+            return Steering::Skid;
+        }
+        let wheels = names(&self.wheels);
+        self.say(format!("steered as a car by {}; its driven wheels are {wheels}", steered.join(", ")));
+        for motor in self.wheels.iter_mut().filter_map(|(_, link)| link.joint.as_mut()?.drive.as_mut()) {
+            // Wheels of one speed have to yield in a bend.
+            (motor.integral_time, motor.armature) = (None, 0.0);
+        }
+        Steering::Ackermann
+    }
+
+    /// Returns the joints that steer wheels, and names them as a car's.
+    fn name_steered(&mut self) -> Vec<String> {
         let middle = self.wheels.iter().map(|(_, link)| link.origin()[0]).sum::<f64>() / self.wheels.len() as f64;
         let mut steered = Vec::new();
         for (_, wheel) in &self.wheels {
@@ -160,49 +288,118 @@ impl Guess {
             }
             if link.steered_axle().is_none() {
                 let axle = if link.origin()[0] > middle { "FrontSteer" } else { "RearSteer" };
-                link.name = format!("{}_{axle}", link.name);
+                let name = format!("{}_{axle}", link.name);
+                self.changes.push(Change::Rename(std::mem::replace(&mut link.name, name.clone()), name));
             }
             steered.push(link.name.clone());
         }
-        let wheels: Vec<&str> = self.wheels.iter().map(|(_, link)| link.name.as_str()).collect();
-        let (wheels, steering) =
-            (wheels.join(", "), if steered.is_empty() { Steering::Skid } else { Steering::Ackermann });
-        let how = match steering {
-            Steering::Ackermann => format!("steered as a car by {}", steered.join(", ")),
-            _ => "steered by the sides of its wheels".to_owned(),
-        };
-        self.urdf.assumptions.push(format!("{how}; its driven wheels are {wheels}"));
-        if steering == Steering::Ackermann {
-            for motor in self.wheels.iter_mut().filter_map(|(_, link)| link.joint.as_mut()?.drive.as_mut()) {
-                // Wheels of one speed have to yield in a bend.
-                (motor.integral_time, motor.armature) = (None, 0.0);
-            }
-        }
-        steering
+        steered
     }
 
-    /// Frees casters. A caster is a ball here, so the joint that it swivels about is held. A solid whose name says caster slides
-    /// without friction.
-    fn free_casters(&mut self) {
-        for (_, caster) in &self.casters {
-            let Some(parent) = caster.joint.as_ref().map(|joint| joint.parent) else { continue };
-            let link = &mut self.urdf.links[parent];
-            if let Some(joint) = link.joint.as_mut().filter(|joint| joint.kind == JointKind::Continuous) {
-                (joint.kind, joint.drive) = (JointKind::Fixed, None);
-            }
-            self.urdf.assumptions.push(format!("{} is a caster, a ball that turns freely", caster.name));
+    /// Adds rollers to four wheels, and orders them as an omni base. Returns false if they do not form one.
+    fn add_rollers(&mut self) -> bool {
+        let corner = |link: &Link| (link.origin()[0] < 0.0, link.origin()[1] > 0.0);
+        let mut corners: Vec<_> = self.wheels.iter().map(|(_, link)| corner(link)).collect();
+        corners.sort_unstable();
+        if corners != [(false, false), (false, true), (true, false), (true, true)] {
+            self.say("Mecanum wheels are plain ones: expected four, around the origin".to_owned());
+            return false;
         }
-        for solid in self.urdf.links.iter_mut().flat_map(|link| &mut link.solids) {
-            if is_called_caster(&solid.name) {
-                solid.material.friction = 0.0;
-                self.urdf.assumptions.push(format!("{} slides without friction, as its name says caster", solid.name));
+        self.wheels.sort_by_key(|(_, link)| corner(link));
+        let material = (self.material)(ROLLER);
+        for ((_, link), sign) in self.wheels.iter_mut().zip([1.0, -1.0, -1.0, 1.0]) {
+            let Some(wheel) = &mut link.wheel else { continue };
+            let mass = (ROLLERS_MASS * wheel.mass / f64::from(ROLLERS)).max(check::ROLLER_MASS.least);
+            wheel.mass *= 1.0 - ROLLERS_MASS;
+            wheel.rollers = Some(Rollers {
+                count: ROLLERS,
+                axis_circle: AXIS_CIRCLE * wheel.radius,
+                angle: sign * std::f64::consts::FRAC_PI_4,
+                first_roller: 0.0,
+                last_phase: std::f64::consts::PI / f64::from(ROLLERS),
+                mass,
+                damping: ROLLER_DAMPING,
+                material: material.clone(),
+            });
+        }
+        true
+    }
+
+    /// Puts balls in the place of casters. Joints that they swivel about are held.
+    fn free_casters(&mut self) {
+        let ground = self.wheels.iter().map(|(_, wheel)| bottom(wheel)).fold(f64::MIN, f64::max);
+        for (number, caster) in std::mem::take(&mut self.casters) {
+            self.hold_swivel(number);
+            self.hold(number);
+            let solids = std::mem::take(&mut self.urdf.links[number].solids);
+            self.changes.extend(solids.into_iter().map(|solid| Change::NoCollision(solid.name)));
+            let radius = caster.wheel.as_ref().map_or(0.0, |wheel| wheel.radius);
+            self.add_ball(&caster.name, caster.origin(), radius, number);
+        }
+        if self.wheels.is_empty() {
+            return;
+        }
+        let tolerance =
+            ABOVE_GROUND * self.wheels.iter().filter_map(|(_, it)| Some(it.wheel.as_ref()?.radius)).fold(0.0, f64::max);
+        for number in 0..self.urdf.links.len() {
+            if self.wheels.iter().any(|(wheel, _)| *wheel == number) {
+                continue;
             }
+            let solids = std::mem::take(&mut self.urdf.links[number].solids);
+            let (casters, others) = solids.into_iter().partition(|solid| {
+                let [_, high] = bounds(&solid.shape, &solid.pose());
+                is_called_caster(&solid.name) && (high.z - ground).abs() < tolerance
+            });
+            self.urdf.links[number].solids = others;
+            for solid in casters.into_iter() as std::vec::IntoIter<scene::Solid> {
+                let [low, high] = bounds(&solid.shape, &solid.pose());
+                let radius = ((high.z - low.z) / 2.0).max(check::WHEEL_RADIUS.least);
+                let middle = nalgebra::center(&low, &high);
+                self.add_ball(&solid.name, [middle.x, middle.y, high.z - radius], radius, number);
+                self.changes.push(Change::NoCollision(solid.name));
+            }
+        }
+    }
+
+    fn add_ball(&mut self, of: &str, position: [f64; 3], radius: f64, on: usize) {
+        let links = &self.urdf.links;
+        let held = |number: &usize| links[*number].joint.as_ref().filter(|it| it.kind == JointKind::Fixed);
+        let carrier = std::iter::successors(Some(on), |number| held(number).map(|joint| joint.parent)).last();
+        let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
+        let mass = (BALL_MASS * self.mass()).max(check::WHEEL_MASS.least);
+        let width = 2.0 * radius;
+        let wheel = Wheel { side, radius, width, mass, material: (self.material)(CASTER), rollers: None, belt: None };
+        let mut name = format!("{of}_ball");
+        while self.balls.iter().any(|ball| ball.name == name) {
+            name.push('_');
+        }
+        let mut ball = Link::of_wheel(name, position, None, wheel);
+        if let Some(joint) = &mut ball.joint {
+            joint.parent = carrier.unwrap_or(0);
+        }
+        self.say(format!("{of} is a caster, a ball of {radius:.4} m that turns freely"));
+        self.balls.push(ball);
+    }
+
+    /// Holds the joint that carries a link's joint, if that swivels.
+    fn hold_swivel(&mut self, number: usize) {
+        if let Some(parent) = self.urdf.links[number].joint.as_ref().map(|joint| joint.parent) {
+            self.hold(parent);
+        }
+    }
+
+    /// Holds a continuous joint.
+    fn hold(&mut self, number: usize) {
+        let link = &mut self.urdf.links[number];
+        if let Some(joint) = link.joint.as_mut().filter(|joint| joint.kind == JointKind::Continuous) {
+            (joint.kind, joint.drive, joint.coupling) = (JointKind::Fixed, None, None);
+            self.changes.push(Change::Hold(link.name.clone()));
         }
     }
 
     /// Lowers limits that mean "none" in a URDF: with them a robot would throw itself over walls.
     fn limit_motors(&mut self) {
-        let mass: f64 = self.urdf.links.iter().map(|link| link.mass().mass).sum();
+        let mass = self.mass();
         let most_push = ROUNDING * check::MAX_PUSH * check::EARTH_GRAVITY * mass / self.wheels.len().max(1) as f64;
         for (_, link) in &mut self.wheels {
             let Some(radius) = link.wheel.as_ref().map(|wheel| wheel.radius) else { continue };
@@ -222,14 +419,24 @@ impl Guess {
         }
     }
 
-    fn finish(self, steering: Steering) -> (Vec<Link>, Vec<String>) {
-        let Self { urdf: Urdf { links, mut assumptions, .. }, wheels, casters, .. } = self;
-        if steering != Steering::None && links.iter().any(|link| link.name.to_ascii_lowercase().contains("mecanum")) {
-            assumptions.push("wheels are plain ones: a URDF has no rollers, a robot.toml can name them".to_owned());
-        }
-        let (numbers, made): (Vec<usize>, Vec<Link>) = wheels.into_iter().chain(casters).unzip();
-        (rebuilt(links, &numbers, made.into_iter()), assumptions)
+    fn finish(self) -> (Vec<Link>, Vec<String>) {
+        let (numbers, made): (Vec<usize>, Vec<Link>) = self.wheels.into_iter().unzip();
+        (rebuilt(self.urdf.links, &numbers, made.into_iter().chain(self.balls)), self.urdf.assumptions)
     }
+}
+
+/// Returns the height of a wheel's lowest point, z down, m.
+fn bottom(wheel: &Link) -> f64 {
+    wheel.origin()[2] + wheel.wheel.as_ref().map_or(0.0, |wheel| wheel.radius)
+}
+
+fn on_both_sides(wheels: &[(usize, Link)]) -> bool {
+    let is_on = |left: bool| wheels.iter().any(|(_, it)| !is_in_middle(it) && (it.origin()[1] < 0.0) == left);
+    is_on(true) && is_on(false)
+}
+
+fn is_in_middle(link: &Link) -> bool {
+    link.origin()[1].abs() < MIDDLE
 }
 
 /// Returns a wheel's motor: the limits of the URDF, and a speed servo as other joints have.
@@ -246,55 +453,6 @@ fn servo_gain(max_torque: f64, max_speed: f64) -> f64 {
     max_torque / (urdf::FULL_TORQUE_LAG * max_speed)
 }
 
-/// Returns the radius of a link's shapes about its joint's axis, and their reach to the left (negative) and right of the joint, m.
-/// Uses the colliding shapes, or the visuals if there are none.
-fn extent(link: &Link) -> Option<[f64; 3]> {
-    let solids: Vec<(Pose, &Shape)> = link.solids.iter().map(|it| (link.pose_of(it), &it.shape)).collect();
-    let [x, y, z] = link.origin();
-    let seen = link.visuals.iter().map(|it| {
-        let pose = scene::pose(it.position, it.rotation);
-        (nalgebra::Translation3::new(-x, -y, -z) * pose, &it.shape)
-    });
-    let shapes = if solids.is_empty() { seen.collect() } else { solids };
-    let ends = shapes.iter().flat_map(|(pose, shape)| corners(shape).into_iter().map(move |corner| pose * corner));
-    let [mut radius, mut left, mut right]: [f64; 3] = [0.0, f64::MAX, f64::MIN];
-    for corner in ends {
-        radius = radius.max(corner.x.hypot(corner.z));
-        (left, right) = (left.min(corner.y), right.max(corner.y));
-    }
-    (radius > 0.0 && right > left).then_some([radius, left, right])
-}
-
-/// Returns points of a shape's outline.
-fn corners(shape: &Shape) -> Vec<Point3<f64>> {
-    const AROUND: u32 = 64;
-    let around = |radius: f64, z: f64| {
-        (0..AROUND).map(move |part| {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(part) / f64::from(AROUND)).sin_cos();
-            Point3::new(radius * cos, radius * sin, z)
-        })
-    };
-    match shape {
-        Shape::HalfSpace => Vec::new(),
-        Shape::Box { size: [x, y, z] } => {
-            let signs = [-0.5, 0.5];
-            let corner = |sx: f64| signs.map(|sy| signs.map(|sz| Point3::new(sx * x, sy * y, sz * z)));
-            signs.map(corner).into_iter().flatten().flatten().collect()
-        }
-        Shape::Cylinder { radius, length } => {
-            around(*radius, -length / 2.0).chain(around(*radius, length / 2.0)).collect()
-        }
-        Shape::Ball { radius } => {
-            let ends = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| axis * *radius);
-            ends.iter().flat_map(|end| [Point3::from(*end), Point3::from(-end)]).collect()
-        }
-        Shape::HeightField(field) => field.corners().map(Point3::from).collect(),
-        Shape::Hull { points: vertices } | Shape::Mesh { vertices, .. } => {
-            vertices.iter().map(|&vertex| Point3::from(vertex)).collect()
-        }
-    }
-}
-
 /// True for a caster: its name or that of its carrier says so, or it is in the middle.
 fn is_caster(links: &[Link], number: usize) -> bool {
     let link = &links[number];
@@ -302,7 +460,7 @@ fn is_caster(links: &[Link], number: usize) -> bool {
     let named =
         |link: &Link| is_called_caster(&link.name) || link.parts.iter().any(|part| is_called_caster(&part.name));
     let swivels = parent.filter(|it| it.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Continuous));
-    named(link) || swivels.is_some_and(named) || link.origin()[1].abs() < 0.01
+    named(link) || swivels.is_some_and(named) || is_in_middle(link)
 }
 
 fn is_called_caster(name: &str) -> bool {

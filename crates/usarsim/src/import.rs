@@ -1,0 +1,167 @@
+//! `usarsim import`: makes a robot's folder from a ROS description package.
+
+mod xacro;
+
+use std::path::{Path, PathBuf};
+
+use names::count;
+use scene_loader::{Content, Import, Imported, LoadError, Packages};
+use serde_json::json;
+
+use crate::{Failure, exit, print};
+
+/// Options of `import`.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:\n  usarsim import husky_description/urdf/husky.urdf.xacro --class Husky\n  \
+    usarsim import ur_description/urdf/ur.urdf.xacro ur_type:=ur5 name:=ur --class UR5\n  \
+    usarsim check Husky && usarsim serve --robot Husky\n\nMakes the folder NAME here, which must not exist, with robot.toml, \
+    robot.urdf and meshes. Says what was guessed, replaced and left out. Packages are searched around FILE, in ROS_PACKAGE_PATH and in \
+    AMENT_PREFIX_PATH. A xacro file is a program: expand only those that you trust.")]
+pub(crate) struct Arguments {
+    /// URDF or xacro file. Xacro needs Python's `xacro` (`pip install xacro`).
+    file: PathBuf,
+    /// Arguments of the xacro file.
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    arguments: Vec<String>,
+    /// Name of the robot's class and folder.
+    #[arg(long, value_name = "NAME", value_parser = class)]
+    class: String,
+    /// Folder of a package that is not found. May be given several times.
+    #[arg(long = "package", value_name = "NAME=FOLDER", value_parser = package)]
+    packages: Vec<(String, PathBuf)>,
+    /// Print the result as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { file, class, json, .. } = arguments;
+    let folder = Path::new(class);
+    if folder.symlink_metadata().is_ok() {
+        let message = format_args!("{class}: exists already: choose another --class, or remove it");
+        return Err(Failure::new(exit::FAILURE, message));
+    }
+    let bad = |error: LoadError| Failure::new(exit::BAD_DATA, error);
+    let mut text = scene_loader::text(file).map_err(bad)?;
+    let packages = Packages::around(file, &arguments.packages, &searched_folders()).map_err(bad)?;
+    let mut missing = Vec::new();
+    if xacro::is_needed(file, &text) {
+        (text, missing) = xacro::expand(file, &arguments.arguments, packages.folders())?;
+    } else if let Some(argument) = arguments.arguments.first() {
+        let message = format_args!("{argument}: {} is a URDF: expected arguments of a xacro file only", file.display());
+        return Err(Failure::new(exit::USAGE, message));
+    }
+    let mut imported = scene_loader::import(&Import { file, text: &text, class, packages: &packages }).map_err(bad)?;
+    let unfound = |name: &String| {
+        format!(
+            "package `{name}` is not found, so its files are not included: name its folder by --package {name}=FOLDER"
+        )
+    };
+    imported.left_out.extend(missing.iter().map(unfound));
+    write(folder, &imported)?;
+    // The folder is what counts.
+    if let Err(error) = scene_loader::robot(&folder.join("robot.toml").display().to_string(), &[]) {
+        remove(folder);
+        return Err(bad(error));
+    }
+    if *json {
+        print(as_json(class, &imported))
+    } else {
+        say(folder, &imported)
+    }
+    Ok(())
+}
+
+/// Parses an argument of a xacro file.
+fn xacro_argument(text: &str) -> Result<String, String> {
+    let name = text.split_once(":=").map(|(name, _)| name);
+    let good = name.is_some_and(|name| !name.is_empty() && !name.starts_with('-'));
+    if good { Ok(text.to_owned()) } else { Err("expected NAME:=VALUE".to_owned()) }
+}
+
+fn package(text: &str) -> Result<(String, PathBuf), String> {
+    let (name, folder) = text.split_once('=').ok_or("expected NAME=FOLDER")?;
+    Ok((name.to_owned(), folder.into()))
+}
+
+/// Parses the name of a class, which is the name of a folder and a word on the wire.
+fn class(text: &str) -> Result<String, String> {
+    let good = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+    if text.is_empty() || text.len() > 64 || !text.chars().all(good) || text.starts_with('-') {
+        return Err("expected 1 to 64 letters, digits, `_` or `-`".to_owned());
+    }
+    if scene_loader::robot_names().iter().any(|known| known.eq_ignore_ascii_case(text)) {
+        return Err("a built-in robot has this name: expected another".to_owned());
+    }
+    Ok(text.to_owned())
+}
+
+/// Returns the folders in which ROS has its packages.
+fn searched_folders() -> Vec<PathBuf> {
+    let paths = |name: &str| std::env::var_os(name).map(|paths| std::env::split_paths(&paths).collect::<Vec<_>>());
+    let shares = paths("AMENT_PREFIX_PATH").unwrap_or_default().into_iter().map(|prefix| prefix.join("share"));
+    paths("ROS_PACKAGE_PATH").unwrap_or_default().into_iter().chain(shares).filter(|path| path.is_dir()).collect()
+}
+
+/// Writes the robot's folder; leaves nothing if that fails.
+fn write(folder: &Path, imported: &Imported) -> Result<(), Failure> {
+    let failed = |path: &Path, error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
+    std::fs::create_dir(folder).map_err(|error| failed(folder, error))?;
+    for (name, content) in &imported.files {
+        let path = folder.join(name);
+        let parent = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+        let written = parent.and_then(|()| match content {
+            Content::Text(text) => std::fs::write(&path, text),
+            Content::CopyOf(from) => std::fs::read(from).and_then(|bytes| std::fs::write(&path, bytes)),
+        });
+        written.map_err(|error| {
+            remove(folder);
+            failed(&path, error)
+        })?;
+    }
+    Ok(())
+}
+
+/// Removes the folder that this command made.
+fn remove(folder: &Path) {
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+fn say(folder: &Path, imported: &Imported) {
+    for (name, _) in &imported.files {
+        print(folder.join(name).display());
+    }
+    let Imported { robot, guessed, replaced, left_out, .. } = imported;
+    for (what, notes) in [("guessed", guessed), ("replaced", replaced), ("left out", left_out)] {
+        notes.iter().for_each(|note| print(format_args!("{what}: {note}")));
+    }
+    let driven = robot.driven().count();
+    let casters = robot.wheels().count() - driven;
+    let joints = robot.links.iter().filter(|link| link.wheel.is_none() && link.has_value()).count();
+    let (wheels, casters) = (count(driven, "driven wheel"), count(casters, "caster"));
+    let (class, mass, joints) = (&robot.class, robot.mass(), count(joints, "joint"));
+    print(format_args!("{class}: {}, {mass:.1} kg, {wheels}, {casters}, {joints}", steering(imported)));
+}
+
+fn steering(Imported { robot, .. }: &Imported) -> &'static str {
+    scene::Steering::ALL.iter().find(|(_, it)| *it == robot.steering).map_or("none", |(name, _)| name)
+}
+
+fn as_json(class: &str, imported: &Imported) -> serde_json::Value {
+    let Imported { robot, files, guessed, replaced, left_out } = imported;
+    let wheels = robot.wheels().map(|wheel| {
+        json!({"name": wheel.name, "driven": wheel.drive.is_some(), "position": wheel.position, "radius": wheel.radius, "width": wheel.width})
+    });
+    let joints = robot.links.iter().filter(|link| link.wheel.is_none() && link.has_value()).map(|link| &link.name);
+    json!({
+        "class": class,
+        "steering": steering(imported),
+        "mass": robot.mass(),
+        "wheels": serde_json::Value::from_iter(wheels),
+        "joints": joints.collect::<Vec<_>>(),
+        "files": files.iter().map(|(name, _)| format!("{class}/{name}")).collect::<Vec<_>>(),
+        "guessed": guessed,
+        "replaced": replaced,
+        "left_out": left_out,
+    })
+}
