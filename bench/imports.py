@@ -1,0 +1,219 @@
+#!/usr/bin/env python3
+"""Robots of public ROS packages through `usarsim import`: loads, stands, moves. Makes the table of docs/howto-import.md.
+
+    python3 -m venv venv && venv/bin/pip install xacro && . venv/bin/activate
+    cargo build --release            # or USARSIM names another build of the program
+    python3 bench/imports.py FOLDER [--only Husky] [--page docs/howto-import.md]
+
+FOLDER has a checkout of each repository below, by its name without the owner. None of them is part of this project. A robot on wheels is
+driven ahead at 2 rad/s and on the spot at 1 rad/s for two seconds on a smooth floor, and compared with wheels that do not slide. One
+with arms or legs moves its first joint that can by 0.3 rad.
+Units: m, s, rad.
+"""
+
+import argparse
+import json
+import math
+import os
+import pathlib
+import re
+import socket
+import subprocess
+import tempfile
+import tomllib
+
+PROGRAM = os.environ.get("USARSIM", "target/release/usarsim")
+SIMULATED = {"stand": 3.0, "drive": 2.0}
+CREATE = "create3_sim/irobot_create_common/irobot_create_description"
+
+# Class, repository, file, arguments.
+ROBOTS = [
+    ("Husky", "husky/husky", "husky_description/urdf/husky.urdf.xacro", []),
+    ("Jackal", "jackal/jackal", "jackal_description/urdf/jackal.urdf.xacro", []),
+    ("Burger", "ROBOTIS-GIT/turtlebot3", "turtlebot3_description/urdf/turtlebot3_burger.urdf", []),
+    ("Waffle", "ROBOTIS-GIT/turtlebot3", "turtlebot3_description/urdf/turtlebot3_waffle.urdf", []),
+    ("Create3", "iRobotEducation/create3_sim", CREATE.split("/", 1)[1] + "/urdf/create3.urdf.xacro", []),
+    ("TurtleBot4", "turtlebot/turtlebot4", "turtlebot4_description/urdf/standard/turtlebot4.urdf.xacro",
+     ["--package", f"irobot_create_description={CREATE}"]),
+    ("SummitXL", "RobotnikAutomation/summit_xl_common", "summit_xl_description/robots/summit_xl_std.urdf.xacro",
+     ["--package", "robotnik_sensors=robotnik_sensors"]),
+    ("SummitXLS", "RobotnikAutomation/summit_xl_common", "summit_xl_description/robots/summit_xls_std.urdf.xacro",
+     ["--package", "robotnik_sensors=robotnik_sensors"]),
+    ("Panther", "husarion/panther_ros", "panther_description/urdf/panther.urdf.xacro", ["components_config_path:=None"]),
+    ("PantherMecanum", "husarion/panther_ros", "panther_description/urdf/panther.urdf.xacro",
+     ["components_config_path:=None", "use_sim:=true", "wheel_config_file:=panther_ros/panther_description/config/WH02.yaml"]),
+    ("Lynx", "husarion/husarion_ugv_ros", "husarion_ugv_description/urdf/lynx.urdf.xacro", ["components_config_path:=None"]),
+    ("RosbotXL", "husarion/rosbot_ros", "rosbot_description/urdf/rosbot.urdf.xacro", []),
+    ("youBotROS", "youbot/youbot_description", "robots/youbot.urdf.xacro", []),
+    ("UR5", "UniversalRobots/Universal_Robots_ROS2_Description", "urdf/ur.urdf.xacro", ["ur_type:=ur5", "name:=ur"]),
+    ("Franka", "frankaemika/franka_description", "robots/fr3/fr3.urdf.xacro", []),
+    ("Spot", "clearpathrobotics/spot_ros", "spot_description/urdf/spot.urdf.xacro", []),
+    ("Pepper", "ros-naoqi/pepper_robot", "pepper_description/urdf/pepper1.0_generated_urdf/pepper.urdf", []),
+    ("NaoV5", "ros-naoqi/nao_robot", "nao_description/urdf/naoV50_generated_urdf/nao.urdf", []),
+]
+
+
+class Client:
+    """A server with one class, and a connection to it."""
+
+    def __init__(self, robot):
+        command = [PROGRAM, "serve", "--map", "smooth", "--robot", str(robot), "--port", "0", "--json", "--quiet", "--rtf", "10"]
+        self.server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        ready = json.loads(self.server.stdout.readline())
+        self.socket = socket.create_connection(("127.0.0.1", ready["port"]))
+        self.lines = self.socket.makefile("r")
+        self.time, self.position, self.angles, self.joints = 0.0, None, None, {}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+        self.server.terminate()
+        self.server.wait()
+
+    def send(self, line):
+        self.socket.sendall(f"{line}\r\n".encode())
+
+    def wait(self, seconds):
+        """Reads until so much simulated time has passed since the last reading."""
+        end = self.time + seconds
+        while self.time < end:
+            line = self.lines.readline()
+            if line.startswith("SEN") and "GroundTruth" in line:
+                self.time = numbers(line, "Time")[0]
+                self.position, self.angles = numbers(line, "Location"), numbers(line, "Orientation")
+            elif line.startswith("ASTA"):
+                name = re.search(r"{Name (\S+)}", line).group(1)
+                self.joints[name] = [float(value) for value in re.findall(r"{Value ([-\d.]+)}", line)]
+            elif not line:
+                raise RuntimeError("the server is gone")
+
+
+def numbers(line, key):
+    return [float(number) for number in re.search(rf"{{{key} ([^}}]+)}}", line).group(1).split(",")]
+
+
+def stands(client):
+    client.wait(SIMULATED["stand"])
+    before = client.position
+    client.wait(0.5)
+    drift = math.dist(before, client.position) / 0.5
+    tilt = math.degrees(max(abs(angle) for angle in client.angles[:2]))
+    return f"yes, {tilt:.1f} degrees" if tilt < 5 and drift < 1e-3 else f"no: {tilt:.1f} degrees, {1000 * drift:.0f} mm/s"
+
+
+def drives(client, wheels, steering):
+    """Compares a steady motion with that of wheels that do not slide."""
+    driven = [wheel for wheel in wheels if wheel["driven"]]
+    radius = sum(wheel["radius"] for wheel in driven) / len(driven)
+    # Mecanum wheels turn a base by the sum of track and wheelbase.
+    axes = 2 if steering == "omni" else 1
+    span = 2 * sum(abs(wheel["position"][1 - axis]) for wheel in driven for axis in range(axes)) / len(driven)
+    ends = []
+    for line in ("DRIVE {Left 2} {Right 2}", "DRIVE {Left 0} {Right 0}", "DRIVE {Left 1} {Right -1}"):
+        client.send(line)
+        client.wait(1.0)
+        before = (client.time, client.position, client.angles[2])
+        client.wait(SIMULATED["drive"])
+        ends.append((before, (client.time, client.position, client.angles[2])))
+    (start, a, _), (end, b, _) = ends[0]
+    ahead = math.dist(a, b) / (end - start) / (2 * radius)
+    (start, _, a), (end, _, b) = ends[2]
+    turned = (b - a) % (2 * math.pi) / (end - start) / (2 * radius / span)
+    return f"ahead {100 * ahead:.0f} %, turns {100 * turned:.0f} %"
+
+
+def moves_joint(client, actuators):
+    """Moves joints in turn until one goes where it is told."""
+    best = "no joint"
+    for actuator in actuators:
+        for link, value in enumerate(client.joints.get(actuator["name"], [])):
+            for step in (0.3, -0.3):
+                client.send(f"ACT {{Name {actuator['name']}}} {{Link {link}}} {{Value {value + step}}}")
+                client.wait(2.0)
+                moved = client.joints[actuator["name"]][link] - value
+                best = f"joint {actuator['joints'][link]}: {moved:.2f} rad"
+                if abs(moved - step) < 0.02:
+                    return best
+    return best
+
+
+def notes(imported):
+    """What was guessed or is missing, in few words."""
+    guessed, replaced, left_out = (imported[key] for key in ("guessed", "replaced", "left_out"))
+    parts = []
+    casters = sum(" is a caster" in it for it in guessed)
+    count = lambda number, thing: f"{number} {thing}{'' if number == 1 else 's'}"
+    if casters:
+        parts.append(f"{count(casters, 'caster')} by name or place")
+    for words, short in [
+        ("rollers are guessed", "Mecanum wheels and their rollers"),
+        ("called casters are driven", "wheels that it calls casters are driven"),
+        ("stands on", "legs"),
+        ("fixed to the ground", "fixed to the ground"),
+    ]:
+        if any(words in it for it in guessed):
+            parts.append(short)
+    if replaced:
+        parts.append(f"{len(replaced)} masses or inertias replaced" if len(replaced) > 1 else "1 mass or inertia replaced")
+    meshes = 0
+    for it in left_out:
+        if it.startswith("mesh"):
+            more = re.search(r"` and (\d+) more: ", it)
+            meshes += len(re.findall(r"`[^`]+`(?=[,:]| and \d)", it.split("package `")[0])) + (int(more.group(1)) if more else 0)
+        elif it.startswith("package"):
+            parts.append(f"package {it.split('`')[1]} missing")
+        elif "a second" in it:
+            parts.append(it.split(",")[0].replace("<", "`<").replace(">", ">`"))
+        elif "no colliding shape" in it:
+            parts.append("touches nothing")
+    if meshes:
+        parts.append(f"{meshes} meshes missing" if meshes > 1 else "1 mesh missing")
+    return "; ".join(parts) or "nothing"
+
+
+def row(folder, work, name, repository, file, arguments):
+    checkout = repository.split("/")[1]
+    local = [re.sub(r"(:?=)([\w.]+/\S+|robotnik_sensors)$", rf"\1{folder}/\2", it) for it in arguments]
+    command = [PROGRAM, "import", str(folder / checkout / file), "--class", name, "--json", *local]
+    done = subprocess.run(command, cwd=work, capture_output=True, text=True)
+    cells = [name, f"[{repository}](https://github.com/{repository})"]
+    if done.returncode:
+        return cells + ["no", "", "", done.stderr.strip().splitlines()[0]]
+    imported = json.loads(done.stdout)
+    subprocess.run([PROGRAM, "check", str(work / name)], check=True, stdout=subprocess.DEVNULL)
+    with open(work / name / "robot.toml", "rb") as toml:
+        actuators = tomllib.load(toml).get("actuator", [])
+    steering, mass = imported["steering"], imported["mass"]
+    fixed = steering == "none"
+    with Client(work / name / "robot.toml") as client:
+        client.send(f"INIT {{ClassName USARBot.{name}}} {{Location 0,0,{-1 if fixed else -0.3}}}")
+        stood = stands(client)
+        has_wheels = any(wheel["driven"] for wheel in imported["wheels"])
+        moved = drives(client, imported["wheels"], steering) if has_wheels else moves_joint(client, actuators)
+    return cells + [f"{steering}, {mass:.1f} kg", "fixed" if fixed else stood, moved, notes(imported)]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--only", help="a class")
+    parser.add_argument("--page", type=pathlib.Path, help="page whose table is renewed")
+    arguments = parser.parse_args()
+    rows = [["robot", "source", "loads", "stands", "moves", "guessed or missing"], ["---"] * 6]
+    with tempfile.TemporaryDirectory() as work:
+        for robot in ROBOTS:
+            if arguments.only in (None, robot[0]):
+                rows.append(row(arguments.folder.resolve(), pathlib.Path(work), *robot))
+                print(" | ".join(rows[-1]), flush=True)
+    table = "\n".join(f"| {' | '.join(cells)} |" for cells in rows)
+    if arguments.page:
+        text = arguments.page.read_text()
+        begin, end = "<!-- table of bench/imports.py -->\n", "<!-- end -->"
+        before, rest = text.split(begin)
+        arguments.page.write_text(f"{before}{begin}\n{table}\n\n{end}{rest.split(end, 1)[1]}")
+
+
+if __name__ == "__main__":
+    main()
