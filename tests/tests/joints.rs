@@ -311,6 +311,23 @@ fn a_joint_that_makes_no_sense_is_refused_with_the_nearest_name() {
 }
 
 #[test]
+fn a_caster_hangs_on_the_link_that_it_names() {
+    let with_caster = |link: &str| {
+        let ball = "position = [0.3, 0.0, 0.05]\nradius = 0.05\nmass = 0.2\nmaterial = \"nylon\"\n";
+        load(&format!(
+            "{}[[caster]]\nname = \"Ball\"\nlink = \"{link}\"\n{ball}",
+            cart("kind = \"fixed\"", "[0.2, 0, -1]")
+        ))
+    };
+    let def = &with_caster("Arm").unwrap_or_else(|error| panic!("{error}")).robots["Cart"];
+    let parent =
+        def.links.iter().find(|link| link.name == "Ball").and_then(|link| link.joint.as_ref()).map(|it| it.parent);
+    assert_eq!(parent.map(|number| def.links[number].name.as_str()), Some("Arm"));
+    let error = with_caster("Amr").map(|_| ()).expect_err("an unknown link");
+    assert!(error.ends_with("(did you mean `Arm`?)"), "{error}");
+}
+
+#[test]
 fn what_is_wrong_with_every_wheel_is_said_once_and_a_wrong_name_with_the_nearest() {
     let errors = |wrong: &str, right: &str| {
         let cart = cart("kind = \"fixed\"", "[0.2, 0, -1]").replacen(right, wrong, 1);

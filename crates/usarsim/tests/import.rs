@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use scene::{Footing, JointKind, RobotDef, Steering};
-use scene_loader::{Import, Imported, Packages};
+use scene_loader::{Content, Import, Imported, Packages};
 use sim_core::{Options, World};
 use system_tests::{apply, init, run};
 
@@ -189,7 +189,7 @@ fn mistakes_have_their_exit_codes_and_leave_nothing() {
     assert_eq!(json["files"][2], "Json/meshes/wheel.obj");
 }
 
-/// Imports a variant of a URDF of the cart's package, without writing.
+/// Imports a variant of a URDF of the cart's package. What is made loads.
 fn variant(urdf: &str) -> Result<Imported, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let package = folder.path().join("src/cart_ws");
@@ -204,8 +204,21 @@ fn variant(urdf: &str) -> Result<Imported, String> {
     let file = package.join("urdf/robot.urdf");
     std::fs::write(&file, urdf).expect("a file");
     let packages = Packages::around(&file, &[], &[]).map_err(|error| error.to_string())?;
-    scene_loader::import(&Import { file: &file, text: urdf, class: "Variant", packages: &packages })
-        .map_err(|error| error.to_string())
+    let imported = scene_loader::import(&Import { file: &file, text: urdf, class: "Variant", packages: &packages })
+        .map_err(|error| error.to_string())?;
+    let made = folder.path().join("Variant");
+    std::fs::create_dir_all(made.join("meshes")).expect("a folder");
+    for (name, content) in &imported.files {
+        let written = match content {
+            Content::Text(text) => std::fs::write(made.join(name), text),
+            Content::CopyOf(path) => std::fs::copy(path, made.join(name)).map(drop),
+        };
+        written.expect("a file");
+    }
+    let RobotDef { steering, footing, .. } =
+        scene_loader::robot(&made.join("robot.toml").display().to_string(), &[]).map_err(|error| error.to_string())?;
+    assert_eq!((steering, footing), (imported.robot.steering, imported.robot.footing));
+    Ok(imported)
 }
 
 /// A base with four wheels whose links have this name.
@@ -246,6 +259,14 @@ fn wheels_are_told_from_other_joints() {
     check(&base("wheel", &link("drum", "0 0.1 0.4", ball)), Steering::Skid, &all, "joint drum is above the ground");
     check(&base("wheel", &link("arm", "0 0.3 0", arm)), Steering::Skid, &all, "joint arm is not round about its axis");
     check(&base("wheel", &link("nose", "0.4 0 -0.05", ball)), Steering::Skid, &all, "nose is a caster");
+    let hub = link("hub", "0 0 0", ball).replacen("base", "wheel_a", 1);
+    check(&base("wheel", &hub), Steering::Skid, &["b", "c", "d"], "joint a carries other joints, so it is no wheel");
+    let gear = link("gear", "0 0.1 0.4", ball).replacen(
+        "<axis xyz=\"0 1 0\"/>",
+        "<axis xyz=\"1 0 0\"/><mimic joint=\"a\"/>",
+        1,
+    );
+    check(&base("wheel", &gear), Steering::Skid, &all, "joint gear follows a wheel and is held");
     // Omni wheels are ordered front left, front right, back left, back right.
     let omni = ["c", "d", "a", "b"];
     check(&base("mecanum", ""), Steering::Omni, &omni, "Mecanum wheels, as names");
@@ -315,7 +336,7 @@ fn a_car_keeps_its_knuckles_and_a_swivel_is_held() {
         steered.count() == 2
             && robot.links.iter().all(|link| link.joint.as_ref().is_none_or(|it| it.kind != JointKind::Fixed))
     );
-    let scene_loader::Content::Text(written) = &files[1].1 else { panic!("robot.urdf is a text") };
+    let Content::Text(written) = &files[1].1 else { panic!("robot.urdf is a text") };
     assert!(written.contains("name=\"turn_c_FrontSteer\""), "{written}");
 }
 

@@ -90,6 +90,7 @@ pub(crate) fn read(
     guess.find_wheels();
     let steering = guess.steering(mecanum);
     guess.free_casters();
+    guess.hold_followers();
     guess.limit_motors();
     let changes = std::mem::take(&mut guess.changes);
     let (links, mut assumptions) = guess.finish();
@@ -187,6 +188,10 @@ impl Guess<'_> {
                 self.urdf.assumptions.push(format!("joint {name} has no shape, so it is no wheel"));
                 continue;
             };
+            if self.urdf.links.iter().any(|it| it.joint.as_ref().is_some_and(|it| it.parent == continuous.link)) {
+                self.urdf.assumptions.push(format!("joint {name} carries other joints, so it is no wheel"));
+                continue;
+            }
             if roundness < ROUND {
                 self.urdf.assumptions.push(format!("joint {name} is not round about its axis, so it is no wheel"));
                 continue;
@@ -383,16 +388,28 @@ impl Guess<'_> {
 
     /// Holds the joint that carries a link's joint, if that swivels.
     fn hold_swivel(&mut self, number: usize) {
-        if let Some(parent) = self.urdf.links[number].joint.as_ref().map(|joint| joint.parent) {
+        let Some(parent) = self.urdf.links[number].joint.as_ref().map(|joint| joint.parent) else { return };
+        if self.urdf.links[parent].joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Continuous) {
             self.hold(parent);
         }
     }
 
-    /// Holds a continuous joint.
+    /// Holds joints that follow a wheel, which has no position to follow.
+    fn hold_followers(&mut self) {
+        let is_wheel = |number: usize| self.wheels.iter().any(|(wheel, _)| *wheel == number);
+        let leader = |link: &Link| link.joint.as_ref().and_then(|joint| joint.coupling).map(|it| it.leader);
+        let links = self.urdf.links.iter().enumerate();
+        let followers = links.filter(|(number, link)| !is_wheel(*number) && leader(link).is_some_and(is_wheel));
+        for number in followers.map(|(number, _)| number).collect::<Vec<_>>() {
+            self.hold(number);
+            self.say(format!("joint {} follows a wheel and is held", self.urdf.links[number].name));
+        }
+    }
+
     fn hold(&mut self, number: usize) {
         let link = &mut self.urdf.links[number];
-        if let Some(joint) = link.joint.as_mut().filter(|joint| joint.kind == JointKind::Continuous) {
-            (joint.kind, joint.drive, joint.coupling) = (JointKind::Fixed, None, None);
+        if let Some(joint) = &mut link.joint {
+            (joint.kind, joint.limits, joint.drive, joint.coupling) = (JointKind::Fixed, None, None, None);
             self.changes.push(Change::Hold(link.name.clone()));
         }
     }

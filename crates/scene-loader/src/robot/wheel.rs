@@ -293,6 +293,10 @@ pub(super) fn read_casters<'a>(
     for (span, entry) in document.list::<CasterEntry>(root, "caster") {
         let CasterEntry { name, position, radius, mass, material, link } = entry;
         let Some(parent) = links.find(document, &span, "link", link.as_deref()) else { continue };
+        if links.taken.contains(&parent) {
+            document.problem(&span, format_args!("caster `{name}` hangs on a wheel: expected another link"));
+            continue;
+        }
         let side = if position[1] < 0.0 { Side::Left } else { Side::Right };
         let material = document.material(&span, &material, materials);
         let width = 2.0 * radius;
