@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Robots of public ROS packages through `usarsim import`: loads, stands, moves. Makes the table of docs/howto-import.md.
 
-    python3 -m venv venv && venv/bin/pip install xacro && . venv/bin/activate
+    python3 -m venv venv && . venv/bin/activate && pip install xacro
     cargo build --release            # or USARSIM names another build of the program
     python3 bench/imports.py FOLDER [--only Husky] [--page docs/howto-import.md]
 
