@@ -412,9 +412,9 @@ that no wheel feels them and no laser measures them.""",
                 "Soccer field of RoboCup's Standard Platform League, 9 x 6 m, with two goals and a ball")
     field.table("!material.ball", friction=0.5, restitution=0.4, angular_damping=0.3, colour=ORANGE,
                 source="a foam ball on carpet; it rolls a few metres")
-    field.table("!material.turf", friction=0.8, rolling_resistance=0.03, colour=(0.20, 0.45, 0.22),
+    field.table("!material.artificial-grass", friction=0.8, rolling_resistance=0.03, colour=(0.20, 0.45, 0.22),
                 source="as the shipped carpet, in green")
-    field.table("half_space", name="field", material="turf")
+    field.table("half_space", name="field", material="artificial-grass")
 
     def white(name, x, y, along, across, turn=None):
         field.marking(name, (x, y), (along, across), WHITE, turn, thick=0.004)

@@ -45,7 +45,7 @@ export class MapView {
     const { solids, markings } = scene.map;
     const kinds = new Map<SurfaceName, THREE.BufferGeometry[]>();
     [...solids, ...markings].forEach((solid, index) => {
-      const kind = surfaceOf(solid.material);
+      const kind = index < solids.length ? surfaceOf(solid.material) : 'marking';
       kinds.set(kind, [...(kinds.get(kind) ?? []), drawnSolid(solid, solid.pose, index)]);
     });
     kinds.forEach((geometries, kind) => this.ground.add(this.mesh(merged(geometries), kind)));

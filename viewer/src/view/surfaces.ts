@@ -10,6 +10,8 @@ interface Surface {
   pattern: PatternName | null;
   roughness: number;
   metalness: number;
+  /** Lies on other surfaces: it is in front of them where both are as far. */
+  lies?: boolean;
 }
 
 const SURFACES = {
@@ -22,6 +24,7 @@ const SURFACES = {
   plastic: { names: /plastic|nylon|pvc|abs|polyamide|delrin/, pattern: null, roughness: 0.45, metalness: 0 },
   concrete: { names: /concrete|stone|brick|asphalt|tile|cement/, pattern: 'concrete', roughness: 0.93, metalness: 0 },
   robot: { names: /^$/, pattern: null, roughness: 0.5, metalness: 0.15 },
+  marking: { names: /^$/, pattern: null, roughness: 0.9, metalness: 0, lies: true },
   unknown: { names: /./, pattern: 'concrete', roughness: 0.85, metalness: 0 },
 } satisfies Record<string, Surface>;
 
@@ -76,11 +79,12 @@ export class Surfaces {
     });
   }
 
-  private make({ pattern, roughness, metalness }: Surface): THREE.Material {
+  private make({ pattern, roughness, metalness, lies }: Surface): THREE.Material {
     const picture = pattern ? this.picture(pattern) : null;
     const material = this.shaded(picture, roughness, metalness);
     // So that edges and the grid lie on it and not in it.
-    return Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 });
+    const [polygonOffsetFactor, polygonOffsetUnits] = lies ? [-0.5, -8] : [1, 2];
+    return Object.assign(material, { polygonOffset: true, polygonOffsetFactor, polygonOffsetUnits });
   }
 
   private shaded(
