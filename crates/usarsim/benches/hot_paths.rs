@@ -1,11 +1,15 @@
 //! Time of a step of the world and of a line of the wire: `cargo bench -p usarsim --bench hot_paths`.
 
+use std::sync::Arc;
+
 use divan::Bencher;
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Line};
 use scene::sensor::camera;
 use scene::{DriveModel, Sensed};
+use scene_loader::{Changes, Equipment};
 use sim_core::{CompiledScene, Options, World};
+use thread_pool::ThreadPool;
 
 fn main() {
     divan::main();
@@ -58,6 +62,41 @@ fn one_laser_scan(bencher: Bencher) {
     let line = Line::parse("SET {Type RangeScanner} {Name Hokuyo} {Opcode SCAN}");
     let scan = Command::read(&line, &mut Vec::new()).expect("a command");
     bencher.bench_local(|| world.execute(Some(robot), &scan, &mut Vec::new()));
+}
+
+/// A reading of a sensor of a robot on the map `rescue`, by its SET.
+#[divan::bench(args = [("P3AT", "RangeScanner"), ("KinectBot", "RangeImager")])]
+fn a_reading_on_rescue(bencher: Bencher, (class, sensor): (&str, &str)) {
+    let def = scene_loader::load("rescue", &[]).unwrap_or_else(|error| panic!("{error}"));
+    let mut world = World::new(def, Options::default());
+    let init = Init { class_name: class.to_owned(), start: "RobotStart1".to_owned(), ..Init::default() };
+    let robot = world.init(&init, &mut Vec::new()).expect("a robot");
+    let line = Line::parse(&format!("SET {{Type {sensor}}} {{Opcode SCAN}}"));
+    let scan = Command::read(&line, &mut Vec::new()).expect("a command");
+    if sensor == "RangeScanner" {
+        bencher.bench_local(|| world.execute(Some(robot), &scan, &mut Vec::new()));
+    } else {
+        // A part of a picture, 3840 points, every 0.1 s.
+        world.execute(Some(robot), &scan, &mut Vec::new());
+        bencher.bench_local(|| (0..50).for_each(|_| drop(world.step())));
+    }
+}
+
+/// A simulated second of twenty P3ATs with laser, eight sonars and INS on the map `rescue`.
+#[divan::bench(args = [1, 2])]
+fn a_second_of_twenty_on_rescue(bencher: Bencher, threads: usize) {
+    let equipment = Equipment::load("robocup2014").unwrap_or_else(|error| panic!("{error}"));
+    let changes = Changes { overrides: &[], equipment: &equipment };
+    let def = scene_loader::load_equipped("rescue", &[], changes).unwrap_or_else(|error| panic!("{error}"));
+    let pool = Arc::new(ThreadPool::new(threads).expect("threads"));
+    let mut world = World::new(def, Options::default()).on_threads(pool.clone());
+    let drive = Command::parse("DRIVE {Left 1} {Right 1.2}", &mut Vec::new()).expect("a command");
+    for _ in 0..20 {
+        let init = Init { class_name: "P3AT".to_owned(), start: "RobotStart1".to_owned(), ..Init::default() };
+        let robot = world.init(&init, &mut Vec::new()).expect("a robot");
+        world.execute(Some(robot), &drive, &mut Vec::new());
+    }
+    bencher.bench_local(|| pool.run(|| (0..500).for_each(|_| drop(world.step()))));
 }
 
 #[divan::bench]
