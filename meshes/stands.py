@@ -89,7 +89,27 @@ def stereo():
     return mesh
 
 
+# A Canon VC-C4: a round foot, a yoke that pans, and a head that tilts in it.
+
+
+def camera_foot():
+    return Mesh().add(prism(rounded(0.09, 0.08, 0.03, 3), -0.03, 0.0, 0.006), DARK).add(rod(0.032, -0.029, -0.041, 16), BLACK)
+
+
+def camera_yoke():
+    """About its joint, which pans."""
+    mesh = Mesh().add(rod(0.031, 0.0, -0.006, 16), DARK)
+    return mesh.add_pair(strap((0, -0.004, 0.016), (0, -0.030, 0.014), -0.005, 0.005), DARK, (0, 0.04, 0))
+
+
+def camera_head():
+    """About its joint, which tilts; its lens looks ahead."""
+    mesh = Mesh().add(rod(0.014, -0.042, 0.042, 12), GREY, turn=Y).add(prism(rounded(0.062, 0.062, 0.02, 2), -0.026, 0.026, 0.008), BLACK)
+    return mesh.add(rod(0.023, 0.02, 0.042, 14, second=0.02), DARK, turn=X).add(rod(0.016, 0.03, 0.045, 12), GLASS, turn=X)
+
+
 FILES = {
+    "actuators/CameraPanTilt": {"foot.glb": camera_foot, "yoke.glb": camera_yoke, "head.glb": camera_head},
     "robots/ComStation": {"body.glb": station},
     "robots/MultiView": {"post.glb": post},
     "robots/GripperBase": {"post.glb": bracket},

@@ -150,8 +150,28 @@ def turtlebot():
     return mesh
 
 
+def soccer():
+    """A drum of RoboCup's small-size league, with a kicker ahead and the pattern of its team on top."""
+    drum = [(0.088 * math.cos(a), 0.088 * math.sin(a)) for a in angles(20)]
+    ahead = [(min(x, 0.073), y) for x, y in drum]
+    mesh = Mesh().add(prism([(x, max(min(y, 0.069), -0.069)) for x, y in ahead], -0.04, 0.012), DARK)
+    mesh.add(prism(ahead, -0.094, -0.034), BLACK).add(prism(ahead, -0.098, -0.093), (0.24, 0.25, 0.27))
+    mesh.add(rod(0.025, -0.097, -0.1, 16), (0.10, 0.25, 0.85))
+    for x, y, colour in (
+        (0.038, 0.045, (0.95, 0.25, 0.6)),
+        (0.038, -0.045, (0.2, 0.8, 0.3)),
+        (-0.045, 0.032, (0.95, 0.25, 0.6)),
+        (-0.045, -0.032, (0.95, 0.25, 0.6)),
+    ):
+        mesh.add(rod(0.017, -0.097, -0.1, 12), colour, (x, y, 0))
+    mesh.add(box(0.006, 0.07, 0.022), METAL, (0.075, 0, 0.0)).add(rod(0.006, -0.034, 0.034, 8), ORANGE, (0.081, 0, -0.024), Y)
+    mesh.add_pair(box(0.018, 0.005, 0.024), METAL, (0.075, 0.037, -0.022))
+    return mesh.add(box(0.012, 0.024, 0.02), GREY, (0.071, 0, -0.078)).add(rod(0.006, 0, 0.008, 8), GLASS, (0.074, 0, -0.08), X)
+
+
 SICK = {"sick.glb": sick}
 FILES = {
+    "robots/SoccerRobot": {"body.glb": soccer, "wheel.glb": lambda: wheel(0.03, 0.015, 0.02, 0, 5, METAL)},
     "robots/ATRV": {"body.glb": lambda: atrv(1.0, -0.26, -0.375), "wheel.glb": lambda: wheel(0.2, 0.12, 0.105, 12)} | SICK,
     "robots/ATRV2": {"body.glb": lambda: atrv(1.0, -0.26, -0.375), "wheel.glb": lambda: wheel(0.2, 0.12, 0.105, 12)} | SICK,
     "robots/ATRVJr": {"body.glb": lambda: atrv(0.74, -0.20, -0.296), "wheel.glb": lambda: wheel(0.16, 0.1, 0.085, 12)} | SICK,
