@@ -6,6 +6,7 @@
 mod inertia;
 mod meshes;
 mod packages;
+mod sensors;
 mod toml;
 
 use std::path::{Path, PathBuf};
@@ -83,13 +84,20 @@ pub fn import(import: &Import) -> Result<Imported, LoadError> {
     let mut replaced = Vec::new();
     remove_hollow(&source, &mut robot, &mut left_out);
     inertia::repair(&source, &mut robot, &mut replaced);
-    let guessed = guess(import, &source, &robot)?;
+    let mut guessed = guess(import, &source, &robot)?;
     if guessed.robot.links.iter().all(|link| link.solids.is_empty() && link.wheel.is_none()) {
         left_out.push("no colliding shape is left, so the robot touches nothing".to_owned());
     }
     guessed.changes.iter().for_each(|change| apply(change, &mut robot));
+    let sensors = sensors::find(document.root_element(), &robot, &guessed.robot, &mut left_out);
+    for sensor in &sensors {
+        let sensors::Sensor { class, def, .. } = sensor;
+        let link = &guessed.robot.links[def.link].name;
+        guessed.robot.assumptions.push(format!("sensor {} is Gazebo's, a {class} on {link}", def.name));
+    }
+    guessed.robot.sensors.extend(sensors.iter().map(|sensor| sensor.def.clone()));
     let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let of_robot = toml::of_robot(&guessed.robot, &name, [&guessed.robot.assumptions, &replaced, &left_out])
+    let of_robot = toml::of_robot(&guessed.robot, &sensors, &name, [&guessed.robot.assumptions, &replaced, &left_out])
         .map_err(|error| problem(&shown, error))?;
     let mut files = vec![
         ("robot.toml".to_owned(), Content::Text(of_robot)),

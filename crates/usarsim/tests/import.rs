@@ -341,6 +341,45 @@ fn a_car_keeps_its_knuckles_and_a_swivel_is_held() {
 }
 
 #[test]
+fn lasers_and_cameras_of_gazebo_are_where_it_has_them() {
+    let links = "<joint name=\"mount\" type=\"fixed\"><origin xyz=\"0.3 0.1 0.2\" rpy=\"0 0 1.5707963\"/><parent link=\"base\"/>\
+                 <child link=\"laser\"/></joint><link name=\"laser\"/>";
+    let sensor = |on: &str, kind: &str, content: &str| {
+        format!(
+            "{links}<gazebo reference=\"{on}\"><sensor name=\"the eye\" type=\"{kind}\"><update_rate>20</update_rate>{content}</sensor></gazebo>"
+        )
+    };
+    let scan = "<pose>0.1 0 0 0 0 0</pose><ray><scan><horizontal><samples>181</samples><min_angle>0</min_angle><max_angle>1.5707963\
+                </max_angle></horizontal></scan><range><min>0.1</min><max>8</max></range></ray>";
+    let Imported { robot, .. } =
+        variant(&base("wheel", &sensor("laser", "gpu_ray", scan))).unwrap_or_else(|error| panic!("{error}"));
+    let eye = robot.sensors.last().expect("a sensor");
+    let near = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
+    // The laser looks to the left, and the middle of its fan 45 degrees farther. Left is negative here.
+    assert!(eye.name == "the_eye" && near(eye.position, [0.3, -0.2, -0.2]), "{eye:?}");
+    assert!(near(eye.direction, [0.0, 0.0, -0.75 * std::f64::consts::PI]) && eye.scan_interval == 0.05, "{eye:?}");
+    let scene::sensor::Config::RangeScanner(laser) = &eye.config else { panic!("{eye:?}") };
+    assert_eq!((laser.max_range, laser.min_range, (laser.field_of_view / laser.resolution).round()), (8.0, 0.1, 180.0));
+    let camera = sensor("laser", "camera", "<camera><horizontal_fov>1.2</horizontal_fov></camera>");
+    let Imported { robot, guessed, .. } = variant(&base("wheel", &camera)).unwrap_or_else(|error| panic!("{error}"));
+    assert!(
+        matches!(&robot.sensors.last().expect("a sensor").config, scene::sensor::Config::Camera(it) if it.field_of_view == 1.2)
+    );
+    assert!(guessed.iter().any(|it| it == "sensor the_eye is Gazebo's, a Camera on body"), "{guessed:?}");
+    for (on, kind, content, expected) in [
+        ("laser", "contact", "", "sensor the eye: type `contact` is not read"),
+        ("laser", "ray", "", "sensor the eye: no <horizontal> scan"),
+        ("nothing", "ray", scan, "sensor the eye: link nothing is not found"),
+        ("wheel_a", "ray", scan, "sensor the eye: it turns with a wheel"),
+        ("laser", "camera", "<horizontal_fov>9</horizontal_fov>", "min_field_of_view <= field_of_view"),
+    ] {
+        let Imported { left_out, .. } =
+            variant(&base("wheel", &sensor(on, kind, content))).unwrap_or_else(|error| panic!("{error}"));
+        assert!(left_out.iter().any(|it| it.contains(expected)), "{expected}: {left_out:?}");
+    }
+}
+
+#[test]
 fn packages_are_found_by_their_manifests() {
     let alone = tempfile::tempdir().expect("a folder");
     let lost = alone.path().join("lost.urdf");

@@ -127,7 +127,7 @@ fn groups(robot: &Robot) -> Vec<Vec<usize>> {
 }
 
 /// True for a joint that the loader holds.
-fn is_held(joint: &urdf_rs::Joint) -> bool {
+pub(super) fn is_held(joint: &urdf_rs::Joint) -> bool {
     let equal = joint.limit.lower == joint.limit.upper;
     match joint.joint_type {
         JointType::Continuous | JointType::Spherical => false,

@@ -3,7 +3,7 @@
 use scene::{Link, RobotDef, Side};
 use serde::Serialize;
 
-use super::URDF;
+use super::{URDF, sensors};
 use crate::robot::of_urdf::{BODY, CASTER, ROLLER, TYRE, sensor_names};
 
 #[derive(Serialize)]
@@ -74,13 +74,37 @@ struct Actuator<'a> {
 struct Sensor<'a> {
     class: &'a str,
     name: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    link: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    direction: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scan_interval: Option<f64>,
+    #[serde(flatten)]
+    settings: ::toml::Table,
 }
 
 /// Returns the robot.toml of a robot from a URDF, with these notes about what was guessed, replaced and left out.
-pub(super) fn of_robot(robot: &RobotDef, file: &str, notes: [&[String]; 3]) -> Result<String, ::toml::ser::Error> {
+pub(super) fn of_robot(
+    robot: &RobotDef,
+    sensors: &[sensors::Sensor],
+    file: &str,
+    notes: [&[String]; 3],
+) -> Result<String, ::toml::ser::Error> {
     let wheels = || robot.links.iter().filter(|link| link.wheel.is_some());
     let steering = scene::Steering::ALL.iter().find(|(_, steering)| *steering == robot.steering);
     let rollers = wheels().find_map(|link| link.wheel.as_ref()?.rollers.as_ref());
+    let of_every_robot = sensor_names(robot.steering).iter().map(|&(class, name)| Sensor {
+        class,
+        name,
+        link: None,
+        position: None,
+        direction: None,
+        scan_interval: None,
+        settings: ::toml::Table::new(),
+    });
     let table = Robot {
         description: format!("Imported from {file}"),
         steering: steering.map_or("none", |(name, _)| name),
@@ -96,7 +120,7 @@ pub(super) fn of_robot(robot: &RobotDef, file: &str, notes: [&[String]; 3]) -> R
         wheel: wheels().filter_map(wheel).collect(),
         caster: wheels().filter_map(|link| caster(link, &robot.links)).collect(),
         actuator: robot.actuators.iter().map(|it| actuator(it, &robot.links)).collect(),
-        sensor: sensor_names(robot.steering).iter().map(|&(class, name)| Sensor { class, name }).collect(),
+        sensor: of_every_robot.chain(sensors.iter().map(|it| sensor(it, &robot.links))).collect(),
     };
     let mut text = format!("# Made by `usarsim import` from {}. Check what was guessed.\n", line(file));
     for (what, notes) in ["guessed", "replaced", "left out"].into_iter().zip(notes) {
@@ -152,9 +176,22 @@ fn actuator<'a>(actuator: &'a scene::Actuator, links: &'a [Link]) -> Actuator<'a
     Actuator { name: &actuator.name, joints: joints.collect(), tip: actuator.tip.map(short) }
 }
 
-/// Returns a number with six digits: a measured mesh has no more.
+fn sensor<'a>(sensor: &'a sensors::Sensor, links: &'a [Link]) -> Sensor<'a> {
+    let sensors::Sensor { class, settings, def } = sensor;
+    Sensor {
+        class,
+        name: &def.name,
+        link: (def.link > 0).then(|| links[def.link].name.as_str()),
+        position: Some(def.position.map(short)),
+        direction: Some(def.direction.map(short)),
+        scan_interval: Some(short(def.scan_interval)),
+        settings: settings.clone(),
+    }
+}
+
+/// Returns a number with six digits: a measured mesh has no more. Zero has no sign.
 fn short(number: f64) -> f64 {
-    format!("{number:.5e}").parse().unwrap_or(number)
+    format!("{number:.5e}").parse().unwrap_or(number) + 0.0
 }
 
 /// Returns a text as one line of a comment.
