@@ -61,9 +61,10 @@ fn check_weight_is_held(class: &str, model: DriveModel) {
 
 #[test]
 fn forces_on_a_robot_hold_its_weight() {
-    let robots = scene_loader::robot_names().into_iter().map(|class| scene_loader::robot(&class, &[]).unwrap());
-    for robot in robots.filter(|robot| robot.steering.is_on_wheels()) {
-        check_weight_is_held(&robot.class, DriveModel::Bodies);
+    for class in
+        ["BasicSkidRobot", "CasterSkidRobot", "FrontAckerman", "KUKA_YouBot", "Kenaf", "P2AT", "P2DX", "P3AT", "YouBot"]
+    {
+        check_weight_is_held(class, DriveModel::Bodies);
     }
     for class in ["KUKA_YouBot", "YouBot"] {
         for model in [DriveModel::Analytic, DriveModel::Kinematic, DriveModel::KinematicTextbook] {
