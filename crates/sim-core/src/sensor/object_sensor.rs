@@ -58,9 +58,14 @@ impl Sensor for Mounted {
         let origin: Point3<f64> = pose.translation.vector.into();
         let sight = view.sight(&origin, self.max_range);
         let (mut seen, mut numbers, mut texts) = (Vec::new(), Vec::new(), Vec::new());
+        let mut last = None;
         for beam in &self.beams {
             let direction = pose.rotation * beam;
             let Some(hit) = sight.cast_ray(&direction) else { continue };
+            // To name a robot takes a search, and neighbouring beams mostly hit the same thing.
+            if last.replace(hit.identity) == Some(hit.identity) {
+                continue;
+            }
             // The links of a robot are one object.
             let Some((name, place)) = view.physics.named(hit.identity) else { continue };
             if seen.contains(&name) {
