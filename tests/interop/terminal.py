@@ -60,7 +60,7 @@ def check_connect(address):
     # The server's answers come without being shown.
     time.sleep(0.5)
     terminal.type("help\r")
-    terminal.wait_for("classes: USARBot.AirRobot, [^\n]*\n[^\n]*starts: PlayerStart_0, [\\s\\S]*> \r")
+    terminal.wait_for("classes: USARBot.ARDrone, [^\n]*\n[^\n]*starts: PlayerStart_0, [\\s\\S]*> \r")
     terminal.type("INI\t{Cl\tUSARBot.P3TA}\r")
     terminal.wait_for("NFO {Error 'ClassName USARBot.P3TA' is unknown .did you mean `USARBot.P3AT`")
     terminal.type("INI\t{Cl\tp3a\t{St\tRobotStart1}\r")
