@@ -360,7 +360,8 @@ impl Row {
     }
 }
 
-fn is_among(names: &[&str], name: &str) -> bool {
+/// True if a name is among names, in any case.
+pub(super) fn is_among(names: &[&str], name: &str) -> bool {
     names.iter().any(|known| known.eq_ignore_ascii_case(name))
 }
 

@@ -10,7 +10,7 @@ use scene::check::{self, MAX_LINKS};
 use scene::sensor::{self, Config};
 use scene::{Battery, Link, RobotDef, SensorDef, pose};
 
-use super::classes::{self, Row};
+use super::classes::{self, Row, is_among};
 use super::default_battery;
 use super::ini::{self, Field, Value};
 use crate::catalogue;
@@ -554,10 +554,6 @@ fn wire_name(word: &str) -> String {
 
 fn is_life(key: &str) -> bool {
     key.eq_ignore_ascii_case(classes::LIFE)
-}
-
-fn is_among(names: &[&str], name: &str) -> bool {
-    names.iter().any(|known| known.eq_ignore_ascii_case(name))
 }
 
 /// Shortens a name for a message.

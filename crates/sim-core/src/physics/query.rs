@@ -53,6 +53,11 @@ pub(crate) struct Sight<'a> {
 }
 
 impl Sight<'_> {
+    /// Returns the distance to the first hit of a ray in a direction, m; the largest distance if there is none.
+    pub(crate) fn range(&self, direction: &Vector3<f64>) -> f64 {
+        self.cast_ray(direction).map_or(self.max_distance, |hit| hit.distance)
+    }
+
     /// Returns the first hit of a ray in a direction.
     pub(crate) fn cast_ray(&self, direction: &Vector3<f64>) -> Option<RayHit> {
         let ray = Ray::new(self.origin, convert::vector(*direction));

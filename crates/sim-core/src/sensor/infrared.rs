@@ -33,8 +33,8 @@ impl Sensor for Mounted {
         let pose = view.carrier.pose * self.pose;
         let Config { min_range, max_range } = self.config;
         let sight = view.sight_in(Light::Infrared, &pose.translation.vector.into(), max_range);
-        let hit = sight.cast_ray(&(pose.rotation * Vector3::x()));
-        Some(Reading { range: hit.map_or(max_range, |hit| hit.distance).clamp(min_range, max_range) }.into())
+        let range = sight.range(&(pose.rotation * Vector3::x()));
+        Some(Reading { range: range.clamp(min_range, max_range) }.into())
     }
 
     fn conf(&self) -> ItemConf {

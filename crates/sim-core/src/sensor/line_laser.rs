@@ -41,8 +41,7 @@ impl Sensor for Mounted {
         let point = |number: u32| {
             let yaw = field_of_view * (f64::from(number) / f64::from(beams - 1) - 0.5);
             let direction = pose.rotation * beam(yaw, 0.0);
-            let distance = sight.cast_ray(&direction).map_or(max_range, |hit| hit.distance);
-            <[f64; 3]>::from((origin + direction * distance).coords)
+            <[f64; 3]>::from((origin + direction * sight.range(&direction)).coords)
         };
         let (position, angles) = position_and_rotation(&pose);
         Some(Reading { position, angles, points: (0..beams - 1).flat_map(point).collect() }.into())

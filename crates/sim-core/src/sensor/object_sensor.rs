@@ -6,7 +6,8 @@ use nalgebra::{Point3, Vector3};
 use scene::sensor::object_sensor::{Config, Reading, Texts};
 use scene::{Pose, SensorDef, position_and_rotation, rotation_units};
 
-use super::{Effect, Mount, Sensor, View, beam, floats};
+use super::range_scanner::beams;
+use super::{Effect, Mount, Sensor, View, floats};
 
 /// Numbers of one object in a reading.
 const NUMBERS: usize = 9;
@@ -22,12 +23,11 @@ pub(crate) struct Mounted {
 
 pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
     let [field, step] = [config.field_of_view, config.resolution].map(rotation_units::from_radians);
-    let angles = (0..).map(|number| field / 2 - number * step.max(1)).take_while(|angle| 2 * angle >= -field);
     Mounted {
         name: mount.name.to_owned(),
         pose: mount.pose,
         max_range: config.max_range,
-        beams: angles.map(|angle| beam(f64::from(rotation_units::to_radians(angle)), 0.0)).collect(),
+        beams: beams(step.max(1), field, true, false),
     }
 }
 

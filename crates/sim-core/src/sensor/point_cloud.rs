@@ -60,8 +60,7 @@ impl Sensor for Mounted {
                 let point = |number: u32| {
                     let share = f64::from(number) / f64::from(config.beams - 1);
                     let direction = beam(config.horizontal_field_of_view * (share - 0.5), pitch);
-                    let hit = sight.cast_ray(&(pose.rotation * direction));
-                    <[f64; 3]>::from(direction * hit.map_or(config.max_range, |hit| hit.distance))
+                    <[f64; 3]>::from(direction * sight.range(&(pose.rotation * direction)))
                 };
                 (0..config.beams).flat_map(point).collect()
             }
@@ -72,8 +71,7 @@ impl Sensor for Mounted {
                 let point = |number: u32| {
                     let (row, column) = (number / config.size, number % config.size);
                     let origin = Point3::new(0.0, place(column), place(row));
-                    let hit = view.sight(&(pose * origin), config.max_range).cast_ray(&ahead);
-                    [hit.map_or(config.max_range, |hit| hit.distance), origin.y, origin.z]
+                    [view.sight(&(pose * origin), config.max_range).range(&ahead), origin.y, origin.z]
                 };
                 (0..config.size * config.size).flat_map(point).collect()
             }

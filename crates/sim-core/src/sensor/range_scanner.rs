@@ -35,7 +35,7 @@ pub(super) fn build(config: &RangeScanner, mount: Mount) -> Mounted {
 
 /// Returns the beam directions in the sensor frame. The first is at +field of view / 2 (right, or up); the angle falls by the resolution
 /// from beam to beam.
-fn beams(resolution: i32, field_of_view: i32, yaw: bool, pitch: bool) -> Vec<Vector3<f64>> {
+pub(super) fn beams(resolution: i32, field_of_view: i32, yaw: bool, pitch: bool) -> Vec<Vector3<f64>> {
     let first = field_of_view / 2;
     let mut angles = Vec::new();
     let mut angle = first;
@@ -98,7 +98,7 @@ impl Sensor for Mounted {
         let least = if self.light == Light::Infrared { self.min_range } else { 0.0 };
         let range = |beam: &Vector3<f64>| {
             let direction = pose.rotation * beam;
-            let range = sight.cast_ray(&direction).map_or(self.max_range, |hit| hit.distance);
+            let range = sight.range(&direction);
             let is_lost = self.smoke.is_some_and(|most| view.physics.site().smoke(&origin, &direction, range) > most);
             if is_lost { 0.0 } else { range.max(least) }
         };

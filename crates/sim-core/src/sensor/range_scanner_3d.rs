@@ -55,9 +55,8 @@ impl Sensor for Mounted {
 
     fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let pose = view.carrier.pose * self.pose;
-        let most = self.config.max_range;
-        let sight = view.sight(&pose.translation.vector.into(), most);
-        let range = |beam: &Vector3<f64>| sight.cast_ray(&(pose.rotation * beam)).map_or(most, |hit| hit.distance);
+        let sight = view.sight(&pose.translation.vector.into(), self.config.max_range);
+        let range = |beam: &Vector3<f64>| sight.range(&(pose.rotation * beam));
         Some(Reading { ranges: self.beams.iter().map(range).collect() }.into())
     }
 
