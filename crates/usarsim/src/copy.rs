@@ -1,7 +1,8 @@
 //! `usarsim copy`: copies the files of a built-in robot or map, as a start for one's own.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use crate::output::{new_folder, write};
 use crate::show::What;
 use crate::{Failure, exit, print};
 
@@ -25,12 +26,10 @@ pub(crate) fn run(Arguments { what, name, folder }: &Arguments) -> Result<(), Fa
         What::Map => scene_loader::map_files(name),
     };
     let files = files.map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
-    let failed = |path: &Path, error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
-    // The folder must be new: another program may use an empty one.
-    std::fs::create_dir(folder).map_err(|error| failed(folder, error))?;
+    new_folder(folder)?;
     for (file, content) in files {
         let path = folder.join(file);
-        std::fs::write(&path, content).map_err(|error| failed(&path, error))?;
+        write(&path, content)?;
         print(path.display());
     }
     Ok(())

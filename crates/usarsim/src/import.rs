@@ -8,6 +8,7 @@ use names::count;
 use scene_loader::{Content, Import, Imported, LoadError, Packages};
 use serde_json::json;
 
+use crate::output::{failed, fill_new_folder};
 use crate::{Failure, exit, print};
 
 /// Options of `import`.
@@ -58,12 +59,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         )
     };
     imported.left_out.extend(missing.iter().map(unfound));
-    write(folder, &imported)?;
-    // The folder is what counts.
-    if let Err(error) = scene_loader::robot(&folder.join("robot.toml").display().to_string(), &[]) {
-        remove(folder);
-        return Err(bad(error));
-    }
+    fill_new_folder(folder, || {
+        fill(folder, &imported)?;
+        // The folder is what counts.
+        scene_loader::robot(&folder.join("robot.toml").display().to_string(), &[]).map_err(bad)
+    })?;
     if *json {
         print(as_json(class, &imported))
     } else {
@@ -103,10 +103,8 @@ fn searched_folders() -> Vec<PathBuf> {
     paths("ROS_PACKAGE_PATH").unwrap_or_default().into_iter().chain(shares).filter(|path| path.is_dir()).collect()
 }
 
-/// Writes the robot's folder; leaves nothing if that fails.
-fn write(folder: &Path, imported: &Imported) -> Result<(), Failure> {
-    let failed = |path: &Path, error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
-    std::fs::create_dir(folder).map_err(|error| failed(folder, error))?;
+/// Writes the files of a robot into its new folder.
+fn fill(folder: &Path, imported: &Imported) -> Result<(), Failure> {
     for (name, content) in &imported.files {
         let path = folder.join(name);
         let parent = path.parent().map_or(Ok(()), std::fs::create_dir_all);
@@ -114,17 +112,9 @@ fn write(folder: &Path, imported: &Imported) -> Result<(), Failure> {
             Content::Text(text) => std::fs::write(&path, text),
             Content::CopyOf(from) => std::fs::read(from).and_then(|bytes| std::fs::write(&path, bytes)),
         });
-        written.map_err(|error| {
-            remove(folder);
-            failed(&path, error)
-        })?;
+        written.map_err(|error| failed(&path, error))?;
     }
     Ok(())
-}
-
-/// Removes the folder that this command made.
-fn remove(folder: &Path) {
-    let _ = std::fs::remove_dir_all(folder);
 }
 
 fn say(folder: &Path, imported: &Imported) {

@@ -8,6 +8,7 @@ use scene_loader::{ImportedMap, ImportedSolid, MapImport};
 use serde_json::json;
 use sim_core::{Options, Room, World};
 
+use crate::output::{fill_new_folder, write};
 use crate::snapshot::standing;
 use crate::{Failure, exit, print, within};
 
@@ -71,14 +72,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let made = scene_loader::import_map(&MapImport { file, scale: *scale, materials: material, floor: *floor });
     let made = made.map_err(|error| Failure::new(exit::BAD_DATA, error))?;
     let folder = Path::new(name);
-    let failed = |path: &Path, error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
-    // The folder must be new: another program may use an empty one.
-    std::fs::create_dir(folder).map_err(|error| failed(folder, error))?;
-    let result = fill(folder, &made);
-    if result.is_err() {
-        let _ = std::fs::remove_dir_all(folder);
-    }
-    let starts = result?;
+    let starts = fill_new_folder(folder, || fill(folder, &made))?;
     if *json {
         let solid = |it: &ImportedSolid| {
             let ImportedSolid { name, kind, material, triangles, is_movable } = it;
@@ -108,13 +102,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Writes the files of a map into its new folder, with the start poses that are free. Returns these.
 fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3])>, Failure> {
-    let write = |file: &str, content: &[u8]| {
-        let path = folder.join(file);
-        let failed = |error| Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()));
-        std::fs::write(&path, content).map_err(failed)
-    };
     for (file, content) in &made.meshes {
-        write(file, content)?;
+        write(&folder.join(file), content)?;
     }
     let text = |starts: &[(&str, [f64; 3])]| {
         let mut text = made.text.clone();
@@ -123,7 +112,8 @@ fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3]
         }
         text
     };
-    write("map.toml", text(&[(STARTS[0], [0.0; 3])]).as_bytes())?;
+    let map = &folder.join("map.toml");
+    write(map, text(&[(STARTS[0], [0.0; 3])]).as_bytes())?;
     let def = scene_loader::load(&folder.display().to_string(), &[]);
     let mut world = World::new(def.map_err(|error| Failure::new(exit::BAD_DATA, error))?, Options::default());
     let starts = free_places(&mut world);
@@ -131,7 +121,7 @@ fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3]
         let hint = "no place on which a robot could stand: expected a floor. --floor adds one, --scale turns other units into metres";
         return Err(Failure::new(exit::BAD_DATA, hint));
     }
-    write("map.toml", text(&starts).as_bytes())?;
+    write(map, text(&starts).as_bytes())?;
     Ok(starts)
 }
 

@@ -1,4 +1,4 @@
-//! Output files, kept apart from the input files of the same command.
+//! Output files and folders, kept apart from the input files of the same command.
 
 use std::path::{Path, PathBuf};
 
@@ -14,6 +14,31 @@ pub(crate) fn keep_inputs(out: &Path, inputs: &[impl AsRef<Path>]) -> Result<(),
     let message =
         format!("the output {out} is the input file {input}, which would be lost: choose another output file");
     Err(Failure::new(exit::USAGE, message))
+}
+
+/// Makes a folder, which must be new: another program may use an empty one.
+pub(crate) fn new_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir(folder).map_err(|error| failed(folder, error))
+}
+
+/// Makes a folder and fills it. Leaves nothing if that fails.
+pub(crate) fn fill_new_folder<T>(folder: &Path, fill: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    new_folder(folder)?;
+    let filled = fill();
+    if filled.is_err() {
+        let _ = std::fs::remove_dir_all(folder);
+    }
+    filled
+}
+
+/// Writes a file.
+pub(crate) fn write(path: &Path, content: &[u8]) -> Result<(), Failure> {
+    std::fs::write(path, content).map_err(|error| failed(path, error))
+}
+
+/// Returns the failure of a file or folder that cannot be written.
+pub(crate) fn failed(path: &Path, error: std::io::Error) -> Failure {
+    Failure::new(exit::FAILURE, format_args!("{}: {error}", path.display()))
 }
 
 /// Returns the files from which a robot or map given as `NAME|FILE` may be read: the path itself, or a definition in that folder.
