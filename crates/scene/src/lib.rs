@@ -43,7 +43,7 @@ pub use map::{Conveyor, Geographic, MapDef, NamedPose, Object, RfidTag, Smoke, S
 pub use mass::Mass;
 pub use material::Material;
 pub use options::{Options, TIME_STEP};
-pub use reading::{Quantity, Sensed};
+pub use reading::{Quantity, Sensed, Texts};
 pub use robot::{Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
 pub use sensor::{Reading, SensorDef};
 pub use shape::{Shape, Solid};

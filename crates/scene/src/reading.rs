@@ -101,6 +101,40 @@ impl Numbers for Arc<[i32]> {
     }
 }
 
+/// Texts by their characters. Each ends with a 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texts(pub Arc<[f64]>);
+
+impl Texts {
+    /// Packs texts.
+    pub fn new<'a>(texts: impl Iterator<Item = &'a str>) -> Self {
+        Self(texts.flat_map(|text| text.chars().chain(['\0'])).map(|c| f64::from(u32::from(c))).collect())
+    }
+
+    /// Returns the texts.
+    pub fn all(&self) -> Vec<String> {
+        let texts = self.0.split_inclusive(|code| *code == 0.0).filter(|text| text.last() == Some(&0.0));
+        let text = |codes: &[f64]| {
+            codes.iter().take(codes.len() - 1).filter_map(|code| char::from_u32(*code as u32)).collect()
+        };
+        texts.map(text).collect()
+    }
+}
+
+impl Numbers for Texts {
+    fn numbers(&self) -> Vec<f64> {
+        self.0.to_vec()
+    }
+
+    fn read(numbers: &[f64]) -> Option<Self> {
+        Some(Self(numbers.into()))
+    }
+
+    fn held(&self) -> usize {
+        size_of_val::<[f64]>(&self.0)
+    }
+}
+
 /// Defines the reading of one type of sensor: its quantities with their types and units.
 macro_rules! reading {
     ($(#[$doc:meta])* { $($(#[$about:meta])* $field:ident: $type:ty = $unit:literal,)* }) => {

@@ -110,9 +110,16 @@ pub(crate) enum Effect {
     None,
     /// One reading goes out at once.
     Scan,
-    /// A new RFID tag lies at a position in the world, m.
+    /// A change of the world's RFID tags.
+    Tag(TagOrder),
+}
+
+/// A change of the world's RFID tags.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum TagOrder {
+    /// A new tag lies at a position in the world, m.
     Release([f64; 3]),
-    /// A text is written to an RFID tag.
+    /// A text is written to a tag.
     Write {
         /// Number of the tag.
         id: u32,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{MAX_BEAMS, ranges};
-use crate::reading::reading;
+use crate::reading::{Texts, reading};
 
 /// Numbers of a sensor of objects.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -46,15 +46,6 @@ impl Config {
     }
 }
 
-/// An object in view.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
-    /// Its name.
-    pub name: String,
-    /// Its material.
-    pub material: String,
-}
-
 reading! {
     /// Objects in view, each by the beam that hits it first, from the right to the left.
     {
@@ -62,39 +53,5 @@ reading! {
         objects: Arc<[f64]> = "m, rad, m",
         /// Names and materials of the objects, as text in numbers.
         names: Texts = "",
-    }
-}
-
-/// Texts by their characters. Each ends with a 0.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Texts(pub Arc<[f64]>);
-
-impl Texts {
-    /// Packs texts.
-    pub fn new<'a>(texts: impl Iterator<Item = &'a str>) -> Self {
-        Self(texts.flat_map(|text| text.chars().chain(['\0'])).map(|c| f64::from(u32::from(c))).collect())
-    }
-
-    /// Returns the texts.
-    pub fn all(&self) -> Vec<String> {
-        let texts = self.0.split_inclusive(|code| *code == 0.0).filter(|text| text.last() == Some(&0.0));
-        let text = |codes: &[f64]| {
-            codes.iter().take(codes.len() - 1).filter_map(|code| char::from_u32(*code as u32)).collect()
-        };
-        texts.map(text).collect()
-    }
-}
-
-impl crate::reading::Numbers for Texts {
-    fn numbers(&self) -> Vec<f64> {
-        self.0.to_vec()
-    }
-
-    fn read(numbers: &[f64]) -> Option<Self> {
-        Some(Self(numbers.into()))
-    }
-
-    fn held(&self) -> usize {
-        size_of_val::<[f64]>(&self.0)
     }
 }

@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::object_sensor::Texts;
 use super::ranges;
-use crate::reading::reading;
+use crate::reading::{Texts, reading};
 
 /// Numbers of a reader of RFID tags.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]

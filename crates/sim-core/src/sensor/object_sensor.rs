@@ -3,8 +3,8 @@
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, ObjectSensor, PlainConf, SeenObject};
 use nalgebra::{Point3, Vector3};
-use scene::sensor::object_sensor::{Config, Reading, Texts};
-use scene::{Pose, SensorDef, position_and_rotation, rotation_units};
+use scene::sensor::object_sensor::{Config, Reading};
+use scene::{Pose, SensorDef, Texts, position_and_rotation, rotation_units};
 
 use super::range_scanner::beams;
 use super::{Effect, Mount, Sensor, View, floats};

@@ -3,11 +3,10 @@
 use gamebots_proto::command::Set;
 use gamebots_proto::message::{ItemConf, PlainConf, Rfid, SeenTag};
 use nalgebra::Point3;
-use scene::sensor::object_sensor::Texts;
 use scene::sensor::rfid::{Config, Reading};
-use scene::{Pose, RfidTag, SensorDef};
+use scene::{Pose, RfidTag, SensorDef, Texts};
 
-use super::{Effect, Mount, Sensor, View, floats};
+use super::{Effect, Mount, Sensor, TagOrder, View, floats};
 
 /// Numbers of one tag in a reading.
 const NUMBERS: usize = 4;
@@ -79,7 +78,7 @@ impl Sensor for Mounted {
     fn set(&mut self, opcode: &str, set: &Set, view: &View) -> Effect {
         match opcode {
             "RELEASE" if self.reach.is_none() => {
-                Effect::Release((view.carrier.pose * self.pose).translation.vector.into())
+                Effect::Tag(TagOrder::Release((view.carrier.pose * self.pose).translation.vector.into()))
             }
             "READ" if self.reach.is_some() => Effect::Scan,
             "WRITE" => {
@@ -87,7 +86,8 @@ impl Sensor for Mounted {
                 let (id, memory) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
                 let in_reach = |id: &u32| self.near(view).iter().any(|(tag, _)| tag.id == *id);
                 let id = id.trim_end_matches(',').parse().ok().filter(in_reach);
-                id.map_or(Effect::None, |id| Effect::Write { id, memory: memory.trim().to_owned() })
+                let write = |id| TagOrder::Write { id, memory: memory.trim().to_owned() };
+                id.map_or(Effect::None, |id| Effect::Tag(write(id)))
             }
             _ => Effect::None,
         }

@@ -18,7 +18,7 @@ use super::tools::Tool;
 use super::{Options, Report};
 use crate::drive::Order;
 use crate::kinds::kinds;
-use crate::sensor::{SavedState, State, View, floats};
+use crate::sensor::{SavedState, State, TagOrder, View, floats};
 
 /// Seconds between two reports of actuators and effectors, and between two STA lines (USARVehicle.uc:264).
 pub(super) const STATUS_INTERVAL: f64 = 0.1;
@@ -35,14 +35,6 @@ pub(super) enum Effect {
     Tool { changer: usize, closed: bool },
     /// A change of the world's RFID tags.
     Tag(TagOrder),
-}
-
-/// A change of the world's RFID tags.
-pub(super) enum TagOrder {
-    /// A new tag lies at a position, m.
-    Release([f64; 3]),
-    /// A text is written to the tag of this number.
-    Write { id: u32, memory: String },
 }
 
 /// An ACT or MISPKG.

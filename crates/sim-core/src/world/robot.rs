@@ -8,13 +8,13 @@ use gamebots_proto::{Problem, shown};
 use scene::{Pose, RobotDef, RobotSnapshot};
 use serde::{Deserialize, Serialize};
 
-use super::item::{self, Effect, Item, Motion, STATUS_INTERVAL, TagOrder};
+use super::item::{self, Effect, Item, Motion, STATUS_INTERVAL};
 use super::tools::Tool;
 use super::{Options, PawnId, Report};
 use crate::WheelState;
 use crate::drive::{DriveState, Order};
 use crate::physics::{CompiledRobot, Physics, RobotBodies, SavedBodies};
-use crate::sensor::{SavedState, View};
+use crate::sensor::{SavedState, TagOrder, View};
 
 /// Battery level that STA reports without a battery (BaseVehicle.uc:106-109).
 const NO_BATTERY: i32 = 99999;

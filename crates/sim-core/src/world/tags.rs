@@ -3,8 +3,8 @@
 use gamebots_proto::Problem;
 use scene::{RfidTag, check};
 
-use super::item::TagOrder;
 use crate::physics::Physics;
+use crate::sensor::TagOrder;
 
 impl Physics {
     /// Releases a tag, or writes to one. A new tag has the number after the largest.

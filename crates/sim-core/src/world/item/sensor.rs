@@ -5,7 +5,7 @@ use gamebots_proto::message::{ItemConf, ItemGeo};
 use rand_chacha::ChaCha8Rng;
 use scene::{RobotDef, Sensed, SensorDef};
 
-use super::{Effect, Report, State, TagOrder, Tool, Verbs, View, mounted};
+use super::{Effect, Report, State, Tool, Verbs, View, mounted};
 use crate::sensor::{self, Mounted};
 
 #[derive(Clone)]
@@ -42,8 +42,7 @@ impl Verbs for Item {
         Some(match self.sensor.get_mut().set(&opcode, set, &view.on_link(self.def.link)) {
             sensor::Effect::None => Effect::None,
             sensor::Effect::Scan => self.sense(view).map_or(Effect::None, Effect::Sensed),
-            sensor::Effect::Release(position) => Effect::Tag(TagOrder::Release(position)),
-            sensor::Effect::Write { id, memory } => Effect::Tag(TagOrder::Write { id, memory }),
+            sensor::Effect::Tag(order) => Effect::Tag(order),
         })
     }
 
