@@ -55,6 +55,17 @@ pub fn command(text: &str) -> Command {
     Command::read(&Line::parse(text), &mut Vec::new()).unwrap_or_else(|| panic!("not a command: {text}"))
 }
 
+/// Executes a line of a pawn. Returns the problems with it.
+///
+/// # Panics
+/// If the line is not a command.
+pub fn problems(world: &mut World, pawn: PawnId, text: &str) -> Vec<String> {
+    let mut problems = Vec::new();
+    let command = Command::parse(text, &mut problems).unwrap_or_else(|| panic!("not a command: {text}"));
+    world.execute(Some(pawn), &command, &mut problems);
+    problems.iter().map(ToString::to_string).collect()
+}
+
 /// Spawns a robot in a world.
 ///
 /// # Panics

@@ -4,7 +4,7 @@ use gamebots_proto::Command;
 use gamebots_proto::message::Message;
 use nalgebra::Vector3;
 use sim_core::{Options, PawnId, Report, World};
-use system_tests::{init, run};
+use system_tests::{init, problems, run};
 
 /// A world with a controller.
 struct Stage {
@@ -21,10 +21,7 @@ impl Stage {
 
     /// Sends an order. Returns the problems with it.
     fn order(&mut self, text: &str) -> Vec<String> {
-        let mut problems = Vec::new();
-        let command = Command::parse(&format!("CONTROL {text}"), &mut problems).expect("a command");
-        self.world.execute(Some(self.controller), &command, &mut problems);
-        problems.iter().map(ToString::to_string).collect()
+        problems(&mut self.world, self.controller, &format!("CONTROL {text}"))
     }
 
     /// Sends an order that has no problem.

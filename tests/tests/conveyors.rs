@@ -2,11 +2,10 @@
 
 use std::fs;
 
-use gamebots_proto::Command;
 use nalgebra::Vector3;
 use scene::{DriveModel, Material, Object, Shape, Solid, WorldDef};
 use sim_core::{CompiledScene, Options, PawnId, SavedWorld, World};
-use system_tests::{init, run, world};
+use system_tests::{init, problems, run, world};
 
 /// Speed of the belt, m/s.
 const SPEED: f64 = 0.24;
@@ -72,10 +71,7 @@ impl Stage {
 
     /// Sends an order. Returns the problems with it.
     fn order(&mut self, text: &str) -> Vec<String> {
-        let mut problems = Vec::new();
-        let command = Command::parse(&format!("CONTROL {text}"), &mut problems).expect("a command");
-        self.world.execute(Some(self.controller), &command, &mut problems);
-        problems.iter().map(ToString::to_string).collect()
+        problems(&mut self.world, self.controller, &format!("CONTROL {text}"))
     }
 
     /// Returns the mean velocity of the crate over a second.

@@ -302,7 +302,8 @@ fn box_inertia(mass: f64, [x, y, z]: Vector) -> Matrix3<f64> {
     Matrix3::from_diagonal(&(diagonal * (mass / 12.0)))
 }
 
-/// Reads the sensors. `equipment` has their settings that differ from the defaults. `wheels` is the number of driven wheels, if they could be read; `complete` is true if all links could.
+/// Reads the sensors. `equipment` has their settings that differ from the defaults. `wheels` is the number of driven wheels, if they could
+/// be read; `complete` is true if all links could.
 pub(crate) fn read_sensors<'a>(
     document: &mut Document<'a>,
     root: &mut Table<'a>,
