@@ -1,19 +1,18 @@
 //! Rays for sensors.
 
 use nalgebra::{Point3, Vector3};
-use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
-use rapier3d::parry::query::{Ray, RayCast, RayIntersection};
+use rapier3d::parry::bounding_volume::BoundingVolume;
+use rapier3d::parry::query::Ray;
 use rapier3d::prelude::*;
 
 use super::identity::{Identity, Mark};
+use super::packet::{self, Leaf, Packet, Slab};
+use super::ray;
 use super::surface::Materials;
 use super::{Physics, convert};
 use scene::Pose;
 
 use crate::PawnId;
-
-/// Most colliders in reach that each ray tests one by one.
-const FEW: usize = 6;
 
 /// Margin by which the engine's tree enlarges the box of a collider that has moved, m (`BroadPhaseBvh::CHANGE_DETECTION_FACTOR`).
 const MARGIN: f64 = 0.04;
@@ -48,8 +47,6 @@ pub(crate) struct Sight<'a> {
     robot: PawnId,
     origin: Vector,
     max_distance: f64,
-    /// All colliders in reach, if so few that testing each costs less than a tree of boxes.
-    few: Option<Vec<(&'a Collider, Aabb)>>,
 }
 
 impl Sight<'_> {
@@ -58,33 +55,64 @@ impl Sight<'_> {
         self.cast_ray(direction).map_or(self.max_distance, |hit| hit.distance)
     }
 
+    /// Returns the distances to the first hits of rays, m, as [`Sight::range`] does. Neighbours should follow each other.
+    pub(crate) fn ranges(&self, directions: impl IntoIterator<Item = Vector3<f64>>) -> Vec<f64> {
+        let hits = self.cast_rays(directions).into_iter();
+        hits.map(|hit| hit.map_or(self.max_distance, |hit| hit.distance)).collect()
+    }
+
     /// Returns the first hit of a ray in a direction.
     pub(crate) fn cast_ray(&self, direction: &Vector3<f64>) -> Option<RayHit> {
-        let ray = Ray::new(self.origin, convert::vector(*direction));
-        let (met, hit) = match &self.few {
-            Some(few) => {
-                let mut nearest: Option<(&Collider, RayIntersection)> = None;
-                for &(collider, around) in few {
-                    let most = nearest.map_or(self.max_distance, |(_, hit)| hit.time_of_impact);
-                    if around.cast_local_ray(&ray, most, true).is_some()
-                        && let Some(hit) =
-                            collider.shape().cast_ray_and_get_normal(collider.position(), &ray, most, true)
-                    {
-                        nearest = Some((collider, hit));
-                    }
+        self.cast_rays([*direction]).pop()?
+    }
+
+    /// Returns the first hits of rays. They are found soonest if neighbours follow each other.
+    pub(crate) fn cast_rays(&self, directions: impl IntoIterator<Item = Vector3<f64>>) -> Vec<Option<RayHit>> {
+        let directions: Vec<[f64; 3]> = directions.into_iter().map(Into::into).collect();
+        let tree = self.world.query_pipeline_with_filter(QueryFilter::default()).bvh;
+        let (mut leaves, mut hits) = (Vec::new(), Vec::with_capacity(directions.len()));
+        for directions in directions.chunks(packet::RAYS) {
+            Packet::new(self.origin.to_array(), directions, self.max_distance).leaves(tree, &mut leaves);
+            hits.extend(self.cast_packet(directions, &leaves));
+        }
+        hits
+    }
+
+    /// Casts the rays of a packet against its leaves.
+    fn cast_packet(&self, directions: &[[f64; 3]], leaves: &[Leaf]) -> impl Iterator<Item = Option<RayHit>> {
+        let mut rays: Vec<_> = directions
+            .iter()
+            .map(|&direction| {
+                let ray = Ray::new(self.origin, Vector::from_array(direction));
+                (ray, Slab::new(self.origin.to_array(), direction), self.max_distance, None)
+            })
+            .collect();
+        let mut farthest = self.max_distance;
+        for leaf in leaves {
+            if leaf.nearest > farthest {
+                break;
+            }
+            let Some((collider, _)) = self.world.colliders.get_unknown_gen(leaf.number) else { continue };
+            if !self.light.stops_at(collider, self.robot, self.materials) {
+                continue;
+            }
+            farthest = 0.0;
+            for (ray, slab, most, nearest) in &mut rays {
+                if slab.meets(leaf.node, *most)
+                    && let Some(hit) = ray::meet(collider, ray, *most)
+                    && (nearest.is_none() || hit.distance < *most)
+                {
+                    (*most, *nearest) = (hit.distance, Some((collider, hit)));
                 }
-                nearest?
+                farthest = farthest.max(*most);
             }
-            None => {
-                let stops =
-                    |_: ColliderHandle, collider: &Collider| self.light.stops_at(collider, self.robot, self.materials);
-                let query = self.world.query_pipeline_with_filter(QueryFilter::default().predicate(&stops));
-                let (met, hit) = query.cast_ray_and_get_normal(&ray, self.max_distance, true)?;
-                (&self.world.colliders[met], hit)
-            }
-        };
-        let Mark { identity, material } = Mark::of(met);
-        Some(RayHit { distance: hit.time_of_impact, normal: convert::from_vector(hit.normal), identity, material })
+        }
+        rays.into_iter().map(|(.., nearest)| {
+            let (met, hit) = nearest?;
+            let Mark { identity, material } = Mark::of(met);
+            let normal = convert::from_vector(hit.normal);
+            Some(RayHit { distance: hit.distance, normal, identity, material })
+        })
     }
 }
 
@@ -104,16 +132,8 @@ pub(super) fn set_box(
 impl Physics {
     /// Prepares a query for the rays of a sensor. They do not hit the robot that carries it, and inside a solid they read 0.
     pub(crate) fn sight(&self, light: Light, origin: &Point3<f64>, max_distance: f64, robot: PawnId) -> Sight<'_> {
-        let (world, materials, origin) = (&self.world, &*self.materials, convert::vector(origin.coords));
-        let around = Aabb::from_half_extents(origin, Vector::splat(max_distance));
-        let stops = |_: ColliderHandle, collider: &Collider| light.stops_at(collider, robot, materials);
-        let query = world.query_pipeline_with_filter(QueryFilter::default().predicate(&stops));
-        let near = query.intersect_aabb_conservative(around).take(FEW + 1);
-        let handles: Vec<ColliderHandle> = near.map(|(handle, _)| handle).collect();
-        let colliders = handles.iter().filter_map(|&handle| world.colliders.get(handle));
-        let near: Vec<(&Collider, Aabb)> = colliders.map(|collider| (collider, collider.compute_aabb())).collect();
-        let few = Some(near).filter(|near| near.len() <= FEW);
-        Sight { world, materials, light, robot, origin, max_distance, few }
+        let origin = convert::vector(origin.coords);
+        Sight { world: &self.world, materials: &self.materials, light, robot, origin, max_distance }
     }
 
     /// Returns the name of the material that a ray has hit.
@@ -148,7 +168,8 @@ impl Light {
 mod tests {
     use super::*;
 
-    /// Rays in the tree and rays that ask every collider agree, however little the colliders have moved since the last time.
+    /// A scan's rays and rays that ask every collider agree, however little the colliders have moved since the last time, and whatever
+    /// neighbours the rays have.
     #[test]
     fn a_ray_meets_what_has_moved_a_little() {
         let mut world = PhysicsWorld::new();
@@ -157,10 +178,12 @@ mod tests {
                 let (row, column) = (f64::from(number / 8), f64::from(number % 8));
                 let body = RigidBodyBuilder::kinematic_position_based().translation(Vector::new(row, column, 0.0));
                 let body = world.insert_body(body);
-                world.insert_collider(ColliderBuilder::cuboid(0.2, 0.1, 0.1), Some(body))
+                let mark = Mark { identity: Identity::Solid(number), material: 0 }.to_bits();
+                world.insert_collider(ColliderBuilder::cuboid(0.2, 0.1, 0.1).user_data(mark), Some(body))
             })
             .collect();
         world.step();
+        let materials = Materials::default();
         let mut hits = 0;
         for round in 0..200 {
             for (&handle, direction) in handles.iter().zip(0..) {
@@ -172,15 +195,26 @@ mod tests {
                 collider.set_position(rapier3d::math::Pose::from_translation(place));
                 set_box(broad_phase, integration_parameters, handle, collider);
             }
-            for beam in 0..90 {
-                let (sin, cos) = (f64::from(beam) * 0.07 + f64::from(round)).sin_cos();
-                let ray = Ray::new(Vector::new(2.5, 3.5, 0.0), Vector::new(cos, sin, 0.0));
-                let query = world.query_pipeline_with_filter(QueryFilter::default());
-                let found = query.cast_ray(&ray, 10.0, true).map(|(_, distance)| distance);
+            // Fans in a plane, along the axes too, and rays to all sides.
+            let (step, slope) = [(0.07, 0.0), (0.07, 0.02), (std::f64::consts::FRAC_PI_8, 0.0), (1.9, 0.01)][round % 4];
+            let turn = if round % 4 == 2 { 0.0 } else { round as f64 };
+            let directions: Vec<Vector3<f64>> = (0..90)
+                .map(|beam| {
+                    let (sin, cos) = (f64::from(beam) * step + turn).sin_cos();
+                    Vector3::new(cos, sin, slope * sin).normalize()
+                })
+                .collect();
+            let origin = Vector::new(2.5, 3.5, 0.0);
+            let (light, robot) = (Light::Visible, PawnId(0));
+            let sight = Sight { world: &world, materials: &materials, light, robot, origin, max_distance: 10.0 };
+            for (beam, (hit, direction)) in sight.cast_rays(directions.clone()).iter().zip(&directions).enumerate() {
+                let ray = Ray::new(origin, convert::vector(*direction));
                 let each = world.colliders.iter();
-                let each = each.filter_map(|(_, it)| it.shape().cast_ray(it.position(), &ray, 10.0, true));
+                let each = each.filter_map(|(_, it)| {
+                    it.shape().cast_ray_and_get_normal(it.position(), &ray, 10.0, true).map(|hit| hit.time_of_impact)
+                });
                 let nearest = each.min_by(f64::total_cmp);
-                assert_eq!(found, nearest, "beam {beam} of round {round}");
+                assert_eq!(hit.map(|hit| hit.distance), nearest, "beam {beam} of round {round}");
                 hits += usize::from(nearest.is_some());
             }
         }

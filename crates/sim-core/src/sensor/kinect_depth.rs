@@ -72,11 +72,12 @@ impl Sensor for Mounted {
         let most = self.config.max_range;
         let sight = view.sight(&pose.translation.vector.into(), most);
         let [columns, rows] = angles(frame as u32);
-        let depths = rows.iter().flat_map(|&pitch| columns.iter().map(move |&yaw| beam(yaw, pitch)));
+        let beams = rows.iter().flat_map(|&pitch| columns.iter().map(move |&yaw| beam(yaw, pitch)));
+        let beams: Vec<Vector3<f64>> = beams.collect();
+        let hits = sight.cast_rays(beams.iter().map(|beam| pose.rotation * beam));
         // A miss is not shortened to its depth.
-        let depth =
-            |beam: Vector3<f64>| sight.cast_ray(&(pose.rotation * beam)).map_or(most, |hit| hit.distance * beam.x);
-        Some(Reading { frames: f64::from(FRAMES), frame, depths: depths.map(depth).collect() }.into())
+        let depths = hits.iter().zip(&beams).map(|(hit, beam)| hit.map_or(most, |hit| hit.distance * beam.x));
+        Some(Reading { frames: f64::from(FRAMES), frame, depths: depths.collect() }.into())
     }
 
     /// Executes `SCAN`: the next twenty readings are a picture.

@@ -38,13 +38,15 @@ impl Sensor for Mounted {
         let Config { max_range, field_of_view, beams, .. } = self.config;
         let origin = pose.translation.vector.into();
         let sight = view.sight(&origin, max_range);
-        let point = |number: u32| {
+        let direction = |number: u32| {
             let yaw = field_of_view * (f64::from(number) / f64::from(beams - 1) - 0.5);
-            let direction = pose.rotation * beam(yaw, 0.0);
-            <[f64; 3]>::from((origin + direction * sight.range(&direction)).coords)
+            pose.rotation * beam(yaw, 0.0)
         };
+        let directions = (0..beams - 1).map(direction);
+        let ranges = sight.ranges(directions.clone());
+        let points = directions.zip(ranges).map(|(direction, range)| (origin + direction * range).coords);
         let (position, angles) = position_and_rotation(&pose);
-        Some(Reading { position, angles, points: (0..beams - 1).flat_map(point).collect() }.into())
+        Some(Reading { position, angles, points: points.flat_map(<[f64; 3]>::from).collect() }.into())
     }
 
     fn conf(&self) -> ItemConf {

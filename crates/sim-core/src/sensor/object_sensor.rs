@@ -59,9 +59,9 @@ impl Sensor for Mounted {
         let sight = view.sight(&origin, self.max_range);
         let (mut seen, mut numbers, mut texts) = (Vec::new(), Vec::new(), Vec::new());
         let mut last = None;
-        for beam in &self.beams {
-            let direction = pose.rotation * beam;
-            let Some(hit) = sight.cast_ray(&direction) else { continue };
+        let directions = self.beams.iter().map(|beam| pose.rotation * beam);
+        for (direction, hit) in directions.clone().zip(sight.cast_rays(directions)) {
+            let Some(hit) = hit else { continue };
             // To name a robot takes a search, and neighbouring beams mostly hit the same thing.
             if last.replace(hit.identity) == Some(hit.identity) {
                 continue;

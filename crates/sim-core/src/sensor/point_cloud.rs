@@ -57,12 +57,14 @@ impl Sensor for Mounted {
                 let turn = ((view.time - self.start) / config.spin_time).rem_euclid(1.0);
                 let pitch = config.vertical_field_of_view * (turn - 0.5);
                 let sight = view.sight(&pose.translation.vector.into(), config.max_range);
-                let point = |number: u32| {
+                let direction = |number: u32| {
                     let share = f64::from(number) / f64::from(config.beams - 1);
-                    let direction = beam(config.horizontal_field_of_view * (share - 0.5), pitch);
-                    <[f64; 3]>::from(direction * sight.range(&(pose.rotation * direction)))
+                    beam(config.horizontal_field_of_view * (share - 0.5), pitch)
                 };
-                (0..config.beams).flat_map(point).collect()
+                let directions = (0..config.beams).map(direction);
+                let ranges = sight.ranges(directions.clone().map(|direction| pose.rotation * direction));
+                let points = directions.zip(ranges).map(|(direction, range)| direction * range);
+                points.flat_map(<[f64; 3]>::from).collect()
             }
             Form::Grid(config) => {
                 let ahead = pose.rotation * Vector3::x();

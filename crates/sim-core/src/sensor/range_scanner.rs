@@ -96,13 +96,13 @@ impl Sensor for Mounted {
         let origin = pose.translation.vector.into();
         let sight = view.sight_in(self.light, &origin, self.max_range);
         let least = if self.light == Light::Infrared { self.min_range } else { 0.0 };
-        let range = |beam: &Vector3<f64>| {
-            let direction = pose.rotation * beam;
-            let range = sight.range(&direction);
-            let is_lost = self.smoke.is_some_and(|most| view.physics.site().smoke(&origin, &direction, range) > most);
-            if is_lost { 0.0 } else { range.max(least) }
-        };
-        Some(Reading { ranges: self.beams.iter().map(range).collect() }.into())
+        let mut ranges = sight.ranges(self.beams.iter().map(|beam| pose.rotation * beam));
+        for (range, beam) in ranges.iter_mut().zip(&self.beams) {
+            let smoke = || view.physics.site().smoke(&origin, &(pose.rotation * beam), *range);
+            let is_lost = self.smoke.is_some_and(|most| smoke() > most);
+            *range = if is_lost { 0.0 } else { range.max(least) };
+        }
+        Some(Reading { ranges: ranges.into() }.into())
     }
 
     /// Executes `SCAN`: one more reading goes out at once.

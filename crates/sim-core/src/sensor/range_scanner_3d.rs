@@ -56,8 +56,8 @@ impl Sensor for Mounted {
     fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let pose = view.carrier.pose * self.pose;
         let sight = view.sight(&pose.translation.vector.into(), self.config.max_range);
-        let range = |beam: &Vector3<f64>| sight.range(&(pose.rotation * beam));
-        Some(Reading { ranges: self.beams.iter().map(range).collect() }.into())
+        let ranges = sight.ranges(self.beams.iter().map(|beam| pose.rotation * beam));
+        Some(Reading { ranges: ranges.into() }.into())
     }
 
     /// Executes `SCAN`: one more reading goes out at once.

@@ -28,8 +28,9 @@ pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
     let step = rotation_units::to_radians(rotation_units::from_radians(
         config.beam_angle / 2.0 / f64::from(config.number_of_cones.max(1)),
     ));
-    let cone_beams = (1..=config.number_of_cones).flat_map(|cone| {
-        (0..config.traces_per_cone).map(move |trace| {
+    // Neighbours follow each other, as rays are cast soonest so.
+    let cone_beams = (0..config.traces_per_cone).flat_map(|trace| {
+        (1..=config.number_of_cones).map(move |cone| {
             let around = TAU * f64::from(trace) / f64::from(config.traces_per_cone);
             let tilt = f64::from(step) * f64::from(cone);
             UnitQuaternion::from_euler_angles(around, 0.0, 0.0)
@@ -58,14 +59,13 @@ impl Sensor for Mounted {
     fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let pose = view.carrier.pose * self.pose;
         let sight = view.sight(&pose.translation.vector.into(), self.config.max_range);
-        let cast = |beam: &Vector3<f64>| {
-            let direction = pose.rotation * beam;
-            sight.cast_ray(&direction).map(|hit| (hit, direction))
-        };
-        let ahead = cast(&Vector3::x()).map(|(hit, _)| hit.distance);
-        let around = self.cone_beams.iter().filter_map(cast).filter_map(|(hit, direction)| {
-            let incidence = (-hit.normal).angle(&direction);
-            (incidence < self.config.max_angle_of_incidence).then_some(hit.distance)
+        let least_cosine = libm::cos(self.config.max_angle_of_incidence);
+        let ahead = sight.cast_ray(&(pose.rotation * Vector3::x())).map(|hit| hit.distance);
+        let directions = self.cone_beams.iter().map(|beam| pose.rotation * beam);
+        let hits = sight.cast_rays(directions.clone());
+        let around = directions.zip(hits).filter_map(|(direction, hit)| {
+            let hit = hit?;
+            (-hit.normal.dot(&direction) > least_cosine).then_some(hit.distance)
         });
         let nearest = ahead.into_iter().chain(around).fold(self.config.max_range, f64::min);
         let range = nearest.clamp(self.config.min_range, self.config.max_range);
