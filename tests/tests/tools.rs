@@ -44,7 +44,10 @@ fn place(world: &World) -> Vector3<f64> {
 
 fn state(world: &mut World) -> Eff {
     let messages = run(world, 0.2);
-    let effector = |message: &Message| if let Message::Eff(it) = message { Some(it.clone()) } else { None };
+    let effector = |message: &Message| match message {
+        Message::Eff(it) if it.is_tool_changer => Some(it.clone()),
+        _ => None,
+    };
     messages.iter().rev().find_map(effector).expect("EFF")
 }
 

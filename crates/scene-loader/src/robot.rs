@@ -17,7 +17,7 @@ use scene::sensor;
 use scene::{Aerial, Battery, DriveModel, Footing, Link, Part, RobotDef, SensorDef, Shape, Solid, Steering, check};
 use serde::Deserialize;
 
-use self::actuator::{read_actuators, read_grippers, read_tool_changers};
+use self::actuator::{read_actuators, read_grippers, read_tool_changers, read_vacuums};
 use self::joint::{Links, find_link};
 use self::visual::read_visuals;
 use self::wheel::{read_casters, read_wheels};
@@ -29,7 +29,7 @@ use crate::source::Source;
 use crate::urdf::{self, Urdf};
 
 const KEYS: &str = "description, names, like, steering, reported_steering, drive_model, one_side_drives, dialect, reported_max_torque, urdf, urdf_material, link, part, wheels, rollers, wheel, \
-                    tracks, track, caster, joint, visual, actuator, gripper, tool_changer, mount, sensor, battery, aerial";
+                    tracks, track, caster, joint, visual, actuator, gripper, tool_changer, vacuum, mount, sensor, battery, aerial";
 /// Keys of a robot that an actuator does not have.
 const NOT_OF_ACTUATORS: [&str; 13] = [
     "like",
@@ -148,6 +148,7 @@ pub(crate) fn read(definition: &Definition, text: &str, problems: &mut Problems)
     let actuators = read_actuators(&mut document, &mut root, &links, complete);
     let grippers = read_grippers(&mut document, &mut root, &links, complete);
     let tool_changers = read_tool_changers(&mut document, &mut root, materials, &links, complete);
+    let vacuums = read_vacuums(&mut document, &mut root, &links, complete);
     let sensors =
         read_sensors(&mut document, &mut root, equipment, &links, wheels.as_ref().ok().map(Vec::len), complete);
     let battery = read_battery(&mut document, &mut root);
@@ -169,6 +170,7 @@ pub(crate) fn read(definition: &Definition, text: &str, problems: &mut Problems)
         actuators,
         grippers,
         tool_changers,
+        vacuums,
         battery,
         reported_max_torque,
         footing: Footing::of(steering, aerial),

@@ -1,4 +1,4 @@
-//! Actuators and grippers: named groups of a robot's joints for controllers. Tool changers, and the tools that they hold.
+//! Actuators and grippers: named groups of a robot's joints for controllers. Tool changers, and the tools that they hold. Vacuums.
 
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +54,32 @@ pub struct Tool {
     pub kind: String,
     /// Name, shape and mass. The pose of the shape is in the frame of the changer that holds it.
     pub object: Object,
+}
+
+/// A suction cup, to which the object ahead of it sticks (Vacuum.uc).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Vacuum {
+    /// Name on the wire.
+    pub name: String,
+    /// Number of the link that carries it.
+    pub link: usize,
+    /// Position of its mouth in the robot frame when every joint is at 0, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw there, rad. It sucks along its z axis.
+    pub direction: [f64; 3],
+    /// Distance over which it sucks, m.
+    pub reach: f64,
+    /// Weight of the heaviest object that sticks to it, N.
+    pub force: f64,
+    /// Name of the tool that it is part of: it sucks while a tool changer of the robot holds that. `None` if it is part of the link.
+    pub tool: Option<String>,
+}
+
+impl Vacuum {
+    /// Returns its pose in the robot frame when every joint is at 0.
+    pub fn pose(&self) -> Pose {
+        pose(self.position, self.direction)
+    }
 }
 
 impl ToolChanger {

@@ -16,7 +16,8 @@ use crate::WorldDef;
 pub use limits::*;
 pub use map::{conveyor, map, map_solid, material, named_pose, object, smoke, sound, spawned_object, tag, victim};
 pub use robot::{
-    actuator, aerial, battery, body_solid, gripper, link, part, robot, rollers, sensor, tool_changer, visual, wheel,
+    actuator, aerial, battery, body_solid, gripper, link, part, robot, rollers, sensor, tool_changer, vacuum, visual,
+    wheel,
 };
 
 /// A closed range of numbers.

@@ -31,7 +31,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-pub use actuator::{Actuator, Gripper, Tool, ToolChanger};
+pub use actuator::{Actuator, Gripper, Tool, ToolChanger, Vacuum};
 pub use base::{Aerial, Drivetrain, Footing};
 pub use belt::{Belt, Disc, LOADED, Pads};
 pub use drawing::{Drawn, Geometry, Moves, Visual};

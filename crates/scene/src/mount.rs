@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::{Joint, Link, Part, Pose, RobotDef, Solid, Tool, ToolChanger, Visual, position_and_rotation};
+use crate::{Joint, Link, Part, Pose, RobotDef, Solid, Tool, ToolChanger, Vacuum, Visual, position_and_rotation};
 
 impl RobotDef {
     /// Puts an actuator on a link. The actuator is a robot of its own, whose root becomes a part of the link. `pose` is that of its frame
@@ -46,6 +46,10 @@ impl RobotDef {
             let (position, direction) = position_and_rotation(&(pose * it.pose()));
             let tool: Option<Tool> = it.tool.clone();
             ToolChanger { name: named(&it.name), link: number(it.link), position, direction, tool, ..*it }
+        }));
+        self.vacuums.extend(actuator.vacuums.iter().map(|it| {
+            let (position, direction) = position_and_rotation(&(pose * it.pose()));
+            Vacuum { name: named(&it.name), link: number(it.link), position, direction, ..it.clone() }
         }));
         self.sensors.extend(actuator.sensors.iter().map(|it| {
             let (position, direction) = position_and_rotation(&(pose * crate::pose(it.position, it.direction)));

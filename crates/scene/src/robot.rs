@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Actuator, Drivetrain, Footing, Gripper, JointState, Link, Motor, MountedWheel, Part, Pose, SensorDef, Solid,
-    ToolChanger, Wheel, pose, stored,
+    ToolChanger, Vacuum, Wheel, pose, stored,
 };
 
 /// Steering of a robot: the keys of its commands, and its part of STA. What moves it is in its links and its footing.
@@ -137,6 +137,8 @@ pub struct RobotDef {
     pub grippers: Vec<Gripper>,
     /// Tool changers.
     pub tool_changers: Vec<ToolChanger>,
+    /// Vacuums.
+    pub vacuums: Vec<Vacuum>,
     /// Battery; without one STA reports 99999.
     pub battery: Option<Battery>,
     /// Torque limit of the wheels as CONF reports it, USARSim's unit (5 = 1 N m).

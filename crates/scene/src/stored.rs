@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::{
     Actuator, Aerial, Battery, DriveModel, Footing, Gripper, Link, Material, Motor, Part, ROOT, RobotDef, Rollers,
-    SensorDef, Side, Solid, Steering, ToolChanger, Wheel,
+    SensorDef, Side, Solid, Steering, ToolChanger, Vacuum, Wheel,
 };
 
 #[derive(Deserialize)]
@@ -35,6 +35,8 @@ pub(crate) struct Robot {
     grippers: Vec<Gripper>,
     #[serde(default)]
     tool_changers: Vec<ToolChanger>,
+    #[serde(default)]
+    vacuums: Vec<Vacuum>,
     battery: Option<Battery>,
     reported_max_torque: f64,
     /// In older logs the steering says it, and `aerial` has the limits.
@@ -85,6 +87,7 @@ impl From<Robot> for RobotDef {
             actuators: stored.actuators,
             grippers: stored.grippers,
             tool_changers: stored.tool_changers,
+            vacuums: stored.vacuums,
             battery: stored.battery,
             reported_max_torque: stored.reported_max_torque,
             footing: stored.footing.unwrap_or_else(|| Footing::of(stored.steering, stored.aerial)),

@@ -26,9 +26,10 @@ use std::sync::Arc;
 
 use rapier3d::prelude::*;
 
-pub(crate) use compile::{CompiledMap, CompiledRobot};
+pub(crate) use compile::{CompiledMap, CompiledRobot, Held};
 pub use fault::Fault;
 pub(crate) use identity::Identity;
+pub(crate) use objects::{Lifted, extents};
 pub(crate) use placing::Placement;
 pub(crate) use query::{Light, Sight};
 pub(crate) use robot::{RobotBodies, SavedBodies};

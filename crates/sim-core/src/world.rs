@@ -9,6 +9,7 @@ mod saved;
 mod seed;
 mod tags;
 mod tools;
+mod vacuum;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -25,6 +26,7 @@ use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
 use controller::{Controller, Created};
 use item::Motion;
+use item::{Hand, Hands};
 pub use report::Report;
 use robot::Robot;
 pub use saved::{LoadError, SaveError, SavedWorld};
@@ -33,6 +35,7 @@ use scene::{
     WorldDef, check,
 };
 use tools::Tool;
+use vacuum::Stuck;
 
 /// Maximum length of a robot's name, characters. Longer names are truncated.
 const MAX_NAME_CHARS: usize = 256;
@@ -61,6 +64,8 @@ pub struct World {
     next_object: u64,
     /// Tools that robots hold, or have dropped.
     tools: Vec<Tool>,
+    /// Objects that stick to vacuums.
+    stuck: Vec<Stuck>,
     lost: Vec<LostRobot>,
     /// Names and faults of restored objects, until [`World::take_restored`].
     restored: Vec<(String, Fault)>,
@@ -125,6 +130,7 @@ impl World {
             created: Vec::new(),
             next_object,
             tools: Vec::new(),
+            stuck: Vec::new(),
             lost: Vec::new(),
             restored: Vec::new(),
             threads: Arc::new(OneThread),
@@ -307,6 +313,7 @@ impl World {
     /// Removes a robot or a world controller from the world.
     pub fn remove(&mut self, id: PawnId) {
         self.remove_controller(id);
+        self.put_all_down(id);
         if let Some(robot) = self.robots.remove(&id) {
             self.physics.remove(robot.bodies());
             self.remove_tools(id);
@@ -324,7 +331,7 @@ impl World {
             self.enter_shapes();
         }
         let time = self.time();
-        let (mut found, mut tools) = (false, Vec::new());
+        let (mut found, mut hands) = (false, Vec::new());
         let answers = match (command, pawn.and_then(|pawn| self.robots.get_mut(&pawn))) {
             (Command::Init(init), _) => {
                 return Executed { spawned: self.init(init, problems), ..Executed::default() };
@@ -363,12 +370,12 @@ impl World {
             ) => {
                 let first = usize::from(matches!(command, Command::MisPkg(_)));
                 let closed = gripper.map(|gripper| gripper != 0.0);
-                tools = robot.act(&Motion { name, first, targets, closed }, problems).tools;
+                hands = robot.act(&Motion { name, first, targets, closed }, problems).hands;
                 Vec::new()
             }
             (Command::Set(set), Some(robot)) => {
                 let outcome = robot.set(set, &self.physics, time);
-                (found, tools) = (outcome.found, outcome.tools);
+                (found, hands) = (outcome.found, outcome.hands);
                 outcome.tags.into_iter().for_each(|order| self.physics.change_tag(order, problems));
                 if !found {
                     problems.push(robot.no_item(set));
@@ -387,7 +394,10 @@ impl World {
             }
         };
         if let Some(pawn) = pawn {
-            tools.into_iter().for_each(|(changer, closed)| self.change_tool(pawn, changer, closed, problems));
+            hands.into_iter().for_each(|(hand, closed)| match hand {
+                Hand::Changer(number) => self.change_tool(pawn, number, closed, problems),
+                Hand::Vacuum(number) => self.suck(pawn, number, closed, problems),
+            });
         }
         Executed { answers, found, spawned: None }
     }
@@ -430,12 +440,13 @@ impl World {
         if !is_engine_needed && self.robots.values().any(|robot| robot.is_about_to_look(steps)) {
             self.enter_shapes();
         }
-        let (physics, tools, threads) = (&self.physics, &self.tools, &*self.threads);
+        let (physics, threads) = (&self.physics, &*self.threads);
+        let hands = Hands { tools: &self.tools, stuck: &self.stuck };
         let due = self.robots.iter_mut().filter(|(_, robot)| robot.is_about_to_report(steps));
         let mut reports: Vec<_> = due.map(|(&id, robot)| (id, robot, Vec::new())).collect();
         in_parts(threads, 1, &mut reports, &|reports| {
             for (_, robot, own) in reports {
-                robot.report(physics, tools, time, steps, |report| own.push(report));
+                robot.report(physics, &hands, time, steps, |report| own.push(report));
             }
         });
         let of_robot =
@@ -525,9 +536,10 @@ impl World {
         Some(robot.battery_left(self.time()))
     }
 
-    /// Returns every movable object, by their ids, and the tools that robots hold.
+    /// Returns every movable object, by their ids, and those that robots hold.
     pub fn objects(&self) -> impl Iterator<Item = ObjectSnapshot> {
-        let mut objects: Vec<ObjectSnapshot> = self.physics.objects().chain(self.held_tools()).collect();
+        let mut objects: Vec<ObjectSnapshot> =
+            self.physics.objects().chain(self.held_tools()).chain(self.stuck_objects()).collect();
         objects.sort_by_key(|object| object.id);
         objects.into_iter()
     }
@@ -544,7 +556,8 @@ impl World {
             self.physics.numbers(robot.bodies()).into_iter().for_each(&mut mix);
         }
         let held = self.tools.iter().filter_map(|tool| Some([tool.id.0, tool.robot.0, tool.changer? as u64]));
-        held.flatten().for_each(|number| mix(number as f64));
+        let stuck = self.stuck.iter().map(|stuck| [stuck.id.0, stuck.robot.0, stuck.vacuum as u64]);
+        held.chain(stuck).flatten().for_each(|number| mix(number as f64));
         hash.value()
     }
 

@@ -1,8 +1,9 @@
-//! `[[actuator]]` and `[[gripper]]`: groups of joints with a name on the wire. `[[tool_changer]]`: a coupling with a tool.
+//! `[[actuator]]` and `[[gripper]]`: groups of joints with a name on the wire. `[[tool_changer]]`: a coupling with a tool. `[[vacuum]]`: a suction
+//! cup.
 
 use std::ops::Range;
 
-use scene::{Actuator, Gripper, Link, Object, Shape, Solid, Tool, ToolChanger, check};
+use scene::{Actuator, Gripper, Link, Object, Shape, Solid, Tool, ToolChanger, Vacuum, check};
 use serde::Deserialize;
 
 use super::joint::find_link;
@@ -43,6 +44,21 @@ struct ToolChangerEntry {
     tool: Option<ToolEntry>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct VacuumEntry {
+    name: String,
+    link: Option<String>,
+    #[serde(default)]
+    position: Vector,
+    #[serde(default)]
+    direction: Vector,
+    #[serde(default = "reach")]
+    reach: f64,
+    force: f64,
+    tool: Option<String>,
+}
+
 /// The tool that a changer holds at first: a box, whose pose is in the changer's frame.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -62,6 +78,11 @@ struct ToolEntry {
 /// Returns the default tolerance, m and rad (DefaultUSAR.ini:498-501).
 fn tolerance() -> f64 {
     0.5
+}
+
+/// Returns the default reach of a vacuum, m (DefaultUSAR.ini:503, `SuctionLength` of VacuumCup).
+fn reach() -> f64 {
+    0.02
 }
 
 /// Reads the actuators; returns none if not all links could be read.
@@ -136,6 +157,25 @@ pub(super) fn read_tool_changers<'a>(
         changers.push(changer);
     }
     changers
+}
+
+/// Reads the vacuums; returns none if not all links could be read.
+pub(super) fn read_vacuums<'a>(
+    document: &mut Document<'a>,
+    root: &mut Table<'a>,
+    links: &[Link],
+    complete: bool,
+) -> Vec<Vacuum> {
+    let entries = document.list::<VacuumEntry>(root, "vacuum").into_iter().filter(|_| complete);
+    let mut vacuums = Vec::new();
+    for (span, entry) in entries {
+        let VacuumEntry { name, link, position, direction, reach, force, tool } = entry;
+        let Some(link) = find_link(document, &span, "link", link.as_deref(), links, complete) else { continue };
+        let vacuum = Vacuum { name, link, position, direction, reach, force, tool };
+        document.wrong(&span, check::vacuum(&vacuum, links));
+        vacuums.push(vacuum);
+    }
+    vacuums
 }
 
 /// Returns the numbers of links by the names of their joints.

@@ -115,6 +115,7 @@ pub(crate) fn read(
         actuators,
         grippers: Vec::new(),
         tool_changers: Vec::new(),
+        vacuums: Vec::new(),
         battery: None,
         reported_max_torque: 50000.0,
         footing: Footing::of(steering, None),

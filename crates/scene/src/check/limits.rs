@@ -21,6 +21,10 @@ pub const ANGLE: Range = Range { least: -1000.0, most: 1000.0, unit: " rad" };
 pub const SPIN: Range = Range { least: -1000.0, most: 1000.0, unit: " rad/s" };
 /// Distance at which a tool changer takes a tool.
 pub const TOOL_DISTANCE: Range = Range { least: 0.0, most: 10.0, unit: " m" };
+/// Distance over which a vacuum sucks.
+pub const SUCTION: Range = Range { least: 0.0, most: 1.0, unit: " m" };
+/// Weight that a vacuum carries.
+pub const SUCTION_FORCE: Range = Range { least: 0.0, most: 1e6, unit: " N" };
 /// Angle at which a tool changer takes a tool.
 pub const TOOL_ANGLE: Range = Range { least: 0.0, most: std::f64::consts::PI, unit: " rad" };
 /// Gravity; the Moon has 1.6, Jupiter 25.

@@ -8,7 +8,7 @@ use super::shape::{hull_points, shape, solid, triangles};
 use super::{Number, Range, SceneProblem, count, first, name, shown, text, wire_name};
 use crate::{
     Actuator, Aerial, Battery, Belt, Coupling, CouplingKind, Drivetrain, Gripper, Joint, JointKind, Link, Motor,
-    MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Tool, ToolChanger, Visual,
+    MountedWheel, Part, RobotDef, Rollers, SensorDef, Shape, Side, Solid, Steering, Tool, ToolChanger, Vacuum, Visual,
     WHEEL_AXIS, Wheel,
 };
 
@@ -41,6 +41,7 @@ pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     first(&class, def.actuators.iter().flat_map(|it| actuator(it, &def.links)))?;
     first(&class, def.grippers.iter().flat_map(|it| gripper(it, &def.links)))?;
     first(&class, def.tool_changers.iter().flat_map(|it| tool_changer(it, &def.links)))?;
+    first(&class, def.vacuums.iter().flat_map(|it| vacuum(it, &def.links)))?;
     let tools = def.tool_changers.iter().filter_map(|it| it.tool.as_ref());
     first(&class, tools.flat_map(|tool| material(&tool.object.solid.material)))?;
     first(&class, def.battery.iter().flat_map(battery))?;
@@ -346,6 +347,7 @@ fn counts(def: &RobotDef) -> Vec<String> {
     wrong.extend(count("rollers", def.wheels().map(|wheel| wheel.roller_count()).sum(), MAX_ROLLERS));
     wrong.extend(count("actuators and grippers", def.actuators.len() + def.grippers.len(), MAX_SENSORS));
     wrong.extend(count("tool changers", def.tool_changers.len(), MAX_TOOL_CHANGERS));
+    wrong.extend(count("vacuums", def.vacuums.len(), MAX_TOOL_CHANGERS));
     wrong.extend(count("sensors", def.sensors.len(), MAX_SENSORS));
     wrong.extend(count("corners of hulls", solids().map(|it| hull_points(&it.shape)).sum(), MAX_HULL_POINTS));
     wrong.extend(count("rays", rays, MAX_RAYS));
@@ -419,13 +421,7 @@ pub fn gripper(def: &Gripper, links: &[Link]) -> Vec<String> {
 /// Lists the problems of a tool changer of a robot with these links. The material of its tool has its own check.
 pub fn tool_changer(def: &ToolChanger, links: &[Link]) -> Vec<String> {
     let mut wrong = wire_name("name", &def.name);
-    if links.get(def.link).is_none_or(|link| link.wheel.is_some()) {
-        wrong.push(format!(
-            "tool changer {}: it is on link {}: expected one that is no wheel",
-            shown(&def.name),
-            def.link
-        ));
-    }
+    wrong.extend(on_no_wheel("tool changer", &def.name, def.link, links));
     wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
     wrong.extend(ANGLE.problem_in("direction", &def.direction));
     wrong.extend(TOOL_DISTANCE.problem("position_tolerance", def.position_tolerance));
@@ -436,6 +432,24 @@ pub fn tool_changer(def: &ToolChanger, links: &[Link]) -> Vec<String> {
         wrong.extend(ROBOT_REACH.problem_in("position", &body.solid.position));
     }
     wrong
+}
+
+/// Lists the problems of a vacuum of a robot with these links.
+pub fn vacuum(def: &Vacuum, links: &[Link]) -> Vec<String> {
+    let mut wrong = wire_name("name", &def.name);
+    wrong.extend(on_no_wheel("vacuum", &def.name, def.link, links));
+    wrong.extend(ROBOT_REACH.problem_in("position", &def.position));
+    wrong.extend(ANGLE.problem_in("direction", &def.direction));
+    wrong.extend(SUCTION.problem("reach", def.reach));
+    wrong.extend(SUCTION_FORCE.problem("force", def.force));
+    wrong.extend(def.tool.iter().flat_map(|tool| wire_name("tool", tool)));
+    wrong
+}
+
+/// Checks that an item is on a link that is no wheel.
+fn on_no_wheel(kind: &str, name: &str, number: usize, links: &[Link]) -> Option<String> {
+    let is_well = links.get(number).is_some_and(|link| link.wheel.is_none());
+    (!is_well).then(|| format!("{kind} {}: it is on link {number}: expected one that is no wheel", shown(name)))
 }
 
 /// Checks that the joints of an actuator have motors and are not those of wheels.

@@ -72,13 +72,20 @@ pub(super) enum CompiledMechanism {
     Articulated(Arc<Articulated>),
 }
 
-/// Returns a class with tools fixed to its tool changers, each given by the changer's number.
-pub(super) fn with_tools<'a>(class: &RobotDef, held: impl IntoIterator<Item = (usize, &'a Object)>) -> RobotDef {
+/// An object that is part of a robot's link.
+pub(crate) struct Held<'a> {
+    /// Number of the link.
+    pub(crate) link: usize,
+    /// Pose of its shape in the robot frame when every joint is at 0.
+    pub(crate) at: Pose,
+    pub(crate) object: &'a Object,
+}
+
+/// Returns a class with objects fixed to its links.
+pub(super) fn with_held<'a>(class: &RobotDef, held: impl IntoIterator<Item = Held<'a>>) -> RobotDef {
     let mut fitted = class.clone();
-    for (changer, tool) in held {
-        let Some(changer) = class.tool_changers.get(changer) else { continue };
-        let Some(link) = fitted.links.get_mut(changer.link) else { continue };
-        let at = changer.pose() * tool.solid.pose();
+    for Held { link, at, object: tool } in held {
+        let Some(link) = fitted.links.get_mut(link) else { continue };
         let mass = uniform(&shape::shared(&tool.solid.shape), tool.mass);
         let turn = at.rotation.to_rotation_matrix();
         link.parts.push(Part {

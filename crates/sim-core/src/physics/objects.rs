@@ -5,12 +5,28 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use scene::{Object, ObjectId, ObjectSnapshot, Pose};
+use serde::{Deserialize, Serialize};
 
 use super::articulated::{CompiledObject, MovableObject, SavedObject};
-use super::{Fault, Physics, convert};
+use super::{Fault, Physics, convert, shape};
 
 /// Distance from a change over which sleeping objects wake, m.
 pub(super) const WAKING_REACH: f64 = 0.01;
+
+/// An object that was taken out of the world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Lifted {
+    pub(crate) def: Arc<Object>,
+    /// Pose at which it was spawned.
+    start: Pose,
+    /// True if the map has it.
+    pub(crate) is_of_map: bool,
+}
+
+/// Returns the extents of an object at a pose along the world's axes, m.
+pub(crate) fn extents(object: &Object, pose: &Pose) -> Vector3<f64> {
+    convert::from_vector(shape::shared(&object.solid.shape).compute_aabb(&convert::pose(pose)).extents())
+}
 
 impl Physics {
     /// Spawns an object at a pose, at rest. No other may have its id. A held object is not pushed by anything.
@@ -45,6 +61,23 @@ impl Physics {
         let object = self.objects.remove(place);
         self.remove_bodies(object.in_engine().into_iter());
         self.wake_near(object.reach());
+    }
+
+    /// Takes an object that nothing leads out of the world, to be put down again.
+    pub(crate) fn lift_object(&mut self, id: ObjectId) -> Option<Lifted> {
+        let object = &self.objects[self.place_of(id)?];
+        let lifted = Lifted { def: object.def.clone(), start: object.start, is_of_map: object.is_of_map };
+        (!object.is_held()).then(|| self.remove_object(id))?;
+        Some(lifted)
+    }
+
+    /// Puts a lifted object back into the world, at a pose and at rest.
+    pub(crate) fn put_down(&mut self, id: ObjectId, lifted: Lifted, pose: &Pose) {
+        let Lifted { def, start, is_of_map } = lifted;
+        self.spawn_object(id, def, pose, false);
+        if let Some(place) = self.place_of(id) {
+            (self.objects[place].start, self.objects[place].is_of_map) = (start, is_of_map);
+        }
     }
 
     /// Puts an object at a pose, at rest.
@@ -87,12 +120,6 @@ impl Physics {
     /// Returns the name of an object.
     pub(crate) fn object_name(&self, id: ObjectId) -> Option<&str> {
         self.place_of(id).map(|place| self.objects[place].name())
-    }
-
-    /// Returns the extents of an object along the world's axes, m.
-    pub(crate) fn object_size(&self, id: ObjectId) -> Option<Vector3<f64>> {
-        let place = self.place_of(id)?;
-        Some(convert::from_vector(self.objects[place].bounds().extents()))
     }
 
     /// Returns a snapshot of every object, by their ids.

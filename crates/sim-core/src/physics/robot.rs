@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use rapier3d::prelude::*;
-use scene::{BodyState, JointState, Object, Pose, WheelState, check};
+use scene::{BodyState, JointState, Pose, WheelState, check};
 use serde::{Deserialize, Serialize};
 
 use super::articulated::{self, SavedTree, Surroundings};
-use super::compile::{CompiledRobot, with_tools};
+use super::compile::{CompiledRobot, Held, with_held};
 use super::mechanism::Mechanism;
 use super::query::set_box;
 use super::{Fault, Physics};
@@ -110,20 +110,19 @@ impl Physics {
         *robot = self.spawn(robot.robot.clone(), id, pose);
     }
 
-    /// Returns a class with tools fixed to its tool changers, each given by the changer's number. Fails with the reason in words, for example
-    /// if they are too heavy.
+    /// Returns a class with objects fixed to its links. Fails with the reason in words, for example if they are too heavy.
     pub(crate) fn fitted<'a>(
         &mut self,
         class: &Arc<CompiledRobot>,
-        held: impl IntoIterator<Item = (usize, &'a Object)>,
+        held: impl IntoIterator<Item = Held<'a>>,
     ) -> Result<Arc<CompiledRobot>, String> {
         let mut held = held.into_iter().peekable();
         if held.peek().is_none() {
             return Ok(class.clone());
         }
-        let fitted = with_tools(&class.def, held);
+        let fitted = with_held(&class.def, held);
         if let Some(wrong) = check::robot(&fitted).into_iter().next() {
-            return Err(format!("the robot cannot carry its tools: {wrong}"));
+            return Err(format!("the robot cannot carry it: {wrong}"));
         }
         Ok(Arc::new(CompiledRobot::new(fitted, Arc::make_mut(&mut self.materials))))
     }

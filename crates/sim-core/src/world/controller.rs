@@ -8,10 +8,11 @@ use gamebots_proto::command::{Control, Create, Move, SetPath};
 use gamebots_proto::message::{Message, ObjectSta};
 use gamebots_proto::{Problem, shown};
 use nalgebra::Vector3;
-use scene::{Material, ObjectId, PawnId, Pose, check};
+use scene::{Material, ObjectId, ObjectSnapshot, PawnId, Pose, check};
 use serde::{Deserialize, Serialize};
 
 use super::{MAX_NAME_CHARS, World};
+use crate::physics::extents;
 use crate::sensor::floats;
 
 /// Most objects that controllers may have in a world.
@@ -294,7 +295,7 @@ impl World {
             wrong.map_or(Ok(()), Err)
         };
         if let Some(id) = self.object_of(by, name) {
-            let now = self.physics.object(id).ok_or("it is gone")?;
+            let now = self.physics.object(id).ok_or("a robot holds it")?;
             let (position, angles) = wanted(&now);
             in_reach(&position)?;
             self.physics.put_object(id, &scene::pose(position, angles));
@@ -414,7 +415,7 @@ impl World {
     fn kill(&mut self, by: PawnId, name: &str) -> Result<(), String> {
         let id = self.object_of(by, name).ok_or("no object has that name")?;
         self.created.retain(|created| created.id != id);
-        self.physics.remove_object(id);
+        self.remove_object(id);
         Ok(())
     }
 
@@ -425,16 +426,14 @@ impl World {
             let at = pose.translation;
             at.x > x && at.y > y && at.z < z && at.x < to_x && at.y < to_y && at.z > to_z
         };
-        self.remove_created(|world, created| {
-            !created.permanent && world.physics.object(created.id).is_some_and(is_inside)
-        });
+        self.remove_created(|world, created| !created.permanent && world.place_of(created.id).is_some_and(is_inside));
     }
 
     fn remove_created(&mut self, is_removed: impl Fn(&Self, &Created) -> bool) {
         let removed = self.created.iter().filter(|created| is_removed(self, created)).map(|created| created.id);
         let removed: Vec<ObjectId> = removed.collect();
         self.created.retain(|created| !removed.contains(&created.id));
-        removed.into_iter().for_each(|id| self.physics.remove_object(id));
+        removed.into_iter().for_each(|id| self.remove_object(id));
     }
 
     /// Finds an object by its name, in any case: first among the controller's own, then among all others, those of the map included.
@@ -442,8 +441,7 @@ impl World {
         let is_named = |created: &&Created| created.name.eq_ignore_ascii_case(name);
         let own = self.created.iter().filter(|created| created.by == by).find(is_named);
         let created = own.or_else(|| self.created.iter().find(is_named)).map(|created| created.id);
-        created
-            .or_else(|| self.physics.objects().find(|it| it.def.solid.name.eq_ignore_ascii_case(name)).map(|it| it.id))
+        created.or_else(|| self.objects().find(|it| it.def.solid.name.eq_ignore_ascii_case(name)).map(|it| it.id))
     }
 
     /// Answers a question for the states of a controller's objects.
@@ -453,9 +451,11 @@ impl World {
             let is_of_class = class.is_empty() || class == "WCObject" || created.class.eq_ignore_ascii_case(class);
             created.by == by && is_of_class && (name.is_empty() || created.name == name)
         };
+        let objects: Vec<ObjectSnapshot> = self.objects().collect();
         let state = |created: &Created| {
-            let (pose, size) = (self.physics.object(created.id)?, self.physics.object_size(created.id)?);
-            let (location, rotation) = scene::position_and_rotation(&pose);
+            let object = &objects[objects.binary_search_by_key(&created.id, |object| object.id).ok()?];
+            let (location, rotation) = scene::position_and_rotation(&object.pose);
+            let size = extents(&object.def, &object.pose);
             Some(ObjectSta {
                 name: created.name.clone(),
                 size: floats(size.into()),

@@ -1,4 +1,4 @@
-//! Items of robots: actuators, grippers, tool changers and sensors, in one list in mounting order, with one set of verbs.
+//! Items of robots: actuators, grippers, tool changers, vacuums and sensors, in one list in mounting order, with one set of verbs.
 //!
 //! To add a kind, write its file here, and add its lines to [`Item`] and [`mount`].
 
@@ -6,6 +6,7 @@ mod actuator;
 mod gripper;
 mod sensor;
 mod tool_changer;
+mod vacuum;
 
 use gamebots_proto::Problem;
 use gamebots_proto::command::Set;
@@ -15,6 +16,7 @@ use scene::{RobotDef, Sensed};
 
 use super::seed;
 use super::tools::Tool;
+use super::vacuum::Stuck;
 use super::{Options, Report};
 use crate::drive::Order;
 use crate::kinds::kinds;
@@ -31,10 +33,26 @@ pub(super) enum Effect {
     Sensed(Sensed),
     /// The robot follows an order.
     Order(Order),
-    /// The tool changer of this number takes a tool, or drops its own.
-    Tool { changer: usize, closed: bool },
+    /// A hand takes something, or drops what it has.
+    Hand { hand: Hand, closed: bool },
     /// A change of the world's RFID tags.
     Tag(TagOrder),
+}
+
+/// An item that takes and drops objects, by its number among its kind in the robot's class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Hand {
+    /// A tool changer.
+    Changer(usize),
+    /// A vacuum.
+    Vacuum(usize),
+}
+
+/// All that robots hold.
+#[derive(Clone, Copy)]
+pub(super) struct Hands<'a> {
+    pub(super) tools: &'a [Tool],
+    pub(super) stuck: &'a [Stuck],
 }
 
 /// An ACT or MISPKG.
@@ -70,7 +88,7 @@ pub(super) trait Verbs {
     /// Returns the geometry.
     fn geo(&self, robot: &RobotDef) -> Option<ItemGeo>;
     /// Returns the report of this moment. `None` if there is nothing to report.
-    fn report(&mut self, view: &View, tools: &[Tool]) -> Option<Report>;
+    fn report(&mut self, view: &View, hands: &Hands) -> Option<Report>;
     /// Returns the part that changes; nothing by default.
     fn state(&mut self) -> State<'_> {
         State::default()
@@ -84,22 +102,25 @@ kinds! {
         Actuator(actuator::Item),
         Gripper(gripper::Item),
         ToolChanger(tool_changer::Item),
+        Vacuum(vacuum::Item),
         Sensor(sensor::Item),
     }
 }
 
 /// Mounts the items of a robot, in the order in which they report.
 pub(super) fn mount(view: &View, options: Options) -> Vec<Item> {
-    let RobotDef { actuators, grippers, tool_changers, sensors, .. } = view.robot;
+    let RobotDef { actuators, grippers, tool_changers, vacuums, sensors, .. } = view.robot;
     let actuators = actuators.iter().map(|def| Item::Actuator(actuator::Item { def: def.clone() }));
     let grippers = grippers.iter().map(|def| Item::Gripper(gripper::Item { def: def.clone(), closed: false }));
     let changers = tool_changers.iter().enumerate();
     let changers = changers.map(|(number, def)| Item::ToolChanger(tool_changer::Item { number, def: def.clone() }));
+    let vacuums = vacuums.iter().enumerate();
+    let vacuums = vacuums.map(|(number, def)| Item::Vacuum(vacuum::Item { number, def: def.clone() }));
     let sensors = sensors.iter().enumerate().map(|(number, def)| {
         let rng = seed::stream(options.seed, view.id.0, &def.name, number);
         Item::Sensor(sensor::Item::new(number, def, rng, view))
     });
-    actuators.chain(grippers).chain(changers).chain(sensors).collect()
+    actuators.chain(grippers).chain(changers).chain(vacuums).chain(sensors).collect()
 }
 
 impl Item {

@@ -8,8 +8,7 @@ use gamebots_proto::{Problem, shown};
 use scene::{Pose, RobotDef, RobotSnapshot};
 use serde::{Deserialize, Serialize};
 
-use super::item::{self, Effect, Item, Motion, STATUS_INTERVAL};
-use super::tools::Tool;
+use super::item::{self, Effect, Hand, Hands, Item, Motion, STATUS_INTERVAL};
 use super::{Options, PawnId, Report};
 use crate::WheelState;
 use crate::drive::{DriveState, Order};
@@ -39,8 +38,8 @@ pub(super) struct Outcome {
     pub(super) reports: Vec<Report>,
     /// True if the robot has the item.
     pub(super) found: bool,
-    /// Numbers of tool changers, each with true if it takes a tool, or false if it drops its own.
-    pub(super) tools: Vec<(usize, bool)>,
+    /// Hands, each with true if it takes something, or false if it drops what it has.
+    pub(super) hands: Vec<(Hand, bool)>,
     /// Changes of RFID tags.
     pub(super) tags: Vec<TagOrder>,
 }
@@ -245,7 +244,7 @@ impl Robot {
         self.carry_out(effects)
     }
 
-    /// Follows the orders of items. Tools are left to the world.
+    /// Follows the orders of items. Hands are left to the world.
     fn carry_out(&mut self, effects: Vec<Effect>) -> Outcome {
         let mut outcome = Outcome { found: !effects.is_empty(), ..Outcome::default() };
         for effect in effects {
@@ -253,7 +252,7 @@ impl Robot {
                 Effect::None => {}
                 Effect::Sensed(sensed) => outcome.reports.push(Report::Sensed(sensed)),
                 Effect::Order(order) => _ = self.follow(&order),
-                Effect::Tool { changer, closed } => outcome.tools.push((changer, closed)),
+                Effect::Hand { hand, closed } => outcome.hands.push((hand, closed)),
                 Effect::Tag(order) => outcome.tags.push(order),
             }
         }
@@ -308,7 +307,7 @@ impl Robot {
     pub(super) fn report(
         &mut self,
         physics: &Physics,
-        tools: &[Tool],
+        hands: &Hands,
         time: f64,
         step: u64,
         mut send: impl FnMut(Report),
@@ -327,7 +326,7 @@ impl Robot {
         let wheels = physics.wheels(&self.bodies);
         let (items, view) = self.items_and_view(physics, time, &wheels);
         let due = items.iter_mut().filter(|item| is_due(item));
-        due.filter_map(|item| item.get_mut().report(&view, tools)).for_each(send);
+        due.filter_map(|item| item.get_mut().report(&view, hands)).for_each(send);
     }
 }
 

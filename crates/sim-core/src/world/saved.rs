@@ -9,6 +9,7 @@ use super::World;
 use super::controller::{Controller, Created};
 use super::robot::{Robot, SavedRobot};
 use super::tools::{self, Tool};
+use super::vacuum::Stuck;
 use crate::CompiledScene;
 use crate::physics::SavedObject;
 
@@ -23,6 +24,8 @@ pub struct SavedWorld {
     next_object: u64,
     #[serde(default)]
     tools: Vec<Tool>,
+    #[serde(default)]
+    stuck: Vec<Stuck>,
     /// `None` in files from before there were any: then those of the map.
     #[serde(default)]
     tags: Option<Vec<RfidTag>>,
@@ -118,6 +121,7 @@ impl World {
             created: self.created.clone(),
             next_object: self.next_object,
             tools: self.tools.clone(),
+            stuck: self.stuck.clone(),
             tags: Some(self.physics.tags.clone()),
             conveyors: self.physics.conveyor_factors().collect(),
             unsettled: self.physics.unsettled_steps(),
@@ -135,12 +139,17 @@ impl World {
         (world.steps, world.next_id) = (saved.steps, saved.next_id);
         (world.controllers, world.created) = (saved.controllers.clone(), saved.created.clone());
         (world.next_object, world.tools) = (saved.next_object, saved.tools.clone());
+        world.stuck = saved.stuck.clone();
         let (of_map, next) = (world.def().map.objects.len() as u64, saved.next_object);
         let fits = |it: &SavedObject| it.spawned.is_none() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
         if let Some(SavedObject { id, .. }) = saved.objects.iter().find(|it| !fits(it)) {
             return Err(LoadError::OtherMap { id: *id });
         }
         if let Some(Tool { id, .. }) = saved.tools.iter().find(|tool| tool.id.0 >= next || !tool.is_sound()) {
+            return Err(LoadError::OtherMap { id: *id });
+        }
+        let fits = |it: &Stuck| it.is_of_map() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
+        if let Some(Stuck { id, .. }) = saved.stuck.iter().find(|it| !fits(it)) {
             return Err(LoadError::OtherMap { id: *id });
         }
         let is_sound = |tag: &RfidTag| check::tag(tag).is_empty();
@@ -166,7 +175,7 @@ impl World {
                 let expected = world.scene.robots().keys().cloned().collect::<Vec<_>>().join(", ");
                 return Err(LoadError::UnknownClass { id, class, expected });
             };
-            let fitted = tools::fitted(&mut world.physics, &compiled, id, &saved.tools);
+            let fitted = tools::fitted(&mut world.physics, &compiled, id, &saved.tools, &saved.stuck);
             let fitted = fitted.map_err(|_| LoadError::OtherClass { id, class: class.clone() })?;
             let loaded = Robot::load(&mut world.physics, fitted, robot, saved.steps, saved.options);
             world.robots.insert(id, loaded.ok_or(LoadError::OtherClass { id, class })?);

@@ -12,7 +12,8 @@ use scene::{BodyState, Object, ObjectId, ObjectSnapshot, PawnId, ToolChanger, ch
 use serde::{Deserialize, Serialize};
 
 use super::World;
-use crate::physics::{CompiledRobot, Identity, Light, Physics};
+use super::vacuum::Stuck;
+use crate::physics::{CompiledRobot, Held, Identity, Light, Physics};
 
 /// Tolerance of comparisons with the limits of a tool changer, m or rad.
 const ROUNDING: f64 = 1e-9;
@@ -63,7 +64,7 @@ impl World {
             object: Arc::new(tool.object.clone()),
         };
         let tools: Vec<Tool> = held.zip(ids).map(tool).collect();
-        let fitted = fitted(&mut self.physics, class, robot, &tools)?;
+        let fitted = fitted(&mut self.physics, class, robot, &tools, &[])?;
         Ok((tools, fitted))
     }
 
@@ -83,7 +84,8 @@ impl World {
 
     fn drop_tool(&mut self, place: usize, changer: &ToolChanger) -> Result<(), String> {
         let tool = self.tools[place].clone();
-        let carrier = self.carrier(tool.robot, changer).ok_or("the robot is gone")?;
+        self.empty_tool(tool.robot, tool.name());
+        let carrier = self.carrier(tool.robot, changer.link).ok_or("the robot is gone")?;
         let pose = carrier.pose * changer.pose() * tool.object.solid.pose();
         let lever = pose.translation.vector - carrier.pose.translation.vector;
         self.tools[place].changer = None;
@@ -100,7 +102,7 @@ impl World {
     /// Takes the first tool that a ray along the changer's z axis meets, if it is near enough and turned like the changer.
     fn take_tool(&mut self, robot: PawnId, number: usize, changer: &ToolChanger) -> Result<(), String> {
         self.enter_shapes();
-        let own = self.carrier(robot, changer).ok_or("the robot is gone")?.pose * changer.pose();
+        let own = self.carrier(robot, changer.link).ok_or("the robot is gone")?.pose * changer.pose();
         let (origin, reach) = (own.translation.vector.into(), 2.0 * changer.position_tolerance);
         let sight = self.physics.sight(Light::Visible, &origin, reach, robot);
         let hit = sight.cast_ray(&(own.rotation * Vector3::z())).ok_or("nothing is ahead of it")?;
@@ -128,27 +130,27 @@ impl World {
         Ok(())
     }
 
-    /// Gives a robot the class with the tools that it holds now.
-    fn refit(&mut self, id: PawnId) -> Result<(), String> {
+    /// Gives a robot the class with the tools that it holds now, and what sticks to it.
+    pub(super) fn refit(&mut self, id: PawnId) -> Result<(), String> {
         let name = self.robots.get(&id).map(|robot| robot.def().class.clone()).ok_or("the robot is gone")?;
         let class = self.scene.robots().get(&name).cloned().ok_or("its class is gone")?;
-        let fitted = fitted(&mut self.physics, &class, id, &self.tools)?;
+        let fitted = fitted(&mut self.physics, &class, id, &self.tools, &self.stuck)?;
         let robot = self.robots.get_mut(&id).ok_or("the robot is gone")?;
         let is_refitted = self.physics.refit(robot.bodies_mut(), id, fitted);
         is_refitted.then_some(()).ok_or("the drive model `bodies` cannot change tools".to_owned())
     }
 
-    /// Returns the robot frame as it moves with the link that carries a tool changer.
-    fn carrier(&self, robot: PawnId, changer: &ToolChanger) -> Option<BodyState> {
+    /// Returns the robot frame as it moves with a link.
+    pub(super) fn carrier(&self, robot: PawnId, link: usize) -> Option<BodyState> {
         let bodies = self.robots.get(&robot)?.bodies();
-        Some(self.physics.carrier(bodies, changer.link).unwrap_or_else(|| self.physics.body(bodies)))
+        Some(self.physics.carrier(bodies, link).unwrap_or_else(|| self.physics.body(bodies)))
     }
 
     /// Returns snapshots of the tools that robots hold.
     pub(super) fn held_tools(&self) -> impl Iterator<Item = ObjectSnapshot> {
         self.tools.iter().filter_map(|tool| {
             let changer = self.robot(tool.robot)?.tool_changers.get(tool.changer?)?;
-            let pose = self.carrier(tool.robot, changer)?.pose * changer.pose() * tool.object.solid.pose();
+            let pose = self.carrier(tool.robot, changer.link)?.pose * changer.pose() * tool.object.solid.pose();
             Some(ObjectSnapshot { id: tool.id, def: tool.object.clone(), pose })
         })
     }
@@ -161,15 +163,27 @@ impl World {
     }
 }
 
-/// Returns a class with the tools that a robot holds. Fails with the reason in words.
+/// Returns a class with the tools that a robot holds, and what sticks to it. Fails with the reason in words.
 pub(super) fn fitted(
     physics: &mut Physics,
     class: &Arc<CompiledRobot>,
     robot: PawnId,
     tools: &[Tool],
+    stuck: &[Stuck],
 ) -> Result<Arc<CompiledRobot>, String> {
-    let held = tools.iter().filter(|tool| tool.robot == robot);
-    physics.fitted(class, held.filter_map(|tool| Some((tool.changer?, &*tool.object))))
+    let of_tool = |tool: &'_ Tool| {
+        let changer = class.def.tool_changers.get(tool.changer?)?;
+        Some((changer.link, changer.pose() * tool.object.solid.pose()))
+    };
+    let own = tools.iter().filter(|tool| tool.robot == robot);
+    let tools = own.filter_map(|tool| of_tool(tool).map(|(link, at)| Held { link, at, object: &tool.object }));
+    let stuck = stuck.iter().filter(|stuck| stuck.robot == robot).filter_map(|stuck| stuck.held(&class.def));
+    physics.fitted(class, tools.chain(stuck))
+}
+
+/// True if a tool has a name, in any case.
+pub(super) fn is_named(tool: &Tool, name: &str) -> bool {
+    tool.name().eq_ignore_ascii_case(name)
 }
 
 /// Returns the place in a list of the tool that a tool changer holds.

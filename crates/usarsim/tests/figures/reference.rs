@@ -108,11 +108,14 @@ fn items(robot: &RobotDef) -> String {
         robot.grippers.iter().map(|it| ["Gripper".to_owned(), it.name.clone(), String::new(), String::new()]);
     let changers =
         robot.tool_changers.iter().map(|it| ["ToolChanger".to_owned(), it.name.clone(), link(it.link), String::new()]);
+    let vacuums = robot.vacuums.iter().map(|it| {
+        ["Gripper (vacuum)".to_owned(), it.name.clone(), link(it.link), numbers(&it.position)]
+    });
     let sensors = robot
         .sensors
         .iter()
         .map(|it| [it.config.class().to_owned(), it.name.clone(), link(it.link), numbers(&it.position)]);
-    let rows = actuators.chain(grippers).chain(changers).chain(sensors);
+    let rows = actuators.chain(grippers).chain(changers).chain(vacuums).chain(sensors);
     let row = |[class, name, link, place]: [String; 4]| vec![class, format!("`{name}`"), link, place];
     table(&["item", "name", "on", "position, m, or joints"], rows.map(row))
 }

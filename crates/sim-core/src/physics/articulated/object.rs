@@ -32,13 +32,13 @@ const WAKING_SPEED: f64 = 1e-5;
 #[derive(Clone)]
 pub(in super::super) struct MovableObject {
     pub(super) id: ObjectId,
-    pub(super) def: Arc<Object>,
+    pub(in super::super) def: Arc<Object>,
     /// True if the map has it.
-    pub(super) is_of_map: bool,
+    pub(in super::super) is_of_map: bool,
     /// True if nothing pushes it: it stays, or moves as it is led.
     pub(super) is_held: bool,
     /// Pose at which it was spawned.
-    pub(super) start: Pose,
+    pub(in super::super) start: Pose,
     pub(super) body: Box<ArticulatedRobot>,
     /// Time at rest, s.
     pub(super) still: f64,

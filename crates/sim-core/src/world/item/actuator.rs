@@ -7,7 +7,7 @@ use gamebots_proto::message::{
 use nalgebra::Vector3;
 use scene::{Actuator, Joint, JointKind, RobotDef};
 
-use super::{Effect, Motion, Order, Report, Tool, Verbs, View};
+use super::{Effect, Hands, Motion, Order, Report, Verbs, View};
 use crate::sensor::floats;
 
 /// USARSim's torque units in 1 N m.
@@ -93,7 +93,7 @@ impl Verbs for Item {
         }))
     }
 
-    fn report(&mut self, view: &View, _tools: &[Tool]) -> Option<Report> {
+    fn report(&mut self, view: &View, _hands: &Hands) -> Option<Report> {
         let states = view.joints();
         let joint = |(link, &number): (usize, &usize)| {
             let state = states.get(view.robot.value_of(number)?)?;

@@ -6,7 +6,7 @@ use gamebots_proto::message::{Eff, GripperConf, ItemConf, ItemGeo, Message, Moun
 use nalgebra::Vector3;
 use scene::{Gripper, RobotDef};
 
-use super::{Effect, Motion, Order, Report, State, Tool, Verbs, View, mounted};
+use super::{Effect, Hands, Motion, Order, Report, State, Verbs, View, mounted};
 
 #[derive(Clone)]
 pub(crate) struct Item {
@@ -60,7 +60,7 @@ impl Verbs for Item {
         Some(ItemGeo::Mounted(MountedGeo { tip: Some([0.0; 3]), ..mounted(robot, name, carrier, middle, [0.0; 3]) }))
     }
 
-    fn report(&mut self, view: &View, _tools: &[Tool]) -> Option<Report> {
+    fn report(&mut self, view: &View, _hands: &Hands) -> Option<Report> {
         let (time, name, closed) = (view.time as f32, self.def.name.clone(), self.closed);
         Some(Message::Eff(Eff { time, is_tool_changer: false, name, closed, tool_type: None, tool: None }).into())
     }

@@ -5,7 +5,7 @@ use gamebots_proto::message::{ItemConf, ItemGeo};
 use rand_chacha::ChaCha8Rng;
 use scene::{RobotDef, Sensed, SensorDef};
 
-use super::{Effect, Report, State, Tool, Verbs, View, mounted};
+use super::{Effect, Hands, Report, State, Verbs, View, mounted};
 use crate::sensor::{self, Mounted};
 
 #[derive(Clone)]
@@ -55,7 +55,7 @@ impl Verbs for Item {
         Some(ItemGeo::Mounted(mounted(robot, name, *link, (*position).into(), *direction)))
     }
 
-    fn report(&mut self, view: &View, _tools: &[Tool]) -> Option<Report> {
+    fn report(&mut self, view: &View, _hands: &Hands) -> Option<Report> {
         self.sense(view).map(Report::Sensed)
     }
 

@@ -5,7 +5,7 @@ use gamebots_proto::command::Set;
 use gamebots_proto::message::{Eff, ItemConf, ItemGeo, Message, ToolChangerConf};
 use scene::{RobotDef, ToolChanger};
 
-use super::{Effect, Motion, Report, Tool, Verbs, View, mounted};
+use super::{Effect, Hand, Hands, Motion, Report, Verbs, View, mounted};
 use crate::world::tools;
 
 #[derive(Clone)]
@@ -17,7 +17,7 @@ pub(crate) struct Item {
 
 impl Item {
     fn change(&self, closed: bool) -> Effect {
-        Effect::Tool { changer: self.number, closed }
+        Effect::Hand { hand: Hand::Changer(self.number), closed }
     }
 }
 
@@ -46,8 +46,8 @@ impl Verbs for Item {
         Some(ItemGeo::Mounted(mounted(robot, name, *link, (*position).into(), *direction)))
     }
 
-    fn report(&mut self, view: &View, tools: &[Tool]) -> Option<Report> {
-        let tool = tools::held(tools, view.id, self.number);
+    fn report(&mut self, view: &View, hands: &Hands) -> Option<Report> {
+        let tool = tools::held(hands.tools, view.id, self.number);
         let state = Eff {
             time: view.time as f32,
             is_tool_changer: true,
