@@ -224,3 +224,34 @@ fn a_joint_at_rest_reports_no_negative_zero() {
         assert!(!line.contains("-0.0000"), "{line}");
     }
 }
+
+/// The arm is laid down aside and swung back until it meets the chassis. It stays there, and its push moves nothing: the forces are within
+/// the robot.
+#[test]
+fn an_arm_stops_at_its_own_base_and_does_not_push_the_robot() {
+    let (mut world, robot) = world(EDGE);
+    let put = |world: &mut World, angles: [f64; 4]| {
+        let link = |(number, angle): (usize, &f64)| format!("{{Link {number}}} {{Value {angle:.3}}}");
+        let links: String = angles.iter().enumerate().map(link).collect();
+        apply(world, robot, &format!("ACT {{Name arm}} {links}"));
+        run(world, 6.0);
+    };
+    put(&mut world, [-2.9, -1.13, -2.63, -1.78]);
+    let number =
+        world.def().robots["YouBotArm"].with_values().position(|link| link.name == "ArmJoint1").expect("a joint");
+    let turned = |world: &World| world.snapshot().robots[0].joints[number].position;
+    let free = turned(&world);
+    assert!((free + 2.9).abs() < 0.02, "{free}");
+    put(&mut world, [2.9, -1.13, -2.63, -1.78]);
+    let stopped = turned(&world);
+    assert!((-2.2..-1.6).contains(&stopped), "{stopped}");
+    let place = |world: &World| world.state(robot).expect("a robot").0.pose.translation.vector;
+    let before = place(&world);
+    run(&mut world, 5.0);
+    let crept = (place(&world) - before).norm();
+    assert!(crept < 1e-4, "{crept} m");
+    // Once it is raised, it turns on.
+    put(&mut world, [2.9, 0.0, 0.0, 0.0]);
+    let turned = turned(&world);
+    assert!((turned - 2.9).abs() < 0.02, "{turned}");
+}

@@ -89,45 +89,27 @@ fn drives(class: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Moves every joint from end to end, with the body held in the air: first those that follow no other, then the others.
+/// Moves every joint from end to end, one after the other, with the body held in the air. Together they would hit each other.
 fn reaches(class: &str) -> Result<(), String> {
     let mut world = world(|robot| robot.footing = Footing::Fixed, class);
     let def = world.def().robots[class].clone();
     let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,-10}}"));
-    let follows = |link: &Link| link.joint.as_ref().and_then(|joint| joint.coupling).map(|coupling| coupling.kind);
-    for with_leader in [true, false] {
-        let moves = |link: &&Link| {
-            let is_asked = match follows(link) {
-                None => with_leader,
-                Some(CouplingKind::Target) => !with_leader,
-                Some(CouplingKind::Mimic) => false,
-            };
-            is_asked && link.position_limits().is_some()
-        };
-        let ends = [0, 1].map(|end| {
-            let target = |(number, link): (usize, &Link)| match link.position_limits() {
-                Some(limits) if moves(&link) => Some((number, limits[end])),
-                Some(_) => Some((number, 0.0)),
-                None => None,
-            };
-            let targets: Vec<(usize, f64)> = def.with_values().enumerate().filter_map(target).collect();
-            if !targets.is_empty() {
-                assert!(world.order(robot, &Order::Joints(targets)), "{class} takes no targets");
-            }
-            let slowest = def.with_values().filter_map(|link| {
-                let [least, most] = link.position_limits()?;
-                Some((most - least) / link.joint.as_ref()?.drive.as_ref()?.max_speed)
-            });
-            pass(&mut world, slowest.fold(0.0, f64::max) + 1.0);
-            world.snapshot().robots[0].joints.clone()
+    let is_mimic = |link: &Link| {
+        link.joint.as_ref().and_then(|joint| joint.coupling).is_some_and(|it| it.kind == CouplingKind::Mimic)
+    };
+    for (number, link) in def.with_values().enumerate().filter(|(_, link)| !is_mimic(link)) {
+        let Some([least, most]) = link.position_limits() else { continue };
+        let most_speed = link.joint.as_ref().and_then(|joint| joint.drive.as_ref()).map_or(1.0, |it| it.max_speed);
+        let ends = [least, most].map(|end| {
+            let others = def.with_values().enumerate().filter(|(_, link)| link.position_limits().is_some());
+            let targets = others.map(|(other, _)| (other, if other == number { end } else { 0.0 })).collect();
+            assert!(world.order(robot, &Order::Joints(targets)), "{class} takes no targets");
+            pass(&mut world, (most - least) / most_speed + 1.0);
+            world.snapshot().robots[0].joints[number].position
         });
-        for (number, link) in def.with_values().enumerate().filter(|(_, link)| moves(link)) {
-            let [least, most] = link.position_limits().expect("an end");
-            let reached = ends[1][number].position - ends[0][number].position;
-            if reached < RANGE * (most - least) {
-                let [low, high] = [0, 1].map(|end: usize| ends[end][number].position);
-                return Err(format!("reaches: {} goes from {low:.3} to {high:.3}, of {least} to {most}", link.name));
-            }
+        if ends[1] - ends[0] < RANGE * (most - least) {
+            let [low, high] = ends;
+            return Err(format!("reaches: {} goes from {low:.3} to {high:.3}, of {least} to {most}", link.name));
         }
     }
     Ok(())

@@ -6,6 +6,7 @@ mod compile;
 mod contact;
 mod finding;
 mod following;
+mod itself;
 mod object;
 mod ring;
 mod saved;

@@ -108,9 +108,10 @@ fn items(robot: &RobotDef) -> String {
         robot.grippers.iter().map(|it| ["Gripper".to_owned(), it.name.clone(), String::new(), String::new()]);
     let changers =
         robot.tool_changers.iter().map(|it| ["ToolChanger".to_owned(), it.name.clone(), link(it.link), String::new()]);
-    let vacuums = robot.vacuums.iter().map(|it| {
-        ["Gripper (vacuum)".to_owned(), it.name.clone(), link(it.link), numbers(&it.position)]
-    });
+    let vacuums = robot
+        .vacuums
+        .iter()
+        .map(|it| ["Gripper (vacuum)".to_owned(), it.name.clone(), link(it.link), numbers(&it.position)]);
     let sensors = robot
         .sensors
         .iter()

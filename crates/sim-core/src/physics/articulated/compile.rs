@@ -14,6 +14,7 @@ use super::super::rolling::Hub;
 use super::super::surface::{Materials, Surface as Seen};
 use super::super::{convert, shape};
 use super::following::Following;
+use super::itself;
 use super::ring::RollerRing;
 use super::track::Track;
 
@@ -34,6 +35,8 @@ pub(in super::super) struct Articulated {
     pub(super) tracks: Vec<Track>,
     /// Data to make the base follow its commands, if it does.
     pub(super) following: Option<Following>,
+    /// Pairs of surfaces of the robot that may touch each other.
+    pub(super) touching_itself: Vec<(usize, usize)>,
 }
 
 /// A movable object.
@@ -128,6 +131,7 @@ impl Articulated {
             rings: Vec::new(),
             tracks: Vec::new(),
             following: Following::of(def),
+            touching_itself: Vec::new(),
         };
         let mut links: Vec<Link> = Vec::new();
         for (number, link) in def.links.iter().enumerate() {
@@ -147,6 +151,7 @@ impl Articulated {
                 made.add_coupling(def, number, coupling);
             }
         }
+        made.touching_itself = itself::pairs(&made);
         made
     }
 

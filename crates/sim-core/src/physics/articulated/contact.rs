@@ -42,7 +42,7 @@ impl ArticulatedRobot {
         let stiffness = match found.second {
             Second::Fixed if is_alone && !is_object => STIFFNESS,
             Second::Fixed => of_ground,
-            Second::Robot(..) | Second::OfEngine(..) => between,
+            Second::Itself(_) | Second::Robot(..) | Second::OfEngine(..) => between,
         };
         let first = Side { body, link: self.link_of(found) };
         let Touch { point, normal, gap, share, .. } = found.touch;

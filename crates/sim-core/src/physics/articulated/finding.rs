@@ -46,6 +46,7 @@ pub(super) struct Key {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 enum Peer {
     Fixed,
+    Itself,
     Body(BodyId),
     OfEngine,
 }
@@ -69,6 +70,8 @@ pub(super) struct Found {
 pub(super) enum Second {
     /// A fixed body.
     Fixed,
+    /// Another surface of the same robot, by its number.
+    Itself(usize),
     /// A robot or object, by its number, and its surface.
     Robot(usize, usize),
     /// A robot of the engine, by its number among those touched, and its link.
@@ -111,6 +114,7 @@ impl ArticulatedRobot {
         if self.standing.fault.is_none() {
             self.place_surfaces(time_step);
             self.touch_fixed(world, surroundings);
+            self.touch_itself();
         }
     }
 
@@ -180,6 +184,27 @@ impl ArticulatedRobot {
             self.near = Some(near);
             keep_deepest(&mut found, MAX_CONTACTS[1], |it| it.touch.gap);
         }
+        self.found = found;
+    }
+
+    fn touch_itself(&mut self) {
+        let mut found = std::mem::take(&mut self.found);
+        let (before, mut met) = (found.len(), Vec::new());
+        for &(one, other) in &self.made_of.touching_itself {
+            let (at, its_at) = (&self.placed[one], &self.placed[other]);
+            if !at.around.intersects(&its_at.around) {
+                continue;
+            }
+            let (surface, its) = (&self.made_of.surfaces[one], &self.made_of.surfaces[other]);
+            let (prediction, motion) = (at.prediction + its_at.prediction, at.motion - its_at.motion);
+            self.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
+            let key = Key { surface: one, other: (Peer::Itself, other), number: 0 };
+            let pair = Pair::of(&surface.material, &its.material);
+            add(&mut met, key, Second::Itself(other), &pair, &mut found);
+        }
+        let mut own = found.split_off(before);
+        keep_deepest(&mut own, MAX_CONTACTS[0], |it| it.touch.gap);
+        found.append(&mut own);
         self.found = found;
     }
 

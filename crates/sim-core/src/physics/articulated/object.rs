@@ -74,6 +74,7 @@ impl Articulated {
             rings: Vec::new(),
             tracks: Vec::new(),
             following: None,
+            touching_itself: Vec::new(),
         }
     }
 }

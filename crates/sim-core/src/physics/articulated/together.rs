@@ -293,10 +293,10 @@ fn members<'a>(
 }
 
 impl Second {
-    /// Returns the number among all bodies, robots first, or `None` for a fixed body.
+    /// Returns the number of another body among all, robots first. `None` for a fixed body, and for the robot itself.
     fn number(self, robots: usize) -> Option<usize> {
         match self {
-            Self::Fixed => None,
+            Self::Fixed | Self::Itself(_) => None,
             Self::Robot(robot, _) => Some(robot),
             Self::OfEngine(body, _) => Some(robots + body),
         }
@@ -348,7 +348,7 @@ impl Step<'_> {
             // The other side of a contact may be another member.
             let found = std::mem::take(&mut robot.found);
             for it in &found {
-                let second = self.side(it.second, group);
+                let second = self.side(body, it.second, group);
                 let moves =
                     second.map_or(it.drift, |Side { body, link }| group[body].body().velocity_at(link, it.touch.point));
                 let Some(robot) = group[body].robot() else { continue };
@@ -388,7 +388,7 @@ impl Step<'_> {
                 }
                 let Some(Side { body, .. }) = contact.second else { continue };
                 match (&mut group[body].is, it.second) {
-                    (Is::Robot(robot), Second::Robot(_, surface)) => {
+                    (Is::Robot(robot), Second::Robot(_, surface) | Second::Itself(surface)) => {
                         robot.note(surface, it, contact, -1.0, self.time_step);
                     }
                     (Is::OfEngine(of_engine), Second::OfEngine(_, link)) => {
@@ -449,8 +449,11 @@ impl Step<'_> {
         }
     }
 
-    /// Returns the side of the member that a contact touches, or `None` for a fixed or sleeping body.
-    fn side(self, second: Second, group: &[Member]) -> Option<Side> {
+    /// Returns the side of the member that a contact of another touches, or `None` for a fixed or sleeping body.
+    fn side(self, own: usize, second: Second, group: &[Member]) -> Option<Side> {
+        if let (Second::Itself(surface), Is::Robot(robot)) = (second, &group[own].is) {
+            return Some(Side { body: own, link: robot.made_of.surfaces[surface].link });
+        }
         let number = second.number(self.robots)?;
         // Members of a group are in the order of their numbers. Sleeping bodies are in no group.
         let body = group.binary_search_by_key(&number, |member| member.number).ok()?;
