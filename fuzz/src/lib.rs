@@ -10,6 +10,7 @@ mod files;
 #[cfg(feature = "libfuzzer")]
 mod guided;
 mod log;
+mod ports;
 mod requests;
 mod wire;
 mod world;
@@ -18,6 +19,7 @@ pub use files::{dae, glb, ini, map, material, obj, robot, sdf, stl, urdf};
 #[cfg(feature = "libfuzzer")]
 pub use guided::guided;
 pub use log::log;
+pub use ports::ports;
 pub use requests::requests;
 pub use wire::wire;
 pub use world::world;
@@ -33,8 +35,9 @@ use cap::Cap;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 14] = [
+pub const TARGETS: [(&str, Target); 15] = [
     ("wire", wire),
+    ("ports", ports),
     ("world", world),
     ("robot", robot),
     ("map", map),

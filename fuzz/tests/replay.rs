@@ -74,6 +74,7 @@ macro_rules! targets {
 
 targets! {
     wire: 2000,
+    ports: 2000,
     world: 50,
     robot: 200,
     map: 200,

@@ -21,6 +21,10 @@ pub struct Server {
     pub address: SocketAddr,
     /// Address of the page.
     pub page: Option<SocketAddr>,
+    /// Address of the port of truth.
+    pub truth: Option<SocketAddr>,
+    /// Address of the port of positions.
+    pub positions: Option<SocketAddr>,
     /// Port for Foxglove.
     pub foxglove: Option<u16>,
     stop: Option<oneshot::Sender<()>>,
@@ -54,7 +58,8 @@ impl Server {
         let addresses = addresses.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the server does not start"));
         let address = addresses.controllers().unwrap_or_else(|| panic!("no port for controllers"));
         let (page, foxglove) = (addresses.page(), addresses.foxglove().map(|address| address.port()));
-        Self { address, page, foxglove, stop: Some(stop), thread: Some(thread) }
+        let (truth, positions) = (addresses.truth(), addresses.positions());
+        Self { address, page, truth, positions, foxglove, stop: Some(stop), thread: Some(thread) }
     }
 
     /// Connects a client and reads its greeting.
@@ -66,6 +71,15 @@ impl Server {
         let greeting = peer.line();
         assert!(greeting.starts_with("NFO {Gametype BotDeathMatch} {Level "), "greeting: {greeting}");
         peer
+    }
+
+    /// Connects to a port beside the controllers'.
+    ///
+    /// # Panics
+    /// If nothing listens there.
+    pub fn beside(&self, address: Option<SocketAddr>) -> Peer {
+        let address = address.unwrap_or_else(|| panic!("the server has no such port"));
+        Peer::connect(address).unwrap_or_else(|error| panic!("cannot connect: {error}"))
     }
 
     /// Connects a client with a robot that other clients must not disturb.

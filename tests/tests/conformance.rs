@@ -83,6 +83,11 @@ fn world_controller() {
 }
 
 #[test]
+fn ports_beside_the_controllers() {
+    check("ports.txt");
+}
+
+#[test]
 fn battery() {
     check("battery.txt");
 }

@@ -1,7 +1,7 @@
 //! Framing: splits bytes into lines.
 //!
 //! CR, LF, CR LF and LF CR all end a line, runs of them collapse and empty lines vanish. A line longer
-//! than [`MAX_LINE_BYTES`] is discarded up to its end and the connection lives on.
+//! than [`MAX_LINE_BYTES`] is discarded up to its end and the connection lives on. Where empty lines count, CR LF is one end.
 
 use crate::Problem;
 
@@ -14,9 +14,18 @@ pub struct Framing {
     partial: Vec<u8>,
     /// Bytes of an over-long line discarded so far.
     discarded: usize,
+    /// True if empty lines count.
+    keeps_empty: bool,
+    /// True if the last byte was a CR.
+    is_after_cr: bool,
 }
 
 impl Framing {
+    /// Creates a framing in which empty lines count.
+    pub fn with_empty_lines() -> Self {
+        Self { keeps_empty: true, ..Self::default() }
+    }
+
     /// Takes the next bytes of the stream and returns the lines that they complete, in order.
     ///
     /// An over-long line gives one [`Problem::LineTooLong`] when its end arrives.
@@ -26,9 +35,16 @@ impl Framing {
             match part.split_last() {
                 Some((&last, text)) if is_end(last) => {
                     self.keep(text);
-                    lines.extend(self.finish());
+                    let is_second_end = last == b'\n' && self.is_after_cr && text.is_empty();
+                    let line = self.finish();
+                    let empty = || (self.keeps_empty && !is_second_end).then(|| Ok(String::new()));
+                    lines.extend(line.or_else(empty));
+                    self.is_after_cr = last == b'\r';
                 }
-                _ => self.keep(part),
+                _ => {
+                    self.keep(part);
+                    self.is_after_cr = false;
+                }
             }
         }
         lines
@@ -93,6 +109,22 @@ mod tests {
         check(&["\r\n\r\n\n\r"], &[]);
         check(&["GETSTART", "POSES\r", "\nB"], &["GETSTARTPOSES", "B"]);
         check(&["no end"], &["no end"]);
+    }
+
+    #[test]
+    fn empty_lines_count_where_they_are_questions() {
+        let rows: [(&[&str], &[&str]); 5] = [
+            (&["\r\n"], &[""]),
+            (&["\r", "\n"], &[""]),
+            (&["\n\n\r\n"], &["", "", ""]),
+            (&["A\r\n\r\nB\n"], &["A", "", "B"]),
+            (&["A\r", "B\r\n"], &["A", "B"]),
+        ];
+        for (chunks, expected) in rows {
+            let mut framing = Framing::with_empty_lines();
+            let lines: Vec<_> = chunks.iter().flat_map(|chunk| framing.push(chunk.as_bytes())).collect();
+            assert_eq!(lines.into_iter().map(Result::unwrap).collect::<Vec<_>>(), expected, "{chunks:?}");
+        }
     }
 
     #[test]

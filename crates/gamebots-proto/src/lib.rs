@@ -17,6 +17,7 @@ pub mod framing;
 mod line;
 pub mod message;
 pub mod number;
+pub mod ports;
 mod problem;
 mod value;
 

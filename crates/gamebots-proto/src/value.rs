@@ -38,6 +38,11 @@ pub(crate) fn vector(line: &Line, key: &str, problems: &mut Vec<Problem>) -> [f6
     })
 }
 
+/// Reads a vector that stands alone. A part that is no number is 0, and the largest numbers are cut.
+pub(crate) fn vector_of(text: &str) -> [f64; 3] {
+    vector_parts(text).map(|part| number_prefix(&part).unwrap_or_default().clamp(-LIMIT, LIMIT))
+}
+
 /// Reads a boolean: `true` and `True` are true, everything else is false (`TRUE` too: protocol.md case 79).
 pub(crate) fn boolean(line: &Line, key: &str, problems: &mut Vec<Problem>) -> Option<bool> {
     let text = line.get(key).filter(|text| !text.is_empty())?;

@@ -16,6 +16,7 @@ use tracing::{info, warn};
 
 use crate::control::{Actor, Control};
 use crate::fit::{Ask, Fit};
+use crate::ports::Question;
 
 /// Bytes read at once.
 const READ_BYTES: usize = 16 * 1024;
@@ -30,7 +31,10 @@ const FIRST_BYTES: usize = 8;
 
 /// Wait after which a fragment that ends with a whole block counts as a line: one known controller never ends its lines
 /// (tamsl/swe-thaf).
-const UNENDED_LINE: Duration = Duration::from_millis(500);
+pub(crate) const UNENDED_LINE: Duration = Duration::from_millis(500);
+
+/// Pause after an error of accept or bind, which would otherwise recur at once.
+pub(crate) const BACK_OFF: Duration = Duration::from_millis(100);
 
 /// Number of a connection, from 1.
 pub(crate) type ConnectionId = u64;
@@ -47,6 +51,8 @@ pub(crate) enum Event {
     Control(Control, Actor, Turn),
     /// A viewer's question about room for a robot.
     Fit(Ask, oneshot::Sender<Fit>, Turn),
+    /// A question of a port beside the controllers'.
+    Ask(Question, Turn),
     /// The server stops.
     Stop,
 }
@@ -161,7 +167,7 @@ async fn hand_over(
 
 /// True if a connection begins with an HTTP request. Any web page can make a browser send one here, and its body would be read
 /// line by line. No verb of the protocol is a method of HTTP, and the first bytes show it however long the line gets.
-fn is_http(first_bytes: &[u8]) -> bool {
+pub(crate) fn is_http(first_bytes: &[u8]) -> bool {
     const METHODS: [&[u8]; 9] =
         [b"GET ", b"POST ", b"HEAD ", b"PUT ", b"DELETE ", b"OPTIONS ", b"PATCH ", b"CONNECT ", b"TRACE "];
     METHODS.iter().any(|method| first_bytes.starts_with(method))

@@ -24,6 +24,7 @@ mod listener;
 mod live;
 mod pace;
 mod playback;
+mod ports;
 mod present;
 mod publisher;
 mod recording;
@@ -140,14 +141,25 @@ pub struct Listener {
     pub service: Service,
     /// The port; 0 takes a free one.
     pub port: u16,
-    /// True to use a free port if another program has this one.
-    pub or_another: bool,
+    /// What happens if another program has the port.
+    pub if_taken: IfTaken,
+}
+
+/// What a server does without a port that another program has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IfTaken {
+    /// It does not start.
+    Fail,
+    /// It uses a free port.
+    Another,
+    /// It leaves the service out, with a warning.
+    LeaveOut,
 }
 
 impl Listener {
     /// Creates a listener on exactly this port, or on a free one for 0.
     pub fn new(service: Service, port: u16) -> Self {
-        Self { service, port, or_another: false }
+        Self { service, port, if_taken: IfTaken::Fail }
     }
 }
 
@@ -163,6 +175,10 @@ pub enum Service {
     Page,
     /// The channels of a log, for Foxglove.
     Foxglove,
+    /// Poses of pawns and objects, for referees (USARTruth.uc).
+    Truth,
+    /// Robots and the obstacles between them, for wireless simulators (ComServerInterface.uc).
+    Positions,
 }
 
 /// Addresses of a server that is ready, with their services, in the order of its configuration.
@@ -183,6 +199,16 @@ impl Ready {
     /// Returns the address for Foxglove.
     pub fn foxglove(&self) -> Option<SocketAddr> {
         self.address(|service| service == Service::Foxglove)
+    }
+
+    /// Returns the address for referees.
+    pub fn truth(&self) -> Option<SocketAddr> {
+        self.address(|service| service == Service::Truth)
+    }
+
+    /// Returns the address for wireless simulators.
+    pub fn positions(&self) -> Option<SocketAddr> {
+        self.address(|service| service == Service::Positions)
     }
 
     fn address(&self, is: impl Fn(Service) -> bool) -> Option<SocketAddr> {

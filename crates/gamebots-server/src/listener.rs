@@ -12,11 +12,13 @@ use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 use tracing::{info, warn};
 
-use crate::connection::{ConnectionId, Event};
+use crate::connection::{BACK_OFF, ConnectionId, Event};
 use crate::live::{About, Channels};
+use crate::ports::{self, Port};
 use crate::web::Site;
 use crate::{
-    Config, Listener, Ready, ServeError, Service, WorldControl, connection, foxglove_server, live, web, world_thread,
+    Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl, connection, foxglove_server, live, web,
+    world_thread,
 };
 
 /// Longest time to send the last lines to all clients.
@@ -25,24 +27,25 @@ const FAREWELL_TIMEOUT: Duration = Duration::from_millis(500);
 const MAX_UNSENT_TO_VIEWER: u32 = 64 * 1024;
 /// Viewers that may wait to be accepted.
 const BACKLOG: u32 = 128;
-/// Pause after an error of accept or bind, which would otherwise recur at once.
-const BACK_OFF: Duration = Duration::from_millis(100);
 
 pub(crate) async fn serve(
     config: Config,
     ready: impl FnOnce(Ready),
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
+    let (mut addresses, mut controllers, mut pages, mut ports, mut foxglove) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), None);
     // Unbounded: each sender waits for a turn, see `connection::Turn`.
     let (events, receiver) = mpsc::channel();
     for listener in &config.listeners {
-        let bound = listen(&config.host, *listener).await?;
+        let Some(bound) = listen(&config.host, *listener).await? else { continue };
         let address = bound.local_addr().map_err(ServeError::Start)?;
         addresses.push((listener.service, address));
         match listener.service {
             Service::Controllers { dialect } => controllers.push((dialect, address, bound)),
             Service::Page => pages.push(bound),
+            Service::Truth => ports.push((Port::Truth, bound)),
+            Service::Positions => ports.push((Port::Positions, bound)),
             Service::Foxglove => {
                 let events = (config.world_control == WorldControl::Everyone).then(|| events.clone());
                 foxglove = Some(foxglove_server::start(bound, &config.host, &config.world, events).await?);
@@ -67,10 +70,12 @@ pub(crate) async fn serve(
         };
         accept_clients(clients, bound, address, max_connections, serve)
     });
+    let telling = ports.into_iter().map(|(port, bound)| ports::serve(port, bound, events.clone(), stall_timeout));
     let showing = pages.into_iter().map(|page| web::serve(page, site.clone()));
     let is_gone = tokio::select! {
         () = forever(accepting) => false,
         () = forever(showing) => false,
+        () = forever(telling) => false,
         () = shutdown => false,
         _ = &mut world_gone => true,
     };
@@ -123,19 +128,25 @@ fn about(config: &Config, addresses: &Ready) -> About {
     }
 }
 
-async fn listen(host: &str, Listener { service, port, or_another }: Listener) -> Result<TcpListener, ServeError> {
+/// Listens on a port. `None` if another program has it and the service is left out then.
+async fn listen(host: &str, Listener { service, port, if_taken }: Listener) -> Result<Option<TcpListener>, ServeError> {
     let bind = async |port| match service {
         Service::Page => listen_for_viewers(host, port).await,
-        Service::Controllers { .. } | Service::Foxglove => TcpListener::bind((host, port)).await,
+        _ => TcpListener::bind((host, port)).await,
     };
     let bound = bind(port).await;
-    let bound = if or_another && bound.is_err() {
-        warn!(port, ?service, "taken by another program: a free port is used");
-        bind(0).await
-    } else {
-        bound
+    let bound = match (if_taken, bound) {
+        (IfTaken::Another, Err(_)) => {
+            warn!(port, ?service, "taken by another program: a free port is used");
+            bind(0).await
+        }
+        (IfTaken::LeaveOut, Err(reason)) => {
+            warn!(port, ?service, %reason, "the port cannot be had: this service is left out");
+            return Ok(None);
+        }
+        (_, bound) => bound,
     };
-    bound.map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
+    bound.map(Some).map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
 }
 
 /// Listens for viewers with a small send buffer, so that a slow viewer sees the newest frame and not one that is seconds old.

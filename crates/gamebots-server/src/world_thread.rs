@@ -307,6 +307,7 @@ impl Server {
                 // The page may have left.
                 let _ = answer.send(ask.answer(self.sessions.world_mut()));
             }
+            Event::Ask(question, _turn) => question.answer(self.sessions.world_mut()),
             Event::Stop => return Err(Stop),
         }
         Ok(())

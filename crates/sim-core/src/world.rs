@@ -1,5 +1,6 @@
 //! The world: robots on a map, advanced step by step.
 
+mod actors;
 mod answer;
 mod controller;
 mod item;
@@ -24,6 +25,8 @@ use crate::drive::Order;
 use crate::physics::{CompiledRobot, Fault, Identity, Physics, Placement};
 use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
+use actors::EngineNames;
+pub use actors::{Actor, ActorKind};
 use controller::{Controller, Created};
 use item::Motion;
 use item::{Hand, Hands};
@@ -64,6 +67,8 @@ pub struct World {
     next_object: u64,
     /// Tools that robots hold, or have dropped.
     tools: Vec<Tool>,
+    /// Numbers of pawns within their classes.
+    engine_names: EngineNames,
     /// Objects that stick to vacuums.
     stuck: Vec<Stuck>,
     lost: Vec<LostRobot>,
@@ -130,6 +135,7 @@ impl World {
             created: Vec::new(),
             next_object,
             tools: Vec::new(),
+            engine_names: EngineNames::default(),
             stuck: Vec::new(),
             lost: Vec::new(),
             restored: Vec::new(),
@@ -203,7 +209,9 @@ impl World {
         }
         if CONTROLLER.iter().any(|class| class.eq_ignore_ascii_case(&init.class_name)) {
             let (id, name) = (self.number(), pawn_name(init, problems));
-            self.controllers.insert(id, Controller { name });
+            let pose = scene::pose(init.location, init.rotation);
+            self.controllers.insert(id, Controller { name, pose });
+            self.engine_names.add(id, CONTROLLER[1]);
             return Some(id);
         }
         let class = self.class(init, problems)?;
@@ -231,6 +239,7 @@ impl World {
         if !name.is_empty() && self.robots.values().any(|robot| robot.name().eq_ignore_ascii_case(&name)) {
             problems.push(Problem::NameTaken { got: shown(&name) });
         }
+        self.engine_names.add(id, &class.def.class);
         let robot = Robot::spawn(&mut self.physics, class, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
         self.next_object += tools.len() as u64;
@@ -312,6 +321,7 @@ impl World {
 
     /// Removes a robot or a world controller from the world.
     pub fn remove(&mut self, id: PawnId) {
+        self.engine_names.remove(id);
         self.remove_controller(id);
         self.put_all_down(id);
         if let Some(robot) = self.robots.remove(&id) {

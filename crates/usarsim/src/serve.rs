@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use gamebots_proto::Dialect;
-use gamebots_server::{Config, Listener, Ready, ServeError, Service, WorldControl};
+use gamebots_server::{Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl};
 use scene::{DriveModel, MapDef};
 use scene_loader::{Changes, Override};
 use sim_core::{Options, SavedWorld};
@@ -17,6 +17,9 @@ use crate::{Failure, equipment, exit, print};
 
 /// Default port of the page.
 const DEFAULT_HTTP_PORT: u16 = 8080;
+/// Ports of USARSim beside the controllers'.
+const TRUTH_PORT: u16 = 3989;
+const POSITIONS_PORT: u16 = 7435;
 
 /// Options of `serve`.
 #[derive(clap::Args)]
@@ -74,6 +77,13 @@ pub(crate) struct Arguments {
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
     #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT")]
     foxglove: Option<u16>,
+    /// Port of the poses of robots, objects and victims, for referees and score boards; `off` for none. By default 3989, and none with
+    /// --port 0. If another program has it, the server starts without.
+    #[arg(long, env = "USARSIM_TRUTH", value_name = "PORT|off", value_parser = port_or_off)]
+    truth: Option<PortOrOff>,
+    /// Port of robots and the walls between them, for wireless simulators (WSS); `off` for none. By default 7435, as --truth.
+    #[arg(long, env = "USARSIM_POSITIONS", value_name = "PORT|off", value_parser = port_or_off)]
+    positions: Option<PortOrOff>,
     /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
@@ -112,6 +122,10 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
+/// A port, or `None` for no service.
+#[derive(Clone, Copy)]
+struct PortOrOff(Option<u16>);
+
 #[derive(Clone, Copy, ValueEnum)]
 enum WheelSpeeds {
     Rad,
@@ -142,6 +156,13 @@ fn dialect(text: &str) -> Result<DialectChoice, String> {
     text.parse()
         .map(|dialect| DialectChoice(Some(dialect)))
         .map_err(|_: String| "expected auto, udk or ut2004".to_owned())
+}
+
+fn port_or_off(text: &str) -> Result<PortOrOff, String> {
+    if text == "off" {
+        return Ok(PortOrOff(None));
+    }
+    text.parse().map(|port| PortOrOff(Some(port))).map_err(|_| "expected a port from 0 to 65535, or off".to_owned())
 }
 
 pub(crate) fn real_time_factor(text: &str) -> Result<f64, String> {
@@ -184,12 +205,21 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         keep_robots: arguments.keep_robots,
         panic_at: None,
     };
-    let page = |port, or_another| Listener { service: Service::Page, port, or_another };
-    let page = arguments.http.map_or_else(|| page(DEFAULT_HTTP_PORT, true), |port| page(port, false));
+    let page = |port, if_taken| Listener { service: Service::Page, port, if_taken };
+    let page =
+        arguments.http.map_or_else(|| page(DEFAULT_HTTP_PORT, IfTaken::Another), |port| page(port, IfTaken::Fail));
+    // Several servers on free ports do not compete for these.
+    let usual = |port| PortOrOff(Some(port).filter(|_| arguments.port != 0));
+    let beside = |choice: Option<PortOrOff>, service, port| {
+        let PortOrOff(port) = choice.unwrap_or_else(|| usual(port));
+        port.map(|port| Listener { service, port, if_taken: IfTaken::LeaveOut })
+    };
     let DialectChoice(dialect) = arguments.dialect;
     let mut listeners = vec![Listener::new(Service::Controllers { dialect }, arguments.port)];
     listeners.extend(Some(page).filter(|_| !arguments.no_http));
     listeners.extend(arguments.foxglove.map(|port| Listener::new(Service::Foxglove, port)));
+    listeners.extend(beside(arguments.truth, Service::Truth, TRUTH_PORT));
+    listeners.extend(beside(arguments.positions, Service::Positions, POSITIONS_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {
         maps: other_maps(&arguments.set, &world.map),
@@ -237,9 +267,10 @@ fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> Strin
     if json {
         let (host, port) = (address.ip().to_string(), address.port());
         let http = page.map(|page| page.port());
+        let [truth, positions] = [ready.truth(), ready.positions()].map(|it| it.map(|address| address.port()));
         serde_json::json!({
-            "event": "ready", "host": host, "port": port, "http": http, "foxglove": foxglove, "map": map,
-            "robots": classes,
+            "event": "ready", "host": host, "port": port, "http": http, "foxglove": foxglove, "truth": truth,
+            "positions": positions, "map": map, "robots": classes,
         })
         .to_string()
     } else {

@@ -2,6 +2,7 @@
 //!
 //! A controller is a pawn without a body. Its objects leave with it, unless they are permanent.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use gamebots_proto::command::{Control, Create, Move, SetPath};
@@ -27,6 +28,9 @@ const MAX_SPEED: f64 = 50.0;
 pub(super) struct Controller {
     /// Its name from INIT.
     pub(super) name: String,
+    /// Pose from its INIT. It does nothing; referees are told it.
+    #[serde(default)]
+    pub(super) pose: Pose,
 }
 
 /// An object that a controller created.
@@ -151,6 +155,11 @@ impl World {
             problems.push(Problem::ObjectRefused { order, name, why });
         }
         Vec::new()
+    }
+
+    /// Returns class and name of the objects of controllers, by their ids.
+    pub(super) fn created_ids(&self) -> BTreeMap<ObjectId, (&str, &str)> {
+        self.created.iter().map(|created| (created.id, (created.class.as_str(), created.name.as_str()))).collect()
     }
 
     /// Removes the objects of a controller that leaves, except permanent ones.

@@ -6,6 +6,7 @@ use scene::{ObjectId, Options, PawnId, RfidTag, check};
 use serde::{Deserialize, Serialize};
 
 use super::World;
+use super::actors::EngineNames;
 use super::controller::{Controller, Created};
 use super::robot::{Robot, SavedRobot};
 use super::tools::{self, Tool};
@@ -24,6 +25,8 @@ pub struct SavedWorld {
     next_object: u64,
     #[serde(default)]
     tools: Vec<Tool>,
+    #[serde(default)]
+    engine_names: EngineNames,
     #[serde(default)]
     stuck: Vec<Stuck>,
     /// `None` in files from before there were any: then those of the map.
@@ -121,6 +124,7 @@ impl World {
             created: self.created.clone(),
             next_object: self.next_object,
             tools: self.tools.clone(),
+            engine_names: self.engine_names.clone(),
             stuck: self.stuck.clone(),
             tags: Some(self.physics.tags.clone()),
             conveyors: self.physics.conveyor_factors().collect(),
@@ -139,7 +143,7 @@ impl World {
         (world.steps, world.next_id) = (saved.steps, saved.next_id);
         (world.controllers, world.created) = (saved.controllers.clone(), saved.created.clone());
         (world.next_object, world.tools) = (saved.next_object, saved.tools.clone());
-        world.stuck = saved.stuck.clone();
+        (world.engine_names, world.stuck) = (saved.engine_names.clone(), saved.stuck.clone());
         let (of_map, next) = (world.def().map.objects.len() as u64, saved.next_object);
         let fits = |it: &SavedObject| it.spawned.is_none() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
         if let Some(SavedObject { id, .. }) = saved.objects.iter().find(|it| !fits(it)) {

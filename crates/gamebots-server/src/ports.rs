@@ -1,0 +1,210 @@
+//! Services of lines beside the controllers': truth for referees (USARTruth.uc) and positions for wireless simulators
+//! (ComServerInterface.uc).
+//!
+//! A connection asks the world one question at a time, and its answer leaves in one write: MetricTool reads only what is there at the first
+//! byte. Questions change nothing, so logs do not have them.
+
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::Duration;
+
+use gamebots_proto::Framing;
+use gamebots_proto::ports::{Place, PositionsQuestion, Row, Stand, TruthQuestion, positions, rows};
+use nalgebra::Vector3;
+use scene::Pose;
+use sim_core::{Actor, ActorKind, World};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{Semaphore, oneshot};
+use tokio::task::JoinSet;
+use tokio::time::timeout;
+use tracing::{debug, warn};
+
+use crate::connection::{BACK_OFF, Event, UNENDED_LINE, is_http};
+
+/// Most connections to a port at once; more wait.
+const MAX_CONNECTIONS: usize = 64;
+/// Bytes read at once.
+const READ_BYTES: usize = 4096;
+
+/// A service of lines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Port {
+    /// Poses of pawns and objects.
+    Truth,
+    /// Robots, and the obstacles between them.
+    Positions,
+}
+
+/// A question to the world's thread, and where its answer goes.
+pub(crate) enum Question {
+    /// Everything with a pose.
+    Actors(oneshot::Sender<Actors>),
+    /// The number of walls between two points, m.
+    Obstacles([[f64; 3]; 2], oneshot::Sender<usize>),
+}
+
+/// Everything with a pose at a time.
+pub(crate) struct Actors {
+    /// Simulated time, s.
+    time: f64,
+    all: Vec<Actor>,
+}
+
+impl Question {
+    /// Answers the question. The client may have left.
+    pub(crate) fn answer(self, world: &mut World) {
+        match self {
+            Self::Actors(answer) => _ = answer.send(Actors { time: world.time(), all: world.actors() }),
+            Self::Obstacles([from, to], answer) => _ = answer.send(world.obstacles(from, to)),
+        }
+    }
+}
+
+/// The way of one connection to the world. It has one question at a time there.
+struct Inquiry {
+    events: Sender<Event>,
+    turns: Arc<Semaphore>,
+}
+
+impl Inquiry {
+    /// Asks the world. `None` if it has ended.
+    async fn ask<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Option<T> {
+        let turn = self.turns.clone().acquire_owned().await.ok()?;
+        let (answer, answered) = oneshot::channel();
+        self.events.send(Event::Ask(question(answer), turn)).ok()?;
+        answered.await.ok()
+    }
+}
+
+/// Serves a port until the future is dropped.
+pub(crate) async fn serve(port: Port, listener: TcpListener, events: Sender<Event>, stall_timeout: Duration) {
+    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let mut connections = JoinSet::new();
+    loop {
+        // The semaphore is never closed.
+        let Ok(place) = places.clone().acquire_owned().await else { return };
+        tokio::select! {
+            accepted = listener.accept() => match accepted {
+                Ok((stream, peer)) => {
+                    debug!(?port, %peer, "connected");
+                    let inquiry = Inquiry { events: events.clone(), turns: Arc::new(Semaphore::new(1)) };
+                    connections.spawn(async move {
+                        let _place = place;
+                        converse(port, stream, &inquiry, stall_timeout).await;
+                    });
+                }
+                Err(error) => {
+                    warn!(%error, ?port, "cannot accept a client");
+                    tokio::time::sleep(BACK_OFF).await;
+                }
+            },
+            Some(_) = connections.join_next() => {}
+        }
+    }
+}
+
+/// Answers a client until it leaves, speaks HTTP or does not read.
+async fn converse(port: Port, mut stream: TcpStream, inquiry: &Inquiry, stall_timeout: Duration) {
+    // An answer must not wait for the next one (Nagle's algorithm).
+    let _ = stream.set_nodelay(true);
+    let mut framing = match port {
+        Port::Truth => Framing::with_empty_lines(),
+        Port::Positions => Framing::default(),
+    };
+    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], Vec::new());
+    loop {
+        let read = stream.read(&mut buffer);
+        let result = if framing.ends_with_block() { timeout(UNENDED_LINE, read).await.ok() } else { Some(read.await) };
+        let (lines, is_over) = match result {
+            Some(Ok(count)) if count > 0 => {
+                let bytes = buffer.get(..count).unwrap_or_default();
+                if first_bytes.len() < READ_BYTES {
+                    first_bytes.extend_from_slice(bytes);
+                }
+                (framing.push(bytes), false)
+            }
+            None => (framing.finish().into_iter().collect(), false),
+            Some(_) => (framing.finish().into_iter().collect(), true),
+        };
+        if is_http(&first_bytes) {
+            return;
+        }
+        // A line that is too long has no answer.
+        for line in lines.into_iter().flatten() {
+            let Some(answer) = port.answer(&line, inquiry).await else { return };
+            if !matches!(timeout(stall_timeout, stream.write_all(answer.as_bytes())).await, Ok(Ok(()))) {
+                return;
+            }
+        }
+        if is_over {
+            return;
+        }
+    }
+}
+
+impl Port {
+    /// Answers a line. `None` if the world has ended.
+    async fn answer(self, line: &str, inquiry: &Inquiry) -> Option<String> {
+        match self {
+            Self::Truth => Some(truth(&TruthQuestion::read(line), &inquiry.ask(Question::Actors).await?)),
+            Self::Positions => answer_positions(line, inquiry).await,
+        }
+    }
+}
+
+fn truth(question: &TruthQuestion, actors: &Actors) -> String {
+    let TruthQuestion { class, name } = question;
+    let is_asked = |actor: &&Actor| actor.is_a(class) && (name.is_empty() || actor.name == *name);
+    rows(actors.all.iter().filter(is_asked).map(|actor| {
+        let (location, rotation) = scene::position_and_rotation(&actor.pose);
+        Row {
+            name: &actor.name,
+            class: &actor.class,
+            time: actors.time as f32,
+            location: location.map(|number| number as f32),
+            // The zero of an angle has no sign.
+            rotation: rotation.map(|number| (number + 0.0) as f32),
+        }
+    }))
+}
+
+/// Answers a line of the port of positions; with an empty text if it has no answer.
+async fn answer_positions(line: &str, inquiry: &Inquiry) -> Option<String> {
+    let between = match PositionsQuestion::read(line) {
+        None => return Some(String::new()),
+        Some(PositionsQuestion::Nothing) => return Some("\r\n".to_owned()),
+        Some(PositionsQuestion::Positions) => return Some(stands(&inquiry.ask(Question::Actors).await?)),
+        Some(PositionsQuestion::Obstacles(between)) => between,
+    };
+    let actors = inquiry.ask(Question::Actors).await?;
+    let point = |place: Place| match place {
+        Place::Point(point) => Some(point),
+        Place::Robot(name) => actors.robots().find(|robot| robot.called == name).map(|robot| point_of(&robot.pose)),
+    };
+    let [from, to] = between.places().map(point);
+    let count = match from.zip(to) {
+        Some((from, to)) => inquiry.ask(|answer| Question::Obstacles([from, to], answer)).await? as f32,
+        None => -1.0,
+    };
+    Some(between.answer(count))
+}
+
+fn stands(actors: &Actors) -> String {
+    let robots = actors.robots().map(|Actor { called, pose, battery_is_empty, .. }| Stand {
+        name: called,
+        location: point_of(pose).map(|number| number as f32),
+        battery_is_empty: *battery_is_empty,
+    });
+    positions(&robots.collect::<Vec<_>>())
+}
+
+fn point_of(pose: &Pose) -> [f64; 3] {
+    Vector3::into(pose.translation.vector)
+}
+
+impl Actors {
+    fn robots(&self) -> impl Iterator<Item = &Actor> {
+        self.all.iter().filter(|actor| actor.kind == ActorKind::Robot)
+    }
+}

@@ -1,0 +1,32 @@
+//! Bytes of a client of the ports beside the controllers'.
+
+use gamebots_proto::Framing;
+use gamebots_proto::ports::{Place, PositionsQuestion, Row, TruthQuestion, rows};
+
+/// Bytes that ask for truth or positions.
+///
+/// How the bytes are cut does not matter, places are finite, and an answer repeats no more than its question.
+pub fn ports(bytes: &[u8]) {
+    let lines = framed(&[bytes]);
+    let (first, second) = bytes.split_at(bytes.len() / 2);
+    assert_eq!(framed(&[first, second]), lines, "the lines depend on how the bytes are cut");
+    for line in lines {
+        let TruthQuestion { class, name } = TruthQuestion::read(&line);
+        let row = Row { name: &name, class: &class, ..Row::default() };
+        assert!(rows([row]).len() <= line.len() + 200, "{line:?}");
+        if let Some(PositionsQuestion::Obstacles(between)) = PositionsQuestion::read(&line) {
+            assert!(between.answer(-1.0).len() <= line.len() + 100, "{line:?}");
+            for place in between.places() {
+                assert!(!matches!(place, Place::Point(point) if point.iter().any(|it| !it.is_finite())), "{line:?}");
+            }
+        }
+    }
+}
+
+/// Returns the lines, empty ones included.
+fn framed(segments: &[&[u8]]) -> Vec<String> {
+    let mut framing = Framing::with_empty_lines();
+    let mut lines: Vec<_> = segments.iter().flat_map(|segment| framing.push(segment)).collect();
+    lines.extend(framing.finish());
+    lines.into_iter().flatten().collect()
+}
