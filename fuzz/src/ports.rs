@@ -1,12 +1,15 @@
 //! Bytes of a client of the ports beside the controllers'.
 
 use gamebots_proto::Framing;
-use gamebots_proto::ports::{Place, PositionsQuestion, Row, TruthQuestion, rows};
+use gamebots_proto::ports::{PictureRequests, Place, PositionsQuestion, Row, TruthQuestion, rows};
 
-/// Bytes that ask for truth or positions.
+/// Bytes that ask for truth, positions or pictures.
 ///
 /// How the bytes are cut does not matter, places are finite, and an answer repeats no more than its question.
 pub fn ports(bytes: &[u8]) {
+    let mut requests = PictureRequests::default();
+    let count = bytes.iter().filter_map(|&byte| requests.push(byte)).count();
+    assert!(2 * count <= bytes.len(), "{count} requests for pictures in {} bytes", bytes.len());
     let lines = framed(&[bytes]);
     let (first, second) = bytes.split_at(bytes.len() / 2);
     assert_eq!(framed(&[first, second]), lines, "the lines depend on how the bytes are cut");

@@ -1,7 +1,9 @@
-//! Lines of the ports beside the controllers': questions, and answers to them. They have no dialects.
+//! The ports beside the controllers': questions, and answers to them. They have no dialects.
 
+mod pictures;
 mod positions;
 mod truth;
 
+pub use pictures::{PictureRequest, PictureRequests, picture, raw};
 pub use positions::{Obstacles, Place, PositionsQuestion, Stand, positions};
 pub use truth::{Row, TruthQuestion, rows};

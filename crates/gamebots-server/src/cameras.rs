@@ -6,13 +6,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use picture::Stage;
+use picture::{Image, Stage};
 use recorder::PictureTaken;
 use scene::{Sensed, Snapshot};
 use sim_core::{CompiledScene, PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
 
+use crate::images::Board;
 use crate::live::messages::message::Content;
 use crate::live::{frame, messages};
 use crate::present::Present;
@@ -112,20 +113,31 @@ impl Job {
     }
 }
 
+/// A picture for those who look now.
+struct Order {
+    job: Job,
+    /// True if viewers want it.
+    is_wanted: bool,
+    /// The tile of the image server that shows it, and the number of the world.
+    tile: Option<(usize, u64)>,
+}
+
 /// The world's end of the drawing thread.
 pub(crate) struct Cameras {
     demand: Demand,
+    board: Board,
     pictures: broadcast::Sender<Picture>,
     /// The thread's queue; it starts with the first picture.
-    jobs: Option<SyncSender<Job>>,
+    jobs: Option<SyncSender<Order>>,
     /// Time of each camera's last picture.
     drawn: BTreeMap<(PawnId, usize), Instant>,
 }
 
 impl Cameras {
-    pub(crate) fn new() -> Self {
+    /// Creates cameras whose pictures a board shows, too.
+    pub(crate) fn new(board: Board) -> Self {
         let (pictures, _) = broadcast::channel(MAX_BEHIND);
-        Self { demand: Demand::default(), pictures, jobs: None, drawn: BTreeMap::new() }
+        Self { demand: Demand::default(), board, pictures, jobs: None, drawn: BTreeMap::new() }
     }
 
     pub(crate) fn demand(&self) -> Demand {
@@ -136,10 +148,13 @@ impl Cameras {
         self.pictures.clone()
     }
 
-    /// Draws what a camera sees now, if a viewer wants it and the thread keeps up.
+    /// Draws what a camera sees now, if a viewer or a client of the image server wants it and the thread keeps up.
     pub(crate) fn look(&mut self, world: &World, sensed: &Sensed, present: &mut Present) {
         let camera = (sensed.robot, sensed.sensor);
-        if !self.demand.wants(sensed.robot.0) {
+        let is_wanted = self.demand.wants(sensed.robot.0);
+        let tile = world.tile(sensed.robot, sensed.sensor).filter(|_| self.board.is_watched());
+        let tile = tile.map(|tile| (tile, self.board.worlds()));
+        if !is_wanted && tile.is_none() {
             self.drawn.remove(&camera);
             return;
         }
@@ -151,7 +166,7 @@ impl Cameras {
             self.jobs = self.start();
         }
         let Some(jobs) = &self.jobs else { return };
-        match jobs.try_send(Job::new(world, sensed, present.of(world))) {
+        match jobs.try_send(Order { job: Job::new(world, sensed, present.of(world)), is_wanted, tile }) {
             Ok(()) => {
                 self.drawn.insert(camera, now);
             }
@@ -164,13 +179,20 @@ impl Cameras {
     /// Forgets the cameras of a robot that has left.
     pub(crate) fn forget(&mut self, robot: PawnId) {
         self.drawn.retain(|(drawn, _), _| *drawn != robot);
+        self.board.forget(robot);
     }
 
-    fn start(&self) -> Option<SyncSender<Job>> {
+    /// Forgets the cameras of a world that another one has replaced.
+    pub(crate) fn start_over(&mut self) {
+        self.drawn.clear();
+        self.board.start_over();
+    }
+
+    fn start(&self) -> Option<SyncSender<Order>> {
         let (jobs, waiting) = sync_channel(MAX_WAITING);
-        let pictures = self.pictures.clone();
+        let (pictures, board) = (self.pictures.clone(), self.board.clone());
         let thread = std::thread::Builder::new().name("cameras".to_owned());
-        let started = thread.spawn(move || draw(&waiting, &pictures));
+        let started = thread.spawn(move || draw(&waiting, &pictures, &board));
         started.map_err(|error| warn!("cameras draw nothing: {error}")).ok().map(|_| jobs)
     }
 }
@@ -226,7 +248,8 @@ fn start_shots() -> Option<(Sender<Job>, Receiver<Option<Shot>>)> {
     let started = thread.spawn(move || {
         let mut stage = None;
         while let Ok(job) = waiting.recv() {
-            let shot = png_of(&job, &mut stage).map(|png| {
+            let png = image_of(&job, &mut stage).and_then(|image| image.to_png().ok());
+            let shot = png.map(|png| {
                 let taken = PictureTaken::new(&job.sensed, job.snapshot.time, &png);
                 Shot { taken, png }
             });
@@ -239,10 +262,15 @@ fn start_shots() -> Option<(Sender<Job>, Receiver<Option<Shot>>)> {
 }
 
 /// Draws pictures until the world is gone.
-fn draw(waiting: &Receiver<Job>, pictures: &broadcast::Sender<Picture>) {
+fn draw(waiting: &Receiver<Order>, pictures: &broadcast::Sender<Picture>, board: &Board) {
     let mut stage = None;
-    while let Ok(job) = waiting.recv() {
-        if let Some(png) = png_of(&job, &mut stage) {
+    while let Ok(Order { job, is_wanted, tile }) = waiting.recv() {
+        let Some(image) = image_of(&job, &mut stage) else { continue };
+        let png = if is_wanted { image.to_png().ok() } else { None };
+        if let Some((tile, world)) = tile {
+            board.show(world, tile, job.sensed.robot, image);
+        }
+        if let Some(png) = png {
             let (robot, sensor) = (job.sensed.robot.0, job.sensed.sensor as u32);
             let picture = messages::Picture { robot: robot as u32, sensor, time: job.snapshot.time, png };
             let message = frame::encode(Content::Picture(picture)).into();
@@ -252,11 +280,11 @@ fn draw(waiting: &Receiver<Job>, pictures: &broadcast::Sender<Picture>) {
     }
 }
 
-/// Draws a picture as a PNG file. `prepared` keeps the scene for the next one.
-fn png_of(job: &Job, prepared: &mut Option<(CompiledScene, Stage)>) -> Option<Vec<u8>> {
+/// Draws a picture. `prepared` keeps the scene for the next one.
+fn image_of(job: &Job, prepared: &mut Option<(CompiledScene, Stage)>) -> Option<Image> {
     if prepared.as_ref().is_none_or(|(scene, _)| !std::ptr::eq(scene.def(), job.scene.def())) {
         *prepared = Some((job.scene.clone(), Stage::new(job.scene.def())));
     }
     let (_, stage) = prepared.as_ref()?;
-    picture::of_sensor(stage, job.scene.def(), &job.snapshot, &job.sensed, SIZE)?.to_png().ok()
+    picture::of_sensor(stage, job.scene.def(), &job.snapshot, &job.sensed, SIZE)
 }

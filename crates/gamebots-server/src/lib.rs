@@ -19,6 +19,7 @@ mod connection;
 mod control;
 mod fit;
 mod foxglove_server;
+mod images;
 mod journal;
 mod listener;
 mod live;
@@ -33,6 +34,7 @@ mod web;
 mod world_thread;
 
 pub use control::{WorldControl, check_real_time_factor};
+pub use images::ImageKind;
 pub use live::messages as viewer_messages;
 pub use playback::{Playback, play};
 pub use saved::{SavedFileError, read_saved};
@@ -106,6 +108,8 @@ pub struct Config {
     pub stall_timeout: Duration,
     /// Clients that may control the world over the page and Foxglove.
     pub world_control: WorldControl,
+    /// Kind of the image server's pictures.
+    pub image_kind: ImageKind,
     /// Threads that move robots that do not touch, and compute sensor readings.
     pub threads: ThreadPool,
 }
@@ -128,6 +132,7 @@ impl Config {
             unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
             stall_timeout: Duration::from_secs(30),
             world_control: WorldControl::Everyone,
+            image_kind: ImageKind::default(),
             threads: ThreadPool::one(),
             world,
         }
@@ -179,6 +184,8 @@ pub enum Service {
     Truth,
     /// Robots and the obstacles between them, for wireless simulators (ComServerInterface.uc).
     Positions,
+    /// Pictures of cameras (ImageServer.cpp).
+    Images,
 }
 
 /// Addresses of a server that is ready, with their services, in the order of its configuration.
@@ -209,6 +216,11 @@ impl Ready {
     /// Returns the address for wireless simulators.
     pub fn positions(&self) -> Option<SocketAddr> {
         self.address(|service| service == Service::Positions)
+    }
+
+    /// Returns the address for clients that want pictures.
+    pub fn images(&self) -> Option<SocketAddr> {
+        self.address(|service| service == Service::Images)
     }
 
     fn address(&self, is: impl Fn(Service) -> bool) -> Option<SocketAddr> {

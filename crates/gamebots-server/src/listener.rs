@@ -13,6 +13,7 @@ use tokio::task::JoinSet;
 use tracing::{info, warn};
 
 use crate::connection::{BACK_OFF, ConnectionId, Event};
+use crate::images::{self, Board};
 use crate::live::{About, Channels};
 use crate::ports::{self, Port};
 use crate::web::Site;
@@ -33,8 +34,8 @@ pub(crate) async fn serve(
     ready: impl FnOnce(Ready),
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    let (mut addresses, mut controllers, mut pages, mut ports, mut foxglove) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), None);
+    let (mut addresses, mut controllers, mut pages, mut ports, mut images, mut foxglove) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new(), None);
     // Unbounded: each sender waits for a turn, see `connection::Turn`.
     let (events, receiver) = mpsc::channel();
     for listener in &config.listeners {
@@ -46,6 +47,7 @@ pub(crate) async fn serve(
             Service::Page => pages.push(bound),
             Service::Truth => ports.push((Port::Truth, bound)),
             Service::Positions => ports.push((Port::Positions, bound)),
+            Service::Images => images.push(bound),
             Service::Foxglove => {
                 let events = (config.world_control == WorldControl::Everyone).then(|| events.clone());
                 foxglove = Some(foxglove_server::start(bound, &config.host, &config.world, events).await?);
@@ -54,8 +56,13 @@ pub(crate) async fn serve(
     }
     let addresses = Ready(addresses);
     let (gone, mut world_gone) = oneshot::channel();
-    let (live, channels) =
-        live::broadcast(Instant::now(), &config.world, addresses.page().map(|_| about(&config, &addresses)));
+    let board = Board::new(config.image_kind);
+    let (live, channels) = live::broadcast(
+        Instant::now(),
+        &config.world,
+        addresses.page().map(|_| about(&config, &addresses)),
+        board.clone(),
+    );
     let site = Arc::new(site(&config, &addresses, channels, events.clone()));
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
     let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;
@@ -71,11 +78,18 @@ pub(crate) async fn serve(
         accept_clients(clients, bound, address, max_connections, serve)
     });
     let telling = ports.into_iter().map(|(port, bound)| ports::serve(port, bound, events.clone(), stall_timeout));
+    let drawing = images.into_iter().map(|bound| {
+        ports::accept(bound, images::MAX_CONNECTIONS, |stream| {
+            let board = board.clone();
+            async move { images::converse(stream, &board, stall_timeout).await }
+        })
+    });
     let showing = pages.into_iter().map(|page| web::serve(page, site.clone()));
     let is_gone = tokio::select! {
         () = forever(accepting) => false,
         () = forever(showing) => false,
         () = forever(telling) => false,
+        () = forever(drawing) => false,
         () = shutdown => false,
         _ = &mut world_gone => true,
     };

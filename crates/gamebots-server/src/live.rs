@@ -19,6 +19,7 @@ use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
 use crate::cameras::{Cameras, Demand, Picture, Wish};
+use crate::images::Board;
 use crate::present::Present;
 
 pub(crate) use scene_json::{About, scene_json};
@@ -218,15 +219,15 @@ fn scene(world: &WorldDef, about: Option<&About>) -> Bytes {
     about.map_or_else(Bytes::new, |about| scene_json(world, Some(about)).into())
 }
 
-/// Creates both ends of the channels. Without `about` no page asks for the scene.
-pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>) -> (Broadcast, Channels) {
+/// Creates both ends of the channels. Without `about` no page asks for the scene. `board` is the image server's.
+pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, board: Board) -> (Broadcast, Channels) {
     let (frames, frames_end) = watch::channel(Bytes::new());
     let (statuses, statuses_end) = watch::channel(Arc::from("{}"));
     let ((notices, _), (lines, _)) = (broadcast::channel(MAX_NOTICES), broadcast::channel(MAX_NOTICES));
     let (readings, _) = broadcast::channel(MAX_NOTICES);
     let (scene, scene_end) = watch::channel(scene(world, about.as_ref()));
     let (objects, objects_end) = watch::channel(Bytes::from_static(b"[]"));
-    let cameras = Cameras::new();
+    let cameras = Cameras::new(board);
     let channels = Channels {
         demand: cameras.demand(),
         pictures: cameras.pictures(),
@@ -271,6 +272,11 @@ impl Broadcast {
     pub(crate) fn forget(&mut self, robot: PawnId) {
         self.scanned.retain(|(scanned, _), _| *scanned != robot);
         self.cameras.forget(robot);
+    }
+
+    /// Forgets the pictures of a world that another one has replaced.
+    pub(crate) fn start_over(&mut self) {
+        self.cameras.start_over();
     }
 
     /// Publishes another map.
@@ -385,12 +391,13 @@ mod tests {
     use sim_core::Options;
 
     use super::*;
+    use crate::images::ImageKind;
 
     #[test]
     fn when_a_sensor_was_last_shown_is_known_only_while_it_is_there_and_somebody_looks() {
         let world = World::new(WorldDef::default(), Options::default());
         let about = About { seed: 0, time_step: 0.002, port: 0, maps: Vec::new() };
-        let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about));
+        let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about), Board::new(ImageKind::Raw));
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::from(scene::sensor::sonar::Reading { range: 1.0 });
             let sensed = Sensed { robot: PawnId(robot), sensor: 0, reading };

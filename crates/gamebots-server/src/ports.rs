@@ -77,9 +77,22 @@ impl Inquiry {
     }
 }
 
-/// Serves a port until the future is dropped.
+/// Serves a port of lines until the future is dropped.
 pub(crate) async fn serve(port: Port, listener: TcpListener, events: Sender<Event>, stall_timeout: Duration) {
-    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let serve = |stream| {
+        let inquiry = Inquiry { events: events.clone(), turns: Arc::new(Semaphore::new(1)) };
+        async move { converse(port, stream, &inquiry, stall_timeout).await }
+    };
+    accept(listener, MAX_CONNECTIONS, serve).await;
+}
+
+/// Accepts clients until the future is dropped, and serves at most a number of them at once.
+pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
+    listener: TcpListener,
+    most: usize,
+    serve: impl Fn(TcpStream) -> S,
+) {
+    let places = Arc::new(Semaphore::new(most));
     let mut connections = JoinSet::new();
     loop {
         // The semaphore is never closed.
@@ -87,15 +100,15 @@ pub(crate) async fn serve(port: Port, listener: TcpListener, events: Sender<Even
         tokio::select! {
             accepted = listener.accept() => match accepted {
                 Ok((stream, peer)) => {
-                    debug!(?port, %peer, "connected");
-                    let inquiry = Inquiry { events: events.clone(), turns: Arc::new(Semaphore::new(1)) };
+                    debug!(%peer, "connected");
+                    let client = serve(stream);
                     connections.spawn(async move {
                         let _place = place;
-                        converse(port, stream, &inquiry, stall_timeout).await;
+                        client.await;
                     });
                 }
                 Err(error) => {
-                    warn!(%error, ?port, "cannot accept a client");
+                    warn!(%error, "cannot accept a client");
                     tokio::time::sleep(BACK_OFF).await;
                 }
             },

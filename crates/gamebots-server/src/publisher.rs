@@ -146,6 +146,7 @@ impl Publisher {
         (self.present, self.journal) = (Present::default(), Journal::of(new));
         // The thread ends by itself: nobody takes the pictures of the old world.
         self.shots.iter_mut().for_each(|shots| *shots = Shots::default());
+        self.live.start_over();
         if old.def().map.name != new.def().map.name {
             self.live.show(new.def());
         }

@@ -9,6 +9,7 @@ mod robot;
 mod saved;
 mod seed;
 mod tags;
+mod tiles;
 mod tools;
 mod vacuum;
 
@@ -37,6 +38,8 @@ use scene::{
     BodyState, NamedPose, ObjectSnapshot, Options, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WheelState,
     WorldDef, check,
 };
+pub use tiles::TILES;
+use tiles::Tiles;
 use tools::Tool;
 use vacuum::Stuck;
 
@@ -69,6 +72,8 @@ pub struct World {
     tools: Vec<Tool>,
     /// Numbers of pawns within their classes.
     engine_names: EngineNames,
+    /// Cameras that the image server shows.
+    tiles: Tiles,
     /// Objects that stick to vacuums.
     stuck: Vec<Stuck>,
     lost: Vec<LostRobot>,
@@ -136,6 +141,7 @@ impl World {
             next_object,
             tools: Vec::new(),
             engine_names: EngineNames::default(),
+            tiles: Tiles::default(),
             stuck: Vec::new(),
             lost: Vec::new(),
             restored: Vec::new(),
@@ -242,6 +248,7 @@ impl World {
         self.engine_names.add(id, &class.def.class);
         let robot = Robot::spawn(&mut self.physics, class, name, &pose, id, self.steps, self.options);
         self.robots.insert(id, robot);
+        self.give_tiles(id);
         self.next_object += tools.len() as u64;
         self.tools.extend(tools);
         Some(id)
@@ -322,6 +329,7 @@ impl World {
     /// Removes a robot or a world controller from the world.
     pub fn remove(&mut self, id: PawnId) {
         self.engine_names.remove(id);
+        self.tiles.free(id);
         self.remove_controller(id);
         self.put_all_down(id);
         if let Some(robot) = self.robots.remove(&id) {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use gamebots_proto::Dialect;
-use gamebots_server::{Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl};
+use gamebots_server::{Config, IfTaken, ImageKind, Listener, Ready, ServeError, Service, WorldControl};
 use scene::{DriveModel, MapDef};
 use scene_loader::{Changes, Override};
 use sim_core::{Options, SavedWorld};
@@ -20,6 +20,7 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
 /// Ports of USARSim beside the controllers'.
 const TRUTH_PORT: u16 = 3989;
 const POSITIONS_PORT: u16 = 7435;
+const IMAGES_PORT: u16 = 5003;
 
 /// Options of `serve`.
 #[derive(clap::Args)]
@@ -84,6 +85,12 @@ pub(crate) struct Arguments {
     /// Port of robots and the walls between them, for wireless simulators (WSS); `off` for none. By default 7435, as --truth.
     #[arg(long, env = "USARSIM_POSITIONS", value_name = "PORT|off", value_parser = port_or_off)]
     positions: Option<PortOrOff>,
+    /// Port of the image server: what the first four cameras see, in one picture; `off` for none. By default 5003, as --truth.
+    #[arg(long, env = "USARSIM_IMAGES", value_name = "PORT|off", value_parser = port_or_off)]
+    images: Option<PortOrOff>,
+    /// Kind of the image server's pictures: raw pixels, or JPEG of quality 100 (super), 75 (good), 50 (normal), 25 (fair) or 10 (bad).
+    #[arg(long, env = "USARSIM_IMAGE_KIND", value_name = "KIND", default_value = "raw")]
+    image_kind: ImageKindChoice,
     /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
@@ -137,6 +144,16 @@ enum ControlChoice {
     Everyone,
     Local,
     Nobody,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ImageKindChoice {
+    Raw,
+    Super,
+    Good,
+    Normal,
+    Fair,
+    Bad,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -220,6 +237,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(arguments.foxglove.map(|port| Listener::new(Service::Foxglove, port)));
     listeners.extend(beside(arguments.truth, Service::Truth, TRUTH_PORT));
     listeners.extend(beside(arguments.positions, Service::Positions, POSITIONS_PORT));
+    listeners.extend(beside(arguments.images, Service::Images, IMAGES_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {
         maps: other_maps(&arguments.set, &world.map),
@@ -237,6 +255,14 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
             ControlChoice::Everyone => WorldControl::Everyone,
             ControlChoice::Local => WorldControl::Local,
             ControlChoice::Nobody => WorldControl::Nobody,
+        },
+        image_kind: match arguments.image_kind {
+            ImageKindChoice::Raw => ImageKind::Raw,
+            ImageKindChoice::Super => ImageKind::Super,
+            ImageKindChoice::Good => ImageKind::Good,
+            ImageKindChoice::Normal => ImageKind::Normal,
+            ImageKindChoice::Fair => ImageKind::Fair,
+            ImageKindChoice::Bad => ImageKind::Bad,
         },
         threads: threads.map_err(|error| Failure::new(exit::FAILURE, error))?,
         ..Config::new(world)
@@ -267,10 +293,11 @@ fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> Strin
     if json {
         let (host, port) = (address.ip().to_string(), address.port());
         let http = page.map(|page| page.port());
-        let [truth, positions] = [ready.truth(), ready.positions()].map(|it| it.map(|address| address.port()));
+        let beside = [ready.truth(), ready.positions(), ready.images()];
+        let [truth, positions, images] = beside.map(|it| it.map(|address| address.port()));
         serde_json::json!({
             "event": "ready", "host": host, "port": port, "http": http, "foxglove": foxglove, "truth": truth,
-            "positions": positions, "map": map, "robots": classes,
+            "positions": positions, "images": images, "map": map, "robots": classes,
         })
         .to_string()
     } else {

@@ -7,12 +7,17 @@ use scene::sensor::camera::{Config, Reading};
 
 use super::{Effect, Mount, Sensor, State, View};
 
+/// Width and height of its picture at the image server, pixels (DefaultUSAR.ini:429-433).
+const PICTURE: [i32; 2] = [320, 240];
+
 /// Narrowest and widest field of view that a flat picture can show, degrees.
 const DRAWN: [f64; 2] = [1.0, 170.0];
 
 #[derive(Clone)]
 pub(crate) struct Mounted {
     name: String,
+    /// Tile of its picture at the image server, 0 to 3 by rows.
+    pub(crate) tile: Option<usize>,
     /// Default, narrowest and widest field of view, whole degrees.
     default: f64,
     min: f64,
@@ -23,7 +28,7 @@ pub(crate) struct Mounted {
 pub(super) fn build(config: &Config, mount: Mount) -> Mounted {
     let [default, min, max] = [config.field_of_view, config.min_field_of_view, config.max_field_of_view]
         .map(|angle| angle.to_degrees().round());
-    Mounted { name: mount.name.to_owned(), default, min, max, now: default }
+    Mounted { name: mount.name.to_owned(), tile: None, default, min, max, now: default }
 }
 
 impl Sensor for Mounted {
@@ -52,14 +57,15 @@ impl Sensor for Mounted {
     }
 
     fn conf(&self) -> ItemConf {
+        let (tile, [width, height]) = (self.tile.unwrap_or_default() as i32, PICTURE);
         let [default_fov, min_fov, max_fov, fov] =
             [self.default, self.min, self.max, self.now].map(|angle| angle as f32);
         CameraConf {
             name: self.name.clone(),
-            offset_x: 0,
-            offset_y: 0,
-            resolution_x: 320,
-            resolution_y: 240,
+            offset_x: width * (tile % 2),
+            offset_y: height * (tile / 2),
+            resolution_x: width,
+            resolution_y: height,
             default_fov,
             min_fov,
             max_fov,

@@ -135,6 +135,13 @@ impl Item {
         matches!(self, Self::Sensor(_))
     }
 
+    /// Tells a camera the tile of its picture, by the number of the sensor.
+    pub(super) fn set_tile(&mut self, tile: impl Fn(usize) -> Option<usize>) {
+        if let Self::Sensor(item) = self {
+            item.set_tile(tile);
+        }
+    }
+
     /// True if a SET can change it.
     pub(super) fn takes_set(&self) -> bool {
         !matches!(self, Self::Actuator(_))

@@ -131,6 +131,11 @@ impl Robot {
         &mut self.bodies
     }
 
+    /// Tells its cameras the tiles of their pictures, by the numbers of the sensors.
+    pub(super) fn set_tiles(&mut self, tile: impl Fn(usize) -> Option<usize>) {
+        self.items.iter_mut().for_each(|item| item.set_tile(&tile));
+    }
+
     /// Returns the items of a type with a name, both in any case. An empty name selects all of the type.
     pub(super) fn asked(&self, type_name: &str, name: &str) -> impl Iterator<Item = &Item> {
         self.items.iter().filter(move |item| item.is_asked(type_name, name))

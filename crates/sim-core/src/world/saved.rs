@@ -9,6 +9,7 @@ use super::World;
 use super::actors::EngineNames;
 use super::controller::{Controller, Created};
 use super::robot::{Robot, SavedRobot};
+use super::tiles::Tiles;
 use super::tools::{self, Tool};
 use super::vacuum::Stuck;
 use crate::CompiledScene;
@@ -27,6 +28,8 @@ pub struct SavedWorld {
     tools: Vec<Tool>,
     #[serde(default)]
     engine_names: EngineNames,
+    #[serde(default)]
+    tiles: Tiles,
     #[serde(default)]
     stuck: Vec<Stuck>,
     /// `None` in files from before there were any: then those of the map.
@@ -125,6 +128,7 @@ impl World {
             next_object: self.next_object,
             tools: self.tools.clone(),
             engine_names: self.engine_names.clone(),
+            tiles: self.tiles,
             stuck: self.stuck.clone(),
             tags: Some(self.physics.tags.clone()),
             conveyors: self.physics.conveyor_factors().collect(),
@@ -144,6 +148,7 @@ impl World {
         (world.controllers, world.created) = (saved.controllers.clone(), saved.created.clone());
         (world.next_object, world.tools) = (saved.next_object, saved.tools.clone());
         (world.engine_names, world.stuck) = (saved.engine_names.clone(), saved.stuck.clone());
+        world.tiles = saved.tiles;
         let (of_map, next) = (world.def().map.objects.len() as u64, saved.next_object);
         let fits = |it: &SavedObject| it.spawned.is_none() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
         if let Some(SavedObject { id, .. }) = saved.objects.iter().find(|it| !fits(it)) {
@@ -183,6 +188,7 @@ impl World {
             let fitted = fitted.map_err(|_| LoadError::OtherClass { id, class: class.clone() })?;
             let loaded = Robot::load(&mut world.physics, fitted, robot, saved.steps, saved.options);
             world.robots.insert(id, loaded.ok_or(LoadError::OtherClass { id, class })?);
+            world.tell_tiles(id);
         }
         Ok(world)
     }

@@ -22,6 +22,13 @@ impl Item {
         Self { number, def: def.clone(), sensor: sensor::mount(def, rng, &view.on_link(def.link)) }
     }
 
+    /// Tells a camera the tile of its picture, by the number of the sensor.
+    pub(super) fn set_tile(&mut self, tile: impl Fn(usize) -> Option<usize>) {
+        if let Mounted::Camera(camera) = &mut self.sensor {
+            camera.tile = tile(self.number);
+        }
+    }
+
     fn sense(&mut self, view: &View) -> Option<Sensed> {
         let reading = self.sensor.get_mut().sense(&view.on_link(self.def.link))?;
         Some(Sensed { robot: view.id, sensor: self.number, reading })
