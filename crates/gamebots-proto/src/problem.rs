@@ -176,6 +176,16 @@ pub enum Problem {
         /// The reason, in words.
         why: String,
     },
+    /// An order about an object that is followed in part.
+    #[error("CONTROL {{Type {order}}} {{Name {name}}}: {why}")]
+    ObjectChanged {
+        /// The type of the order.
+        order: String,
+        /// The name that was sent.
+        name: String,
+        /// The departure from the order, in words.
+        why: String,
+    },
     /// A tool changer that cannot take or drop a tool.
     #[error("tool changer {name}: {why}; nothing is done")]
     ToolRefused {

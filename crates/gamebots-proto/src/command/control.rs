@@ -181,7 +181,7 @@ impl ReadWrite for Control {
                     scale,
                     is_rigid: matches!(line.get("Physics"), Some("RigidBody" | "Falling" | "Ground")),
                     material: text(line, "Material"),
-                    permanent: value::boolean(line, "Permanent", problems).unwrap_or_default(),
+                    permanent: flag(line, "Permanent", problems).unwrap_or_default(),
                 })
             }
             type_name @ ("AbsMove" | "RelMove") => Self::Move(Move {

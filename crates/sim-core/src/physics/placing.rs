@@ -77,6 +77,14 @@ impl Physics {
         met.min_by_key(|(handle, _)| handle.into_raw_parts()).map(|(_, met)| Mark::of(met).identity)
     }
 
+    /// Returns the pose of an object that is wanted at a pose, lifted onto the floor that it is in.
+    pub(crate) fn lifted(&self, object: &Object, wanted: &Pose) -> Pose {
+        let lowest = shape::shared(&object.solid.shape).compute_aabb(&convert::pose(wanted)).maxs.z;
+        let deep = self.floor_below(wanted.translation.vector).map_or(0.0, |floor| lowest - floor);
+        let up = if deep > OVERLAP { deep } else { 0.0 };
+        Pose::from_parts((wanted.translation.vector - Vector3::z() * up).into(), wanted.rotation)
+    }
+
     /// Finds the nearest free place beside a wanted one, where the robot would stand at `standing`. Places behind walls, on top of them or
     /// below them do not count.
     fn place_beside(

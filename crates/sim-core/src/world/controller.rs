@@ -134,7 +134,7 @@ impl World {
             return Vec::new();
         };
         let done = match order {
-            Control::Create(create) => self.create(by, create),
+            Control::Create(create) => self.create(by, create, problems),
             Control::Move(order) => self.put(by, order, problems),
             Control::Rotate { name, speed } => self.rotate(by, name, *speed),
             Control::AddPoints { name, points } => self.add_points(by, name, points),
@@ -203,7 +203,7 @@ impl World {
         led
     }
 
-    fn create(&mut self, by: PawnId, create: &Create) -> Result<(), String> {
+    fn create(&mut self, by: PawnId, create: &Create, problems: &mut Vec<Problem>) -> Result<(), String> {
         let class = self.object_class(&create.class_name)?;
         let is_taken = |created: &Created| created.by == by && created.name.eq_ignore_ascii_case(&create.name);
         if self.created.iter().any(is_taken) {
@@ -217,8 +217,19 @@ impl World {
                 return Err(format!("{key} is too long: expected at most {MAX_NAME_CHARS} characters"));
             }
         }
-        let material = self.material(&create.material)?;
-        let (location, rotation) = self.object_start(create)?;
+        // As in the original, an unknown material or start is no reason to leave the object out (WorldController.uc:277-318).
+        let mut tell = |why: String| {
+            let (order, name) = ("Create".to_owned(), shown(&create.name));
+            problems.push(Problem::ObjectChanged { order, name, why });
+        };
+        let material = self.material(&create.material).unwrap_or_else(|why| {
+            tell(format!("{why}; it has that of its class"));
+            None
+        });
+        let (location, rotation) = self.object_start(create).unwrap_or_else(|why| {
+            tell(format!("{why}; it is at the origin"));
+            Default::default()
+        });
         let mut def = self.def().objects.get(&class).cloned().ok_or("there is no such class")?;
         let [x, y, z] = create.scale;
         def.solid.shape = def.solid.shape.scaled(create.scale);
@@ -229,8 +240,9 @@ impl World {
         if let Some(wrong) = check::spawned_object(&def).into_iter().next() {
             return Err(wrong);
         }
-        let pose = scene::pose(location, rotation);
+        let wanted = scene::pose(location, rotation);
         self.enter_shapes();
+        let pose = if create.is_rigid { self.physics.lifted(&def, &wanted) } else { wanted };
         if let Some(obstacle) = self.physics.obstacle(&def, &pose) {
             return Err(format!("{} is there", self.describe(obstacle)));
         }
@@ -245,7 +257,7 @@ impl World {
             memory: create.memory.clone(),
             permanent: create.permanent,
             is_rigid: create.is_rigid,
-            start: [location, rotation],
+            start: [pose.translation.vector.into(), rotation],
             spin: [0.0; 3],
             rotation,
             path: Path::default(),
@@ -253,19 +265,20 @@ impl World {
         Ok(())
     }
 
-    /// Finds a class of objects, in any case. Its package is USARPhysObj and may be left out.
+    /// Finds a class of objects, in any case. It may have any package: programs name their own.
     fn object_class(&self, class_name: &str) -> Result<String, String> {
-        let (package, class) = class_name.rsplit_once('.').unwrap_or(("USARPhysObj", class_name));
+        let class = class_name.rsplit('.').next().unwrap_or_default();
         let known = self.def().objects.keys().find(|known| known.eq_ignore_ascii_case(class));
-        known.filter(|_| package.eq_ignore_ascii_case("USARPhysObj")).cloned().ok_or_else(|| {
+        known.cloned().ok_or_else(|| {
             let all: Vec<&str> = self.def().objects.keys().map(String::as_str).collect();
             let meant = names::did_you_mean(class, all.iter().copied());
             format!("there is no class `{}`{meant}; expected one of {}", shown(class_name), all.join(", "))
         })
     }
 
-    /// Finds a material of the scene by its name. `None` if no name is given.
+    /// Finds a material of the scene by its name, behind its package and group. `None` if no name is given.
     fn material(&self, name: &str) -> Result<Option<Material>, String> {
+        let name = name.rsplit('.').next().unwrap_or_default();
         if name.is_empty() {
             return Ok(None);
         }
