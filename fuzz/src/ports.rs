@@ -1,9 +1,9 @@
 //! Bytes of a client of the ports beside the controllers'.
 
 use gamebots_proto::Framing;
-use gamebots_proto::ports::{PictureRequests, Place, PositionsQuestion, Row, TruthQuestion, rows};
+use gamebots_proto::ports::{PictureRequests, Place, PositionsQuestion, Row, TruthQuestion, WirelessCommand, rows};
 
-/// Bytes that ask for truth, positions or pictures.
+/// Bytes that ask for truth, positions, pictures or the radio.
 ///
 /// How the bytes are cut does not matter, places are finite, and an answer repeats no more than its question.
 pub fn ports(bytes: &[u8]) {
@@ -14,6 +14,9 @@ pub fn ports(bytes: &[u8]) {
     let (first, second) = bytes.split_at(bytes.len() / 2);
     assert_eq!(framed(&[first, second]), lines, "the lines depend on how the bytes are cut");
     for line in lines {
+        if let WirelessCommand::Init { ports: Some(ports), .. } = WirelessCommand::read(&line) {
+            assert!(ports.len() <= 16, "{line:?}");
+        }
         let TruthQuestion { class, name } = TruthQuestion::read(&line);
         let row = Row { name: &name, class: &class, ..Row::default() };
         assert!(rows([row]).len() <= line.len() + 200, "{line:?}");

@@ -25,6 +25,8 @@ pub struct Server {
     pub truth: Option<SocketAddr>,
     /// Address of the port of positions.
     pub positions: Option<SocketAddr>,
+    /// Address of the radio between robots.
+    pub wireless: Option<SocketAddr>,
     /// Address of the image server's port.
     pub images: Option<SocketAddr>,
     /// Port for Foxglove.
@@ -60,8 +62,9 @@ impl Server {
         let addresses = addresses.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the server does not start"));
         let address = addresses.controllers().unwrap_or_else(|| panic!("no port for controllers"));
         let (page, foxglove) = (addresses.page(), addresses.foxglove().map(|address| address.port()));
-        let (truth, positions, images) = (addresses.truth(), addresses.positions(), addresses.images());
-        Self { address, page, truth, positions, images, foxglove, stop: Some(stop), thread: Some(thread) }
+        let (truth, positions) = (addresses.truth(), addresses.positions());
+        let (images, wireless) = (addresses.images(), addresses.wireless());
+        Self { address, page, wireless, truth, positions, images, foxglove, stop: Some(stop), thread: Some(thread) }
     }
 
     /// Connects a client and reads its greeting.

@@ -4,7 +4,7 @@
 //! serve map=rough rtf=5 dialect=udk   # once, before the first case; all are optional
 //! case 48 STA of the P3AT        # starts with no connections
 //! a connect                      # and reads the greeting; `a connect ut2004` to be spoken to in that dialect
-//! a connect truth                # to the port of truth, or of positions, which do not greet
+//! a connect truth                # to the port of truth, positions or wireless, which do not greet
 //! a send GETCONF {Type Robot}    # ends with CR LF
 //! a raw GETSTART                 # as it is; \r \n \t are escapes
 //! a reply CONF {Name P3AT} ...   # the next line that is not on a timer matches
@@ -95,8 +95,9 @@ pub fn run_transcript(transcript: &Transcript, robots: &[&Path]) {
     let server = Server::start(&transcript.map, robots, |config| {
         config.real_time_factor = transcript.rtf;
         let controllers = Service::Controllers { dialect: transcript.dialect };
-        config.listeners =
-            [controllers, Service::Truth, Service::Positions].map(|service| Listener::new(service, 0)).into();
+        config.listeners = [controllers, Service::Truth, Service::Positions, Service::Wireless]
+            .map(|service| Listener::new(service, 0))
+            .into();
     });
     for case in &transcript.cases {
         let mut peers = BTreeMap::new();
@@ -112,7 +113,9 @@ fn run_step(server: &Server, peers: &mut BTreeMap<String, Peer>, step: &str, pla
     let (verb, rest) = rest.split_once(' ').unwrap_or((rest, ""));
     if verb == "connect" {
         let mut peer = match rest {
-            "truth" | "positions" => server.beside(if rest == "truth" { server.truth } else { server.positions }),
+            "truth" => server.beside(server.truth),
+            "positions" => server.beside(server.positions),
+            "wireless" => server.beside(server.wireless),
             _ => server.client(),
         };
         peer.dialect = if rest == "ut2004" { Dialect::Ut2004 } else { Dialect::Udk };

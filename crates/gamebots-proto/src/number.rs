@@ -1,4 +1,4 @@
-//! The two number formats of the wire, in 32-bit floats. Nothing else formats a number for a client.
+//! The number formats of the wire: two in 32-bit floats, and one of the wireless simulator. Nothing else formats a number for a client.
 //!
 //! USARSim's own formatter ([`fixed`], UnitsConverter.uc:46-71) truncates; the Unreal engine's ([`rounded`]) rounds. The format
 //! of each message says which one applies. A number that is not finite is written as 0: no client can read `NaN`.
@@ -16,6 +16,26 @@ pub fn fixed(value: f32, decimals: u32) -> String {
 /// Formats with `decimals` digits, rounded. The engine uses four (`%f`), and two for vectors (`%v`); it may print `-0.00`.
 pub fn rounded(value: f32, decimals: u32) -> String {
     format!("{:.1$}", finite(value), decimals as usize)
+}
+
+/// Formats `%g`, as C++ streams do: six significant digits without zeros at their end, and an exponent for very large and small numbers.
+pub fn general(value: f64) -> String {
+    const DIGITS: i32 = 6;
+    if value == 0.0 || !value.is_finite() {
+        return "0".to_owned();
+    }
+    let text = format!("{value:.0$e}", DIGITS as usize - 1);
+    let Some((digits, exponent)) = text.split_once('e') else { return text };
+    let exponent: i32 = exponent.parse().unwrap_or_default();
+    let short = |text: &str| {
+        let has_point = text.contains('.');
+        if has_point { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() }
+    };
+    if (-4..DIGITS).contains(&exponent) {
+        return short(&format!("{value:.0$}", (DIGITS - 1 - exponent) as usize));
+    }
+    let sign = if exponent < 0 { '-' } else { '+' };
+    format!("{}e{sign}{:02}", short(digits), exponent.abs())
 }
 
 fn finite(value: f32) -> f32 {
@@ -51,6 +71,25 @@ mod tests {
             (f32::INFINITY, 2, "0.00"),
         ] {
             assert_eq!(fixed(value, decimals), expected, "fixed({value}, {decimals})");
+        }
+    }
+
+    #[test]
+    fn general_numbers_are_those_of_streams() {
+        let rows = [
+            (0.0, "0"),
+            (-49.67, "-49.67"),
+            (-53.649_400_086_720_37, "-53.6494"),
+            (100.0, "100"),
+            (999_999.5, "1e+06"),
+            (123_456.0, "123456"),
+            (0.0001, "0.0001"),
+            (-0.000_012_345_67, "-1.23457e-05"),
+            (-1e10, "-1e+10"),
+            (f64::NAN, "0"),
+        ];
+        for (value, expected) in rows {
+            assert_eq!(general(value), expected);
         }
     }
 

@@ -3,7 +3,9 @@
 mod pictures;
 mod positions;
 mod truth;
+mod wireless;
 
 pub use pictures::{PictureRequest, PictureRequests, picture, raw};
 pub use positions::{Obstacles, Place, PositionsQuestion, Stand, positions};
 pub use truth::{Row, TruthQuestion, rows};
+pub use wireless::{Strength, WirelessCommand, WirelessError, origin, registered, route, strength};

@@ -31,6 +31,7 @@ mod publisher;
 mod recording;
 mod saved;
 mod web;
+mod wireless;
 mod world_thread;
 
 pub use control::{WorldControl, check_real_time_factor};
@@ -38,6 +39,7 @@ pub use images::ImageKind;
 pub use live::messages as viewer_messages;
 pub use playback::{Playback, play};
 pub use saved::{SavedFileError, read_saved};
+pub use wireless::Propagation;
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -108,6 +110,8 @@ pub struct Config {
     pub stall_timeout: Duration,
     /// Clients that may control the world over the page and Foxglove.
     pub world_control: WorldControl,
+    /// Model of the radio between robots.
+    pub propagation: Propagation,
     /// Kind of the image server's pictures.
     pub image_kind: ImageKind,
     /// Threads that move robots that do not touch, and compute sensor readings.
@@ -132,6 +136,7 @@ impl Config {
             unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
             stall_timeout: Duration::from_secs(30),
             world_control: WorldControl::Everyone,
+            propagation: Propagation::default(),
             image_kind: ImageKind::default(),
             threads: ThreadPool::one(),
             world,
@@ -186,6 +191,8 @@ pub enum Service {
     Positions,
     /// Pictures of cameras (ImageServer.cpp).
     Images,
+    /// The radio between robots (WSS).
+    Wireless,
 }
 
 /// Addresses of a server that is ready, with their services, in the order of its configuration.
@@ -221,6 +228,11 @@ impl Ready {
     /// Returns the address for clients that want pictures.
     pub fn images(&self) -> Option<SocketAddr> {
         self.address(|service| service == Service::Images)
+    }
+
+    /// Returns the address of the radio between robots.
+    pub fn wireless(&self) -> Option<SocketAddr> {
+        self.address(|service| service == Service::Wireless)
     }
 
     fn address(&self, is: impl Fn(Service) -> bool) -> Option<SocketAddr> {

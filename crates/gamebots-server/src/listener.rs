@@ -17,6 +17,7 @@ use crate::images::{self, Board};
 use crate::live::{About, Channels};
 use crate::ports::{self, Port};
 use crate::web::Site;
+use crate::wireless::{self, Network};
 use crate::{
     Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl, connection, foxglove_server, live, web,
     world_thread,
@@ -34,8 +35,8 @@ pub(crate) async fn serve(
     ready: impl FnOnce(Ready),
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    let (mut addresses, mut controllers, mut pages, mut ports, mut images, mut foxglove) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new(), None);
+    let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
+    let (mut ports, mut images, mut radios) = (Vec::new(), Vec::new(), Vec::new());
     // Unbounded: each sender waits for a turn, see `connection::Turn`.
     let (events, receiver) = mpsc::channel();
     for listener in &config.listeners {
@@ -48,6 +49,7 @@ pub(crate) async fn serve(
             Service::Truth => ports.push((Port::Truth, bound)),
             Service::Positions => ports.push((Port::Positions, bound)),
             Service::Images => images.push(bound),
+            Service::Wireless => radios.push(bound),
             Service::Foxglove => {
                 let events = (config.world_control == WorldControl::Everyone).then(|| events.clone());
                 foxglove = Some(foxglove_server::start(bound, &config.host, &config.world, events).await?);
@@ -57,6 +59,7 @@ pub(crate) async fn serve(
     let addresses = Ready(addresses);
     let (gone, mut world_gone) = oneshot::channel();
     let board = Board::new(config.image_kind);
+    let network = Network::new(events.clone(), &config.host, config.propagation);
     let (live, channels) = live::broadcast(
         Instant::now(),
         &config.world,
@@ -84,12 +87,14 @@ pub(crate) async fn serve(
             async move { images::converse(stream, &board, stall_timeout).await }
         })
     });
+    let radioing = radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, stall_timeout));
     let showing = pages.into_iter().map(|page| web::serve(page, site.clone()));
     let is_gone = tokio::select! {
         () = forever(accepting) => false,
         () = forever(showing) => false,
         () = forever(telling) => false,
         () = forever(drawing) => false,
+        () = forever(radioing) => false,
         () = shutdown => false,
         _ = &mut world_gone => true,
     };

@@ -62,14 +62,18 @@ impl Question {
 }
 
 /// The way of one connection to the world. It has one question at a time there.
-struct Inquiry {
+pub(crate) struct Inquiry {
     events: Sender<Event>,
     turns: Arc<Semaphore>,
 }
 
 impl Inquiry {
+    pub(crate) fn new(events: Sender<Event>) -> Self {
+        Self { events, turns: Arc::new(Semaphore::new(1)) }
+    }
+
     /// Asks the world. `None` if it has ended.
-    async fn ask<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Option<T> {
+    pub(crate) async fn ask<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Option<T> {
         let turn = self.turns.clone().acquire_owned().await.ok()?;
         let (answer, answered) = oneshot::channel();
         self.events.send(Event::Ask(question(answer), turn)).ok()?;
@@ -80,7 +84,7 @@ impl Inquiry {
 /// Serves a port of lines until the future is dropped.
 pub(crate) async fn serve(port: Port, listener: TcpListener, events: Sender<Event>, stall_timeout: Duration) {
     let serve = |stream| {
-        let inquiry = Inquiry { events: events.clone(), turns: Arc::new(Semaphore::new(1)) };
+        let inquiry = Inquiry::new(events.clone());
         async move { converse(port, stream, &inquiry, stall_timeout).await }
     };
     accept(listener, MAX_CONNECTIONS, serve).await;
@@ -217,6 +221,12 @@ fn point_of(pose: &Pose) -> [f64; 3] {
 }
 
 impl Actors {
+    /// Returns names and places of the robots, m, each with true if its battery is empty.
+    pub(crate) fn places(self) -> impl Iterator<Item = (String, ([f64; 3], bool))> {
+        let robots = self.all.into_iter().filter(|actor| actor.kind == ActorKind::Robot);
+        robots.map(|robot| (robot.called, (point_of(&robot.pose), robot.battery_is_empty)))
+    }
+
     fn robots(&self) -> impl Iterator<Item = &Actor> {
         self.all.iter().filter(|actor| actor.kind == ActorKind::Robot)
     }

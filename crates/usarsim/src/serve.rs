@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use gamebots_proto::Dialect;
-use gamebots_server::{Config, IfTaken, ImageKind, Listener, Ready, ServeError, Service, WorldControl};
+use gamebots_server::{Config, IfTaken, ImageKind, Listener, Propagation, Ready, ServeError, Service, WorldControl};
 use scene::{DriveModel, MapDef};
 use scene_loader::{Changes, Override};
 use sim_core::{Options, SavedWorld};
@@ -21,6 +21,7 @@ const DEFAULT_HTTP_PORT: u16 = 8080;
 const TRUTH_PORT: u16 = 3989;
 const POSITIONS_PORT: u16 = 7435;
 const IMAGES_PORT: u16 = 5003;
+const WIRELESS_PORT: u16 = 50000;
 
 /// Options of `serve`.
 #[derive(clap::Args)]
@@ -91,6 +92,12 @@ pub(crate) struct Arguments {
     /// Kind of the image server's pictures: raw pixels, or JPEG of quality 100 (super), 75 (good), 50 (normal), 25 (fair) or 10 (bad).
     #[arg(long, env = "USARSIM_IMAGE_KIND", value_name = "KIND", default_value = "raw")]
     image_kind: ImageKindChoice,
+    /// Port of the radio between robots, as of the program WSS; `off` for none. By default 50000, as --truth.
+    #[arg(long, env = "USARSIM_WIRELESS", value_name = "PORT|off", value_parser = port_or_off)]
+    wireless: Option<PortOrOff>,
+    /// Reach of the radio: everywhere, weaker with distance, or weaker with distance and walls.
+    #[arg(long, env = "USARSIM_PROPAGATION", value_name = "MODEL", default_value = "everywhere")]
+    propagation: PropagationChoice,
     /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
@@ -144,6 +151,13 @@ enum ControlChoice {
     Everyone,
     Local,
     Nobody,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum PropagationChoice {
+    Everywhere,
+    Distance,
+    Walls,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -238,6 +252,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(beside(arguments.truth, Service::Truth, TRUTH_PORT));
     listeners.extend(beside(arguments.positions, Service::Positions, POSITIONS_PORT));
     listeners.extend(beside(arguments.images, Service::Images, IMAGES_PORT));
+    listeners.extend(beside(arguments.wireless, Service::Wireless, WIRELESS_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {
         maps: other_maps(&arguments.set, &world.map),
@@ -255,6 +270,11 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
             ControlChoice::Everyone => WorldControl::Everyone,
             ControlChoice::Local => WorldControl::Local,
             ControlChoice::Nobody => WorldControl::Nobody,
+        },
+        propagation: match arguments.propagation {
+            PropagationChoice::Everywhere => Propagation::Everywhere,
+            PropagationChoice::Distance => Propagation::Distance,
+            PropagationChoice::Walls => Propagation::Walls,
         },
         image_kind: match arguments.image_kind {
             ImageKindChoice::Raw => ImageKind::Raw,
@@ -293,11 +313,11 @@ fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> Strin
     if json {
         let (host, port) = (address.ip().to_string(), address.port());
         let http = page.map(|page| page.port());
-        let beside = [ready.truth(), ready.positions(), ready.images()];
-        let [truth, positions, images] = beside.map(|it| it.map(|address| address.port()));
+        let beside = [ready.truth(), ready.positions(), ready.images(), ready.wireless()];
+        let [truth, positions, images, wireless] = beside.map(|it| it.map(|address| address.port()));
         serde_json::json!({
             "event": "ready", "host": host, "port": port, "http": http, "foxglove": foxglove, "truth": truth,
-            "positions": positions, "images": images, "map": map, "robots": classes,
+            "positions": positions, "images": images, "wireless": wireless, "map": map, "robots": classes,
         })
         .to_string()
     } else {
