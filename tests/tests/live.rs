@@ -527,6 +527,31 @@ fn ask(server: &Server, head: &str, body: &[u8]) -> (String, String) {
     (head.to_owned(), body.to_owned())
 }
 
+/// Supervisors call the machine as they like, and Prometheus reads lines of comments and of a name and a number.
+#[test]
+fn a_supervisor_reads_numbers() {
+    let server = serve("rough", |_| {});
+    let mut robot = server.bystander();
+    robot.ground_truth();
+    let (head, body) = get(&server, "/health", "Host: usarsim\r\n");
+    assert!(head.starts_with("HTTP/1.1 200") && body.starts_with("{\"status\":\"ok\",\"time\":"), "{body}");
+    let numbers = || {
+        let (head, body) = get(&server, "/metrics", "Host: usarsim\r\n");
+        assert!(head.contains("content-type: text/plain; version=0.0.4"), "{head}");
+        let lines = body.lines().filter(|line| !line.starts_with('#'));
+        let number =
+            |line: &str| line.split_once(' ').map(|(name, value)| (name.to_owned(), value.parse::<f64>().unwrap()));
+        lines.map(|line| number(line).unwrap()).collect::<std::collections::BTreeMap<String, f64>>()
+    };
+    let before = numbers();
+    robot.lines_for(0.5);
+    let after = numbers();
+    assert_eq!((after["usarsim_robots"], after["usarsim_clients"], after["usarsim_paused"]), (1.0, 1.0, 0.0));
+    for name in ["usarsim_simulated_seconds", "usarsim_steps_total", "usarsim_step_seconds_total"] {
+        assert!(after[name] > before[name], "{name}: {} and {}", before[name], after[name]);
+    }
+}
+
 #[test]
 fn pages_of_strangers_are_turned_away() {
     let server = serve("rough", |_| {});

@@ -21,6 +21,7 @@ use tokio::time::timeout;
 use tracing::{debug, warn};
 
 use crate::connection::{BACK_OFF, Event, UNENDED_LINE, is_http};
+use crate::web::Health;
 
 /// Most connections to a port at once; more wait.
 const MAX_CONNECTIONS: usize = 64;
@@ -42,6 +43,8 @@ pub(crate) enum Question {
     Actors(oneshot::Sender<Actors>),
     /// The number of walls between two points, m.
     Obstacles([[f64; 3]; 2], oneshot::Sender<usize>),
+    /// The state of the server in numbers.
+    Health(oneshot::Sender<Health>),
 }
 
 /// Everything with a pose at a time.
@@ -52,11 +55,12 @@ pub(crate) struct Actors {
 }
 
 impl Question {
-    /// Answers the question. The client may have left.
-    pub(crate) fn answer(self, world: &mut World) {
+    /// Answers the question. The client may have left. `health` collects the state of the server.
+    pub(crate) fn answer(self, world: &mut World, health: impl FnOnce(&World) -> Health) {
         match self {
             Self::Actors(answer) => _ = answer.send(Actors { time: world.time(), all: world.actors() }),
             Self::Obstacles([from, to], answer) => _ = answer.send(world.obstacles(from, to)),
+            Self::Health(answer) => _ = answer.send(health(world)),
         }
     }
 }

@@ -5,6 +5,7 @@
 //! address or a name that no stranger can point here (DNS rebinding). No CORS header is ever sent, and the page cannot be framed.
 
 mod log_scene;
+mod metrics;
 mod page;
 mod viewer;
 mod wire;
@@ -34,6 +35,8 @@ use tracing::{debug, warn};
 use crate::WorldControl;
 use crate::connection::Event;
 use crate::live::Channels;
+
+pub(crate) use metrics::Health;
 
 /// Most connections to the page at once, WebSockets included; more wait.
 const MAX_CONNECTIONS: usize = 256;
@@ -78,6 +81,8 @@ pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
         .fallback(page::file)
         .layer(middleware::from_fn_with_state(site.clone(), guard))
         .layer(Extension(log_scene::Worker::default()))
+        .route("/health", get(metrics::health))
+        .route("/metrics", get(metrics::metrics))
         .with_state(site.clone());
     let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let mut connections = JoinSet::new();

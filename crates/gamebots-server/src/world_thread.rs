@@ -24,6 +24,7 @@ use crate::pace::{self, Pace};
 use crate::publisher::Publisher;
 use crate::recording::Recording;
 use crate::saved::Saving;
+use crate::web::Health;
 use crate::{Config, ServeError};
 
 /// Longest wait for an event, so that frames and logs are published in time even when simulated time crawls.
@@ -39,6 +40,8 @@ const SLICE: Duration = Duration::from_millis(1);
 const MAX_CREDIT: Duration = Duration::from_millis(4);
 /// Time after which the cost of a client counts half.
 const FORGETTING_INTERVAL: Duration = Duration::from_millis(100);
+/// Least time over which the real-time factor is measured.
+const MEASURE_INTERVAL: Duration = Duration::from_secs(1);
 /// Interval between reports of dropped lines and repeated problems.
 const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
@@ -90,6 +93,7 @@ pub(crate) fn spawn(
             },
             timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
             pace: Pace::new(real_time_factor, now, world.time()),
+            work: Work::new(now, world.time()),
             sessions: Sessions::new(world),
             maps,
             resets: 0,
@@ -115,6 +119,7 @@ struct Server {
     maps: Vec<MapDef>,
     timing: Timing,
     pace: Pace,
+    work: Work,
     /// Number of times that the world started over.
     resets: u64,
     /// Number of times that the world was saved.
@@ -190,6 +195,41 @@ impl Timing {
     }
 }
 
+/// The work of the world's thread so far.
+struct Work {
+    steps: u64,
+    /// Real time that steps took.
+    took: Duration,
+    /// Periodic lines dropped for clients that have left.
+    dropped: u64,
+    /// Simulated seconds per real second, as last measured.
+    real_time_factor: f64,
+    /// Real and simulated time, s, of that measurement.
+    measured: (Instant, f64),
+}
+
+impl Work {
+    fn new(now: Instant, time: f64) -> Self {
+        Self { steps: 0, took: Duration::ZERO, dropped: 0, real_time_factor: 0.0, measured: (now, time) }
+    }
+
+    /// Counts a step.
+    fn add(&mut self, took: Duration) {
+        self.steps += 1;
+        self.took += took;
+    }
+
+    /// Measures the real-time factor, if the last time is long enough ago. A world that started over counts from 0.
+    fn measure(&mut self, now: Instant, time: f64) {
+        let (then, before) = self.measured;
+        let elapsed = now.duration_since(then);
+        if elapsed >= MEASURE_INTERVAL {
+            self.real_time_factor = (time - before).max(0.0) / elapsed.as_secs_f64();
+            self.measured = (now, time);
+        }
+    }
+}
+
 /// The server must stop.
 struct Stop;
 
@@ -200,6 +240,7 @@ impl Server {
         while self.take_events(events).is_ok() {
             let now = Instant::now();
             self.publish(now);
+            self.work.measure(now, self.sessions.world().time());
             if now.duration_since(report) >= REPORT_INTERVAL {
                 let Audience { publisher, clients } = &mut self.audience;
                 let repeated: Vec<String> = clients.values_mut().flat_map(Client::report).collect();
@@ -246,6 +287,7 @@ impl Server {
         sessions.step(&mut |world, news| audience.hear(world, news));
         audience.publisher.stepped(sessions.world());
         let took = start.elapsed();
+        self.work.add(took);
         self.credit = (self.credit + took).min(MAX_CREDIT.max(took));
     }
 
@@ -307,7 +349,22 @@ impl Server {
                 // The page may have left.
                 let _ = answer.send(ask.answer(self.sessions.world_mut()));
             }
-            Event::Ask(question, _turn) => question.answer(self.sessions.world_mut()),
+            Event::Ask(question, _turn) => {
+                let Self { sessions, audience, timing, work, resets, .. } = self;
+                question.answer(sessions.world_mut(), |world| Health {
+                    simulated: world.time(),
+                    real_time_factor: work.real_time_factor,
+                    speed: timing.speed,
+                    paused: timing.paused,
+                    steps: work.steps,
+                    step_seconds: work.took.as_secs_f64(),
+                    unsettled_steps: world.unsettled_steps(),
+                    robots: world.robots().count(),
+                    clients: audience.clients.len(),
+                    dropped_lines: work.dropped + audience.clients.values().map(Client::dropped).sum::<u64>(),
+                    resets: *resets,
+                });
+            }
             Event::Stop => return Err(Stop),
         }
         Ok(())
@@ -368,13 +425,14 @@ impl Server {
 
     /// Ends a session after its last request is executed, if the client has left.
     fn end_if_done(&mut self, id: ConnectionId) {
-        let Self { sessions, audience, .. } = self;
+        let Self { sessions, audience, work, .. } = self;
         if !audience.clients.get(&id).is_some_and(Client::is_over) {
             return;
         }
         if let Some(mut client) = audience.clients.remove(&id) {
             client.report().iter().for_each(|text| audience.publisher.warn(sessions.world(), text));
             client.outbox().close();
+            work.dropped += client.dropped();
         }
         sessions.close(id, &mut |world, news| audience.hear(world, news));
     }
