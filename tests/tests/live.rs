@@ -527,6 +527,27 @@ fn ask(server: &Server, head: &str, body: &[u8]) -> (String, String) {
     (head.to_owned(), body.to_owned())
 }
 
+/// Browsers take packed bodies.
+#[test]
+fn the_scene_is_packed_for_those_who_can_unpack_it() {
+    let server = serve("rough", |_| {});
+    let (_, whole) = get(&server, "/scene.json", "Host: localhost\r\n");
+    let head = "GET /scene.json HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\nAccept-Encoding: br, gzip\r\n\r\n";
+    for _ in 0..2 {
+        let mut stream = TcpStream::connect(page_of(&server)).unwrap();
+        stream.write_all(head.as_bytes()).unwrap();
+        let mut bytes = Vec::new();
+        stream.read_to_end(&mut bytes).unwrap();
+        let end = bytes.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
+        assert!(String::from_utf8_lossy(&bytes[..end]).contains("content-encoding: gzip"));
+        let packed = &bytes[end + 4..];
+        let mut text = String::new();
+        flate2::read::GzDecoder::new(packed).read_to_string(&mut text).unwrap();
+        assert!(text == whole);
+        assert!(3 * packed.len() < whole.len(), "{} of {} bytes", packed.len(), whole.len());
+    }
+}
+
 /// Supervisors call the machine as they like, and Prometheus reads lines of comments and of a name and a number.
 #[test]
 fn a_supervisor_reads_numbers() {

@@ -151,11 +151,11 @@ pub struct Listener {
     pub service: Service,
     /// The port; 0 takes a free one.
     pub port: u16,
-    /// What happens if another program has the port.
+    /// Way out if another program has the port.
     pub if_taken: IfTaken,
 }
 
-/// What a server does without a port that another program has.
+/// Way out for a server when another program has a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IfTaken {
     /// It does not start.

@@ -16,7 +16,7 @@ use crate::connection::{BACK_OFF, ConnectionId, Event};
 use crate::images::{self, Board};
 use crate::live::{About, Channels};
 use crate::ports::{self, Port};
-use crate::web::Site;
+use crate::web::{Packed, Site};
 use crate::wireless::{self, Network};
 use crate::{
     Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl, connection, foxglove_server, live, web,
@@ -133,6 +133,7 @@ fn site(config: &Config, addresses: &Ready, channels: Channels, events: mpsc::Se
         events,
         stall_timeout: config.stall_timeout,
         world_control: config.world_control,
+        packed: Packed::default(),
         pages: AtomicU64::new(0),
     }
 }

@@ -6,6 +6,7 @@
 
 mod log_scene;
 mod metrics;
+mod packed;
 mod page;
 mod viewer;
 mod wire;
@@ -37,6 +38,7 @@ use crate::connection::Event;
 use crate::live::Channels;
 
 pub(crate) use metrics::Health;
+pub(crate) use packed::Packed;
 
 /// Most connections to the page at once, WebSockets included; more wait.
 const MAX_CONNECTIONS: usize = 256;
@@ -56,6 +58,7 @@ pub(crate) struct Site {
     /// Time after which a viewer that reads nothing is disconnected.
     pub(crate) stall_timeout: Duration,
     pub(crate) world_control: WorldControl,
+    pub(crate) packed: Packed,
     /// Number of pages opened so far; it numbers the pages.
     pub(crate) pages: AtomicU64,
 }
@@ -123,8 +126,8 @@ async fn serve_connection(stream: TcpStream, router: Router) {
     }
 }
 
-async fn scene(State(site): State<Arc<Site>>) -> Response {
-    json(site.channels.scene())
+async fn scene(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
+    site.packed.answer(&headers, site.channels.scene(), json).await
 }
 
 /// Answers with the objects beside the map's.

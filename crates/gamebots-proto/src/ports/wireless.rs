@@ -36,7 +36,7 @@ pub enum Strength {
     ToSelf,
     /// To a robot that is not registered.
     NoRobot,
-    /// By the model of propagation, dBm.
+    /// Strength by the model of propagation, dBm.
     Model(f64),
 }
 

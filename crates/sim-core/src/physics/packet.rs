@@ -24,7 +24,7 @@ pub(super) struct Packet {
 struct Axis {
     /// Inverse of the largest component if that is positive: no ray reaches a box ahead sooner. Infinite if none reaches it.
     ahead: f64,
-    /// The same for boxes behind; negative.
+    /// Inverse of the smallest component if that is negative, for boxes behind.
     behind: f64,
     /// Inverse of the component of the ray that leaves a box last, if all rays go one way.
     last: Option<f64>,
