@@ -19,6 +19,7 @@ pub use res::{Nothing, Res};
 pub use sen::*;
 pub use sta::{GroundSta, Sta, StaHead, Vehicle};
 
+use crate::command::Set;
 use crate::field::{self, Record};
 pub use crate::field::{Field, Format, Table};
 use crate::{Command, Dialect, Line};
@@ -133,8 +134,10 @@ impl Message {
         let name = |name: &String| Some(name.clone()).filter(|name| !name.is_empty());
         let nothing = |type_name: &String, asked| Nothing { type_name: type_name.clone(), name: name(asked) };
         match command {
-            Command::Set(set) => {
-                Some(Self::Res(Res { time, type_name: set.type_name.clone(), name: name(&set.name), found }))
+            // Joints are set without an answer (KRobot.uc).
+            Command::Set(set) if set.type_name.eq_ignore_ascii_case("Joint") => None,
+            Command::Set(Set { type_name, name, .. }) => {
+                Some(Self::Res(Res { time, type_name: type_name.clone(), name: name.clone(), found }))
             }
             Command::GetConf(ask) if !found => Some(Self::NoConf(nothing(&ask.type_name, &ask.name))),
             Command::GetGeo(ask) if !found => Some(Self::NoGeo(nothing(&ask.type_name, &ask.name))),

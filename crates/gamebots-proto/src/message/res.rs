@@ -9,8 +9,8 @@ record! {
         time: f32 = Field::new("Time", Format::Rounded(2)).unit("s").only_ut2004(),
         /// Type of the item, as the client typed it.
         type_name: String = Field::new("Type", Format::Word).only_ut2004(),
-        /// Name of the item, if the client typed one.
-        name: Option<String> = Field::new("Name", Format::Word).only_ut2004(),
+        /// Name of the item, as the client typed it; perhaps empty.
+        name: String = Field::new("Name", Format::Word).only_ut2004(),
         /// True if the robot has such an item.
         found: bool = Field::new("Status", Format::Either(["Failed", "OK"])).only_ut2004(),
     }
