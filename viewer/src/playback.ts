@@ -125,7 +125,8 @@ export class Playback {
   takeStatus(status: Status): void {
     if (this.live.status && this.live.status.resets !== status.resets) this.forgetObjects();
     this.live.status = status;
-    if (this.live.frame) this.presentMarks.take(this.live.frame.time, status);
+    // The first status may come before the first frame. It is what later ones are compared with.
+    this.presentMarks.take(this.live.frame?.time ?? 0, status);
     if (this.mode !== 'log') this.screen.status(status);
   }
 
