@@ -216,3 +216,21 @@ fn over_the_socket_the_p3at_goes_by_wheel_speed_times_radius() {
     let got = drive_over_the_socket("P3AT", "DRIVE {Left 3.000000} {Right 3.000000}");
     assert_near(got[0], 10.0 * 3.0 * 0.098, 0.02);
 }
+
+/// Case 104: sensors and answers end with the battery, and the wheels turn on as they were told last.
+#[test]
+fn wheels_turn_on_when_the_battery_is_flat() {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/ShortLife/robot.toml");
+    let def = scene_loader::load("rough", &[&file]).expect("a robot");
+    let mut world = World::new(def, Options::default());
+    let robot = init(&mut world, "INIT {ClassName USARBot.ShortLife} {Location 0,0,0}");
+    apply(&mut world, robot, "DRIVE {Left 1} {Right 1}");
+    run(&mut world, 5.0);
+    assert_eq!(world.battery(robot), Some(0));
+    let (from, _, wheels) = place(&world, robot);
+    apply(&mut world, robot, "DRIVE {Left 0} {Right 0}");
+    run(&mut world, 2.0);
+    let (to, _, turned) = place(&world, robot);
+    assert!(turned.iter().zip(wheels).all(|(to, from)| (to - from - 2.0).abs() < 0.05), "{turned:?}");
+    assert!((to[0] - from[0] - 2.0 * 0.098).abs() < 0.01, "{to:?}");
+}

@@ -384,3 +384,20 @@ fn instruments_of_the_air_robot_and_the_nao_read_what_they_should() {
     let [x, y, z] = felt.expect("an acceleration");
     assert!(x.abs() < 0.2 && y.abs() < 0.05 && (z - 9.81).abs() < 0.05, "{x} {y} {z}");
 }
+
+/// Case 69: the timer's scans stay, and one more comes at once.
+#[test]
+fn a_scan_on_demand_comes_at_once() {
+    let mut world = scene(&[], 0);
+    let robot = init(&mut world, "INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
+    run(&mut world, 0.5);
+    let scans = |world: &mut World, text: &str| {
+        let executed = world.execute(Some(robot), &system_tests::command(text), &mut Vec::new());
+        let is_scan = |report: &sim_core::Report| matches!(report, sim_core::Report::Sensed(sensed) if sensed.reading.type_name() == "RangeScanner");
+        executed.answers.iter().filter(|report| is_scan(report)).count()
+    };
+    assert_eq!(scans(&mut world, "SET {Type RangeScanner} {Opcode scan}"), 1);
+    assert_eq!(scans(&mut world, "SET {Type rangescanner} {Name lms200} {Opcode SCAN}"), 1);
+    assert_eq!(scans(&mut world, "SET {Type RangeScanner} {Opcode other}"), 0);
+    assert_eq!(scans(&mut world, "SET {Type RangeScanner} {Name Nobody} {Opcode SCAN}"), 0);
+}
