@@ -117,7 +117,10 @@ test('a frame is what the program says of its time', async () => {
   const times = [...new Set(rows.map(({ time }) => time))];
   assert.ok(times.length > 300, `${times.length} times`);
   const worst = { ms: 0 };
-  for (const time of times.filter((_, at) => at % 7 === 0).toSorted(() => Math.random() - 0.5)) {
+  // A robot may leave right after its last row, before the time that is asked for.
+  const left = rows.findLast(({ robot }) => robot === 1).time;
+  const asked = times.filter((time, at) => at % 7 === 0 && time !== left);
+  for (const time of asked.toSorted(() => Math.random() - 0.5)) {
     const begin = performance.now();
     assertSame(
       await log.frameAt(time + 0.0015),
