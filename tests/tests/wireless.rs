@@ -186,3 +186,23 @@ fn eight_robots_talk_while_others_drive_and_one_floods() {
     }
     bystander.check_undisturbed();
 }
+
+#[test]
+fn a_page_of_the_web_and_a_half_closed_client_register_nobody() {
+    let server = server("rough", Propagation::Everywhere);
+    let lines = b"POST / HTTP/1.1\r\n\r\nINIT {Robot A} {Port 1}\r\n";
+    let mut page = TcpStream::connect(server.wireless.expect("a port")).expect("a connection");
+    page.write_all(lines).expect("to send");
+    let mut text = Vec::new();
+    // The server closes with unread bytes, which may reset the connection.
+    let _ = page.read_to_end(&mut text);
+    assert_eq!(text, b"");
+    let mut half = TcpStream::connect(server.wireless.expect("a port")).expect("a connection");
+    half.write_all(b"INIT {Robot A} {Port 1}\r\nGETSS {Robot A}\r\nINIT {Robot").expect("to send");
+    half.shutdown(std::net::Shutdown::Write).expect("to end");
+    let mut text = String::new();
+    half.read_to_string(&mut text).expect("answers");
+    assert_eq!(text, "INITREPLY {Status OK}\r\nSS {Robot A} {Strength INF} {Error SS.To.Self}\r\n");
+    // The name is free again.
+    Radio::new(&server, "A");
+}
