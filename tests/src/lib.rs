@@ -20,9 +20,11 @@ pub use transcript::{Transcript, run_transcript};
 pub use watch::{Seen, Watch};
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Dialect, Line};
+use scene::WorldDef;
 use sim_core::{Options, PawnId, Room, TIME_STEP, World};
 
 /// Builds a world on a built-in map.
@@ -32,6 +34,27 @@ use sim_core::{Options, PawnId, Room, TIME_STEP, World};
 pub fn world(map: &str, seed: u64) -> World {
     let def = scene_loader::load(map, &[]).unwrap_or_else(|error| panic!("{error}"));
     World::new(def, Options { seed, ..Options::default() })
+}
+
+/// Loads the map `rough` with a robot of `tests/robots`.
+///
+/// # Panics
+/// If it does not load.
+pub fn scene_with_test_robot(class: &str) -> WorldDef {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(class).join("robot.toml");
+    scene_loader::load("rough", &[&file]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Waits until a condition holds.
+///
+/// # Panics
+/// If it does not hold within [`PATIENCE`].
+pub fn wait_until(mut condition: impl FnMut() -> bool) {
+    let end = Instant::now() + PATIENCE;
+    while !condition() {
+        assert!(Instant::now() < end, "did not happen");
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 /// Copies the folder of a shipped robot, with the meshes that its file names.

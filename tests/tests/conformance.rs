@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use system_tests::{Peer, Server, Transcript, run_transcript};
+use system_tests::{Peer, Server, Transcript, run_transcript, wait_until};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
@@ -101,14 +101,6 @@ fn the_66th_connection_is_refused_until_one_leaves() {
     peers.pop();
     let greeted = |mut peer: Peer| peer.line_or_end().is_some_and(|line| line.starts_with("NFO {Gametype "));
     wait_until(|| Peer::connect(server.address).is_ok_and(greeted));
-}
-
-fn wait_until(mut condition: impl FnMut() -> bool) {
-    let end = std::time::Instant::now() + std::time::Duration::from_secs(30);
-    while !condition() {
-        assert!(std::time::Instant::now() < end, "did not happen");
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
 }
 
 /// The table in the docs and the transcripts list the same cases.

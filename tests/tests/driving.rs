@@ -1,7 +1,7 @@
 //! Robots move as their wheels drive them.
 
 use sim_core::{Options, PawnId, World};
-use system_tests::{Server, apply, init, run, world};
+use system_tests::{Server, apply, init, run, scene_with_test_robot, world};
 
 /// Returns position, yaw and wheel angles of a robot.
 fn place(world: &World, robot: PawnId) -> ([f64; 3], f64, Vec<f64>) {
@@ -220,9 +220,7 @@ fn over_the_socket_the_p3at_goes_by_wheel_speed_times_radius() {
 /// Case 104: sensors and answers end with the battery, and the wheels turn on as they were told last.
 #[test]
 fn wheels_turn_on_when_the_battery_is_flat() {
-    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/ShortLife/robot.toml");
-    let def = scene_loader::load("rough", &[&file]).expect("a robot");
-    let mut world = World::new(def, Options::default());
+    let mut world = World::new(scene_with_test_robot("ShortLife"), Options::default());
     let robot = init(&mut world, "INIT {ClassName USARBot.ShortLife} {Location 0,0,0}");
     apply(&mut world, robot, "DRIVE {Left 1} {Right 1}");
     run(&mut world, 5.0);

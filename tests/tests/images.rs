@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 use gamebots_server::{ImageKind, Listener, Service};
-use system_tests::{PATIENCE, Peer, Server};
+use system_tests::{PATIENCE, Peer, Server, wait_until};
 
 /// Pixels of the sky on a map, far above the ground: light, and bluer than red.
 const SKY: [u8; 2] = [120, 60];
@@ -113,12 +113,12 @@ fn cameras_take_free_tiles_and_say_which() {
         let is_drawn = |[x, y]: [usize; 2]| pixels[3 * (640 * (y + 5) + x + 5)..][..3] != [0, 0, 0];
         [[0, 0], [320, 0], [0, 240], [320, 240]].map(is_drawn)
     };
-    wait_for(|| tiles(&mut client) == [true; 4]);
+    wait_until(|| tiles(&mut client) == [true; 4]);
     robots.remove(1);
-    wait_for(|| tiles(&mut client) == [true, false, true, true]);
+    wait_until(|| tiles(&mut client) == [true, false, true, true]);
     let mut next = robot(&server, "3,0,0");
     assert_eq!(offset(&mut next), [320, 0]);
-    wait_for(|| tiles(&mut client) == [true; 4]);
+    wait_until(|| tiles(&mut client) == [true; 4]);
 }
 
 #[test]
@@ -169,11 +169,4 @@ fn greedy_and_stalled_clients_hold_up_nobody() {
     assert!(start.elapsed() > Duration::from_millis(300), "a client that asks without pause waits for new pictures");
     bystander.check_undisturbed();
     drop(stalled);
-}
-
-fn wait_for(mut condition: impl FnMut() -> bool) {
-    let end = Instant::now() + PATIENCE;
-    while !condition() {
-        assert!(Instant::now() < end, "did not happen");
-    }
 }

@@ -1,13 +1,11 @@
 //! A robot with a tool changer drops its tool, and takes it and others'.
 
-use std::path::Path;
-
 use gamebots_proto::Problem;
 use gamebots_proto::message::{Eff, Message};
 use nalgebra::Vector3;
-use scene::{DriveModel, ObjectSnapshot, WorldDef};
+use scene::{DriveModel, ObjectSnapshot};
 use sim_core::{Options, PawnId, World};
-use system_tests::{apply, command, init, run};
+use system_tests::{apply, command, init, run, scene_with_test_robot};
 
 const OPEN: &str = "SET {Type ToolChanger} {Name toolchange} {Opcode OPEN}";
 const CLOSE: &str = "SET {Type ToolChanger} {Name toolchange} {Opcode CLOSE}";
@@ -16,17 +14,9 @@ const MASS: f64 = 1.5;
 /// Stiffness of the slide that carries the tool changer, N/m.
 const STIFFNESS: f64 = 5000.0;
 
-fn scene() -> WorldDef {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/KR60/robot.toml");
-    let mut scene = scene_loader::load("rough", &[]).expect("a map");
-    let robot = scene_loader::robot(&file.display().to_string(), &[]).expect("a robot");
-    scene.robots.insert(robot.class.clone(), robot);
-    scene
-}
-
 /// Builds a world with the robot at the origin, its slide down so far, m, and the tool in its hand.
 fn world(down: f64) -> (World, PawnId) {
-    let mut world = World::new(scene(), Options::default());
+    let mut world = World::new(scene_with_test_robot("KR60"), Options::default());
     let robot = init(&mut world, "INIT {ClassName KR60} {Location 0,0,-0.1}");
     apply(&mut world, robot, &format!("ACT {{Name KR60Arm}} {{Link 1}} {{Value {down}}}"));
     run(&mut world, 3.0);
@@ -187,7 +177,7 @@ fn a_robot_that_leaves_takes_its_tool_along_held_or_dropped() {
 
 #[test]
 fn a_robot_of_the_engine_keeps_its_tool_and_says_why() {
-    let mut scene = scene();
+    let mut scene = scene_with_test_robot("KR60");
     scene.robots.values_mut().for_each(|robot| robot.set_drive_model(Some(DriveModel::Bodies)));
     let mut world = World::new(scene, Options::default());
     let robot = init(&mut world, "INIT {ClassName KR60} {Location 0,0,-0.1}");
@@ -207,7 +197,8 @@ fn a_saved_world_goes_on_with_its_tools() {
         run(&mut original, 0.3);
         let saved = original.save().expect("a state");
         let text = serde_json::to_string(&saved).expect("JSON");
-        let mut loaded = World::load(scene(), &serde_json::from_str(&text).expect("a state")).expect("a world");
+        let mut loaded = World::load(scene_with_test_robot("KR60"), &serde_json::from_str(&text).expect("a state"))
+            .expect("a world");
         let mut copy = original.clone();
         for _ in 0..200 {
             original.step();

@@ -1,27 +1,16 @@
 //! Objects stick to a robot's vacuum, and come off.
 
-use std::path::Path;
-
 use gamebots_proto::Problem;
 use gamebots_proto::message::Message;
 use nalgebra::Vector3;
-use scene::{ObjectId, ObjectSnapshot, WorldDef};
+use scene::{ObjectId, ObjectSnapshot};
 use sim_core::{Options, PawnId, World};
-use system_tests::{apply, command, init, run};
+use system_tests::{apply, command, init, run, scene_with_test_robot};
 
 const CLOSE: &str = "SET {Type Gripper} {Name KR60gripper} {Opcode Close}";
 const OPEN: &str = "SET {Type Gripper} {Name KR60gripper} {Opcode Open}";
 /// How far the slide goes down, so that the mouth is 33 mm above a crate, m.
 const DOWN: f64 = 0.22;
-
-/// Returns the map with crates and the test's robot.
-fn scene() -> WorldDef {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/KR60/robot.toml");
-    let mut scene = scene_loader::load("rough", &[]).expect("a map");
-    let robot = scene_loader::robot(&file.display().to_string(), &[]).expect("a robot");
-    scene.robots.insert(robot.class.clone(), robot);
-    scene
-}
 
 /// A world with a robot whose vacuum is above something that a controller made.
 struct Scene {
@@ -32,7 +21,7 @@ struct Scene {
 
 impl Scene {
     fn new(create: &str) -> Self {
-        let mut world = World::new(scene(), Options::default());
+        let mut world = World::new(scene_with_test_robot("KR60"), Options::default());
         let robot = init(&mut world, "INIT {ClassName KR60} {Location 0,0,-0.1}");
         let controller = init(&mut world, "INIT {ClassName USARBotAPI.WorldController}");
         apply(&mut world, controller, &format!("CONTROL {{Type Create}} {{Name box}} {create}"));
@@ -189,7 +178,7 @@ fn a_controller_hears_where_its_stuck_crate_is() {
 /// The object of the map is the map's again after it was put down, and saved worlds with it go on with the same bits.
 #[test]
 fn a_saved_world_goes_on_with_what_sticks_to_a_robot() {
-    let mut def = scene();
+    let mut def = scene_with_test_robot("KR60");
     let crate_of_map = Scene::new(CRATE).thing();
     let mut object = (*crate_of_map.def).clone();
     object.solid.position = [1.0, 0.0, -0.25];

@@ -2,10 +2,9 @@
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
-use std::time::{Duration, Instant};
 
 use gamebots_server::{Listener, Propagation, Service};
-use system_tests::{PATIENCE, Peer, Server};
+use system_tests::{PATIENCE, Peer, Server, wait_until};
 
 fn server(map: &str, propagation: Propagation) -> Server {
     Server::start(map, &[], |config| {
@@ -63,14 +62,6 @@ fn robot(server: &Server, name: &str, place: &str) -> Peer {
     peer
 }
 
-fn wait_for(mut condition: impl FnMut() -> bool) {
-    let end = Instant::now() + PATIENCE;
-    while !condition() {
-        assert!(Instant::now() < end, "did not happen");
-        std::thread::sleep(Duration::from_millis(10));
-    }
-}
-
 /// MRL's programs connect, send a message and close at once.
 #[test]
 fn no_byte_is_lost_when_the_sender_closes_at_once() {
@@ -108,8 +99,8 @@ fn bytes_go_both_ways_and_the_receiver_learns_who_sends() {
     // What runs goes on when a robot leaves the radio; its name and its ports are free.
     let way = a.way_to("B");
     drop(b);
-    wait_for(|| a.strength("B") == "NaN} {Error Robot.Does.Not.Exist");
-    wait_for(|| TcpStream::connect(way).is_err());
+    wait_until(|| a.strength("B") == "NaN} {Error Robot.Does.Not.Exist");
+    wait_until(|| TcpStream::connect(way).is_err());
     here.write_all(b"more").expect("to send");
     there.read_exact(&mut buffer).expect("bytes");
     assert_eq!(&buffer, b"more");
@@ -144,11 +135,11 @@ fn links_break_with_distance_and_come_back() {
     let far = robot(&server, "B", "90000,0,0");
     let (mut a, b) = (Radio::new(&server, "A"), Radio::new(&server, "B"));
     let way = a.way_to("B");
-    wait_for(|| TcpStream::connect(way).is_err());
+    wait_until(|| TcpStream::connect(way).is_err());
     let mut controller = server.client();
     controller.send("INIT {ClassName USARBotAPI.WorldController}");
     controller.send("CONTROL {Type AbsMove} {Name B} {Location 5,0,0}");
-    wait_for(|| TcpStream::connect(way).is_ok());
+    wait_until(|| TcpStream::connect(way).is_ok());
     let mut here = TcpStream::connect(way).expect("a connection");
     here.set_read_timeout(Some(PATIENCE)).expect("a timeout");
     here.write_all(b"x").expect("to send");
@@ -158,7 +149,7 @@ fn links_break_with_distance_and_come_back() {
     assert!(matches!(here.read(&mut [0]), Ok(0) | Err(_)));
     drop(far);
     let Radio { mut control, .. } = b;
-    wait_for(|| control.line_or_end().is_none());
+    wait_until(|| control.line_or_end().is_none());
     assert_eq!(a.strength("B"), "NaN} {Error Robot.Does.Not.Exist");
 }
 
