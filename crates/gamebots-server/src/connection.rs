@@ -117,7 +117,7 @@ async fn read_lines(
     let turns = Arc::new(Semaphore::new(1));
     let mut framing = Framing::default();
     let mut buffer = vec![0; READ_BYTES];
-    let mut first_bytes = Vec::new();
+    let mut first_bytes = FirstBytes::default();
     loop {
         outbox.ready_for_answers().await;
         let read = read.read(&mut buffer);
@@ -125,14 +125,14 @@ async fn read_lines(
         let (lines, end) = match result {
             Some(Ok(count)) if count > 0 => {
                 let bytes = buffer.get(..count).unwrap_or_default();
-                first_bytes.extend(bytes.iter().take(FIRST_BYTES - first_bytes.len()));
+                first_bytes.add(bytes);
                 (framing.push(bytes), None)
             }
             Some(Ok(_)) => (framing.finish().into_iter().collect(), Some("closed by the client")),
             Some(Err(_)) => (framing.finish().into_iter().collect(), Some("reset by the client")),
             None => (framing.finish().into_iter().collect(), None),
         };
-        if is_http(&first_bytes) {
+        if first_bytes.are_http() {
             let request = Request { text: String::new(), command: None, problems: vec![Problem::Http] };
             return match hand_over(id, vec![request], &turns, events).await {
                 Ok(()) => "it speaks HTTP",
@@ -165,12 +165,28 @@ async fn hand_over(
     events.send(Event::Requests(id, requests, turn)).map_err(|_| Stopped)
 }
 
-/// True if a connection begins with an HTTP request. Any web page can make a browser send one here, and its body would be read
-/// line by line. No verb of the protocol is a method of HTTP, and the first bytes show it however long the line gets.
-pub(crate) fn is_http(first_bytes: &[u8]) -> bool {
-    const METHODS: [&[u8]; 9] =
-        [b"GET ", b"POST ", b"HEAD ", b"PUT ", b"DELETE ", b"OPTIONS ", b"PATCH ", b"CONNECT ", b"TRACE "];
-    METHODS.iter().any(|method| first_bytes.starts_with(method))
+/// The first bytes of a connection.
+#[derive(Default)]
+pub(crate) struct FirstBytes(Vec<u8>);
+
+impl FirstBytes {
+    /// Adds the next bytes of the connection.
+    pub(crate) fn add(&mut self, bytes: &[u8]) {
+        self.0.extend(bytes.iter().take(FIRST_BYTES - self.0.len()));
+    }
+
+    /// True if the connection begins with an HTTP request. Any web page can make a browser send one here, and its body would be read
+    /// line by line. No verb of the protocol is a method of HTTP, and the first bytes show it however long the line gets.
+    pub(crate) fn are_http(&self) -> bool {
+        const METHODS: [&[u8]; 9] =
+            [b"GET ", b"POST ", b"HEAD ", b"PUT ", b"DELETE ", b"OPTIONS ", b"PATCH ", b"CONNECT ", b"TRACE "];
+        METHODS.iter().any(|method| self.0.starts_with(method))
+    }
+}
+
+/// Sends an answer. Returns false if the client has left or does not take it in time.
+pub(crate) async fn send(stream: &mut TcpStream, answer: &[u8], stall_timeout: Duration) -> bool {
+    matches!(timeout(stall_timeout, stream.write_all(answer)).await, Ok(Ok(())))
 }
 
 /// Writes lines as they come. Paced lines leave in separate segments, [`LINE_INTERVAL`] apart.

@@ -12,17 +12,18 @@ use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use picture::Image;
 use scene::PawnId;
 use sim_core::TILES;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
+use tokio::io::AsyncReadExt;
+use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Mutex, watch};
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
 use crate::cameras::SIZE;
-use crate::connection::is_http;
+use crate::connection::{FirstBytes, send};
+use crate::listener::accept;
 
 /// Most connections at once; more wait.
-pub(crate) const MAX_CONNECTIONS: usize = 16;
+const MAX_CONNECTIONS: usize = 16;
 /// Longest wait for a picture that the client has not had.
 const WAIT: Duration = Duration::from_millis(100);
 /// Longest wait for the first picture of all: cameras measure every 0.1 s of simulated time.
@@ -169,11 +170,11 @@ fn encode(kind: ImageKind, tiles: &Tiles, [x, y, width, height]: [u32; 4]) -> Ve
     };
     let mut file = Vec::new();
     if !is_empty {
-        let bytes: Vec<u8> = rows.concat().concat();
+        let pixels = rows.concat();
         let mut encoder = Encoder::new(&mut file, quality);
         encoder.set_sampling_factor(SamplingFactor::F_2_2);
         // Sizes and bytes fit, and writing to memory does not fail.
-        let _ = encoder.encode(&bytes, width as u16, height as u16, ColorType::Rgb);
+        let _ = encoder.encode(pixels.as_flattened(), width as u16, height as u16, ColorType::Rgb);
     }
     picture(kind as u8, &file)
 }
@@ -192,19 +193,29 @@ fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8
     pixels.get(columns).map(<[_]>::to_vec).unwrap_or_default()
 }
 
+/// Serves the port until the future is dropped.
+pub(crate) async fn serve(board: Board, listener: TcpListener, stall_timeout: Duration) {
+    accept(listener, MAX_CONNECTIONS, |stream, _, place| {
+        let board = board.clone();
+        async move {
+            let _place = place;
+            converse(stream, &board, stall_timeout).await;
+        }
+    })
+    .await;
+}
+
 /// Answers a client until it leaves, speaks HTTP or does not read.
-pub(crate) async fn converse(mut stream: TcpStream, board: &Board, stall_timeout: Duration) {
+async fn converse(mut stream: TcpStream, board: &Board, stall_timeout: Duration) {
     let _ = stream.set_nodelay(true);
     let mut shown = board.tiles.subscribe();
     let (mut requests, mut sent) = (PictureRequests::default(), None);
-    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], Vec::new());
+    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
     loop {
         let Ok(count) = stream.read(&mut buffer).await else { return };
         let bytes = buffer.get(..count).unwrap_or_default();
-        if first_bytes.len() < READ_BYTES {
-            first_bytes.extend_from_slice(bytes);
-        }
-        if bytes.is_empty() || is_http(&first_bytes) {
+        first_bytes.add(bytes);
+        if bytes.is_empty() || first_bytes.are_http() {
             return;
         }
         for &byte in bytes {
@@ -222,7 +233,7 @@ pub(crate) async fn converse(mut stream: TcpStream, board: &Board, stall_timeout
             let tiles = shown.borrow_and_update().clone();
             sent = Some(tiles.changes);
             let answer = board.answer(request, tiles).await;
-            if !matches!(timeout(stall_timeout, stream.write_all(&answer)).await, Ok(Ok(()))) {
+            if !send(&mut stream, &answer, stall_timeout).await {
                 return;
             }
         }

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
 use tokio::net::{TcpListener, TcpSocket, TcpStream, lookup_host};
-use tokio::sync::oneshot;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::task::JoinSet;
-use tracing::{info, warn};
+use tracing::{debug, info, warn};
 
 use crate::connection::{BACK_OFF, ConnectionId, Event};
 use crate::images::{self, Board};
@@ -81,12 +81,7 @@ pub(crate) async fn serve(
         accept_clients(clients, bound, address, max_connections, serve)
     });
     let telling = ports.into_iter().map(|(port, bound)| ports::serve(port, bound, events.clone(), stall_timeout));
-    let drawing = images.into_iter().map(|bound| {
-        ports::accept(bound, images::MAX_CONNECTIONS, |stream| {
-            let board = board.clone();
-            async move { images::converse(stream, &board, stall_timeout).await }
-        })
-    });
+    let drawing = images.into_iter().map(|bound| images::serve(board.clone(), bound, stall_timeout));
     let radioing = radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, stall_timeout));
     let showing = pages.into_iter().map(|page| web::serve(page, site.clone()));
     let is_gone = tokio::select! {
@@ -230,6 +225,36 @@ async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
                     let (id, client) = serve(stream);
                     info!(connection = id, %peer, "client connected");
                     clients.spawn(client);
+                }
+                Err(error) => {
+                    warn!(%error, "cannot accept a client");
+                    tokio::time::sleep(BACK_OFF).await;
+                }
+            },
+            Some(_) = clients.join_next() => {}
+        }
+    }
+}
+
+/// One of a service's places for connections. It is held while the connection lives.
+pub(crate) type Place = OwnedSemaphorePermit;
+
+/// Accepts clients until the future is dropped, at most a number of them at once; more wait. Their futures hold their places.
+pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
+    listener: TcpListener,
+    most: usize,
+    serve: impl Fn(TcpStream, SocketAddr, Place) -> S,
+) {
+    let places = Arc::new(Semaphore::new(most));
+    let mut clients = JoinSet::new();
+    loop {
+        // The semaphore is never closed.
+        let Ok(place) = places.clone().acquire_owned().await else { return };
+        tokio::select! {
+            accepted = listener.accept() => match accepted {
+                Ok((stream, peer)) => {
+                    debug!(%peer, "connected");
+                    clients.spawn(serve(stream, peer, place));
                 }
                 Err(error) => {
                     warn!(%error, "cannot accept a client");

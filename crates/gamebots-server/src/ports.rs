@@ -13,14 +13,13 @@ use gamebots_proto::ports::{Place, PositionsQuestion, Row, Stand, TruthQuestion,
 use nalgebra::Vector3;
 use scene::Pose;
 use sim_core::{Actor, ActorKind, World};
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::AsyncReadExt;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, oneshot};
-use tokio::task::JoinSet;
 use tokio::time::timeout;
-use tracing::{debug, warn};
 
-use crate::connection::{BACK_OFF, Event, UNENDED_LINE, is_http};
+use crate::connection::{Event, FirstBytes, UNENDED_LINE, send};
+use crate::listener::accept;
 use crate::web::Health;
 
 /// Most connections to a port at once; more wait.
@@ -87,42 +86,14 @@ impl Inquiry {
 
 /// Serves a port of lines until the future is dropped.
 pub(crate) async fn serve(port: Port, listener: TcpListener, events: Sender<Event>, stall_timeout: Duration) {
-    let serve = |stream| {
+    accept(listener, MAX_CONNECTIONS, |stream, _, place| {
         let inquiry = Inquiry::new(events.clone());
-        async move { converse(port, stream, &inquiry, stall_timeout).await }
-    };
-    accept(listener, MAX_CONNECTIONS, serve).await;
-}
-
-/// Accepts clients until the future is dropped, and serves at most a number of them at once.
-pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
-    listener: TcpListener,
-    most: usize,
-    serve: impl Fn(TcpStream) -> S,
-) {
-    let places = Arc::new(Semaphore::new(most));
-    let mut connections = JoinSet::new();
-    loop {
-        // The semaphore is never closed.
-        let Ok(place) = places.clone().acquire_owned().await else { return };
-        tokio::select! {
-            accepted = listener.accept() => match accepted {
-                Ok((stream, peer)) => {
-                    debug!(%peer, "connected");
-                    let client = serve(stream);
-                    connections.spawn(async move {
-                        let _place = place;
-                        client.await;
-                    });
-                }
-                Err(error) => {
-                    warn!(%error, "cannot accept a client");
-                    tokio::time::sleep(BACK_OFF).await;
-                }
-            },
-            Some(_) = connections.join_next() => {}
+        async move {
+            let _place = place;
+            converse(port, stream, &inquiry, stall_timeout).await;
         }
-    }
+    })
+    .await;
 }
 
 /// Answers a client until it leaves, speaks HTTP or does not read.
@@ -133,28 +104,26 @@ async fn converse(port: Port, mut stream: TcpStream, inquiry: &Inquiry, stall_ti
         Port::Truth => Framing::with_empty_lines(),
         Port::Positions => Framing::default(),
     };
-    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], Vec::new());
+    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
     loop {
         let read = stream.read(&mut buffer);
         let result = if framing.ends_with_block() { timeout(UNENDED_LINE, read).await.ok() } else { Some(read.await) };
         let (lines, is_over) = match result {
             Some(Ok(count)) if count > 0 => {
                 let bytes = buffer.get(..count).unwrap_or_default();
-                if first_bytes.len() < READ_BYTES {
-                    first_bytes.extend_from_slice(bytes);
-                }
+                first_bytes.add(bytes);
                 (framing.push(bytes), false)
             }
             None => (framing.finish().into_iter().collect(), false),
             Some(_) => (framing.finish().into_iter().collect(), true),
         };
-        if is_http(&first_bytes) {
+        if first_bytes.are_http() {
             return;
         }
         // A line that is too long has no answer.
         for line in lines.into_iter().flatten() {
             let Some(answer) = port.answer(&line, inquiry).await else { return };
-            if !matches!(timeout(stall_timeout, stream.write_all(answer.as_bytes())).await, Ok(Ok(()))) {
+            if !send(&mut stream, answer.as_bytes(), stall_timeout).await {
                 return;
             }
         }

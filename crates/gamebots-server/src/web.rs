@@ -28,13 +28,12 @@ use axum::{Extension, Router};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
-use tokio::task::JoinSet;
 use tokio_io_timeout::TimeoutStream;
-use tracing::{debug, warn};
+use tracing::debug;
 
 use crate::WorldControl;
 use crate::connection::Event;
+use crate::listener::{self, accept};
 use crate::live::Channels;
 
 pub(crate) use metrics::Health;
@@ -44,8 +43,6 @@ pub(crate) use packed::Packed;
 const MAX_CONNECTIONS: usize = 256;
 /// Longest time for the head of a request, and for a client to read its response.
 const TIMEOUT: Duration = Duration::from_secs(10);
-/// Pause after an error of accept, which would otherwise recur at once.
-const BACK_OFF: Duration = Duration::from_millis(100);
 
 /// State that the page's handlers share.
 pub(crate) struct Site {
@@ -64,7 +61,7 @@ pub(crate) struct Site {
 }
 
 /// One of the [`MAX_CONNECTIONS`], held while the connection lives, also after it has become a WebSocket.
-pub(crate) type Place = Arc<OwnedSemaphorePermit>;
+pub(crate) type Place = Arc<listener::Place>;
 
 /// Address and rights of a page.
 #[derive(Debug, Clone, Copy)]
@@ -87,29 +84,14 @@ pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
         .route("/health", get(metrics::health))
         .route("/metrics", get(metrics::metrics))
         .with_state(site.clone());
-    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
-    let mut connections = JoinSet::new();
-    loop {
-        // The semaphore is never closed.
-        let Ok(place) = places.clone().acquire_owned().await else { return };
-        tokio::select! {
-            accepted = listener.accept() => match accepted {
-                Ok((stream, peer)) => {
-                    let place: Place = Arc::new(place);
-                    let own = stream.local_addr().unwrap_or(peer);
-                    let refusal = site.world_control.refusal(peer.ip(), own.ip());
-                    let peer = Peer { address: peer.ip(), refusal };
-                    let router = router.clone().layer(Extension(place)).layer(Extension(peer));
-                    connections.spawn(serve_connection(stream, router));
-                }
-                Err(error) => {
-                    warn!(%error, "cannot accept a viewer");
-                    tokio::time::sleep(BACK_OFF).await;
-                }
-            },
-            Some(_) = connections.join_next() => {}
-        }
-    }
+    let serve = |stream: TcpStream, peer: SocketAddr, place| {
+        let place: Place = Arc::new(place);
+        let own = stream.local_addr().unwrap_or(peer);
+        let refusal = site.world_control.refusal(peer.ip(), own.ip());
+        let peer = Peer { address: peer.ip(), refusal };
+        serve_connection(stream, router.clone().layer(Extension(place)).layer(Extension(peer)))
+    };
+    accept(listener, MAX_CONNECTIONS, serve).await;
 }
 
 async fn serve_connection(stream: TcpStream, router: Router) {

@@ -19,8 +19,9 @@ use tokio::task::AbortHandle;
 use tokio::time::{interval, timeout};
 use tracing::{debug, warn};
 
-use crate::connection::{BACK_OFF, Event, is_http};
-use crate::ports::{Inquiry, Question, accept};
+use crate::connection::{BACK_OFF, Event, FirstBytes, send};
+use crate::listener::accept;
+use crate::ports::{Inquiry, Question};
 
 /// Most control connections at once; more wait.
 const MAX_CONNECTIONS: usize = 64;
@@ -179,7 +180,13 @@ impl Network {
 
 /// Serves the port until the future is dropped.
 pub(crate) async fn serve(network: Network, listener: TcpListener, stall_timeout: Duration) {
-    let accepting = accept(listener, MAX_CONNECTIONS, |stream| converse(stream, network.clone(), stall_timeout));
+    let accepting = accept(listener, MAX_CONNECTIONS, |stream, _, place| {
+        let network = network.clone();
+        async move {
+            let _place = place;
+            converse(stream, network, stall_timeout).await;
+        }
+    });
     tokio::join!(accepting, network.clone().watch());
 }
 
@@ -196,7 +203,7 @@ async fn converse(mut stream: TcpStream, network: Network, stall_timeout: Durati
     let mut robot = Robot { network, inquiry: None, address: peer.ip(), name: None, kick: Arc::default() };
     let kick = robot.kick.clone();
     let mut framing = Framing::default();
-    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], Vec::new());
+    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
     loop {
         let read = tokio::select! {
             read = stream.read(&mut buffer) => read,
@@ -204,15 +211,13 @@ async fn converse(mut stream: TcpStream, network: Network, stall_timeout: Durati
         };
         let Ok(count @ 1..) = read else { return };
         let bytes = buffer.get(..count).unwrap_or_default();
-        if first_bytes.len() < READ_BYTES {
-            first_bytes.extend_from_slice(bytes);
-        }
-        if is_http(&first_bytes) {
+        first_bytes.add(bytes);
+        if first_bytes.are_http() {
             return;
         }
         for line in framing.push(bytes).into_iter().flatten() {
             let Some(answer) = robot.answer(&line).await else { return };
-            if !matches!(timeout(stall_timeout, stream.write_all(answer.as_bytes())).await, Ok(Ok(()))) {
+            if !send(&mut stream, answer.as_bytes(), stall_timeout).await {
                 return;
             }
         }
