@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use gamebots_proto::Problem;
 use nalgebra::Vector3;
-use scene::{BodyState, Object, ObjectId, ObjectSnapshot, PawnId, ToolChanger, check};
+use scene::{BodyState, Object, ObjectId, ObjectSnapshot, PawnId, Pose, ToolChanger, check};
 use serde::{Deserialize, Serialize};
 
 use super::World;
@@ -84,19 +84,23 @@ impl World {
 
     fn drop_tool(&mut self, place: usize, changer: &ToolChanger) -> Result<(), String> {
         let tool = self.tools[place].clone();
-        self.empty_tool(tool.robot, tool.name());
+        self.empty_tool(tool.robot, &tool);
         let carrier = self.carrier(tool.robot, changer.link).ok_or("the robot is gone")?;
         let pose = carrier.pose * changer.pose() * tool.object.solid.pose();
-        let lever = pose.translation.vector - carrier.pose.translation.vector;
         self.tools[place].changer = None;
         if let Err(why) = self.refit(tool.robot) {
             self.tools[place].changer = tool.changer;
             return Err(why);
         }
         self.physics.spawn_object(tool.id, tool.object, &pose, false);
-        let linear = carrier.linear + carrier.angular.cross(&lever);
-        self.physics.push_off(tool.id, &linear, &carrier.angular);
+        self.leave_link(tool.id, &carrier, &pose);
         Ok(())
+    }
+
+    /// Gives an object that comes off a link at a pose the velocity of the link.
+    pub(super) fn leave_link(&mut self, id: ObjectId, carrier: &BodyState, pose: &Pose) {
+        let lever = pose.translation.vector - carrier.pose.translation.vector;
+        self.physics.push_off(id, &(carrier.linear + carrier.angular.cross(&lever)), &carrier.angular);
     }
 
     /// Takes the first tool that a ray along the changer's z axis meets, if it is near enough and turned like the changer.
@@ -179,11 +183,6 @@ pub(super) fn fitted(
     let tools = own.filter_map(|tool| of_tool(tool).map(|(link, at)| Held { link, at, object: &tool.object }));
     let stuck = stuck.iter().filter(|stuck| stuck.robot == robot).filter_map(|stuck| stuck.held(&class.def));
     physics.fitted(class, tools.chain(stuck))
-}
-
-/// True if a tool has a name, in any case.
-pub(super) fn is_named(tool: &Tool, name: &str) -> bool {
-    tool.name().eq_ignore_ascii_case(name)
 }
 
 /// Returns the place in a list of the tool that a tool changer holds.

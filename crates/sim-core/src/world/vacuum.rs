@@ -12,7 +12,7 @@ use scene::{Object, ObjectId, ObjectSnapshot, PawnId, Pose, RobotDef, Solid, Vac
 use serde::{Deserialize, Serialize};
 
 use super::World;
-use super::tools::{self, Tool};
+use super::tools::Tool;
 use crate::physics::{Held, Identity, Lifted, Light};
 
 /// An object that sticks to a vacuum.
@@ -113,28 +113,26 @@ impl World {
         let link = self.robot(robot).and_then(|def| def.vacuums.get(vacuum)).map(|vacuum| vacuum.link);
         let Some(carrier) = link.and_then(|link| self.carrier(robot, link)) else { return };
         let pose = carrier.pose * fixed.solid.pose();
-        let lever = pose.translation.vector - carrier.pose.translation.vector;
         self.physics.put_down(id, lifted, &pose);
-        let linear = carrier.linear + carrier.angular.cross(&lever);
-        self.physics.push_off(id, &linear, &carrier.angular);
+        self.leave_link(id, &carrier, &pose);
     }
 
     /// Puts down the objects of a robot that is about to leave.
     pub(super) fn put_all_down(&mut self, robot: PawnId) {
-        let own: Vec<Stuck> = self.stuck.extract_if(.., |stuck| stuck.robot == robot).collect();
-        own.into_iter().for_each(|stuck| self.put_down(stuck));
+        self.put_down_where(robot, |_| true);
     }
 
-    /// Lets go of the objects of the vacuums of a tool that its robot is about to drop.
-    pub(super) fn empty_tool(&mut self, robot: PawnId, tool: &str) {
-        let is_of_tool = |world: &Self, stuck: &Stuck| {
-            let vacuum = world.robot(robot).and_then(|def| def.vacuums.get(stuck.vacuum));
-            stuck.robot == robot && vacuum.is_some_and(|vacuum| vacuum.tool.as_deref() == Some(tool))
-        };
-        while let Some(place) = self.stuck.iter().position(|stuck| is_of_tool(self, stuck)) {
-            // The tool is dropped next, which refits the robot again.
-            _ = self.let_go(place);
-        }
+    /// Puts down the objects of a tool that its robot is about to drop. That refits the robot.
+    pub(super) fn empty_tool(&mut self, robot: PawnId, tool: &Tool) {
+        let is_of_tool = |vacuum: &Vacuum| vacuum.tool.as_ref().is_some_and(|name| is_named(tool, name));
+        let vacuums = self.robot(robot).map_or(&[][..], |def| &def.vacuums);
+        let own: Vec<bool> = vacuums.iter().map(is_of_tool).collect();
+        self.put_down_where(robot, |stuck| own.get(stuck.vacuum) == Some(&true));
+    }
+
+    fn put_down_where(&mut self, robot: PawnId, is_meant: impl Fn(&Stuck) -> bool) {
+        let own: Vec<Stuck> = self.stuck.extract_if(.., |stuck| stuck.robot == robot && is_meant(stuck)).collect();
+        own.into_iter().for_each(|stuck| self.put_down(stuck));
     }
 
     /// Removes an object from the world, be it stuck to a robot.
@@ -167,5 +165,10 @@ impl World {
 
 /// True if one of a robot's tool changers holds a tool.
 fn holds(tools: &[Tool], robot: PawnId, name: &str) -> bool {
-    tools.iter().any(|tool| tool.robot == robot && tool.changer.is_some() && tools::is_named(tool, name))
+    tools.iter().any(|tool| tool.robot == robot && tool.changer.is_some() && is_named(tool, name))
+}
+
+/// True if a tool has a name, in any case.
+fn is_named(tool: &Tool, name: &str) -> bool {
+    tool.name().eq_ignore_ascii_case(name)
 }
