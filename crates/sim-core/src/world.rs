@@ -290,10 +290,7 @@ impl World {
             Ok((_, class)) => class,
             Err(why) => return Some(Err(why)),
         };
-        // A running engine keeps its shapes in place, and a query must not change its next step.
-        if !self.is_engine_running {
-            self.enter_shapes();
-        }
+        self.enter_shapes_for_question();
         Some(self.find_room(&class, &scene::pose(location, rotation), None))
     }
 
@@ -470,6 +467,13 @@ impl World {
         let of_robot =
             |(id, _, own): (PawnId, &mut Robot, Vec<Report>)| own.into_iter().map(move |report| (id, report));
         reports.into_iter().flat_map(of_robot).collect()
+    }
+
+    /// Enters shapes for a question, which must not change the next step. A running engine keeps its shapes in place.
+    fn enter_shapes_for_question(&mut self) {
+        if !self.is_engine_running {
+            self.enter_shapes();
+        }
     }
 
     fn enter_shapes(&mut self) {

@@ -136,10 +136,7 @@ impl World {
     pub fn obstacles(&mut self, from: [f64; 3], to: [f64; 3]) -> usize {
         let (from, way) = (Point3::from(from), Vector3::from(to) - Vector3::from(from));
         let Some(direction) = way.try_normalize(1e-9) else { return 0 };
-        // A running engine keeps its shapes in place, and a query must not change its next step.
-        if !self.is_engine_running {
-            self.enter_shapes();
-        }
+        self.enter_shapes_for_question();
         let (length, mut gone, mut last, mut count) = (way.norm(), 0.0, None, 0);
         for _ in 0..MAX_HITS {
             let sight = self.physics.sight(Light::Visible, &(from + direction * gone), length - gone, PawnId(u64::MAX));
