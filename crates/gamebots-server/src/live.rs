@@ -210,8 +210,6 @@ pub(crate) struct Broadcast {
     viewers: usize,
     next_frame: Instant,
     next_status: Instant,
-    /// Real and simulated time, s, of the last measurement, and the real-time factor that it gave.
-    measured: (Instant, f64, f64),
 }
 
 /// Returns the scene for pages; empty if no page is served.
@@ -239,7 +237,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, bo
         scene: scene_end,
         objects: objects_end,
     };
-    let (scanned, measured) = (BTreeMap::new(), (now, 0.0, 0.0));
+    let scanned = BTreeMap::new();
     let (next_frame, next_status) = (now, now);
     let broadcast = Broadcast {
         frames,
@@ -257,7 +255,6 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, bo
         viewers: 0,
         next_frame,
         next_status,
-        measured,
     };
     (broadcast, channels)
 }
@@ -302,23 +299,16 @@ impl Broadcast {
         Some(Due { status })
     }
 
-    /// Publishes a frame, and the status if it is due. The status's real-time factor is measured here.
+    /// Publishes a frame, and the status if it is due.
     pub(crate) fn publish(&mut self, now: Instant, scene: &WorldDef, snapshot: &Snapshot, status: Option<Status>) {
         self.next_frame = now + FRAME_INTERVAL;
         self.show_objects(now, &scene.map, &snapshot.objects);
         self.frames.send_replace(frame::frame(scene, snapshot).into());
         if let Some(status) = status {
             self.next_status = now + STATUS_INTERVAL;
-            let (before, time, _) = self.measured;
-            let elapsed = now.duration_since(before);
-            // Shorter times are too uneven to measure.
-            if elapsed >= STATUS_INTERVAL {
-                let factor = (snapshot.time - time).max(0.0) / elapsed.as_secs_f64();
-                self.measured = (now, snapshot.time, factor);
-            }
-            let (real_time_factor, scene, viewers) = (self.measured.2, self.scenes, self.viewers.saturating_sub(1));
+            let (scene, viewers) = (self.scenes, self.viewers.saturating_sub(1));
             let objects = self.spawned.1;
-            let status = Status { real_time_factor, scene, objects, viewers, ..status };
+            let status = Status { scene, objects, viewers, ..status };
             self.statuses.send_replace(serde_json::json!({ "status": status }).to_string().into());
         }
     }

@@ -40,8 +40,8 @@ const SLICE: Duration = Duration::from_millis(1);
 const MAX_CREDIT: Duration = Duration::from_millis(4);
 /// Time after which the cost of a client counts half.
 const FORGETTING_INTERVAL: Duration = Duration::from_millis(100);
-/// Least time over which the real-time factor is measured.
-const MEASURE_INTERVAL: Duration = Duration::from_secs(1);
+/// Least time over which the real-time factor is measured. Shorter times are too uneven.
+const MEASURE_INTERVAL: Duration = Duration::from_millis(500);
 /// Interval between reports of dropped lines and repeated problems.
 const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
@@ -519,7 +519,7 @@ impl Server {
             let (Ok(text) | Err(text)) = saved;
             self.audience.publisher.announce(now, &text);
         }
-        let Self { audience, sessions, timing, resets, saves, .. } = self;
+        let Self { audience, sessions, timing, work, resets, saves, .. } = self;
         let (Audience { publisher, clients }, world) = (audience, sessions.world());
         let robot = |(id, class, name): (PawnId, &str, &str)| RobotStatus {
             id: id.0,
@@ -536,7 +536,7 @@ impl Server {
             waiting_bytes: client.outbox().waiting_bytes(),
         };
         publisher.publish(now, world, |recording| Status {
-            real_time_factor: 0.0,
+            real_time_factor: work.real_time_factor,
             speed: timing.speed,
             paused: timing.paused,
             scene: 0,

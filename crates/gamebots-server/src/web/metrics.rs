@@ -23,7 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 pub(crate) struct Health {
     /// Simulated time, s.
     pub(crate) simulated: f64,
-    /// Simulated seconds per real second over the last second or so.
+    /// Simulated seconds per real second over the last half second.
     pub(crate) real_time_factor: f64,
     /// The factor that is asked for; 0 is as fast as possible.
     pub(crate) speed: f64,
@@ -72,7 +72,7 @@ fn text(health: &Health) -> String {
         gauge("usarsim_simulated_seconds", "Time in the world.", health.simulated),
         gauge(
             "usarsim_real_time_factor",
-            "Simulated seconds per real second over the last second.",
+            "Simulated seconds per real second over the last half second.",
             health.real_time_factor,
         ),
         gauge("usarsim_wanted_real_time_factor", "The factor asked for; 0 is as fast as possible.", health.speed),
