@@ -3,7 +3,7 @@
 use gamebots_proto::Problem;
 use gamebots_proto::message::Message;
 use nalgebra::Vector3;
-use scene::{ObjectId, ObjectSnapshot};
+use scene::{ObjectId, ObjectSnapshot, WorldDef};
 use sim_core::{Options, PawnId, World};
 use system_tests::{apply, command, init, run, scene_with_test_robot};
 
@@ -21,7 +21,11 @@ struct Scene {
 
 impl Scene {
     fn new(create: &str) -> Self {
-        let mut world = World::new(scene_with_test_robot("KR60"), Options::default());
+        Self::of(scene_with_test_robot("KR60"), create)
+    }
+
+    fn of(def: WorldDef, create: &str) -> Self {
+        let mut world = World::new(def, Options::default());
         let robot = init(&mut world, "INIT {ClassName KR60} {Location 0,0,-0.1}");
         let controller = init(&mut world, "INIT {ClassName USARBotAPI.WorldController}");
         apply(&mut world, controller, &format!("CONTROL {{Type Create}} {{Name box}} {create}"));
@@ -143,6 +147,18 @@ fn a_crate_falls_when_its_tool_is_dropped_or_its_robot_leaves() {
         run(&mut scene.world, 1.0);
         assert!((scene.height() - 0.25).abs() < 2e-3, "{}", scene.height());
     }
+}
+
+#[test]
+fn a_crate_falls_with_its_tool_however_the_vacuum_spells_that() {
+    let mut def = scene_with_test_robot("KR60");
+    def.robots.get_mut("KR60").expect("the robot").vacuums[0].tool = Some("kr60GRIPPER".to_owned());
+    let mut scene = Scene::of(def, CRATE);
+    scene.apply(CLOSE);
+    scene.slide(0.0);
+    scene.apply("SET {Type ToolChanger} {Name toolchange} {Opcode Open}");
+    run(&mut scene.world, 1.0);
+    assert!((scene.height() - 0.25).abs() < 2e-3, "{}", scene.height());
 }
 
 #[test]
