@@ -2,6 +2,7 @@
 
 import './style.css';
 import { type Action, listenToKeys } from './actions';
+import { Board } from './panel/board';
 import { showCommands, showKeys } from './panel/commands';
 import { find, remember, remembered, save, setText } from './panel/dom';
 import { DrivePanel } from './panel/drive';
@@ -98,6 +99,7 @@ const drive = new DrivePanel(
     if (playback.mode !== 'live') playback.goLive();
   },
 );
+const board = new Board();
 const welcome = new Welcome(state, (robotClass) => drive.spawnAnywhere(robotClass));
 
 const live = new Live({
@@ -166,6 +168,7 @@ function showStatus(status: Status): void {
   if (state.selected === null && status.robots[0]) select(status.robots[0].id);
   world.update();
   play.update();
+  board.update(status.league ?? null);
   welcome.update();
 }
 
@@ -203,6 +206,11 @@ function showBanner(text: string | null): void {
   banner.hidden = text === null;
   if (text !== null) setText(banner, text);
   else if (wasLost) say('Connected again');
+}
+
+function removeRobot(): void {
+  if (state.selected === null) say('No robot is chosen');
+  else live.control({ remove: state.selected });
 }
 
 function showPlots(shown: boolean): void {
@@ -260,6 +268,8 @@ const actions: Action[] = [
   { name: 'Save the world to a file', run: press('save') },
   { name: 'Open a log to play it', key: 'o', shown: 'O', run: press('open-log') },
   { name: 'Reset world', run: press('reset') },
+  { name: 'Remove the chosen robot', run: removeRobot },
+  { name: 'Score board of a league: large or small', key: 'b', shown: 'B', run: () => board.toggle() },
   { name: 'Snapshot: save the picture', run: press('screenshot') },
   { name: 'Clear the paths', run: () => view.clearPaths() },
   { name: 'Light or dark', run: press('theme') },

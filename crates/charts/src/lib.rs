@@ -75,18 +75,31 @@ pub struct ChartError {
 }
 
 impl Chart {
+    /// Draws the chart as the text of an SVG.
+    ///
+    /// # Errors
+    /// When it cannot be drawn.
+    pub fn to_svg(&self) -> Result<String, ChartError> {
+        register_fonts();
+        let mut text = String::new();
+        let drawn = self.draw(&SVGBackend::with_string(&mut text, self.size()).into_drawing_area());
+        let refused =
+            |reason: DrawingAreaErrorKind<_>| ChartError { file: "SVG".to_owned(), reason: reason.to_string() };
+        drawn.map_err(refused).map(|()| text)
+    }
+
+    fn size(&self) -> (u32, u32) {
+        if self.equal_axes { SQUARE } else { SIZE }
+    }
+
     /// Draws the chart as SVG or PNG, depending on the ending of the file's name.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn write(&self, file: &Path) -> Result<(), ChartError> {
-        static FONT: Once = Once::new();
-        FONT.call_once(|| {
-            // The embedded font is valid.
-            let _ = register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
-        });
+        register_fonts();
         let refused = |reason: String| ChartError { file: file.display().to_string(), reason };
-        let size = if self.equal_axes { SQUARE } else { SIZE };
+        let size = self.size();
         let has = |ending: &str| file.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending));
         if !has("png") && !has("svg") {
             return Err(refused("expected a name that ends in .svg or .png".to_owned()));
@@ -211,6 +224,14 @@ impl Chart {
             .bold_line_style(RGBColor(225, 225, 225))
             .draw()
     }
+}
+
+fn register_fonts() {
+    static FONT: Once = Once::new();
+    FONT.call_once(|| {
+        // The embedded font is valid.
+        let _ = register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
+    });
 }
 
 /// Returns points on a line. Every line has the same number, so that one with two ends counts as much as one with a thousand.

@@ -134,6 +134,7 @@ mod tests {
                 "init {Classname USARBot.P3AT} {Name R} {Location 1,0000, 2,0000, 0,4000} {Rotation 0 0 1.5}",
                 "INIT {ClassName USARBot.P3AT} {Name R} {Location 1,2,0.4} {Rotation 0,0,1.5}",
             ),
+            ("INIT {ClassName P3AT} {team red} {Start A}", "INIT {ClassName P3AT} {Start A} {Team red}"),
             ("Drive {Left 3.000000} {Right 3,00}", "DRIVE {Left 3.000000} {Right 3,00}"),
             (
                 "DRIVE {Front-Left 1,00}{Front-Right 1,00}{Back-Left 1,00}{Back-Right 1,00}",
@@ -225,8 +226,9 @@ mod tests {
             said,
             [
                 "INIT has no key `ClasName` (did you mean `ClassName`?); expected ClassName, Name, Location, Rotation, \
-                 Start; the block is ignored",
-                "INIT has no key `Teapot`; expected ClassName, Name, Location, Rotation, Start; the block is ignored"
+                 Start, Team; the block is ignored",
+                "INIT has no key `Teapot`; expected ClassName, Name, Location, Rotation, Start, \
+                 Team; the block is ignored"
             ]
         );
     }
@@ -247,10 +249,11 @@ mod tests {
     fn any_command() -> impl Strategy<Value = Command> {
         let vector = || [number(), number(), number()];
         prop_oneof![
-            (word(), word(), word(), vector(), vector()).prop_map(|(class_name, name, start, location, rotation)| {
+            (word(), word(), word(), word(), [vector(), vector()]).prop_map(|(class_name, name, team, start, pose)| {
                 // `Start` replaces the pose, and is written instead.
-                let pose = if start.is_empty() { [location, rotation] } else { [[0.0; 3]; 2] };
-                Command::Init(Init { class_name, name, start, location: pose[0], rotation: pose[1] })
+                let pose = if start.is_empty() { pose.map(Into::into) } else { [[0.0; 3]; 2] };
+                let [location, rotation] = pose;
+                Command::Init(Init { class_name, name, start, location, rotation, team })
             }),
             (
                 proptest::collection::vec(("[A-Z][A-Za-z-]{0,12}", number()), 0..6),

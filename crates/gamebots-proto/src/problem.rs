@@ -155,6 +155,12 @@ pub enum Problem {
         /// The reason.
         why: String,
     },
+    /// A robot that a league does not admit.
+    #[error("INIT: {why}; no robot is spawned")]
+    NotAdmitted {
+        /// The reason, with what was expected.
+        why: String,
+    },
     /// A command for a robot on a connection that has none.
     #[error("{verb} ignored: there is no robot on this connection; send INIT first")]
     NoRobot {

@@ -14,6 +14,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::time::{Instant, sleep_until, timeout};
 use tracing::{info, warn};
 
+use crate::WorldControl;
 use crate::control::{Actor, Control};
 use crate::fit::{Ask, Fit};
 use crate::ports::Question;
@@ -62,6 +63,8 @@ pub(crate) struct Opened {
     pub(crate) id: ConnectionId,
     /// Its address.
     pub(crate) peer: String,
+    /// The reason why it may not control the world, if any.
+    pub(crate) refusal: Option<&'static str>,
     /// The dialect of all its lines; if none, robots decide.
     pub(crate) dialect: Option<Dialect>,
     pub(crate) outbox: Arc<Outbox>,
@@ -76,16 +79,22 @@ pub(crate) async fn serve(
     id: ConnectionId,
     stream: TcpStream,
     dialect: Option<Dialect>,
+    world_control: WorldControl,
     events: Sender<Event>,
     stall_timeout: Duration,
 ) {
     if let Err(error) = stream.set_nodelay(true) {
         warn!(connection = id, %error, "cannot turn off delayed sending");
     }
-    let peer = stream.peer_addr().map_or_else(|_| "unknown".to_owned(), |peer| peer.to_string());
+    let [from, own] = [stream.peer_addr().ok(), stream.local_addr().ok()];
+    let peer = from.map_or_else(|| "unknown".to_owned(), |peer| peer.to_string());
+    let refusal = match from.zip(own) {
+        Some((from, own)) => world_control.refusal(from.ip(), own.ip()),
+        None => Some("its address is unknown"),
+    };
     let (read, write) = stream.into_split();
     let outbox = Arc::new(Outbox::default());
-    if events.send(Event::Opened(Opened { id, peer, dialect, outbox: outbox.clone() })).is_err() {
+    if events.send(Event::Opened(Opened { id, peer, refusal, dialect, outbox: outbox.clone() })).is_err() {
         return;
     }
     let writer = write_lines(write, &outbox, stall_timeout);

@@ -20,11 +20,13 @@ pub(crate) enum Control {
     Record(bool),
     /// Saves the world to a file.
     Save,
+    /// Removes a robot, by its number. Its client stays.
+    Remove(u64),
     /// A fresh world on another map, by name. Connected clients get their robots back.
     Map(String),
 }
 
-/// Viewers that may control the world: pause, step, speed, reset, record, save, map. Every other viewer can still watch, and drive
+/// Viewers that may control the world: pause, step, speed, reset, record, save, remove, map. Every other viewer can still watch, and drive
 /// its own robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorldControl {
@@ -69,12 +71,12 @@ pub fn check_real_time_factor(factor: f64) -> Result<f64, String> {
 
 impl Control {
     /// Reads a request, as in `{"pause":true}`, `{"step":1}`, `{"speed":2.5}`, `"reset"`, `{"record":true}`, `"save"`,
-    /// `{"map":"arena"}`.
+    /// `{"remove":3}`, `{"map":"arena"}`.
     ///
     /// # Errors
     /// Describes the problem.
     pub(crate) fn read(text: &str) -> Result<Self, String> {
-        let expected = "expected {\"pause\":bool}, {\"step\":n}, {\"speed\":x}, \"reset\", {\"record\":bool}, \"save\" or {\"map\":name}";
+        let expected = "expected {\"pause\":bool}, {\"step\":n}, {\"speed\":x}, \"reset\", {\"record\":bool}, \"save\", {\"remove\":robot} or {\"map\":name}";
         let control: Self = serde_json::from_str(text).map_err(|error| format!("{error}: {expected}"))?;
         match control {
             Self::Step(steps) if !(1..=MAX_STEPS).contains(&steps) => {
@@ -137,6 +139,8 @@ mod tests {
             ("\"reset\"", Some(Control::Reset)),
             ("{\"record\":false}", Some(Control::Record(false))),
             ("{\"map\":\"arena\"}", Some(Control::Map("arena".to_owned()))),
+            ("{\"remove\":3}", Some(Control::Remove(3))),
+            ("{\"remove\":-1}", None),
             ("{\"step\":0}", None),
             ("{\"step\":100001}", None),
             ("{\"speed\":-1}", None),

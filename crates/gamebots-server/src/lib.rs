@@ -29,6 +29,7 @@ mod ports;
 mod present;
 mod publisher;
 mod recording;
+mod results;
 mod saved;
 mod web;
 mod wireless;
@@ -108,6 +109,8 @@ pub struct Config {
     pub unnamed_log: PathBuf,
     /// Time after which a client that reads nothing is disconnected.
     pub stall_timeout: Duration,
+    /// File of the results of a league; it gets a number if the file exists.
+    pub result: Option<PathBuf>,
     /// Clients that may control the world over the page and Foxglove.
     pub world_control: WorldControl,
     /// Model of the radio between robots.
@@ -135,6 +138,7 @@ impl Config {
             pictures: false,
             unnamed_log: PathBuf::from(format!("usarsim-{}.mcap", world.map.name)),
             stall_timeout: Duration::from_secs(30),
+            result: None,
             world_control: WorldControl::Everyone,
             propagation: Propagation::default(),
             image_kind: ImageKind::default(),

@@ -68,6 +68,7 @@ pub(crate) async fn serve(
     );
     let site = Arc::new(site(&config, &addresses, channels, events.clone()));
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
+    let world_control = config.world_control;
     let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;
     ready(addresses);
     let mut clients: Vec<JoinSet<()>> = controllers.iter().map(|_| JoinSet::new()).collect();
@@ -76,7 +77,7 @@ pub(crate) async fn serve(
         let (ids, events) = (&ids, &events);
         let serve = move |stream| {
             ids.set(ids.get() + 1);
-            (ids.get(), connection::serve(ids.get(), stream, dialect, events.clone(), stall_timeout))
+            (ids.get(), connection::serve(ids.get(), stream, dialect, world_control, events.clone(), stall_timeout))
         };
         accept_clients(clients, bound, address, max_connections, serve)
     });

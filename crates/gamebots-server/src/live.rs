@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use scene::{MapDef, ObjectSnapshot, Reading, Sensed, Snapshot, WorldDef};
+use scene::{MapDef, ObjectSnapshot, Reading, Score, Sensed, Snapshot, Standing, Standings, WorldDef};
 use serde::Serialize;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
@@ -34,6 +34,9 @@ const STATUS_INTERVAL: Duration = Duration::from_millis(500);
 const SCAN_INTERVAL: Duration = Duration::from_millis(100);
 /// Most notices, and lines, that a viewer can be behind.
 const MAX_NOTICES: usize = 1024;
+
+/// Most changes of points that a status has of each team.
+const MAX_SCORES: usize = 8;
 
 /// A message that is published once.
 #[derive(Debug, Clone)]
@@ -98,8 +101,56 @@ pub(crate) struct Status {
     pub(crate) unsettled_steps: u64,
     /// File of the log that is being written.
     pub(crate) recording: Option<String>,
+    /// The league that is played, if any.
+    pub(crate) league: Option<LeagueStatus>,
     pub(crate) robots: Vec<RobotStatus>,
     pub(crate) clients: Vec<ClientStatus>,
+}
+
+/// A league.
+#[derive(Debug, Serialize)]
+pub(crate) struct LeagueStatus {
+    name: String,
+    /// Simulated time that is left, s.
+    time_left: f64,
+    /// True from the first robot's arrival.
+    has_begun: bool,
+    /// True if the time is up.
+    is_over: bool,
+    /// Teams, the best first.
+    teams: Vec<TeamStatus>,
+}
+
+/// A team of a league.
+#[derive(Debug, Serialize)]
+struct TeamStatus {
+    /// Place, from 1; equal points share one.
+    place: usize,
+    name: String,
+    points: i64,
+    /// Numbers of the robots that entered for it.
+    robots: Vec<u64>,
+    /// The last changes of its points, newest first.
+    scores: Vec<Score>,
+}
+
+impl LeagueStatus {
+    pub(crate) fn new(standings: Standings) -> Self {
+        let team = |(place, team): (usize, &Standing)| TeamStatus {
+            place,
+            name: team.team.clone(),
+            points: team.points,
+            robots: team.robots.iter().map(|entrant| entrant.robot).collect(),
+            scores: team.scores.iter().rev().take(MAX_SCORES).cloned().collect(),
+        };
+        Self {
+            time_left: standings.time_left(),
+            has_begun: standings.began.is_some(),
+            is_over: standings.is_over,
+            teams: standings.ranking().into_iter().map(team).collect(),
+            name: standings.league,
+        }
+    }
 }
 
 /// A robot in the world.

@@ -11,7 +11,8 @@ use std::time::Duration;
 use gamebots_proto::Framing;
 use gamebots_proto::ports::{Place, PositionsQuestion, Row, Stand, TruthQuestion, positions, rows};
 use nalgebra::Vector3;
-use scene::Pose;
+use scene::{Pose, Standings};
+use sessions::Sessions;
 use sim_core::{Actor, ActorKind, World};
 use tokio::io::AsyncReadExt;
 use tokio::net::{TcpListener, TcpStream};
@@ -44,6 +45,8 @@ pub(crate) enum Question {
     Obstacles([[f64; 3]; 2], oneshot::Sender<usize>),
     /// The state of the server in numbers.
     Health(oneshot::Sender<Health>),
+    /// Every team's points; none without a league.
+    Standings(oneshot::Sender<Option<Standings>>),
 }
 
 /// Everything with a pose at a time.
@@ -55,11 +58,13 @@ pub(crate) struct Actors {
 
 impl Question {
     /// Answers the question. The client may have left. `health` collects the state of the server.
-    pub(crate) fn answer(self, world: &mut World, health: impl FnOnce(&World) -> Health) {
+    pub(crate) fn answer(self, sessions: &mut Sessions, health: impl FnOnce(&World) -> Health) {
+        let world = sessions.world_mut();
         match self {
             Self::Actors(answer) => _ = answer.send(Actors { time: world.time(), all: world.actors() }),
             Self::Obstacles([from, to], answer) => _ = answer.send(world.obstacles(from, to)),
             Self::Health(answer) => _ = answer.send(health(world)),
+            Self::Standings(answer) => _ = answer.send(sessions.standings()),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use recorder::{Record, RecordError, WireLine};
-use scene::{Reading, Sensed};
+use scene::{Reading, Score, Sensed, Standings};
 use sim_core::{PawnId, World};
 
 use crate::cameras::{Shot, Shots};
@@ -71,6 +71,22 @@ impl Publisher {
         self.present.forget();
         self.live.forget(robot);
         self.keep(world, Record::Left(robot.0));
+    }
+
+    /// Publishes that a team gained or lost points.
+    pub(crate) fn scored(&mut self, world: &World, score: &Score) {
+        if self.recording.is_wanted() {
+            self.recording.record(world, Record::Scored(score.clone()));
+        }
+        let Score { team, reason, points, total, .. } = score;
+        self.announce(Instant::now(), &format!("{team} {reason}: {points:+}, now {total}"));
+    }
+
+    /// Records every team's points.
+    pub(crate) fn standings(&mut self, world: &World, standings: &Standings) {
+        if self.recording.is_wanted() {
+            self.recording.record(world, Record::Standings(Box::new(standings.clone())));
+        }
     }
 
     /// Publishes that a connection ended.

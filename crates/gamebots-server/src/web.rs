@@ -35,6 +35,7 @@ use crate::WorldControl;
 use crate::connection::Event;
 use crate::listener::{self, accept};
 use crate::live::Channels;
+use crate::ports::{Inquiry, Question};
 
 pub(crate) use metrics::Health;
 pub(crate) use packed::Packed;
@@ -76,6 +77,7 @@ pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
     let router = Router::new()
         .route("/scene.json", get(scene).post(log_scene::answer))
         .route("/objects.json", get(objects))
+        .route("/league.json", get(league))
         .route("/live", get(viewer::upgrade))
         .route("/wire", get(wire::upgrade))
         .fallback(page::file)
@@ -115,6 +117,15 @@ async fn scene(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
 /// Answers with the objects beside the map's.
 async fn objects(State(site): State<Arc<Site>>) -> Response {
     json(site.channels.objects())
+}
+
+/// Answers with every team's points; `null` without a league.
+async fn league(State(site): State<Arc<Site>>) -> Response {
+    match Inquiry::new(site.events.clone()).ask(Question::Standings).await {
+        // Standings have only text and numbers, so serialization cannot fail.
+        Some(standings) => json(serde_json::to_vec(&standings).unwrap_or_default().into()),
+        None => StatusCode::SERVICE_UNAVAILABLE.into_response(),
+    }
 }
 
 fn json(body: Bytes) -> Response {

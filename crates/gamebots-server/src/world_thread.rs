@@ -19,10 +19,11 @@ use crate::client::{Budget, Client, Spent};
 use crate::connection::{ConnectionId, Event};
 use crate::control::{Actor, Control};
 use crate::foxglove_server::FoxgloveServer;
-use crate::live::{Broadcast, ClientStatus, RobotStatus, Status};
+use crate::live::{Broadcast, ClientStatus, LeagueStatus, RobotStatus, Status};
 use crate::pace::{self, Pace};
 use crate::publisher::Publisher;
 use crate::recording::Recording;
+use crate::results::Results;
 use crate::saved::Saving;
 use crate::web::Health;
 use crate::{Config, ServeError};
@@ -66,6 +67,7 @@ pub(crate) fn spawn(
         threads,
         saved,
         pictures,
+        result,
         ..
     } = config;
     let world = match saved {
@@ -90,6 +92,7 @@ pub(crate) fn spawn(
             audience: Audience {
                 publisher: Publisher::new(recording, live, &world, pictures),
                 clients: BTreeMap::new(),
+                is_time_up: false,
             },
             timing: Timing { speed: real_time_factor, paused: false, steps: 0 },
             pace: Pace::new(real_time_factor, now, world.time()),
@@ -104,6 +107,7 @@ pub(crate) fn spawn(
             controls: Budget::default(),
             saving: Saving::default(),
             saved_as,
+            results: Results::new(result),
         };
         // After a panic the world is only read.
         let result = std::panic::catch_unwind(AssertUnwindSafe(|| server.run(&events)));
@@ -135,18 +139,21 @@ struct Server {
     saving: Saving,
     /// File of saves that a viewer starts; it gets a number if the file exists.
     saved_as: PathBuf,
+    results: Results,
 }
 
 /// All that hear of the world: its clients, logs and viewers.
 struct Audience {
     publisher: Publisher,
     clients: BTreeMap<ConnectionId, Client>,
+    /// True if the time of a league is up, until the world is paused for it.
+    is_time_up: bool,
 }
 
 impl Audience {
     /// Passes news on.
     fn hear(&mut self, world: &World, news: News) {
-        let Self { publisher, clients } = self;
+        let Self { publisher, clients, is_time_up } = self;
         match news {
             News::Received { session, pawn, line } => publisher.received(world, session, pawn, line),
             News::Wrong { session, line, problems } => {
@@ -175,6 +182,8 @@ impl Audience {
                 warn!("{text}");
                 publisher.warn(world, &text);
             }
+            News::Scored(score) => publisher.scored(world, score),
+            News::TimeUp(_) => *is_time_up = true,
         }
     }
 }
@@ -242,7 +251,7 @@ impl Server {
             self.publish(now);
             self.work.measure(now, self.sessions.world().time());
             if now.duration_since(report) >= REPORT_INTERVAL {
-                let Audience { publisher, clients } = &mut self.audience;
+                let Audience { publisher, clients, .. } = &mut self.audience;
                 let repeated: Vec<String> = clients.values_mut().flat_map(Client::report).collect();
                 repeated.iter().for_each(|text| publisher.warn(self.sessions.world(), text));
                 report = now;
@@ -265,8 +274,10 @@ impl Server {
     }
 
     /// Ends logs and connections. After a panic, also writes a report of it.
-    fn end(self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
-        let (Audience { publisher, clients }, world) = (self.audience, self.sessions.world());
+    fn end(mut self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
+        self.conclude_unless_over();
+        self.results.finish();
+        let (Audience { publisher, clients, .. }, world) = (self.audience, self.sessions.world());
         clients.values().for_each(|client| client.outbox().close());
         let Some(panic) = panic else {
             publisher.end(world);
@@ -286,9 +297,38 @@ impl Server {
         let Self { sessions, audience, .. } = self;
         sessions.step(&mut |world, news| audience.hear(world, news));
         audience.publisher.stepped(sessions.world());
+        if std::mem::take(&mut audience.is_time_up) {
+            self.end_round();
+        }
         let took = start.elapsed();
         self.work.add(took);
         self.credit = (self.credit + took).min(MAX_CREDIT.max(took));
+    }
+
+    /// Pauses the world because the time of its league is up.
+    fn end_round(&mut self) {
+        self.conclude();
+        (self.timing.paused, self.timing.steps) = (true, 0);
+        self.audience.publisher.warn(self.sessions.world(), "the time is up: the world is paused");
+        self.audience.publisher.changed(Instant::now());
+    }
+
+    /// Records every team's points, and writes the result, if that was not done when the time was up.
+    fn conclude_unless_over(&mut self) {
+        match self.sessions.standings() {
+            Some(standings) if standings.is_over => {
+                self.audience.publisher.standings(self.sessions.world(), &standings);
+            }
+            _ => self.conclude(),
+        }
+    }
+
+    /// Records every team's points, and writes the result.
+    fn conclude(&mut self) {
+        if let Some(standings) = self.sessions.standings() {
+            self.audience.publisher.standings(self.sessions.world(), &standings);
+            self.results.write(&standings);
+        }
     }
 
     /// Returns the wait before the next step. A paused world takes only the requested steps.
@@ -351,7 +391,7 @@ impl Server {
             }
             Event::Ask(question, _turn) => {
                 let Self { sessions, audience, timing, work, resets, .. } = self;
-                question.answer(sessions.world_mut(), |world| Health {
+                question.answer(sessions, |world| Health {
                     simulated: world.time(),
                     real_time_factor: work.real_time_factor,
                     speed: timing.speed,
@@ -404,12 +444,14 @@ impl Server {
 
     fn execute_slice(&mut self, id: ConnectionId) {
         let start = Instant::now();
+        let is_league = self.sessions.world().def().league.is_some();
         let mut count = 0;
         let Self { sessions, audience, .. } = self;
         while count < REQUESTS_TOGETHER || start.elapsed() < SLICE {
             let Some(client) = audience.clients.get_mut(&id) else { break };
             let Some(request) = client.next_request() else { break };
             client.note_line();
+            let request = if is_league { client.admit(request) } else { request };
             sessions.take(id, &request, &mut |world, news| audience.hear(world, news));
             count += 1;
             // A segment with many robots must not hold up other clients.
@@ -465,6 +507,12 @@ impl Server {
                 let fresh = self.sessions.world().anew();
                 self.start_over(now, fresh).then(|| "reset the world".to_owned())
             }
+            Control::Map(_) | Control::Save if self.sessions.world().def().league.is_some() => {
+                let text = "not done: a league stays on its map, and its points cannot be saved";
+                self.audience.publisher.announce(now, text);
+                None
+            }
+            Control::Remove(robot) => self.remove(PawnId(robot)).map(|name| format!("removed robot {robot} ({name})")),
             Control::Map(name) => self.change_map(now, &name).then(|| format!("changed the map to {name}")),
             Control::Save => {
                 if let Err(error) = self.saving.start(&self.saved_as, self.sessions.world()) {
@@ -473,15 +521,32 @@ impl Server {
                 None
             }
             Control::Record(on) => {
+                if let Some(standings) = self.sessions.standings().filter(|_| !on) {
+                    self.audience.publisher.standings(self.sessions.world(), &standings);
+                }
                 self.audience.publisher.record(now, self.sessions.world(), on);
                 None
             }
         };
         if let Some(done) = done {
-            self.audience.publisher.announce(now, &format!("{actor} {done}"));
+            let text = format!("{actor} {done}");
+            self.audience.publisher.note(self.sessions.world(), &text);
+            self.audience.publisher.announce(now, &text);
         }
         self.pace = Pace::new(self.timing.speed, now, self.sessions.world().time());
         self.audience.publisher.changed(now);
+    }
+
+    /// Removes a robot from the world. Returns its class and name, or `None` if there is no such robot.
+    fn remove(&mut self, robot: PawnId) -> Option<String> {
+        let Self { sessions, audience, .. } = self;
+        let named = sessions.world().robots().find(|(id, ..)| *id == robot);
+        let Some(name) = named.map(|(_, class, name)| format!("{class} {name}").trim().to_owned()) else {
+            audience.publisher.announce(Instant::now(), &format!("not done: there is no robot {}", robot.0));
+            return None;
+        };
+        sessions.remove(robot, &mut |world, news| audience.hear(world, news));
+        Some(name)
     }
 
     /// Changes to a fresh world on another map. Returns false if no map has that name, or a log does not allow it.
@@ -500,11 +565,12 @@ impl Server {
     /// Replaces the world with a fresh one. Connected clients get their robots back at their first poses, in the same order.
     /// Returns false if a log does not allow it.
     fn start_over(&mut self, now: Instant, fresh: World) -> bool {
-        let Self { sessions, audience, .. } = self;
-        if let Err(error) = audience.publisher.may_start_over(now) {
-            audience.publisher.warn(sessions.world(), &format!("not reset: {error}"));
+        if let Err(error) = self.audience.publisher.may_start_over(now) {
+            self.audience.publisher.warn(self.sessions.world(), &format!("not reset: {error}"));
             return false;
         }
+        self.conclude_unless_over();
+        let Self { sessions, audience, .. } = self;
         let old = sessions.replace_world(fresh);
         audience.publisher.start_over(now, &old, sessions.world());
         self.resets += 1;
@@ -520,7 +586,7 @@ impl Server {
             self.audience.publisher.announce(now, &text);
         }
         let Self { audience, sessions, timing, work, resets, saves, .. } = self;
-        let (Audience { publisher, clients }, world) = (audience, sessions.world());
+        let (Audience { publisher, clients, .. }, world) = (audience, sessions.world());
         let robot = |(id, class, name): (PawnId, &str, &str)| RobotStatus {
             id: id.0,
             class: class.to_owned(),
@@ -546,6 +612,7 @@ impl Server {
             saves: *saves,
             unsettled_steps: world.unsettled_steps(),
             recording: recording.map(|path| path.display().to_string()),
+            league: sessions.standings().map(LeagueStatus::new),
             robots: world.robots().map(robot).collect(),
             clients: clients.iter().map(client).collect(),
         });

@@ -27,8 +27,8 @@ mod writer;
 pub use file::{Storage, storage};
 pub use live::{Latched, Live};
 pub use messages::{
-    ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, Quantity, Quaternion, RobotLeft, RobotState,
-    SensorReading, Vector, WireLine,
+    LeagueScore, LeagueStandings, ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, Quantity, Quaternion,
+    RobotLeft, RobotState, SensorReading, Vector, WireLine,
 };
 pub use reader::{Entry, Log, ReadError, read, scene};
 pub use recover::{RecoverError, Recovered, recover};
@@ -38,7 +38,7 @@ pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink, ros2_path};
 
 use foxglove::Encode;
 use mcap::McapResult;
-use scene::{MapDef, Sensed};
+use scene::{MapDef, Score, Sensed, Standings};
 
 /// The newest format of logs, which is written; older ones are read, too. In format 1, which logs do not name, robots are
 /// bodies with wheels. In format 2, robots are trees of links.
@@ -51,6 +51,8 @@ const END: &str = "end";
 const LEFT: &str = "/robots/left";
 /// Topics of objects that the map does not have, and of those that leave.
 const OBJECTS: [&str; 2] = ["/objects/spawned", "/objects/removed"];
+/// Topics of a league.
+const LEAGUE: [&str; 2] = ["/league/score", "/league/standings"];
 
 /// The end of a world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,6 +99,10 @@ pub enum Record {
     ObjectRemoved(ObjectRemoved),
     /// A picture of a robot's camera and its PNG file, which is not read back.
     Picture(PictureTaken, Vec<u8>),
+    /// A change of a team's points in a league.
+    Scored(Score),
+    /// Every team's points in a league.
+    Standings(Box<Standings>),
     /// A warning, in words.
     Warning(String),
     /// A new map, for viewers; a log has only one map.
@@ -117,6 +123,8 @@ impl Record {
             Self::ObjectSpawned(object) => object.definition.len(),
             Self::Picture(_, png) => png.len(),
             Self::Warning(text) => text.len(),
+            Self::Scored(score) => score.held(),
+            Self::Standings(standings) => standings.teams.iter().flat_map(|team| &team.scores).map(Score::held).sum(),
             Self::Left(_) | Self::ObjectRemoved(_) | Self::Map(_) => 0,
             Self::Sensed(sensed) => sensed.reading.held(),
         };

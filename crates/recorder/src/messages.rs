@@ -4,7 +4,9 @@ use foxglove::{Encode, Schema};
 use nalgebra::{Quaternion as Parts, Translation3, UnitQuaternion};
 use prost::Message;
 use prost::bytes::BufMut;
-use scene::{Fnv, JointState, Object, ObjectSnapshot, PawnId, Pose, Reading, RobotDef, RobotSnapshot, Sensed};
+use scene::{
+    Fnv, JointState, Object, ObjectSnapshot, PawnId, Pose, Reading, RobotDef, RobotSnapshot, Score, Sensed, Standings,
+};
 
 include!(concat!(env!("OUT_DIR"), "/usarsim.rs"));
 
@@ -32,7 +34,8 @@ macro_rules! encode {
 }
 
 encode! {
-    WireLine, RobotLeft, RobotState, ObjectState, ObjectSpawned, ObjectRemoved, SensorReading, PictureTaken,
+    WireLine, RobotLeft, RobotState, ObjectState, ObjectSpawned, ObjectRemoved, SensorReading, PictureTaken, LeagueScore,
+    LeagueStandings,
 }
 
 impl RobotState {
@@ -135,6 +138,34 @@ impl SensorReading {
         };
         let reading = Reading::read(&self.r#type, &find)?;
         Some(Sensed { robot: PawnId(self.robot), sensor: self.sensor as usize, reading })
+    }
+}
+
+impl LeagueScore {
+    pub(crate) fn new(score: &Score) -> Self {
+        let Score { time, team, robot, reason, points, total, position } = score;
+        let [x, y, z] = *position;
+        let position = Some(Vector { x, y, z });
+        let (team, reason) = (team.clone(), reason.clone());
+        Self { time: *time, team, robot: *robot, reason, points: *points, total: *total, position }
+    }
+
+    pub(crate) fn score(self) -> Score {
+        let Self { time, team, robot, reason, points, total, position } = self;
+        let Vector { x, y, z } = position.unwrap_or_default();
+        Score { time, team, robot, reason, points, total, position: [x, y, z] }
+    }
+}
+
+impl LeagueStandings {
+    pub(crate) fn new(standings: &Standings) -> Self {
+        // Standings have only text and numbers, so serialization cannot fail.
+        Self { standings: serde_json::to_string(standings).unwrap_or_default() }
+    }
+
+    /// Returns the standings, or `None` if the text is none, as in a damaged log.
+    pub(crate) fn read(&self) -> Option<Standings> {
+        serde_json::from_str(&self.standings).ok()
     }
 }
 

@@ -14,8 +14,8 @@ use scene::{MapDef, Pose, Reading, RobotDef, Sensed, WorldDef};
 use crate::file::nanoseconds;
 use crate::slots::{Slots, Slotted};
 use crate::{
-    LEFT, OBJECTS, ObjectSpawned, ObjectState, PictureTaken, Publish, Record, RobotLeft, RobotState, SensorReading,
-    drawing,
+    LEAGUE, LEFT, LeagueScore, LeagueStandings, OBJECTS, ObjectSpawned, ObjectState, PictureTaken, Publish, Record,
+    RobotLeft, RobotState, SensorReading, drawing,
 };
 
 /// Converts records to messages.
@@ -72,6 +72,12 @@ impl Native {
                 self.world.map = (**map).clone();
                 draw_objects(time, map, file)
             }
+            Record::Scored(score) => {
+                file.publish(time, LEAGUE[0], &LeagueScore::new(score))?;
+                let text = format!("{}: {} {:+}, now {}", score.team, score.reason, score.points, score.total);
+                file.publish(time, "/log", &log(time, Level::Info, text))
+            }
+            Record::Standings(standings) => file.publish(time, LEAGUE[1], &LeagueStandings::new(standings)),
             Record::Warning(text) => file.publish(time, "/log", &log(time, Level::Warning, text.clone())),
         }
     }

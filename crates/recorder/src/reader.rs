@@ -13,8 +13,8 @@ use scene::WorldDef;
 
 use crate::records::{self, Damage, Record as Raw};
 use crate::{
-    END, FORMAT, LEFT, OBJECTS, ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, RUN, Record, RobotLeft,
-    RobotState, SensorReading, WireLine,
+    END, FORMAT, LEAGUE, LEFT, LeagueScore, LeagueStandings, OBJECTS, ObjectRemoved, ObjectSpawned, ObjectState,
+    PictureTaken, RUN, Record, RobotLeft, RobotState, SensorReading, WireLine,
 };
 
 /// Most bytes in memory for a byte of the file; the log of a youBot takes three. A file that takes more was made to fill the
@@ -164,6 +164,8 @@ enum Topic {
     ObjectRemoved,
     Sensed,
     Picture,
+    Score,
+    Standings,
     Log,
     /// A channel that only shows the content of another one.
     Other,
@@ -178,6 +180,8 @@ impl Topic {
             LEFT => Self::Left,
             topic if topic == OBJECTS[0] => Self::ObjectSpawned,
             topic if topic == OBJECTS[1] => Self::ObjectRemoved,
+            topic if topic == LEAGUE[0] => Self::Score,
+            topic if topic == LEAGUE[1] => Self::Standings,
             "/log" => Self::Log,
             _ => match topic.split('/').collect::<Vec<_>>()[..] {
                 ["", "robot", _, "state"] => Self::State,
@@ -207,6 +211,11 @@ impl Topic {
             },
             Self::Picture => PictureTaken::decode(data).map(|taken| Record::Picture(taken, Vec::new())),
             Self::ObjectRemoved => ObjectRemoved::decode(data).map(Record::ObjectRemoved),
+            Self::Score => LeagueScore::decode(data).map(|score| Record::Scored(score.score())),
+            Self::Standings => match LeagueStandings::decode(data) {
+                Ok(standings) => return Ok(standings.read().map(|it| Record::Standings(Box::new(it)))),
+                Err(reason) => Err(reason),
+            },
             Self::Log => match LogMessage::decode(data) {
                 Ok(log) if log.level != Level::Warning as i32 => return Ok(None),
                 log => log.map(|log| Record::Warning(log.message)),

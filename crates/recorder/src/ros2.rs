@@ -52,6 +52,8 @@ impl Ros2 {
             | Record::ObjectSpawned(_)
             | Record::ObjectRemoved(_)
             | Record::Picture(..)
+            | Record::Scored(_)
+            | Record::Standings(_)
             | Record::Warning(_)
             | Record::Map(_) => Ok(()),
         }

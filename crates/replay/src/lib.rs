@@ -31,7 +31,7 @@ pub struct Replay {
     pub digest: u64,
     /// The digest in the log; `None` if the log has no digest because it was cut off or the world panicked.
     pub recorded: Option<u64>,
-    /// Recorded states of robots and objects, readings, and pictures, that were compared.
+    /// Recorded states of robots and objects, readings, pictures, and points of a league, that were compared.
     pub states: usize,
     /// Simulated time of the first state that differs, s.
     pub first_difference: Option<f64>,
@@ -125,6 +125,20 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
             Record::Picture(taken, _) => {
                 states += 1;
                 if first_difference.is_none() && !album.has(sessions.world(), taken) {
+                    first_difference = Some(entry.time);
+                }
+            }
+            Record::Scored(recorded) => {
+                states += 1;
+                let standings = sessions.standings().unwrap_or_default();
+                let is_known = standings.teams.iter().any(|team| team.scores.contains(recorded));
+                if first_difference.is_none() && !is_known {
+                    first_difference = Some(entry.time);
+                }
+            }
+            Record::Standings(recorded) => {
+                states += 1;
+                if first_difference.is_none() && sessions.standings().as_ref() != Some(&**recorded) {
                     first_difference = Some(entry.time);
                 }
             }

@@ -86,6 +86,12 @@ pub fn map_files(name: &str) -> Result<Vec<File>, LoadError> {
     MAPS.get_dir(name).map(files).ok_or_else(|| unknown("map", name, &map_names()))
 }
 
+/// Returns the folder of an embedded map that has a league.
+pub(crate) fn league_of_map(name: &str) -> Option<Source> {
+    let folder = Source::BuiltIn(MAPS.get_dir(name)?);
+    folder.has("league.toml").then_some(folder)
+}
+
 /// Returns the files of an embedded robot class, in any case: `robot.toml`, its URDF and meshes.
 ///
 /// # Errors
@@ -133,7 +139,7 @@ pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) ->
     let map = map(map_name, overrides)?;
     overrides::check_used(overrides)?;
     changes.equipment.check_classes(robots.keys().map(String::as_str))?;
-    let world = WorldDef { map, robots, objects: built_in_objects()? };
+    let world = WorldDef { map, robots, objects: built_in_objects()?, league: None };
     world.check()?;
     Ok(world)
 }

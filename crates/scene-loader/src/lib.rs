@@ -8,6 +8,7 @@ mod document;
 mod equipment;
 mod import;
 mod import_map;
+mod league;
 mod map;
 mod materials;
 mod mesh;
@@ -23,6 +24,7 @@ pub use catalogue::{
 pub use equipment::{Changes, Equipment};
 pub use import::{Content, Import, Imported, Packages, import};
 pub use import_map::{ImportedMap, ImportedSolid, MapImport, import_map};
+pub use league::{Communication, Controllers, LeagueFile, league};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
 
@@ -31,7 +33,7 @@ use std::path::Path;
 use problem::Problems;
 use source::Source;
 
-/// Checks a robot.toml, a map.toml, a materials.toml, an objects.toml, a set of equipment, a URDF or an ini of USARSim. Returns the assumptions
+/// Checks a robot.toml, a map.toml, a league.toml, a materials.toml, an objects.toml, a set of equipment, a URDF or an ini of USARSim. Returns the assumptions
 /// made where a robot's file gives no value, and the lines of an ini that have no effect.
 ///
 /// # Errors
@@ -45,10 +47,13 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
         return check_ini(path);
     }
     if path.extension().is_none_or(|extension| extension != "toml") {
-        let expected = "a .toml (robot, map, materials, objects or equipment), a .urdf or an .ini file";
+        let expected = "a .toml (robot, map, league, materials, objects or equipment), a .urdf or an .ini file";
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
     }
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    if name.starts_with("league") || text(path)?.lines().any(|line| line.trim() == "[[team]]") {
+        return league(path, None).map(|_| Vec::new());
+    }
     check_toml(&Source::of_file(path), name)
 }
 

@@ -205,7 +205,8 @@ fn ramp(length: f64, width: f64, height: f64) -> Shape {
     Shape::Hull { points: [side(-width / 2.0), side(width / 2.0)].concat() }
 }
 
-fn read_poses<'a>(document: &mut Document<'a>, root: &mut Table<'a>, key: &str) -> Vec<NamedPose> {
+/// Reads the tables of named poses of a file.
+pub(crate) fn read_poses<'a>(document: &mut Document<'a>, root: &mut Table<'a>, key: &str) -> Vec<NamedPose> {
     let mut poses = Vec::new();
     for mut table in document.tables(root, key) {
         let span = table.span();

@@ -11,6 +11,7 @@ mod drawing;
 mod fnv;
 mod height_field;
 mod hull;
+mod league;
 mod link;
 mod map;
 mod mass;
@@ -38,6 +39,7 @@ pub use drawing::{Drawn, Geometry, Moves, Visual};
 pub use fnv::Fnv;
 pub use height_field::HeightField;
 pub use hull::hull_surface;
+pub use league::{Entrant, League, Score, Standing, Standings, Team, VictimRule, Zone};
 pub use link::{Coupling, CouplingKind, Joint, JointKind, Link, Part, ROOT, WHEEL_AXIS};
 pub use map::{Conveyor, Geographic, MapDef, NamedPose, Object, RfidTag, Smoke, Sound, Victim};
 pub use mass::Mass;
@@ -76,6 +78,9 @@ pub struct WorldDef {
     /// Classes of objects that a world controller can create, by name. Their poses have no meaning.
     #[serde(default)]
     pub objects: BTreeMap<String, Object>,
+    /// The league that is played, if any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub league: Option<League>,
 }
 
 impl WorldDef {

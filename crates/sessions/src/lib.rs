@@ -5,15 +5,17 @@
 //! replays and the fuzzer drive their worlds by it, so they agree.
 
 mod owners;
+mod round;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
 use gamebots_proto::{Command, Dialect, Problem};
-use scene::{PawnId, Sensed};
+use scene::{PawnId, Score, Sensed, Standings};
 use sim_core::{Executed, Fault, LostRobot, Report, World};
 
 use owners::Owners;
+use round::{Admission, Round};
 
 /// Number of a session.
 pub type SessionId = u64;
@@ -92,6 +94,10 @@ pub enum News<'a> {
         /// The fault of its state.
         fault: Fault,
     },
+    /// A team gained or lost points.
+    Scored(&'a Score),
+    /// The time of the league is up.
+    TimeUp(&'a Standings),
 }
 
 /// A world and its sessions.
@@ -101,6 +107,8 @@ pub struct Sessions {
     owners: Owners,
     /// Pawns of a loaded world, until a session takes them over.
     orphans: BTreeSet<PawnId>,
+    /// The round that is played, if the world has a league.
+    round: Option<Round>,
 }
 
 /// A session.
@@ -121,7 +129,8 @@ impl Sessions {
     /// Creates the sessions of a world: none. Pawns that the world has already wait for an INIT of their class and name.
     pub fn new(world: World) -> Self {
         let orphans = world.pawns().map(|(id, ..)| id).collect();
-        Self { world, sessions: BTreeMap::new(), owners: Owners::default(), orphans }
+        let round = round_of(&world);
+        Self { world, sessions: BTreeMap::new(), owners: Owners::default(), orphans, round }
     }
 
     /// Returns the world.
@@ -132,6 +141,11 @@ impl Sessions {
     /// Returns the world, to change it beside the sessions.
     pub fn world_mut(&mut self) -> &mut World {
         &mut self.world
+    }
+
+    /// Returns every team's points, if the world has a league.
+    pub fn standings(&self) -> Option<Standings> {
+        self.round.as_ref().map(|round| round.standings(&self.world))
     }
 
     /// Returns the session that a pawn reports to.
@@ -177,7 +191,7 @@ impl Sessions {
         let mut problems = problems.clone();
         let executed = match adopted {
             Some(pawn) => Some(Executed { spawned: Some(pawn), ..Executed::default() }),
-            None => command.as_ref().map(|command| self.world.execute(pawn, command, &mut problems)),
+            None => command.as_ref().map(|command| self.execute(pawn, command, &mut problems)),
         };
         let Executed { answers, found, spawned } = executed.unwrap_or_default();
         if !problems.is_empty() {
@@ -196,6 +210,30 @@ impl Sessions {
             answers.extend(problems.iter().map(|problem| Message::Nfo(Nfo::Error(problem.to_string()))));
         }
         self.send(id, pawn, &answers, hear);
+    }
+
+    /// Executes a command. A league decides which robots come, and where.
+    fn execute(&mut self, pawn: Option<PawnId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
+        let Self { world, round, .. } = self;
+        let (Some(round), Command::Init(init)) = (round, command) else {
+            return world.execute(pawn, command, problems);
+        };
+        if init.is_controller() {
+            return world.execute(pawn, command, problems);
+        }
+        let mut init = init.clone();
+        let place: Admission = match round.admit(&mut init, world) {
+            Ok(place) => place,
+            Err(problem) => {
+                problems.push(problem);
+                return Executed::default();
+            }
+        };
+        let executed = world.execute(pawn, &Command::Init(init.clone()), problems);
+        if let Some(pawn) = executed.spawned {
+            round.enter(pawn, place, &init, world.time());
+        }
+        executed
     }
 
     /// Advances the world by one step.
@@ -221,6 +259,19 @@ impl Sessions {
         for (name, fault) in self.world.take_restored() {
             hear(&self.world, News::Restored { name: &name, fault });
         }
+        let Some(round) = &mut self.round else { return };
+        let (scores, is_up) = round.step(&mut self.world);
+        scores.iter().for_each(|score| hear(&self.world, News::Scored(score)));
+        if is_up {
+            hear(&self.world, News::TimeUp(&round.standings(&self.world)));
+        }
+    }
+
+    /// Removes a pawn. Its session stays.
+    pub fn remove(&mut self, pawn: PawnId, hear: Listener) {
+        self.owners.remove(pawn);
+        self.world.remove(pawn);
+        hear(&self.world, News::Left(pawn));
     }
 
     /// Closes a session and removes its pawns. If the world keeps robots, only the newest is removed, as in USARSim.
@@ -244,6 +295,7 @@ impl Sessions {
     /// Replaces the world by another one, and returns the old one. [`Sessions::enter_again`] has to follow.
     pub fn replace_world(&mut self, world: World) -> World {
         self.orphans.clear();
+        self.round = round_of(&world);
         std::mem::replace(&mut self.world, world)
     }
 
@@ -301,4 +353,9 @@ impl Sessions {
             hear(&self.world, News::Sent { session, pawn, line, is_periodic });
         }
     }
+}
+
+/// Returns a new round of a world's league, if it has one.
+fn round_of(world: &World) -> Option<Round> {
+    world.def().league.as_ref().map(Round::new)
 }

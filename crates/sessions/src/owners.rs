@@ -32,6 +32,11 @@ impl Owners {
         self.0.iter().rfind(|(_, owned)| owned.by == session).map(|(&pawn, _)| pawn)
     }
 
+    /// Forgets a pawn.
+    pub(super) fn remove(&mut self, pawn: PawnId) {
+        self.0.remove(&pawn);
+    }
+
     /// Forgets a session and returns its pawns, the newest last.
     pub(super) fn leave(&mut self, session: SessionId) -> Vec<PawnId> {
         self.0.extract_if(.., |_, owned| owned.by == session).map(|(pawn, _)| pawn).collect()

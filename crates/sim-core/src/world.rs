@@ -12,6 +12,7 @@ mod tags;
 mod tiles;
 mod tools;
 mod vacuum;
+mod victims;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -49,8 +50,8 @@ const MAX_NAME_CHARS: usize = 256;
 /// Maximum number of robots in a world. Further ones are refused.
 const MAX_ROBOTS: usize = 256;
 
-/// Names of the class of world controllers in INIT, in any case.
-const CONTROLLER: [&str; 2] = ["USARBotAPI.WorldController", "WorldController"];
+/// Name of the class of world controllers, without its package.
+const CONTROLLER: &str = Init::CONTROLLER[1];
 
 /// A simulated world: a deterministic function of definition, options and commands by step. A copy is independent and continues as the
 /// original would.
@@ -213,11 +214,11 @@ impl World {
             problems.push(Problem::TooManyRobots { limit: MAX_ROBOTS });
             return None;
         }
-        if CONTROLLER.iter().any(|class| class.eq_ignore_ascii_case(&init.class_name)) {
+        if init.is_controller() {
             let (id, name) = (self.number(), pawn_name(init, problems));
             let pose = scene::pose(init.location, init.rotation);
             self.controllers.insert(id, Controller { name, pose });
-            self.engine_names.add(id, CONTROLLER[1]);
+            self.engine_names.add(id, CONTROLLER);
             return Some(id);
         }
         let class = self.class(init, problems)?;
@@ -510,8 +511,7 @@ impl World {
 
     /// Returns robots and world controllers with class and name: first robots, then controllers.
     pub fn pawns(&self) -> impl Iterator<Item = (PawnId, &str, &str)> {
-        let controllers =
-            self.controllers.iter().map(|(&id, controller)| (id, CONTROLLER[1], controller.name.as_str()));
+        let controllers = self.controllers.iter().map(|(&id, controller)| (id, CONTROLLER, controller.name.as_str()));
         self.robots().chain(controllers)
     }
 

@@ -3,7 +3,7 @@
 mod cat;
 mod export;
 mod info;
-mod plot;
+pub(crate) mod plot;
 mod recover;
 mod replay;
 
@@ -49,7 +49,7 @@ pub(crate) fn run(command: Command) -> Result<(), Failure> {
     }
 }
 
-fn read(file: &Path) -> Result<Log, Failure> {
+pub(crate) fn read(file: &Path) -> Result<Log, Failure> {
     let log = recorder::read(file).map_err(|error| Failure::new(exit::BAD_DATA, error))?;
     report_damage(file, log.damage.as_deref());
     Ok(log)
@@ -63,7 +63,7 @@ fn report_damage(file: &Path, damage: Option<&str>) {
 }
 
 /// Class and name of the robots that were in the world, by number.
-fn robots(log: &Log) -> BTreeMap<u64, (&str, &str)> {
+pub(crate) fn robots(log: &Log) -> BTreeMap<u64, (&str, &str)> {
     let states = log.entries.iter().filter_map(|entry| match &entry.record {
         Record::State(state) => Some((state.robot, (state.class.as_str(), state.name.as_str()))),
         _ => None,

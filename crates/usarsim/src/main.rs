@@ -9,6 +9,7 @@ mod equipment;
 mod experiment;
 mod import;
 mod import_map;
+mod league;
 mod list;
 mod log;
 mod output;
@@ -85,6 +86,9 @@ enum Command {
     /// Run the experiments of the thesis "A KUKA youBot simulation in USARSim", or your own.
     #[command(subcommand)]
     Experiment(experiment::Command),
+    /// Show the points, the map and the paths of a league that was played.
+    #[command(subcommand)]
+    League(league::Command),
     /// Inspect, export, plot, replay and repair logs.
     #[command(subcommand)]
     Log(log::Command),
@@ -127,6 +131,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiment(command) => experiment::run(&command, arguments.quiet),
+        Command::League(command) => league::run(&command),
         Command::Log(command) => log::run(command),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => completions::man(&arguments),

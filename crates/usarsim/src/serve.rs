@@ -8,13 +8,15 @@ use clap::ValueEnum;
 use gamebots_proto::Dialect;
 use gamebots_server::{Config, IfTaken, ImageKind, Listener, Propagation, Ready, ServeError, Service, WorldControl};
 use scene::{DriveModel, MapDef};
-use scene_loader::{Changes, Override};
+use scene_loader::{Changes, Communication, Controllers, LeagueFile, Override};
 use sim_core::{Options, SavedWorld};
 use thread_pool::ThreadPool;
 
 use crate::terminal::printable;
 use crate::{Failure, equipment, exit, print};
 
+/// Map of a server that is told none.
+const DEFAULT_MAP: &str = "hall";
 /// Default port of the page.
 const DEFAULT_HTTP_PORT: u16 = 8080;
 /// Ports of USARSim beside the controllers'.
@@ -30,17 +32,27 @@ const WIRELESS_PORT: u16 = 50000;
     usarsim serve --robot turtlebot3_burger.urdf\n  \
     usarsim serve --equipment robocup2014    # a P3AT with eight sonars\n  \
     usarsim serve --ini DefaultUSAR.ini --ini my/UDKUSAR.ini\n  \
+    usarsim serve --league rescue --log run.mcap --result result.json\n  \
     usarsim serve --from usarsim-hall.json   # go on with a world that the page saved\n  \
     usarsim serve --host 0.0.0.0             # other machines can watch and drive\n  \
     usarsim serve --host 0.0.0.0 --control local  # only this machine can pause and reset\n\n\
     The server runs until Ctrl-C or SIGTERM and then ends with exit code 0.")]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
-    #[arg(long, env = "USARSIM_MAP", default_value = "hall", value_name = "NAME|FILE")]
-    map: String,
+    /// By default `hall`, or the map of the league.
+    #[arg(long, env = "USARSIM_MAP", value_name = "NAME|FILE")]
+    map: Option<String>,
+    /// Play a league: teams, their start poses, a time limit, and points for victims and zones, from a league.toml; `rescue` is built in.
+    /// The page shows the points; the world stops when the time is up.
+    #[arg(long, env = "USARSIM_LEAGUE", value_name = "NAME|FILE")]
+    league: Option<PathBuf>,
+    /// Write the result of the league to a JSON file when the time is up, at a reset and at the end. An existing file is kept: the result
+    /// is then result-2.json, result-3.json ..
+    #[arg(long, env = "USARSIM_RESULT", value_name = "FILE.json", requires = "league")]
+    result: Option<PathBuf>,
     /// Go on with a world that the page saved (`Save the world`), from its file. Its map, robots, seed, time step and units count. An
     /// INIT with the class and name of a robot in it takes that robot over.
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "robot", "set", "equipment", "ini", "drive_model", "dt", "seed", "wheel_speeds"])]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "league", "robot", "set", "equipment", "ini", "drive_model", "dt", "seed", "wheel_speeds"])]
     from: Option<PathBuf>,
     /// A further robot class from a robot.toml, whose class is the name of its folder, or from a URDF, whose class is the name of
     /// the file. May be given several times.
@@ -74,8 +86,9 @@ pub(crate) struct Arguments {
     no_http: bool,
     /// Pages that may pause, step, reset, record, and change the speed or the map: everyone's, only those on this machine
     /// (also through `ssh -L`), or nobody. Everybody can watch and drive their own robots.
-    #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO", default_value = "everyone")]
-    control: ControlChoice,
+    /// By default everyone's, or as the league says.
+    #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO")]
+    control: Option<ControlChoice>,
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
     #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT")]
     foxglove: Option<u16>,
@@ -95,9 +108,10 @@ pub(crate) struct Arguments {
     /// Port of the radio between robots, as of the program WSS; `off` for none. By default 50000, as --truth.
     #[arg(long, env = "USARSIM_WIRELESS", value_name = "PORT|off", value_parser = port_or_off)]
     wireless: Option<PortOrOff>,
-    /// Reach of the radio: everywhere, weaker with distance, or weaker with distance and walls.
-    #[arg(long, env = "USARSIM_PROPAGATION", value_name = "MODEL", default_value = "everywhere")]
-    propagation: PropagationChoice,
+    /// Reach of the radio: everywhere, weaker with distance, or weaker with distance and walls. By default everywhere, or as the league
+    /// says.
+    #[arg(long, env = "USARSIM_PROPAGATION", value_name = "MODEL")]
+    propagation: Option<PropagationChoice>,
     /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
@@ -204,6 +218,9 @@ pub(crate) fn real_time_factor(text: &str) -> Result<f64, String> {
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let wrong = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
     let robots: Vec<&std::path::Path> = arguments.robot.iter().map(PathBuf::as_path).collect();
+    let league = arguments.league.as_ref().map(|path| scene_loader::league(path, arguments.map.as_deref()));
+    let league = league.transpose().map_err(|error| wrong(&error))?;
+    let map = arguments.map.as_deref().or(league.as_ref().map(|league| league.map.as_str())).unwrap_or(DEFAULT_MAP);
     let (mut world, saved) = match &arguments.from {
         Some(path) => {
             gamebots_server::read_saved(path).map(|(scene, state)| (scene, Some(state))).map_err(|it| wrong(&it))?
@@ -211,12 +228,16 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         None => {
             let equipment = arguments.equipment.load()?;
             let changes = Changes { overrides: &arguments.set, equipment: &equipment };
-            let loaded = scene_loader::load_equipped(&arguments.map, &robots, changes);
+            let loaded = scene_loader::load_equipped(map, &robots, changes);
             let world = loaded.map_err(|error| wrong(&error))?;
             equipment::warn(&equipment.warnings(world.robots.keys().map(String::as_str)));
             (world, None)
         }
     };
+    if let Some(league) = &league {
+        world.league = Some(league.league.clone());
+        world.check().map_err(|problem| wrong(&problem))?;
+    }
     world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     for robot in world.robots.values() {
         for assumption in &robot.assumptions {
@@ -266,16 +287,9 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         log: arguments.log,
         ros2_log: arguments.log_format == LogFormat::Ros2,
         pictures: arguments.pictures,
-        world_control: match arguments.control {
-            ControlChoice::Everyone => WorldControl::Everyone,
-            ControlChoice::Local => WorldControl::Local,
-            ControlChoice::Nobody => WorldControl::Nobody,
-        },
-        propagation: match arguments.propagation {
-            PropagationChoice::Everywhere => Propagation::Everywhere,
-            PropagationChoice::Distance => Propagation::Distance,
-            PropagationChoice::Walls => Propagation::Walls,
-        },
+        result: arguments.result,
+        world_control: world_control(arguments.control, league.as_ref()),
+        propagation: propagation(arguments.propagation, league.as_ref()),
         image_kind: match arguments.image_kind {
             ImageKindChoice::Raw => ImageKind::Raw,
             ImageKindChoice::Super => ImageKind::Super,
@@ -297,6 +311,34 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         ServeError::Saved(_) => Failure::new(exit::BAD_CONFIGURATION, error),
         _ => Failure::new(exit::FAILURE, error),
     })
+}
+
+/// Returns the pages that control the world: as chosen, or as the league says.
+fn world_control(choice: Option<ControlChoice>, league: Option<&LeagueFile>) -> WorldControl {
+    let of_league = |league: &LeagueFile| match league.control {
+        Controllers::Everyone => ControlChoice::Everyone,
+        Controllers::Local => ControlChoice::Local,
+        Controllers::Nobody => ControlChoice::Nobody,
+    };
+    match choice.or(league.map(of_league)) {
+        None | Some(ControlChoice::Everyone) => WorldControl::Everyone,
+        Some(ControlChoice::Local) => WorldControl::Local,
+        Some(ControlChoice::Nobody) => WorldControl::Nobody,
+    }
+}
+
+/// Returns the model of the radio: as chosen, or as the league says.
+fn propagation(choice: Option<PropagationChoice>, league: Option<&LeagueFile>) -> Propagation {
+    let of_league = |league: &LeagueFile| match league.communication {
+        Communication::Everywhere => PropagationChoice::Everywhere,
+        Communication::Distance => PropagationChoice::Distance,
+        Communication::Walls => PropagationChoice::Walls,
+    };
+    match choice.or(league.map(of_league)) {
+        None | Some(PropagationChoice::Everywhere) => Propagation::Everywhere,
+        Some(PropagationChoice::Distance) => Propagation::Distance,
+        Some(PropagationChoice::Walls) => Propagation::Walls,
+    }
 }
 
 /// Returns the maps that the page offers: the first one, then the built-in ones with the same overrides.

@@ -22,8 +22,28 @@ export interface Status {
   /** Steps of robots that ended before every contact did what it should. */
   unsettled_steps: number;
   recording: string | null;
+  /** The league that is played; servers from before there were any have none. */
+  league?: League | null;
   robots: { id: number; class: string; name: string; connection: number | null; battery: number | null }[];
   clients: { connection: number; peer: string; lines: number; dropped: number }[];
+}
+
+/** A league and its teams, the best first. */
+export interface League {
+  name: string;
+  /** Simulated time that is left, s. */
+  time_left: number;
+  has_begun: boolean;
+  is_over: boolean;
+  teams: {
+    place: number;
+    name: string;
+    points: number;
+    /** The robots that entered for it. */
+    robots: number[];
+    /** The last changes of its points, newest first. */
+    scores: { time: number; robot: number; reason: string; points: number; total: number }[];
+  }[];
 }
 
 export interface WireLine {
@@ -35,7 +55,14 @@ export interface WireLine {
 }
 
 export type Control =
-  { pause: boolean } | { step: number } | { speed: number } | 'reset' | 'save' | { record: boolean } | { map: string };
+  | { pause: boolean }
+  | { step: number }
+  | { speed: number }
+  | 'reset'
+  | 'save'
+  | { record: boolean }
+  | { remove: number }
+  | { map: string };
 
 /** What the page does with what comes. */
 export interface Listener {

@@ -1,4 +1,4 @@
-//! `INIT {ClassName pkg.Class} {Name s} {Location x,y,z} {Rotation r,p,y} {Start tag}` (protocol.md 3.1).
+//! `INIT {ClassName pkg.Class} {Name s} {Location x,y,z} {Rotation r,p,y} {Start tag}` (protocol.md 3.1). `{Team s}` is ours.
 
 use super::{ReadWrite, text, with_text, with_vector};
 use crate::{Line, Problem, value};
@@ -19,11 +19,21 @@ pub struct Init {
     pub location: [f64; 3],
     /// Roll, pitch, yaw, rad.
     pub rotation: [f64; 3],
+    /// Name of its team in a league; may be empty.
+    pub team: String,
 }
 
 impl Init {
     /// Its keys.
-    pub const KEYS: &'static [&'static str] = &["ClassName", "Name", "Location", "Rotation", "Start"];
+    pub const KEYS: &'static [&'static str] = &["ClassName", "Name", "Location", "Rotation", "Start", "Team"];
+
+    /// Names of the class of world controllers, with its package and without.
+    pub const CONTROLLER: [&'static str; 2] = ["USARBotAPI.WorldController", "WorldController"];
+
+    /// True if it asks for a world controller, which has no body.
+    pub fn is_controller(&self) -> bool {
+        Self::CONTROLLER.iter().any(|class| class.eq_ignore_ascii_case(&self.class_name))
+    }
 
     /// Returns the class without its package: `P3AT` for `USARBot.P3AT`.
     pub fn class(&self) -> &str {
@@ -42,16 +52,18 @@ impl ReadWrite for Init {
         } else {
             [[0.0; 3]; 2]
         };
-        Self { class_name: text(line, "ClassName"), name: text(line, "Name"), start, location, rotation }
+        let team = text(line, "Team");
+        Self { class_name: text(line, "ClassName"), name: text(line, "Name"), start, location, rotation, team }
     }
 
     fn write(&self) -> Line {
         let line = with_text(Line::new("INIT"), "ClassName", &self.class_name);
         let line = with_text(line, "Name", &self.name);
-        if self.start.is_empty() {
+        let line = if self.start.is_empty() {
             with_vector(with_vector(line, "Location", self.location), "Rotation", self.rotation)
         } else {
             line.with("Start", &self.start)
-        }
+        };
+        with_text(line, "Team", &self.team)
     }
 }

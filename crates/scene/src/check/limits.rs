@@ -164,3 +164,15 @@ pub(super) const LEAST_VOLUME: f64 = 1e-12;
 pub const MAX_NAME: usize = 256;
 /// Maximum number of characters of a description or of a source.
 pub(super) const MAX_TEXT: usize = 10_000;
+/// Duration of a league, and of a stay in it. A day is longer than any round.
+pub const LEAGUE_TIME: Range = Range { least: 0.01, most: 86_400.0, unit: " s" };
+/// Distance from which a victim is found.
+pub const SIGHT: Range = Range { least: 0.01, most: 100.0, unit: " m" };
+/// Points for one event.
+pub const POINTS: Range = Range { least: -1e6, most: 1e6, unit: "" };
+/// Most teams of a league.
+pub const MAX_TEAMS: usize = 16;
+/// Most start poses of a team.
+pub const MAX_STARTS: usize = 16;
+/// Most zones of a league.
+pub const MAX_ZONES: usize = 256;

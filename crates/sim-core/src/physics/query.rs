@@ -136,6 +136,21 @@ impl Physics {
         Sight { world: &self.world, materials: &self.materials, light, robot, origin, max_distance }
     }
 
+    /// Returns the map's solids within a distance of a point, m.
+    pub(crate) fn solids_at(&self, point: Vector3<f64>, distance: f64) -> Vec<u32> {
+        let point = convert::vector(point);
+        let around = Aabb::new(point, point).loosened(distance);
+        let near = self.world.query_pipeline_with_filter(QueryFilter::default());
+        let solid = |(_, collider): (_, &Collider)| match Mark::of(collider).identity {
+            Identity::Solid(solid) => {
+                let gap = collider.shape().distance_to_point(collider.position(), point, true);
+                (gap <= distance).then_some(solid)
+            }
+            _ => None,
+        };
+        near.intersect_aabb_conservative(around).filter_map(solid).collect()
+    }
+
     /// Returns the name of the material that a ray has hit.
     pub(crate) fn material_of(&self, hit: &RayHit) -> &str {
         self.materials.get(hit.material).map_or("", |material| &material.name)

@@ -102,8 +102,8 @@ impl World {
         });
         let controllers = self.controllers.iter().map(|(&id, controller)| Actor {
             kind: ActorKind::Controller,
-            class: CONTROLLER[1].to_owned(),
-            name: self.engine_names.of(id, CONTROLLER[1]),
+            class: CONTROLLER.to_owned(),
+            name: self.engine_names.of(id, CONTROLLER),
             called: controller.name.clone(),
             pose: controller.pose,
             battery_is_empty: false,

@@ -40,6 +40,8 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
             Record::ObjectSpawned(_) => ["object spawned", "objects spawned"],
             Record::Picture(..) => ["picture", "pictures"],
             Record::ObjectRemoved(_) => ["object removed", "objects removed"],
+            Record::Scored(_) => ["change of points", "changes of points"],
+            Record::Standings(_) => ["standing", "standings"],
             Record::Warning(_) => ["warning", "warnings"],
         };
         *counts.entry(kind).or_insert(0u64) += 1;

@@ -70,7 +70,7 @@ fn unwrapped(line: Vec<(f64, f64)>) -> Vec<Vec<(f64, f64)>> {
 }
 
 /// Returns the lines of a table by robot number.
-fn by_robot(table: &Table, x: &str, y: &str) -> BTreeMap<u64, Vec<(f64, f64)>> {
+pub(crate) fn by_robot(table: &Table, x: &str, y: &str) -> BTreeMap<u64, Vec<(f64, f64)>> {
     let column = |name| table.column(name).unwrap_or_default();
     let mut lines: BTreeMap<u64, Vec<(f64, f64)>> = BTreeMap::new();
     for ((&robot, &x), &y) in column("robot").iter().zip(column(x)).zip(column(y)) {
@@ -95,13 +95,18 @@ fn path(log: &Log, table: &Table, names: &BTreeMap<u64, String>) -> Chart {
         joined: true,
         dots: false,
     });
+    over_map(log, series.chain(std::iter::once(starts)).collect())
+}
+
+/// Draws series over the map of a log, seen from above, with y of the wire negated.
+pub(crate) fn over_map(log: &Log, series: Vec<Series>) -> Chart {
     let scene = log.scene().ok();
     let solids = scene.iter().flat_map(|scene| &scene.map.solids).filter_map(outline);
     Chart {
         title: format!("map {}, seen from above", log.run.get("map").map_or("", String::as_str)),
         x_title: "x (ahead), m".to_owned(),
         y_title: "y (to the right), m".to_owned(),
-        series: series.chain(std::iter::once(starts)).collect(),
+        series,
         areas: solids.collect(),
         equal_axes: true,
         y_down: true,
