@@ -158,8 +158,7 @@ fn draw(log: &Log, standings: &Standings) -> Result<String, charts::ChartError> 
 fn page(file: &Path, standings: &Standings, drawing: &str) -> String {
     let mut rows = String::new();
     for (place, team) in standings.ranking() {
-        let robots: Vec<String> = team.robots.iter().map(|it| format!("{} {}", it.class, it.name)).collect();
-        let (name, robots) = (escaped(&team.team), escaped(&robots.join(", ")));
+        let (name, robots) = (escaped(&team.team), escaped(&entrants(team)));
         // Writing to a text cannot fail.
         let _ = writeln!(rows, "<tr><td>{place}</td><th>{name}</th><td>{}</td><td>{robots}</td></tr>", team.points);
     }
@@ -183,6 +182,19 @@ fn page(file: &Path, standings: &Standings, drawing: &str) -> String {
          <h2>Scores</h2>\n<table>\n<tr><th>Time</th><th>Team</th><th>Robot</th><th>Reason</th><th>Points</th><th>Total</th></tr>\n\
          {scores}</table>\n</html>\n"
     )
+}
+
+/// Lists the robots of a team by class and name. Those that entered several times are counted.
+fn entrants(team: &Standing) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for Entrant { class, name, .. } in &team.robots {
+        *counts.entry(format!("{class} {name}").trim().to_owned()).or_default() += 1;
+    }
+    let robots = counts.into_iter().map(|(robot, count)| match count {
+        1 => robot,
+        _ => format!("{robot} ({count} times)"),
+    });
+    robots.collect::<Vec<_>>().join(", ")
 }
 
 /// Escapes a text for HTML.
