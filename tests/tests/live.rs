@@ -885,3 +885,40 @@ fn a_page_is_told_where_a_robot_can_stand() {
     // The request spawned no robot.
     assert_eq!(viewer.frame("a frame", |_| true).robots.len(), 1);
 }
+
+/// The points of a round with a pause and a robot that a referee takes out are those of its replay.
+#[test]
+fn what_a_referee_does_in_a_round_is_in_its_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("run.mcap");
+    let league = scene_loader::league(Path::new("rescue"), None).expect("a league").league;
+    let server = serve("rescue", |config| {
+        config.world.league = Some(scene::League { time_limit: 10.0, ..league });
+        config.real_time_factor = 0.0;
+        config.log = Some(log.clone());
+    });
+    let mut referee = Viewer::open(&server, "/live");
+    referee.send("{\"pause\":true}");
+    referee.status("paused", |status| status["paused"] == true);
+    let mut clients = ["red", "blue"].map(|team| {
+        let mut client = server.client();
+        client.send(&format!("INIT {{ClassName P3AT}} {{Team {team}}}"));
+        client.send("DRIVE {Left 3} {Right 3}");
+        client
+    });
+    let status = referee.status("two robots", |status| status["robots"].as_array().is_some_and(|it| it.len() == 2));
+    assert_eq!(status["league"]["time_left"], 10.0, "the clock stands: {status}");
+    referee.send("{\"pause\":false}");
+    referee.said("resumed the world");
+    referee.send("{\"remove\":1}");
+    referee.said("removed robot 1 (P3AT)");
+    referee.status("the end", |status| status["league"]["is_over"] == true && status["paused"] == true);
+    clients.iter_mut().for_each(Peer::finish);
+    server.stop().expect("a good end");
+    let log = recorder::read(&log).expect("a log");
+    for done in ["paused the world", "resumed the world", "removed robot 1 (P3AT)", "the time is up"] {
+        let is_it = |record: &Record| matches!(record, Record::Warning(text) if text.contains(done));
+        assert!(log.entries.iter().any(|entry| is_it(&entry.record)), "{done}");
+    }
+    assert!(replay::replay(&log).expect("a replay").is_same());
+}
