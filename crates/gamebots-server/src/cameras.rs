@@ -153,7 +153,10 @@ impl Cameras {
         let camera = (sensed.robot, sensed.sensor);
         let is_wanted = self.demand.wants(sensed.robot.0);
         let tile = world.tile(sensed.robot, sensed.sensor).filter(|_| self.board.is_watched());
-        let tile = tile.map(|tile| (tile, self.board.worlds()));
+        let tile = tile.map(|tile| {
+            self.board.give(tile, sensed.robot);
+            (tile, self.board.worlds())
+        });
         if !is_wanted && tile.is_none() {
             self.drawn.remove(&camera);
             return;

@@ -70,6 +70,8 @@ struct Tiles {
     changes: u64,
     /// Number of times that the world started over.
     worlds: u64,
+    /// The robot whose camera has each tile.
+    owners: [Option<PawnId>; TILES],
     images: [Option<(PawnId, Arc<Image>)>; TILES],
 }
 
@@ -97,10 +99,20 @@ impl Board {
         self.tiles.borrow().worlds
     }
 
-    /// Shows the picture of a robot's camera in a tile, if it is of the present world.
+    /// Gives a tile to a robot that looks.
+    pub(crate) fn give(&self, tile: usize, robot: PawnId) {
+        self.tiles.send_if_modified(|tiles| {
+            tiles.owners.iter_mut().skip(tile).take(1).for_each(|owner| *owner = Some(robot));
+            false
+        });
+    }
+
+    /// Shows the picture of a robot's camera in a tile, if it is of the present world and the robot still has the tile. It may have left
+    /// while the picture was drawn.
     pub(crate) fn show(&self, world: u64, tile: usize, robot: PawnId, image: Image) {
         self.change(|tiles| {
-            if let Some(place) = tiles.images.get_mut(tile).filter(|_| tiles.worlds == world) {
+            let is_owner = tiles.worlds == world && tiles.owners.get(tile) == Some(&Some(robot));
+            if let Some(place) = tiles.images.get_mut(tile).filter(|_| is_owner) {
                 *place = Some((robot, Arc::new(image)));
             }
         });
@@ -108,6 +120,10 @@ impl Board {
 
     /// Blackens the tiles of a robot that has left.
     pub(crate) fn forget(&self, robot: PawnId) {
+        self.tiles.send_if_modified(|tiles| {
+            tiles.owners.iter_mut().for_each(|owner| _ = owner.take_if(|owner| *owner == robot));
+            false
+        });
         let is_shown = self.tiles.borrow().images.iter().flatten().any(|(shown, _)| *shown == robot);
         if is_shown {
             let leaves = |(shown, _): &mut (PawnId, _)| *shown == robot;
@@ -119,7 +135,7 @@ impl Board {
     pub(crate) fn start_over(&self) {
         self.change(|tiles| {
             tiles.worlds += 1;
-            tiles.images = Default::default();
+            (tiles.images, tiles.owners) = Default::default();
         });
     }
 
@@ -249,6 +265,7 @@ mod tests {
         let [width, height] = SIZE;
         let board = Board::new(ImageKind::Raw);
         let plain = |colour| Image { width, height, pixels: vec![colour; width * height] };
+        (0..3).for_each(|tile| board.give(tile, PawnId(tile as u64)));
         board.show(0, 1, PawnId(1), plain([200, 0, 0]));
         board.show(0, 2, PawnId(2), plain([0, 200, 0]));
         board.show(1, 0, PawnId(3), plain([1, 1, 1]));
@@ -264,6 +281,23 @@ mod tests {
         assert_eq!(bytes[5..9], [size[0].to_be_bytes(), size[1].to_be_bytes()].concat(), "{part:?}");
         assert_eq!(bytes.len(), 9 + height * pitch, "{part:?}");
         assert_eq!(bytes.get(9..12).unwrap_or(&[0; 3]), first, "{part:?}");
+    }
+
+    #[test]
+    fn a_picture_that_is_ready_after_its_robot_has_left_is_not_shown() {
+        let [width, height] = SIZE;
+        let board = Board::new(ImageKind::Raw);
+        let show = |robot| {
+            board.show(0, 1, PawnId(robot), Image { width, height, pixels: vec![[9; 3]; width * height] });
+            board.tiles.borrow().images[1].as_ref().map(|(shown, _)| shown.0)
+        };
+        board.give(1, PawnId(5));
+        assert_eq!(show(5), Some(5));
+        board.forget(PawnId(5));
+        assert_eq!(show(5), None);
+        board.give(1, PawnId(6));
+        assert_eq!(show(5), None);
+        assert_eq!(show(6), Some(6));
     }
 
     #[test]
