@@ -70,9 +70,15 @@ struct Tiles {
     changes: u64,
     /// Number of times that the world started over.
     worlds: u64,
-    /// The robot whose camera has each tile.
-    owners: [Option<PawnId>; TILES],
-    images: [Option<(PawnId, Arc<Image>)>; TILES],
+    tiles: [Option<Tile>; TILES],
+}
+
+/// A tile that a robot's camera has.
+#[derive(Debug, Clone)]
+struct Tile {
+    robot: PawnId,
+    /// Its newest picture; none before the first.
+    image: Option<Arc<Image>>,
 }
 
 /// A board that cameras' pictures are put on.
@@ -101,9 +107,10 @@ impl Board {
 
     /// Gives a tile to a robot that looks.
     pub(crate) fn give(&self, tile: usize, robot: PawnId) {
-        self.tiles.send_if_modified(|tiles| {
-            tiles.owners.iter_mut().skip(tile).take(1).for_each(|owner| *owner = Some(robot));
-            false
+        self.change_if(|tiles| {
+            let place = tiles.get_mut(tile).filter(|place| place.as_ref().is_none_or(|tile| tile.robot != robot));
+            let before = place.and_then(|place| place.replace(Tile { robot, image: None }));
+            before.is_some_and(|tile| tile.image.is_some())
         });
     }
 
@@ -111,31 +118,35 @@ impl Board {
     /// while the picture was drawn.
     pub(crate) fn show(&self, world: u64, tile: usize, robot: PawnId, image: Image) {
         self.change(|tiles| {
-            let is_owner = tiles.worlds == world && tiles.owners.get(tile) == Some(&Some(robot));
-            if let Some(place) = tiles.images.get_mut(tile).filter(|_| is_owner) {
-                *place = Some((robot, Arc::new(image)));
+            let owned = tiles.tiles.get_mut(tile).and_then(Option::as_mut).filter(|tile| tile.robot == robot);
+            if let Some(tile) = owned.filter(|_| tiles.worlds == world) {
+                tile.image = Some(Arc::new(image));
             }
         });
     }
 
     /// Blackens the tiles of a robot that has left.
     pub(crate) fn forget(&self, robot: PawnId) {
-        self.tiles.send_if_modified(|tiles| {
-            tiles.owners.iter_mut().for_each(|owner| _ = owner.take_if(|owner| *owner == robot));
-            false
+        self.change_if(|tiles| {
+            let left = tiles.iter_mut().filter_map(|place| place.take_if(|tile| tile.robot == robot));
+            left.filter(|tile| tile.image.is_some()).count() > 0
         });
-        let is_shown = self.tiles.borrow().images.iter().flatten().any(|(shown, _)| *shown == robot);
-        if is_shown {
-            let leaves = |(shown, _): &mut (PawnId, _)| *shown == robot;
-            self.change(|tiles| tiles.images.iter_mut().for_each(|tile| _ = tile.take_if(leaves)));
-        }
     }
 
     /// Blackens all tiles, as the world starts over.
     pub(crate) fn start_over(&self) {
         self.change(|tiles| {
             tiles.worlds += 1;
-            (tiles.images, tiles.owners) = Default::default();
+            tiles.tiles = Default::default();
+        });
+    }
+
+    /// Changes tiles. Clients hear of it if `change` returns true: pictures are others.
+    fn change_if(&self, change: impl FnOnce(&mut [Option<Tile>; TILES]) -> bool) {
+        self.tiles.send_if_modified(|tiles| {
+            let is_changed = change(&mut tiles.tiles);
+            tiles.changes += u64::from(is_changed);
+            is_changed
         });
     }
 
@@ -200,8 +211,8 @@ fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8
     let [width, height] = SIZE;
     let mut pixels = vec![[0; 3]; 2 * width];
     for (column, target) in pixels.chunks_mut(width).enumerate() {
-        let image = tiles.images.get(2 * (row / height) + column).and_then(Option::as_ref);
-        let source = image.and_then(|(_, image)| image.pixels.chunks(width).nth(row % height));
+        let tile = tiles.tiles.get(2 * (row / height) + column).and_then(Option::as_ref);
+        let source = tile.and_then(|tile| tile.image.as_ref()?.pixels.chunks(width).nth(row % height));
         if let Some(source) = source.filter(|source| source.len() == target.len()) {
             target.copy_from_slice(source);
         }
@@ -238,7 +249,7 @@ async fn converse(mut stream: TcpStream, board: &Board, stall_timeout: Duration)
             let Some(request) = requests.push(byte) else { continue };
             let (changes, is_empty) = {
                 let tiles = shown.borrow_and_update();
-                (tiles.changes, tiles.images.iter().all(Option::is_none))
+                (tiles.changes, tiles.tiles.iter().flatten().all(|tile| tile.image.is_none()))
             };
             let is_known = sent == Some(changes);
             if is_known || sent.is_none() && is_empty {
@@ -289,7 +300,8 @@ mod tests {
         let board = Board::new(ImageKind::Raw);
         let show = |robot| {
             board.show(0, 1, PawnId(robot), Image { width, height, pixels: vec![[9; 3]; width * height] });
-            board.tiles.borrow().images[1].as_ref().map(|(shown, _)| shown.0)
+            let shown = board.tiles.borrow().tiles[1].clone().filter(|tile| tile.image.is_some());
+            shown.map(|tile| tile.robot.0)
         };
         board.give(1, PawnId(5));
         assert_eq!(show(5), Some(5));

@@ -78,8 +78,7 @@ impl Publisher {
         if self.recording.is_wanted() {
             self.recording.record(world, Record::Scored(score.clone()));
         }
-        let Score { team, reason, points, total, .. } = score;
-        self.announce(Instant::now(), &format!("{team} {reason}: {points:+}, now {total}"));
+        self.announce(Instant::now(), &score.to_string());
     }
 
     /// Records every team's points.

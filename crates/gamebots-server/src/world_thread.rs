@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use scene::{MapDef, PawnId, WorldDef};
+use scene::{MapDef, PawnId, Standings, WorldDef};
 use sessions::{News, Sessions};
 use sim_core::World;
 use tokio::sync::oneshot;
@@ -275,7 +275,7 @@ impl Server {
 
     /// Ends logs and connections. After a panic, also writes a report of it.
     fn end(mut self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
-        self.conclude_unless_over();
+        self.conclude();
         self.results.finish();
         let (Audience { publisher, clients, .. }, world) = (self.audience, self.sessions.world());
         clients.values().for_each(|client| client.outbox().close());
@@ -307,26 +307,24 @@ impl Server {
 
     /// Pauses the world because the time of its league is up.
     fn end_round(&mut self) {
-        self.conclude();
+        if let Some(standings) = self.record_standings() {
+            self.results.write(&standings);
+        }
         (self.timing.paused, self.timing.steps) = (true, 0);
         self.audience.publisher.warn(self.sessions.world(), "the time is up: the world is paused");
         self.audience.publisher.changed(Instant::now());
     }
 
-    /// Records every team's points, and writes the result, if that was not done when the time was up.
-    fn conclude_unless_over(&mut self) {
-        match self.sessions.standings() {
-            Some(standings) if standings.is_over => {
-                self.audience.publisher.standings(self.sessions.world(), &standings);
-            }
-            _ => self.conclude(),
-        }
+    /// Records every team's points in the log, if the world has a league, and returns them.
+    fn record_standings(&mut self) -> Option<Standings> {
+        let standings = self.sessions.standings()?;
+        self.audience.publisher.standings(self.sessions.world(), &standings);
+        Some(standings)
     }
 
-    /// Records every team's points, and writes the result.
+    /// Records every team's points, and writes the result. That of a round whose time was up is written.
     fn conclude(&mut self) {
-        if let Some(standings) = self.sessions.standings() {
-            self.audience.publisher.standings(self.sessions.world(), &standings);
+        if let Some(standings) = self.record_standings().filter(|standings| !standings.is_over) {
             self.results.write(&standings);
         }
     }
@@ -521,8 +519,8 @@ impl Server {
                 None
             }
             Control::Record(on) => {
-                if let Some(standings) = self.sessions.standings().filter(|_| !on) {
-                    self.audience.publisher.standings(self.sessions.world(), &standings);
+                if !on {
+                    self.record_standings();
                 }
                 self.audience.publisher.record(now, self.sessions.world(), on);
                 None
@@ -569,7 +567,7 @@ impl Server {
             self.audience.publisher.warn(self.sessions.world(), &format!("not reset: {error}"));
             return false;
         }
-        self.conclude_unless_over();
+        self.conclude();
         let Self { sessions, audience, .. } = self;
         let old = sessions.replace_world(fresh);
         audience.publisher.start_over(now, &old, sessions.world());

@@ -74,8 +74,7 @@ impl Native {
             }
             Record::Scored(score) => {
                 file.publish(time, LEAGUE[0], &LeagueScore::new(score))?;
-                let text = format!("{}: {} {:+}, now {}", score.team, score.reason, score.points, score.total);
-                file.publish(time, "/log", &log(time, Level::Info, text))
+                file.publish(time, "/log", &log(time, Level::Info, score.to_string()))
             }
             Record::Standings(standings) => file.publish(time, LEAGUE[1], &LeagueStandings::new(standings)),
             Record::Warning(text) => file.publish(time, "/log", &log(time, Level::Warning, text.clone())),

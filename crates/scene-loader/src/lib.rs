@@ -50,11 +50,7 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
         let expected = "a .toml (robot, map, league, materials, objects or equipment), a .urdf or an .ini file";
         return Err(LoadError::UnknownKind { file: path.display().to_string(), expected });
     }
-    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    if name.starts_with("league") || text(path)?.lines().any(|line| line.trim() == "[[team]]") {
-        return league(path, None).map(|_| Vec::new());
-    }
-    check_toml(&Source::of_file(path), name)
+    check_toml(path)
 }
 
 /// Returns the text of a file, such as a URDF, of at most 4 MB.
@@ -69,6 +65,11 @@ pub fn text(path: &Path) -> Result<String, LoadError> {
 /// True for a set of equipment: its name or its tables say so.
 fn is_equipment(name: &str, text: &str) -> bool {
     name.starts_with("equipment") || [".sensor]]", ".mount]]"].iter().any(|table| text.contains(table))
+}
+
+/// True for a league: its name or its teams say so.
+fn is_league(name: &str, text: &str) -> bool {
+    name.starts_with("league") || text.lines().any(|line| line.trim() == "[[team]]")
 }
 
 /// Checks a set of equipment with the shipped robots and actuators that it names.
@@ -95,10 +96,15 @@ fn check_ini(path: &Path) -> Result<Vec<String>, LoadError> {
     Ok(warnings.iter().map(|it| format!("{}:{}: {}", it.line, it.column, it.message)).collect())
 }
 
-/// Checks a TOML file. Files of materials, objects and actuators are known by their names, a robot by its name or its wheels, equipment by its tables; any other
+/// Checks a TOML file. Files of materials, objects and actuators are known by their names, a robot by its name or its wheels, a league by its name or its teams, equipment by its tables; any other
 /// file is a map.
-fn check_toml(source: &Source, name: &str) -> Result<Vec<String>, LoadError> {
+fn check_toml(path: &Path) -> Result<Vec<String>, LoadError> {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let source = &Source::of_file(path);
     let text = source.text(name)?;
+    if is_league(name, &text) {
+        return league(path, None).map(|_| Vec::new());
+    }
     if is_equipment(name, &text) {
         return check_equipment(source, name);
     }

@@ -1,5 +1,7 @@
 //! Leagues: teams that score on a map within a time.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::NamedPose;
@@ -138,6 +140,13 @@ impl Score {
     /// Returns the bytes of memory that its texts take.
     pub fn held(&self) -> usize {
         size_of::<Self>() + self.team.len() + self.reason.len()
+    }
+}
+
+impl fmt::Display for Score {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { team, reason, points, total, .. } = self;
+        write!(f, "{team} {reason}: {points:+}, now {total}")
     }
 }
 

@@ -39,7 +39,7 @@ const WIRELESS_PORT: u16 = 50000;
     The server runs until Ctrl-C or SIGTERM and then ends with exit code 0.")]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
-    /// By default `hall`, or the map of the league.
+    /// Defaults to `hall`, or to the map of the league.
     #[arg(long, env = "USARSIM_MAP", value_name = "NAME|FILE")]
     map: Option<String>,
     /// Play a league: teams, their start poses, a time limit, and points for victims and zones, from a league.toml; `rescue` is built in.
@@ -86,7 +86,7 @@ pub(crate) struct Arguments {
     no_http: bool,
     /// Pages that may pause, step, reset, record, and change the speed or the map: everyone's, only those on this machine
     /// (also through `ssh -L`), or nobody. Everybody can watch and drive their own robots.
-    /// By default everyone's, or as the league says.
+    /// Defaults to everyone's, or to what the league says.
     #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO")]
     control: Option<ControlChoice>,
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
