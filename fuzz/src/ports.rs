@@ -1,7 +1,9 @@
 //! Bytes of a client of the ports beside the controllers'.
 
 use gamebots_proto::Framing;
-use gamebots_proto::ports::{PictureRequests, Place, PositionsQuestion, Row, TruthQuestion, WirelessCommand, rows};
+use gamebots_proto::ports::{
+    PictureRequests, Place, PositionsQuestion, Row, TruthQuestion, WirelessCommand, login, read_login, rows,
+};
 
 /// Bytes that ask for truth, positions, pictures or the radio.
 ///
@@ -16,6 +18,10 @@ pub fn ports(bytes: &[u8]) {
     for line in lines {
         if let WirelessCommand::Init { ports: Some(ports), .. } = WirelessCommand::read(&line) {
             assert!(ports.len() <= 16, "{line:?}");
+        }
+        // A token that is sent on is read as the same one.
+        if let Some(token) = read_login(&line) {
+            assert_eq!(read_login(&login(&token)).as_deref(), Some(token.as_str()), "{line:?}");
         }
         let TruthQuestion { class, name } = TruthQuestion::read(&line);
         let row = Row { name: &name, class: &class, ..Row::default() };

@@ -1,10 +1,12 @@
 //! The ports beside the controllers': questions, and answers to them. They have no dialects.
 
+mod login;
 mod pictures;
 mod positions;
 mod truth;
 mod wireless;
 
+pub use login::{login, read_login};
 pub use pictures::{PictureRequest, PictureRequests, picture, raw};
 pub use positions::{Obstacles, Place, PositionsQuestion, Stand, positions};
 pub use truth::{Row, TruthQuestion, rows};

@@ -23,8 +23,6 @@ pub(crate) struct Client {
     id: ConnectionId,
     /// Address of the client.
     peer: String,
-    /// The reason why it may not control the world, if any.
-    refusal: Option<&'static str>,
     outbox: Arc<Outbox>,
     lines: u64,
     dropped: u64,
@@ -42,11 +40,10 @@ pub(crate) struct Client {
 
 impl Client {
     pub(crate) fn new(opened: Opened) -> Self {
-        let Opened { id, peer, refusal, outbox, .. } = opened;
+        let Opened { id, peer, outbox, .. } = opened;
         Self {
             id,
             peer,
-            refusal,
             outbox,
             lines: 0,
             dropped: 0,
@@ -71,18 +68,6 @@ impl Client {
             self.turn = None;
         }
         next
-    }
-
-    /// Replaces the INIT of a world controller by its refusal, if the client may not control the world of a league.
-    pub(crate) fn admit(&self, request: Request) -> Request {
-        match (&request.command, self.refusal) {
-            (Some(Command::Init(init)), Some(reason)) if init.is_controller() => {
-                let problem =
-                    Problem::NotAdmitted { why: format!("no world controller in a league from here: {reason}") };
-                Request { text: String::new(), command: None, problems: vec![problem] }
-            }
-            _ => request,
-        }
     }
 
     /// True if a request can be executed now.

@@ -4,10 +4,12 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
+use gamebots_proto::message::{Message, Nfo};
+use gamebots_proto::ports::read_login;
 use gamebots_proto::{Dialect, Framing, Problem};
 use outbox::{Outbox, Taken};
 use sessions::Request;
-use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt, copy, sink};
 use tokio::net::TcpStream;
 use tokio::net::tcp::OwnedReadHalf;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
@@ -15,6 +17,7 @@ use tokio::time::{Instant, sleep_until, timeout};
 use tracing::{info, warn};
 
 use crate::WorldControl;
+use crate::access::{Access, LOGIN_TIME, Refusal, Role};
 use crate::control::{Actor, Control};
 use crate::fit::{Ask, Fit};
 use crate::ports::Question;
@@ -36,6 +39,10 @@ pub(crate) const UNENDED_LINE: Duration = Duration::from_millis(500);
 
 /// Pause after an error of accept or bind, which would otherwise recur at once.
 pub(crate) const BACK_OFF: Duration = Duration::from_millis(100);
+
+/// Longest time for the last words to a client that is turned away, and most of its bytes that are read meanwhile.
+const FAREWELL: Duration = Duration::from_secs(1);
+const MOST_UNREAD: u64 = 64 * 1024;
 
 /// Number of a connection, from 1.
 pub(crate) type ConnectionId = u64;
@@ -63,8 +70,6 @@ pub(crate) struct Opened {
     pub(crate) id: ConnectionId,
     /// Its address.
     pub(crate) peer: String,
-    /// The reason why it may not control the world, if any.
-    pub(crate) refusal: Option<&'static str>,
     /// The dialect of all its lines; if none, robots decide.
     pub(crate) dialect: Option<Dialect>,
     pub(crate) outbox: Arc<Outbox>,
@@ -74,32 +79,49 @@ pub(crate) struct Opened {
 /// client can fill the queue for others.
 pub(crate) type Turn = OwnedSemaphorePermit;
 
+/// Rules of a controllers' port.
+#[derive(Clone)]
+pub(crate) struct Rules {
+    /// The dialect of all lines; if none, robots decide.
+    pub(crate) dialect: Option<Dialect>,
+    pub(crate) access: Access,
+    pub(crate) world_control: WorldControl,
+    /// True if the world has a league: in one, not everybody may be a world controller.
+    pub(crate) is_league: bool,
+    /// Time after which a client that reads nothing is disconnected.
+    pub(crate) stall_timeout: Duration,
+}
+
 /// Serves a client until it leaves, or is disconnected because it does not read.
-pub(crate) async fn serve(
-    id: ConnectionId,
-    stream: TcpStream,
-    dialect: Option<Dialect>,
-    world_control: WorldControl,
-    events: Sender<Event>,
-    stall_timeout: Duration,
-) {
+pub(crate) async fn serve(id: ConnectionId, mut stream: TcpStream, rules: Rules, events: Sender<Event>) {
     if let Err(error) = stream.set_nodelay(true) {
         warn!(connection = id, %error, "cannot turn off delayed sending");
     }
+    let rights = match rules.access.log_in(&mut stream, &[Role::Driver, Role::Referee]).await {
+        Ok(rights) => rights,
+        Err(refusal) => return turn_away(id, stream, &refusal).await,
+    };
     let [from, own] = [stream.peer_addr().ok(), stream.local_addr().ok()];
     let peer = from.map_or_else(|| "unknown".to_owned(), |peer| peer.to_string());
     let refusal = match from.zip(own) {
-        Some((from, own)) => world_control.refusal(from.ip(), own.ip()),
+        _ if rules.access.is_open() && !rules.is_league => None,
+        Some((from, own)) => rules.access.refusal(&rights, rules.world_control, from.ip(), own.ip()),
         None => Some("its address is unknown"),
+    };
+    let Rules { dialect, stall_timeout, .. } = rules;
+    let admit = move |line: Result<String, Problem>| {
+        let is_login = |text: &String| read_login(text).is_some();
+        // A token must not get into a log, so a second LOGIN is left out, too.
+        (!line.as_ref().is_ok_and(is_login)).then(|| rights.admit(Request::read(line), refusal))
     };
     let (read, write) = stream.into_split();
     let outbox = Arc::new(Outbox::default());
-    if events.send(Event::Opened(Opened { id, peer, refusal, dialect, outbox: outbox.clone() })).is_err() {
+    if events.send(Event::Opened(Opened { id, peer, dialect, outbox: outbox.clone() })).is_err() {
         return;
     }
     let writer = write_lines(write, &outbox, stall_timeout);
     tokio::pin!(writer);
-    let reader = read_lines(id, read, &outbox, &events);
+    let reader = read_lines(id, read, admit, &outbox, &events);
     let (reason, may_still_write) = tokio::select! {
         reason = reader => (reason, true),
         reason = &mut writer => (reason, false),
@@ -116,10 +138,27 @@ pub(crate) async fn serve(
     info!(connection = id, reason, "client disconnected");
 }
 
-/// Reads until the client ends the stream; its last fragment counts as a line.
+/// Tells a client why it is not served, and disconnects it.
+async fn turn_away(id: ConnectionId, mut stream: TcpStream, refusal: &Refusal) {
+    let text = format!(
+        "LOGIN refused: {refusal}; expected LOGIN {{Token ..}} as the first line, within {} s",
+        LOGIN_TIME.as_secs()
+    );
+    info!(connection = id, reason = text, "client turned away");
+    let answer = Message::Nfo(Nfo::Error(text)).write(Dialect::Udk) + "\r\n";
+    let farewell = async {
+        let _ = (stream.write_all(answer.as_bytes()).await, stream.shutdown().await);
+        // Bytes that are not read would make the operating system take the answer back.
+        let _ = copy(&mut stream.take(MOST_UNREAD), &mut sink()).await;
+    };
+    let _ = timeout(FAREWELL, farewell).await;
+}
+
+/// Reads until the client ends the stream; its last fragment counts as a line. `admit` makes a line a request, or leaves it out.
 async fn read_lines(
     id: ConnectionId,
     mut read: OwnedReadHalf,
+    admit: impl Fn(Result<String, Problem>) -> Option<Request>,
     outbox: &Outbox,
     events: &Sender<Event>,
 ) -> &'static str {
@@ -148,9 +187,9 @@ async fn read_lines(
                 Err(Stopped) => "the server stops",
             };
         }
-        let mut lines = lines.into_iter().peekable();
-        while lines.peek().is_some() {
-            let requests = lines.by_ref().take(MAX_REQUESTS).map(Request::read).collect();
+        let mut requests = lines.into_iter().filter_map(&admit).peekable();
+        while requests.peek().is_some() {
+            let requests = requests.by_ref().take(MAX_REQUESTS).collect();
             if hand_over(id, requests, &turns, events).await.is_err() {
                 return "the server stops";
             }

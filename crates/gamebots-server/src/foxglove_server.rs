@@ -16,6 +16,7 @@ use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
 
 use crate::ServeError;
+use crate::access::Access;
 use crate::connection::Event;
 use crate::control::{Actor, Control};
 
@@ -37,6 +38,7 @@ pub(crate) struct FoxgloveServer {
 pub(crate) async fn start(
     listener: TcpListener,
     host: &str,
+    access: &Access,
     world: &WorldDef,
     events: Option<Sender<Event>>,
 ) -> Result<FoxgloveServer, ServeError> {
@@ -48,7 +50,7 @@ pub(crate) async fn start(
     let server = server.message_backlog_size(BACKLOG).listener(Arc::new(Late(latched)));
     let started = server.start().await;
     let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;
-    tokio::spawn(gate::serve(listener, host.to_owned(), SocketAddr::from((hidden, handle.port()))));
+    tokio::spawn(gate::serve(listener, host.to_owned(), access.clone(), SocketAddr::from((hidden, handle.port()))));
     let recorder = Recorder::new(live)?;
     Ok(FoxgloveServer { handle, _context: context, recorder, next_time: Instant::now() })
 }

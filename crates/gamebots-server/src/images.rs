@@ -18,9 +18,10 @@ use tokio::sync::{Mutex, watch};
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
+use crate::access::{Access, Role};
 use crate::cameras::SIZE;
 use crate::connection::{FirstBytes, send};
-use crate::listener::accept;
+use crate::listener::accept_with;
 
 /// Most connections at once; more wait.
 const MAX_CONNECTIONS: usize = 16;
@@ -221,13 +222,10 @@ fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8
 }
 
 /// Serves the port until the future is dropped.
-pub(crate) async fn serve(board: Board, listener: TcpListener, stall_timeout: Duration) {
-    accept(listener, MAX_CONNECTIONS, |stream, _, place| {
+pub(crate) async fn serve(board: Board, listener: TcpListener, access: &Access, stall_timeout: Duration) {
+    accept_with(listener, MAX_CONNECTIONS, access, &[Role::Viewer, Role::Driver], move |stream| {
         let board = board.clone();
-        async move {
-            let _place = place;
-            converse(stream, &board, stall_timeout).await;
-        }
+        async move { converse(stream, &board, stall_timeout).await }
     })
     .await;
 }

@@ -13,6 +13,7 @@
 #![warn(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used)]
 #![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
 
+mod access;
 mod cameras;
 mod client;
 mod connection;
@@ -35,6 +36,7 @@ mod web;
 mod wireless;
 mod world_thread;
 
+pub use access::{Tokens, TokensError};
 pub use control::{WorldControl, check_real_time_factor};
 pub use images::ImageKind;
 pub use live::messages as viewer_messages;
@@ -113,6 +115,8 @@ pub struct Config {
     pub result: Option<PathBuf>,
     /// Clients that may control the world over the page and Foxglove.
     pub world_control: WorldControl,
+    /// Tokens of those who may watch, drive and control; none if everybody may.
+    pub tokens: Option<Tokens>,
     /// Model of the radio between robots.
     pub propagation: Propagation,
     /// Kind of the image server's pictures.
@@ -140,6 +144,7 @@ impl Config {
             stall_timeout: Duration::from_secs(30),
             result: None,
             world_control: WorldControl::Everyone,
+            tokens: None,
             propagation: Propagation::default(),
             image_kind: ImageKind::default(),
             threads: ThreadPool::one(),

@@ -12,7 +12,8 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::task::JoinSet;
 use tracing::{debug, info, warn};
 
-use crate::connection::{BACK_OFF, ConnectionId, Event};
+use crate::access::{Access, Role};
+use crate::connection::{BACK_OFF, ConnectionId, Event, Rules};
 use crate::images::{self, Board};
 use crate::live::{About, Channels};
 use crate::ports::{self, Port};
@@ -37,6 +38,7 @@ pub(crate) async fn serve(
 ) -> Result<(), ServeError> {
     let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
     let (mut ports, mut images, mut radios) = (Vec::new(), Vec::new(), Vec::new());
+    let access = Access::new(config.tokens.clone());
     // Unbounded: each sender waits for a turn, see `connection::Turn`.
     let (events, receiver) = mpsc::channel();
     for listener in &config.listeners {
@@ -51,38 +53,47 @@ pub(crate) async fn serve(
             Service::Images => images.push(bound),
             Service::Wireless => radios.push(bound),
             Service::Foxglove => {
-                let events = (config.world_control == WorldControl::Everyone).then(|| events.clone());
-                foxglove = Some(foxglove_server::start(bound, &config.host, &config.world, events).await?);
+                // Its clients cannot be told apart.
+                let may_control = config.world_control == WorldControl::Everyone && access.is_open();
+                let events = may_control.then(|| events.clone());
+                foxglove = Some(foxglove_server::start(bound, &config.host, &access, &config.world, events).await?);
             }
         }
     }
     let addresses = Ready(addresses);
     let (gone, mut world_gone) = oneshot::channel();
     let board = Board::new(config.image_kind);
-    let network = Network::new(events.clone(), &config.host, config.propagation);
+    let network = Network::new(events.clone(), access.clone(), &config.host, config.propagation);
     let (live, channels) = live::broadcast(
         Instant::now(),
         &config.world,
         addresses.page().map(|_| about(&config, &addresses)),
         board.clone(),
     );
-    let site = Arc::new(site(&config, &addresses, channels, events.clone()));
+    let site = Arc::new(site(&config, &access, &addresses, channels, events.clone()));
     let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
-    let world_control = config.world_control;
+    let rules = Rules {
+        dialect: None,
+        access: access.clone(),
+        world_control: config.world_control,
+        is_league: config.world.league.is_some(),
+        stall_timeout,
+    };
     let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;
     ready(addresses);
     let mut clients: Vec<JoinSet<()>> = controllers.iter().map(|_| JoinSet::new()).collect();
     let ids = Cell::new(0);
     let accepting = clients.iter_mut().zip(controllers).map(|(clients, (dialect, address, bound))| {
-        let (ids, events) = (&ids, &events);
+        let (ids, events, rules) = (&ids, &events, Rules { dialect, ..rules.clone() });
         let serve = move |stream| {
             ids.set(ids.get() + 1);
-            (ids.get(), connection::serve(ids.get(), stream, dialect, world_control, events.clone(), stall_timeout))
+            (ids.get(), connection::serve(ids.get(), stream, rules.clone(), events.clone()))
         };
         accept_clients(clients, bound, address, max_connections, serve)
     });
-    let telling = ports.into_iter().map(|(port, bound)| ports::serve(port, bound, events.clone(), stall_timeout));
-    let drawing = images.into_iter().map(|bound| images::serve(board.clone(), bound, stall_timeout));
+    let telling =
+        ports.into_iter().map(|(port, bound)| ports::serve(port, bound, &access, events.clone(), stall_timeout));
+    let drawing = images.into_iter().map(|bound| images::serve(board.clone(), bound, &access, stall_timeout));
     let radioing = radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, stall_timeout));
     let showing = pages.into_iter().map(|page| web::serve(page, site.clone()));
     let is_gone = tokio::select! {
@@ -119,7 +130,7 @@ async fn forever(services: impl Iterator<Item = impl Future<Output = ()>>) {
 }
 
 /// Collects the state that the page's handlers share.
-fn site(config: &Config, addresses: &Ready, channels: Channels, events: mpsc::Sender<Event>) -> Site {
+fn site(config: &Config, access: &Access, addresses: &Ready, channels: Channels, events: mpsc::Sender<Event>) -> Site {
     // Without controllers the page cannot drive: nothing listens at this address, and its WebSocket reports that.
     let protocol = addresses.controllers().unwrap_or_else(|| SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
     Site {
@@ -129,6 +140,7 @@ fn site(config: &Config, addresses: &Ready, channels: Channels, events: mpsc::Se
         events,
         stall_timeout: config.stall_timeout,
         world_control: config.world_control,
+        access: access.clone(),
         packed: Packed::default(),
         pages: AtomicU64::new(0),
     }
@@ -265,6 +277,27 @@ pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
             Some(_) = clients.join_next() => {}
         }
     }
+}
+
+/// Accepts clients as [`accept`] does, and serves those with one of the `wanted` roles.
+pub(crate) async fn accept_with<S: Future<Output = ()> + Send + 'static>(
+    listener: TcpListener,
+    most: usize,
+    access: &Access,
+    wanted: &'static [Role],
+    serve: impl Fn(TcpStream) -> S + Clone + Send + 'static,
+) {
+    accept(listener, most, |mut stream, peer, place| {
+        let (access, serve) = (access.clone(), serve.clone());
+        async move {
+            let _place = place;
+            match access.log_in(&mut stream, wanted).await {
+                Ok(_) => serve(stream).await,
+                Err(refusal) => debug!(%peer, %refusal, "turned away"),
+            }
+        }
+    })
+    .await;
 }
 
 async fn listen_again(address: SocketAddr) -> Option<TcpListener> {

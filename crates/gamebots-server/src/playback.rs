@@ -8,9 +8,10 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
-use tracing::{info, warn};
+use tracing::{debug, info, warn};
 
-use crate::ServeError;
+use crate::access::{Access, Role};
+use crate::{ServeError, Tokens};
 
 /// Most clients at once; more wait until one leaves.
 const MAX_CLIENTS: usize = 64;
@@ -21,7 +22,7 @@ const STALL_TIMEOUT: Duration = Duration::from_secs(30);
 const LONGEST_WAIT: f64 = 1e8;
 
 /// A recording to play, and the address to serve it on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Playback {
     /// Host to listen on.
     pub host: String,
@@ -31,6 +32,8 @@ pub struct Playback {
     pub real_time_factor: f64,
     /// Lines without line ends, with the times of their recording, s, in order.
     pub lines: Vec<(f64, String)>,
+    /// Tokens of those who may listen; none if everybody may.
+    pub tokens: Option<Tokens>,
 }
 
 /// Plays from the beginning to each client until `shutdown` completes. Lines from clients are ignored. `ready` is called once
@@ -45,20 +48,21 @@ pub fn play(
 ) -> Result<(), ServeError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
     runtime.block_on(async {
-        let Playback { host, port, real_time_factor, lines } = playback;
+        let Playback { host, port, real_time_factor, lines, tokens } = playback;
+        let access = Access::new(tokens);
         let failed = |reason| ServeError::Listen { host: host.clone(), port, reason };
         let listener = TcpListener::bind((host.as_str(), port)).await.map_err(failed)?;
         ready(listener.local_addr().map_err(failed)?);
         let lines: Arc<[(f64, String)]> = lines.into();
         tokio::select! {
-            () = accept(listener, lines, real_time_factor) => {}
+            () = accept(listener, access, lines, real_time_factor) => {}
             () = shutdown => {}
         }
         Ok(())
     })
 }
 
-async fn accept(listener: TcpListener, lines: Arc<[(f64, String)]>, real_time_factor: f64) {
+async fn accept(listener: TcpListener, access: Access, lines: Arc<[(f64, String)]>, real_time_factor: f64) {
     let mut clients = JoinSet::new();
     loop {
         if clients.len() >= MAX_CLIENTS {
@@ -67,10 +71,17 @@ async fn accept(listener: TcpListener, lines: Arc<[(f64, String)]>, real_time_fa
         }
         tokio::select! {
             accepted = listener.accept() => match accepted {
-                Ok((stream, peer)) => {
-                    info!(%peer, "plays");
-                    let lines = Arc::clone(&lines);
-                    clients.spawn(async move { send(stream, &lines, real_time_factor).await });
+                Ok((mut stream, peer)) => {
+                    let (access, lines) = (access.clone(), Arc::clone(&lines));
+                    clients.spawn(async move {
+                        match access.log_in(&mut stream, &[Role::Viewer]).await {
+                            Ok(_) => {
+                                info!(%peer, "plays");
+                                send(stream, &lines, real_time_factor).await;
+                            }
+                            Err(refusal) => debug!(%peer, %refusal, "turned away"),
+                        }
+                    });
                 }
                 Err(error) => {
                     warn!(%error, "a client could not be accepted");

@@ -19,8 +19,9 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, oneshot};
 use tokio::time::timeout;
 
+use crate::access::{Access, Role};
 use crate::connection::{Event, FirstBytes, UNENDED_LINE, send};
-use crate::listener::accept;
+use crate::listener::accept_with;
 use crate::web::Health;
 
 /// Most connections to a port at once; more wait.
@@ -90,13 +91,16 @@ impl Inquiry {
 }
 
 /// Serves a port of lines until the future is dropped.
-pub(crate) async fn serve(port: Port, listener: TcpListener, events: Sender<Event>, stall_timeout: Duration) {
-    accept(listener, MAX_CONNECTIONS, |stream, _, place| {
+pub(crate) async fn serve(
+    port: Port,
+    listener: TcpListener,
+    access: &Access,
+    events: Sender<Event>,
+    stall_timeout: Duration,
+) {
+    accept_with(listener, MAX_CONNECTIONS, access, &[Role::Viewer], move |stream| {
         let inquiry = Inquiry::new(events.clone());
-        async move {
-            let _place = place;
-            converse(port, stream, &inquiry, stall_timeout).await;
-        }
+        async move { converse(port, stream, &inquiry, stall_timeout).await }
     })
     .await;
 }

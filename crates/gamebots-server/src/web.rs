@@ -32,6 +32,7 @@ use tokio_io_timeout::TimeoutStream;
 use tracing::debug;
 
 use crate::WorldControl;
+use crate::access::{Access, Role};
 use crate::connection::Event;
 use crate::listener::{self, accept};
 use crate::live::Channels;
@@ -56,6 +57,7 @@ pub(crate) struct Site {
     /// Time after which a viewer that reads nothing is disconnected.
     pub(crate) stall_timeout: Duration,
     pub(crate) world_control: WorldControl,
+    pub(crate) access: Access,
     pub(crate) packed: Packed,
     /// Number of pages opened so far; it numbers the pages.
     pub(crate) pages: AtomicU64,
@@ -64,33 +66,34 @@ pub(crate) struct Site {
 /// One of the [`MAX_CONNECTIONS`], held while the connection lives, also after it has become a WebSocket.
 pub(crate) type Place = Arc<listener::Place>;
 
-/// Address and rights of a page.
+/// The ends of a page's connection.
 #[derive(Debug, Clone, Copy)]
 struct Peer {
     address: IpAddr,
-    /// The reason why it may not control the world, if any.
-    refusal: Option<&'static str>,
+    /// The server's address.
+    own: IpAddr,
 }
 
 /// Serves until the future is dropped.
 pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
+    let for_viewers = middleware::from_fn_with_state(site.clone(), admit_viewer);
     let router = Router::new()
         .route("/scene.json", get(scene).post(log_scene::answer))
         .route("/objects.json", get(objects))
         .route("/league.json", get(league))
+        .route_layer(for_viewers.clone())
         .route("/live", get(viewer::upgrade))
         .route("/wire", get(wire::upgrade))
         .fallback(page::file)
         .layer(middleware::from_fn_with_state(site.clone(), guard))
         .layer(Extension(log_scene::Worker::default()))
+        .route("/metrics", get(metrics::metrics).route_layer(for_viewers))
         .route("/health", get(metrics::health))
-        .route("/metrics", get(metrics::metrics))
         .with_state(site.clone());
     let serve = |stream: TcpStream, peer: SocketAddr, place| {
         let place: Place = Arc::new(place);
         let own = stream.local_addr().unwrap_or(peer);
-        let refusal = site.world_control.refusal(peer.ip(), own.ip());
-        let peer = Peer { address: peer.ip(), refusal };
+        let peer = Peer { address: peer.ip(), own: own.ip() };
         serve_connection(stream, router.clone().layer(Extension(place)).layer(Extension(peer)))
     };
     accept(listener, MAX_CONNECTIONS, serve).await;
@@ -130,6 +133,23 @@ async fn league(State(site): State<Arc<Site>>) -> Response {
 
 fn json(body: Bytes) -> Response {
     ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], body).into_response()
+}
+
+/// Refuses requests without the token of a viewer, if the server has tokens: `Authorization: Bearer <token>`.
+async fn admit_viewer(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
+    match site.access.rights(bearer(request.headers()), &[Role::Viewer]) {
+        Ok(_) => next.run(request).await,
+        Err(refusal) => {
+            let text = format!("{refusal}: expected `Authorization: Bearer <token>` with the role viewer\n");
+            (StatusCode::UNAUTHORIZED, [(header::WWW_AUTHENTICATE, "Bearer")], text).into_response()
+        }
+    }
+}
+
+/// Returns the token of a request, if it has one.
+pub(crate) fn bearer(headers: &HeaderMap) -> Option<&str> {
+    let (scheme, token) = headers.get(header::AUTHORIZATION)?.to_str().ok()?.split_once(' ')?;
+    scheme.eq_ignore_ascii_case("Bearer").then(|| token.trim())
 }
 
 /// Refuses foreign pages, and tells the browser to restrict this page to what it needs.

@@ -19,8 +19,9 @@ use tokio::task::AbortHandle;
 use tokio::time::{interval, timeout};
 use tracing::{debug, warn};
 
+use crate::access::{Access, Role};
 use crate::connection::{BACK_OFF, Event, FirstBytes, send};
-use crate::listener::accept;
+use crate::listener::accept_with;
 use crate::ports::{Inquiry, Question};
 
 /// Most control connections at once; more wait.
@@ -80,6 +81,7 @@ pub(crate) struct Network {
     shared: Arc<Mutex<State>>,
     relays: Arc<Semaphore>,
     events: Sender<Event>,
+    access: Access,
     host: Arc<str>,
     model: Propagation,
 }
@@ -118,8 +120,9 @@ impl Drop for Route {
 type Places = BTreeMap<String, ([f64; 3], bool)>;
 
 impl Network {
-    pub(crate) fn new(events: Sender<Event>, host: &str, model: Propagation) -> Self {
-        Self { shared: Arc::default(), relays: Arc::new(Semaphore::new(MAX_RELAYS)), events, host: host.into(), model }
+    pub(crate) fn new(events: Sender<Event>, access: Access, host: &str, model: Propagation) -> Self {
+        let relays = Arc::new(Semaphore::new(MAX_RELAYS));
+        Self { shared: Arc::default(), relays, events, access, host: host.into(), model }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -180,12 +183,9 @@ impl Network {
 
 /// Serves the port until the future is dropped.
 pub(crate) async fn serve(network: Network, listener: TcpListener, stall_timeout: Duration) {
-    let accepting = accept(listener, MAX_CONNECTIONS, |stream, _, place| {
-        let network = network.clone();
-        async move {
-            let _place = place;
-            converse(stream, network, stall_timeout).await;
-        }
+    let serving = network.clone();
+    let accepting = accept_with(listener, MAX_CONNECTIONS, &network.access, &[Role::Driver], move |stream| {
+        converse(stream, serving.clone(), stall_timeout)
     });
     tokio::join!(accepting, network.clone().watch());
 }
@@ -324,7 +324,8 @@ impl Robot {
         };
         let strength = self.strength(name, other).await?;
         let (holds, link) = watch::channel(self.network.model.holds(strength));
-        let relay = Relay { network: self.network.clone(), from: name.to_owned(), target, link };
+        let (network, from) = (self.network.clone(), name.to_owned());
+        let relay = Relay { network, from, address: self.address, target, link };
         let task = tokio::spawn(relay.serve(bound, address)).abort_handle();
         self.network.state().routes.insert(key, Route { port: address.port(), holds, task });
         Some(route(other, Ok(address.port())))
@@ -336,6 +337,8 @@ impl Robot {
 struct Relay {
     network: Network,
     from: String,
+    /// Address of the robot that asked.
+    address: IpAddr,
     target: SocketAddr,
     /// True while the link holds.
     link: watch::Receiver<bool>,
@@ -362,6 +365,8 @@ impl Relay {
             tokio::select! {
                 changed = self.link.changed() => if changed.is_err() { return },
                 accepted = accept => match accepted {
+                    // With tokens the port is for the robot that asked.
+                    Some((_, peer)) if !self.network.access.is_open() && peer.ip() != self.address => {}
                     Some((stream, _)) => {
                         let Ok(place) = self.network.relays.clone().acquire_owned().await else { return };
                         let relay = self.clone();

@@ -442,14 +442,12 @@ impl Server {
 
     fn execute_slice(&mut self, id: ConnectionId) {
         let start = Instant::now();
-        let is_league = self.sessions.world().def().league.is_some();
         let mut count = 0;
         let Self { sessions, audience, .. } = self;
         while count < REQUESTS_TOGETHER || start.elapsed() < SLICE {
             let Some(client) = audience.clients.get_mut(&id) else { break };
             let Some(request) = client.next_request() else { break };
             client.note_line();
-            let request = if is_league { client.admit(request) } else { request };
             sessions.take(id, &request, &mut |world, news| audience.hear(world, news));
             count += 1;
             // A segment with many robots must not hold up other clients.

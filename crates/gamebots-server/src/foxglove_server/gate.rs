@@ -17,6 +17,7 @@ use tokio::time::timeout;
 use tokio_io_timeout::TimeoutStream;
 use tracing::{debug, warn};
 
+use crate::access::{Access, Role};
 use crate::web;
 
 /// Most clients at once; more wait.
@@ -45,16 +46,16 @@ pub(super) fn hidden_address() -> Ipv4Addr {
 }
 
 /// Passes clients on to the server behind until the runtime ends.
-pub(super) async fn serve(listener: TcpListener, own_name: String, behind: SocketAddr) {
+pub(super) async fn serve(listener: TcpListener, own_name: String, access: Access, behind: SocketAddr) {
     let places = Arc::new(Semaphore::new(MAX_CLIENTS));
     let own_name: Arc<str> = own_name.into();
     // The semaphore is never closed.
     while let Ok(place) = places.clone().acquire_owned().await {
         match listener.accept().await {
             Ok((client, peer)) => {
-                let own_name = own_name.clone();
+                let (own_name, access) = (own_name.clone(), access.clone());
                 tokio::spawn(async move {
-                    if let Err(reason) = pass(client, &own_name, behind).await {
+                    if let Err(reason) = pass(client, &own_name, &access, behind).await {
                         debug!(%peer, reason, "a client of Foxglove's protocol ended");
                     }
                     drop(place);
@@ -68,9 +69,9 @@ pub(super) async fn serve(listener: TcpListener, own_name: String, behind: Socke
     }
 }
 
-async fn pass(mut client: TcpStream, own_name: &str, behind: SocketAddr) -> Result<(), String> {
+async fn pass(mut client: TcpStream, own_name: &str, access: &Access, behind: SocketAddr) -> Result<(), String> {
     let head = timeout(HEAD_TIMEOUT, read_head(&mut client)).await.map_err(|_| "no request within 10 s")??;
-    if let Err(reason) = headers(&head).and_then(|headers| web::check(&headers, own_name, is_welcome)) {
+    if let Err(reason) = check(&head, own_name, access) {
         let answer = format!(
             "HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{reason}",
             reason.len()
@@ -105,16 +106,21 @@ async fn read_head(client: &mut TcpStream) -> Result<Vec<u8>, String> {
     Ok(head)
 }
 
-fn headers(head: &[u8]) -> Result<HeaderMap, String> {
+/// Checks the head of a request. With tokens, that of a viewer is in the address, as in `ws://host:8765/?token=..`, or in a header.
+fn check(head: &[u8], own_name: &str, access: &Access) -> Result<(), String> {
     let mut parsed = [httparse::EMPTY_HEADER; MAX_HEADERS];
     let mut request = httparse::Request::new(&mut parsed);
     request.parse(head).map_err(|error| format!("not an HTTP request: {error}\n"))?;
     let mut headers = HeaderMap::new();
-    for header in request.headers {
+    for header in request.headers.iter() {
         let name = HeaderName::from_bytes(header.name.as_bytes()).map_err(|error| format!("{error}\n"))?;
         headers.append(name, HeaderValue::from_bytes(header.value).map_err(|error| format!("{error}\n"))?);
     }
-    Ok(headers)
+    web::check(&headers, own_name, is_welcome)?;
+    let query = request.path.and_then(|path| path.split_once('?')).map_or("", |(_, query)| query);
+    let token = query.split('&').find_map(|pair| pair.strip_prefix("token=")).or(web::bearer(&headers));
+    let refused = |refusal| format!("{refusal}: expected ?token=.. in the address, of the role viewer\n");
+    access.rights(token, &[Role::Viewer]).map(|_| ()).map_err(refused)
 }
 
 /// True for Foxglove's own page, pages that this machine serves (as Lichtblick does), and programs that are not a page of a

@@ -7,15 +7,17 @@ use std::time::{Duration, Instant};
 use axum::Extension;
 use axum::body::Bytes;
 use axum::extract::State;
-use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
 use serde::Deserialize;
 use serde_json::json;
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{Semaphore, oneshot};
+use tokio::time::timeout;
 
 use super::{Peer, Place, Site};
+use crate::access::{LOGIN_TIME, Role};
 use crate::cameras::Wish;
 use crate::connection::Event;
 use crate::control::{Actor, Control};
@@ -31,6 +33,16 @@ const LINE_WINDOW: Duration = Duration::from_secs(1);
 
 /// Least time between two answers about room for a robot: one may take the world's thread some milliseconds.
 const FIT_INTERVAL: Duration = Duration::from_millis(50);
+
+/// WebSocket close code: against the rules of the server.
+const NO_ENTRY: u16 = 1008;
+
+/// The token of a page. A server without tokens ignores it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Login {
+    token: String,
+}
 
 /// Lines, readings and pictures that a viewer wants beside frames and status.
 #[derive(Debug, Default, Deserialize)]
@@ -61,7 +73,8 @@ pub(super) async fn upgrade(
             socket,
             site,
             actor,
-            refusal: peer.refusal,
+            peer,
+            refusal: None,
             turns,
             lines: None,
             readings: None,
@@ -81,6 +94,7 @@ struct Viewer {
     site: Arc<Site>,
     /// Its name, as shown to everyone.
     actor: Actor,
+    peer: Peer,
     /// The reason why it may not control the world, if any.
     refusal: Option<&'static str>,
     /// Permit for one request that waits for the world.
@@ -103,6 +117,7 @@ struct Gone;
 
 impl Viewer {
     async fn run(&mut self) -> Result<(), Gone> {
+        self.log_in().await?;
         let mut frames = self.site.channels.frames();
         let mut statuses = self.site.channels.statuses();
         let mut notices = self.site.channels.notices();
@@ -136,6 +151,28 @@ impl Viewer {
                 received = self.socket.recv() => self.take(received).await?,
             }
         }
+    }
+
+    /// Takes the first message as the page's token, if the server has tokens.
+    async fn log_in(&mut self) -> Result<(), Gone> {
+        let token = match self.site.access.is_open() {
+            true => None,
+            false => match timeout(LOGIN_TIME, self.socket.recv()).await {
+                Ok(Some(Ok(Message::Text(text)))) => serde_json::from_str(&text).ok().map(|Login { token }| token),
+                Ok(Some(Ok(_))) | Err(_) => None,
+                Ok(Some(Err(_)) | None) => return Err(Gone),
+            },
+        };
+        let Site { access, world_control, .. } = &*self.site;
+        let refusal = match access.rights(token.as_deref(), &[Role::Viewer]) {
+            Ok(rights) => {
+                self.refusal = access.refusal(&rights, *world_control, self.peer.address, self.peer.own);
+                return Ok(());
+            }
+            Err(refusal) => format!("{refusal}: expected {{\"token\":\"..\"}} with the role viewer first"),
+        };
+        self.send(Message::Close(Some(CloseFrame { code: NO_ENTRY, reason: refusal.into() }))).await?;
+        Err(Gone)
     }
 
     async fn send_notice(&mut self, notice: Result<Notice, RecvError>) -> Result<(), Gone> {
@@ -179,6 +216,9 @@ impl Viewer {
             Some(Ok(Message::Binary(_) | Message::Ping(_) | Message::Pong(_))) => return Ok(()),
             Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
         };
+        if serde_json::from_str::<Login>(&request).is_ok() {
+            return Ok(());
+        }
         if let Ok(listen) = serde_json::from_str::<Listen>(&request) {
             let channels = &self.site.channels;
             self.lines = listen.wire.then(|| self.lines.take().unwrap_or_else(|| channels.lines()));
@@ -219,7 +259,7 @@ impl Viewer {
     }
 
     async fn send(&mut self, message: Message) -> Result<(), Gone> {
-        match tokio::time::timeout(self.site.stall_timeout, self.socket.send(message)).await {
+        match timeout(self.site.stall_timeout, self.socket.send(message)).await {
             Ok(Ok(())) => Ok(()),
             Ok(Err(_)) => Err(Gone),
             Err(_) => {
