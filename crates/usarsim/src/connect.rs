@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use gamebots_client::Client;
 use gamebots_proto::message::{Message, Nfo, is_periodic_line};
-use gamebots_proto::{Block, Command, Line};
+use gamebots_proto::{Block, Command, Line, ports};
 use rustyline::completion::{Completer, Pair};
 use rustyline::error::ReadlineError;
 use rustyline::history::DefaultHistory;
@@ -31,6 +31,23 @@ pub(crate) struct Arguments {
     /// The server.
     #[arg(value_name = "HOST:PORT", default_value = "127.0.0.1:3000")]
     address: String,
+    #[command(flatten)]
+    token: OwnToken,
+}
+
+/// A token to log in with.
+#[derive(clap::Args)]
+pub(crate) struct OwnToken {
+    /// Token for a server with --token-file. Other users of this machine can read a command line, so the variable is better.
+    #[arg(long, env = "USARSIM_TOKEN", hide_env_values = true)]
+    token: Option<String>,
+}
+
+impl OwnToken {
+    /// Returns the line to log in with, without its end; none without a token.
+    pub(crate) fn login(&self) -> Option<String> {
+        self.token.as_deref().map(ports::login)
+    }
 }
 
 /// Interval at which both sides are polled.
@@ -100,17 +117,18 @@ const KEYS: &[(&str, &[&str])] = &[
 ];
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let client = connect(&arguments.address)?;
+    let client = connect(&arguments.address, &arguments.token)?;
     if std::io::stdin().is_terminal() { talk(client) } else { pass_through(client) }
 }
 
 /// Connects, with a hint in the error. Asks the server to report mistakes, as a person wants to see them; USARSim ignores that line.
-pub(crate) fn connect(address: &str) -> Result<Client, Failure> {
+pub(crate) fn connect(address: &str, token: &OwnToken) -> Result<Client, Failure> {
     let failed = |error: std::io::Error| {
         let hint = "is a server running there? `usarsim serve` starts one";
         Failure::new(exit::UNAVAILABLE, format_args!("{address}: {error}; {hint}"))
     };
     let mut client = Client::connect(address).map_err(failed)?;
+    token.login().map_or(Ok(()), |line| client.send(&line)).map_err(failed)?;
     client.send("REPORT {Errors true}").map_err(failed)?;
     Ok(client)
 }

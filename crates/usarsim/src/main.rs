@@ -13,6 +13,7 @@ mod league;
 mod list;
 mod log;
 mod output;
+mod relay;
 mod serve;
 mod show;
 mod snapshot;
@@ -63,6 +64,8 @@ enum Command {
     Teleop(teleop::Arguments),
     /// Send lines to a server and print its answers, with history and completion.
     Connect(connect::Arguments),
+    /// Let controllers that know no token reach a server that asks for one.
+    Relay(relay::Arguments),
     /// List the maps.
     Maps(list::Arguments),
     /// List the robot classes with their sensors and actuators.
@@ -120,6 +123,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Serve(arguments) => serve::run(arguments),
         Command::Teleop(arguments) => teleop::run(&arguments),
         Command::Connect(arguments) => connect::run(&arguments),
+        Command::Relay(arguments) => relay::run(&arguments),
         Command::Maps(arguments) => list::maps(&arguments),
         Command::Robots(arguments) => list::robots(&arguments),
         Command::Snapshot(arguments) => snapshot::run(&arguments),

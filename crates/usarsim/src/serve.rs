@@ -2,11 +2,13 @@
 
 use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use gamebots_proto::Dialect;
-use gamebots_server::{Config, IfTaken, ImageKind, Listener, Propagation, Ready, ServeError, Service, WorldControl};
+use gamebots_server::{
+    Config, IfTaken, ImageKind, Listener, Propagation, Ready, ServeError, Service, Tokens, WorldControl,
+};
 use scene::{DriveModel, MapDef};
 use scene_loader::{Changes, Communication, Controllers, LeagueFile, Override};
 use sim_core::{Options, SavedWorld};
@@ -35,7 +37,8 @@ const WIRELESS_PORT: u16 = 50000;
     usarsim serve --league rescue --log run.mcap --result result.json\n  \
     usarsim serve --from usarsim-hall.json   # go on with a world that the page saved\n  \
     usarsim serve --host 0.0.0.0             # other machines can watch and drive\n  \
-    usarsim serve --host 0.0.0.0 --control local  # only this machine can pause and reset\n\n\
+    usarsim serve --host 0.0.0.0 --control local  # only this machine can pause and reset\n  \
+    usarsim serve --host 0.0.0.0 --token-file tokens.toml  # only those with a token can watch and drive\n\n\
     The server runs until Ctrl-C or SIGTERM and then ends with exit code 0.")]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
@@ -89,6 +92,10 @@ pub(crate) struct Arguments {
     /// Defaults to everyone's, or to what the league says.
     #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO")]
     control: Option<ControlChoice>,
+    /// Let only those watch, drive and control the world who have a token: from a tokens.toml with roles for each (viewer, driver, referee). The
+    /// first line to every port is then `LOGIN {Token ..}`, and the page asks for one.
+    #[arg(long, env = "USARSIM_TOKEN_FILE", value_name = "FILE.toml")]
+    token_file: Option<PathBuf>,
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
     #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT")]
     foxglove: Option<u16>,
@@ -238,6 +245,13 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         world.league = Some(league.league.clone());
         world.check().map_err(|problem| wrong(&problem))?;
     }
+    let tokens = arguments.token_file.as_deref().map(tokens).transpose()?;
+    if let Some((tokens, league)) = tokens.as_ref().zip(world.league.as_ref())
+        && let Some(unknown) = tokens.teams().find(|team| league.team(team).is_none())
+    {
+        let teams = league.teams.iter().map(|team| team.name.as_str()).collect::<Vec<_>>().join(", ");
+        return Err(wrong(&format!("--token-file: no team `{unknown}` in the league: expected one of {teams}")));
+    }
     world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     for robot in world.robots.values() {
         for assumption in &robot.assumptions {
@@ -289,6 +303,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         pictures: arguments.pictures,
         result: arguments.result,
         world_control: world_control(arguments.control, league.as_ref()),
+        tokens,
         propagation: propagation(arguments.propagation, league.as_ref()),
         image_kind: match arguments.image_kind {
             ImageKindChoice::Raw => ImageKind::Raw,
@@ -311,6 +326,14 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         ServeError::Saved(_) => Failure::new(exit::BAD_CONFIGURATION, error),
         _ => Failure::new(exit::FAILURE, error),
     })
+}
+
+/// Reads a file of tokens.
+pub(crate) fn tokens(path: &Path) -> Result<Tokens, Failure> {
+    let wrong = |error: &dyn std::fmt::Display| {
+        Failure::new(exit::BAD_CONFIGURATION, format_args!("{}: {error}", path.display()))
+    };
+    std::fs::read_to_string(path).map_err(|error| wrong(&error))?.parse().map_err(|error| wrong(&error))
 }
 
 /// Returns the pages that control the world: as chosen, or as the league says.

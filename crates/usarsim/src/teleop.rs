@@ -9,6 +9,7 @@ use gamebots_client::Client;
 use gamebots_proto::Line;
 use gamebots_proto::message::{Message, Nfo};
 
+use crate::connect::OwnToken;
 use crate::terminal::printable;
 use crate::{Failure, connect, exit, print};
 
@@ -33,6 +34,8 @@ pub(crate) struct Arguments {
     /// Name of the robot.
     #[arg(long, default_value = "Teleop")]
     name: String,
+    #[command(flatten)]
+    token: OwnToken,
 }
 
 /// Time after the last key at which the robot stops. A keyboard takes less to repeat the first key.
@@ -59,7 +62,7 @@ enum Key {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let lost = |error: std::io::Error| Failure::new(exit::UNAVAILABLE, format_args!("the connection is lost: {error}"));
-    let mut client = connect::connect(&arguments.address)?;
+    let mut client = connect::connect(&arguments.address, &arguments.token)?;
     let Arguments { robot, start, name, .. } = arguments;
     let start = match start {
         Some(start) => start.clone(),

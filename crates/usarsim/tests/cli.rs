@@ -28,9 +28,13 @@ impl Serving {
     }
 
     fn start_with(arguments: &[&str], stderr: Stdio) -> Self {
-        let mut child = usarsim()
-            .args(["serve", "--port", "0", "--json"])
-            .args(arguments)
+        Self::of(usarsim().arg("serve").args(arguments), stderr)
+    }
+
+    /// Starts a command that serves, and waits until it is ready.
+    fn of(command: &mut Command, stderr: Stdio) -> Self {
+        let mut child = command
+            .args(["--port", "0", "--json"])
             .stdout(Stdio::piped())
             .stderr(stderr)
             .spawn()
@@ -404,6 +408,51 @@ fn no_command_writes_over_a_file_that_it_reads() {
         let expected = format!("the output {out} is the input file {input}, which would be lost: choose another");
         assert!(code == Some(2) && said.contains(&expected), "{line}: {said}");
         assert!(std::fs::read(path(input)).expect("a file") == kept, "{line}: {input} has changed");
+    }
+}
+
+const TOKEN: &str = "driver-0123456789abcdef";
+
+#[test]
+fn a_relay_lets_a_controller_in_that_knows_no_token() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("tokens.toml");
+    std::fs::write(&file, format!("[[token]]\ntoken = \"{TOKEN}\"\nroles = [\"driver\"]\n")).expect("a file");
+    let server = Serving::start(&["--no-http", "--token-file", file.to_str().expect("a path")]);
+    let address = format!("127.0.0.1:{}", server.ready["port"]);
+    for (token, expected) in
+        [(TOKEN, "NFO {Gametype"), ("wrong-0123456789abcdef", "NFO {Error LOGIN refused: the token is unknown")]
+    {
+        let relay = Serving::of(usarsim().args(["relay", &address]).env("USARSIM_TOKEN", token), Stdio::null());
+        let mut line = String::new();
+        BufReader::new(relay.connect()).read_line(&mut line).expect("a line");
+        assert!(line.starts_with(expected), "{token}: {line}");
+    }
+    for (token, expected) in [(Some(TOKEN), "NFO {StartPoses"), (None, "NFO {Error LOGIN refused: there is no token")] {
+        let mut connect = usarsim();
+        connect.args(["connect", &address]).stdin(Stdio::piped()).stdout(Stdio::piped());
+        token.map(|token| connect.env("USARSIM_TOKEN", token));
+        let mut child = connect.spawn().expect("usarsim starts");
+        child.stdin.take().expect("stdin").write_all(b"GETSTARTPOSES\n").expect("it is taken");
+        let said = text(&child.wait_with_output().expect("it ends").stdout);
+        assert!(said.contains(expected), "{token:?}: {said}");
+    }
+    let output = run(&["relay", &address]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_bad_file_of_tokens_is_exit_code_78_and_is_not_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let token = |team: &str| format!("[[token]]\ntoken = \"{TOKEN}\"\nroles = [\"driver\"]\nteam = \"{team}\"\n");
+    for (content, expected) in [
+        (token("red") + "x", "tokens.toml: line 5: "),
+        (token("red").repeat(2), "tokens.toml: token 2 equals token 1"),
+        (token("green"), "no team `green` in the league: expected one of red, blue"),
+    ] {
+        std::fs::write(folder.path().join("tokens.toml"), content).expect("a file");
+        let (code, said) = say(folder.path(), "serve --league rescue --token-file tokens.toml");
+        assert!(code == Some(78) && said.contains(expected) && !said.contains(TOKEN), "{code:?} {said}");
     }
 }
 

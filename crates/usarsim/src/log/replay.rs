@@ -7,7 +7,7 @@ use recorder::Record;
 use replay::Replay;
 use serde_json::json;
 
-use crate::serve::{real_time_factor, stop_signal};
+use crate::serve::{real_time_factor, stop_signal, tokens};
 use crate::{Failure, exit, print};
 
 /// Options of `log replay`.
@@ -34,6 +34,9 @@ pub(crate) struct Arguments {
     /// Recorded seconds per second; 0 is as fast as possible.
     #[arg(long, default_value_t = 1.0, value_parser = real_time_factor, requires = "serve")]
     rtf: f64,
+    /// Play only to clients whose first line is `LOGIN {Token ..}` with the token of a viewer, from a tokens.toml.
+    #[arg(long, env = "USARSIM_TOKEN_FILE", value_name = "FILE.toml")]
+    token_file: Option<PathBuf>,
 }
 
 pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
@@ -113,7 +116,8 @@ fn report(file: &Path, replay: &Replay, as_json: bool) {
 }
 
 fn serve(arguments: Arguments) -> Result<(), Failure> {
-    let Arguments { files, host, port, rtf, connection, json, .. } = arguments;
+    let Arguments { files, host, port, rtf, connection, json, token_file, .. } = arguments;
+    let tokens = token_file.as_deref().map(tokens).transpose()?;
     let [file] = &files[..] else {
         return Err(Failure::new(exit::USAGE, format_args!("--serve plays one log, got {}", files.len())));
     };
@@ -144,7 +148,7 @@ fn serve(arguments: Arguments) -> Result<(), Failure> {
             print(format_args!("usarsim plays {name} on {address}: {count} lines of {seconds:.1} s"));
         }
     };
-    let playback = Playback { host, port, real_time_factor: rtf, lines };
+    let playback = Playback { host, port, real_time_factor: rtf, lines, tokens };
     play(playback, ready, stop_signal()).map_err(|error| match error {
         ServeError::Listen { .. } => Failure::new(exit::UNAVAILABLE, error),
         _ => Failure::new(exit::FAILURE, error),
