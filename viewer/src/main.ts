@@ -4,6 +4,7 @@ import './style.css';
 import { type Action, listenToKeys } from './actions';
 import { Board } from './panel/board';
 import { showCommands, showKeys } from './panel/commands';
+import { askToken } from './panel/dialog';
 import { find, remember, remembered, save, setText } from './panel/dom';
 import { DrivePanel } from './panel/drive';
 import { focusView, returnFocusAfterChoice } from './panel/keys';
@@ -126,6 +127,10 @@ const live = new Live({
     setText(find('mode'), 'not connected');
     find('mode').dataset.mode = 'lost';
     showBanner('The connection to the server is lost. Trying to connect again …');
+  },
+  refused(hadToken) {
+    document.documentElement.dataset.state = 'refused';
+    void askToken(hadToken).then(() => live.connect());
   },
 });
 const play = new PlayBar(state, live, playback);

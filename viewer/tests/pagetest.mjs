@@ -18,10 +18,10 @@ after(async () => {
 });
 
 /** Nothing may go to the console as an error. */
-export function pageTest(name, { serve = [], page: options = {}, mayFail = false }, body) {
+export function pageTest(name, { serve = [], path = '', page: options = {}, mayFail = false }, body) {
   test(name, { timeout: 120_000 }, async () => {
     const server = await startServer(...serve);
-    const { page, errors, seconds } = await openPage(browser, server.url, options);
+    const { page, errors, seconds } = await openPage(browser, server.url + path, options);
     try {
       await body({ page, server, seconds });
       await page.screenshot({ path: join(pictures, `${name.replaceAll(/\W+/g, '-')}.png`) });

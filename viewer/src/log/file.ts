@@ -7,6 +7,7 @@ import type { Frame, Scan } from '../protocol/frame';
 import type { Status, WireLine } from '../protocol/live';
 import type { Pose, Scene, Solid } from '../protocol/scene';
 import type { Reading } from '../protocol/sensors';
+import { fetchWithToken } from '../protocol/token';
 import { Chunks, lastMessage, messagesBetween } from './chunks';
 import { type Chunk, type Contents, type Message, readContents } from './mcap';
 import { readLeft, readLine, readLineOwner, readRanges, readReading, readState, readTransforms } from './messages';
@@ -206,9 +207,7 @@ export class LogFile {
 
 /** The scene that the page's own server makes of the one of a log. */
 export async function postScene(stored: string): Promise<Scene> {
-  const response = await fetch('scene.json', { method: 'POST', body: stored });
-  if (!response.ok) throw new Error((await response.text()).trim());
-  return (await response.json()) as Scene;
+  return (await (await fetchWithToken('scene.json', { method: 'POST', body: stored })).json()) as Scene;
 }
 
 /** The topics of robots by their slots: the numbers in topics, which are given back. */

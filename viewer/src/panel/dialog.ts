@@ -1,5 +1,6 @@
 /** The one dialog of the page: questions, lists to choose from, help. Escape closes it. */
 
+import { setToken } from '../protocol/token';
 import { find, make } from './dom';
 
 /** Shows something; resolves when it is closed. */
@@ -34,4 +35,27 @@ export async function ask(title: string, question: string, answer: string): Prom
   no.focus();
   await closed;
   return agreed;
+}
+
+/** Asks for the token of the server, and keeps it. */
+export async function askToken(hadToken: boolean): Promise<void> {
+  const input = make('input', { id: 'token', type: 'password', autocomplete: 'current-password', required: '' });
+  const form = make(
+    'form',
+    { class: 'row' },
+    make('label', { for: 'token' }, 'Token'),
+    input,
+    make('button', { class: 'main' }, 'Log in'),
+  );
+  form.onsubmit = (event) => {
+    event.preventDefault();
+    setToken(input.value);
+    closeDialog();
+  };
+  const why = hadToken
+    ? 'The server does not accept this token for watching. Whoever started it has another one for you.'
+    : 'This server shows its world to those who have a token. Whoever started it has one for you.';
+  const closed = showDialog('A token, please', make('p', {}, why), form);
+  input.focus();
+  await closed;
 }

@@ -2,6 +2,7 @@
 
 import { socketUrl } from './live';
 import type { RobotClass, Vector } from './scene';
+import { token } from './token';
 
 /** -1 to 1 of what the robot can do. */
 export interface Twist {
@@ -39,6 +40,10 @@ export class Client {
   ) {
     this.socket = new WebSocket(socketUrl('wire'));
     this.socket.binaryType = 'arraybuffer';
+    this.socket.onopen = () => {
+      const own = token();
+      if (own !== null) this.send(`LOGIN {Token ${own}}`);
+    };
     this.socket.onmessage = (event: MessageEvent<ArrayBuffer>) => {
       this.text += this.decoder.decode(event.data, { stream: true });
       const lines = this.text.split('\n');
@@ -80,7 +85,7 @@ export class Client {
       this.sendNext();
     }
     // With a class and a start of the scene there is no other reason for which a robot is not made.
-    const [, reason] = /^NFO \{Error INIT refused: (.*)\}$/.exec(line) ?? [];
+    const [, reason] = /^NFO \{Error (?:INIT|LOGIN) refused: (.*)\}$/.exec(line) ?? [];
     if (reason) this.ended(`was refused: ${reason}`);
   }
 

@@ -5,6 +5,7 @@ import { type Fit, type FitAnswer, FitQuestions } from './fit';
 import { ObjectQuestions } from './objects';
 import { type Scene, type Spawned, fetchScene } from './scene';
 import type { Reading } from './sensors';
+import { Refused, token } from './token';
 
 export interface Status {
   real_time_factor: number;
@@ -80,6 +81,8 @@ export interface Listener {
   fit(answer: FitAnswer): void;
   /** The connection is lost. */
   lost(): void;
+  /** The server asks for a token, or for another one. */
+  refused(hadToken: boolean): void;
 }
 
 /** Between two attempts, ms. */
@@ -159,12 +162,15 @@ export class Live {
     }
   }
 
-  private async connect(): Promise<void> {
+  /** Connects; to be called again with another token. */
+  async connect(): Promise<void> {
     try {
       // Anew each time: it may be another server now.
       this.listener.scene(await fetchScene());
-    } catch {
-      this.retry();
+    } catch (error) {
+      // Whoever has another token connects again.
+      if (error instanceof Refused) this.listener.refused(token() !== null);
+      else this.retry();
       return;
     }
     [this.status, this.isSceneStale] = [null, false];
@@ -174,7 +180,11 @@ export class Live {
     this.heard = performance.now();
     this.fits.restart();
     this.objects.restart();
-    socket.onopen = () => this.listen();
+    socket.onopen = () => {
+      const own = token();
+      if (own !== null) this.send(JSON.stringify({ token: own }));
+      this.listen();
+    };
     socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.take(event.data);
     socket.onclose = () => this.lose(socket);
   }

@@ -1,6 +1,7 @@
 /** The scene as `/scene.json` gives it: SI units, z down. The server's types are the source of those in scene.gen.ts. */
 
 import type { Scene, Spawned } from './scene.gen';
+import { fetchWithToken } from './token';
 
 export type {
   Camera,
@@ -32,9 +33,5 @@ export async function fetchObjects(): Promise<Spawned[]> {
 }
 
 async function fetchJson(name: string): Promise<unknown> {
-  const response = await fetch(name, { cache: 'no-store' });
-  if (!response.ok) {
-    throw new Error(`${name}: ${response.status} ${await response.text()}`);
-  }
-  return response.json();
+  return (await fetchWithToken(name, { cache: 'no-store' })).json();
 }
