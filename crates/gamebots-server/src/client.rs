@@ -1,6 +1,7 @@
 //! One client in the world's thread: its requests, its outbox, its mistakes.
 
 use std::collections::BTreeMap;
+use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -9,10 +10,9 @@ use outbox::Outbox;
 use sessions::Request;
 use tracing::warn;
 
+use crate::budget::{Budgets, Spent};
 use crate::connection::{ConnectionId, Opened, Turn};
 
-/// Most problems of one connection logged in a second; the rest are counted.
-const MAX_WARNINGS: u64 = 20;
 /// Most different problems of one connection whose repetitions are counted; all others are logged each time.
 const MAX_COUNTED: usize = 50;
 /// Characters of a bad line that are logged.
@@ -21,12 +21,12 @@ const SHOWN_CHARS: usize = 200;
 /// One client.
 pub(crate) struct Client {
     id: ConnectionId,
-    /// Address of the client.
-    peer: String,
+    address: Option<SocketAddr>,
     outbox: Arc<Outbox>,
     lines: u64,
     dropped: u64,
-    warnings: Budget,
+    /// Limits of what is logged.
+    budgets: Budgets,
     /// Problems that were logged, with their repetitions since the last report.
     repeated: BTreeMap<String, u64>,
     /// Requests that are not executed yet. The turn is given back after the last one.
@@ -39,15 +39,15 @@ pub(crate) struct Client {
 }
 
 impl Client {
-    pub(crate) fn new(opened: Opened) -> Self {
-        let Opened { id, peer, outbox, .. } = opened;
+    pub(crate) fn new(opened: Opened, budgets: Budgets) -> Self {
+        let Opened { id, address, outbox, .. } = opened;
         Self {
             id,
-            peer,
+            address,
             outbox,
             lines: 0,
             dropped: 0,
-            warnings: Budget::default(),
+            budgets,
             repeated: BTreeMap::new(),
             requests: Vec::new().into_iter(),
             turn: None,
@@ -104,8 +104,8 @@ impl Client {
     }
 
     /// Returns the client's address.
-    pub(crate) fn peer(&self) -> &str {
-        &self.peer
+    pub(crate) fn peer(&self) -> String {
+        self.address.map_or_else(|| "unknown".to_owned(), |address| address.to_string())
     }
 
     /// Returns the number of lines received so far.
@@ -136,17 +136,23 @@ impl Client {
     pub(crate) fn report(&mut self) -> Vec<String> {
         let dropped = self.outbox.take_dropped();
         self.dropped += dropped;
-        if dropped > 0 {
+        if dropped > 0 && self.budgets.allow(self.host()) {
             warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
         }
         // A problem that did not recur is logged in full when it does.
         self.repeated.retain(|_, times| *times > 0);
+        let (budgets, host) = (self.budgets.clone(), self.host());
         let again = self.repeated.iter_mut().map(|(problem, times)| (problem, std::mem::take(times)));
+        let again = again.take_while(|_| budgets.allow(host));
         let more = |times| names::count(usize::try_from(times).unwrap_or(usize::MAX), "time");
         let text = |(problem, times)| format!("connection {}: {problem} ({} more)", self.id, more(times));
         let said: Vec<String> = again.map(text).collect();
         said.iter().for_each(|text| warn!("{text}"));
         said
+    }
+
+    fn host(&self) -> Option<IpAddr> {
+        self.address.map(|address| address.ip())
     }
 
     /// Logs a problem and returns the text, unless it is a repetition or the budget of this second is spent.
@@ -159,7 +165,7 @@ impl Client {
         if self.repeated.len() < MAX_COUNTED {
             self.repeated.insert(shown, 0);
         }
-        match self.warnings.spend(now) {
+        match self.budgets.spend(self.host(), now) {
             Spent::Granted { suppressed: 0 } => {}
             Spent::Granted { suppressed } => {
                 warn!(connection = self.id, suppressed, "further problems were not logged")
@@ -169,34 +175,5 @@ impl Client {
         let shown: String = text.chars().take(SHOWN_CHARS).collect();
         warn!(connection = self.id, line = self.lines, text = shown, "{problem}");
         Some(format!("connection {}, line {}: {problem}: {shown}", self.id, self.lines))
-    }
-}
-
-/// A limit of warnings per second, so that a client cannot fill the disk.
-#[derive(Default)]
-pub(crate) struct Budget {
-    second: Option<Instant>,
-    spent: u64,
-}
-
-/// The answer to a request to log a warning.
-pub(crate) enum Spent {
-    /// The warning may be logged. `suppressed` warnings were refused in the second before.
-    Granted {
-        suppressed: u64,
-    },
-    Refused,
-}
-
-impl Budget {
-    pub(crate) fn spend(&mut self, now: Instant) -> Spent {
-        let fresh = self.second.is_none_or(|second| now.duration_since(second) >= Duration::from_secs(1));
-        let mut suppressed = 0;
-        if fresh {
-            suppressed = self.spent.saturating_sub(MAX_WARNINGS);
-            (self.second, self.spent) = (Some(now), 0);
-        }
-        self.spent += 1;
-        if self.spent > MAX_WARNINGS { Spent::Refused } else { Spent::Granted { suppressed } }
     }
 }

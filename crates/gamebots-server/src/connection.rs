@@ -1,5 +1,6 @@
 //! One client: bytes become commands to the world, and lines from its outbox become bytes.
 
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
@@ -14,10 +15,11 @@ use tokio::net::TcpStream;
 use tokio::net::tcp::OwnedReadHalf;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::time::{Instant, sleep_until, timeout};
-use tracing::{info, warn};
+use tracing::info;
 
 use crate::WorldControl;
 use crate::access::{Access, LOGIN_TIME, Refusal, Role};
+use crate::budget::Budgets;
 use crate::control::{Actor, Control};
 use crate::fit::{Ask, Fit};
 use crate::ports::Question;
@@ -68,8 +70,8 @@ pub(crate) enum Event {
 /// A new client.
 pub(crate) struct Opened {
     pub(crate) id: ConnectionId,
-    /// Its address.
-    pub(crate) peer: String,
+    /// Its address, if it is known.
+    pub(crate) address: Option<SocketAddr>,
     /// The dialect of all its lines; if none, robots decide.
     pub(crate) dialect: Option<Dialect>,
     pub(crate) outbox: Arc<Outbox>,
@@ -90,25 +92,31 @@ pub(crate) struct Rules {
     pub(crate) is_league: bool,
     /// Time after which a client that reads nothing is disconnected.
     pub(crate) stall_timeout: Duration,
+    /// Limits of what is logged about an address.
+    pub(crate) budgets: Budgets,
 }
 
 /// Serves a client until it leaves, or is disconnected because it does not read.
 pub(crate) async fn serve(id: ConnectionId, mut stream: TcpStream, rules: Rules, events: Sender<Event>) {
-    if let Err(error) = stream.set_nodelay(true) {
-        warn!(connection = id, %error, "cannot turn off delayed sending");
+    let address = stream.peer_addr().ok();
+    let host = address.map(|address| address.ip());
+    if rules.budgets.allow(host) {
+        let peer = address.map(|address| address.to_string());
+        info!(connection = id, peer, "client connected");
     }
+    // Lines would wait for each other (Nagle's algorithm).
+    let _ = stream.set_nodelay(true);
     let rights = match rules.access.log_in(&mut stream, &[Role::Driver, Role::Referee]).await {
         Ok(rights) => rights,
-        Err(refusal) => return turn_away(id, stream, &refusal).await,
+        Err(refusal) => return turn_away(id, stream, &refusal, rules.budgets.allow(host)).await,
     };
-    let [from, own] = [stream.peer_addr().ok(), stream.local_addr().ok()];
-    let peer = from.map_or_else(|| "unknown".to_owned(), |peer| peer.to_string());
-    let refusal = match from.zip(own) {
+    let own = stream.local_addr().ok();
+    let refusal = match address.zip(own) {
         _ if rules.access.is_open() && !rules.is_league => None,
-        Some((from, own)) => rules.access.refusal(&rights, rules.world_control, from.ip(), own.ip()),
+        Some((address, own)) => rules.access.refusal(&rights, rules.world_control, address.ip(), own.ip()),
         None => Some("its address is unknown"),
     };
-    let Rules { dialect, stall_timeout, .. } = rules;
+    let Rules { dialect, stall_timeout, budgets, .. } = rules;
     let admit = move |line: Result<String, Problem>| {
         let is_login = |text: &String| read_login(text).is_some();
         // A token must not get into a log, so a second LOGIN is left out, too.
@@ -116,7 +124,7 @@ pub(crate) async fn serve(id: ConnectionId, mut stream: TcpStream, rules: Rules,
     };
     let (read, write) = stream.into_split();
     let outbox = Arc::new(Outbox::default());
-    if events.send(Event::Opened(Opened { id, peer, dialect, outbox: outbox.clone() })).is_err() {
+    if events.send(Event::Opened(Opened { id, address, dialect, outbox: outbox.clone() })).is_err() {
         return;
     }
     let writer = write_lines(write, &outbox, stall_timeout);
@@ -135,16 +143,20 @@ pub(crate) async fn serve(id: ConnectionId, mut stream: TcpStream, rules: Rules,
     if told && may_still_write {
         writer.await;
     }
-    info!(connection = id, reason, "client disconnected");
+    if budgets.allow(host) {
+        info!(connection = id, reason, "client disconnected");
+    }
 }
 
 /// Tells a client why it is not served, and disconnects it.
-async fn turn_away(id: ConnectionId, mut stream: TcpStream, refusal: &Refusal) {
+async fn turn_away(id: ConnectionId, mut stream: TcpStream, refusal: &Refusal, is_logged: bool) {
     let text = format!(
         "LOGIN refused: {refusal}; expected LOGIN {{Token ..}} as the first line, within {} s",
         LOGIN_TIME.as_secs()
     );
-    info!(connection = id, reason = text, "client turned away");
+    if is_logged {
+        info!(connection = id, reason = text, "client turned away");
+    }
     let answer = Message::Nfo(Nfo::Error(text)).write(Dialect::Udk) + "\r\n";
     let farewell = async {
         let _ = (stream.write_all(answer.as_bytes()).await, stream.shutdown().await);

@@ -14,6 +14,7 @@
 #![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
 
 mod access;
+mod budget;
 mod cameras;
 mod client;
 mod connection;

@@ -10,10 +10,11 @@ use futures_util::future::join_all;
 use tokio::net::{TcpListener, TcpSocket, TcpStream, lookup_host};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::task::JoinSet;
-use tracing::{debug, info, warn};
+use tracing::{debug, warn};
 
 use crate::access::{Access, Role};
-use crate::connection::{BACK_OFF, ConnectionId, Event, Rules};
+use crate::budget::{Budget, Budgets, Spent};
+use crate::connection::{BACK_OFF, Event, Rules};
 use crate::images::{self, Board};
 use crate::live::{About, Channels};
 use crate::ports::{self, Port};
@@ -38,6 +39,7 @@ pub(crate) async fn serve(
 ) -> Result<(), ServeError> {
     let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
     let (mut ports, mut images, mut radios) = (Vec::new(), Vec::new(), Vec::new());
+    let budgets = Budgets::default();
     let access = Access::new(config.tokens.clone());
     // Unbounded: each sender waits for a turn, see `connection::Turn`.
     let (events, receiver) = mpsc::channel();
@@ -78,8 +80,9 @@ pub(crate) async fn serve(
         world_control: config.world_control,
         is_league: config.world.league.is_some(),
         stall_timeout,
+        budgets: budgets.clone(),
     };
-    let world = world_thread::spawn(config, receiver, live, foxglove, gone)?;
+    let world = world_thread::spawn(config, budgets, receiver, live, foxglove, gone)?;
     ready(addresses);
     let mut clients: Vec<JoinSet<()>> = controllers.iter().map(|_| JoinSet::new()).collect();
     let ids = Cell::new(0);
@@ -87,7 +90,7 @@ pub(crate) async fn serve(
         let (ids, events, rules) = (&ids, &events, Rules { dialect, ..rules.clone() });
         let serve = move |stream| {
             ids.set(ids.get() + 1);
-            (ids.get(), connection::serve(ids.get(), stream, rules.clone(), events.clone()))
+            connection::serve(ids.get(), stream, rules.clone(), events.clone())
         };
         accept_clients(clients, bound, address, max_connections, serve)
     });
@@ -215,12 +218,12 @@ async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
     listener: TcpListener,
     address: SocketAddr,
     max: usize,
-    serve: impl Fn(TcpStream) -> (ConnectionId, S),
+    serve: impl Fn(TcpStream) -> S,
 ) {
-    let mut listener = Some(listener);
+    let (mut listener, mut warnings) = (Some(listener), Budget::default());
     loop {
         if clients.len() > max {
-            if listener.take().is_some() {
+            if listener.take().is_some() && warnings.spend(Instant::now()) != Spent::Refused {
                 warn!(connections = clients.len(), "too many connections: not listening until one leaves");
             }
         } else if listener.is_none() {
@@ -234,11 +237,7 @@ async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
         };
         tokio::select! {
             accepted = accept => match accepted {
-                Ok((stream, peer)) => {
-                    let (id, client) = serve(stream);
-                    info!(connection = id, %peer, "client connected");
-                    clients.spawn(client);
-                }
+                Ok((stream, _)) => _ = clients.spawn(serve(stream)),
                 Err(error) => {
                     warn!(%error, "cannot accept a client");
                     tokio::time::sleep(BACK_OFF).await;

@@ -15,7 +15,8 @@ use sim_core::World;
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
-use crate::client::{Budget, Client, Spent};
+use crate::budget::{Budget, Budgets, Spent};
+use crate::client::Client;
 use crate::connection::{ConnectionId, Event};
 use crate::control::{Actor, Control};
 use crate::foxglove_server::FoxgloveServer;
@@ -50,6 +51,7 @@ const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 /// by a panic.
 pub(crate) fn spawn(
     config: Config,
+    budgets: Budgets,
     events: Receiver<Event>,
     live: Broadcast,
     foxglove: Option<FoxgloveServer>,
@@ -105,6 +107,7 @@ pub(crate) fn spawn(
             credit: Duration::ZERO,
             forgotten: now,
             controls: Budget::default(),
+            budgets,
             saving: Saving::default(),
             saved_as,
             results: Results::new(result),
@@ -136,6 +139,8 @@ struct Server {
     forgotten: Instant,
     /// Limit of controls in the log.
     controls: Budget,
+    /// Limits of what is logged about clients.
+    budgets: Budgets,
     saving: Saving,
     /// File of saves that a viewer starts; it gets a number if the file exists.
     saved_as: PathBuf,
@@ -360,11 +365,11 @@ impl Server {
         match event {
             Event::Opened(opened) => {
                 let (id, dialect) = (opened.id, opened.dialect);
-                let Self { sessions, audience, .. } = self;
+                let Self { sessions, audience, budgets, .. } = self;
                 // A new client starts at the mean cost, so that leaving and returning gains nothing.
                 let clients = audience.clients.len().max(1) as u32;
                 let mean = audience.clients.values().map(Client::cost).sum::<Duration>() / clients;
-                let mut client = Client::new(opened);
+                let mut client = Client::new(opened, budgets.clone());
                 client.outbox().set_paced(self.timing.is_real());
                 client.add_cost(mean);
                 audience.clients.insert(id, client);
@@ -592,7 +597,7 @@ impl Server {
         };
         let client = |(&connection, client): (&ConnectionId, &Client)| ClientStatus {
             connection,
-            peer: client.peer().to_owned(),
+            peer: client.peer(),
             lines: client.lines(),
             dropped: client.dropped(),
             waiting_bytes: client.outbox().waiting_bytes(),

@@ -300,6 +300,29 @@ fn a_wrong_init_is_logged_with_the_right_name_and_repetitions_are_counted() {
 }
 
 #[test]
+fn a_client_that_comes_again_and_again_does_not_fill_the_disk() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = folder.path().join("stderr");
+    let mut server = Serving::start_with(&["--no-http"], std::fs::File::create(&said).expect("a file").into());
+    let begin = Instant::now();
+    let lines: String = (0..50).map(|number| format!("RUBBISH{number} {{x}}\r\n")).collect();
+    for _ in 0..200 {
+        let mut client = server.connect();
+        client.write_all(lines.as_bytes()).expect("it is taken");
+        client.shutdown(std::net::Shutdown::Write).expect("it ends");
+        // The server closes when it has read all.
+        client.read_to_end(&mut Vec::new()).expect("an end");
+    }
+    server.signal("TERM");
+    server.wait();
+    let said = std::fs::read_to_string(&said).expect("a file");
+    let most = 22 * (begin.elapsed().as_secs() as usize + 2);
+    let count = said.lines().count();
+    assert!((20..=most).contains(&count), "{count} lines, expected at most {most} of 10 000\n{said}");
+    assert!(said.contains("further problems were not logged") || begin.elapsed() < Duration::from_secs(1), "{said}");
+}
+
+#[test]
 fn a_server_for_everyone_names_an_address_that_can_be_opened() {
     let mut child = usarsim();
     child.args(["serve", "--port", "0", "--http", "0", "--host", "0.0.0.0"]);
