@@ -61,10 +61,18 @@ impl Server {
         let thread = std::thread::spawn(run);
         let addresses = addresses.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the server does not start"));
         let address = addresses.controllers().unwrap_or_else(|| panic!("no port for controllers"));
-        let (page, foxglove) = (addresses.page(), addresses.foxglove().map(|address| address.port()));
-        let (truth, positions) = (addresses.truth(), addresses.positions());
-        let (images, wireless) = (addresses.images(), addresses.wireless());
-        Self { address, page, wireless, truth, positions, images, foxglove, stop: Some(stop), thread: Some(thread) }
+        let of = |service| addresses.of(service);
+        Self {
+            address,
+            page: of(Service::Page),
+            truth: of(Service::Truth),
+            positions: of(Service::Positions),
+            wireless: of(Service::Wireless),
+            images: of(Service::Images),
+            foxglove: of(Service::Foxglove).map(|address| address.port()),
+            stop: Some(stop),
+            thread: Some(thread),
+        }
     }
 
     /// Connects a client and reads its greeting.

@@ -215,34 +215,9 @@ impl Ready {
         self.address(|service| matches!(service, Service::Controllers { .. }))
     }
 
-    /// Returns the address for browsers.
-    pub fn page(&self) -> Option<SocketAddr> {
-        self.address(|service| service == Service::Page)
-    }
-
-    /// Returns the address for Foxglove.
-    pub fn foxglove(&self) -> Option<SocketAddr> {
-        self.address(|service| service == Service::Foxglove)
-    }
-
-    /// Returns the address for referees.
-    pub fn truth(&self) -> Option<SocketAddr> {
-        self.address(|service| service == Service::Truth)
-    }
-
-    /// Returns the address for wireless simulators.
-    pub fn positions(&self) -> Option<SocketAddr> {
-        self.address(|service| service == Service::Positions)
-    }
-
-    /// Returns the address for clients that want pictures.
-    pub fn images(&self) -> Option<SocketAddr> {
-        self.address(|service| service == Service::Images)
-    }
-
-    /// Returns the address of the radio between robots.
-    pub fn wireless(&self) -> Option<SocketAddr> {
-        self.address(|service| service == Service::Wireless)
+    /// Returns the address of a service.
+    pub fn of(&self, service: Service) -> Option<SocketAddr> {
+        self.address(|other| other == service)
     }
 
     fn address(&self, is: impl Fn(Service) -> bool) -> Option<SocketAddr> {

@@ -69,7 +69,7 @@ pub(crate) async fn serve(
     let (live, channels) = live::broadcast(
         Instant::now(),
         &config.world,
-        addresses.page().map(|_| about(&config, &addresses)),
+        addresses.of(Service::Page).map(|_| about(&config, &addresses)),
         board.clone(),
     );
     let site = Arc::new(site(&config, &access, &addresses, channels, events.clone()));

@@ -373,16 +373,14 @@ fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<MapDef> {
 }
 
 fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> String {
-    let (page, foxglove) = (ready.page(), ready.foxglove().map(|foxglove| foxglove.port()));
+    let (page, port) = (ready.of(Service::Page), |service| ready.of(service).map(|address| address.port()));
+    let foxglove = port(Service::Foxglove);
     let Some(address) = ready.controllers() else { return String::new() };
     if json {
-        let (host, port) = (address.ip().to_string(), address.port());
-        let http = page.map(|page| page.port());
-        let beside = [ready.truth(), ready.positions(), ready.images(), ready.wireless()];
-        let [truth, positions, images, wireless] = beside.map(|it| it.map(|address| address.port()));
         serde_json::json!({
-            "event": "ready", "host": host, "port": port, "http": http, "foxglove": foxglove, "truth": truth,
-            "positions": positions, "images": images, "wireless": wireless, "map": map, "robots": classes,
+            "event": "ready", "host": address.ip().to_string(), "port": address.port(), "http": port(Service::Page),
+            "foxglove": foxglove, "truth": port(Service::Truth), "positions": port(Service::Positions),
+            "images": port(Service::Images), "wireless": port(Service::Wireless), "map": map, "robots": classes,
         })
         .to_string()
     } else {
