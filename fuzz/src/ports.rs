@@ -2,7 +2,8 @@
 
 use gamebots_proto::Framing;
 use gamebots_proto::ports::{
-    PictureRequests, Place, PositionsQuestion, Row, TruthQuestion, WirelessCommand, login, read_login, rows,
+    ComAnswer, ComCommand, ComFraming, ComLink, PictureRequests, Place, PositionsQuestion, Row, TruthQuestion,
+    WirelessCommand, login, read_login, rows,
 };
 
 /// Bytes that ask for truth, positions, pictures or the radio.
@@ -14,6 +15,18 @@ pub fn ports(bytes: &[u8]) {
     assert!(2 * count <= bytes.len(), "{count} requests for pictures in {} bytes", bytes.len());
     let lines = framed(&[bytes]);
     let (first, second) = bytes.split_at(bytes.len() / 2);
+    let [mut whole, mut cut] = [ComLink::default(), ComLink::default()];
+    let (passed, is_over) = whole.push(bytes);
+    let (mut passed_cut, is_over_cut) = cut.push(first);
+    if !is_over_cut {
+        passed_cut.extend(cut.push(second).0);
+    }
+    assert!(passed == passed_cut && (is_over || !is_over_cut), "a link depends on how the bytes are cut");
+    for command in ComFraming::default().push(bytes) {
+        if let ComCommand::Register { name, .. } = ComCommand::read(&command) {
+            assert!(ComAnswer::Taken(&name).text().len() <= command.len() + 100, "{command:?}");
+        }
+    }
     assert_eq!(framed(&[first, second]), lines, "the lines depend on how the bytes are cut");
     for line in lines {
         if let WirelessCommand::Init { ports: Some(ports), .. } = WirelessCommand::read(&line) {

@@ -27,6 +27,8 @@ pub struct Server {
     pub positions: Option<SocketAddr>,
     /// Address of the radio between robots.
     pub wireless: Option<SocketAddr>,
+    /// Address of the old relay between robots.
+    pub com_server: Option<SocketAddr>,
     /// Address of the image server's port.
     pub images: Option<SocketAddr>,
     /// Port for Foxglove.
@@ -68,6 +70,7 @@ impl Server {
             truth: of(Service::Truth),
             positions: of(Service::Positions),
             wireless: of(Service::Wireless),
+            com_server: of(Service::ComServer),
             images: of(Service::Images),
             foxglove: of(Service::Foxglove).map(|address| address.port()),
             stop: Some(stop),

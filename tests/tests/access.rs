@@ -31,7 +31,9 @@ fn server(log: Option<&Path>) -> Server {
         config.report_errors = true;
         let ut2004 = Service::Controllers { dialect: Some(Dialect::Ut2004) };
         let services = [Service::Page, Service::Foxglove, Service::Truth, Service::Positions, Service::Images];
-        config.listeners.extend([ut2004, Service::Wireless].map(|service| Listener::new(service, 0)));
+        config
+            .listeners
+            .extend([ut2004, Service::Wireless, Service::ComServer].map(|service| Listener::new(service, 0)));
         config.listeners.extend(services.map(|service| Listener::new(service, 0)));
     })
 }
@@ -99,6 +101,7 @@ fn address(server: &Server, name: &str) -> SocketAddr {
         "positions" => server.positions,
         "images" => server.images,
         "wireless" => server.wireless,
+        "relay" => server.com_server,
         "page" => server.page,
         _ => server.foxglove.map(|port| SocketAddr::new(server.address.ip(), port)),
     };
@@ -153,12 +156,13 @@ fn every_entrance_is_closed_without_the_right_token() {
     robot.send("INIT {ClassName USARBot.P3AT} {Name Rover} {Location 0,0,0}");
     robot.ground_truth();
     // Those who get in: without a token, with a wrong one, viewer, driver, referee.
-    let rows: [(Entrance, [bool; 5]); 16] = [
+    let rows: [(Entrance, [bool; 5]); 17] = [
         (Port("controllers", b"GETSTARTPOSES\r\n"), [false, false, false, true, true]),
         (Port("truth", b"\r\n"), [false, false, true, false, false]),
         (Port("positions", b"GETPOS\r\n"), [false, false, true, false, false]),
         (Port("images", b"OK"), [false, false, true, true, false]),
         (Port("wireless", b"INIT {Robot Rover} {Port 4000}\r\n"), [false, false, false, true, false]),
+        (Port("relay", b"REGISTER R 127.0.0.1;"), [false, false, false, true, false]),
         (Get("/scene.json"), [false, false, true, false, false]),
         (Get("/objects.json"), [false, false, true, false, false]),
         (Get("/league.json"), [false, false, true, false, false]),
@@ -197,7 +201,7 @@ fn whoever_says_nothing_or_no_line_is_turned_away() {
     let long = [b"LOGIN {Token ".as_slice(), &[b'x'; 5000]].concat();
     let bytes: [&[u8]; 4] = [b"GET / HTTP/1.1\r\nHost: x\r\n\r\n", &long, b"\xff\xfe\n", b"LOGIN {Token }\n"];
     for first in bytes {
-        for name in ["controllers", "truth", "positions", "images", "wireless"] {
+        for name in ["controllers", "truth", "positions", "images", "wireless", "relay"] {
             let mut stream = connect(address(&server, name));
             let _ = stream.write_all(first);
             let text = answer(&mut stream);

@@ -17,6 +17,7 @@ mod access;
 mod budget;
 mod cameras;
 mod client;
+mod com_server;
 mod connection;
 mod control;
 mod fit;
@@ -203,6 +204,8 @@ pub enum Service {
     Images,
     /// The radio between robots (WSS).
     Wireless,
+    /// The old relay between robots (ComServer.uc).
+    ComServer,
 }
 
 /// Addresses of a server that is ready, with their services, in the order of its configuration.

@@ -21,8 +21,8 @@ use crate::ports::{self, Port};
 use crate::web::{Packed, Site};
 use crate::wireless::{self, Network};
 use crate::{
-    Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl, connection, foxglove_server, live, web,
-    world_thread,
+    Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl, com_server, connection, foxglove_server, live,
+    web, world_thread,
 };
 
 /// Longest time to send the last lines to all clients.
@@ -38,7 +38,7 @@ pub(crate) async fn serve(
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
     let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
-    let (mut ports, mut images, mut radios) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut ports, mut images, mut radios, mut relays) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let budgets = Budgets::default();
     let access = Access::new(config.tokens.clone());
     // Unbounded: each sender waits for a turn, see `connection::Turn`.
@@ -54,6 +54,7 @@ pub(crate) async fn serve(
             Service::Positions => ports.push((Port::Positions, bound)),
             Service::Images => images.push(bound),
             Service::Wireless => radios.push(bound),
+            Service::ComServer => relays.push(bound),
             Service::Foxglove => {
                 // Its clients cannot be told apart.
                 let may_control = config.world_control == WorldControl::Everyone && access.is_open();
@@ -98,6 +99,7 @@ pub(crate) async fn serve(
         ports.into_iter().map(|(port, bound)| ports::serve(port, bound, &access, events.clone(), stall_timeout));
     let drawing = images.into_iter().map(|bound| images::serve(board.clone(), bound, &access, stall_timeout));
     let radioing = radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, stall_timeout));
+    let relaying = relays.into_iter().map(|bound| com_server::serve(network.clone(), bound, stall_timeout));
     let showing = pages.into_iter().map(|page| web::serve(page, site.clone()));
     let is_gone = tokio::select! {
         () = forever(accepting) => false,
@@ -105,6 +107,7 @@ pub(crate) async fn serve(
         () = forever(telling) => false,
         () = forever(drawing) => false,
         () = forever(radioing) => false,
+        () = forever(relaying) => false,
         () = shutdown => false,
         _ = &mut world_gone => true,
     };

@@ -31,7 +31,7 @@ const MAX_ROUTES: usize = 256;
 /// Most relayed connections at once; more wait.
 const MAX_RELAYS: usize = 512;
 /// Time between two looks at the links (WSS: 1 s).
-const LOOK: Duration = Duration::from_secs(1);
+pub(crate) const LOOK: Duration = Duration::from_secs(1);
 /// Time for the second direction of a relayed connection after the end of the first.
 const LAST_WORDS: Duration = Duration::from_secs(10);
 /// Bytes read at once.
@@ -125,6 +125,22 @@ impl Network {
         Self { shared: Arc::default(), relays, events, access, host: host.into(), model }
     }
 
+    pub(crate) fn access(&self) -> &Access {
+        &self.access
+    }
+
+    /// Returns the strength of a signal between two robots, dBm, as [`Self::strength`] does.
+    pub(crate) async fn strength_between(&self, one: &str, other: &str) -> Option<f64> {
+        let inquiry = Inquiry::new(self.events.clone());
+        let places = if self.model == Propagation::Everywhere { Places::new() } else { places(&inquiry).await? };
+        self.strength(&inquiry, &places, one, other).await
+    }
+
+    /// True if a link between two robots holds.
+    pub(crate) async fn reaches(&self, one: &str, other: &str) -> bool {
+        self.strength_between(one, other).await.is_some_and(|strength| self.model.holds(strength))
+    }
+
     fn state(&self) -> MutexGuard<'_, State> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -200,7 +216,7 @@ async fn places(inquiry: &Inquiry) -> Option<Places> {
 async fn converse(mut stream: TcpStream, network: Network, stall_timeout: Duration) {
     let _ = stream.set_nodelay(true);
     let Ok(peer) = stream.peer_addr() else { return };
-    let mut robot = Robot { network, inquiry: None, address: peer.ip(), name: None, kick: Arc::default() };
+    let mut robot = Robot { network, address: peer.ip(), name: None, kick: Arc::default() };
     let kick = robot.kick.clone();
     let mut framing = Framing::default();
     let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
@@ -227,7 +243,6 @@ async fn converse(mut stream: TcpStream, network: Network, stall_timeout: Durati
 /// The server's end of a control connection. With it the robot leaves the radio; running relays go on.
 struct Robot {
     network: Network,
-    inquiry: Option<Inquiry>,
     address: IpAddr,
     /// Its name, once it is registered.
     name: Option<String>,
@@ -259,7 +274,7 @@ impl Robot {
                 let found = match (known, other == name) {
                     (_, true) => Strength::ToSelf,
                     (false, _) => Strength::NoRobot,
-                    (true, false) => Strength::Model(self.strength(&name, &other).await?),
+                    (true, false) => Strength::Model(self.network.strength_between(&name, &other).await?),
                 };
                 strength(&other, found)
             }
@@ -289,14 +304,6 @@ impl Robot {
         registered()
     }
 
-    async fn strength(&mut self, one: &str, other: &str) -> Option<f64> {
-        let events = &self.network.events;
-        let inquiry = self.inquiry.get_or_insert_with(|| Inquiry::new(events.clone()));
-        let places =
-            if self.network.model == Propagation::Everywhere { Places::new() } else { places(inquiry).await? };
-        self.network.strength(inquiry, &places, one, other).await
-    }
-
     /// Answers DNS: gives the robot a port from which it reaches a port of another one. It keeps it.
     async fn route(&mut self, name: &str, other: &str, port: u16) -> Option<String> {
         let (target, known) = {
@@ -322,7 +329,7 @@ impl Robot {
         let Some((bound, address)) = bound.ok().and_then(|bound| bound.local_addr().ok().map(|it| (bound, it))) else {
             return Some(WirelessError::NoPort.line());
         };
-        let strength = self.strength(name, other).await?;
+        let strength = self.network.strength_between(name, other).await?;
         let (holds, link) = watch::channel(self.network.model.holds(strength));
         let (network, from) = (self.network.clone(), name.to_owned());
         let relay = Relay { network, from, address: self.address, target, link };

@@ -26,6 +26,7 @@ const TRUTH_PORT: u16 = 3989;
 const POSITIONS_PORT: u16 = 7435;
 const IMAGES_PORT: u16 = 5003;
 const WIRELESS_PORT: u16 = 50000;
+const COM_SERVER_PORT: u16 = 5874;
 
 /// Options of `serve`.
 #[derive(clap::Args)]
@@ -115,6 +116,9 @@ pub(crate) struct Arguments {
     /// Port of the radio between robots, as of the program WSS; `off` for none. By default 50000, as --truth.
     #[arg(long, env = "USARSIM_WIRELESS", value_name = "PORT|off", value_parser = port_or_off)]
     wireless: Option<PortOrOff>,
+    /// Port of the old relay between robots, ComServer; `off` for none. By default 5874, as --truth.
+    #[arg(long, env = "USARSIM_COM_SERVER", value_name = "PORT|off", value_parser = port_or_off)]
+    com_server: Option<PortOrOff>,
     /// Reach of the radio: everywhere, weaker with distance, or weaker with distance and walls. By default everywhere, or as the league
     /// says.
     #[arg(long, env = "USARSIM_PROPAGATION", value_name = "MODEL")]
@@ -288,6 +292,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(beside(arguments.positions, Service::Positions, POSITIONS_PORT));
     listeners.extend(beside(arguments.images, Service::Images, IMAGES_PORT));
     listeners.extend(beside(arguments.wireless, Service::Wireless, WIRELESS_PORT));
+    listeners.extend(beside(arguments.com_server, Service::ComServer, COM_SERVER_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {
         maps: other_maps(&arguments.set, &world.map),
@@ -380,7 +385,7 @@ fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> Strin
         serde_json::json!({
             "event": "ready", "host": address.ip().to_string(), "port": address.port(), "http": port(Service::Page),
             "foxglove": foxglove, "truth": port(Service::Truth), "positions": port(Service::Positions),
-            "images": port(Service::Images), "wireless": port(Service::Wireless), "map": map, "robots": classes,
+            "images": port(Service::Images), "wireless": port(Service::Wireless), "com_server": port(Service::ComServer), "map": map, "robots": classes,
         })
         .to_string()
     } else {
