@@ -232,7 +232,7 @@ fn a_round_replays_to_the_same_points() {
     let mut hostile = server.client();
     hostile.send("REPORT {Errors true}");
     hostile.send("INIT {ClassName USARBotAPI.WorldController}");
-    let refused = hostile.wait_for("a refusal", |line| line.contains("no world controller from here"));
+    let refused = hostile.wait_for("a refusal", |line| line.contains("no world controller or avatar from here"));
     assert!(refused.contains("no page controls this world"), "{refused}");
     hostile.send("INIT {ClassName P3AT} {Team red}");
     hostile.wait_for("a refusal", |line| line.contains("team red has all its 2 robots in the world"));

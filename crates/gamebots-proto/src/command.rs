@@ -8,6 +8,7 @@ mod init;
 mod multi_drive;
 mod report;
 mod set;
+mod walk;
 
 pub use act::{Act, MisPkg};
 pub use control::{Control, Create, Move, SetPath};
@@ -17,6 +18,7 @@ pub use init::Init;
 pub use multi_drive::MultiDrive;
 pub use report::Report;
 pub use set::Set;
+pub use walk::{Gait, GoTo, Target, Walk};
 
 use crate::{Line, Problem};
 
@@ -96,6 +98,10 @@ commands! {
     "GETCLOSESTPATHNODE" => GetClosestPathNode,
     /// Creates, moves and removes objects; for world controllers.
     "CONTROL" => Control,
+    /// Lets an avatar walk; for avatars.
+    "MOVE" => Walk,
+    /// Sends an avatar to a path node; for avatars.
+    "GOTO" => GoTo,
     /// Asks for reports of the problems with this connection's lines. Not part of USARSim.
     "REPORT" => Report,
     /// Asks for the robot classes that INIT takes. Not part of USARSim.
@@ -195,6 +201,18 @@ mod tests {
                 "CONTROL {Type KillAll} {MinPos 0,0,5} {MaxPos 5,5,-5}",
             ),
             ("CONTROL {Type GetSTA}", "CONTROL {Type GetSTA}"),
+            (
+                "MOVE {Action New} {Location 3.00, 4.00} {Type Walk_Forward}",
+                "MOVE {Type Walk_Forward} {Action New} {Location 3,4}",
+            ),
+            ("MOVE {Type run}{Action Append}{Location 1,2,3}", "MOVE {Type Run} {Action Append} {Location 1,2}"),
+            (
+                "MOVE {Action New} {Pathnode n1} {Type Walk_Backward}",
+                "MOVE {Type Walk_Backward} {Action New} {Pathnode n1}",
+            ),
+            ("MOVE {Action pause}", "MOVE {Action Pause}"),
+            ("MOVE {Action Resume}", "MOVE {Action Resume}"),
+            ("GOTO {Name PathNode_1}", "GOTO {Name PathNode_1}"),
             ("REPORT {Errors True}", "REPORT {Errors true}"),
             ("report", "REPORT {Errors false}"),
         ] {
@@ -286,6 +304,11 @@ mod tests {
                 let rotation = location.map(|number| number / 1e6);
                 Command::Control(Control::Move(command::Move { name, is_relative, location, rotation }))
             }),
+            ([number(), number()], any::<bool>(), word()).prop_map(|(place, appends, node)| {
+                let target = if node.is_empty() { Target::Place(place) } else { Target::Node(node) };
+                Command::Walk(Walk::To { gait: Gait::Run, appends, target })
+            }),
+            word().prop_map(|name| Command::GoTo(GoTo { name })),
             any::<bool>().prop_map(|errors| Command::Report(Report { errors })),
         ]
     }

@@ -2,6 +2,7 @@
 //! dialects and the reader follow from the table.
 
 mod asta;
+mod avatar;
 mod conf;
 mod geo;
 mod nfo;
@@ -11,6 +12,7 @@ mod sen;
 mod sta;
 
 pub use asta::{Asta, Eff, JointSta};
+pub use avatar::{AvatarBone, AvatarBones, AvatarSta};
 pub use conf::*;
 pub use geo::{ActuatorGeo, Geo, GroundGeo, ItemGeo, JointGeo, MountedGeo, RobotGeo, VehicleGeo};
 pub use nfo::{Greeting, NamedPose, Nfo, PathNode};
@@ -37,6 +39,10 @@ pub enum Message {
     Asta(Asta),
     /// State of a gripper, ten times a second.
     Eff(Eff),
+    /// State of an avatar, twenty times a second.
+    Avatar(AvatarSta),
+    /// Arms of an avatar, twenty times a second.
+    Bones(AvatarBones),
     /// Configuration, the answer to GETCONF.
     Conf(Conf),
     /// Geometry, the answer to GETGEO.
@@ -52,7 +58,7 @@ pub enum Message {
 }
 
 /// Verbs of periodic lines.
-const PERIODIC_VERBS: [&str; 5] = ["SEN", "STA", "ASTA", "MISSTA", "EFF"];
+const PERIODIC_VERBS: [&str; 6] = ["SEN", "STA", "ASTA", "MISSTA", "EFF", "BSTA"];
 
 /// True if a line of a server is a periodic message. A `STA` of a world controller's objects is an answer.
 pub fn is_periodic_line(line: &str) -> bool {
@@ -112,6 +118,7 @@ pub fn tables() -> Vec<(String, Option<Field>, Table)> {
         of("STA {Type GroundVehicle}", GroundSta::TABLE),
     ];
     tables.extend(sensors);
+    tables.extend([of("STA {Type USARAvatar..}", AvatarSta::TABLE), of("BSTA", AvatarBones::TABLE)]);
     tables.extend([of("ASTA", Asta::TABLE), of("EFF", Eff::TABLE), of("CONF", GroundConf::TABLE)]);
     tables.extend(items);
     tables.extend([
@@ -154,6 +161,8 @@ impl Message {
             Self::Sen(message) => message.write(dialect),
             Self::Asta(message) => blocks(dialect.of(["ASTA", "MISSTA"]), message.write(dialect)),
             Self::Eff(message) => blocks("EFF", message.write(dialect)),
+            Self::Avatar(message) => blocks("STA", message.write(dialect)),
+            Self::Bones(message) => blocks("BSTA", message.write(dialect)),
             Self::Conf(message) => message.write(dialect),
             Self::Geo(message) => message.write(dialect),
             Self::Objects(objects) => object::write(objects),
@@ -175,7 +184,9 @@ impl Message {
         let one = match line.verb.as_str() {
             "SEN" => return Sen::read(&line).unwrap_or_default().into_iter().map(Self::Sen).collect(),
             "NFO" => Nfo::read(&line).map(Self::Nfo),
+            "STA" if line.get("Walking").is_some() => AvatarSta::read(&line).map(Self::Avatar),
             "STA" => Sta::read(&line).map(Self::Sta),
+            "BSTA" => AvatarBones::read(&line).map(Self::Bones),
             "ASTA" | "MISSTA" => Asta::read(&line).map(Self::Asta),
             "EFF" => Eff::read(&line).map(Self::Eff),
             "CONF" => Conf::read(&line).map(Self::Conf),
@@ -189,7 +200,7 @@ impl Message {
     /// True for periodic messages. The next one replaces this one, so a client that does not keep up may lose it. Answers are
     /// never lost.
     pub fn is_periodic(&self) -> bool {
-        matches!(self, Self::Sta(_) | Self::Sen(_) | Self::Asta(_) | Self::Eff(_))
+        matches!(self, Self::Sta(_) | Self::Sen(_) | Self::Asta(_) | Self::Eff(_) | Self::Avatar(_) | Self::Bones(_))
     }
 }
 

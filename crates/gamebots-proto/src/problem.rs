@@ -167,6 +167,20 @@ pub enum Problem {
         /// The verb.
         verb: &'static str,
     },
+    /// An order for an avatar to another pawn.
+    #[error("{verb} ignored: only an avatar walks; send INIT {{ClassName USARAvatar.USARAvatarTallMaleA}} first")]
+    NoAvatar {
+        /// The verb.
+        verb: &'static str,
+    },
+    /// An order that an avatar cannot follow.
+    #[error("{verb}: {why}; the avatar goes on as before")]
+    NoWay {
+        /// The verb.
+        verb: &'static str,
+        /// The reason, with what was expected.
+        why: String,
+    },
     /// An order of a world controller from another pawn.
     #[error(
         "CONTROL ignored: only a world controller can send it; send INIT {{ClassName USARBotAPI.WorldController}} first"

@@ -37,7 +37,7 @@ pub(crate) enum Role {
     Viewer,
     /// Drives robots, uses their radio, and sees what their cameras see.
     Driver,
-    /// Controls the world: pauses it, removes robots, starts logs, and has world controllers.
+    /// Controls the world: pauses it, removes robots, starts logs, and has world controllers and avatars.
     Referee,
 }
 
@@ -286,9 +286,9 @@ impl Rights {
             let problems = vec![Problem::NotAdmitted { why }];
             Request { text: String::new(), command: None, problems }
         };
-        if init.is_controller() {
+        if !init.is_of_robot() {
             return match refusal {
-                Some(reason) => refused(format!("no world controller from here: {reason}")),
+                Some(reason) => refused(format!("no world controller or avatar from here: {reason}")),
                 None => request,
             };
         }
@@ -386,7 +386,8 @@ mod tests {
     #[test]
     fn an_init_needs_its_right_and_gets_its_team() {
         let (access, anywhere) = (tokens(), &[Role::Driver, Role::Referee][..]);
-        let no_referee = "no world controller from here: only a token with the role referee controls this world";
+        let no_referee =
+            "no world controller or avatar from here: only a token with the role referee controls this world";
         for (token, line, expected) in [
             (RED, "INIT {ClassName P3AT}", Ok("INIT {Team red} {ClassName P3AT}")),
             (RED, "INIT{ClassName P3AT} {Name x", Ok("INIT {Team red} {ClassName P3AT} {Name x")),
@@ -399,6 +400,7 @@ mod tests {
             ),
             (RED, "INIT {ClassName USARBotAPI.WorldController}", Err(no_referee)),
             (RED, "DRIVE {Left 1}", Ok("DRIVE {Left 1}")),
+            (RED, "INIT {ClassName USARAvatar.USARAvatarNewMale}", Err(no_referee)),
             (REFEREE, "INIT {ClassName WorldController}", Ok("INIT {ClassName WorldController}")),
             (REFEREE, "INIT {ClassName P3AT}", Err("the connection's token has not the role driver")),
         ] {

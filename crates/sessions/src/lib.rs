@@ -218,7 +218,7 @@ impl Sessions {
         let (Some(round), Command::Init(init)) = (round, command) else {
             return world.execute(pawn, command, problems);
         };
-        if init.is_controller() {
+        if !init.is_of_robot() {
             return world.execute(pawn, command, problems);
         }
         let mut init = init.clone();

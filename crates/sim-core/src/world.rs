@@ -2,6 +2,7 @@
 
 mod actors;
 mod answer;
+mod avatar;
 mod controller;
 mod item;
 mod report;
@@ -29,6 +30,7 @@ use crate::sensor::floats;
 use crate::threads::{OneThread, Threads, in_parts};
 use actors::EngineNames;
 pub use actors::{Actor, ActorKind};
+use avatar::Avatar;
 use controller::{Controller, Created};
 use item::Motion;
 use item::{Hand, Hands};
@@ -66,6 +68,7 @@ pub struct World {
     robots: BTreeMap<PawnId, Robot>,
     next_id: u64,
     controllers: BTreeMap<PawnId, Controller>,
+    avatars: BTreeMap<PawnId, Avatar>,
     /// Objects that controllers created, by their ids.
     created: Vec<Created>,
     next_object: u64,
@@ -138,6 +141,7 @@ impl World {
             robots: BTreeMap::new(),
             next_id: 0,
             controllers: BTreeMap::new(),
+            avatars: BTreeMap::new(),
             created: Vec::new(),
             next_object,
             tools: Vec::new(),
@@ -204,13 +208,13 @@ impl World {
         Message::Nfo(Nfo::Greeting(Greeting { level: map.name.clone(), time_limit: map.time_limit }))
     }
 
-    /// Spawns a robot or a world controller. `None`, with the reason in `problems`, if the class is unknown, the world is full or there is
+    /// Spawns a robot, a world controller or an avatar. `None`, with the reason in `problems`, if the class is unknown, the world is full or there is
     /// no free place.
     ///
     /// A pose inside or below the ground is lifted onto it; a robot above the ground falls. If the place is occupied, the robot is put beside
     /// the obstacle, and `problems` reports it. An unknown start means the origin, as in USARSim (BotConnection.uc:452-473).
     pub fn init(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<PawnId> {
-        if self.robots.len() + self.controllers.len() >= MAX_ROBOTS {
+        if self.robots.len() + self.controllers.len() + self.avatars.len() >= MAX_ROBOTS {
             problems.push(Problem::TooManyRobots { limit: MAX_ROBOTS });
             return None;
         }
@@ -220,6 +224,11 @@ impl World {
             self.controllers.insert(id, Controller { name, pose });
             self.engine_names.add(id, CONTROLLER);
             return Some(id);
+        }
+        if let Some(class) = init.avatar() {
+            let (wanted, name) = (self.start_pose(init, problems), pawn_name(init, problems));
+            let refuse = |why| problems.push(Problem::NoRoom { wanted: wire_place(init), why });
+            return self.spawn_avatar(class, name, &wanted).map_err(refuse).ok();
         }
         let class = self.class(init, problems)?;
         let (tools, class) = match self.outfit(&class) {
@@ -324,11 +333,12 @@ impl World {
         }
     }
 
-    /// Removes a robot or a world controller from the world.
+    /// Removes a robot, a world controller or an avatar from the world.
     pub fn remove(&mut self, id: PawnId) {
         self.engine_names.remove(id);
         self.tiles.free(id);
         self.remove_controller(id);
+        self.remove_avatar(id);
         self.put_all_down(id);
         if let Some(robot) = self.robots.remove(&id) {
             self.physics.remove(robot.bodies());
@@ -364,6 +374,14 @@ impl World {
             (Command::GetClosestPathNode(ask), _) => {
                 let nodes = &self.def().map.path_nodes;
                 ask.location.map(|position| Message::Nfo(closest(nodes, position)).into()).into_iter().collect()
+            }
+            (Command::Walk(order), _) => {
+                self.walk(pawn, order, problems);
+                Vec::new()
+            }
+            (Command::GoTo(order), _) => {
+                self.go_to(pawn, order, problems);
+                Vec::new()
             }
             // The server executes it, as it concerns the connection.
             (Command::Report(_) | Command::Control(_), _) => Vec::new(),
@@ -432,7 +450,8 @@ impl World {
     /// If the number of steps taken is [`Options::panic_at`].
     pub fn step(&mut self) -> Vec<(PawnId, Report)> {
         assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
-        let led = self.lead_objects();
+        let mut led = self.lead_objects();
+        led.extend(self.lead_avatars());
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
         let is_engine_needed = self.physics.is_engine_needed();
         if is_engine_needed && !self.is_engine_running {
@@ -449,13 +468,16 @@ impl World {
         self.steps += 1;
         let (time, steps) = (self.time(), self.steps);
         self.remove_faulty();
-        if !self.robots.values().any(|robot| robot.is_about_to_report(steps)) {
+        let do_avatars_look = self.do_avatars_look(steps);
+        if !do_avatars_look && !self.robots.values().any(|robot| robot.is_about_to_report(steps)) {
             return Vec::new();
         }
         // In reports, only rays query the engine's shapes of robots in reduced coordinates.
-        if !is_engine_needed && self.robots.values().any(|robot| robot.is_about_to_look(steps)) {
+        let does_robot_look = || self.robots.values().any(|robot| robot.is_about_to_look(steps));
+        if !is_engine_needed && (do_avatars_look || does_robot_look()) {
             self.enter_shapes();
         }
+        let of_avatars = if do_avatars_look { self.look_ahead() } else { Vec::new() };
         let (physics, threads) = (&self.physics, &*self.threads);
         let hands = Hands { tools: &self.tools, stuck: &self.stuck };
         let due = self.robots.iter_mut().filter(|(_, robot)| robot.is_about_to_report(steps));
@@ -467,7 +489,7 @@ impl World {
         });
         let of_robot =
             |(id, _, own): (PawnId, &mut Robot, Vec<Report>)| own.into_iter().map(move |report| (id, report));
-        reports.into_iter().flat_map(of_robot).collect()
+        reports.into_iter().flat_map(of_robot).chain(of_avatars).collect()
     }
 
     /// Enters shapes for a question, which must not change the next step. A running engine keeps its shapes in place.
@@ -509,10 +531,11 @@ impl World {
         self.robots.iter().map(|(&id, robot)| (id, robot.def().class.as_str(), robot.name()))
     }
 
-    /// Returns robots and world controllers with class and name: first robots, then controllers.
+    /// Returns robots, world controllers and avatars with class and name, in this order.
     pub fn pawns(&self) -> impl Iterator<Item = (PawnId, &str, &str)> {
         let controllers = self.controllers.iter().map(|(&id, controller)| (id, CONTROLLER, controller.name.as_str()));
-        self.robots().chain(controllers)
+        let avatars = self.avatars.iter().map(|(&id, avatar)| (id, avatar.class_name(), avatar.name()));
+        self.robots().chain(controllers).chain(avatars)
     }
 
     /// Returns the state of a robot's body and of its driven wheels.

@@ -112,6 +112,8 @@ const KEYS: &[(&str, &[&str])] = &[
             "MaxPos",
         ],
     ),
+    ("MOVE", &["Type", "Action", "Location", "Pathnode"]),
+    ("GOTO", &["Name"]),
     ("REPORT", &["Errors"]),
     ("GETCLASSES", &[]),
 ];

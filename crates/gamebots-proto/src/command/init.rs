@@ -35,6 +35,26 @@ impl Init {
         Self::CONTROLLER.iter().any(|class| class.eq_ignore_ascii_case(&self.class_name))
     }
 
+    /// Names of the classes of avatars, without their package, USARAvatar. The first four walk to places, the others to path nodes, too.
+    pub const AVATARS: [&'static str; 6] = [
+        "USARAvatarTallMaleA",
+        "USARAvatarTallMaleB",
+        "USARAvatarTallMaleC",
+        "USARAvatarTallMaleD",
+        "USARAvatarNewMale",
+        "USARAvatarNewFemale",
+    ];
+
+    /// Returns the name of the class of avatars that it asks for, if it asks for one.
+    pub fn avatar(&self) -> Option<&'static str> {
+        Self::AVATARS.into_iter().find(|class| class.eq_ignore_ascii_case(self.class()))
+    }
+
+    /// True if it asks for a robot, or for nothing that is known.
+    pub fn is_of_robot(&self) -> bool {
+        !self.is_controller() && self.avatar().is_none()
+    }
+
     /// Returns the class without its package: `P3AT` for `USARBot.P3AT`.
     pub fn class(&self) -> &str {
         self.class_name.rsplit('.').next().unwrap_or_default()

@@ -134,7 +134,7 @@ impl Physics {
     }
 
     /// Returns the height (z) of the first floor at a place or below it, or above it if the place is inside a solid.
-    fn floor_below(&self, place: Vector3<f64>) -> Option<f64> {
+    pub(crate) fn floor_below(&self, place: Vector3<f64>) -> Option<f64> {
         self.surface_to_stand_on(&Point3::from(place), place.z)
     }
 

@@ -42,6 +42,8 @@ pub enum ActorKind {
     Robot,
     /// A world controller.
     Controller,
+    /// An avatar.
+    Avatar,
     /// An object that a world controller created.
     Created,
     /// A movable object of the map.
@@ -55,7 +57,7 @@ impl Actor {
     pub fn is_a(&self, class: &str) -> bool {
         let above: &[&str] = match self.kind {
             ActorKind::Robot => &["USARVehicle", "Pawn"],
-            ActorKind::Controller | ActorKind::Victim => &["Pawn"],
+            ActorKind::Controller | ActorKind::Avatar | ActorKind::Victim => &["Pawn"],
             ActorKind::Created => &["WCObject"],
             ActorKind::OfMap => &[],
         };
@@ -108,8 +110,19 @@ impl World {
             pose: controller.pose,
             battery_is_empty: false,
         });
+        let avatars = self.avatars.iter().filter_map(|(&id, avatar)| {
+            Some(Actor {
+                kind: ActorKind::Avatar,
+                class: avatar.class_name().to_owned(),
+                name: self.engine_names.of(id, avatar.class_name()),
+                called: avatar.name().to_owned(),
+                pose: self.physics.object(avatar.body())?,
+                battery_is_empty: false,
+            })
+        });
         let created = self.created_ids();
-        let objects = self.objects().map(|object| {
+        let is_body = |id| self.avatars.values().any(|avatar| avatar.body() == id);
+        let objects = self.objects().filter(|object| !is_body(object.id)).map(|object| {
             let class = created.get(&object.id);
             Actor {
                 kind: if class.is_some() { ActorKind::Created } else { ActorKind::OfMap },
@@ -128,7 +141,7 @@ impl World {
             pose: victim.pose(),
             battery_is_empty: false,
         });
-        robots.chain(controllers).chain(objects).chain(victims).collect()
+        robots.chain(controllers).chain(avatars).chain(objects).chain(victims).collect()
     }
 
     /// Counts the solids of the map on the line between two points, m. A wall counts once, however thick. Robots, objects and victims do not

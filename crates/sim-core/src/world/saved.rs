@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::World;
 use super::actors::EngineNames;
+use super::avatar::Avatar;
 use super::controller::{Controller, Created};
 use super::robot::{Robot, SavedRobot};
 use super::tiles::Tiles;
@@ -22,6 +23,8 @@ pub struct SavedWorld {
     steps: u64,
     next_id: u64,
     controllers: BTreeMap<PawnId, Controller>,
+    #[serde(default)]
+    avatars: BTreeMap<PawnId, Avatar>,
     created: Vec<Created>,
     next_object: u64,
     #[serde(default)]
@@ -124,6 +127,7 @@ impl World {
             steps: self.steps,
             next_id: self.next_id,
             controllers: self.controllers.clone(),
+            avatars: self.avatars.clone(),
             created: self.created.clone(),
             next_object: self.next_object,
             tools: self.tools.clone(),
@@ -145,6 +149,7 @@ impl World {
     pub fn load(scene: impl Into<CompiledScene>, saved: &SavedWorld) -> Result<Self, LoadError> {
         let mut world = Self::new(scene, saved.options);
         (world.steps, world.next_id) = (saved.steps, saved.next_id);
+        world.avatars = saved.avatars.clone();
         (world.controllers, world.created) = (saved.controllers.clone(), saved.created.clone());
         (world.next_object, world.tools) = (saved.next_object, saved.tools.clone());
         (world.engine_names, world.stuck) = (saved.engine_names.clone(), saved.stuck.clone());
@@ -160,6 +165,12 @@ impl World {
         let fits = |it: &Stuck| it.is_of_map() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
         if let Some(Stuck { id, .. }) = saved.stuck.iter().find(|it| !fits(it)) {
             return Err(LoadError::OtherMap { id: *id });
+        }
+        let is_saved = |body| saved.objects.iter().any(|object| object.id == body && object.spawned.is_some());
+        let fits =
+            |(id, avatar): &(&PawnId, &Avatar)| id.0 < saved.next_id && is_saved(avatar.body()) && avatar.is_sound();
+        if let Some((_, avatar)) = saved.avatars.iter().find(|avatar| !fits(avatar)) {
+            return Err(LoadError::OtherMap { id: avatar.body() });
         }
         let is_sound = |tag: &RfidTag| check::tag(tag).is_empty();
         if let Some(tags) = &saved.tags {
