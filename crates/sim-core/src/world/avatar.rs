@@ -151,11 +151,27 @@ impl Avatar {
     }
 }
 
-/// Returns the body of a class, around its middle: feet, belly, shoulders and head.
+/// Rings around a body of height 1, from its feet to the top of its head: height above the middle, and half axes ahead and aside.
+const RINGS: [[f64; 3]; 6] = [
+    [-0.5, 0.07, 0.09],
+    [-0.05, 0.08, 0.11],
+    [0.25, 0.075, 0.13],
+    [0.33, 0.065, 0.12],
+    [0.45, 0.05, 0.05],
+    [0.5, 0.025, 0.025],
+];
+/// Corners of a ring.
+const CORNERS: usize = 12;
+
+/// Returns the body of a class, around its middle. It is convex, as engines like it: a person in a coat.
 fn body(class: &Class, name: &str) -> Object {
-    let ring = |z: f64, x: f64, y: f64| [[-x, -y, z], [-x, y, z], [x, -y, z], [x, y, z]];
-    let rings = [ring(0.5, 0.07, 0.1), ring(0.05, 0.08, 0.11), ring(-0.32, 0.06, 0.13), ring(-0.5, 0.04, 0.04)];
-    let points = rings.concat().into_iter().map(|point: [f64; 3]| point.map(|part| part * class.height)).collect();
+    let ring = |[up, ahead, aside]: [f64; 3]| {
+        (0..CORNERS).map(move |corner| {
+            let angle = std::f64::consts::TAU * corner as f64 / CORNERS as f64;
+            [ahead * libm::cos(angle), aside * libm::sin(angle), -up]
+        })
+    };
+    let points = RINGS.into_iter().flat_map(ring).map(|point| point.map(|part| part * class.height)).collect();
     let source = "an estimate: a person in clothes".to_owned();
     let material =
         Material { name: "clothes".to_owned(), friction: 0.7, colour: class.colour, source, ..Material::default() };
