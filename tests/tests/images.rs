@@ -4,6 +4,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
+use gamebots_proto::Dialect;
 use gamebots_server::{ImageKind, Listener, Service};
 use system_tests::{PATIENCE, Peer, Server, wait_until};
 
@@ -119,6 +120,48 @@ fn cameras_take_free_tiles_and_say_which() {
     let mut next = robot(&server, "3,0,0");
     assert_eq!(offset(&mut next), [320, 0]);
     wait_until(|| tiles(&mut client) == [true; 4]);
+}
+
+#[test]
+fn a_robot_chooses_among_its_cameras_and_leaves_those_of_others_alone() {
+    let server = server(ImageKind::Raw);
+    let mut stereo = server.client();
+    stereo.dialect = Dialect::Ut2004;
+    stereo.send("INIT {ClassName USARBot.StereoP2AT} {Name S} {Location 0,0,0}");
+    let mut offset = |name: &str, set: &str| {
+        stereo.send(set);
+        stereo.send(&format!("GETCONF {{Type Camera}} {{Name {name}}}"));
+        let is_conf = |line: &str| line.starts_with("CONF {Type Camera}") && line.contains(name);
+        let conf = stereo.wait_for("CONF", is_conf);
+        let number = |key: &str| conf.split_once(key).and_then(|(_, rest)| rest.split('}').next()?.trim().parse().ok());
+        [number("{TextureOffsetX "), number("{TextureOffsetY ")].map(|it: Option<u32>| it.expect("a number"))
+    };
+    assert_eq!(offset("LeftCamera", "GETCLASSES"), [0, 0]);
+    assert_eq!(offset("RightCamera", "GETCLASSES"), [320, 0]);
+    let both = "SET {Type Viewports} {Config QuadView} {Viewport1 RightCamera} {Viewport4 LeftCamera}";
+    assert_eq!(offset("RightCamera", both), [0, 0]);
+    assert_eq!(offset("LeftCamera", "GETCLASSES"), [320, 240]);
+    // The other robot's camera takes the second tile, and keeps it.
+    let other = robot(&server, "0,3,0");
+    let taken = "SET {Type Viewports} {Viewport3 LeftCamera} {Viewport2 RightCamera}";
+    assert_eq!(offset("LeftCamera", taken), [320, 240]);
+    assert_eq!(offset("LeftCamera", "SET {Type Viewports} {Viewport3 LeftCamera} {Viewport1 Nothing}"), [320, 240]);
+    drop(other);
+    let single = "SET {Type Viewports} {Config SingleView} {Viewport1 LeftCamera}";
+    assert_eq!(offset("LeftCamera", single), [0, 0]);
+    let mut client = connect(&server);
+    // Each pixel is there twice in both directions.
+    let is_double = |client: &mut TcpStream| {
+        client.write_all(b"OK").expect("to send");
+        let (_, pixels) = read_raw(client);
+        let row = |y: usize| &pixels[3 * 640 * y..][..3 * 640];
+        let is_drawn = row(100) != vec![0; 3 * 640];
+        let is_twice = |y: usize| row(y) == row(y + 1) && row(y).chunks(6).all(|pair| pair[..3] == pair[3..]);
+        is_drawn && (0..480).step_by(2).all(is_twice)
+    };
+    wait_until(|| is_double(&mut client));
+    let _other = robot(&server, "0,3,0");
+    wait_until(|| !is_double(&mut client));
 }
 
 #[test]

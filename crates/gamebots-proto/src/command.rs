@@ -165,6 +165,14 @@ mod tests {
                 "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1} ",
                 "SET {Type INS} {Name InsTest} {Opcode POSE} {Params 1,2,3,0,0,1}",
             ),
+            (
+                "SET {Type Viewports} {Config SingleView} {Viewport1 Cam} {Viewport2 }",
+                "SET {Type Viewports} {Config SingleView} {Viewport1 Cam}",
+            ),
+            (
+                "SET {Type Camera} {Robot R1} {Name Camera} {Client 10.0.0.1}",
+                "SET {Type Camera} {Name Camera} {Robot R1} {Client 10.0.0.1}",
+            ),
             ("GETCONF {Type Robot}", "GETCONF {Type Robot}"),
             ("GETGEO {Type Sonar} {Name F1}", "GETGEO {Type Sonar} {Name F1}"),
             ("getstartposes {x y}", "GETSTARTPOSES"),
@@ -291,7 +299,7 @@ mod tests {
             (word(), targets(), proptest::option::of(number()))
                 .prop_map(|(name, targets, gripper)| Command::MisPkg(MisPkg { name, targets, gripper })),
             (word(), word(), word(), word()).prop_map(|(type_name, name, opcode, params)| {
-                Command::Set(Set { type_name, name, opcode, params })
+                Command::Set(Set { type_name, name, opcode, params, more: Vec::new() })
             }),
             (word(), word()).prop_map(|(type_name, name)| Command::GetConf(GetConf { type_name, name })),
             (word(), word()).prop_map(|(type_name, name)| Command::GetGeo(GetGeo { type_name, name })),

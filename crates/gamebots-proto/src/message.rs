@@ -17,7 +17,7 @@ pub use conf::*;
 pub use geo::{ActuatorGeo, Geo, GroundGeo, ItemGeo, JointGeo, MountedGeo, RobotGeo, VehicleGeo};
 pub use nfo::{Greeting, NamedPose, Nfo, PathNode};
 pub use object::ObjectSta;
-pub use res::{Nothing, Res};
+pub use res::{Nothing, Res, ViewportsRes};
 pub use sen::*;
 pub use sta::{GroundSta, Sta, StaHead, Vehicle};
 
@@ -51,6 +51,8 @@ pub enum Message {
     Objects(Vec<ObjectSta>),
     /// The result of a SET; UT2004 only.
     Res(Res),
+    /// The result of a SET that chooses viewports; UT2004 only.
+    Viewports(ViewportsRes),
     /// The answer to a GETCONF that nothing matches; UT2004 only.
     NoConf(Nothing),
     /// The answer to a GETGEO that nothing matches; UT2004 only.
@@ -143,6 +145,10 @@ impl Message {
         match command {
             // Joints are set without an answer (KRobot.uc).
             Command::Set(set) if set.type_name.eq_ignore_ascii_case("Joint") => None,
+            Command::Set(set) if set.type_name.eq_ignore_ascii_case("Viewports") => {
+                let views = set.more.iter().map(|block| (block.key.clone(), block.value.clone())).collect();
+                Some(Self::Viewports(ViewportsRes { time, views, found }))
+            }
             Command::Set(Set { type_name, name, .. }) => {
                 Some(Self::Res(Res { time, type_name: type_name.clone(), name: name.clone(), found }))
             }
@@ -167,6 +173,7 @@ impl Message {
             Self::Geo(message) => message.write(dialect),
             Self::Objects(objects) => object::write(objects),
             Self::Res(message) => blocks("RES", message.write(dialect)),
+            Self::Viewports(message) => message.write(),
             Self::NoConf(message) => blocks("CONF", message.write(dialect)),
             Self::NoGeo(message) => blocks("GEO", message.write(dialect)),
         }

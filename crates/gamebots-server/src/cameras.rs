@@ -118,8 +118,8 @@ struct Order {
     job: Job,
     /// True if viewers want it.
     is_wanted: bool,
-    /// The tile of the image server that shows it, and the number of the world.
-    tile: Option<(usize, u64)>,
+    /// The number of the world, if the image server shows it.
+    shown_in: Option<u64>,
 }
 
 /// The world's end of the drawing thread.
@@ -152,12 +152,13 @@ impl Cameras {
     pub(crate) fn look(&mut self, world: &World, sensed: &Sensed, present: &mut Present) {
         let camera = (sensed.robot, sensed.sensor);
         let is_wanted = self.demand.wants(sensed.robot.0);
-        let tile = world.tile(sensed.robot, sensed.sensor).filter(|_| self.board.is_watched());
-        let tile = tile.map(|tile| {
-            self.board.give(tile, sensed.robot);
-            (tile, self.board.worlds())
+        let cameras = world.tiles().cameras();
+        let is_shown = self.board.is_watched() && cameras.contains(&Some(camera));
+        let shown_in = is_shown.then(|| {
+            self.board.assign(cameras, world.single_tile());
+            self.board.worlds()
         });
-        if !is_wanted && tile.is_none() {
+        if !is_wanted && !is_shown {
             self.drawn.remove(&camera);
             return;
         }
@@ -169,7 +170,7 @@ impl Cameras {
             self.jobs = self.start();
         }
         let Some(jobs) = &self.jobs else { return };
-        match jobs.try_send(Order { job: Job::new(world, sensed, present.of(world)), is_wanted, tile }) {
+        match jobs.try_send(Order { job: Job::new(world, sensed, present.of(world)), is_wanted, shown_in }) {
             Ok(()) => {
                 self.drawn.insert(camera, now);
             }
@@ -267,11 +268,11 @@ fn start_shots() -> Option<(Sender<Job>, Receiver<Option<Shot>>)> {
 /// Draws pictures until the world is gone.
 fn draw(waiting: &Receiver<Order>, pictures: &broadcast::Sender<Picture>, board: &Board) {
     let mut stage = None;
-    while let Ok(Order { job, is_wanted, tile }) = waiting.recv() {
+    while let Ok(Order { job, is_wanted, shown_in }) = waiting.recv() {
         let Some(image) = image_of(&job, &mut stage) else { continue };
         let png = if is_wanted { image.to_png().ok() } else { None };
-        if let Some((tile, world)) = tile {
-            board.show(world, tile, job.sensed.robot, image);
+        if let Some(world) = shown_in {
+            board.show(world, (job.sensed.robot, job.sensed.sensor), image);
         }
         if let Some(png) = png {
             let (robot, sensor) = (job.sensed.robot.0, job.sensed.sensor as u32);

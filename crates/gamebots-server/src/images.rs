@@ -72,12 +72,17 @@ struct Tiles {
     /// Number of times that the world started over.
     worlds: u64,
     tiles: [Option<Tile>; TILES],
+    /// The tile that fills the whole picture, if one does.
+    single: Option<usize>,
 }
+
+/// A camera: a robot and the number of the sensor.
+type Camera = (PawnId, usize);
 
 /// A tile that a robot's camera has.
 #[derive(Debug, Clone)]
 struct Tile {
-    robot: PawnId,
+    camera: Camera,
     /// Its newest picture; none before the first.
     image: Option<Arc<Image>>,
 }
@@ -106,55 +111,52 @@ impl Board {
         self.tiles.borrow().worlds
     }
 
-    /// Gives a tile to a robot that looks.
-    pub(crate) fn give(&self, tile: usize, robot: PawnId) {
-        self.change_if(|tiles| {
-            let place = tiles.get_mut(tile).filter(|place| place.as_ref().is_none_or(|tile| tile.robot != robot));
-            let before = place.and_then(|place| place.replace(Tile { robot, image: None }));
-            before.is_some_and(|tile| tile.image.is_some())
+    /// Gives the tiles to cameras. `single` is the tile that fills the whole picture, if one does. Other cameras' pictures go.
+    pub(crate) fn assign(&self, cameras: [Option<Camera>; TILES], single: Option<usize>) {
+        self.change_if(|board| {
+            let mut is_changed = std::mem::replace(&mut board.single, single) != single;
+            for (tile, camera) in board.tiles.iter_mut().zip(cameras) {
+                if tile.as_ref().map(|tile| tile.camera) != camera {
+                    let before = std::mem::replace(tile, camera.map(|camera| Tile { camera, image: None }));
+                    is_changed |= before.is_some_and(|tile| tile.image.is_some());
+                }
+            }
+            is_changed
         });
     }
 
-    /// Shows the picture of a robot's camera in a tile, if it is of the present world and the robot still has the tile. It may have left
-    /// while the picture was drawn.
-    pub(crate) fn show(&self, world: u64, tile: usize, robot: PawnId, image: Image) {
-        self.change(|tiles| {
-            let owned = tiles.tiles.get_mut(tile).and_then(Option::as_mut).filter(|tile| tile.robot == robot);
-            if let Some(tile) = owned.filter(|_| tiles.worlds == world) {
-                tile.image = Some(Arc::new(image));
-            }
+    /// Shows the picture of a camera in its tile, if it is of the present world and the camera still has one. Its robot may have left while
+    /// the picture was drawn.
+    pub(crate) fn show(&self, world: u64, camera: Camera, image: Image) {
+        self.change_if(|board| {
+            let owned = board.tiles.iter_mut().flatten().find(|tile| tile.camera == camera);
+            let shown = owned.filter(|_| board.worlds == world).map(|tile| tile.image = Some(Arc::new(image)));
+            shown.is_some()
         });
     }
 
     /// Blackens the tiles of a robot that has left.
     pub(crate) fn forget(&self, robot: PawnId) {
-        self.change_if(|tiles| {
-            let left = tiles.iter_mut().filter_map(|place| place.take_if(|tile| tile.robot == robot));
+        self.change_if(|board| {
+            let left = board.tiles.iter_mut().filter_map(|place| place.take_if(|tile| tile.camera.0 == robot));
             left.filter(|tile| tile.image.is_some()).count() > 0
         });
     }
 
     /// Blackens all tiles, as the world starts over.
     pub(crate) fn start_over(&self) {
-        self.change(|tiles| {
-            tiles.worlds += 1;
-            tiles.tiles = Default::default();
+        self.change_if(|board| {
+            *board = Tiles { worlds: board.worlds + 1, changes: board.changes, ..Tiles::default() };
+            true
         });
     }
 
-    /// Changes tiles. Clients hear of it if `change` returns true: pictures are others.
-    fn change_if(&self, change: impl FnOnce(&mut [Option<Tile>; TILES]) -> bool) {
-        self.tiles.send_if_modified(|tiles| {
-            let is_changed = change(&mut tiles.tiles);
-            tiles.changes += u64::from(is_changed);
+    /// Changes the board. Clients hear of it if `change` returns true: pictures are others.
+    fn change_if(&self, change: impl FnOnce(&mut Tiles) -> bool) {
+        self.tiles.send_if_modified(|board| {
+            let is_changed = change(board);
+            board.changes += u64::from(is_changed);
             is_changed
-        });
-    }
-
-    fn change(&self, change: impl FnOnce(&mut Tiles)) {
-        self.tiles.send_modify(|tiles| {
-            tiles.changes += 1;
-            change(tiles);
         });
     }
 
@@ -207,15 +209,24 @@ fn encode(kind: ImageKind, tiles: &Tiles, [x, y, width, height]: [u32; 4]) -> Ve
     picture(kind as u8, &file)
 }
 
-/// Returns the pixels of a row of the board, within some columns. Tiles without a picture are black.
+/// Returns the pixels of a row of the board, within some columns. Tiles without a picture are black. A single one is twice as large.
 fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8; 3]> {
     let [width, height] = SIZE;
+    let row_of = |tile: usize, row: usize| {
+        let image = tiles.tiles.get(tile).and_then(Option::as_ref).and_then(|tile| tile.image.as_ref());
+        image.and_then(|image| image.pixels.chunks(width).nth(row)).filter(|source| source.len() == width)
+    };
     let mut pixels = vec![[0; 3]; 2 * width];
-    for (column, target) in pixels.chunks_mut(width).enumerate() {
-        let tile = tiles.tiles.get(2 * (row / height) + column).and_then(Option::as_ref);
-        let source = tile.and_then(|tile| tile.image.as_ref()?.pixels.chunks(width).nth(row % height));
-        if let Some(source) = source.filter(|source| source.len() == target.len()) {
-            target.copy_from_slice(source);
+    if let Some(tile) = tiles.single {
+        let source = row_of(tile, row / 2).unwrap_or_default();
+        for (target, source) in pixels.chunks_mut(2).zip(source) {
+            target.fill(*source);
+        }
+    } else {
+        for (column, target) in pixels.chunks_mut(width).enumerate() {
+            if let Some(source) = row_of(2 * (row / height) + column, row % height) {
+                target.copy_from_slice(source);
+            }
         }
     }
     pixels.get(columns).map(<[_]>::to_vec).unwrap_or_default()
@@ -274,10 +285,12 @@ mod tests {
         let [width, height] = SIZE;
         let board = Board::new(ImageKind::Raw);
         let plain = |colour| Image { width, height, pixels: vec![colour; width * height] };
-        (0..3).for_each(|tile| board.give(tile, PawnId(tile as u64)));
-        board.show(0, 1, PawnId(1), plain([200, 0, 0]));
-        board.show(0, 2, PawnId(2), plain([0, 200, 0]));
-        board.show(1, 0, PawnId(3), plain([1, 1, 1]));
+        let camera = |robot| (PawnId(robot), 0);
+        board.assign([0, 1, 2, 3].map(|robot| Some(camera(robot)).filter(|_| robot < 3)), None);
+        board.show(0, camera(1), plain([200, 0, 0]));
+        board.show(0, camera(2), plain([0, 200, 0]));
+        board.show(0, camera(3), plain([1, 1, 1]));
+        board.show(1, camera(0), plain([1, 1, 1]));
         board.tiles.borrow().clone()
     }
 
@@ -296,18 +309,27 @@ mod tests {
     fn a_picture_that_is_ready_after_its_robot_has_left_is_not_shown() {
         let [width, height] = SIZE;
         let board = Board::new(ImageKind::Raw);
+        let assign = |robot| board.assign([None, Some((PawnId(robot), 3)), None, None], None);
         let show = |robot| {
-            board.show(0, 1, PawnId(robot), Image { width, height, pixels: vec![[9; 3]; width * height] });
+            board.show(0, (PawnId(robot), 3), Image { width, height, pixels: vec![[9; 3]; width * height] });
             let shown = board.tiles.borrow().tiles[1].clone().filter(|tile| tile.image.is_some());
-            shown.map(|tile| tile.robot.0)
+            shown.map(|tile| tile.camera.0.0)
         };
-        board.give(1, PawnId(5));
+        assign(5);
         assert_eq!(show(5), Some(5));
         board.forget(PawnId(5));
         assert_eq!(show(5), None);
-        board.give(1, PawnId(6));
+        assign(6);
         assert_eq!(show(5), None);
         assert_eq!(show(6), Some(6));
+    }
+
+    #[test]
+    fn a_single_tile_fills_the_picture() {
+        let tiles = Tiles { single: Some(2), ..tiles() };
+        let [width, height] = SIZE.map(|size| 2 * size);
+        let green = vec![[0, 200, 0]; width];
+        assert!((0..height).all(|row| pixels(&tiles, row, 0..width) == green));
     }
 
     #[test]

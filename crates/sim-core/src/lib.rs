@@ -24,4 +24,6 @@ pub use flight::Flight;
 pub use physics::Fault;
 pub use scene::{BodyState, ObjectId, Options, PawnId, TIME_STEP, WheelState};
 pub use threads::{OneThread, Threads};
-pub use world::{Actor, ActorKind, Executed, LoadError, LostRobot, Report, Room, SaveError, SavedWorld, TILES, World};
+pub use world::{
+    Actor, ActorKind, Executed, LoadError, LostRobot, Report, Room, SaveError, SavedWorld, TILES, Tiles, World,
+};

@@ -41,8 +41,7 @@ use scene::{
     BodyState, NamedPose, ObjectSnapshot, Options, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WheelState,
     WorldDef, check,
 };
-pub use tiles::TILES;
-use tiles::Tiles;
+pub use tiles::{TILES, Tiles};
 use tools::Tool;
 use vacuum::Stuck;
 
@@ -78,6 +77,8 @@ pub struct World {
     engine_names: EngineNames,
     /// Cameras that the image server shows.
     tiles: Tiles,
+    /// The robot that asked for a single view.
+    single_view: Option<PawnId>,
     /// Objects that stick to vacuums.
     stuck: Vec<Stuck>,
     lost: Vec<LostRobot>,
@@ -147,6 +148,7 @@ impl World {
             tools: Vec::new(),
             engine_names: EngineNames::default(),
             tiles: Tiles::default(),
+            single_view: None,
             stuck: Vec::new(),
             lost: Vec::new(),
             restored: Vec::new(),
@@ -353,10 +355,19 @@ impl World {
             let answers = self.control(pawn, order, problems).into_iter().map(Report::Message).collect();
             return Executed { answers, ..Executed::default() };
         }
+        let time = self.time();
+        if let (Command::Set(set), Some(pawn)) = (command, pawn)
+            && self.robots.get(&pawn).is_some_and(|robot| robot.battery_left(time) > 0)
+            && let Some(found) = self.set_tiles(pawn, set)
+        {
+            if !found && let Some(robot) = self.robots.get(&pawn) {
+                problems.push(robot.no_item(set));
+            }
+            return Executed { found, ..Executed::default() };
+        }
         if let Command::Set(_) = command {
             self.enter_shapes();
         }
-        let time = self.time();
         let (mut found, mut hands) = (false, Vec::new());
         let answers = match (command, pawn.and_then(|pawn| self.robots.get_mut(&pawn))) {
             (Command::Init(init), _) => {

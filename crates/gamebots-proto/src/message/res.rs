@@ -1,6 +1,7 @@
 //! `RES`, UT2004's answer to every SET, and its answer to a question about a missing item (protocol.md 9).
 
 use crate::field::{Field, Format, record};
+use crate::number::rounded;
 
 record! {
     /// Result of a SET.
@@ -13,6 +14,27 @@ record! {
         name: String = Field::new("Name", Format::Word).only_ut2004(),
         /// True if the robot has such an item.
         found: bool = Field::new("Status", Format::Either(["Failed", "OK"])).only_ut2004(),
+    }
+}
+
+/// Result of a `SET {Type Viewports}`; UT2004 only.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewportsRes {
+    /// Simulated time, s.
+    pub time: f32,
+    /// Key and value of `Config` and of each viewport, as the client typed them.
+    pub views: Vec<(String, String)>,
+    /// True if the robot's cameras have the viewports now. They have all or none.
+    pub found: bool,
+}
+
+impl ViewportsRes {
+    /// Writes the line: a status follows each block.
+    pub(super) fn write(&self) -> String {
+        let status = if self.found { "OK" } else { "Failed" };
+        let view = |(key, value): &(String, String)| format!(" {{{key} {value}}} {{Status {status}}}");
+        let views: String = self.views.iter().map(view).collect();
+        format!("RES {{Time {}}} {{Type Viewports}}{views}", rounded(self.time, 2))
     }
 }
 

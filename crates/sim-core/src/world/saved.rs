@@ -34,6 +34,8 @@ pub struct SavedWorld {
     #[serde(default)]
     tiles: Tiles,
     #[serde(default)]
+    single_view: Option<PawnId>,
+    #[serde(default)]
     stuck: Vec<Stuck>,
     /// `None` in files from before there were any: then those of the map.
     #[serde(default)]
@@ -133,6 +135,7 @@ impl World {
             tools: self.tools.clone(),
             engine_names: self.engine_names.clone(),
             tiles: self.tiles,
+            single_view: self.single_view,
             stuck: self.stuck.clone(),
             tags: Some(self.physics.tags.clone()),
             conveyors: self.physics.conveyor_factors().collect(),
@@ -153,7 +156,7 @@ impl World {
         (world.controllers, world.created) = (saved.controllers.clone(), saved.created.clone());
         (world.next_object, world.tools) = (saved.next_object, saved.tools.clone());
         (world.engine_names, world.stuck) = (saved.engine_names.clone(), saved.stuck.clone());
-        world.tiles = saved.tiles;
+        (world.tiles, world.single_view) = (saved.tiles, saved.single_view);
         let (of_map, next) = (world.def().map.objects.len() as u64, saved.next_object);
         let fits = |it: &SavedObject| it.spawned.is_none() == (it.id.0 < of_map) && it.id.0 < next && it.is_sound();
         if let Some(SavedObject { id, .. }) = saved.objects.iter().find(|it| !fits(it)) {

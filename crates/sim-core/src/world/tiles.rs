@@ -1,8 +1,10 @@
 //! Tiles of the picture that the image server sends: two by two, one for each of the first four cameras (Multiview.uc,
 //! DefaultUSAR.ini:429-433).
 //!
-//! A camera takes the first free tile when it comes, and its CONF says which. A fifth one has none.
+//! A camera takes the first free tile when it comes, and its CONF says which. A fifth one has none. A robot can exchange its own cameras by
+//! `SET {Type Viewports}`.
 
+use gamebots_proto::command::Set;
 use scene::PawnId;
 use scene::sensor::Config;
 use serde::{Deserialize, Serialize};
@@ -14,19 +16,23 @@ pub const TILES: usize = 4;
 
 /// The cameras that have the tiles: robots and the numbers of their sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct Tiles([Option<(PawnId, usize)>; TILES]);
+pub struct Tiles([Option<(PawnId, usize)>; TILES]);
 
 impl Tiles {
+    /// Returns the camera of each tile: its robot and the number of the sensor.
+    pub fn cameras(&self) -> [Option<(PawnId, usize)>; TILES] {
+        self.0
+    }
+
     /// Returns the tile of a camera.
     fn of(&self, robot: PawnId, sensor: usize) -> Option<usize> {
         self.0.iter().position(|camera| *camera == Some((robot, sensor)))
     }
 
-    /// Gives a camera a tile, if one is free.
-    fn give(&mut self, robot: PawnId, sensor: usize) {
-        if let Some(tile) = self.0.iter_mut().find(|tile| tile.is_none()) {
-            *tile = Some((robot, sensor));
-        }
+    /// Gives a camera a tile, if one is free. Returns false if none is.
+    fn give(&mut self, robot: PawnId, sensor: usize) -> bool {
+        let free = self.0.iter_mut().find(|tile| tile.is_none());
+        free.map(|tile| *tile = Some((robot, sensor))).is_some()
     }
 
     /// Frees the tiles of a robot.
@@ -35,22 +41,94 @@ impl Tiles {
             *tile = tile.filter(|(owner, _)| *owner != robot);
         }
     }
+
+    /// True if nobody else has a tile.
+    fn is_free_for(&self, tile: usize, robot: PawnId) -> bool {
+        self.0.get(tile).is_some_and(|camera| camera.is_none_or(|(owner, _)| owner == robot))
+    }
 }
 
 impl World {
-    /// Returns the tile of a robot's camera, 0 to 3 by rows, by the number of the sensor.
-    pub fn tile(&self, robot: PawnId, sensor: usize) -> Option<usize> {
-        self.tiles.of(robot, sensor)
+    /// Returns the cameras that have tiles.
+    pub fn tiles(&self) -> Tiles {
+        self.tiles
+    }
+
+    /// Returns the tile that fills the whole picture: that of a robot that asked for a single view, while no other camera has one.
+    pub fn single_tile(&self) -> Option<usize> {
+        let mut shown = self.tiles.0.iter().enumerate().filter_map(|(tile, camera)| Some((tile, (*camera)?)));
+        let ((tile, (robot, _)), None) = (shown.next()?, shown.next()) else { return None };
+        (self.single_view == Some(robot)).then_some(tile)
     }
 
     /// Gives the cameras of a new robot tiles.
     pub(super) fn give_tiles(&mut self, id: PawnId) {
-        let Some(robot) = self.robots.get(&id) else { return };
-        let sensors = robot.def().sensors.iter().enumerate();
-        let cameras: Vec<usize> =
-            sensors.filter(|(_, it)| matches!(it.config, Config::Camera(_))).map(|(number, _)| number).collect();
-        cameras.into_iter().for_each(|sensor| self.tiles.give(id, sensor));
+        for sensor in self.cameras_of(id, "") {
+            self.tiles.give(id, sensor);
+        }
         self.tell_tiles(id);
+    }
+
+    /// Returns the numbers of a robot's cameras with a name, in any case; of all with an empty one.
+    fn cameras_of(&self, id: PawnId, name: &str) -> Vec<usize> {
+        let sensors = self.robots.get(&id).into_iter().flat_map(|robot| robot.def().sensors.iter().enumerate());
+        let is_meant = |name_of: &str| name.is_empty() || name_of.eq_ignore_ascii_case(name);
+        let cameras = sensors.filter(|(_, it)| matches!(it.config, Config::Camera(_)) && is_meant(&it.name));
+        cameras.map(|(number, _)| number).collect()
+    }
+
+    /// Follows a SET that chooses the cameras of tiles. Returns true if it is done, and `None` for another SET.
+    pub(super) fn set_tiles(&mut self, id: PawnId, set: &Set) -> Option<bool> {
+        if set.type_name.eq_ignore_ascii_case("Viewports") {
+            return Some(self.set_viewports(id, set));
+        }
+        let is_of_client = set.type_name.eq_ignore_ascii_case("Camera") && !set.other("Client").is_empty();
+        is_of_client.then(|| {
+            // All clients of the image server see all tiles, so that a camera needs no more than one.
+            let robot = match set.other("Robot") {
+                "" => Some(id),
+                name => self.robots().find(|(.., known)| known.eq_ignore_ascii_case(name)).map(|(robot, ..)| robot),
+            };
+            let camera = robot.and_then(|robot| Some((robot, *self.cameras_of(robot, &set.name).first()?)));
+            let Some((robot, sensor)) = camera else { return false };
+            let has_tile = self.tiles.of(robot, sensor).is_some() || self.tiles.give(robot, sensor);
+            self.tell_tiles(robot);
+            has_tile
+        })
+    }
+
+    /// Gives a robot's cameras the tiles that it names, all or none: `{Viewport1 c}` is the first. `None` and `Disabled` free a tile.
+    fn set_viewports(&mut self, id: PawnId, set: &Set) -> bool {
+        let mut tiles = self.tiles;
+        for tile in 0..TILES {
+            let name = set.other(&format!("Viewport{}", tile + 1));
+            if name.is_empty() {
+                continue;
+            }
+            if !tiles.is_free_for(tile, id) {
+                return false;
+            }
+            tiles.0[tile] = None;
+            if ["None", "Disabled"].iter().any(|none| none.eq_ignore_ascii_case(name)) {
+                continue;
+            }
+            let Some(&sensor) = self.cameras_of(id, name).first() else { return false };
+            if let Some(before) = tiles.of(id, sensor) {
+                tiles.0[before] = None;
+            }
+            tiles.0[tile] = Some((id, sensor));
+        }
+        let is_single = set.other("Config").eq_ignore_ascii_case("SingleView");
+        if is_single {
+            // One view has room for one camera.
+            for (tile, camera) in tiles.0.iter_mut().enumerate() {
+                *camera = camera.filter(|(owner, _)| tile == 0 || *owner != id);
+            }
+        }
+        self.single_view = if is_single { Some(id) } else { self.single_view.filter(|robot| *robot != id) };
+        self.tiles = tiles;
+        self.tell_tiles(id);
+        true
     }
 
     /// Tells the cameras of a robot their tiles.
