@@ -72,6 +72,24 @@ fn a_picture_comes_for_each_ok_and_none_before() {
     assert!(client.read(&mut [0]).is_err(), "one picture for one request");
 }
 
+/// UvA's clients send OK after each picture and none before the first.
+#[test]
+fn in_legacy_mode_the_first_picture_comes_unasked() {
+    let server = Server::start("hall", &[], |config| {
+        config.listeners.push(Listener::new(Service::Images, 0));
+        config.image_legacy = true;
+    });
+    let _robot = robot(&server, "0,0,0");
+    let mut client = connect(&server);
+    for _ in 0..2 {
+        assert_eq!(read_raw(&mut client).0, [640, 480]);
+        client.write_all(b"OK").expect("to send");
+    }
+    read_raw(&mut client);
+    client.set_read_timeout(Some(Duration::from_millis(300))).expect("a timeout");
+    assert!(client.read(&mut [0]).is_err(), "one unasked picture alone");
+}
+
 /// Case 117, and the six writes of the ardrone's look-alike.
 #[test]
 fn a_part_of_the_picture_comes_for_its_numbers_however_they_are_cut() {

@@ -50,6 +50,28 @@ fn answers_have_the_bytes_of_usarsim() {
     }
 }
 
+/// MetricTool reads as many bytes as are there at the first one, again and again, until fewer come. Otherwise it waits for 4 s.
+#[test]
+fn the_end_of_truth_comes_apart_from_its_rows_and_is_shorter() {
+    let server = server("rescue");
+    let mut client = connect(server.truth);
+    client.set_read_timeout(Some(std::time::Duration::from_millis(500))).expect("a timeout");
+    let mut apart = 0;
+    for _ in 0..20 {
+        client.write_all(b"\r\n").expect("to send");
+        let mut buffer = vec![0; 64 * 1024];
+        let count = client.read(&mut buffer).expect("rows");
+        if buffer[..count].ends_with(b"{End}\r\n") {
+            // This machine was too busy to read the rows in time.
+            continue;
+        }
+        let rest = client.read(&mut buffer[..count]).expect("the end");
+        assert!(rest < count, "{rest} after {count}");
+        apart += 1;
+    }
+    assert!(apart > 0, "rows and end always come together");
+}
+
 /// Score boards look for them.
 #[test]
 fn truth_has_the_victims_of_a_map() {

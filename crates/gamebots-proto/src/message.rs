@@ -79,14 +79,17 @@ pub struct WrittenLine<'a> {
 }
 
 /// Writes one robot's messages of one step as lines. In UT2004's dialect, the readings of all sonars, or of all encoders, share
-/// one line.
+/// one line, and cameras have none: a capture of a robot with a camera has no such line.
 pub fn lines<'a>(messages: impl IntoIterator<Item = &'a Message>, dialect: Dialect) -> Vec<WrittenLine<'a>> {
     let group = |message: &Message| match message {
         Message::Sen(sen) if sen.reading.is_grouped(dialect) => Some(sen.reading.type_name()),
         _ => None,
     };
     let mut groups: Vec<(Option<&str>, Vec<&Message>)> = Vec::new();
-    for message in messages {
+    let is_sent = |message: &&Message| {
+        dialect == Dialect::Udk || !matches!(message, Message::Sen(Sen { reading: Reading::Camera(_), .. }))
+    };
+    for message in messages.into_iter().filter(is_sent) {
         let own = group(message);
         match groups.iter_mut().find(|(other, _)| own.is_some() && *other == own) {
             Some((_, together)) => together.push(message),

@@ -3,6 +3,7 @@
 //! A client asks for each picture. It gets one that it has not had yet, or the same again after a while, so that a client that asks without
 //! pause costs little. Cameras are drawn only while a client is connected.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -92,13 +93,15 @@ struct Tile {
 pub(crate) struct Board {
     tiles: watch::Sender<Tiles>,
     kind: ImageKind,
+    /// True to send the first picture unasked.
+    is_legacy: bool,
     /// The last whole picture that was asked for, with the number of changes.
     whole: Arc<Mutex<Option<(u64, Bytes)>>>,
 }
 
 impl Board {
-    pub(crate) fn new(kind: ImageKind) -> Self {
-        Self { tiles: watch::Sender::default(), kind, whole: Arc::default() }
+    pub(crate) fn new(kind: ImageKind, is_legacy: bool) -> Self {
+        Self { tiles: watch::Sender::default(), kind, is_legacy, whole: Arc::default() }
     }
 
     /// True if a client looks.
@@ -247,15 +250,10 @@ async fn converse(mut stream: TcpStream, board: &Board, stall_timeout: Duration)
     let mut shown = board.tiles.subscribe();
     let (mut requests, mut sent) = (PictureRequests::default(), None);
     let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
+    // As the server's LegacyMode: the client asks for the second picture when it has the first.
+    let mut asked = VecDeque::from_iter(board.is_legacy.then_some(PictureRequest::Whole));
     loop {
-        let Ok(count) = stream.read(&mut buffer).await else { return };
-        let bytes = buffer.get(..count).unwrap_or_default();
-        first_bytes.add(bytes);
-        if bytes.is_empty() || first_bytes.are_http() {
-            return;
-        }
-        for &byte in bytes {
-            let Some(request) = requests.push(byte) else { continue };
+        while let Some(request) = asked.pop_front() {
             let (changes, is_empty) = {
                 let tiles = shown.borrow_and_update();
                 (tiles.changes, tiles.tiles.iter().flatten().all(|tile| tile.image.is_none()))
@@ -273,6 +271,13 @@ async fn converse(mut stream: TcpStream, board: &Board, stall_timeout: Duration)
                 return;
             }
         }
+        let Ok(count) = stream.read(&mut buffer).await else { return };
+        let bytes = buffer.get(..count).unwrap_or_default();
+        first_bytes.add(bytes);
+        if bytes.is_empty() || first_bytes.are_http() {
+            return;
+        }
+        asked.extend(bytes.iter().filter_map(|&byte| requests.push(byte)));
     }
 }
 
@@ -283,7 +288,7 @@ mod tests {
     /// Returns a board with a red picture in the second tile and a green one in the third.
     fn tiles() -> Tiles {
         let [width, height] = SIZE;
-        let board = Board::new(ImageKind::Raw);
+        let board = Board::new(ImageKind::Raw, false);
         let plain = |colour| Image { width, height, pixels: vec![colour; width * height] };
         let camera = |robot| (PawnId(robot), 0);
         board.assign([0, 1, 2, 3].map(|robot| Some(camera(robot)).filter(|_| robot < 3)), None);
@@ -308,7 +313,7 @@ mod tests {
     #[test]
     fn a_picture_that_is_ready_after_its_robot_has_left_is_not_shown() {
         let [width, height] = SIZE;
-        let board = Board::new(ImageKind::Raw);
+        let board = Board::new(ImageKind::Raw, false);
         let assign = |robot| board.assign([None, Some((PawnId(robot), 3)), None, None], None);
         let show = |robot| {
             board.show(0, (PawnId(robot), 3), Image { width, height, pixels: vec![[9; 3]; width * height] });

@@ -123,6 +123,8 @@ pub struct Config {
     pub propagation: Propagation,
     /// Kind of the image server's pictures.
     pub image_kind: ImageKind,
+    /// True if the image server sends the first picture unasked.
+    pub image_legacy: bool,
     /// Threads that move robots that do not touch, and compute sensor readings.
     pub threads: ThreadPool,
 }
@@ -149,6 +151,7 @@ impl Config {
             tokens: None,
             propagation: Propagation::default(),
             image_kind: ImageKind::default(),
+            image_legacy: false,
             threads: ThreadPool::one(),
             world,
         }

@@ -65,7 +65,7 @@ pub(crate) async fn serve(
     }
     let addresses = Ready(addresses);
     let (gone, mut world_gone) = oneshot::channel();
-    let board = Board::new(config.image_kind);
+    let board = Board::new(config.image_kind, config.image_legacy);
     let network = Network::new(events.clone(), access.clone(), &config.host, config.propagation);
     let (live, channels) = live::broadcast(
         Instant::now(),

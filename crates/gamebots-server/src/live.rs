@@ -438,7 +438,8 @@ mod tests {
     fn when_a_sensor_was_last_shown_is_known_only_while_it_is_there_and_somebody_looks() {
         let world = World::new(WorldDef::default(), Options::default());
         let about = About { seed: 0, time_step: 0.002, port: 0, maps: Vec::new() };
-        let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about), Board::new(ImageKind::Raw));
+        let (mut broadcast, channels) =
+            broadcast(Instant::now(), world.def(), Some(about), Board::new(ImageKind::Raw, false));
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::from(scene::sensor::sonar::Reading { range: 1.0 });
             let sensed = Sensed { robot: PawnId(robot), sensor: 0, reading };

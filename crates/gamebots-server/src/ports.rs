@@ -1,15 +1,17 @@
 //! Services of lines beside the controllers': truth for referees (USARTruth.uc) and positions for wireless simulators
 //! (ComServerInterface.uc).
 //!
-//! A connection asks the world one question at a time, and its answer leaves in one write: MetricTool reads only what is there at the first
-//! byte. Questions change nothing, so logs do not have them.
+//! A connection asks the world one question at a time. Questions change nothing, so logs do not have them.
+//!
+//! The rows of truth leave in one write, and the end of them a moment later. MetricTool asks how many bytes are there at the first one and reads
+//! so many, again and again, until fewer come. Without a shorter rest it waits for 4 s.
 
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 use gamebots_proto::Framing;
-use gamebots_proto::ports::{Place, PositionsQuestion, Row, Stand, TruthQuestion, positions, rows};
+use gamebots_proto::ports::{END, Place, PositionsQuestion, Row, Stand, TruthQuestion, positions, rows};
 use nalgebra::Vector3;
 use scene::{Pose, Standings};
 use sessions::Sessions;
@@ -17,7 +19,7 @@ use sim_core::{Actor, ActorKind, World};
 use tokio::io::AsyncReadExt;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, oneshot};
-use tokio::time::timeout;
+use tokio::time::{sleep, timeout};
 
 use crate::access::{Access, Role};
 use crate::connection::{Event, FirstBytes, UNENDED_LINE, send};
@@ -26,6 +28,8 @@ use crate::web::Health;
 
 /// Most connections to a port at once; more wait.
 const MAX_CONNECTIONS: usize = 64;
+/// Time between the rows of truth and their end.
+const BEFORE_END: Duration = Duration::from_millis(5);
 /// Bytes read at once.
 const READ_BYTES: usize = 4096;
 
@@ -132,7 +136,14 @@ async fn converse(port: Port, mut stream: TcpStream, inquiry: &Inquiry, stall_ti
         // A line that is too long has no answer.
         for line in lines.into_iter().flatten() {
             let Some(answer) = port.answer(&line, inquiry).await else { return };
-            if !send(&mut stream, answer.as_bytes(), stall_timeout).await {
+            let (rows, end) = answer.split_at(answer.strip_suffix(END).map_or(answer.len(), str::len));
+            if !send(&mut stream, rows.as_bytes(), stall_timeout).await {
+                return;
+            }
+            if !rows.is_empty() && !end.is_empty() {
+                sleep(BEFORE_END).await;
+            }
+            if !send(&mut stream, end.as_bytes(), stall_timeout).await {
                 return;
             }
         }

@@ -628,7 +628,10 @@ impl World {
         if let Some((_, robot)) = known.filter(|_| package.eq_ignore_ascii_case("USARBot")) {
             return Some(robot.clone());
         }
-        let classes: Vec<String> = self.scene.robots().keys().map(|class| format!("USARBot.{class}")).collect();
+        let of_referees = Init::CONTROLLER[..1].iter().map(|class| (*class).to_owned());
+        let avatars = Init::AVATARS.iter().map(|class| format!("USARAvatar.{class}"));
+        let robots = self.scene.robots().keys().map(|class| format!("USARBot.{class}"));
+        let classes: Vec<String> = robots.chain(of_referees).chain(avatars).collect();
         // Compared without the package, which is the same in all names and would make any two of them similar.
         let meant = names::nearest(init.class(), self.scene.robots().keys().map(String::as_str));
         problems.push(Problem::UnknownName {

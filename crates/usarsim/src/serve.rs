@@ -113,6 +113,9 @@ pub(crate) struct Arguments {
     /// Kind of the image server's pictures: raw pixels, or JPEG of quality 100 (super), 75 (good), 50 (normal), 25 (fair) or 10 (bad).
     #[arg(long, env = "USARSIM_IMAGE_KIND", value_name = "KIND", default_value = "raw")]
     image_kind: ImageKindChoice,
+    /// Send the first picture of a connection unasked (the image server's LegacyMode): some clients, as UvA's, wait for it and ask afterwards.
+    #[arg(long, env = "USARSIM_IMAGE_LEGACY")]
+    image_legacy: bool,
     /// Port of the radio between robots, as of the program WSS; `off` for none. By default 50000, as --truth.
     #[arg(long, env = "USARSIM_WIRELESS", value_name = "PORT|off", value_parser = port_or_off)]
     wireless: Option<PortOrOff>,
@@ -318,6 +321,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
             ImageKindChoice::Fair => ImageKind::Fair,
             ImageKindChoice::Bad => ImageKind::Bad,
         },
+        image_legacy: arguments.image_legacy,
         threads: threads.map_err(|error| Failure::new(exit::FAILURE, error))?,
         ..Config::new(world)
     };

@@ -41,6 +41,9 @@ pub struct Row<'a> {
     pub rotation: [f32; 3],
 }
 
+/// Last line of an answer, with its end.
+pub const END: &str = "{End}\r\n";
+
 /// Returns an answer: a line for each row and the last one.
 pub fn rows<'a>(rows: impl IntoIterator<Item = Row<'a>>) -> String {
     let mut text = String::new();
@@ -55,7 +58,7 @@ pub fn rows<'a>(rows: impl IntoIterator<Item = Row<'a>>) -> String {
             vector(rotation)
         );
     }
-    text + "{End}\r\n"
+    text + END
 }
 
 #[cfg(test)]

@@ -72,6 +72,8 @@ impl WirelessCommand {
                 let ports = part("Port").split(',').filter(|text| !text.trim().is_empty()).take(MAX_PORTS);
                 Self::Init { robot: name.to_owned(), ports: ports.map(self::port).collect() }
             }
+            // A word alone is unknown, as in the original.
+            "GETSS" | "DNS" | "REVERSEDNS" if line.blocks.is_empty() => Self::Unknown,
             "GETSS" => Self::Strength(robot()),
             "DNS" => Self::Dns { robot: robot(), port: port() },
             "REVERSEDNS" => Self::ReverseDns(port()),
