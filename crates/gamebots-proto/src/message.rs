@@ -79,16 +79,14 @@ pub struct WrittenLine<'a> {
 }
 
 /// Writes one robot's messages of one step as lines. In UT2004's dialect, the readings of all sonars, or of all encoders, share
-/// one line, and cameras have none: a capture of a robot with a camera has no such line.
+/// one line. Messages that a dialect does not have are left out.
 pub fn lines<'a>(messages: impl IntoIterator<Item = &'a Message>, dialect: Dialect) -> Vec<WrittenLine<'a>> {
     let group = |message: &Message| match message {
         Message::Sen(sen) if sen.reading.is_grouped(dialect) => Some(sen.reading.type_name()),
         _ => None,
     };
     let mut groups: Vec<(Option<&str>, Vec<&Message>)> = Vec::new();
-    let is_sent = |message: &&Message| {
-        dialect == Dialect::Udk || !matches!(message, Message::Sen(Sen { reading: Reading::Camera(_), .. }))
-    };
+    let is_sent = |message: &&Message| message.is_of(dialect);
     for message in messages.into_iter().filter(is_sent) {
         let own = group(message);
         match groups.iter_mut().find(|(other, _)| own.is_some() && *other == own) {
@@ -146,11 +144,9 @@ impl Message {
         let name = |name: &String| Some(name.clone()).filter(|name| !name.is_empty());
         let nothing = |type_name: &String, asked| Nothing { type_name: type_name.clone(), name: name(asked) };
         match command {
-            // Joints are set without an answer (KRobot.uc).
-            Command::Set(set) if set.type_name.eq_ignore_ascii_case("Joint") => None,
-            Command::Set(set) if set.type_name.eq_ignore_ascii_case("Viewports") => {
-                let views = set.more.iter().map(|block| (block.key.clone(), block.value.clone())).collect();
-                Some(Self::Viewports(ViewportsRes { time, views, found }))
+            // Joints are set without an answer, and viewports have one of their own (KRobot.uc).
+            Command::Set(set) if ["Joint", "Viewports"].iter().any(|it| it.eq_ignore_ascii_case(&set.type_name)) => {
+                None
             }
             Command::Set(Set { type_name, name, .. }) => {
                 Some(Self::Res(Res { time, type_name: type_name.clone(), name: name.clone(), found }))
@@ -205,6 +201,19 @@ impl Message {
             _ => None,
         };
         one.into_iter().collect()
+    }
+
+    /// True if a dialect has this message. UT2004's cameras have no SEN: a capture of a robot with a camera has none. UDK calls questions for
+    /// the geometry of mission packages deprecated, and does not answer them (BotConnection.uc).
+    fn is_of(&self, dialect: Dialect) -> bool {
+        match self {
+            Self::Sen(Sen { reading: Reading::Camera(_), .. }) => dialect == Dialect::Udk,
+            Self::Viewports(_) => dialect == Dialect::Ut2004,
+            Self::Geo(Geo::Items { type_name, .. }) if type_name.eq_ignore_ascii_case("MisPkg") => {
+                dialect == Dialect::Ut2004
+            }
+            _ => true,
+        }
     }
 
     /// True for periodic messages. The next one replaces this one, so a client that does not keep up may lose it. Answers are

@@ -29,7 +29,7 @@ use crate::web::Health;
 /// Most connections to a port at once; more wait.
 const MAX_CONNECTIONS: usize = 64;
 /// Time between the rows of truth and their end.
-const BEFORE_END: Duration = Duration::from_millis(5);
+const BEFORE_END: Duration = Duration::from_millis(20);
 /// Bytes read at once.
 const READ_BYTES: usize = 4096;
 

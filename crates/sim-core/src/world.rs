@@ -358,12 +358,14 @@ impl World {
         let time = self.time();
         if let (Command::Set(set), Some(pawn)) = (command, pawn)
             && self.robots.get(&pawn).is_some_and(|robot| robot.battery_left(time) > 0)
-            && let Some(found) = self.set_tiles(pawn, set)
+            && let Some(executed) = self.set_tiles(pawn, set)
         {
-            if !found && let Some(robot) = self.robots.get(&pawn) {
+            if !executed.found
+                && let Some(robot) = self.robots.get(&pawn)
+            {
                 problems.push(robot.no_item(set));
             }
-            return Executed { found, ..Executed::default() };
+            return executed;
         }
         if let Command::Set(_) = command {
             self.enter_shapes();

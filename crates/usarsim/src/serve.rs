@@ -28,6 +28,9 @@ const IMAGES_PORT: u16 = 5003;
 const WIRELESS_PORT: u16 = 50000;
 const COM_SERVER_PORT: u16 = 5874;
 
+/// Controllers in the older dialect.
+const UT2004: Service = Service::Controllers { dialect: Some(Dialect::Ut2004) };
+
 /// Options of `serve`.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
@@ -82,6 +85,9 @@ pub(crate) struct Arguments {
     /// expect), or auto: ut2004 for the robots that only UT2004 had (P2DX, P2AT).
     #[arg(long, env = "USARSIM_DIALECT", default_value = "auto", value_name = "DIALECT", value_parser = dialect)]
     dialect: DialectChoice,
+    /// Serve controllers on this port, too, in UT2004's dialect whatever their robots; 0 takes a free one.
+    #[arg(long, env = "USARSIM_UT2004_PORT", value_name = "PORT")]
+    ut2004_port: Option<u16>,
     /// Port of the page with the 3-D view; 0 takes a free one. By default 8080, or a free one if that is taken.
     #[arg(long, env = "USARSIM_HTTP", value_name = "PORT")]
     http: Option<u16>,
@@ -289,6 +295,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     };
     let DialectChoice(dialect) = arguments.dialect;
     let mut listeners = vec![Listener::new(Service::Controllers { dialect }, arguments.port)];
+    listeners.extend(arguments.ut2004_port.map(|port| Listener::new(UT2004, port)));
     listeners.extend(Some(page).filter(|_| !arguments.no_http));
     listeners.extend(arguments.foxglove.map(|port| Listener::new(Service::Foxglove, port)));
     listeners.extend(beside(arguments.truth, Service::Truth, TRUTH_PORT));
@@ -384,10 +391,11 @@ fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<MapDef> {
 fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> String {
     let (page, port) = (ready.of(Service::Page), |service| ready.of(service).map(|address| address.port()));
     let foxglove = port(Service::Foxglove);
+    let ut2004 = ready.of(UT2004).filter(|other| Some(*other) != ready.controllers()).map(|address| address.port());
     let Some(address) = ready.controllers() else { return String::new() };
     if json {
         serde_json::json!({
-            "event": "ready", "host": address.ip().to_string(), "port": address.port(), "http": port(Service::Page),
+            "event": "ready", "host": address.ip().to_string(), "port": address.port(), "ut2004_port": ut2004, "http": port(Service::Page),
             "foxglove": foxglove, "truth": port(Service::Truth), "positions": port(Service::Positions),
             "images": port(Service::Images), "wireless": port(Service::Wireless), "com_server": port(Service::ComServer), "map": map, "robots": classes,
         })

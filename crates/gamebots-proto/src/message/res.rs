@@ -17,24 +17,31 @@ record! {
     }
 }
 
-/// Result of a `SET {Type Viewports}`; UT2004 only.
+/// Result of a `SET {Type Viewports}`; UT2004 only (KRobot.uc, Tick).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewportsRes {
     /// Simulated time, s.
     pub time: f32,
-    /// Key and value of `Config` and of each viewport, as the client typed them.
-    pub views: Vec<(String, String)>,
-    /// True if the robot's cameras have the viewports now. They have all or none.
-    pub found: bool,
+    /// True for a single view, false for four. It is that after the SET, as are the cameras.
+    pub is_single: bool,
+    /// True if the SET's configuration is known.
+    pub is_known: bool,
+    /// Camera of each viewport and true unless the SET wanted another: the name of the robot's camera, `None`, or `Disabled` for a viewport that
+    /// the robot does not have.
+    pub cameras: [(String, bool); 4],
 }
 
 impl ViewportsRes {
-    /// Writes the line: a status follows each block.
+    /// Writes the line: a status follows each part.
     pub(super) fn write(&self) -> String {
-        let status = if self.found { "OK" } else { "Failed" };
-        let view = |(key, value): &(String, String)| format!(" {{{key} {value}}} {{Status {status}}}");
-        let views: String = self.views.iter().map(view).collect();
-        format!("RES {{Time {}}} {{Type Viewports}}{views}", rounded(self.time, 2))
+        let status = |is_done: bool| if is_done { "OK" } else { "Failed" };
+        let config = if self.is_single { "SingleView" } else { "QuadView" };
+        let (time, config_status) = (rounded(self.time, 2), status(self.is_known));
+        let head = format!("RES {{Time {time}}} {{Type Viewports}} {{Config {config}}} {{Status {config_status}}}");
+        let view = |(number, (camera, is_done)): (usize, &(String, bool))| {
+            format!(" {{Viewport{} {camera}}} {{Status {}}}", number + 1, status(*is_done))
+        };
+        std::iter::once(head).chain(self.cameras.iter().enumerate().map(view)).collect()
     }
 }
 

@@ -29,7 +29,9 @@ pub(super) fn geo(robot: &Robot, GetGeo { type_name, name }: &GetGeo) -> Option<
     if type_name == "Robot" {
         return Some(Geo::Robot(robot_geo(robot)));
     }
-    let items: Vec<ItemGeo> = robot.asked(type_name, name).filter_map(|item| item.get().geo(robot.def())).collect();
+    // Only UT2004 sends this answer.
+    let asked = if type_name.eq_ignore_ascii_case(MISSION_PACKAGE) { "Actuator" } else { type_name };
+    let items: Vec<ItemGeo> = robot.asked(asked, name).filter_map(|item| item.get().geo(robot.def())).collect();
     (!items.is_empty()).then(|| Geo::Items { type_name: type_name.clone(), items })
 }
 

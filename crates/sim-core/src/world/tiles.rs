@@ -5,11 +5,12 @@
 //! `SET {Type Viewports}`.
 
 use gamebots_proto::command::Set;
+use gamebots_proto::message::{Message, ViewportsRes};
 use scene::PawnId;
 use scene::sensor::Config;
 use serde::{Deserialize, Serialize};
 
-use super::World;
+use super::{Executed, World};
 
 /// Number of tiles.
 pub const TILES: usize = 4;
@@ -77,8 +78,8 @@ impl World {
         cameras.map(|(number, _)| number).collect()
     }
 
-    /// Follows a SET that chooses the cameras of tiles. Returns true if it is done, and `None` for another SET.
-    pub(super) fn set_tiles(&mut self, id: PawnId, set: &Set) -> Option<bool> {
+    /// Follows a SET that chooses the cameras of tiles. `None` for another SET.
+    pub(super) fn set_tiles(&mut self, id: PawnId, set: &Set) -> Option<Executed> {
         if set.type_name.eq_ignore_ascii_case("Viewports") {
             return Some(self.set_viewports(id, set));
         }
@@ -90,45 +91,68 @@ impl World {
                 name => self.robots().find(|(.., known)| known.eq_ignore_ascii_case(name)).map(|(robot, ..)| robot),
             };
             let camera = robot.and_then(|robot| Some((robot, *self.cameras_of(robot, &set.name).first()?)));
-            let Some((robot, sensor)) = camera else { return false };
-            let has_tile = self.tiles.of(robot, sensor).is_some() || self.tiles.give(robot, sensor);
-            self.tell_tiles(robot);
-            has_tile
+            let found = camera.is_some_and(|(robot, sensor)| {
+                let has_tile = self.tiles.of(robot, sensor).is_some() || self.tiles.give(robot, sensor);
+                self.tell_tiles(robot);
+                has_tile
+            });
+            Executed { found, ..Executed::default() }
         })
     }
 
     /// Gives a robot's cameras the tiles that it names, all or none: `{Viewport1 c}` is the first. `None` and `Disabled` free a tile.
-    fn set_viewports(&mut self, id: PawnId, set: &Set) -> bool {
+    fn set_viewports(&mut self, id: PawnId, set: &Set) -> Executed {
+        let config = match set.other("Config") {
+            "" => Some(self.single_view == Some(id)),
+            // Some programs send numbers.
+            single if single.eq_ignore_ascii_case("SingleView") || single == "0" => Some(true),
+            four if four.eq_ignore_ascii_case("QuadView") || four == "1" => Some(false),
+            _ => None,
+        };
+        let wanted: [&str; TILES] = std::array::from_fn(|tile| set.other(&format!("Viewport{}", tile + 1)));
+        let tiles = config.and_then(|is_single| self.chosen(id, &wanted, is_single).map(|tiles| (tiles, is_single)));
+        let found = tiles.is_some();
+        if let Some((tiles, is_single)) = tiles {
+            self.tiles = tiles;
+            self.single_view = if is_single { Some(id) } else { self.single_view.filter(|robot| *robot != id) };
+            self.tell_tiles(id);
+        }
+        let is_single = self.single_view == Some(id);
+        let name = |(tile, camera): (usize, Option<(PawnId, usize)>)| match camera {
+            Some((owner, sensor)) if owner == id => {
+                let sensor = self.robots.get(&id).and_then(|robot| robot.def().sensors.get(sensor));
+                sensor.map_or(String::new(), |sensor| sensor.name.clone())
+            }
+            None if !is_single || tile == 0 => "None".to_owned(),
+            _ => "Disabled".to_owned(),
+        };
+        let cameras = std::array::from_fn(|tile| (name((tile, self.tiles.0[tile])), wanted[tile].is_empty() || found));
+        let res = ViewportsRes { time: self.time() as f32, is_single, is_known: config.is_some(), cameras };
+        Executed { answers: vec![Message::Viewports(res).into()], found, ..Executed::default() }
+    }
+
+    /// Returns the tiles with the cameras that a robot wants. `None` if it cannot have all of them.
+    fn chosen(&self, id: PawnId, wanted: &[&str; TILES], is_single: bool) -> Option<Tiles> {
         let mut tiles = self.tiles;
-        for tile in 0..TILES {
-            let name = set.other(&format!("Viewport{}", tile + 1));
-            if name.is_empty() {
+        for (tile, name) in wanted.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
+            let is_free = |name: &str| ["None", "Disabled", "Disable"].iter().any(|it| it.eq_ignore_ascii_case(name));
+            if is_free(name) {
+                tiles.0[tile] = tiles.0[tile].filter(|(owner, _)| *owner != id);
                 continue;
             }
-            if !tiles.is_free_for(tile, id) {
-                return false;
-            }
-            tiles.0[tile] = None;
-            if ["None", "Disabled"].iter().any(|none| none.eq_ignore_ascii_case(name)) {
-                continue;
-            }
-            let Some(&sensor) = self.cameras_of(id, name).first() else { return false };
+            let sensor = *self.cameras_of(id, name).first().filter(|_| tiles.is_free_for(tile, id))?;
             if let Some(before) = tiles.of(id, sensor) {
                 tiles.0[before] = None;
             }
             tiles.0[tile] = Some((id, sensor));
         }
-        let is_single = set.other("Config").eq_ignore_ascii_case("SingleView");
         if is_single {
             // One view has room for one camera.
             for (tile, camera) in tiles.0.iter_mut().enumerate() {
                 *camera = camera.filter(|(owner, _)| tile == 0 || *owner != id);
             }
         }
-        self.single_view = if is_single { Some(id) } else { self.single_view.filter(|robot| *robot != id) };
-        self.tiles = tiles;
-        self.tell_tiles(id);
-        true
+        Some(tiles)
     }
 
     /// Tells the cameras of a robot their tiles.
