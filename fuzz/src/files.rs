@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use gamebots_proto::Command;
 use scene::WorldDef;
-use scene_loader::{Changes, Content, Equipment, Import, LoadError, MapImport, Packages};
+use scene_loader::{Changes, Content, Equipment, Import, LeagueFile, LoadError, MapImport, Packages};
+use sessions::{News, Request, Sessions};
 use sim_core::{Options, World};
 use tempfile::TempDir;
 
@@ -43,6 +44,39 @@ pub fn robot(bytes: &[u8]) {
 pub fn map(bytes: &[u8]) {
     let folder = Folder::new(&[("part.obj", MESH.as_bytes())]);
     drive_on_map(&folder.with("map.toml", bytes));
+}
+
+/// A league.toml. Of a good one a round of a few steps is played, in which each team sends a robot.
+pub fn league(bytes: &[u8]) {
+    let file = Folder::new(&[]).with("league.toml", bytes);
+    let read = scene_loader::league(&file, None);
+    assert_lines(&read);
+    let Ok(LeagueFile { league, map, .. }) = read else { return };
+    let mut definition = scene_loader::load(&map, &[]).expect("the map of what is called good");
+    definition.league = Some(league.clone());
+    // The server starts after this check only.
+    if definition.check().is_err() {
+        return;
+    }
+    let mut round = Sessions::new(World::new(definition, Options::default()));
+    for (session, team) in (0..).zip(&league.teams) {
+        round.open(session, None, false, &mut |_, _| {});
+        let line = format!("INIT {{ClassName P3AT}} {{Team {}}}", team.name);
+        round.take(session, &Request::read(Ok(line)), &mut |_, _| {});
+    }
+    for _ in 0..STEPS {
+        round.step(&mut |_, news| {
+            if let News::Scored(score) = news {
+                assert!(league.team(&score.team).is_some() && score.time.is_finite(), "{score:?}");
+            }
+        });
+    }
+    let standings = round.standings().expect("a league");
+    assert_eq!(standings.teams.len(), league.teams.len());
+    for team in standings.teams {
+        let points: i64 = team.scores.iter().map(|score| i64::from(score.points)).sum();
+        assert_eq!(points, team.points, "{}", team.team);
+    }
 }
 
 /// A materials.toml, which is only checked: a world takes those that are built in.

@@ -15,7 +15,7 @@ mod requests;
 mod wire;
 mod world;
 
-pub use files::{dae, glb, ini, map, material, obj, robot, sdf, stl, urdf};
+pub use files::{dae, glb, ini, league, map, material, obj, robot, sdf, stl, urdf};
 #[cfg(feature = "libfuzzer")]
 pub use guided::guided;
 pub use log::log;
@@ -35,12 +35,13 @@ use cap::Cap;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 15] = [
+pub const TARGETS: [(&str, Target); 16] = [
     ("wire", wire),
     ("ports", ports),
     ("world", world),
     ("robot", robot),
     ("map", map),
+    ("league", league),
     ("material", material),
     ("ini", ini),
     ("sdf", sdf),

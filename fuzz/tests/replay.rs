@@ -78,6 +78,7 @@ targets! {
     world: 50,
     robot: 200,
     map: 200,
+    league: 100,
     material: 200,
     ini: 200,
     sdf: 200,
