@@ -340,14 +340,26 @@ fn a_played_log_asks_for_the_token_of_a_viewer() {
 }
 
 #[test]
-fn silent_strangers_do_not_stop_a_driver() {
-    let server = server(None);
+fn silent_strangers_take_nobodys_place() {
+    let server = Server::start("hall", &[], |config| {
+        config.tokens = Some(file().parse().expect("good tokens"));
+        config.max_connections = 1;
+        config.listeners.push(Listener::new(Service::Truth, 0));
+    });
     let mut robot = controller(&server, DRIVER);
     robot.send("INIT {ClassName USARBot.P3AT} {Location 0,0,0}");
-    let strangers: Vec<TcpStream> = (0..40).map(|_| connect(server.address)).collect();
+    // More than may wait at a door: those who came first are dropped.
+    let mut strangers: Vec<TcpStream> = Vec::new();
+    for _ in 0..300 {
+        strangers.extend([address(&server, "controllers"), address(&server, "truth")].map(connect));
+    }
     robot.check_undisturbed();
     let mut second = controller(&server, DRIVER);
     second.send("GETSTARTPOSES");
     second.wait_for("an answer", |line| line.starts_with("NFO {StartPoses"));
-    drop(strangers);
+    let mut truth = connect(address(&server, "truth"));
+    truth.write_all(format!("LOGIN {{Token {VIEWER}}}\r\n\r\n").as_bytes()).expect("sent");
+    assert!(answer(&mut truth).starts_with("{Name P3AT_0}"));
+    let mut first = strangers.swap_remove(0);
+    assert_eq!(answer(&mut first), "", "the first stranger is dropped");
 }

@@ -32,7 +32,8 @@ test('a picture names its robot, its sensor and its time, and has a file', () =>
 
 test('the page says whose pictures it wants, when that changes and to each server', async (context) => {
   const sockets = [];
-  globalThis.location = { href: 'http://127.0.0.1:1/' };
+  globalThis.location = { href: 'http://127.0.0.1:1/', hash: '' };
+  globalThis.sessionStorage = { getItem: () => null };
   globalThis.WebSocket = class {
     static OPEN = 1;
     readyState = 1;

@@ -21,7 +21,7 @@ const SHOWN_CHARS: usize = 200;
 /// One client.
 pub(crate) struct Client {
     id: ConnectionId,
-    address: Option<SocketAddr>,
+    address: SocketAddr,
     outbox: Arc<Outbox>,
     lines: u64,
     dropped: u64,
@@ -105,7 +105,7 @@ impl Client {
 
     /// Returns the client's address.
     pub(crate) fn peer(&self) -> String {
-        self.address.map_or_else(|| "unknown".to_owned(), |address| address.to_string())
+        self.address.to_string()
     }
 
     /// Returns the number of lines received so far.
@@ -152,7 +152,7 @@ impl Client {
     }
 
     fn host(&self) -> Option<IpAddr> {
-        self.address.map(|address| address.ip())
+        Some(self.address.ip())
     }
 
     /// Logs a problem and returns the text, unless it is a repetition or the budget of this second is spent.

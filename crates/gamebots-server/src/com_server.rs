@@ -16,9 +16,9 @@ use tokio::sync::Semaphore;
 use tokio::time::{interval, timeout};
 use tracing::debug;
 
-use crate::access::Role;
 use crate::connection::{FirstBytes, send};
-use crate::listener::accept_with;
+use crate::door::Door;
+use crate::listener::accept;
 use crate::wireless::{LOOK, Network};
 
 /// Most control connections at once; more wait.
@@ -56,18 +56,22 @@ struct Robot {
 }
 
 /// Serves the port until the future is dropped.
-pub(crate) async fn serve(network: Network, listener: TcpListener, stall_timeout: Duration) {
+pub(crate) async fn serve(network: Network, listener: TcpListener, door: Door, stall_timeout: Duration) {
     let links = Arc::new(Semaphore::new(MAX_LINKS));
-    let access = network.access().clone();
     let registry = Registry { robots: Arc::default(), links, network, stall_timeout };
-    let converse = move |stream| converse(stream, registry.clone());
-    accept_with(listener, MAX_CONNECTIONS, &access, &[Role::Driver], converse).await;
+    accept(listener, door, MAX_CONNECTIONS, |guest, place| {
+        let registry = registry.clone();
+        async move {
+            let _place = place;
+            converse(guest.stream, guest.peer.ip(), registry).await;
+        }
+    })
+    .await;
 }
 
 /// Answers a client until it leaves, speaks HTTP or does not read.
-async fn converse(mut stream: TcpStream, registry: Registry) {
+async fn converse(mut stream: TcpStream, client: IpAddr, registry: Registry) {
     let _ = stream.set_nodelay(true);
-    let Ok(client) = stream.peer_addr() else { return };
     let mut framing = ComFraming::default();
     let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
     while let Ok(count @ 1..) = stream.read(&mut buffer).await {
@@ -77,7 +81,7 @@ async fn converse(mut stream: TcpStream, registry: Registry) {
             return;
         }
         for command in framing.push(bytes) {
-            let answer = registry.answer(&ComCommand::read(&command), client.ip()).await;
+            let answer = registry.answer(&ComCommand::read(&command), client).await;
             if !send(&mut stream, answer.as_bytes(), registry.stall_timeout).await {
                 return;
             }

@@ -5,12 +5,11 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-use gamebots_proto::message::{Message, Nfo};
 use gamebots_proto::ports::read_login;
 use gamebots_proto::{Dialect, Framing, Problem};
 use outbox::{Outbox, Taken};
 use sessions::Request;
-use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt, copy, sink};
+use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::OwnedReadHalf;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
@@ -18,9 +17,10 @@ use tokio::time::{Instant, sleep_until, timeout};
 use tracing::info;
 
 use crate::WorldControl;
-use crate::access::{Access, LOGIN_TIME, Refusal, Role};
+use crate::access::Access;
 use crate::budget::Budgets;
 use crate::control::{Actor, Control};
+use crate::door::Guest;
 use crate::fit::{Ask, Fit};
 use crate::ports::Question;
 
@@ -41,10 +41,6 @@ pub(crate) const UNENDED_LINE: Duration = Duration::from_millis(500);
 
 /// Pause after an error of accept or bind, which would otherwise recur at once.
 pub(crate) const BACK_OFF: Duration = Duration::from_millis(100);
-
-/// Longest time for the last words to a client that is turned away, and most of its bytes that are read meanwhile.
-const FAREWELL: Duration = Duration::from_secs(1);
-const MOST_UNREAD: u64 = 64 * 1024;
 
 /// Number of a connection, from 1.
 pub(crate) type ConnectionId = u64;
@@ -70,8 +66,7 @@ pub(crate) enum Event {
 /// A new client.
 pub(crate) struct Opened {
     pub(crate) id: ConnectionId,
-    /// Its address, if it is known.
-    pub(crate) address: Option<SocketAddr>,
+    pub(crate) address: SocketAddr,
     /// The dialect of all its lines; if none, robots decide.
     pub(crate) dialect: Option<Dialect>,
     pub(crate) outbox: Arc<Outbox>,
@@ -97,23 +92,17 @@ pub(crate) struct Rules {
 }
 
 /// Serves a client until it leaves, or is disconnected because it does not read.
-pub(crate) async fn serve(id: ConnectionId, mut stream: TcpStream, rules: Rules, events: Sender<Event>) {
-    let address = stream.peer_addr().ok();
-    let host = address.map(|address| address.ip());
+pub(crate) async fn serve(id: ConnectionId, guest: Guest, rules: Rules, events: Sender<Event>) {
+    let Guest { stream, peer: address, rights } = guest;
+    let host = Some(address.ip());
     if rules.budgets.allow(host) {
-        let peer = address.map(|address| address.to_string());
-        info!(connection = id, peer, "client connected");
+        info!(connection = id, peer = %address, "client connected");
     }
     // Lines would wait for each other (Nagle's algorithm).
     let _ = stream.set_nodelay(true);
-    let rights = match rules.access.log_in(&mut stream, &[Role::Driver, Role::Referee]).await {
-        Ok(rights) => rights,
-        Err(refusal) => return turn_away(id, stream, &refusal, rules.budgets.allow(host)).await,
-    };
-    let own = stream.local_addr().ok();
-    let refusal = match address.zip(own) {
+    let refusal = match stream.local_addr().ok() {
         _ if rules.access.is_open() && !rules.is_league => None,
-        Some((address, own)) => rules.access.refusal(&rights, rules.world_control, address.ip(), own.ip()),
+        Some(own) => rules.access.refusal(&rights, rules.world_control, address.ip(), own.ip()),
         None => Some("its address is unknown"),
     };
     let Rules { dialect, stall_timeout, budgets, .. } = rules;
@@ -146,24 +135,6 @@ pub(crate) async fn serve(id: ConnectionId, mut stream: TcpStream, rules: Rules,
     if budgets.allow(host) {
         info!(connection = id, reason, "client disconnected");
     }
-}
-
-/// Tells a client why it is not served, and disconnects it.
-async fn turn_away(id: ConnectionId, mut stream: TcpStream, refusal: &Refusal, is_logged: bool) {
-    let text = format!(
-        "LOGIN refused: {refusal}; expected LOGIN {{Token ..}} as the first line, within {} s",
-        LOGIN_TIME.as_secs()
-    );
-    if is_logged {
-        info!(connection = id, reason = text, "client turned away");
-    }
-    let answer = Message::Nfo(Nfo::Error(text)).write(Dialect::Udk) + "\r\n";
-    let farewell = async {
-        let _ = (stream.write_all(answer.as_bytes()).await, stream.shutdown().await);
-        // Bytes that are not read would make the operating system take the answer back.
-        let _ = copy(&mut stream.take(MOST_UNREAD), &mut sink()).await;
-    };
-    let _ = timeout(FAREWELL, farewell).await;
 }
 
 /// Reads until the client ends the stream; its last fragment counts as a line. `admit` makes a line a request, or leaves it out.

@@ -19,10 +19,10 @@ use tokio::sync::{Mutex, watch};
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
-use crate::access::{Access, Role};
 use crate::cameras::SIZE;
 use crate::connection::{FirstBytes, send};
-use crate::listener::accept_with;
+use crate::door::Door;
+use crate::listener::accept;
 
 /// Most connections at once; more wait.
 const MAX_CONNECTIONS: usize = 16;
@@ -236,10 +236,13 @@ fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8
 }
 
 /// Serves the port until the future is dropped.
-pub(crate) async fn serve(board: Board, listener: TcpListener, access: &Access, stall_timeout: Duration) {
-    accept_with(listener, MAX_CONNECTIONS, access, &[Role::Viewer, Role::Driver], move |stream| {
+pub(crate) async fn serve(board: Board, listener: TcpListener, door: Door, stall_timeout: Duration) {
+    accept(listener, door, MAX_CONNECTIONS, |guest, place| {
         let board = board.clone();
-        async move { converse(stream, &board, stall_timeout).await }
+        async move {
+            let _place = place;
+            converse(guest.stream, &board, stall_timeout).await;
+        }
     })
     .await;
 }

@@ -20,6 +20,7 @@ mod client;
 mod com_server;
 mod connection;
 mod control;
+mod door;
 mod fit;
 mod foxglove_server;
 mod images;

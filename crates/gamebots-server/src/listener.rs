@@ -7,7 +7,7 @@ use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
-use tokio::net::{TcpListener, TcpSocket, TcpStream, lookup_host};
+use tokio::net::{TcpListener, TcpSocket, lookup_host};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::task::JoinSet;
 use tracing::{debug, warn};
@@ -15,6 +15,7 @@ use tracing::{debug, warn};
 use crate::access::{Access, Role};
 use crate::budget::{Budget, Budgets, Spent};
 use crate::connection::{BACK_OFF, Event, Rules};
+use crate::door::{Door, Guest};
 use crate::images::{self, Board};
 use crate::live::{About, Channels};
 use crate::ports::{self, Port};
@@ -83,24 +84,33 @@ pub(crate) async fn serve(
         stall_timeout,
         budgets: budgets.clone(),
     };
-    let world = world_thread::spawn(config, budgets, receiver, live, foxglove, gone)?;
+    let world = world_thread::spawn(config, budgets.clone(), receiver, live, foxglove, gone)?;
     ready(addresses);
     let mut clients: Vec<JoinSet<()>> = controllers.iter().map(|_| JoinSet::new()).collect();
     let ids = Cell::new(0);
     let accepting = clients.iter_mut().zip(controllers).map(|(clients, (dialect, address, bound))| {
         let (ids, events, rules) = (&ids, &events, Rules { dialect, ..rules.clone() });
-        let serve = move |stream| {
+        let door = Door::new(access.clone(), &[Role::Driver, Role::Referee], true, rules.budgets.clone());
+        let serve = move |guest| {
             ids.set(ids.get() + 1);
-            connection::serve(ids.get(), stream, rules.clone(), events.clone())
+            connection::serve(ids.get(), guest, rules.clone(), events.clone())
         };
-        accept_clients(clients, bound, address, max_connections, serve)
+        accept_clients(clients, bound, address, max_connections, door, serve)
     });
-    let telling =
-        ports.into_iter().map(|(port, bound)| ports::serve(port, bound, &access, events.clone(), stall_timeout));
-    let drawing = images.into_iter().map(|bound| images::serve(board.clone(), bound, &access, stall_timeout));
-    let radioing = radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, stall_timeout));
-    let relaying = relays.into_iter().map(|bound| com_server::serve(network.clone(), bound, stall_timeout));
-    let showing = pages.into_iter().map(|page| web::serve(page, site.clone()));
+    let door = |wanted| Door::new(access.clone(), wanted, false, budgets.clone());
+    let telling = ports
+        .into_iter()
+        .map(|(port, bound)| ports::serve(port, bound, door(&[Role::Viewer]), events.clone(), stall_timeout));
+    let drawing = images
+        .into_iter()
+        .map(|bound| images::serve(board.clone(), bound, door(&[Role::Viewer, Role::Driver]), stall_timeout));
+    let radioing =
+        radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, door(&[Role::Driver]), stall_timeout));
+    let relaying =
+        relays.into_iter().map(|bound| com_server::serve(network.clone(), bound, door(&[Role::Driver]), stall_timeout));
+    // A page logs in by its requests.
+    let open = || Door::new(Access::new(None), &[], false, budgets.clone());
+    let showing = pages.into_iter().map(|page| web::serve(page, open(), site.clone()));
     let is_gone = tokio::select! {
         () = forever(accepting) => false,
         () = forever(showing) => false,
@@ -221,7 +231,8 @@ async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
     listener: TcpListener,
     address: SocketAddr,
     max: usize,
-    serve: impl Fn(TcpStream) -> S,
+    mut door: Door,
+    serve: impl Fn(Guest) -> S,
 ) {
     let (mut listener, mut warnings) = (Some(listener), Budget::default());
     loop {
@@ -234,13 +245,13 @@ async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
         }
         let accept = async {
             match &listener {
-                Some(listener) => listener.accept().await,
+                Some(listener) => door.accept(listener).await,
                 None => std::future::pending().await,
             }
         };
         tokio::select! {
             accepted = accept => match accepted {
-                Ok((stream, _)) => _ = clients.spawn(serve(stream)),
+                Ok(guest) => _ = clients.spawn(serve(guest)),
                 Err(error) => {
                     warn!(%error, "cannot accept a client");
                     tokio::time::sleep(BACK_OFF).await;
@@ -257,8 +268,9 @@ pub(crate) type Place = OwnedSemaphorePermit;
 /// Accepts clients until the future is dropped, at most a number of them at once; more wait. Their futures hold their places.
 pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
     listener: TcpListener,
+    mut door: Door,
     most: usize,
-    serve: impl Fn(TcpStream, SocketAddr, Place) -> S,
+    serve: impl Fn(Guest, Place) -> S,
 ) {
     let places = Arc::new(Semaphore::new(most));
     let mut clients = JoinSet::new();
@@ -266,10 +278,10 @@ pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
         // The semaphore is never closed.
         let Ok(place) = places.clone().acquire_owned().await else { return };
         tokio::select! {
-            accepted = listener.accept() => match accepted {
-                Ok((stream, peer)) => {
-                    debug!(%peer, "connected");
-                    clients.spawn(serve(stream, peer, place));
+            accepted = door.accept(&listener) => match accepted {
+                Ok(guest) => {
+                    debug!(peer = %guest.peer, "connected");
+                    clients.spawn(serve(guest, place));
                 }
                 Err(error) => {
                     warn!(%error, "cannot accept a client");
@@ -279,27 +291,6 @@ pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
             Some(_) = clients.join_next() => {}
         }
     }
-}
-
-/// Accepts clients as [`accept`] does, and serves those with one of the `wanted` roles.
-pub(crate) async fn accept_with<S: Future<Output = ()> + Send + 'static>(
-    listener: TcpListener,
-    most: usize,
-    access: &Access,
-    wanted: &'static [Role],
-    serve: impl Fn(TcpStream) -> S + Clone + Send + 'static,
-) {
-    accept(listener, most, |mut stream, peer, place| {
-        let (access, serve) = (access.clone(), serve.clone());
-        async move {
-            let _place = place;
-            match access.log_in(&mut stream, wanted).await {
-                Ok(_) => serve(stream).await,
-                Err(refusal) => debug!(%peer, %refusal, "turned away"),
-            }
-        }
-    })
-    .await;
 }
 
 async fn listen_again(address: SocketAddr) -> Option<TcpListener> {

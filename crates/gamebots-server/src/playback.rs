@@ -8,9 +8,11 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
-use tracing::{debug, info, warn};
+use tracing::{info, warn};
 
 use crate::access::{Access, Role};
+use crate::budget::Budgets;
+use crate::door::{Door, Guest};
 use crate::{ServeError, Tokens};
 
 /// Most clients at once; more wait until one leaves.
@@ -49,20 +51,20 @@ pub fn play(
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
     runtime.block_on(async {
         let Playback { host, port, real_time_factor, lines, tokens } = playback;
-        let access = Access::new(tokens);
+        let door = Door::new(Access::new(tokens), &[Role::Viewer], false, Budgets::default());
         let failed = |reason| ServeError::Listen { host: host.clone(), port, reason };
         let listener = TcpListener::bind((host.as_str(), port)).await.map_err(failed)?;
         ready(listener.local_addr().map_err(failed)?);
         let lines: Arc<[(f64, String)]> = lines.into();
         tokio::select! {
-            () = accept(listener, access, lines, real_time_factor) => {}
+            () = accept(listener, door, lines, real_time_factor) => {}
             () = shutdown => {}
         }
         Ok(())
     })
 }
 
-async fn accept(listener: TcpListener, access: Access, lines: Arc<[(f64, String)]>, real_time_factor: f64) {
+async fn accept(listener: TcpListener, mut door: Door, lines: Arc<[(f64, String)]>, real_time_factor: f64) {
     let mut clients = JoinSet::new();
     loop {
         if clients.len() >= MAX_CLIENTS {
@@ -70,18 +72,11 @@ async fn accept(listener: TcpListener, access: Access, lines: Arc<[(f64, String)
             continue;
         }
         tokio::select! {
-            accepted = listener.accept() => match accepted {
-                Ok((mut stream, peer)) => {
-                    let (access, lines) = (access.clone(), Arc::clone(&lines));
-                    clients.spawn(async move {
-                        match access.log_in(&mut stream, &[Role::Viewer]).await {
-                            Ok(_) => {
-                                info!(%peer, "plays");
-                                send(stream, &lines, real_time_factor).await;
-                            }
-                            Err(refusal) => debug!(%peer, %refusal, "turned away"),
-                        }
-                    });
+            accepted = door.accept(&listener) => match accepted {
+                Ok(Guest { stream, peer, .. }) => {
+                    info!(%peer, "plays");
+                    let lines = Arc::clone(&lines);
+                    clients.spawn(async move { send(stream, &lines, real_time_factor).await });
                 }
                 Err(error) => {
                     warn!(%error, "a client could not be accepted");

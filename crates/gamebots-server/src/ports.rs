@@ -21,9 +21,9 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, oneshot};
 use tokio::time::{sleep, timeout};
 
-use crate::access::{Access, Role};
 use crate::connection::{Event, FirstBytes, UNENDED_LINE, send};
-use crate::listener::accept_with;
+use crate::door::Door;
+use crate::listener::accept;
 use crate::web::Health;
 
 /// Most connections to a port at once; more wait.
@@ -98,13 +98,16 @@ impl Inquiry {
 pub(crate) async fn serve(
     port: Port,
     listener: TcpListener,
-    access: &Access,
+    door: Door,
     events: Sender<Event>,
     stall_timeout: Duration,
 ) {
-    accept_with(listener, MAX_CONNECTIONS, access, &[Role::Viewer], move |stream| {
+    accept(listener, door, MAX_CONNECTIONS, |guest, place| {
         let inquiry = Inquiry::new(events.clone());
-        async move { converse(port, stream, &inquiry, stall_timeout).await }
+        async move {
+            let _place = place;
+            converse(port, guest.stream, &inquiry, stall_timeout).await;
+        }
     })
     .await;
 }

@@ -34,6 +34,7 @@ use tracing::debug;
 use crate::WorldControl;
 use crate::access::{Access, Role};
 use crate::connection::Event;
+use crate::door::{Door, Guest};
 use crate::listener::{self, accept};
 use crate::live::Channels;
 use crate::ports::{Inquiry, Question};
@@ -75,7 +76,7 @@ struct Peer {
 }
 
 /// Serves until the future is dropped.
-pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
+pub(crate) async fn serve(listener: TcpListener, door: Door, site: Arc<Site>) {
     let for_viewers = middleware::from_fn_with_state(site.clone(), admit_viewer);
     let router = Router::new()
         .route("/scene.json", get(scene).post(log_scene::answer))
@@ -90,13 +91,13 @@ pub(crate) async fn serve(listener: TcpListener, site: Arc<Site>) {
         .route("/metrics", get(metrics::metrics).route_layer(for_viewers))
         .route("/health", get(metrics::health))
         .with_state(site.clone());
-    let serve = |stream: TcpStream, peer: SocketAddr, place| {
+    let serve = |Guest { stream, peer, .. }: Guest, place| {
         let place: Place = Arc::new(place);
         let own = stream.local_addr().unwrap_or(peer);
         let peer = Peer { address: peer.ip(), own: own.ip() };
         serve_connection(stream, router.clone().layer(Extension(place)).layer(Extension(peer)))
     };
-    accept(listener, MAX_CONNECTIONS, serve).await;
+    accept(listener, door, MAX_CONNECTIONS, serve).await;
 }
 
 async fn serve_connection(stream: TcpStream, router: Router) {

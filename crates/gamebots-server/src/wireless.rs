@@ -19,9 +19,10 @@ use tokio::task::AbortHandle;
 use tokio::time::{interval, timeout};
 use tracing::{debug, warn};
 
-use crate::access::{Access, Role};
+use crate::access::Access;
 use crate::connection::{BACK_OFF, Event, FirstBytes, send};
-use crate::listener::accept_with;
+use crate::door::Door;
+use crate::listener::accept;
 use crate::ports::{Inquiry, Question};
 
 /// Most control connections at once; more wait.
@@ -125,10 +126,6 @@ impl Network {
         Self { shared: Arc::default(), relays, events, access, host: host.into(), model }
     }
 
-    pub(crate) fn access(&self) -> &Access {
-        &self.access
-    }
-
     /// Returns the strength of a signal between two robots, dBm, as [`Self::strength`] does.
     pub(crate) async fn strength_between(&self, one: &str, other: &str) -> Option<f64> {
         let inquiry = Inquiry::new(self.events.clone());
@@ -198,10 +195,13 @@ impl Network {
 }
 
 /// Serves the port until the future is dropped.
-pub(crate) async fn serve(network: Network, listener: TcpListener, stall_timeout: Duration) {
-    let serving = network.clone();
-    let accepting = accept_with(listener, MAX_CONNECTIONS, &network.access, &[Role::Driver], move |stream| {
-        converse(stream, serving.clone(), stall_timeout)
+pub(crate) async fn serve(network: Network, listener: TcpListener, door: Door, stall_timeout: Duration) {
+    let accepting = accept(listener, door, MAX_CONNECTIONS, |guest, place| {
+        let network = network.clone();
+        async move {
+            let _place = place;
+            converse(guest.stream, network, stall_timeout).await;
+        }
     });
     tokio::join!(accepting, network.clone().watch());
 }

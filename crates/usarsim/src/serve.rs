@@ -5,6 +5,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gamebots_proto::Dialect;
 use gamebots_server::{
     Config, IfTaken, ImageKind, Listener, Propagation, Ready, ServeError, Service, Tokens, WorldControl,
@@ -27,6 +28,20 @@ const POSITIONS_PORT: u16 = 7435;
 const IMAGES_PORT: u16 = 5003;
 const WIRELESS_PORT: u16 = 50000;
 const COM_SERVER_PORT: u16 = 5874;
+
+/// Values of options, by name.
+const CONTROLS: [(&str, WorldControl); 3] =
+    [("everyone", WorldControl::Everyone), ("local", WorldControl::Local), ("nobody", WorldControl::Nobody)];
+const MODELS: [(&str, Propagation); 3] =
+    [("everywhere", Propagation::Everywhere), ("distance", Propagation::Distance), ("walls", Propagation::Walls)];
+const IMAGE_KINDS: [(&str, ImageKind); 6] = [
+    ("raw", ImageKind::Raw),
+    ("super", ImageKind::Super),
+    ("good", ImageKind::Good),
+    ("normal", ImageKind::Normal),
+    ("fair", ImageKind::Fair),
+    ("bad", ImageKind::Bad),
+];
 
 /// Controllers in the older dialect.
 const UT2004: Service = Service::Controllers { dialect: Some(Dialect::Ut2004) };
@@ -97,8 +112,8 @@ pub(crate) struct Arguments {
     /// Pages that may pause, step, reset, record, and change the speed or the map: everyone's, only those on this machine
     /// (also through `ssh -L`), or nobody. Everybody can watch and drive their own robots.
     /// Defaults to everyone's, or to what the league says.
-    #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO")]
-    control: Option<ControlChoice>,
+    #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO", value_parser = choice(&CONTROLS))]
+    control: Option<WorldControl>,
     /// Let only those watch, drive and control the world who have a token: from a tokens.toml with roles for each (viewer, driver, referee). The
     /// first line to every port is then `LOGIN {Token ..}`, and the page asks for one.
     #[arg(long, env = "USARSIM_TOKEN_FILE", value_name = "FILE.toml")]
@@ -117,8 +132,8 @@ pub(crate) struct Arguments {
     #[arg(long, env = "USARSIM_IMAGES", value_name = "PORT|off", value_parser = port_or_off)]
     images: Option<PortOrOff>,
     /// Kind of the image server's pictures: raw pixels, or JPEG of quality 100 (super), 75 (good), 50 (normal), 25 (fair) or 10 (bad).
-    #[arg(long, env = "USARSIM_IMAGE_KIND", value_name = "KIND", default_value = "raw")]
-    image_kind: ImageKindChoice,
+    #[arg(long, env = "USARSIM_IMAGE_KIND", value_name = "KIND", default_value = "raw", value_parser = choice(&IMAGE_KINDS))]
+    image_kind: ImageKind,
     /// Send the first picture of a connection unasked (the image server's LegacyMode): some clients, as UvA's, wait for it and ask afterwards.
     #[arg(long, env = "USARSIM_IMAGE_LEGACY")]
     image_legacy: bool,
@@ -130,8 +145,8 @@ pub(crate) struct Arguments {
     com_server: Option<PortOrOff>,
     /// Reach of the radio: everywhere, weaker with distance, or weaker with distance and walls. By default everywhere, or as the league
     /// says.
-    #[arg(long, env = "USARSIM_PROPAGATION", value_name = "MODEL")]
-    propagation: Option<PropagationChoice>,
+    #[arg(long, env = "USARSIM_PROPAGATION", value_name = "MODEL", value_parser = choice(&MODELS))]
+    propagation: Option<Propagation>,
     /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
     rtf: f64,
@@ -170,6 +185,12 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
+/// Creates a parser of values by name.
+fn choice<T: Copy + Send + Sync + 'static>(values: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T> {
+    let names = PossibleValuesParser::new(values.iter().map(|(name, _)| *name));
+    names.try_map(|name| values.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or(name))
+}
+
 /// A port, or `None` for no service.
 #[derive(Clone, Copy)]
 struct PortOrOff(Option<u16>);
@@ -178,30 +199,6 @@ struct PortOrOff(Option<u16>);
 enum WheelSpeeds {
     Rad,
     Rev,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum ControlChoice {
-    Everyone,
-    Local,
-    Nobody,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum PropagationChoice {
-    Everywhere,
-    Distance,
-    Walls,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum ImageKindChoice {
-    Raw,
-    Super,
-    Good,
-    Normal,
-    Fair,
-    Bad,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -320,14 +317,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         world_control: world_control(arguments.control, league.as_ref()),
         tokens,
         propagation: propagation(arguments.propagation, league.as_ref()),
-        image_kind: match arguments.image_kind {
-            ImageKindChoice::Raw => ImageKind::Raw,
-            ImageKindChoice::Super => ImageKind::Super,
-            ImageKindChoice::Good => ImageKind::Good,
-            ImageKindChoice::Normal => ImageKind::Normal,
-            ImageKindChoice::Fair => ImageKind::Fair,
-            ImageKindChoice::Bad => ImageKind::Bad,
-        },
+        image_kind: arguments.image_kind,
         image_legacy: arguments.image_legacy,
         threads: threads.map_err(|error| Failure::new(exit::FAILURE, error))?,
         ..Config::new(world)
@@ -353,31 +343,23 @@ pub(crate) fn tokens(path: &Path) -> Result<Tokens, Failure> {
 }
 
 /// Returns the pages that control the world: as chosen, or as the league says.
-fn world_control(choice: Option<ControlChoice>, league: Option<&LeagueFile>) -> WorldControl {
+fn world_control(choice: Option<WorldControl>, league: Option<&LeagueFile>) -> WorldControl {
     let of_league = |league: &LeagueFile| match league.control {
-        Controllers::Everyone => ControlChoice::Everyone,
-        Controllers::Local => ControlChoice::Local,
-        Controllers::Nobody => ControlChoice::Nobody,
+        Controllers::Everyone => WorldControl::Everyone,
+        Controllers::Local => WorldControl::Local,
+        Controllers::Nobody => WorldControl::Nobody,
     };
-    match choice.or(league.map(of_league)) {
-        None | Some(ControlChoice::Everyone) => WorldControl::Everyone,
-        Some(ControlChoice::Local) => WorldControl::Local,
-        Some(ControlChoice::Nobody) => WorldControl::Nobody,
-    }
+    choice.or(league.map(of_league)).unwrap_or(WorldControl::Everyone)
 }
 
 /// Returns the model of the radio: as chosen, or as the league says.
-fn propagation(choice: Option<PropagationChoice>, league: Option<&LeagueFile>) -> Propagation {
+fn propagation(choice: Option<Propagation>, league: Option<&LeagueFile>) -> Propagation {
     let of_league = |league: &LeagueFile| match league.communication {
-        Communication::Everywhere => PropagationChoice::Everywhere,
-        Communication::Distance => PropagationChoice::Distance,
-        Communication::Walls => PropagationChoice::Walls,
+        Communication::Everywhere => Propagation::Everywhere,
+        Communication::Distance => Propagation::Distance,
+        Communication::Walls => Propagation::Walls,
     };
-    match choice.or(league.map(of_league)) {
-        None | Some(PropagationChoice::Everywhere) => Propagation::Everywhere,
-        Some(PropagationChoice::Distance) => Propagation::Distance,
-        Some(PropagationChoice::Walls) => Propagation::Walls,
-    }
+    choice.or(league.map(of_league)).unwrap_or_default()
 }
 
 /// Returns the maps that the page offers: the first one, then the built-in ones with the same overrides.
