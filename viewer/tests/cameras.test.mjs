@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
-import { frameBytes, messageBytes } from './messages.mjs';
+import { frameBytes, messageBytes, standInForBrowser } from './messages.mjs';
 import { root } from './server.mjs';
 
 const module = async (name) => (await runnerImport(join(root, `viewer/src/${name}.ts`))).module;
@@ -32,8 +32,7 @@ test('a picture names its robot, its sensor and its time, and has a file', () =>
 
 test('the page says whose pictures it wants, when that changes and to each server', async (context) => {
   const sockets = [];
-  globalThis.location = { href: 'http://127.0.0.1:1/', hash: '' };
-  globalThis.sessionStorage = { getItem: () => null };
+  standInForBrowser();
   globalThis.WebSocket = class {
     static OPEN = 1;
     readyState = 1;

@@ -50,8 +50,7 @@ pageTest(
     assert.equal(await text(page, '[data-team=blue] .scores'), '+15 reached gate');
     await page.waitForFunction(() => document.querySelector('#board-time').textContent.startsWith('4:'));
     await page.keyboard.press('b');
-    const whole = await page.locator('#board').boundingBox();
-    assert.equal(whole.width, (await page.viewportSize()).width);
+    await page.waitForFunction(() => document.querySelector('#board').getBoundingClientRect().width === innerWidth);
     const standings = await page.evaluate(async () => (await fetch('/league.json')).json());
     assert.deepEqual(
       standings.teams.map(({ team, points }) => [team, points]),

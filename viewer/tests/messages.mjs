@@ -20,3 +20,9 @@ export function frameBytes(time, objects = []) {
   const placed = objects.map(({ number, pose }) => ({ object: number, pose }));
   return messageBytes({ frame: { time, robots: [], objects: placed } });
 }
+
+/** What a page has of its browser: an address, and storage for a token, which is empty. */
+export function standInForBrowser() {
+  globalThis.location = { href: 'http://127.0.0.1:1/', hash: '' };
+  globalThis.sessionStorage = { getItem: () => null };
+}

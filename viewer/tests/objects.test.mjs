@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
 import { message, writeLog } from './mcap.mjs';
-import { frameBytes } from './messages.mjs';
+import { frameBytes, standInForBrowser } from './messages.mjs';
 import { root } from './server.mjs';
 
 const module = async (name) => (await runnerImport(join(root, `viewer/src/${name}.ts`))).module;
@@ -98,6 +98,7 @@ test('an object that was removed is still known in the past', () => {
 });
 
 test('the server is asked for objects once at a time, and of the world that is shown', async (context) => {
+  standInForBrowser();
   const asked = [];
   context.mock.method(globalThis, 'fetch', (name) => {
     return new Promise((resolve, reject) =>
@@ -128,7 +129,7 @@ test('the server is asked for objects once at a time, and of the world that is s
 
 test('objects are fetched with the first status, when they change and after a scene', async (context) => {
   const sockets = [];
-  globalThis.location = { href: 'http://127.0.0.1:1/' };
+  standInForBrowser();
   globalThis.WebSocket = class {
     constructor() {
       sockets.push(this);
