@@ -206,7 +206,7 @@ pub(crate) enum Refusal {
     Role(String),
 }
 
-/// The way in to a server.
+/// Access control of a server: its tokens, if it has any.
 #[derive(Debug, Clone)]
 pub(crate) struct Access(Option<Tokens>);
 

@@ -17,8 +17,8 @@ use tokio::time::{interval, timeout};
 use tracing::debug;
 
 use crate::connection::{FirstBytes, send};
-use crate::door::Door;
 use crate::listener::accept;
+use crate::login::LoginQueue;
 use crate::wireless::{LOOK, Network};
 
 /// Most control connections at once; more wait.
@@ -56,14 +56,14 @@ struct Robot {
 }
 
 /// Serves the port until the future is dropped.
-pub(crate) async fn serve(network: Network, listener: TcpListener, door: Door, stall_timeout: Duration) {
+pub(crate) async fn serve(network: Network, listener: TcpListener, logins: LoginQueue, stall_timeout: Duration) {
     let links = Arc::new(Semaphore::new(MAX_LINKS));
     let registry = Registry { robots: Arc::default(), links, network, stall_timeout };
-    accept(listener, door, MAX_CONNECTIONS, |guest, place| {
+    accept(listener, logins, MAX_CONNECTIONS, |accepted, place| {
         let registry = registry.clone();
         async move {
             let _place = place;
-            converse(guest.stream, guest.peer.ip(), registry).await;
+            converse(accepted.stream, accepted.peer.ip(), registry).await;
         }
     })
     .await;

@@ -20,8 +20,8 @@ use crate::WorldControl;
 use crate::access::Access;
 use crate::budget::Budgets;
 use crate::control::{Actor, Control};
-use crate::door::Guest;
 use crate::fit::{Ask, Fit};
+use crate::login::Accepted;
 use crate::ports::Question;
 
 /// Bytes read at once.
@@ -92,8 +92,8 @@ pub(crate) struct Rules {
 }
 
 /// Serves a client until it leaves, or is disconnected because it does not read.
-pub(crate) async fn serve(id: ConnectionId, guest: Guest, rules: Rules, events: Sender<Event>) {
-    let Guest { stream, peer: address, rights } = guest;
+pub(crate) async fn serve(id: ConnectionId, accepted: Accepted, rules: Rules, events: Sender<Event>) {
+    let Accepted { stream, peer: address, rights } = accepted;
     let host = Some(address.ip());
     if rules.budgets.allow(host) {
         info!(connection = id, peer = %address, "client connected");

@@ -21,8 +21,8 @@ use tokio::time::timeout;
 
 use crate::cameras::SIZE;
 use crate::connection::{FirstBytes, send};
-use crate::door::Door;
 use crate::listener::accept;
+use crate::login::LoginQueue;
 
 /// Most connections at once; more wait.
 const MAX_CONNECTIONS: usize = 16;
@@ -236,12 +236,12 @@ fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8
 }
 
 /// Serves the port until the future is dropped.
-pub(crate) async fn serve(board: Board, listener: TcpListener, door: Door, stall_timeout: Duration) {
-    accept(listener, door, MAX_CONNECTIONS, |guest, place| {
+pub(crate) async fn serve(board: Board, listener: TcpListener, logins: LoginQueue, stall_timeout: Duration) {
+    accept(listener, logins, MAX_CONNECTIONS, |accepted, place| {
         let board = board.clone();
         async move {
             let _place = place;
-            converse(guest.stream, &board, stall_timeout).await;
+            converse(accepted.stream, &board, stall_timeout).await;
         }
     })
     .await;

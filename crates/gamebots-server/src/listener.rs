@@ -15,9 +15,9 @@ use tracing::{debug, warn};
 use crate::access::{Access, Role};
 use crate::budget::{Budget, Budgets, Spent};
 use crate::connection::{BACK_OFF, Event, Rules};
-use crate::door::{Door, Guest};
 use crate::images::{self, Board};
 use crate::live::{About, Channels};
+use crate::login::{Accepted, LoginQueue};
 use crate::ports::{self, Port};
 use crate::web::{Packed, Site};
 use crate::wireless::{self, Network};
@@ -90,26 +90,27 @@ pub(crate) async fn serve(
     let ids = Cell::new(0);
     let accepting = clients.iter_mut().zip(controllers).map(|(clients, (dialect, address, bound))| {
         let (ids, events, rules) = (&ids, &events, Rules { dialect, ..rules.clone() });
-        let door = Door::new(access.clone(), &[Role::Driver, Role::Referee], true, rules.budgets.clone());
-        let serve = move |guest| {
+        let logins = LoginQueue::new(access.clone(), &[Role::Driver, Role::Referee], true, rules.budgets.clone());
+        let serve = move |accepted| {
             ids.set(ids.get() + 1);
-            connection::serve(ids.get(), guest, rules.clone(), events.clone())
+            connection::serve(ids.get(), accepted, rules.clone(), events.clone())
         };
-        accept_clients(clients, bound, address, max_connections, door, serve)
+        accept_clients(clients, bound, address, max_connections, logins, serve)
     });
-    let door = |wanted| Door::new(access.clone(), wanted, false, budgets.clone());
+    let logins = |wanted| LoginQueue::new(access.clone(), wanted, false, budgets.clone());
     let telling = ports
         .into_iter()
-        .map(|(port, bound)| ports::serve(port, bound, door(&[Role::Viewer]), events.clone(), stall_timeout));
+        .map(|(port, bound)| ports::serve(port, bound, logins(&[Role::Viewer]), events.clone(), stall_timeout));
     let drawing = images
         .into_iter()
-        .map(|bound| images::serve(board.clone(), bound, door(&[Role::Viewer, Role::Driver]), stall_timeout));
+        .map(|bound| images::serve(board.clone(), bound, logins(&[Role::Viewer, Role::Driver]), stall_timeout));
     let radioing =
-        radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, door(&[Role::Driver]), stall_timeout));
-    let relaying =
-        relays.into_iter().map(|bound| com_server::serve(network.clone(), bound, door(&[Role::Driver]), stall_timeout));
+        radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, logins(&[Role::Driver]), stall_timeout));
+    let relaying = relays
+        .into_iter()
+        .map(|bound| com_server::serve(network.clone(), bound, logins(&[Role::Driver]), stall_timeout));
     // A page logs in by its requests.
-    let open = || Door::new(Access::new(None), &[], false, budgets.clone());
+    let open = || LoginQueue::new(Access::new(None), &[], false, budgets.clone());
     let showing = pages.into_iter().map(|page| web::serve(page, open(), site.clone()));
     let is_gone = tokio::select! {
         () = forever(accepting) => false,
@@ -231,8 +232,8 @@ async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
     listener: TcpListener,
     address: SocketAddr,
     max: usize,
-    mut door: Door,
-    serve: impl Fn(Guest) -> S,
+    mut logins: LoginQueue,
+    serve: impl Fn(Accepted) -> S,
 ) {
     let (mut listener, mut warnings) = (Some(listener), Budget::default());
     loop {
@@ -245,13 +246,13 @@ async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
         }
         let accept = async {
             match &listener {
-                Some(listener) => door.accept(listener).await,
+                Some(listener) => logins.accept(listener).await,
                 None => std::future::pending().await,
             }
         };
         tokio::select! {
             accepted = accept => match accepted {
-                Ok(guest) => _ = clients.spawn(serve(guest)),
+                Ok(accepted) => _ = clients.spawn(serve(accepted)),
                 Err(error) => {
                     warn!(%error, "cannot accept a client");
                     tokio::time::sleep(BACK_OFF).await;
@@ -268,9 +269,9 @@ pub(crate) type Place = OwnedSemaphorePermit;
 /// Accepts clients until the future is dropped, at most a number of them at once; more wait. Their futures hold their places.
 pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
     listener: TcpListener,
-    mut door: Door,
+    mut logins: LoginQueue,
     most: usize,
-    serve: impl Fn(Guest, Place) -> S,
+    serve: impl Fn(Accepted, Place) -> S,
 ) {
     let places = Arc::new(Semaphore::new(most));
     let mut clients = JoinSet::new();
@@ -278,10 +279,10 @@ pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
         // The semaphore is never closed.
         let Ok(place) = places.clone().acquire_owned().await else { return };
         tokio::select! {
-            accepted = door.accept(&listener) => match accepted {
-                Ok(guest) => {
-                    debug!(peer = %guest.peer, "connected");
-                    clients.spawn(serve(guest, place));
+            accepted = logins.accept(&listener) => match accepted {
+                Ok(accepted) => {
+                    debug!(peer = %accepted.peer, "connected");
+                    clients.spawn(serve(accepted, place));
                 }
                 Err(error) => {
                     warn!(%error, "cannot accept a client");

@@ -12,7 +12,7 @@ use tracing::{info, warn};
 
 use crate::access::{Access, Role};
 use crate::budget::Budgets;
-use crate::door::{Door, Guest};
+use crate::login::{Accepted, LoginQueue};
 use crate::{ServeError, Tokens};
 
 /// Most clients at once; more wait until one leaves.
@@ -51,20 +51,20 @@ pub fn play(
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
     runtime.block_on(async {
         let Playback { host, port, real_time_factor, lines, tokens } = playback;
-        let door = Door::new(Access::new(tokens), &[Role::Viewer], false, Budgets::default());
+        let logins = LoginQueue::new(Access::new(tokens), &[Role::Viewer], false, Budgets::default());
         let failed = |reason| ServeError::Listen { host: host.clone(), port, reason };
         let listener = TcpListener::bind((host.as_str(), port)).await.map_err(failed)?;
         ready(listener.local_addr().map_err(failed)?);
         let lines: Arc<[(f64, String)]> = lines.into();
         tokio::select! {
-            () = accept(listener, door, lines, real_time_factor) => {}
+            () = accept(listener, logins, lines, real_time_factor) => {}
             () = shutdown => {}
         }
         Ok(())
     })
 }
 
-async fn accept(listener: TcpListener, mut door: Door, lines: Arc<[(f64, String)]>, real_time_factor: f64) {
+async fn accept(listener: TcpListener, mut logins: LoginQueue, lines: Arc<[(f64, String)]>, real_time_factor: f64) {
     let mut clients = JoinSet::new();
     loop {
         if clients.len() >= MAX_CLIENTS {
@@ -72,8 +72,8 @@ async fn accept(listener: TcpListener, mut door: Door, lines: Arc<[(f64, String)
             continue;
         }
         tokio::select! {
-            accepted = door.accept(&listener) => match accepted {
-                Ok(Guest { stream, peer, .. }) => {
+            accepted = logins.accept(&listener) => match accepted {
+                Ok(Accepted { stream, peer, .. }) => {
                     info!(%peer, "plays");
                     let lines = Arc::clone(&lines);
                     clients.spawn(async move { send(stream, &lines, real_time_factor).await });

@@ -22,8 +22,8 @@ use tokio::sync::{Semaphore, oneshot};
 use tokio::time::{sleep, timeout};
 
 use crate::connection::{Event, FirstBytes, UNENDED_LINE, send};
-use crate::door::Door;
 use crate::listener::accept;
+use crate::login::LoginQueue;
 use crate::web::Health;
 
 /// Most connections to a port at once; more wait.
@@ -98,15 +98,15 @@ impl Inquiry {
 pub(crate) async fn serve(
     port: Port,
     listener: TcpListener,
-    door: Door,
+    logins: LoginQueue,
     events: Sender<Event>,
     stall_timeout: Duration,
 ) {
-    accept(listener, door, MAX_CONNECTIONS, |guest, place| {
+    accept(listener, logins, MAX_CONNECTIONS, |accepted, place| {
         let inquiry = Inquiry::new(events.clone());
         async move {
             let _place = place;
-            converse(port, guest.stream, &inquiry, stall_timeout).await;
+            converse(port, accepted.stream, &inquiry, stall_timeout).await;
         }
     })
     .await;

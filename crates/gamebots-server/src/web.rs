@@ -34,9 +34,9 @@ use tracing::debug;
 use crate::WorldControl;
 use crate::access::{Access, Role};
 use crate::connection::Event;
-use crate::door::{Door, Guest};
 use crate::listener::{self, accept};
 use crate::live::Channels;
+use crate::login::{Accepted, LoginQueue};
 use crate::ports::{Inquiry, Question};
 
 pub(crate) use metrics::Health;
@@ -76,7 +76,7 @@ struct Peer {
 }
 
 /// Serves until the future is dropped.
-pub(crate) async fn serve(listener: TcpListener, door: Door, site: Arc<Site>) {
+pub(crate) async fn serve(listener: TcpListener, logins: LoginQueue, site: Arc<Site>) {
     let for_viewers = middleware::from_fn_with_state(site.clone(), admit_viewer);
     let router = Router::new()
         .route("/scene.json", get(scene).post(log_scene::answer))
@@ -91,13 +91,13 @@ pub(crate) async fn serve(listener: TcpListener, door: Door, site: Arc<Site>) {
         .route("/metrics", get(metrics::metrics).route_layer(for_viewers))
         .route("/health", get(metrics::health))
         .with_state(site.clone());
-    let serve = |Guest { stream, peer, .. }: Guest, place| {
+    let serve = |Accepted { stream, peer, .. }: Accepted, place| {
         let place: Place = Arc::new(place);
         let own = stream.local_addr().unwrap_or(peer);
         let peer = Peer { address: peer.ip(), own: own.ip() };
         serve_connection(stream, router.clone().layer(Extension(place)).layer(Extension(peer)))
     };
-    accept(listener, door, MAX_CONNECTIONS, serve).await;
+    accept(listener, logins, MAX_CONNECTIONS, serve).await;
 }
 
 async fn serve_connection(stream: TcpStream, router: Router) {

@@ -21,8 +21,8 @@ use tracing::{debug, warn};
 
 use crate::access::Access;
 use crate::connection::{BACK_OFF, Event, FirstBytes, send};
-use crate::door::Door;
 use crate::listener::accept;
+use crate::login::LoginQueue;
 use crate::ports::{Inquiry, Question};
 
 /// Most control connections at once; more wait.
@@ -195,12 +195,12 @@ impl Network {
 }
 
 /// Serves the port until the future is dropped.
-pub(crate) async fn serve(network: Network, listener: TcpListener, door: Door, stall_timeout: Duration) {
-    let accepting = accept(listener, door, MAX_CONNECTIONS, |guest, place| {
+pub(crate) async fn serve(network: Network, listener: TcpListener, logins: LoginQueue, stall_timeout: Duration) {
+    let accepting = accept(listener, logins, MAX_CONNECTIONS, |accepted, place| {
         let network = network.clone();
         async move {
             let _place = place;
-            converse(guest.stream, network, stall_timeout).await;
+            converse(accepted.stream, network, stall_timeout).await;
         }
     });
     tokio::join!(accepting, network.clone().watch());

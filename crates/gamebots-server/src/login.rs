@@ -1,4 +1,4 @@
-//! The door of a port: connections wait there until they have logged in. They take no place of those who have.
+//! Logins: new connections of a port wait in a queue until their LOGIN line has come. They take no place of clients that have logged in.
 
 use std::collections::VecDeque;
 use std::net::SocketAddr;
@@ -15,82 +15,82 @@ use tracing::info;
 use crate::access::{Access, LOGIN_TIME, Refusal, Rights, Role};
 use crate::budget::Budgets;
 
-/// Most connections that wait. One more drops the one that has waited longest: a client with a token is in before, as it needs no second.
+/// Most connections that wait. One more drops the oldest. A client with a token logs in at once, so it is not among them.
 const MAX_WAITING: usize = 256;
-/// Longest time for the last words to a client that is turned away, and most of its bytes that are read meanwhile.
+/// Longest time to send a refusal, and most bytes of the client that are read meanwhile.
 const FAREWELL: Duration = Duration::from_secs(1);
 const MOST_UNREAD: u64 = 64 * 1024;
 
-/// The door of a port. Without tokens it is open.
-pub(crate) struct Door {
+/// Logins of a port. Without tokens every connection is accepted at once.
+pub(crate) struct LoginQueue {
     access: Access,
     /// The roles of which one is needed.
     wanted: &'static [Role],
-    /// True to tell clients why they are turned away.
-    tells: bool,
+    /// True to send refused clients the reason.
+    sends_reason: bool,
     budgets: Budgets,
-    waiting: JoinSet<Option<Guest>>,
-    /// Those who wait, in the order of their arrival.
+    waiting: JoinSet<Option<Accepted>>,
+    /// Waiting connections, oldest first.
     handles: VecDeque<AbortHandle>,
 }
 
-/// A connection that may come in.
-pub(crate) struct Guest {
+/// An accepted connection.
+pub(crate) struct Accepted {
     pub(crate) stream: TcpStream,
     /// Its address.
     pub(crate) peer: SocketAddr,
     pub(crate) rights: Rights,
 }
 
-impl Door {
-    pub(crate) fn new(access: Access, wanted: &'static [Role], tells: bool, budgets: Budgets) -> Self {
-        Self { access, wanted, tells, budgets, waiting: JoinSet::new(), handles: VecDeque::new() }
+impl LoginQueue {
+    pub(crate) fn new(access: Access, wanted: &'static [Role], sends_reason: bool, budgets: Budgets) -> Self {
+        Self { access, wanted, sends_reason, budgets, waiting: JoinSet::new(), handles: VecDeque::new() }
     }
 
-    /// Returns the next connection that may come in. It can be dropped at any time.
+    /// Returns the next accepted connection. The future can be dropped at any time.
     ///
     /// # Errors
     /// The operating system's, when a connection cannot be accepted.
-    pub(crate) async fn accept(&mut self, listener: &TcpListener) -> std::io::Result<Guest> {
+    pub(crate) async fn accept(&mut self, listener: &TcpListener) -> std::io::Result<Accepted> {
         if let Some(rights) = self.access.everything() {
             let (stream, peer) = listener.accept().await?;
-            return Ok(Guest { stream, peer, rights });
+            return Ok(Accepted { stream, peer, rights });
         }
         loop {
             tokio::select! {
                 accepted = listener.accept() => {
                     let (stream, peer) = accepted?;
-                    self.knock(stream, peer);
+                    self.start_login(stream, peer);
                 }
-                Some(entered) = self.waiting.join_next() => {
-                    // Those who were dropped do not come in.
-                    if let Ok(Some(guest)) = entered {
-                        return Ok(guest);
+                Some(login) = self.waiting.join_next() => {
+                    // A dropped connection is an error of its task.
+                    if let Ok(Some(accepted)) = login {
+                        return Ok(accepted);
                     }
                 }
             }
         }
     }
 
-    /// Lets a connection log in.
-    fn knock(&mut self, mut stream: TcpStream, peer: SocketAddr) {
+    /// Adds a connection to the queue.
+    fn start_login(&mut self, mut stream: TcpStream, peer: SocketAddr) {
         self.handles.retain(|handle| !handle.is_finished());
         if self.handles.len() >= MAX_WAITING
             && let Some(oldest) = self.handles.pop_front()
         {
             oldest.abort();
         }
-        let (access, wanted, tells) = (self.access.clone(), self.wanted, self.tells);
+        let (access, wanted, sends_reason) = (self.access.clone(), self.wanted, self.sends_reason);
         let budgets = self.budgets.clone();
         self.handles.push_back(self.waiting.spawn(async move {
             match access.log_in(&mut stream, wanted).await {
-                Ok(rights) => Some(Guest { stream, peer, rights }),
+                Ok(rights) => Some(Accepted { stream, peer, rights }),
                 Err(refusal) => {
                     if budgets.allow(Some(peer.ip())) {
-                        info!(%peer, %refusal, "client turned away");
+                        info!(%peer, %refusal, "client refused");
                     }
-                    if tells {
-                        let _ = timeout(FAREWELL, turn_away(stream, &refusal)).await;
+                    if sends_reason {
+                        let _ = timeout(FAREWELL, send_refusal(stream, &refusal)).await;
                     }
                     None
                 }
@@ -99,8 +99,8 @@ impl Door {
     }
 }
 
-/// Tells a client why it is not served.
-async fn turn_away(mut stream: TcpStream, refusal: &Refusal) {
+/// Sends a client the reason why it is not served.
+async fn send_refusal(mut stream: TcpStream, refusal: &Refusal) {
     let seconds = LOGIN_TIME.as_secs();
     let text = format!("LOGIN refused: {refusal}; expected LOGIN {{Token ..}} as the first line, within {seconds} s");
     let text = Message::Nfo(Nfo::Error(text)).write(Dialect::Udk) + "\r\n";
