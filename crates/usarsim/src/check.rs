@@ -1,7 +1,8 @@
 //! `usarsim check FILE...`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use gamebots_server::{Tokens, TokensError};
 use names::count;
 use scene_loader::LoadError;
 use serde_json::json;
@@ -13,7 +14,8 @@ use crate::{Failure, exit, print};
 #[command(after_help = "Examples:\n  usarsim check assets/robots/*/robot.toml maps/*/map.toml\n  \
     usarsim check my-robot.urdf --json")]
 pub(crate) struct Arguments {
-    /// robot.toml, map.toml, materials.toml, equipment .toml, .urdf or USARSim .ini files, or folders with a robot.toml or map.toml.
+    /// robot.toml, map.toml, materials.toml, league.toml, tokens.toml, equipment .toml, .urdf or USARSim .ini files, or folders with a
+    /// robot.toml or map.toml.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Print the mistakes as JSON.
@@ -25,6 +27,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut problems = Vec::new();
     let mut unreadable = Vec::new();
     for file in &arguments.files {
+        if let Some(tokens) = tokens(file) {
+            unreadable.extend(tokens.err().map(|error| format!("{}: {error}", file.display())));
+            continue;
+        }
         match scene_loader::check(file) {
             Ok(assumptions) if !arguments.json => {
                 assumptions.iter().for_each(|it| print(format_args!("{}: note: {it}", file.display())));
@@ -53,4 +59,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let files = count(arguments.files.len(), "file");
     Err(Failure::new(exit::BAD_DATA, format_args!("{} in {files}", count(mistakes, "mistake"))))
+}
+
+/// Reads a file of tokens. `None` for another file: only those have such a table.
+fn tokens(file: &Path) -> Option<Result<Tokens, TokensError>> {
+    let text = std::fs::read_to_string(file).ok()?;
+    text.lines().any(|line| line.trim() == "[[token]]").then(|| text.parse())
 }

@@ -80,7 +80,7 @@ enum Command {
     Import(import::Arguments),
     /// Make a map from a glTF, OBJ, STL or COLLADA mesh, or from a world of Gazebo (SDF).
     ImportMap(import_map::Arguments),
-    /// Check robot.toml, map.toml, materials.toml, equipment, URDF and ini files and report every mistake with its line.
+    /// Check robot.toml, map.toml, materials.toml, league.toml, tokens.toml, equipment, URDF and ini files and report every mistake with its line.
     Check(check::Arguments),
     /// Run the physical checks of a robot on wheels.
     Validate(validate::Arguments),

@@ -476,6 +476,11 @@ fn a_bad_file_of_tokens_is_exit_code_78_and_is_not_shown() {
         std::fs::write(folder.path().join("tokens.toml"), content).expect("a file");
         let (code, said) = say(folder.path(), "serve --league rescue --token-file tokens.toml");
         assert!(code == Some(78) && said.contains(expected) && !said.contains(TOKEN), "{code:?} {said}");
+        let (code, said) = say(folder.path(), "check tokens.toml");
+        // Only the server knows the teams.
+        let expected = if expected.contains("green") { "1 file good" } else { expected };
+        let is_good = expected == "1 file good";
+        assert!(said.contains(expected) && !said.contains(TOKEN) && (code == Some(0)) == is_good, "{code:?} {said}");
     }
 }
 
