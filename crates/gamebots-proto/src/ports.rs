@@ -11,5 +11,5 @@ pub use com_server::{ComAnswer, ComCommand, ComFraming, ComLink};
 pub use login::{login, read_login};
 pub use pictures::{PictureRequest, PictureRequests, picture, raw};
 pub use positions::{Obstacles, Place, PositionsQuestion, Stand, positions};
-pub use truth::{END, Row, TruthQuestion, rows};
+pub use truth::{Row, TRUTH_END, TruthQuestion, rows};
 pub use wireless::{Strength, WirelessCommand, WirelessError, origin, registered, route, strength};

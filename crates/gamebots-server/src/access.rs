@@ -225,20 +225,12 @@ impl Access {
     /// # Errors
     /// If it gives none of `wanted`.
     pub(crate) fn rights(&self, token: Option<&str>, wanted: &[Role]) -> Result<Rights, Refusal> {
-        if let Some(rights) = self.everything() {
-            return Ok(rights);
-        }
-        let tokens = self.0.as_ref().ok_or(Refusal::Unknown)?;
+        let Some(tokens) = &self.0 else { return Ok(Rights::all()) };
         let Token { roles, team, .. } = tokens.find(token.ok_or(Refusal::NoToken)?).ok_or(Refusal::Unknown)?;
         if !wanted.iter().any(|role| roles.contains(role)) {
             return Err(Refusal::Role(wanted.iter().map(|role| role.name()).collect::<Vec<_>>().join(" or ")));
         }
         Ok(Rights { roles: roles.clone(), team: team.clone() })
-    }
-
-    /// Returns every right, if nobody needs a token.
-    pub(crate) fn everything(&self) -> Option<Rights> {
-        self.is_open().then(|| Rights { roles: Role::ALL.to_vec(), team: None })
     }
 
     /// Reads the LOGIN line of a connection, and not a byte after it.
@@ -280,6 +272,11 @@ async fn read_line(stream: &mut TcpStream) -> Option<String> {
 }
 
 impl Rights {
+    /// Returns every right, as everybody has without tokens.
+    pub(crate) fn all() -> Self {
+        Self { roles: Role::ALL.to_vec(), team: None }
+    }
+
     pub(crate) fn have(&self, role: Role) -> bool {
         self.roles.contains(&role)
     }

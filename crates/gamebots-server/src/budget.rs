@@ -47,11 +47,11 @@ impl Budget {
 
 /// The budgets of all addresses: a client that leaves and comes again has the same one.
 #[derive(Clone, Default)]
-pub(crate) struct Budgets(Arc<Mutex<BTreeMap<Option<IpAddr>, Budget>>>);
+pub(crate) struct Budgets(Arc<Mutex<BTreeMap<IpAddr, Budget>>>);
 
 impl Budgets {
-    /// Asks to log a line about a client; `None` for an address that is unknown.
-    pub(crate) fn spend(&self, address: Option<IpAddr>, now: Instant) -> Spent {
+    /// Asks to log a line about a client.
+    pub(crate) fn spend(&self, address: IpAddr, now: Instant) -> Spent {
         let mut budgets = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if budgets.len() >= MAX_ADDRESSES && !budgets.contains_key(&address) {
             budgets.retain(|_, budget| !budget.is_fresh(now));
@@ -63,7 +63,7 @@ impl Budgets {
     }
 
     /// True if a line about a client may be logged.
-    pub(crate) fn allow(&self, address: Option<IpAddr>) -> bool {
+    pub(crate) fn allow(&self, address: IpAddr) -> bool {
         self.spend(address, Instant::now()) != Spent::Refused
     }
 }
@@ -76,7 +76,7 @@ mod tests {
     fn an_address_has_so_many_lines_a_second() {
         let (budgets, start) = (Budgets::default(), Instant::now());
         let spend = |host: u8, seconds: f64| {
-            budgets.spend(Some(IpAddr::from([10, 0, 0, host])), start + Duration::from_secs_f64(seconds))
+            budgets.spend(IpAddr::from([10, 0, 0, host]), start + Duration::from_secs_f64(seconds))
         };
         let free = Spent::Granted { suppressed: 0 };
         assert!((0..20).all(|_| spend(1, 0.0) == free));
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn more_addresses_than_are_kept_wait_for_a_second() {
         let (budgets, start) = (Budgets::default(), Instant::now());
-        let spend = |number: u32, now| budgets.spend(Some(IpAddr::from(number.to_be_bytes())), now);
+        let spend = |number: u32, now| budgets.spend(IpAddr::from(number.to_be_bytes()), now);
         let granted = (0..2000).filter(|&number| spend(number, start) != Spent::Refused).count();
         assert_eq!(granted, MAX_ADDRESSES);
         assert_eq!(spend(1999, start + PERIOD), Spent::Granted { suppressed: 0 });

@@ -1,7 +1,7 @@
 //! One client in the world's thread: its requests, its outbox, its mistakes.
 
 use std::collections::BTreeMap;
-use std::net::{IpAddr, SocketAddr};
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -136,12 +136,12 @@ impl Client {
     pub(crate) fn report(&mut self) -> Vec<String> {
         let dropped = self.outbox.take_dropped();
         self.dropped += dropped;
-        if dropped > 0 && self.budgets.allow(self.host()) {
+        if dropped > 0 && self.budgets.allow(self.address.ip()) {
             warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
         }
         // A problem that did not recur is logged in full when it does.
         self.repeated.retain(|_, times| *times > 0);
-        let (budgets, host) = (self.budgets.clone(), self.host());
+        let (budgets, host) = (self.budgets.clone(), self.address.ip());
         let again = self.repeated.iter_mut().map(|(problem, times)| (problem, std::mem::take(times)));
         let again = again.take_while(|_| budgets.allow(host));
         let more = |times| names::count(usize::try_from(times).unwrap_or(usize::MAX), "time");
@@ -149,10 +149,6 @@ impl Client {
         let said: Vec<String> = again.map(text).collect();
         said.iter().for_each(|text| warn!("{text}"));
         said
-    }
-
-    fn host(&self) -> Option<IpAddr> {
-        Some(self.address.ip())
     }
 
     /// Logs a problem and returns the text, unless it is a repetition or the budget of this second is spent.
@@ -165,7 +161,7 @@ impl Client {
         if self.repeated.len() < MAX_COUNTED {
             self.repeated.insert(shown, 0);
         }
-        match self.budgets.spend(self.host(), now) {
+        match self.budgets.spend(self.address.ip(), now) {
             Spent::Granted { suppressed: 0 } => {}
             Spent::Granted { suppressed } => {
                 warn!(connection = self.id, suppressed, "further problems were not logged")

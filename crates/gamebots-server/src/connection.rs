@@ -94,7 +94,7 @@ pub(crate) struct Rules {
 /// Serves a client until it leaves, or is disconnected because it does not read.
 pub(crate) async fn serve(id: ConnectionId, accepted: Accepted, rules: Rules, events: Sender<Event>) {
     let Accepted { stream, peer: address, rights } = accepted;
-    let host = Some(address.ip());
+    let host = address.ip();
     if rules.budgets.allow(host) {
         info!(connection = id, peer = %address, "client connected");
     }
@@ -102,7 +102,7 @@ pub(crate) async fn serve(id: ConnectionId, accepted: Accepted, rules: Rules, ev
     let _ = stream.set_nodelay(true);
     let refusal = match stream.local_addr().ok() {
         _ if rules.access.is_open() && !rules.is_league => None,
-        Some(own) => rules.access.refusal(&rights, rules.world_control, address.ip(), own.ip()),
+        Some(own) => rules.access.refusal(&rights, rules.world_control, host, own.ip()),
         None => Some("its address is unknown"),
     };
     let Rules { dialect, stall_timeout, budgets, .. } = rules;

@@ -52,9 +52,9 @@ impl LoginQueue {
     /// # Errors
     /// The operating system's, when a connection cannot be accepted.
     pub(crate) async fn accept(&mut self, listener: &TcpListener) -> std::io::Result<Accepted> {
-        if let Some(rights) = self.access.everything() {
+        if self.access.is_open() {
             let (stream, peer) = listener.accept().await?;
-            return Ok(Accepted { stream, peer, rights });
+            return Ok(Accepted { stream, peer, rights: Rights::all() });
         }
         loop {
             tokio::select! {
@@ -86,7 +86,7 @@ impl LoginQueue {
             match access.log_in(&mut stream, wanted).await {
                 Ok(rights) => Some(Accepted { stream, peer, rights }),
                 Err(refusal) => {
-                    if budgets.allow(Some(peer.ip())) {
+                    if budgets.allow(peer.ip()) {
                         info!(%peer, %refusal, "client refused");
                     }
                     if sends_reason {

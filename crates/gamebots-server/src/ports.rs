@@ -11,7 +11,7 @@ use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 use gamebots_proto::Framing;
-use gamebots_proto::ports::{END, Place, PositionsQuestion, Row, Stand, TruthQuestion, positions, rows};
+use gamebots_proto::ports::{Place, PositionsQuestion, Row, Stand, TRUTH_END, TruthQuestion, positions, rows};
 use nalgebra::Vector3;
 use scene::{Pose, Standings};
 use sessions::Sessions;
@@ -139,7 +139,7 @@ async fn converse(port: Port, mut stream: TcpStream, inquiry: &Inquiry, stall_ti
         // A line that is too long has no answer.
         for line in lines.into_iter().flatten() {
             let Some(answer) = port.answer(&line, inquiry).await else { return };
-            let (rows, end) = answer.split_at(answer.strip_suffix(END).map_or(answer.len(), str::len));
+            let (rows, end) = answer.split_at(answer.strip_suffix(TRUTH_END).map_or(answer.len(), str::len));
             if !send(&mut stream, rows.as_bytes(), stall_timeout).await {
                 return;
             }

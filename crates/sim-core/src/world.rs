@@ -210,8 +210,8 @@ impl World {
         Message::Nfo(Nfo::Greeting(Greeting { level: map.name.clone(), time_limit: map.time_limit }))
     }
 
-    /// Spawns a robot, a world controller or an avatar. `None`, with the reason in `problems`, if the class is unknown, the world is full or there is
-    /// no free place.
+    /// Spawns a robot, a world controller or an avatar. `None`, with the reason in `problems`, if the class is unknown, the world is full or
+    /// there is no free place.
     ///
     /// A pose inside or below the ground is lifted onto it; a robot above the ground falls. If the place is occupied, the robot is put beside
     /// the obstacle, and `problems` reports it. An unknown start means the origin, as in USARSim (BotConnection.uc:452-473).

@@ -42,7 +42,7 @@ pub struct Row<'a> {
 }
 
 /// Last line of an answer, with its end.
-pub const END: &str = "{End}\r\n";
+pub const TRUTH_END: &str = "{End}\r\n";
 
 /// Returns an answer: a line for each row and the last one.
 pub fn rows<'a>(rows: impl IntoIterator<Item = Row<'a>>) -> String {
@@ -58,7 +58,7 @@ pub fn rows<'a>(rows: impl IntoIterator<Item = Row<'a>>) -> String {
             vector(rotation)
         );
     }
-    text + END
+    text + TRUTH_END
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! Everything with a name and a pose, as referees and wireless simulators ask for it (USARTruthConnection.uc, ComServerNewCon.uc).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Point3, Vector3};
-use scene::{PawnId, Pose};
+use scene::{ObjectId, PawnId, Pose};
 use serde::{Deserialize, Serialize};
 
+use super::avatar::Avatar;
 use super::{CONTROLLER, World};
 use crate::physics::{Identity, Light};
 
@@ -121,8 +122,8 @@ impl World {
             })
         });
         let created = self.created_ids();
-        let is_body = |id| self.avatars.values().any(|avatar| avatar.body() == id);
-        let objects = self.objects().filter(|object| !is_body(object.id)).map(|object| {
+        let bodies: BTreeSet<ObjectId> = self.avatars.values().map(Avatar::body).collect();
+        let objects = self.objects().filter(|object| !bodies.contains(&object.id)).map(|object| {
             let class = created.get(&object.id);
             Actor {
                 kind: if class.is_some() { ActorKind::Created } else { ActorKind::OfMap },

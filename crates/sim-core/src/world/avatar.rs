@@ -190,7 +190,7 @@ impl World {
     /// # Errors
     /// If there is no floor, or something takes the place.
     pub(super) fn spawn_avatar(&mut self, class: &str, name: String, wanted: &Pose) -> Result<PawnId, String> {
-        let number = Init::AVATARS.iter().position(|known| *known == class).unwrap_or_default();
+        let number = CLASSES.iter().position(|known| known.name == class).unwrap_or_default();
         let class = &CLASSES[number];
         let at = wanted.translation.vector;
         if !at.iter().all(|number| check::MAP_REACH.holds(*number)) {
