@@ -12,6 +12,7 @@ pub mod claim;
 mod course;
 mod crowd;
 pub mod fit;
+mod logged;
 pub mod plan;
 pub mod plot;
 mod reference;
@@ -23,3 +24,4 @@ pub mod validation;
 
 pub use course::{Course, Moment, Motion, MotionError, Travel};
 pub use crowd::Crowd;
+pub use logged::LoggedSessions;

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use gamebots_proto::{Dialect, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
-use scene::{MapDef, PawnId, Pose, Reading, RobotDef, WorldDef};
+use recorder::{LogWriter, RecordError};
+use scene::{MapDef, Pose, Reading, RobotDef, WorldDef};
 use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
-use sessions::{Listener, News, Request, SessionId, Sessions};
+use sessions::SessionId;
 use sim_core::{Options, World};
 
 use crate::course::in_words;
+use crate::logged::LoggedSessions;
 use crate::plan::{Plan, Run, Setup, Tolerances};
 
 /// Interval between two ground truth readings, s. Every n-th reading, from the first on, is a measured pose (thesis 7.2).
@@ -166,9 +166,10 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let Prepared { world, options, init, lines } = prepare(plan, run)?;
     let refuse = |reason: &str| RunError::Setup { id: run.id.clone(), reason: reason.to_owned() };
     let log = log.map(|path| LogWriter::create(path, &world, options, &run.metadata(options.seed))).transpose()?;
-    let mut stage = Stage::new(World::new(world, options), log)?;
-    let problems = stage.send(&init)?;
-    let Some(robot) = stage.robot() else { return Err(refuse(&in_words(&problems))) };
+    let mut sessions = LoggedSessions::new(World::new(world, options), log);
+    sessions.open(SESSION)?;
+    let problems = sessions.take(SESSION, &init, &mut |_| {})?;
+    let Some(robot) = sessions.newest(SESSION) else { return Err(refuse(&in_words(&problems))) };
 
     let mut poses = Vec::new();
     let mut lines = lines.into_iter().peekable();
@@ -177,9 +178,10 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let patience = plan.settling + 2.0 * READING_INTERVAL;
     let (mut began, mut readings, mut turned, mut before) = (None, 0, 0.0, Vec::new());
     loop {
-        let reading = stage.step()?;
-        let time = stage.world().time();
-        let Some((body, wheels)) = stage.world().state(robot) else { return Err(refuse("the robot is gone")) };
+        let mut reading = false;
+        sessions.step(&mut |sensed| reading |= matches!(sensed.reading, Reading::GroundTruth(_)))?;
+        let time = sessions.world().time();
+        let Some((body, wheels)) = sessions.world().state(robot) else { return Err(refuse("the robot is gone")) };
         let angles: Vec<f64> = wheels.iter().map(|wheel| wheel.angle).collect();
         if began.is_none() && reading && time >= plan.settling - 1e-9 {
             began = Some(time);
@@ -203,17 +205,14 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
             break;
         }
         while let Some((_, line)) = lines.next_if(|(at, _)| time - start >= at - 1e-9) {
-            let problems = stage.send(&line)?;
+            let problems = sessions.take(SESSION, &line, &mut |_| {})?;
             if !problems.is_empty() {
                 return Err(refuse(&format!("{line}: {}", in_words(&problems))));
             }
         }
     }
-    let (digest, seconds) = (stage.world().digest(), stage.world().time());
-    let unsettled_steps = stage.world().unsettled_steps();
-    if let Some(log) = stage.log {
-        log.finish(End { time: seconds, digest: Some(digest), unsettled_steps, dropped: 0 })?;
-    }
+    sessions.finish()?;
+    let (digest, seconds) = (sessions.world().digest(), sessions.world().time());
     Ok(Outcome {
         id: run.id.clone(),
         labels: run.labels.clone(),
@@ -255,90 +254,3 @@ impl Run {
 
 /// Number of the only session of a run.
 const SESSION: SessionId = 1;
-
-/// A world with its log and its only session.
-struct Stage {
-    sessions: Sessions,
-    log: Option<LogWriter>,
-    states: StateTimer,
-}
-
-impl Stage {
-    fn new(world: World, log: Option<LogWriter>) -> Result<Self, RecordError> {
-        let mut stage = Self { sessions: Sessions::new(world), log, states: StateTimer::default() };
-        if stage.log.is_some() {
-            stage.record(|sessions, hear| sessions.open(SESSION, Some(Dialect::Udk), false, hear))?;
-        } else {
-            stage.sessions.open_silent(SESSION);
-        }
-        Ok(stage)
-    }
-
-    fn world(&self) -> &World {
-        self.sessions.world()
-    }
-
-    fn robot(&self) -> Option<PawnId> {
-        self.sessions.newest(SESSION)
-    }
-
-    /// Sends a line and returns its problems.
-    fn send(&mut self, text: &str) -> Result<Vec<Problem>, RecordError> {
-        let request = Request::read(Ok(text.to_owned()));
-        self.record(|sessions, hear| sessions.take(SESSION, &request, hear)).map(|heard| heard.problems)
-    }
-
-    /// Advances by one time step. Returns true if a ground truth reading arrived.
-    fn step(&mut self) -> Result<bool, RecordError> {
-        let heard = self.record(|sessions, hear| sessions.step(hear))?;
-        if let Some(log) = &mut self.log {
-            let world = self.sessions.world();
-            if self.states.is_due(world.time()) {
-                log.write_states(&world.snapshot())?;
-            }
-        }
-        Ok(heard.has_truth)
-    }
-
-    /// Does something with the session, and records the news.
-    fn record(&mut self, act: impl FnOnce(&mut Sessions, Listener)) -> Result<Heard, RecordError> {
-        let (mut heard, mut written) = (Heard::default(), Ok(()));
-        let log = &mut self.log;
-        act(&mut self.sessions, &mut |world, news| {
-            heard.hear(&news);
-            if let (Some(log), Some(record), Ok(())) = (log.as_mut(), record(news), &written) {
-                written = log.write(world.time(), &record);
-            }
-        });
-        written.map(|()| heard)
-    }
-}
-
-/// The news that a run needs.
-#[derive(Default)]
-struct Heard {
-    problems: Vec<Problem>,
-    /// True if the ground truth was measured.
-    has_truth: bool,
-}
-
-impl Heard {
-    fn hear(&mut self, news: &News) {
-        match news {
-            News::Wrong { problems, .. } => self.problems.extend_from_slice(problems),
-            News::Sensed(sensed) => self.has_truth |= matches!(sensed.reading, Reading::GroundTruth(_)),
-            _ => {}
-        }
-    }
-}
-
-/// Returns the record of news; `None` for news that logs of runs do not have.
-fn record(news: News) -> Option<Record> {
-    let line = |connection, pawn: Option<PawnId>, line| WireLine { connection, robot: pawn.map(|pawn| pawn.0), line };
-    match news {
-        News::Received { session, pawn, line: text } => Some(Record::In(line(session, pawn, text.to_owned()))),
-        News::Sent { session, pawn, line: text, .. } => Some(Record::Out(line(session, pawn, text))),
-        News::Sensed(sensed) => Some(Record::Sensed(sensed.clone())),
-        _ => None,
-    }
-}

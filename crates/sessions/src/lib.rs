@@ -100,7 +100,8 @@ pub enum News<'a> {
     TimeUp(&'a Standings),
 }
 
-/// A world and its sessions.
+/// A world and its sessions. A copy is independent and continues as the original would.
+#[derive(Clone)]
 pub struct Sessions {
     world: World,
     sessions: BTreeMap<SessionId, Session>,
@@ -112,7 +113,7 @@ pub struct Sessions {
 }
 
 /// A session.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Session {
     /// The dialect of all its lines; if none, its robots decide.
     dialect: Option<Dialect>,

@@ -8,9 +8,10 @@ use crate::SessionId;
 
 /// Pawns of open sessions, in the order in which they were spawned. Robots that the world has lost stay here: they come back when it
 /// starts over.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Owners(BTreeMap<PawnId, Owned>);
 
+#[derive(Clone)]
 struct Owned {
     by: SessionId,
     /// Its INIT line.

@@ -17,6 +17,7 @@ const SAME_TIME: f64 = 1e-9;
 const MAX_ENTRANTS: usize = 256;
 
 /// A round that is played.
+#[derive(Clone)]
 pub(super) struct Round {
     league: League,
     /// Simulated time when the first robot arrived, s.
@@ -40,6 +41,7 @@ pub(super) struct Admission {
 }
 
 /// A robot that plays.
+#[derive(Clone)]
 struct Player {
     place: Admission,
     /// Goals at which it is, each with the simulated time of its arrival, s.
