@@ -1,5 +1,7 @@
 //! Sessions of a world that are logged: what experiments and the Python package drive their worlds by.
 
+use std::sync::{Mutex, PoisonError};
+
 use gamebots_proto::{Dialect, Problem};
 use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
 use scene::{PawnId, Sensed};
@@ -9,14 +11,15 @@ use sim_core::World;
 /// A world with its sessions, and the log that they are written to, if any.
 pub struct LoggedSessions {
     sessions: Sessions,
-    log: Option<LogWriter>,
+    /// Never locked: it makes the type `Sync`, which the writer's LZ4 encoder is not.
+    log: Option<Mutex<LogWriter>>,
     states: StateTimer,
 }
 
 impl LoggedSessions {
     /// Creates the sessions of a world. A log has to be of a world at time zero, or it does not replay.
     pub fn new(world: World, log: Option<LogWriter>) -> Self {
-        Self { sessions: Sessions::new(world), log, states: StateTimer::default() }
+        Self { sessions: Sessions::new(world), log: log.map(Mutex::new), states: StateTimer::default() }
     }
 
     /// Returns a copy that continues as the original would, without a log.
@@ -28,6 +31,16 @@ impl LoggedSessions {
     /// Returns the world.
     pub fn world(&self) -> &World {
         self.sessions.world()
+    }
+
+    /// Returns the world, to change it beside the sessions. A log does not tell of such changes.
+    pub fn world_mut(&mut self) -> &mut World {
+        self.sessions.world_mut()
+    }
+
+    /// True if there is a log that has not ended.
+    pub fn is_logged(&self) -> bool {
+        self.log.is_some()
     }
 
     /// Returns the newest pawn of a session.
@@ -72,7 +85,7 @@ impl LoggedSessions {
     /// When the log cannot be written.
     pub fn step(&mut self, sensed: &mut dyn FnMut(&Sensed)) -> Result<(), RecordError> {
         self.record(sensed, |sessions, hear| sessions.step(hear))?;
-        if let Some(log) = &mut self.log {
+        if let Some(log) = writer(&mut self.log) {
             let world = self.sessions.world();
             if self.states.is_due(world.time()) {
                 log.write_states(&world.snapshot())?;
@@ -97,6 +110,7 @@ impl LoggedSessions {
         let Some(log) = self.log.take() else { return Ok(()) };
         let world = self.sessions.world();
         let (time, digest) = (world.time(), Some(world.digest()));
+        let log = log.into_inner().unwrap_or_else(PoisonError::into_inner);
         log.finish(End { time, digest, unsettled_steps: world.unsettled_steps(), dropped: 0 })
     }
 
@@ -107,7 +121,7 @@ impl LoggedSessions {
         act: impl FnOnce(&mut Sessions, Listener),
     ) -> Result<Vec<Problem>, RecordError> {
         let (mut found, mut written) = (Vec::new(), Ok(()));
-        let log = &mut self.log;
+        let mut log = writer(&mut self.log);
         act(&mut self.sessions, &mut |world, news| {
             match &news {
                 News::Wrong { problems, .. } => found.extend_from_slice(problems),
@@ -122,6 +136,10 @@ impl LoggedSessions {
         });
         written.map(|()| found)
     }
+}
+
+fn writer(log: &mut Option<Mutex<LogWriter>>) -> Option<&mut LogWriter> {
+    log.as_mut().map(|log| log.get_mut().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// Returns the record of news; `None` for news that a log gets in another form.

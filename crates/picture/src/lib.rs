@@ -5,6 +5,7 @@
 //! only. (The crate `euc` draws triangles too, but has had no release since 2020.)
 
 mod camera;
+mod corners;
 mod mesh;
 mod raster;
 mod stage;
@@ -13,6 +14,7 @@ use nalgebra::{Point3, Vector3};
 use scene::{PawnId, Reading, Sensed, Snapshot, WorldDef};
 
 pub use camera::Camera;
+pub use corners::corners_of_map;
 pub use stage::Stage;
 
 use mesh::{Floor, Triangle};

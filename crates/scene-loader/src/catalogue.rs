@@ -139,7 +139,7 @@ pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) ->
     let map = map(map_name, overrides)?;
     overrides::check_used(overrides)?;
     changes.equipment.check_classes(robots.keys().map(String::as_str))?;
-    let world = WorldDef { map, robots, objects: built_in_objects()?, league: None };
+    let world = WorldDef { map, robots, objects: objects()?, league: None };
     world.check()?;
     Ok(world)
 }
@@ -252,8 +252,11 @@ fn read_definition(
     })
 }
 
-/// Returns the classes of objects that a world controller can create.
-fn built_in_objects() -> Result<BTreeMap<String, Object>, LoadError> {
+/// Returns the embedded classes of objects, by name.
+///
+/// # Errors
+/// When their file has a mistake.
+pub fn objects() -> Result<BTreeMap<String, Object>, LoadError> {
     let (source, mut problems) = (Source::BuiltIn(&ASSETS), Problems::default());
     let (text, materials) = (source.text("objects.toml")?, built_in_materials(&[])?);
     let objects = map_file::read_objects(&source, "objects.toml", &text, &materials, &mut problems);

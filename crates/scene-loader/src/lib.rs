@@ -19,7 +19,8 @@ mod source;
 mod urdf;
 
 pub use catalogue::{
-    File, load, load_equipped, load_with, map, map_files, map_names, robot, robot_equipped, robot_files, robot_names,
+    File, load, load_equipped, load_with, map, map_files, map_names, objects, robot, robot_equipped, robot_files,
+    robot_names,
 };
 pub use equipment::{Changes, Equipment};
 pub use import::{Content, Import, Imported, Packages, import};

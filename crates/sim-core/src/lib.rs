@@ -23,7 +23,7 @@ pub use drive::Order;
 pub use flight::Flight;
 pub use physics::Fault;
 pub use scene::{BodyState, ObjectId, Options, PawnId, TIME_STEP, WheelState};
-pub use threads::{OneThread, Threads};
+pub use threads::{OneThread, Threads, in_parts};
 pub use world::{
     Actor, ActorKind, Executed, LoadError, LostRobot, Report, Room, SaveError, SavedWorld, TILES, Tiles, World,
 };

@@ -20,12 +20,7 @@ impl Threads for OneThread {
 }
 
 /// Splits items into parts of at most `most` items and runs `work` on each part, possibly in parallel.
-pub(crate) fn in_parts<T: Send>(
-    threads: &dyn Threads,
-    most: usize,
-    items: &mut [T],
-    work: &(impl Fn(&mut [T]) + Sync),
-) {
+pub fn in_parts<T: Send>(threads: &dyn Threads, most: usize, items: &mut [T], work: &(impl Fn(&mut [T]) + Sync)) {
     if items.len() <= most.max(1) {
         return work(items);
     }

@@ -38,8 +38,8 @@ pub use report::Report;
 use robot::Robot;
 pub use saved::{LoadError, SaveError, SavedWorld};
 use scene::{
-    BodyState, NamedPose, ObjectSnapshot, Options, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WheelState,
-    WorldDef, check,
+    BodyState, JointState, NamedPose, ObjectId, ObjectSnapshot, Options, PawnId, Pose, RobotDef, RobotSnapshot,
+    Snapshot, WheelState, WorldDef, check,
 };
 pub use tiles::{TILES, Tiles};
 use tools::Tool;
@@ -555,6 +555,27 @@ impl World {
     pub fn state(&self, id: PawnId) -> Option<(BodyState, Vec<WheelState>)> {
         let robot = self.robots.get(&id)?;
         Some((self.physics.body(robot.bodies()), self.physics.wheels(robot.bodies())))
+    }
+
+    /// Returns position and speed of every joint of a robot that has a value, wheels included, in the order of the links.
+    pub fn joints(&self, id: PawnId) -> Option<Vec<JointState>> {
+        self.robots.get(&id).map(|robot| self.physics.joints(robot.bodies()))
+    }
+
+    /// Returns the pose of a movable object that no robot holds.
+    pub fn object(&self, id: ObjectId) -> Option<Pose> {
+        self.physics.object(id)
+    }
+
+    /// Puts a movable object at a pose, at rest. Returns false if there is none with this id, or a number is not finite or off the map.
+    pub fn put_object(&mut self, id: ObjectId, pose: &Pose) -> bool {
+        let is_on_map = pose.translation.vector.iter().all(|&number| check::MAP_REACH.holds(number));
+        let is_there =
+            is_on_map && pose.rotation.coords.iter().all(|it| it.is_finite()) && self.physics.object(id).is_some();
+        if is_there {
+            self.physics.put_object(id, pose);
+        }
+        is_there
     }
 
     /// Returns the number of systems, over all steps, whose contact solver did not converge. A system is a robot, or several that touch each

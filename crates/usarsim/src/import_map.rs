@@ -9,7 +9,6 @@ use serde_json::json;
 use sim_core::{Options, Room, World};
 
 use crate::output::{fill_new_folder, write};
-use crate::snapshot::standing;
 use crate::{Failure, exit, print, within};
 
 /// Options of `import-map`.
@@ -127,7 +126,7 @@ fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3]
 
 /// Returns free places, the nearest to the middle first, each with the name of a start pose.
 fn free_places(world: &mut World) -> Vec<(&'static str, [f64; 3])> {
-    let points = standing(world);
+    let points = picture::corners_of_map(&world.def().map);
     let ends = |axis: usize| {
         let places = points.iter().map(|point| point[axis]);
         places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], at| [least.min(at), most.max(at)])

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use gamebots_proto::command::Command;
 use gamebots_proto::{Line, Problem};
 use indicatif::ProgressBar;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use picture::{Camera, Image, Stage};
-use scene::{DriveModel, Pose, Shape};
+use scene::DriveModel;
 use scene_loader::Override;
 use sim_core::{Options, World};
 
@@ -120,8 +120,6 @@ const FIELD_OF_VIEW: f64 = 0.6;
 /// Distances of the camera from a robot over that at which it fills the picture: a driving one needs more room.
 const AROUND: f64 = 1.15;
 const AROUND_IN_FILMS: f64 = 2.0;
-/// Size of the view of an empty map, m.
-const BARE_MAP: [f64; 3] = [4.0, 4.0, 0.1];
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let given = [Some(&arguments.map), arguments.robot.as_ref()];
@@ -145,7 +143,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), ahead.y.atan2(ahead.x));
     let direction = turn * arguments.view.direction().normalize();
     let [width, height] = arguments.size;
-    let drawn = robot.map_or_else(|| standing(&world), |robot| stage.corners_of(world.def(), &snapshot, robot));
+    let drawn = robot.map_or_else(
+        || picture::corners_of_map(&world.def().map),
+        |robot| stage.corners_of(world.def(), &snapshot, robot),
+    );
     let fitted = Camera::fitting(&drawn, -direction, FIELD_OF_VIEW, arguments.size);
     let around = match (robot, arguments.film) {
         (None, _) => 1.0,
@@ -207,33 +208,4 @@ fn place(world: &mut World, class: &str, arguments: &Arguments) -> Result<(), St
     let steps = (arguments.seconds / world.time_step()).round() as u64;
     (0..steps).for_each(|_| drop(world.step()));
     Ok(())
-}
-
-/// Returns the corners of all solids and objects of the map.
-pub(crate) fn standing(world: &World) -> Vec<Point3<f64>> {
-    let map = &world.def().map;
-    let solids = map.solids.iter().chain(map.objects.iter().map(|object| &object.solid));
-    let mut places: Vec<Point3<f64>> = solids.flat_map(|solid| corners(&solid.shape, &solid.pose())).collect();
-    if places.is_empty() {
-        places.extend(corners(&Shape::Box { size: BARE_MAP }, &Pose::identity()));
-    }
-    places
-}
-
-/// Returns points that span a shape.
-fn corners(shape: &Shape, pose: &Pose) -> Vec<Point3<f64>> {
-    let reach = match shape {
-        Shape::HalfSpace => return Vec::new(),
-        Shape::Hull { points } | Shape::Mesh { vertices: points, .. } => {
-            return points.iter().map(|&point| pose * Point3::from(point)).collect();
-        }
-        Shape::HeightField(field) => return field.corners().map(|point| pose * Point3::from(point)).collect(),
-        Shape::Box { size } => Vector3::from(*size) / 2.0,
-        Shape::Ball { radius } => Vector3::repeat(*radius),
-        Shape::Cylinder { radius, length } => Vector3::new(*radius, *radius, length / 2.0),
-    };
-    let sign = |bit: usize, axis: usize| if bit >> axis & 1 == 0 { 1.0 } else { -1.0 };
-    (0..8)
-        .map(|bit| pose * Point3::new(sign(bit, 0) * reach.x, sign(bit, 1) * reach.y, sign(bit, 2) * reach.z))
-        .collect()
 }

@@ -1,0 +1,105 @@
+//! Grip the object and bring it to a point.
+//!
+//! A robot observes the object in its own frame (3), its gripper in its own frame (3), the point in its own frame (2), its velocities (3),
+//! and the positions of its joints that are no wheels. The reward is the distance that the gripper came nearer to the object, m, the
+//! height that the object rose, m, the distance that the object came nearer to the point, m, and 1 when the object is there. There is one
+//! robot.
+
+use nalgebra::Point3;
+use rand_chacha::ChaCha8Rng;
+use scene::{RobotDef, Shape};
+use serde::Deserialize;
+
+use super::{Goal, RobotSight, Sight, Verdict, distance, draw};
+use crate::task::check_range;
+
+/// Reward of the arrival.
+const ARRIVAL: f64 = 1.0;
+
+/// Settings of the goal.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Settings {
+    /// Least and most of x and y of the point, m.
+    target: [[f64; 2]; 2],
+    /// Distance at which the object is there, m, in the plane.
+    tolerance: f64,
+    /// Name of the gripper.
+    gripper: String,
+}
+
+pub(crate) struct Fetch {
+    settings: Settings,
+    robot: RobotDef,
+    /// Links of the fingers.
+    fingers: Vec<usize>,
+    /// Joints that are no wheels, among those with a value.
+    joints: Vec<usize>,
+    target: [f64; 2],
+    /// Distance of the gripper from the object, height of the object over the floor, and its distance from the point, m.
+    progress: [f64; 3],
+}
+
+impl Fetch {
+    /// Creates the goal; `_object` shows that the task has one.
+    pub(crate) fn new(settings: Settings, _object: (), robot: &RobotDef) -> Result<Self, String> {
+        settings.target.into_iter().try_for_each(|range| check_range("fetch.target", range, -1000.0, 1000.0))?;
+        check_range("fetch.tolerance", [settings.tolerance; 2], 1e-3, 100.0)?;
+        let gripper = robot.grippers.iter().find(|gripper| gripper.name.eq_ignore_ascii_case(&settings.gripper));
+        let Some(gripper) = gripper else {
+            return Err(format!("fetch.gripper: {} has no gripper `{}`", robot.class, settings.gripper));
+        };
+        let joints = robot.with_values().enumerate().filter(|(_, link)| link.wheel.is_none());
+        let joints = joints.map(|(number, _)| number).collect();
+        let fingers = gripper.links.clone();
+        Ok(Self { settings, robot: robot.clone(), fingers, joints, target: [0.0; 2], progress: [0.0; 3] })
+    }
+
+    /// Returns the middle between the fingers in the robot frame, m.
+    fn grip(&self, seen: &RobotSight) -> Point3<f64> {
+        let placed = self.robot.placed_links(&seen.joints);
+        let ends = self.fingers.iter().filter_map(|&finger| {
+            let (link, pose) = placed.get(finger)?;
+            // The middle of the finger's shapes, which is nearer to the tip than its joint.
+            let solid = link.solids.iter().find(|solid| matches!(solid.shape, Shape::Box { .. }))?;
+            Some((pose * solid.pose()).translation.vector)
+        });
+        let ends: Vec<_> = ends.collect();
+        Point3::from(ends.iter().sum::<nalgebra::Vector3<f64>>() / ends.len().max(1) as f64)
+    }
+
+    fn progress(&self, sight: &Sight) -> [f64; 3] {
+        let (seen, object) = (&sight.robots[0], sight.object.unwrap_or_default());
+        let object = object.translation.vector;
+        let grip = seen.pose * self.grip(seen);
+        [(grip.coords - object).norm(), -object.z, distance(object.xy().into(), self.target)]
+    }
+}
+
+impl Goal for Fetch {
+    fn width(&self) -> usize {
+        3 + 3 + 2 + 3 + self.joints.len()
+    }
+
+    fn reset(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
+        self.target = self.settings.target.map(|range| draw(rng, range));
+        self.progress = self.progress(sight);
+    }
+
+    fn observe(&self, sight: &Sight, robot: usize, push: &mut dyn FnMut(f64)) {
+        let (seen, object) = (&sight.robots[robot], sight.object.unwrap_or_default());
+        let object = seen.pose.inverse() * Point3::from(object.translation.vector);
+        object.iter().chain(self.grip(seen).iter()).for_each(|number| push(*number));
+        seen.place.to_own(self.target).into_iter().chain(seen.velocity).for_each(&mut *push);
+        self.joints.iter().for_each(|&joint| push(seen.joints.get(joint).map_or(0.0, |joint| joint.position)));
+    }
+
+    fn judge(&mut self, sight: &Sight) -> Verdict {
+        let [near, height, far] = self.progress(sight);
+        let [near_before, height_before, far_before] = std::mem::replace(&mut self.progress, [near, height, far]);
+        let is_success = far <= self.settings.tolerance;
+        let reward = near_before - near + height - height_before + far_before - far;
+        let reward = reward + if is_success { ARRIVAL } else { 0.0 };
+        Verdict { rewards: vec![reward], is_over: is_success, is_success }
+    }
+}

@@ -1,0 +1,80 @@
+//! Push the object to a point.
+//!
+//! A robot observes the object (2) and the point (2) in its own frame, the object's heading (2: cosine and sine), and its own velocities
+//! (3). All robots get one reward: the distance that the object came nearer to the point, m, a tenth of the distance that the robots came
+//! nearer to the object, and 1 when the object is there.
+
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+
+use super::{Goal, Place, Sight, Verdict, distance, draw};
+use crate::task::check_range;
+
+/// Reward for coming nearer to the object, of that for the object's coming nearer to the point.
+const APPROACH: f64 = 0.1;
+/// Reward of the arrival.
+const ARRIVAL: f64 = 1.0;
+
+/// Settings of the goal.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Settings {
+    /// Least and most of x and y of the point, m.
+    target: [[f64; 2]; 2],
+    /// Distance at which the object is there, m.
+    tolerance: f64,
+}
+
+pub(crate) struct Push {
+    settings: Settings,
+    target: [f64; 2],
+    /// Distances of the object from the point, and of the robots from the object, m.
+    distances: [f64; 2],
+}
+
+impl Push {
+    /// Creates the goal; `_object` shows that the task has one.
+    pub(crate) fn new(settings: Settings, _object: ()) -> Result<Self, String> {
+        settings.target.into_iter().try_for_each(|range| check_range("push.target", range, -1000.0, 1000.0))?;
+        check_range("push.tolerance", [settings.tolerance; 2], 1e-3, 100.0)?;
+        Ok(Self { settings, target: [0.0; 2], distances: [0.0; 2] })
+    }
+
+    fn distances(&self, sight: &Sight) -> [f64; 2] {
+        let object = object(sight).point();
+        let robots = sight.robots.iter().map(|robot| distance(robot.place.point(), object));
+        [distance(object, self.target), robots.sum::<f64>() / sight.robots.len().max(1) as f64]
+    }
+}
+
+/// Returns the place of the object.
+fn object(sight: &Sight) -> Place {
+    sight.object.as_ref().map_or_else(Place::default, Place::of)
+}
+
+impl Goal for Push {
+    fn width(&self) -> usize {
+        9
+    }
+
+    fn reset(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
+        self.target = self.settings.target.map(|range| draw(rng, range));
+        self.distances = self.distances(sight);
+    }
+
+    fn observe(&self, sight: &Sight, robot: usize, push: &mut dyn FnMut(f64)) {
+        let (seen, object) = (&sight.robots[robot], object(sight));
+        let (sin, cos) = libm::sincos(object.yaw - seen.place.yaw);
+        let places = [seen.place.to_own(object.point()), seen.place.to_own(self.target), [cos, sin]];
+        places.into_iter().flatten().chain(seen.velocity).for_each(push);
+    }
+
+    fn judge(&mut self, sight: &Sight) -> Verdict {
+        let now = self.distances(sight);
+        let [pushed, approached] = [0, 1].map(|which| self.distances[which] - now[which]);
+        self.distances = now;
+        let is_success = now[0] <= self.settings.tolerance;
+        let reward = pushed + APPROACH * approached + if is_success { ARRIVAL } else { 0.0 };
+        Verdict { rewards: vec![reward; sight.robots.len()], is_over: is_success, is_success }
+    }
+}

@@ -1,0 +1,104 @@
+//! Replay, validation, experiments and fits. Results are JSON, which the Python part reads.
+
+use std::path::PathBuf;
+
+use ::scene::{DriveModel, Options};
+use experiments::batch::Batch;
+use experiments::fit::Fit;
+use experiments::plan::Plan;
+use experiments::validation::{self, Finding, Subject};
+use experiments::{report, run};
+use pyo3::prelude::*;
+use scene_loader::Override;
+use serde_json::{Value, json};
+
+use crate::error;
+
+/// Replays a log and compares. Returns JSON.
+#[pyfunction]
+#[pyo3(name = "_replay")]
+pub(crate) fn replay(py: Python, path: PathBuf) -> PyResult<String> {
+    py.detach(|| {
+        let failed = |text: &dyn std::fmt::Display| error::log(format_args!("{}: {text}", path.display()));
+        let log = recorder::read(&path).map_err(error::log)?;
+        let replay = ::replay::replay(&log).map_err(|error| failed(&error))?;
+        let recorded = replay.recorded.map(|digest| format!("{digest:016x}"));
+        Ok(json!({
+            "same": replay.is_same(), "seconds": replay.seconds, "digest": format!("{:016x}", replay.digest),
+            "recorded": recorded, "states": replay.states, "first_difference": replay.first_difference,
+        })
+        .to_string())
+    })
+}
+
+/// Runs the physical checks of a robot on wheels. Returns JSON.
+#[pyfunction]
+#[pyo3(name = "_validate", signature = (robot, *, drive_model = None, set = Vec::new(), checks = None, seconds = 20.0, time_step = ::scene::TIME_STEP))]
+pub(crate) fn validate(
+    py: Python,
+    robot: &str,
+    drive_model: Option<&str>,
+    set: Vec<String>,
+    checks: Option<Vec<u32>>,
+    seconds: f64,
+    time_step: f64,
+) -> PyResult<String> {
+    py.detach(|| {
+        if !(1.0..=60.0).contains(&seconds) || !(1e-4..=0.02).contains(&time_step) {
+            let text = format!("got {seconds} s and a time step of {time_step} s: expected 1 to 60 and 0.0001 to 0.02");
+            return Err(error::task(text));
+        }
+        let overrides = set.iter().map(|text| text.parse()).collect::<Result<Vec<Override>, _>>();
+        let overrides = overrides.map_err(error::scene)?;
+        let model = drive_model.map(str::parse::<DriveModel>).transpose().map_err(error::scene)?;
+        let mut robot = scene_loader::robot(robot, &overrides).map_err(error::scene)?;
+        robot.set_drive_model(model);
+        let mut floor = scene_loader::map("rough", &overrides).map_err(error::scene)?;
+        scene_loader::check_used(&overrides).map_err(error::scene)?;
+        let options = Options { time_step, ..Options::default() };
+        let subject = Subject { robot, floor: floor.solids.swap_remove(0).material, options, seconds };
+        let names = validation::checks(&subject.robot);
+        let mut findings = Vec::new();
+        for check in checks.unwrap_or_else(|| (1..=names.len() as u32).collect()) {
+            findings.extend(validation::check(&subject, check).map_err(error::task)?);
+        }
+        let bound = |value: f64| value.is_finite().then_some(value);
+        let row = |finding: &Finding| {
+            let name = names.get(finding.check as usize - 1).copied().unwrap_or_default();
+            json!({
+                "check": finding.check, "name": name, "what": finding.what, "measured": finding.measured,
+                "least": bound(finding.least), "most": bound(finding.most), "passes": finding.passes(),
+                "reason": validation::reason(&subject.robot, finding),
+            })
+        };
+        Ok(Value::from(findings.iter().map(row).collect::<Vec<_>>()).to_string())
+    })
+}
+
+/// Runs an experiment file into a folder. Returns the outcomes as JSON.
+#[pyfunction]
+#[pyo3(name = "_run_experiment", signature = (file, out, *, jobs))]
+pub(crate) fn run_experiment(py: Python, file: PathBuf, out: PathBuf, jobs: usize) -> PyResult<String> {
+    py.detach(|| {
+        let text =
+            std::fs::read_to_string(&file).map_err(|it| error::task(format_args!("{}: {it}", file.display())))?;
+        let plans = [Plan::read(&file, &text).map_err(error::task)?];
+        let batch = Batch::open(&out, &plans).map_err(error::task)?;
+        let make = |plan: &Plan, run: &experiments::plan::Run, log: &std::path::Path| run::run(plan, run, Some(log));
+        let outcomes = batch.run(jobs, make, |_, _| {}).map_err(error::task)?;
+        report::write_all(&out, &plans[0].name, &plans, &[], &outcomes).map_err(error::task)?;
+        serde_json::to_string(&outcomes).map_err(error::task)
+    })
+}
+
+/// Fits parameters of a robot to measured steps. Returns JSON.
+#[pyfunction]
+#[pyo3(name = "_fit", signature = (file, *, drive_model = None, jobs))]
+pub(crate) fn fit(py: Python, file: PathBuf, drive_model: Option<&str>, jobs: usize) -> PyResult<String> {
+    py.detach(|| {
+        let model = drive_model.map(str::parse::<DriveModel>).transpose().map_err(error::scene)?;
+        let fit = Fit::read(&file, model).map_err(error::task)?;
+        let found = fit.find(jobs, |_| {}).map_err(error::task)?;
+        serde_json::to_string(&found).map_err(error::task)
+    })
+}

@@ -1,0 +1,98 @@
+//! Scenes: a map and classes of robots, loaded from names and files.
+
+use std::path::PathBuf;
+
+use ::scene::{DriveModel, WorldDef};
+use pyo3::prelude::*;
+use scene_loader::{Changes, Equipment, Override};
+use sim_core::CompiledScene;
+
+use crate::error;
+
+/// Returns the names of the shipped maps.
+#[pyfunction]
+pub(crate) fn maps() -> Vec<String> {
+    scene_loader::map_names()
+}
+
+/// Returns the names of the shipped robot classes.
+#[pyfunction]
+pub(crate) fn robots() -> Vec<String> {
+    scene_loader::robot_names()
+}
+
+/// A map with classes of robots. Worlds share it.
+#[pyclass(frozen, module = "usarsim")]
+pub(crate) struct Scene {
+    pub(crate) compiled: CompiledScene,
+}
+
+impl Scene {
+    pub(crate) fn def(&self) -> &WorldDef {
+        self.compiled.def()
+    }
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    #[pyo3(signature = (map = "hall", *, robots = Vec::new(), set = Vec::new(), equipment = None, drive_model = None))]
+    fn new(
+        py: Python,
+        map: &str,
+        robots: Vec<PathBuf>,
+        set: Vec<String>,
+        equipment: Option<&str>,
+        drive_model: Option<&str>,
+    ) -> PyResult<Self> {
+        py.detach(|| {
+            let overrides = set.iter().map(|text| text.parse()).collect::<Result<Vec<Override>, _>>();
+            let overrides = overrides.map_err(error::scene)?;
+            let model = drive_model.map(str::parse::<DriveModel>).transpose().map_err(error::scene)?;
+            let equipment = equipment.map_or_else(|| Ok(Equipment::default()), Equipment::load);
+            let equipment = equipment.map_err(error::scene)?;
+            let files: Vec<_> = robots.iter().map(PathBuf::as_path).collect();
+            let changes = Changes { overrides: &overrides, equipment: &equipment };
+            let mut def = scene_loader::load_equipped(map, &files, changes).map_err(error::scene)?;
+            def.robots.values_mut().for_each(|robot| robot.set_drive_model(model));
+            Ok(Self { compiled: def.into() })
+        })
+    }
+
+    /// Name of the map.
+    #[getter]
+    fn map(&self) -> &str {
+        &self.def().map.name
+    }
+
+    /// Names of the robot classes.
+    #[getter]
+    fn classes(&self) -> Vec<&str> {
+        self.def().robots.keys().map(String::as_str).collect()
+    }
+
+    /// Names of the start poses of the map.
+    #[getter]
+    fn starts(&self) -> Vec<&str> {
+        self.def().map.starts.iter().map(|start| start.name.as_str()).collect()
+    }
+
+    /// Returns every number of a robot class as JSON.
+    fn _robot_json(&self, class_name: &str) -> PyResult<String> {
+        let known = self.def().robots.iter().find(|(class, _)| class.eq_ignore_ascii_case(class_name));
+        let Some((_, robot)) = known else {
+            let meant = names::did_you_mean(class_name, self.def().robots.keys().map(String::as_str));
+            return Err(error::scene(format_args!("unknown robot class `{class_name}`{meant}")));
+        };
+        serde_json::to_string(robot).map_err(error::scene)
+    }
+
+    /// Returns every number of the map as JSON.
+    fn _map_json(&self) -> PyResult<String> {
+        serde_json::to_string(&self.def().map).map_err(error::scene)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Scene({:?}, {} robot classes)", self.def().map.name, self.def().robots.len())
+    }
+}
