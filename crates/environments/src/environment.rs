@@ -47,6 +47,11 @@ impl Environment {
         Self { task, world, robots, targets, goal, sight, rng, age: 0, is_over: true }
     }
 
+    /// True if an episode has begun.
+    pub(crate) fn has_begun(&self) -> bool {
+        !self.robots.is_empty()
+    }
+
     /// Returns the world.
     pub(crate) fn world(&self) -> &World {
         &self.world

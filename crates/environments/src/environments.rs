@@ -141,6 +141,9 @@ impl Environments {
         if let Some(place) = actions.iter().position(|action| !action.is_finite()) {
             return Err(BatchError::Action { environment: place / widths[0].max(1), got: actions[place] });
         }
+        if let Some(number) = self.environments.iter().position(|it| !it.has_begun()) {
+            return Err(BatchError::NotBegun(number));
+        }
         let rows = self.environments.iter_mut().zip(actions.chunks_exact(widths[0].max(1)));
         let rows = rows.zip(observations.chunks_exact_mut(widths[1].max(1))).zip(rewards.chunks_exact_mut(robots));
         let flags = terminated.iter_mut().zip(truncated).zip(successes);

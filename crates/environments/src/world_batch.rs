@@ -194,6 +194,9 @@ pub enum BatchError {
         /// The first of them.
         first: usize,
     },
+    /// A step before the first reset.
+    #[error("environment {0} was never reset: expected a reset before the first step")]
+    NotBegun(usize),
     /// An action that is not finite.
     #[error("environment {environment}: got an action of {got}, expected -1 to 1")]
     Action {

@@ -18,6 +18,7 @@ pub mod plot;
 mod reference;
 pub mod report;
 pub mod run;
+pub mod sweep;
 pub mod table;
 pub mod thesis;
 pub mod validation;

@@ -1,5 +1,7 @@
 //! Experiment files and the runs that follow from them.
 
+use std::collections::HashSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use scene::DriveModel;
@@ -9,7 +11,7 @@ use serde::Deserialize;
 use crate::plot::Plot;
 
 /// Maximum number of runs of one file.
-const MAX_RUNS: usize = 100_000;
+const MAX_RUNS: usize = 1_000_000;
 /// Maximum number of values of an axis.
 const MAX_VALUES: usize = 10_000;
 /// Longest run, simulated s.
@@ -210,6 +212,17 @@ impl Plan {
     /// # Errors
     /// Gives the line of a mistake, or the number that is out of bounds.
     pub fn read(file: &Path, text: &str) -> Result<Self, PlanError> {
+        let plan = Self::read_checked(file, text)?;
+        let error = |reason| PlanError { file: file.display().to_string(), reason };
+        plan.check().map_err(error)?;
+        Ok(plan)
+    }
+
+    /// Reads an experiment that was checked before, without a look at every run.
+    ///
+    /// # Errors
+    /// Gives the line of a mistake.
+    pub fn read_checked(file: &Path, text: &str) -> Result<Self, PlanError> {
         let error =
             |reason: String| PlanError { file: file.display().to_string(), reason: reason.trim_end().to_owned() };
         let mut plan: Self = toml::from_str(text).map_err(|reason| error(reason.to_string()))?;
@@ -221,41 +234,56 @@ impl Plan {
         if plan.models.is_empty() {
             plan.models = vec![None];
         }
-        plan.check().map_err(error)?;
         Ok(plan)
     }
 
     /// Returns every run, in the order of the axes, then models, then samples.
     pub fn runs(&self) -> Vec<Run> {
-        let mut combinations = vec![(self.setup.clone(), Vec::new())];
-        for axis in &self.axes {
-            let values = axis.setups();
-            let vary = |(setup, labels): &(Setup, Vec<(String, String)>)| {
-                let (setup, labels) = (setup.clone(), labels.clone());
-                let with = move |value: &Setup| {
-                    let label = (axis.name.clone(), value.name.clone());
-                    (setup.with(value), labels.iter().cloned().chain([label]).collect())
-                };
-                values.iter().map(with).collect::<Vec<_>>()
-            };
-            combinations = combinations.iter().flat_map(vary).collect();
+        self.runs_in(0..self.count()).collect()
+    }
+
+    /// Returns the number of runs.
+    pub fn count(&self) -> usize {
+        let values = self.axes.iter().map(|axis| axis.setups().len());
+        values.fold(self.models.len().saturating_mul(self.samples as usize), usize::saturating_mul)
+    }
+
+    /// Returns the runs with these numbers in the order of all. Others take no time or memory.
+    pub fn runs_in(&self, numbers: Range<usize>) -> impl Iterator<Item = Run> + '_ {
+        let axes: Vec<Vec<Setup>> = self.axes.iter().map(Axis::setups).collect();
+        (numbers.start..numbers.end.min(self.count())).map(move |number| self.run(&axes, number))
+    }
+
+    /// Returns a run by its number. Samples change fastest, then models, then the last axis.
+    fn run(&self, axes: &[Vec<Setup>], number: usize) -> Run {
+        let samples = self.samples as usize;
+        let (sample, model) = (number % samples + 1, number / samples % self.models.len());
+        let mut rest = number / samples / self.models.len();
+        let mut values = Vec::new();
+        for axis in axes.iter().rev() {
+            values.push(&axis[rest % axis.len()]);
+            rest /= axis.len();
         }
-        let mut runs = Vec::new();
-        for (setup, labels) in &combinations {
-            for &drive_model in &self.models {
-                for sample in 1..=self.samples {
-                    let mut labels = labels.clone();
-                    let model = drive_model.map_or("own", DriveModel::name);
-                    labels.extend(
-                        [("model", model.to_owned()), ("sample", sample.to_string())].map(|(k, v)| (k.to_owned(), v)),
-                    );
-                    let values: Vec<String> = labels.iter().map(|(_, value)| file_name(value)).collect();
-                    let id = format!("{}/{}", self.name, values.join("-"));
-                    runs.push(Run { id, labels, setup: setup.clone(), drive_model, sample });
-                }
-            }
+        values.reverse();
+        let setup = values.iter().fold(self.setup.clone(), |setup, value| setup.with(value));
+        let drive_model = self.models[model];
+        let name = drive_model.map_or("own", DriveModel::name);
+        let axes = self.axes.iter().zip(&values).map(|(axis, value)| (axis.name.clone(), value.name.clone()));
+        let others = [("model", name.to_owned()), ("sample", sample.to_string())].map(|(k, v)| (k.to_owned(), v));
+        let labels: Vec<(String, String)> = axes.chain(others).collect();
+        let values: Vec<String> = labels.iter().map(|(_, value)| file_name(value)).collect();
+        let id = format!("{}/{}", self.name, values.join("-"));
+        Run { id, labels, setup, drive_model, sample: sample as u32 }
+    }
+
+    /// Returns every value of a label, in the order of the runs; none if no run has the label.
+    pub(crate) fn values_of(&self, label: &str) -> Vec<String> {
+        let axis = self.axes.iter().filter(|axis| axis.name == label).flat_map(Axis::setups).map(|value| value.name);
+        match label {
+            "model" => self.models.iter().map(|model| model.map_or("own", DriveModel::name).to_owned()).collect(),
+            "sample" => (1..=self.samples).map(|sample| sample.to_string()).collect(),
+            _ => axis.collect(),
         }
-        runs
     }
 
     /// Keeps only these models, in their order. A plan without named models gets all of them. A plan that names none of them has no
@@ -290,24 +318,21 @@ impl Plan {
         [("friction", friction), ("mass", mass)]
             .into_iter()
             .try_for_each(|(what, value)| within(what, value, 0.0, 0.9))?;
-        let mut count = self.models.len() * self.samples as usize;
         for axis in &self.axes {
             axis.check().map_err(|reason| format!("axis `{}`: {reason}", axis.name))?;
-            count = count.saturating_mul(axis.setups().len());
         }
+        let count = self.count();
         if count > MAX_RUNS {
             return Err(format!("{count} runs: expected at most {MAX_RUNS}"));
         }
-        let runs = self.runs();
-        for run in &runs {
+        let mut ids = HashSet::with_capacity(count);
+        for run in self.runs_in(0..count) {
             run.setup.check().map_err(|reason| format!("run {}: {reason}", run.id))?;
+            if let Some(id) = ids.replace(run.id) {
+                return Err(format!("two runs are called {id}: expected values with different names"));
+            }
         }
-        let mut ids: Vec<&str> = runs.iter().map(|run| run.id.as_str()).collect();
-        ids.sort_unstable();
-        match ids.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(format!("two runs are called {}: expected values with different names", pair[0])),
-            None => self.plots.iter().try_for_each(|plot| plot.check(&runs)),
-        }
+        self.plots.iter().try_for_each(|plot| plot.check(self))
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use charts::{Chart, ChartError, Series};
 use serde::Deserialize;
 
-use crate::plan::Run;
+use crate::plan::Plan;
 use crate::run::Outcome;
 
 /// Axis label for the step number instead of the value of an axis.
@@ -111,9 +111,9 @@ struct Reference {
 
 impl Plot {
     /// Checks that the runs have every label that the plot names.
-    pub(crate) fn check(&self, runs: &[Run]) -> Result<(), String> {
+    pub(crate) fn check(&self, plan: &Plan) -> Result<(), String> {
         let wrong = |what: String| Err(format!("plot `{}`: {what}", self.name));
-        let known = |name: &str| runs.iter().any(|run| run.labels.iter().any(|(label, _)| label == name));
+        let known = |name: &str| !plan.values_of(name).is_empty();
         let named = self.colour.iter().chain((self.x != STEP).then_some(&self.x)).chain(self.only.keys());
         for name in named {
             if !known(name) {
@@ -121,10 +121,9 @@ impl Plot {
             }
         }
         for (name, values) in &self.only {
-            let is = |run: &Run, value| run.labels.iter().any(|(label, v)| label == name && v == value);
+            let known = plan.values_of(name);
             // A model that was not requested is no mistake of the file.
-            if let Some(value) = values.iter().find(|value| name != "model" && !runs.iter().any(|run| is(run, *value)))
-            {
+            if let Some(value) = values.iter().find(|value| name != "model" && !known.contains(value)) {
                 return wrong(format!("`{name}` is never `{value}`"));
             }
         }

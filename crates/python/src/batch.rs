@@ -3,6 +3,7 @@
 use environments::{BatchError, Column, WorldBatch};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PySlice;
 
 use crate::error;
 use crate::world::{World, pool};
@@ -41,7 +42,7 @@ impl Batch {
     #[pyo3(signature = (orders, steps = 1))]
     fn step(&mut self, py: Python, orders: PyReadonlyArray2<f64>, steps: u32) -> PyResult<Py<PyArray2<f64>>> {
         let Self { batch, observations } = self;
-        check_rows("orders", orders.shape(), [batch.worlds(), batch.order_width()])?;
+        check_rows("orders", &orders, [batch.worlds(), batch.order_width()])?;
         let orders = orders.as_slice().map_err(|_| contiguous("orders"))?;
         let mut written = observations.bind(py).try_readwrite().map_err(error::task)?;
         let rows = written.as_slice_mut().map_err(|_| contiguous("observations"))?;
@@ -79,6 +80,26 @@ impl Batch {
         self.batch.order_width()
     }
 
+    /// Returns the columns of a group of observations.
+    #[pyo3(signature = (name, robot = 0))]
+    fn column<'py>(&self, py: Python<'py>, name: &str, robot: usize) -> PyResult<Bound<'py, PySlice>> {
+        let group: Column = name.parse().map_err(error::task)?;
+        let known = self.batch.layout().into_iter().find(|(number, column, _)| (*number, column) == (robot, &group));
+        let Some((_, _, range)) = known else {
+            return Err(error::task(format_args!("robot {robot} has no observations `{name}` in this batch")));
+        };
+        Ok(PySlice::new(py, range.start as isize, range.end as isize, 1))
+    }
+
+    /// Returns a copy of a world.
+    fn world(&self, number: usize) -> PyResult<World> {
+        let Some(world) = self.batch.world(number) else {
+            let count = self.batch.worlds();
+            return Err(error::task(format_args!("world: got {number}, expected less than {count}")));
+        };
+        World::of(world.clone(), pool(1)?).map_err(error::log)
+    }
+
     /// Hashes of the bits of every body, a world each.
     #[getter]
     fn digests(&self) -> Vec<String> {
@@ -100,9 +121,15 @@ pub(crate) fn contiguous(name: &str) -> PyErr {
     error::task(format_args!("{name}: expected a contiguous array in C order"))
 }
 
-pub(crate) fn check_rows(name: &str, got: &[usize], expected: [usize; 2]) -> PyResult<()> {
-    if got == expected {
-        return Ok(());
+/// Checks the shape of an array, and that its rows are one after the other.
+pub(crate) fn check_rows<T: numpy::Element>(
+    name: &str,
+    array: &Bound<PyArray2<T>>,
+    expected: [usize; 2],
+) -> PyResult<()> {
+    let got = array.shape();
+    if got != expected {
+        return Err(error::task(format_args!("{name}: got an array of shape {got:?}, expected {expected:?}")));
     }
-    Err(error::task(format_args!("{name}: got an array of shape {got:?}, expected {expected:?}")))
+    array.is_c_contiguous().then_some(()).ok_or_else(|| contiguous(name))
 }

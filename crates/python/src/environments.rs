@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use ::environments::{Autoreset, Outcomes, Task};
-use numpy::{
-    PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2, PyUntypedArrayMethods,
-};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
 use picture::Stage;
 use pyo3::prelude::*;
 
@@ -49,7 +47,7 @@ impl Environments {
         seeds: Option<Vec<u64>>,
         mask: Option<PyReadonlyArray1<bool>>,
     ) -> PyResult<()> {
-        check_rows("observations", observations.shape(), self.shape(self.observations()))?;
+        check_rows("observations", &observations, self.shape(self.observations()))?;
         let mask = mask.as_ref().map(|mask| mask.as_slice().map_err(|_| contiguous("mask"))).transpose()?;
         let rows = observations.as_slice_mut().map_err(|_| contiguous("observations"))?;
         let environments = &mut self.environments;
@@ -80,16 +78,18 @@ impl Environments {
                 return Err(error::task(format_args!("unknown autoreset mode `{other}`: {expected}")));
             }
         };
-        check_rows("actions", actions.shape(), self.shape(self.actions()))?;
-        check_rows("observations", observations.shape(), self.shape(self.observations()))?;
+        check_rows("actions", &actions, self.shape(self.actions()))?;
+        check_rows("observations", &observations, self.shape(self.observations()))?;
         let actions = actions.as_slice().map_err(|_| contiguous("actions"))?;
+        check_rows("rewards", &rewards, [self.count(), self.robots()])?;
+        check_rows("last_observations", &last_observations, self.shape(self.observations()))?;
         let outcomes = Outcomes {
             observations: observations.as_slice_mut().map_err(|_| contiguous("observations"))?,
             rewards: rewards.as_slice_mut().map_err(|_| contiguous("rewards"))?,
             terminated: terminated.as_slice_mut().map_err(|_| contiguous("terminated"))?,
             truncated: truncated.as_slice_mut().map_err(|_| contiguous("truncated"))?,
             successes: successes.as_slice_mut().map_err(|_| contiguous("successes"))?,
-            last_observations: last_observations.as_slice_mut().map_err(|_| contiguous("last observations"))?,
+            last_observations: last_observations.as_slice_mut().map_err(|_| contiguous("last_observations"))?,
         };
         let environments = &mut self.environments;
         py.detach(|| environments.step(actions, autoreset, outcomes)).map_err(error::task)
@@ -106,6 +106,16 @@ impl Environments {
         let stage = self.stage.get_or_insert_with(|| Arc::new(Stage::new(world.def()))).clone();
         let image = py.detach(|| draw(&stage, world, size, None, None));
         array(py, image)
+    }
+
+    fn __len__(&self) -> usize {
+        self.environments.count()
+    }
+
+    fn __repr__(&self) -> String {
+        let task = self.environments.task();
+        let (name, count, actions, observations) = (&task.name, self.count(), task.actions(), task.observations());
+        format!("Environments({name:?}, {count} with {actions} actions and {observations} observations a robot)")
     }
 
     /// Number of environments.

@@ -17,7 +17,7 @@ create_exception!(usarsim, CommandError, Error, "A robot cannot do what it was t
 create_exception!(usarsim, SaveError, Error, "A world cannot be saved, or go on from a saved state.");
 create_exception!(usarsim, LogError, Error, "A log cannot be written, read or replayed.");
 create_exception!(usarsim, TaskError, Error, "A task, an experiment or a fit cannot run.");
-create_exception!(usarsim, Warning, PyUserWarning, "Something was done in another way than asked for.");
+create_exception!(usarsim, UsarsimWarning, PyUserWarning, "Something was done in another way than asked for.");
 
 pub(crate) fn add_to(module: &Bound<PyModule>) -> PyResult<()> {
     let py = module.py();
@@ -27,7 +27,7 @@ pub(crate) fn add_to(module: &Bound<PyModule>) -> PyResult<()> {
     module.add("SaveError", py.get_type::<SaveError>())?;
     module.add("LogError", py.get_type::<LogError>())?;
     module.add("TaskError", py.get_type::<TaskError>())?;
-    module.add("Warning", py.get_type::<Warning>())
+    module.add("UsarsimWarning", py.get_type::<UsarsimWarning>())
 }
 
 pub(crate) fn scene(error: impl Display) -> PyErr {

@@ -39,5 +39,8 @@ fn _native(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(runs::validate, module)?)?;
     module.add_function(wrap_pyfunction!(runs::run_experiment, module)?)?;
     module.add_function(wrap_pyfunction!(runs::fit, module)?)?;
+    module.add_function(wrap_pyfunction!(runs::sweep_batches, module)?)?;
+    module.add_function(wrap_pyfunction!(runs::sweep_batch, module)?)?;
+    module.add_function(wrap_pyfunction!(runs::finish_sweep, module)?)?;
     error::add_to(module)
 }

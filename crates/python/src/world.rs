@@ -3,29 +3,30 @@
 //! Every robot has a session of its own, and orders are lines of the wire. So a log of a world in Python is like a log of a server, and
 //! `usarsim log replay` repeats it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use ::scene::{BodyState, JointState, ObjectId, Options, PawnId, Pose, RobotDef, Sensed};
+use ::scene::{BodyState, JointState, ObjectId, Options, PawnId, Pose, RobotDef, Sensed, Steering};
 use experiments::LoggedSessions;
 use nalgebra::{Point3, Vector3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use picture::{Camera, Image, Stage};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict, PyIterator, PyList};
 use recorder::{LogWriter, RecordError};
 use sessions::SessionId;
-use sim_core::SavedWorld;
+use sim_core::{CompiledScene, SavedWorld};
 use thread_pool::ThreadPool;
 
 use crate::batch::contiguous;
 use crate::error;
 use crate::scene::Scene;
 
-/// Time steps between two looks at the signals of the process, for Ctrl-C.
-const STEPS_BETWEEN_SIGNALS: u64 = 1000;
+/// Time between two looks at the signals of the process, for Ctrl-C.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(100);
 /// Longest time that one call may step, simulated s.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
 /// Vertical field of view of a picture, rad.
@@ -54,6 +55,16 @@ impl World {
         Self { sessions, readings: BTreeMap::new(), next_session: 1, threads, stage: None }
     }
 
+    /// Creates sessions for a world that has robots: each takes one over.
+    pub(crate) fn of(world: sim_core::World, threads: ThreadPool) -> Result<Self, RecordError> {
+        let mut loaded = Self::with(world, threads, None);
+        let robots = loaded.world().robots().map(|(_, class, name)| (class.to_owned(), name.to_owned()));
+        for (class, name) in robots.collect::<Vec<_>>() {
+            loaded.enter(&format!("INIT {{ClassName USARBot.{class}}} {{Name {name}}}"))?;
+        }
+        Ok(loaded)
+    }
+
     /// Executes a line of a new session. Returns its pawn and problems.
     fn enter(&mut self, line: &str) -> Result<(Option<PawnId>, Vec<String>), RecordError> {
         let session = self.next_session;
@@ -76,17 +87,22 @@ impl World {
         Ok(problems.iter().map(ToString::to_string).collect())
     }
 
-    fn advance(&mut self, steps: u64) -> Result<(), RecordError> {
+    /// Advances by at most this many steps, until the signals are due. Returns the number of steps taken.
+    fn advance(&mut self, steps: u64) -> Result<u64, RecordError> {
         let Self { sessions, readings, threads, .. } = self;
+        let start = Instant::now();
         threads.run(|| {
-            for _ in 0..steps {
+            for step in 0..steps {
                 // The step's readings are of its end.
                 let time = sessions.world().time() + sessions.world().time_step();
                 sessions.step(&mut |sensed| {
                     readings.insert((sensed.robot, sensed.sensor), (time, sensed.clone()));
                 })?;
+                if start.elapsed() >= SIGNAL_INTERVAL {
+                    return Ok(step + 1);
+                }
             }
-            Ok(())
+            Ok(steps)
         })
     }
 
@@ -100,6 +116,9 @@ impl World {
         let known = self.world().objects().find(|object| object.def.solid.name.eq_ignore_ascii_case(name));
         known.map(|object| object.id).ok_or_else(|| {
             let names: Vec<String> = self.world().objects().map(|object| object.def.solid.name.clone()).collect();
+            if names.is_empty() {
+                return error::command(format_args!("unknown object `{name}`: the world has no movable objects"));
+            }
             let known = names::listed(names.iter().map(String::as_str));
             error::command(format_args!("unknown object `{name}`: expected one of {known}"))
         })
@@ -109,7 +128,7 @@ impl World {
 #[pymethods]
 impl World {
     #[new]
-    #[pyo3(signature = (scene, *, seed = 0, time_step = ::scene::TIME_STEP, threads = 1, log = None))]
+    #[pyo3(signature = (scene, *, seed = 0, time_step = 0.002, threads = 1, log = None))]
     fn new(
         py: Python,
         scene: &Scene,
@@ -124,6 +143,9 @@ impl World {
         }
         let options = Options { seed, time_step, ..Options::default() };
         py.detach(|| {
+            if let Some(path) = log.as_ref().filter(|path| path.exists()) {
+                return Err(error::log(format_args!("{}: it exists, expected the name of a new file", path.display())));
+            }
             let log = log.map(|path| LogWriter::create(&path, scene.def(), options, &[])).transpose();
             let log = log.map_err(error::log)?;
             Ok(Self::with(sim_core::World::new(scene.compiled.clone(), options), threads, log))
@@ -131,13 +153,13 @@ impl World {
     }
 
     /// Spawns a robot.
-    #[pyo3(signature = (class_name, *, start = None, position = None, rotation = [0.0; 3], name = ""))]
+    #[pyo3(signature = (class_name, *, start = None, position = None, rotation = None, name = ""))]
     fn spawn(
         slf: Bound<Self>,
         class_name: &str,
         start: Option<&str>,
         position: Option<[f64; 3]>,
-        rotation: [f64; 3],
+        rotation: Option<[f64; 3]>,
         name: &str,
     ) -> PyResult<Robot> {
         let py = slf.py();
@@ -150,9 +172,12 @@ impl World {
         }
         match (start, position) {
             (Some(_), Some(_)) => return Err(error::command("got both start and position: expected one of them")),
+            (Some(_), None) if rotation.is_some() => {
+                return Err(error::command("got both start and rotation: a start has its own rotation"));
+            }
             (Some(start), None) => {
                 check_text("start", start)?;
-                let known = slf.borrow();
+                let known = slf.try_borrow().map_err(|_| busy())?;
                 let map = &known.world().def().map;
                 if map.start(start).is_none() {
                     let known = names::listed(map.starts.iter().map(|start| start.name.as_str()));
@@ -161,12 +186,12 @@ impl World {
                 write!(line, " {{Start {start}}}")
             }
             (None, position) => {
-                let known = slf.borrow();
+                let known = slf.try_borrow().map_err(|_| busy())?;
                 let first = known.world().def().map.starts.first();
                 let (position, rotation) = match (position, first) {
-                    (Some(position), _) => (position, rotation),
-                    (None, Some(first)) => (first.position, first.rotation),
-                    (None, None) => ([0.0; 3], rotation),
+                    (Some(position), _) => (position, rotation.unwrap_or_default()),
+                    (None, Some(first)) => (first.position, rotation.unwrap_or(first.rotation)),
+                    (None, None) => ([0.0; 3], rotation.unwrap_or_default()),
                 };
                 check_finite("position", &position)?;
                 check_finite("rotation", &rotation)?;
@@ -175,8 +200,14 @@ impl World {
             }
         }
         .map_err(error::command)?;
-        let (pawn, problems) = slf.borrow_mut().enter(&line).map_err(error::log)?;
+        let (pawn, problems) = slf.try_borrow_mut().map_err(|_| busy())?.enter(&line).map_err(error::log)?;
         let Some(id) = pawn else { return Err(error::command(problems.join("; "))) };
+        if slf.try_borrow().map_err(|_| busy())?.world().robot(id).is_none() {
+            let mut world = slf.try_borrow_mut().map_err(|_| busy())?;
+            let session = world.sessions.owner(id);
+            session.map_or(Ok(()), |session| world.sessions.close(session)).map_err(error::log)?;
+            return Err(error::command(format_args!("class_name: got {class_name}, expected a robot class")));
+        }
         warn(py, &problems)?;
         Ok(Robot { world: slf.unbind(), id })
     }
@@ -189,9 +220,7 @@ impl World {
         }
         let mut left = steps;
         while left > 0 {
-            let now = left.min(STEPS_BETWEEN_SIGNALS);
-            py.detach(|| self.advance(now)).map_err(error::log)?;
-            left -= now;
+            left -= py.detach(|| self.advance(left)).map_err(error::log)?;
             py.check_signals()?;
         }
         Ok(())
@@ -225,9 +254,9 @@ impl World {
 
     /// Robots, in the order of their spawns.
     #[getter]
-    fn robots(slf: Bound<Self>) -> Vec<Robot> {
-        let ids: Vec<PawnId> = slf.borrow().world().robots().map(|(id, ..)| id).collect();
-        ids.into_iter().map(|id| Robot { world: slf.clone().unbind(), id }).collect()
+    fn robots(slf: Bound<Self>) -> PyResult<Vec<Robot>> {
+        let ids: Vec<PawnId> = slf.try_borrow().map_err(|_| busy())?.world().robots().map(|(id, ..)| id).collect();
+        Ok(ids.into_iter().map(|id| Robot { world: slf.clone().unbind(), id }).collect())
     }
 
     /// Movable objects, by their ids.
@@ -290,8 +319,13 @@ impl World {
     /// Returns the state as bytes, without the scene.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let saved = self.world().save().map_err(error::save)?;
-        let json = py.detach(|| serde_json::to_vec(&saved)).map_err(error::save)?;
-        Ok(PyBytes::new(py, &json))
+        let compiled = self.world().scene();
+        let write = || {
+            let world = serde_json::to_value(&saved)?;
+            let scene = scene_hash(compiled, &world_classes(&world));
+            serde_json::to_vec(&Saved { scene, world })
+        };
+        Ok(PyBytes::new(py, &py.detach(write).map_err(error::save)?))
     }
 
     /// Creates a world that goes on from a saved state of the same scene.
@@ -300,16 +334,16 @@ impl World {
     fn load(py: Python, scene: &Scene, state: &[u8], threads: usize) -> PyResult<Self> {
         let threads = pool(threads)?;
         py.detach(|| {
-            let saved: SavedWorld = serde_json::from_slice(state).map_err(error::save)?;
-            let world = sim_core::World::load(scene.compiled.clone(), &saved).map_err(error::save)?;
-            let mut loaded = Self::with(world, threads, None);
-            let pawns: Vec<_> =
-                loaded.world().robots().map(|(_, class, name)| (class.to_owned(), name.to_owned())).collect();
-            for (class, name) in pawns {
-                // The session takes the robot over.
-                loaded.enter(&format!("INIT {{ClassName USARBot.{class}}} {{Name {name}}}")).map_err(error::save)?;
+            let unreadable = |reason| error::save(format_args!("state: not a saved world: {reason}"));
+            let Saved { scene: of, world } = serde_json::from_slice(state).map_err(unreadable)?;
+            if of != scene_hash(&scene.compiled, &world_classes(&world)) {
+                return Err(error::save(
+                    "state: it was saved in another scene: expected the same map and robot classes",
+                ));
             }
-            Ok(loaded)
+            let world: SavedWorld = serde_json::from_value(world).map_err(unreadable)?;
+            let world = sim_core::World::load(scene.compiled.clone(), &world).map_err(error::save)?;
+            Self::of(world, threads).map_err(error::save)
         })
     }
 
@@ -349,6 +383,29 @@ impl World {
     }
 }
 
+/// A saved world with the hash of its scene.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Saved {
+    scene: String,
+    world: serde_json::Value,
+}
+
+/// Returns the classes of the robots of a saved world.
+fn world_classes(saved: &serde_json::Value) -> BTreeSet<String> {
+    let robots = saved.get("robots").and_then(|robots| robots.as_array());
+    let class = |robot: &serde_json::Value| Some(robot.get("class")?.as_str()?.to_owned());
+    robots.into_iter().flatten().filter_map(class).collect()
+}
+
+/// Returns a hash of the map and of these classes.
+fn scene_hash(scene: &CompiledScene, classes: &BTreeSet<String>) -> String {
+    let (def, mut hash) = (scene.def(), ::scene::Fnv::default());
+    hash.mix(&serde_json::to_vec(&def.map).unwrap_or_default());
+    let robots = def.robots.iter().filter(|(class, _)| classes.contains(*class));
+    robots.for_each(|(_, robot)| hash.mix(&serde_json::to_vec(robot).unwrap_or_default()));
+    format!("{:016x}", hash.value())
+}
+
 /// Draws a world. Without an eye, the camera looks at the robots, or else at the whole map, from behind and above.
 pub(crate) fn draw(
     stage: &Stage,
@@ -380,24 +437,32 @@ pub(crate) struct Robot {
 }
 
 impl Robot {
+    fn world<'py>(&self, py: Python<'py>) -> PyResult<PyRef<'py, World>> {
+        self.world.bind(py).try_borrow().map_err(|_| busy())
+    }
+
+    fn world_mut<'py>(&self, py: Python<'py>) -> PyResult<PyRefMut<'py, World>> {
+        self.world.bind(py).try_borrow_mut().map_err(|_| busy())
+    }
+
     fn gone(&self) -> PyErr {
         error::command(format_args!("robot {} is gone", self.id.0))
     }
 
     fn body(&self, py: Python) -> PyResult<BodyState> {
-        self.world.borrow(py).world().state(self.id).map(|(body, _)| body).ok_or_else(|| self.gone())
+        self.world(py)?.world().state(self.id).map(|(body, _)| body).ok_or_else(|| self.gone())
     }
 
     fn joints(&self, py: Python) -> PyResult<Vec<JointState>> {
-        self.world.borrow(py).world().joints(self.id).ok_or_else(|| self.gone())
+        self.world(py)?.world().joints(self.id).ok_or_else(|| self.gone())
     }
 
     fn with_def<T>(&self, py: Python, read: impl FnOnce(&RobotDef) -> T) -> PyResult<T> {
-        self.world.borrow(py).world().robot(self.id).map(read).ok_or_else(|| self.gone())
+        self.world(py)?.world().robot(self.id).map(read).ok_or_else(|| self.gone())
     }
 
     fn take(&self, py: Python, line: &str) -> PyResult<()> {
-        let mut world = self.world.borrow_mut(py);
+        let mut world = self.world_mut(py)?;
         let session = world.sessions.owner(self.id).ok_or_else(|| self.gone())?;
         if world.world().robot(self.id).is_none() {
             return Err(self.gone());
@@ -406,7 +471,24 @@ impl Robot {
         if problems.is_empty() { Ok(()) } else { Err(error::command(problems.join("; "))) }
     }
 
-    /// Finds a sensor by its name, and its class if two have the same name.
+    /// Checks that the robot's class takes an order.
+    fn check_steering(&self, py: Python, order: &str, takes: &[Steering]) -> PyResult<()> {
+        let (class, steering) = self.with_def(py, |def| (def.class.clone(), def.steering))?;
+        let expected = match steering {
+            Steering::Skid => "drive_sides",
+            Steering::Omni => "drive_wheels, drive_sides or drive_twist",
+            Steering::Ackermann => "drive, with Speed, FrontSteer and RearSteer",
+            Steering::Aerial => "drive_twist, or drive with the keys of its class",
+            Steering::Legged => "move_joints",
+            Steering::None => "no order, as it cannot drive",
+        };
+        if takes.contains(&steering) {
+            return Ok(());
+        }
+        Err(error::command(format_args!("{class} does not take {order}: expected {expected}")))
+    }
+
+    /// Finds a sensor by its name; of several with one name, the first.
     fn sensor(&self, py: Python, name: &str) -> PyResult<usize> {
         self.with_def(py, |def| {
             let known = def.sensors.iter().position(|sensor| sensor.name.eq_ignore_ascii_case(name));
@@ -430,7 +512,7 @@ impl Robot {
     /// Name from its spawn.
     #[getter]
     fn name(&self, py: Python) -> PyResult<String> {
-        let world = self.world.borrow(py);
+        let world = self.world(py)?;
         let named = world.world().robots().find(|(id, ..)| *id == self.id).map(|(.., name)| name.to_owned());
         named.ok_or_else(|| self.gone())
     }
@@ -443,8 +525,8 @@ impl Robot {
 
     /// True while it is in the world.
     #[getter]
-    fn is_alive(&self, py: Python) -> bool {
-        self.world.borrow(py).world().robot(self.id).is_some()
+    fn is_alive(&self, py: Python) -> PyResult<bool> {
+        Ok(self.world(py)?.world().robot(self.id).is_some())
     }
 
     /// Position of its frame, m.
@@ -504,7 +586,7 @@ impl Robot {
     /// Angles of the driven wheels, rad.
     #[getter]
     fn wheel_angles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let world = self.world.borrow(py);
+        let world = self.world(py)?;
         let (_, wheels) = world.world().state(self.id).ok_or_else(|| self.gone())?;
         Ok(wheels.iter().map(|wheel| wheel.angle).collect::<Vec<_>>().into_pyarray(py))
     }
@@ -512,7 +594,7 @@ impl Robot {
     /// Speeds of the driven wheels, rad/s.
     #[getter]
     fn wheel_speeds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let world = self.world.borrow(py);
+        let world = self.world(py)?;
         let (_, wheels) = world.world().state(self.id).ok_or_else(|| self.gone())?;
         Ok(wheels.iter().map(|wheel| wheel.speed).collect::<Vec<_>>().into_pyarray(py))
     }
@@ -521,7 +603,7 @@ impl Robot {
     #[getter]
     #[expect(clippy::type_complexity, reason = "two arrays")]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let seen = self.world.borrow(py).world().observe(self.id).ok_or_else(|| self.gone())?;
+        let seen = self.world(py)?.world().observe(self.id).ok_or_else(|| self.gone())?;
         let rows = |rows: Vec<f64>| rows.into_pyarray(py).reshape([seen.contacts.len(), 3]);
         let points = seen.contacts.iter().flat_map(|contact| <[f64; 3]>::from(contact.point)).collect();
         let forces = seen.contacts.iter().flat_map(|contact| <[f64; 3]>::from(contact.force)).collect();
@@ -540,7 +622,7 @@ impl Robot {
         let names = self.sensor_names(py)?;
         let readings = PyDict::new(py);
         for (number, name) in names.into_iter().enumerate() {
-            if let Some((time, sensed)) = self.world.borrow(py).readings.get(&(self.id, number)) {
+            if let Some((time, sensed)) = self.world(py)?.readings.get(&(self.id, number)) {
                 readings.set_item(&name, Reading::new(&name, *time, sensed))?;
             }
         }
@@ -550,7 +632,7 @@ impl Robot {
     /// Last reading of a sensor; None before the first.
     fn reading(&self, py: Python, name: &str) -> PyResult<Option<Reading>> {
         let number = self.sensor(py, name)?;
-        let world = self.world.borrow(py);
+        let world = self.world(py)?;
         Ok(world.readings.get(&(self.id, number)).map(|(time, sensed)| Reading::new(name, *time, sensed)))
     }
 
@@ -566,7 +648,7 @@ impl Robot {
         let Some(field_of_view) = view else {
             return Err(error::command(format_args!("sensor `{name}` is no camera")));
         };
-        let mut borrowed = self.world.borrow_mut(py);
+        let mut borrowed = self.world_mut(py)?;
         let (id, stage) = (self.id, borrowed.stage());
         let last = borrowed.readings.get(&(id, number)).map(|(_, sensed)| sensed.clone());
         let fresh = ::scene::Reading::from(::scene::sensor::camera::Reading { field_of_view });
@@ -579,6 +661,7 @@ impl Robot {
     /// Sets the speeds of the driven wheels, rad/s.
     fn drive_wheels(&self, py: Python, speeds: Vec<f64>) -> PyResult<()> {
         check_finite("speeds", &speeds)?;
+        self.check_steering(py, "speeds of single wheels", &[Steering::Omni])?;
         let names = self.with_def(py, |def| def.driven().count())?;
         if speeds.len() != names {
             return Err(error::command(format_args!("speeds: got {}, expected {names}, one a wheel", speeds.len())));
@@ -591,6 +674,7 @@ impl Robot {
     /// Sets the speeds of the wheels on the left and on the right, rad/s.
     fn drive_sides(&self, py: Python, left: f64, right: f64) -> PyResult<()> {
         check_finite("left and right", &[left, right])?;
+        self.check_steering(py, "speeds of sides", &[Steering::Omni, Steering::Skid])?;
         self.take(py, &format!("DRIVE {{Left {left}}} {{Right {right}}}"))
     }
 
@@ -598,6 +682,7 @@ impl Robot {
     #[pyo3(signature = (forward = 0.0, right = 0.0, clockwise = 0.0))]
     fn drive_twist(&self, py: Python, forward: f64, right: f64, clockwise: f64) -> PyResult<()> {
         check_finite("the twist", &[forward, right, clockwise])?;
+        self.check_steering(py, "a twist", &[Steering::Omni, Steering::Aerial])?;
         let line = format!(
             "DRIVE {{LinearVelocity {forward}}} {{LateralVelocity {right}}} {{RotationalVelocity {clockwise}}}"
         );
@@ -636,10 +721,18 @@ impl Robot {
 
     /// Removes the robot from the world.
     fn remove(&self, py: Python) -> PyResult<()> {
-        let mut world = self.world.borrow_mut(py);
+        let mut world = self.world_mut(py)?;
         let session = world.sessions.owner(self.id).ok_or_else(|| self.gone())?;
         world.readings.retain(|(robot, _), _| *robot != self.id);
         world.sessions.close(session).map_err(error::log)
+    }
+
+    fn __eq__(&self, other: &Bound<PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get().id == self.id && other.get().world.is(&self.world))
+    }
+
+    fn __hash__(&self) -> u64 {
+        self.id.0 ^ (self.world.as_ptr() as u64)
     }
 
     fn __repr__(&self, py: Python) -> String {
@@ -698,6 +791,18 @@ impl Reading {
     /// Names of the quantities.
     fn keys(&self) -> Vec<&'static str> {
         self.sensed.reading.quantities().iter().map(|it| it.name).collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.sensed.reading.quantities().len()
+    }
+
+    fn __contains__(&self, name: &str) -> bool {
+        self.keys().contains(&name)
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        PyList::new(py, self.keys())?.try_iter()
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -791,6 +896,13 @@ fn check_finite(name: &str, numbers: &[f64]) -> PyResult<()> {
     }
 }
 
+/// Returns the error of a world that another thread steps.
+fn busy() -> PyErr {
+    pyo3::exceptions::PyRuntimeError::new_err(
+        "the world is being stepped in another thread: a world belongs to one thread at a time",
+    )
+}
+
 /// Checks that a text fits into a block of a line.
 fn check_text(name: &str, text: &str) -> PyResult<()> {
     if text.contains(|c: char| c == '{' || c == '}' || c.is_control()) {
@@ -801,7 +913,7 @@ fn check_text(name: &str, text: &str) -> PyResult<()> {
 
 /// Warns of problems that did not keep a command from being done.
 fn warn(py: Python, problems: &[String]) -> PyResult<()> {
-    let category = py.get_type::<error::Warning>();
+    let category = py.get_type::<error::UsarsimWarning>();
     for problem in problems {
         let text = std::ffi::CString::new(problem.replace('\0', " ")).map_err(error::command)?;
         PyErr::warn(py, &category, &text, 2)?;

@@ -159,7 +159,7 @@ fn conduct(
     }
     let out = common.out.as_deref().unwrap_or(Path::new(folder));
     report::files(out, &plans).iter().try_for_each(|written| keep_inputs(written, &inputs))?;
-    let batch = Batch::open(out, &plans).map_err(failure)?;
+    let batch = Batch::open(out, &plans).map_err(|error| failure(&error))?;
     let total: usize = plans.iter().map(|plan| plan.runs().len()).sum();
     let jobs = jobs(common.jobs);
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {eta} left, {msg}");
@@ -174,9 +174,9 @@ fn conduct(
         Some(real_time_factor) => socket::run(plan, run, log, real_time_factor),
         None => run::run(plan, run, Some(log)),
     };
-    let outcomes = batch.run(jobs, make, done).map_err(failure)?;
+    let outcomes = batch.run(jobs, make, done).map_err(|error| failure(&error))?;
     bar.set_message("tables, plots, report");
-    let plots = report::write_all(out, title, &plans, claims, &outcomes).map_err(failure)?;
+    let plots = report::write_all(out, title, &plans, claims, &outcomes).map_err(|error| failure(&error))?;
     bar.finish_and_clear();
     let (seconds, kept) = (start.elapsed().as_secs_f64(), kept.into_inner());
     let report = out.join("report.html");
@@ -272,8 +272,8 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-fn failure(error: BatchError) -> Failure {
-    let code = match &error {
+pub(crate) fn failure(error: &BatchError) -> Failure {
+    let code = match error {
         BatchError::Folder { .. } | BatchError::Run(RunError::Load { .. } | RunError::Setup { .. }) => {
             exit::BAD_CONFIGURATION
         }

@@ -18,6 +18,7 @@ mod relay;
 mod serve;
 mod show;
 mod snapshot;
+mod sweep;
 mod teleop;
 mod terminal;
 mod validate;
@@ -91,6 +92,8 @@ enum Command {
     /// Run the experiments of the thesis "A KUKA youBot simulation in USARSim", or your own.
     #[command(subcommand)]
     Experiment(experiment::Command),
+    /// Run an experiment of many runs in batches, here or spread over machines.
+    Sweep(sweep::Arguments),
     /// Show the points, the map and the paths of a league that was played.
     #[command(subcommand)]
     League(league::Command),
@@ -138,6 +141,7 @@ fn dispatch(arguments: Arguments) -> Result<(), Failure> {
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiment(command) => experiment::run(&command, arguments.quiet),
+        Command::Sweep(command) => sweep::run(&command, arguments.quiet),
         Command::League(command) => league::run(&command),
         Command::Log(command) => log::run(command),
         Command::Completions(arguments) => completions::run(&arguments),

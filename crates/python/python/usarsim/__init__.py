@@ -2,7 +2,7 @@
 
 >>> import usarsim
 >>> world = usarsim.World(usarsim.Scene("rough"))
->>> robot = world.spawn("KUKA_YouBot", position=(0, 0, 0))
+>>> robot = world.spawn("YouBot", position=(0, 0, 0))
 >>> robot.drive_twist(forward=0.3)
 >>> world.run(seconds=2.0)
 >>> bool(0.5 < robot.position[0] < 0.6)
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any
+from typing import Any, Literal
 
 from ._native import (
     Batch,
@@ -30,7 +30,7 @@ from ._native import (
     Scene,
     SceneError,
     TaskError,
-    Warning,
+    UsarsimWarning,
     World,
     __version__,
     _fit,
@@ -42,6 +42,8 @@ from ._native import (
     tasks,
 )
 from ._picture import Picture
+
+DriveModel = Literal["articulated", "analytic", "kinematic", "kinematic-textbook", "bodies"]
 
 __all__ = [
     "Batch",
@@ -57,7 +59,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "TaskError",
-    "Warning",
+    "UsarsimWarning",
     "World",
     "__version__",
     "describe",
@@ -77,7 +79,8 @@ def describe(scene: Scene, class_name: str | None = None) -> dict[str, Any]:
     >>> describe(Scene("rough"), "P3AT")["steering"]
     'Skid'
     """
-    return json.loads(scene._map_json() if class_name is None else scene._robot_json(class_name))
+    numbers: dict[str, Any] = json.loads(scene._map_json() if class_name is None else scene._robot_json(class_name))
+    return numbers
 
 
 def replay(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -86,13 +89,14 @@ def replay(path: str | os.PathLike[str]) -> dict[str, Any]:
     Returns `same` (bool), `seconds`, `digest`, `recorded` (the log's digest or None), `states` (how many were compared) and
     `first_difference` (s or None).
     """
-    return json.loads(_replay(os.fspath(path)))
+    result: dict[str, Any] = json.loads(_replay(path))
+    return result
 
 
 def validate(
-    robot: str = "YouBotArm",
+    robot: str | os.PathLike[str] = "YouBotArm",
     *,
-    drive_model: str | None = None,
+    drive_model: DriveModel | None = None,
     set: list[str] | None = None,
     checks: list[int] | None = None,
     seconds: float = 20.0,
@@ -102,8 +106,11 @@ def validate(
 
     Returns a list of findings with `check`, `name`, `what`, `measured`, `least`, `most`, `passes` and `reason`.
     """
-    given = {"drive_model": drive_model, "set": set or [], "checks": checks, "seconds": seconds, "time_step": time_step}
-    return json.loads(_validate(robot, **given))
+    text = _validate(
+        os.fspath(robot), drive_model=drive_model, set=set or [], checks=checks, seconds=seconds, time_step=time_step
+    )
+    findings: list[dict[str, Any]] = json.loads(text)
+    return findings
 
 
 def run_experiment(
@@ -113,9 +120,13 @@ def run_experiment(
 
     Finished runs in the folder are kept, as with `usarsim experiment run`.
     """
-    return json.loads(_run_experiment(os.fspath(file), os.fspath(out), jobs=jobs or os.cpu_count() or 1))
+    outcomes: list[dict[str, Any]] = json.loads(_run_experiment(file, out, jobs=jobs or os.cpu_count() or 1))
+    return outcomes
 
 
-def fit(file: str | os.PathLike[str], *, drive_model: str | None = None, jobs: int | None = None) -> dict[str, Any]:
+def fit(
+    file: str | os.PathLike[str], *, drive_model: DriveModel | None = None, jobs: int | None = None
+) -> dict[str, Any]:
     """Fits parameters of a robot so that simulated steps match measured ones, as `usarsim experiment fit` does."""
-    return json.loads(_fit(os.fspath(file), drive_model=drive_model, jobs=jobs or os.cpu_count() or 1))
+    found: dict[str, Any] = json.loads(_fit(file, drive_model=drive_model, jobs=jobs or os.cpu_count() or 1))
+    return found

@@ -1,6 +1,7 @@
 """Environments for Gymnasium.
 
 >>> import gymnasium
+>>> import usarsim.gym  # registers the environments
 >>> environment = gymnasium.make("usarsim/YouBotReach-v0")
 >>> observation, info = environment.reset(seed=1)
 >>> observation, reward, terminated, truncated, info = environment.step(environment.action_space.sample())
@@ -11,7 +12,7 @@ with the seed `s` is the same as one alone with the seed `s + i`, bit by bit.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
@@ -23,7 +24,7 @@ from . import _native
 from ._picture import Picture
 
 _SIZE = (480, 320)
-_MODES = {
+_MODES: dict[AutoresetMode, Literal["next_step", "same_step", "disabled"]] = {
     AutoresetMode.NEXT_STEP: "next_step",
     AutoresetMode.SAME_STEP: "same_step",
     AutoresetMode.DISABLED: "disabled",
@@ -168,8 +169,8 @@ class TaskVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
                 infos["final_info"] = {"is_success": successes.copy(), "_is_success": ended}
                 infos["_final_info"] = ended.copy()
         infos["is_success"], infos["_is_success"] = self._given(successes), np.ones(self.num_envs, np.bool_)
-        given = (self._given(array) for array in (observations, rewards[:, 0], terminated, truncated))
-        return *given, infos
+        given = self._given
+        return given(observations), given(rewards[:, 0]), given(terminated), given(truncated), infos
 
     def _given(self, array: np.ndarray) -> np.ndarray:
         return array.copy() if self._copy else array
@@ -190,7 +191,7 @@ class TaskVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
 
 def register_envs() -> None:
-    """Registers `usarsim/<task>-v0` for every shipped task of one robot. Gymnasium calls it."""
+    """Registers `usarsim/<task>-v0` for every shipped task of one robot. This module does so when it is imported."""
     for task in _native.tasks():
         name = f"usarsim/{task}-v0"
         if "Team" not in task and name not in gymnasium.registry:
@@ -200,3 +201,6 @@ def register_envs() -> None:
                 vector_entry_point="usarsim.gym:TaskVectorEnv",
                 kwargs={"task": task},
             )
+
+
+register_envs()

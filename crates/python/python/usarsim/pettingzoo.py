@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
-from pettingzoo import ParallelEnv
+from pettingzoo import ParallelEnv  # type: ignore[import-untyped]
 
 from . import _native
 
 
-class TaskParallelEnv(ParallelEnv[str, np.ndarray, np.ndarray]):
+class TaskParallelEnv(ParallelEnv[str, np.ndarray, np.ndarray]):  # type: ignore[misc]
     """A task of one or more robots in one world. All robots' episodes end together.
 
     `task` is the name of a shipped task, see `usarsim.tasks()`, or the path of a task.toml.
