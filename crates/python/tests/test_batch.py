@@ -42,6 +42,10 @@ def test_observations_are_one_array(world):
         (lambda world: usarsim.Batch(world, 2, observations=["sensor:Eye"]), "unknown sensor"),
         (lambda world: usarsim.Batch(world, 2).step(np.ones((2, 3))), r"expected \[2, 4\]"),
         (lambda world: usarsim.Batch(world, 2).step(np.ones((4, 8))[::2, ::2]), "contiguous"),
+        (lambda world: usarsim.Batch(world, 2).step(np.asfortranarray(np.ones((2, 4)))), "in C order"),
+        (lambda world: usarsim.Batch(world, 2).step(np.ones((4, 2)).T), "in C order"),
+        (lambda world: usarsim.Batch(world, 2).world(2), "expected less than 2"),
+        (lambda world: usarsim.Batch(world, 2).column("objects"), "has no observations"),
         (lambda world: usarsim.Batch(world, 2).step(np.full((2, 4), np.nan)), "2 worlds were not followed"),
         (lambda world: usarsim.Batch(world, 2).reset(np.array([True])), "expected 2"),
     ],
@@ -54,3 +58,14 @@ def test_bad_arrays_raise(world, act, text):
 def test_arrays_of_another_type_raise(world):
     with pytest.raises(TypeError):
         usarsim.Batch(world, 2).step(np.ones((2, 4), np.int32))
+
+
+def test_worlds_and_columns_can_be_taken_out(world):
+    batch = usarsim.Batch(world, 2, observations=["velocity", "position"])
+    batch.step(np.array([[1.0] * 4, [2.0] * 4]), 50)
+    one = batch.world(1)
+    assert one.digest == batch.digests[1] and one.digest != world.digest
+    assert np.array_equal(batch.observations[1, batch.column("position")], one.robots[0].position)
+    one.robots[0].drive_wheels([0] * 4)
+    one.run(1.0)
+    assert batch.world(1).digest == batch.digests[1], "a copy is independent"

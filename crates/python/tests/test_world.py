@@ -2,6 +2,7 @@
 
 import copy
 import json
+import signal
 import threading
 import warnings
 
@@ -291,3 +292,73 @@ def test_validate_experiment_and_fit_do_what_the_program_does(tmp_path):
     assert len(outcomes) == 2 and outcomes[0]["steps"][0]["main"] > 0.05
     assert (tmp_path / "out" / "report.html").exists()
     assert json.loads((tmp_path / "out" / "experiment.json").read_text())
+
+
+def test_orders_that_a_class_does_not_take_raise():
+    world = usarsim.World(usarsim.Scene("rough"))
+    skid, car = world.spawn("P3AT", position=(0, 0, 0)), world.spawn("Sedan", position=(0, 5, 0))
+    for act, text in [
+        (lambda: skid.drive_wheels([1] * 4), "expected drive_sides"),
+        (lambda: skid.drive_twist(forward=1), "expected drive_sides"),
+        (lambda: car.drive_sides(1, 1), "Speed, FrontSteer and RearSteer"),
+        (lambda: world.spawn("USARBotAPI.WorldController"), "expected a robot class"),
+        (lambda: world.spawn("P3AT", start="PlayerStart_0", rotation=(0, 0, 1)), "its own rotation"),
+    ]:
+        with pytest.raises(usarsim.CommandError, match=text):
+            act()
+    assert len(world.robots) == 2
+    car.drive({"Speed": 5.0, "FrontSteer": 0.0, "RearSteer": 0.0})
+    flyer = world.spawn("AirRobot", position=(0, -3, -1))
+    flyer.drive_twist(forward=0.5)
+    world.run(1.0)
+    assert car.position[0] > 0.1 and flyer.position[0] > 0.1
+
+
+def test_a_world_that_another_thread_steps_says_so(world):
+    robot, thread = world.robots[0], threading.Thread(target=lambda: world.run(30.0))
+    thread.start()
+    errors = []
+    while thread.is_alive():
+        for act in (lambda: robot.position, lambda: robot.drive_wheels([0] * 4), lambda: world.robots, lambda: world.time):
+            try:
+                act()
+            except RuntimeError as error:
+                errors.append(str(error))
+    thread.join()
+    assert any("another thread" in error for error in errors)
+    assert robot.position.shape == (3,), "it goes on afterwards"
+
+
+def test_ctrl_c_ends_a_long_run(world):
+    threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+    with pytest.raises(KeyboardInterrupt):
+        world.run(1e6)
+    time = world.time
+    world.step()
+    assert 0 < time < world.time < 1e5
+
+
+def test_a_log_never_replaces_a_file(scene, tmp_path):
+    (tmp_path / "run.mcap").write_text("precious")
+    with pytest.raises(usarsim.LogError, match="it exists"):
+        usarsim.World(scene, log=tmp_path / "run.mcap")
+    assert (tmp_path / "run.mcap").read_text() == "precious"
+
+
+def test_a_state_of_another_scene_is_refused(world):
+    state = world.save()
+    for other in (usarsim.Scene("hall", drive_model="analytic"), usarsim.Scene("rough", set=["KUKA_YouBot.wheels.gain=1"])):
+        with pytest.raises(usarsim.SaveError, match="another scene"):
+            usarsim.World.load(other, state)
+    for broken in (b"", b"nonsense", b"{}", state[: len(state) // 2]):
+        with pytest.raises(usarsim.SaveError, match="not a saved world"):
+            usarsim.World.load(world.scene, broken)
+
+
+def test_readings_and_robots_behave_as_python_expects(world):
+    world.run(0.2)
+    robot = world.robots[0]
+    truth = robot.readings["GndTruth"]
+    assert "position" in truth and "nothing" not in truth and list(truth) == truth.keys() and len(truth) == 2
+    assert robot == world.robots[0] and robot in world.robots and len({robot, world.robots[0]}) == 1
+    assert robot != world.copy().robots[0] and robot != 1
