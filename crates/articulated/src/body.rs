@@ -148,13 +148,13 @@ impl Body {
         body
     }
 
-    /// Returns the degrees of freedom that move a link, from the root down, with their twists. The first part is the last of them. `None`
-    /// if nothing moves the link.
-    pub(crate) fn axes_of(&self, link: usize) -> Option<(usize, impl Iterator<Item = (usize, &Axis)>)> {
-        let tip = if self.given.is_some() { self.velocity.len().checked_sub(1) } else { self.tree.tip(link) }?;
-        let own = self.given.as_ref().map(|given| &given.links[link]);
-        let axis = move |&dof: &usize| (dof, own.map_or(&self.axes[dof], |own| &own[dof]));
-        Some((tip, self.tree.chain(tip).iter().map(axis)))
+    /// Returns the last of the degrees of freedom that move a link, and the twists of all degrees of freedom as the link has them. `None` if
+    /// nothing moves the link. The chain of the last one has all that move it.
+    pub(crate) fn axes_of(&self, link: usize) -> Option<(usize, &[Axis])> {
+        match &self.given {
+            Some(given) => Some((self.velocity.len().checked_sub(1)?, &given.links[link])),
+            None => Some((self.tree.tip(link)?, &self.axes)),
+        }
     }
 
     /// Returns the tree of links.
@@ -196,9 +196,8 @@ impl Body {
     pub fn velocity_at(&self, link: usize, point: Vector3<f64>) -> Vector3<f64> {
         if self.given.is_some() {
             let at = point - self.centre();
-            let moved =
-                self.axes_of(link).map(|(_, axes)| axes.map(|(dof, axis)| axis.at(at) * self.velocity[dof]).sum());
-            return moved.unwrap_or_default();
+            let Some((tip, axes)) = self.axes_of(link) else { return Vector3::zeros() };
+            return self.tree.chain(tip).iter().map(|&dof| axes[dof].at(at) * self.velocity[dof]).sum();
         }
         let Frame { origin, angular, linear, .. } = &self.frames[link];
         linear + angular.cross(&(point - self.centre() - origin))
@@ -225,9 +224,10 @@ impl Body {
     /// Applies a force, N, at a point of a link in the coming step.
     pub fn push(&mut self, link: usize, point: Vector3<f64>, force: Vector3<f64>) {
         let at = point - self.centre();
-        let Some(tip) = self.tree.tip(link) else { return };
-        for &dof in self.tree.chain(tip) {
-            self.force[dof] += self.axes[dof].at(at).dot(&force);
+        let Self { tree, axes, force: sum, .. } = self;
+        let Some(tip) = tree.tip(link) else { return };
+        for &dof in tree.chain(tip) {
+            sum[dof] += axes[dof].at(at).dot(&force);
         }
     }
 

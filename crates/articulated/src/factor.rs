@@ -47,16 +47,16 @@ pub(crate) fn solve_lower(tree: &Tree, factors: &[f64], right: &mut [f64]) {
     }
 }
 
-/// Solves with L', in place, for right-hand sides with entries only on the chain of one degree of freedom, from the root down.
-pub(crate) fn solve_chain<const SIDES: usize>(tree: &Tree, factors: &[f64], tip: usize, right: &mut [[f64; SIDES]]) {
+/// Solves with L', in place, for right-hand sides with entries only on the chain of one degree of freedom, from the root down. Only the first
+/// `SIDES` of them are solved.
+pub(crate) fn solve_chain<const SIDES: usize>(tree: &Tree, factors: &[f64], tip: usize, right: &mut [[f64; 3]]) {
     for (depth, &number) in tree.chain(tip).iter().enumerate().rev() {
         let row = &factors[tree.dofs[number].row..][..=depth];
         let (above, own) = right.split_at_mut(depth);
-        own[0].iter_mut().for_each(|it| *it *= row[depth]);
+        let own = &mut own[0];
+        own[..SIDES].iter_mut().for_each(|it| *it *= row[depth]);
         for (to, factor) in above.iter_mut().zip(row) {
-            for (to, own) in to.iter_mut().zip(&own[0]) {
-                *to -= factor * own;
-            }
+            (0..SIDES).for_each(|side| to[side] -= factor * own[side]);
         }
     }
 }
