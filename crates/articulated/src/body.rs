@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
-use crate::inertia::{Acceleration, Composite};
 use crate::{Joint, Link, Mass, Pose, Tree, factor, inertia};
 
 /// A tree with its pose and velocity.
@@ -33,9 +32,6 @@ pub struct Body {
     pub(crate) factors: Vec<f64>,
     /// Velocity at the end of the step without contacts.
     pub(crate) free: Vec<f64>,
-    /// Scratch buffers for the links' inertia and acceleration.
-    pub(crate) composites: Vec<Composite>,
-    pub(crate) accelerations: Vec<Acceleration>,
     /// Response of a body that another program moves.
     given: Option<Given>,
 }
@@ -114,8 +110,6 @@ impl Body {
             force: vec![0.0; dofs],
             factors: vec![0.0; tree.entries],
             free: vec![0.0; dofs],
-            composites: Vec::new(),
-            accelerations: Vec::new(),
             given: None,
             tree,
         };
@@ -158,6 +152,7 @@ impl Body {
     }
 
     /// Returns the tree of links.
+    #[inline]
     pub fn tree(&self) -> &Tree {
         &self.tree
     }
@@ -168,21 +163,25 @@ impl Body {
     }
 
     /// Returns the position of the root's centre of mass, m, from which positions of frames are given.
+    #[inline]
     pub fn centre(&self) -> Vector3<f64> {
         self.centre
     }
 
     /// Returns the current frames of the links.
+    #[inline]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
     /// Returns the position of a link's joint, rad or m.
+    #[inline]
     pub fn position(&self, link: usize) -> f64 {
         self.positions[link]
     }
 
     /// Returns the generalised velocity.
+    #[inline]
     pub fn velocity(&self) -> &[f64] {
         &self.velocity
     }
@@ -193,6 +192,7 @@ impl Body {
     }
 
     /// Returns the velocity of a point of a link, given in the world, m/s.
+    #[inline]
     pub fn velocity_at(&self, link: usize, point: Vector3<f64>) -> Vector3<f64> {
         if self.given.is_some() {
             let at = point - self.centre();
@@ -310,14 +310,14 @@ impl Body {
     }
 
     /// Computes the inertia matrix and the free velocity for a step, with implicit servos.
-    pub(crate) fn prepare(&mut self, time_step: f64) {
+    pub(crate) fn prepare(&mut self, time_step: f64, scratch: &mut inertia::Scratch) {
         if let Some(given) = &self.given {
             self.factors.copy_from_slice(&given.inertia);
             factor::factorise(&self.tree, &mut self.factors);
             self.free.copy_from_slice(&self.velocity);
             return;
         }
-        inertia::assemble(self, time_step);
+        inertia::assemble(self, time_step, scratch);
         factor::factorise(&self.tree, &mut self.factors);
         factor::solve(&self.tree, &self.factors, &mut self.free);
         self.free.iter_mut().zip(&self.velocity).for_each(|(free, now)| *free += now);

@@ -3,7 +3,7 @@
 use friction::{Constraint, Effort, Problem, SparseProblem};
 use nalgebra::Vector3;
 
-use crate::{Body, Drive, factor};
+use crate::{Body, Drive, factor, inertia};
 
 /// Share of a tangent's own response that is added to it. Nearly equal contacts of one body need it for a unique answer.
 const SOFTNESS: f64 = 1e-6;
@@ -111,6 +111,7 @@ struct Part {
 /// Scratch buffers that one step after the other reuses.
 #[derive(Default)]
 pub struct Workspace {
+    inertia: inertia::Scratch,
     blocks: Vec<Block>,
     /// Jacobian entries of the blocks, multiplied by the inverse of L'.
     entries: Vec<[f64; 3]>,
@@ -153,7 +154,7 @@ pub fn step(
             body.limit_servos(number, time_step, &mut workspace.limited);
         }
     }
-    bodies.iter_mut().for_each(|body| body.prepare(time_step));
+    bodies.iter_mut().for_each(|body| body.prepare(time_step, &mut workspace.inertia));
     let (mut work, mut passes) = (0, 0);
     loop {
         let outcome = workspace.solve(bodies, contacts, joints);
@@ -181,7 +182,7 @@ pub fn step(
             bodies.iter_mut().for_each(|body| std::mem::swap(&mut body.velocity, &mut body.free));
             return Outcome { work, is_settled: outcome.is_settled && is_limited, ..outcome };
         }
-        bodies.iter_mut().for_each(|body| body.prepare(time_step));
+        bodies.iter_mut().for_each(|body| body.prepare(time_step, &mut workspace.inertia));
     }
 }
 

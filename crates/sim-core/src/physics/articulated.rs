@@ -38,7 +38,7 @@ use compile::{JointValue, Ring};
 use finding::{Found, Key, Placed};
 pub(super) use object::{MovableObject, uniform};
 pub(crate) use saved::{SavedObject, SavedTree};
-pub(super) use together::{Room, Surroundings, solve};
+pub(super) use together::{Surroundings, solve};
 
 /// Time over which the end of a joint gives way, s. A joint beyond its end returns within it.
 const END_TIME: f64 = 0.02;
