@@ -142,9 +142,7 @@ fn eliminate_of_width(equations: &mut [f64], answer: &mut [f64], width: usize) -
             let factor = equation[unknown] * inverse;
             if factor != 0.0 {
                 let (equation, _) = equation.as_chunks_mut::<4>();
-                for (to, from) in equation[first..].iter_mut().zip(&used[first..]) {
-                    (0..4).for_each(|lane| to[lane] -= factor * from[lane]);
-                }
+                subtract(&mut equation[first..], factor, &used[first..]);
             }
             let size = equation[unknown + 1].abs();
             if size > most {
@@ -157,6 +155,13 @@ fn eliminate_of_width(equations: &mut [f64], answer: &mut [f64], width: usize) -
         answer[unknown] = (equation[count] - known) * equation[unknown];
     }
     answer.iter().all(|it| it.is_finite())
+}
+
+/// Subtracts a multiple of blocks from others. As a function of its own it tells the compiler that they do not overlap.
+fn subtract(to: &mut [[f64; 4]], factor: f64, from: &[[f64; 4]]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        (0..4).for_each(|lane| to[lane] -= factor * from[lane]);
+    }
 }
 
 /// Returns the number and the size of the largest entry. Both are 0 if there is none but zeros.
