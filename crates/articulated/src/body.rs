@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
-use crate::inertia::{Acceleration, Composite};
 use crate::{Joint, Link, Mass, Pose, Tree, factor, inertia};
 
 /// A tree with its pose and velocity.
@@ -33,9 +32,6 @@ pub struct Body {
     pub(crate) factors: Vec<f64>,
     /// Velocity at the end of the step without contacts.
     pub(crate) free: Vec<f64>,
-    /// Scratch buffers for the links' inertia and acceleration.
-    pub(crate) composites: Vec<Composite>,
-    pub(crate) accelerations: Vec<Acceleration>,
     /// Response of a body that another program moves.
     given: Option<Given>,
 }
@@ -114,8 +110,6 @@ impl Body {
             force: vec![0.0; dofs],
             factors: vec![0.0; tree.entries],
             free: vec![0.0; dofs],
-            composites: Vec::new(),
-            accelerations: Vec::new(),
             given: None,
             tree,
         };
@@ -148,16 +142,17 @@ impl Body {
         body
     }
 
-    /// Returns the degrees of freedom that move a link, from the root down, with their twists. The first part is the last of them. `None`
-    /// if nothing moves the link.
-    pub(crate) fn axes_of(&self, link: usize) -> Option<(usize, impl Iterator<Item = (usize, &Axis)>)> {
-        let tip = if self.given.is_some() { self.velocity.len().checked_sub(1) } else { self.tree.tip(link) }?;
-        let own = self.given.as_ref().map(|given| &given.links[link]);
-        let axis = move |&dof: &usize| (dof, own.map_or(&self.axes[dof], |own| &own[dof]));
-        Some((tip, self.tree.chain(tip).iter().map(axis)))
+    /// Returns the last of the degrees of freedom that move a link, and the twists of all degrees of freedom as the link has them. `None` if
+    /// nothing moves the link. The chain of the last one has all that move it.
+    pub(crate) fn axes_of(&self, link: usize) -> Option<(usize, &[Axis])> {
+        match &self.given {
+            Some(given) => Some((self.velocity.len().checked_sub(1)?, &given.links[link])),
+            None => Some((self.tree.tip(link)?, &self.axes)),
+        }
     }
 
     /// Returns the tree of links.
+    #[inline]
     pub fn tree(&self) -> &Tree {
         &self.tree
     }
@@ -168,21 +163,25 @@ impl Body {
     }
 
     /// Returns the position of the root's centre of mass, m, from which positions of frames are given.
+    #[inline]
     pub fn centre(&self) -> Vector3<f64> {
         self.centre
     }
 
     /// Returns the current frames of the links.
+    #[inline]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
     /// Returns the position of a link's joint, rad or m.
+    #[inline]
     pub fn position(&self, link: usize) -> f64 {
         self.positions[link]
     }
 
     /// Returns the generalised velocity.
+    #[inline]
     pub fn velocity(&self) -> &[f64] {
         &self.velocity
     }
@@ -193,12 +192,12 @@ impl Body {
     }
 
     /// Returns the velocity of a point of a link, given in the world, m/s.
+    #[inline]
     pub fn velocity_at(&self, link: usize, point: Vector3<f64>) -> Vector3<f64> {
         if self.given.is_some() {
             let at = point - self.centre();
-            let moved =
-                self.axes_of(link).map(|(_, axes)| axes.map(|(dof, axis)| axis.at(at) * self.velocity[dof]).sum());
-            return moved.unwrap_or_default();
+            let Some((tip, axes)) = self.axes_of(link) else { return Vector3::zeros() };
+            return self.tree.chain(tip).iter().map(|&dof| axes[dof].at(at) * self.velocity[dof]).sum();
         }
         let Frame { origin, angular, linear, .. } = &self.frames[link];
         linear + angular.cross(&(point - self.centre() - origin))
@@ -225,9 +224,10 @@ impl Body {
     /// Applies a force, N, at a point of a link in the coming step.
     pub fn push(&mut self, link: usize, point: Vector3<f64>, force: Vector3<f64>) {
         let at = point - self.centre();
-        let Some(tip) = self.tree.tip(link) else { return };
-        for &dof in self.tree.chain(tip) {
-            self.force[dof] += self.axes[dof].at(at).dot(&force);
+        let Self { tree, axes, force: sum, .. } = self;
+        let Some(tip) = tree.tip(link) else { return };
+        for &dof in tree.chain(tip) {
+            sum[dof] += axes[dof].at(at).dot(&force);
         }
     }
 
@@ -310,14 +310,14 @@ impl Body {
     }
 
     /// Computes the inertia matrix and the free velocity for a step, with implicit servos.
-    pub(crate) fn prepare(&mut self, time_step: f64) {
+    pub(crate) fn prepare(&mut self, time_step: f64, scratch: &mut inertia::Scratch) {
         if let Some(given) = &self.given {
             self.factors.copy_from_slice(&given.inertia);
             factor::factorise(&self.tree, &mut self.factors);
             self.free.copy_from_slice(&self.velocity);
             return;
         }
-        inertia::assemble(self, time_step);
+        inertia::assemble(self, time_step, scratch);
         factor::factorise(&self.tree, &mut self.factors);
         factor::solve(&self.tree, &self.factors, &mut self.free);
         self.free.iter_mut().zip(&self.velocity).for_each(|(free, now)| *free += now);

@@ -17,11 +17,15 @@ pub(crate) fn factorise(tree: &Tree, matrix: &mut [f64]) {
         for (depth, &other) in tree.chain(number)[..dof.depth].iter().enumerate() {
             let factor = row[depth];
             if factor != 0.0 {
-                let of_other = &mut above[tree.dofs[other].row..][..=depth];
-                of_other.iter_mut().zip(&row[..=depth]).for_each(|(to, from)| *to -= factor * from);
+                subtract(&mut above[tree.dofs[other].row..][..=depth], factor, &row[..=depth]);
             }
         }
     }
+}
+
+/// Subtracts a multiple of numbers from others. As a function of its own it tells the compiler that they do not overlap.
+fn subtract(to: &mut [f64], factor: f64, from: &[f64]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to -= factor * from);
 }
 
 /// Solves for one right-hand side, in place, with L' and then L.
@@ -47,16 +51,16 @@ pub(crate) fn solve_lower(tree: &Tree, factors: &[f64], right: &mut [f64]) {
     }
 }
 
-/// Solves with L', in place, for right-hand sides with entries only on the chain of one degree of freedom, from the root down.
-pub(crate) fn solve_chain<const SIDES: usize>(tree: &Tree, factors: &[f64], tip: usize, right: &mut [[f64; SIDES]]) {
+/// Solves with L', in place, for right-hand sides with entries only on the chain of one degree of freedom, from the root down. Only the first
+/// `SIDES` of them are solved.
+pub(crate) fn solve_chain<const SIDES: usize>(tree: &Tree, factors: &[f64], tip: usize, right: &mut [[f64; 3]]) {
     for (depth, &number) in tree.chain(tip).iter().enumerate().rev() {
         let row = &factors[tree.dofs[number].row..][..=depth];
         let (above, own) = right.split_at_mut(depth);
-        own[0].iter_mut().for_each(|it| *it *= row[depth]);
+        let sides: [f64; SIDES] = std::array::from_fn(|side| own[0][side] * row[depth]);
+        own[0][..SIDES].copy_from_slice(&sides);
         for (to, factor) in above.iter_mut().zip(row) {
-            for (to, own) in to.iter_mut().zip(&own[0]) {
-                *to -= factor * own;
-            }
+            (0..SIDES).for_each(|side| to[side] -= factor * sides[side]);
         }
     }
 }

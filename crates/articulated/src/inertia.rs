@@ -7,7 +7,7 @@ use crate::{Body, Joint};
 
 /// A link with all links below it, about the centre of the root.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Composite {
+struct Composite {
     mass: f64,
     /// Mass times the position of its centre of mass.
     moment: Vector3<f64>,
@@ -19,15 +19,22 @@ pub(crate) struct Composite {
 
 /// Acceleration of a link with no joint accelerated: from rotating velocities, and from gravity as an upward acceleration of the world.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Acceleration {
+struct Acceleration {
     angular: Vector3<f64>,
     linear: Vector3<f64>,
 }
 
+/// Scratch buffers for the links of one body after the other.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    composites: Vec<Composite>,
+    accelerations: Vec<Acceleration>,
+}
+
 /// Stores the inertia matrix with implicit servos and dampers in `factors`, and the generalised impulse of a step in `free`.
-pub(crate) fn assemble(body: &mut Body, time_step: f64) {
-    let Body { tree, frames, axes, velocity, gravity, drives, force, factors, free, composites, accelerations, .. } =
-        body;
+pub(crate) fn assemble(body: &mut Body, time_step: f64, scratch: &mut Scratch) {
+    let Body { tree, frames, axes, velocity, gravity, drives, force, factors, free, .. } = body;
+    let Scratch { composites, accelerations } = scratch;
     composites.resize(tree.links.len(), Composite::default());
     accelerations.resize(tree.links.len(), Acceleration::default());
     for &(number, ref mass) in &tree.carriers {

@@ -3,7 +3,7 @@
 use friction::{Constraint, Effort, Problem, SparseProblem};
 use nalgebra::Vector3;
 
-use crate::{Body, Drive, factor};
+use crate::{Body, Drive, factor, inertia};
 
 /// Share of a tangent's own response that is added to it. Nearly equal contacts of one body need it for a unique answer.
 const SOFTNESS: f64 = 1e-6;
@@ -111,6 +111,7 @@ struct Part {
 /// Scratch buffers that one step after the other reuses.
 #[derive(Default)]
 pub struct Workspace {
+    inertia: inertia::Scratch,
     blocks: Vec<Block>,
     /// Jacobian entries of the blocks, multiplied by the inverse of L'.
     entries: Vec<[f64; 3]>,
@@ -153,7 +154,7 @@ pub fn step(
             body.limit_servos(number, time_step, &mut workspace.limited);
         }
     }
-    bodies.iter_mut().for_each(|body| body.prepare(time_step));
+    bodies.iter_mut().for_each(|body| body.prepare(time_step, &mut workspace.inertia));
     let (mut work, mut passes) = (0, 0);
     loop {
         let outcome = workspace.solve(bodies, contacts, joints);
@@ -181,7 +182,7 @@ pub fn step(
             bodies.iter_mut().for_each(|body| std::mem::swap(&mut body.velocity, &mut body.free));
             return Outcome { work, is_settled: outcome.is_settled && is_limited, ..outcome };
         }
-        bodies.iter_mut().for_each(|body| body.prepare(time_step));
+        bodies.iter_mut().for_each(|body| body.prepare(time_step, &mut workspace.inertia));
     }
 }
 
@@ -215,18 +216,35 @@ fn shared(bodies: &[&mut Body], entries: &[[f64; 3]], one: &Block, other: &Block
     for own in one.parts.iter().flatten() {
         for its in other.parts.iter().flatten().filter(|its| its.body == own.body) {
             let common = bodies[own.body].tree.common(own.tip, its.tip);
-            let sum: &mut [[f64; 3]; 3] = sum.get_or_insert([[0.0; 3]; 3]);
+            let sum = sum.get_or_insert([[0.0; 3]; 3]);
             let (own, its) = (&entries[own.entries.clone()][..common], &entries[its.entries.clone()][..common]);
-            for (own, its) in own.iter().zip(its) {
-                for column in 0..3 {
-                    for row in 0..3 {
-                        sum[column][row] += own[row] * its[column];
-                    }
-                }
+            match one.rows.max(other.rows) {
+                1 => add_products::<1>(own, its, sum),
+                2 => add_products::<2>(own, its, sum),
+                _ => add_products::<3>(own, its, sum),
             }
         }
     }
     sum
+}
+
+/// Adds the products of the first `ROWS` rows of two Jacobians.
+fn add_products<const ROWS: usize>(own: &[[f64; 3]], its: &[[f64; 3]], sum: &mut [[f64; 3]; 3]) {
+    for (own, its) in own.iter().zip(its) {
+        for column in 0..ROWS {
+            for row in 0..ROWS {
+                sum[column][row] += own[row] * its[column];
+            }
+        }
+    }
+}
+
+/// Adds the change of the velocity of a chain, multiplied by L, by the impulses on `ROWS` rows.
+fn add_change<const ROWS: usize>(chain: &[usize], entries: &[[f64; 3]], impulses: &[f64], change: &mut [f64]) {
+    let impulses = &impulses[..ROWS];
+    for (&dof, entries) in chain.iter().zip(entries) {
+        change[dof] += entries.iter().zip(impulses).map(|(entry, impulse)| entry * impulse).sum::<f64>();
+    }
 }
 
 impl Workspace {
@@ -329,12 +347,14 @@ impl Workspace {
         change.clear();
         change.resize(places[bodies.len()], 0.0);
         for block in blocks.iter() {
-            let own = &impulses[block.row..][..block.rows];
             for part in block.parts.iter().flatten() {
                 let change = &mut change[places[part.body]..];
                 let chain = bodies[part.body].tree.chain(part.tip);
-                for (&dof, entries) in chain.iter().zip(&entries[part.entries.clone()]) {
-                    change[dof] += entries.iter().zip(own).map(|(entry, impulse)| entry * impulse).sum::<f64>();
+                let (own, entries) = (&impulses[block.row..], &entries[part.entries.clone()]);
+                match block.rows {
+                    1 => add_change::<1>(chain, entries, own, change),
+                    2 => add_change::<2>(chain, entries, own, change),
+                    _ => add_change::<3>(chain, entries, own, change),
                 }
             }
         }
@@ -352,24 +372,10 @@ impl Workspace {
         let tangents = contact.tangents.iter().flatten().count();
         let rows = 1 + tangents;
         let mut velocity = [0.0; 3];
-        let mut part = |side: Side, sign: f64| {
-            let body = &bodies[side.body];
-            let (tip, axes) = body.axes_of(side.link)?;
-            let at = contact.point - body.centre();
-            let belt = body.belt_at(side.link, contact.normal);
-            let start = self.entries.len();
-            for (dof, axis) in axes {
-                // Both sides' belts run the same way, as their outward normals are opposite.
-                let run = belt.filter(|(of_belt, _)| *of_belt == dof).map_or_else(Vector3::zeros, |(_, run)| run);
-                let moved = axis.at(at) * sign + run;
-                let entry = directions.map(|direction| direction.dot(&moved));
-                for (velocity, entry) in velocity.iter_mut().zip(entry) {
-                    *velocity += entry * body.free[dof];
-                }
-                self.entries.push(entry);
-            }
-            factor::solve_chain(&body.tree, &body.factors, tip, &mut self.entries[start..]);
-            Some(Part { body: side.body, tip, entries: start..self.entries.len() })
+        let mut part = |side: Side, sign: f64| match rows {
+            1 => self.add_side::<1>(bodies, contact, &directions, side, sign, &mut velocity),
+            2 => self.add_side::<2>(bodies, contact, &directions, side, sign, &mut velocity),
+            _ => self.add_side::<3>(bodies, contact, &directions, side, sign, &mut velocity),
         };
         let parts = [part(contact.first, 1.0), contact.second.and_then(|second| part(second, -1.0))];
         self.blocks.push(Block { row, rows, parts });
@@ -382,6 +388,37 @@ impl Workspace {
         self.problem.constraints.push(Constraint::Contact { friction: contact.friction, tangents });
     }
 
+    /// Adds the Jacobian of a contact's `ROWS` rows for one side, and the side's free velocity along them to `velocity`. `None` if nothing
+    /// moves the side.
+    fn add_side<const ROWS: usize>(
+        &mut self,
+        bodies: &[&mut Body],
+        contact: &Contact,
+        directions: &[Vector3<f64>; 3],
+        side: Side,
+        sign: f64,
+        velocity: &mut [f64; 3],
+    ) -> Option<Part> {
+        let body = &bodies[side.body];
+        let (tip, axes) = body.axes_of(side.link)?;
+        let at = contact.point - body.centre();
+        let belt = body.belt_at(side.link, contact.normal);
+        let start = self.entries.len();
+        self.entries.extend(body.tree.chain(tip).iter().map(|&dof| {
+            // Both sides' belts run the same way, as their outward normals are opposite.
+            let run = belt.filter(|(of_belt, _)| *of_belt == dof).map_or_else(Vector3::zeros, |(_, run)| run);
+            let moved = axes[dof].at(at) * sign + run;
+            let mut entry = [0.0; 3];
+            for row in 0..ROWS {
+                entry[row] = directions[row].dot(&moved);
+                velocity[row] += entry[row] * body.free[dof];
+            }
+            entry
+        }));
+        factor::solve_chain::<ROWS>(&body.tree, &body.factors, tip, &mut self.entries[start..]);
+        Some(Part { body: side.body, tip, entries: start..self.entries.len() })
+    }
+
     fn add_joint(&mut self, bodies: &[&mut Body], joint: &JointRow) {
         let body = &bodies[joint.body];
         let mut velocity = 0.0;
@@ -389,7 +426,7 @@ impl Workspace {
         let parts = if joint.terms == [None; 2] {
             velocity += joint.root.iter().zip(&body.free).map(|(factor, speed)| factor * speed).sum::<f64>();
             self.entries.extend(joint.root.map(|factor| [factor, 0.0, 0.0]));
-            factor::solve_chain(&body.tree, &body.factors, 5, &mut self.entries[start..]);
+            factor::solve_chain::<1>(&body.tree, &body.factors, 5, &mut self.entries[start..]);
             [Some(Part { body: joint.body, tip: 5, entries: start..self.entries.len() }), None]
         } else {
             joint.terms.map(|term| {
@@ -398,7 +435,7 @@ impl Workspace {
                 let start = self.entries.len();
                 self.entries.resize(start + body.tree.dofs[dof].depth, [0.0; 3]);
                 self.entries.push([factor, 0.0, 0.0]);
-                factor::solve_chain(&body.tree, &body.factors, dof, &mut self.entries[start..]);
+                factor::solve_chain::<1>(&body.tree, &body.factors, dof, &mut self.entries[start..]);
                 Some(Part { body: joint.body, tip: dof, entries: start..self.entries.len() })
             })
         };

@@ -47,11 +47,11 @@ fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &m
     // One equation per row, with its right-hand side behind it. A condition on a velocity is its row of the Delassus matrix.
     let count = velocity.len();
     let width = width(count);
-    equations.clear();
-    for (row, missed) in velocity.iter().enumerate() {
-        equations.extend_from_slice(problem.of_row(row));
-        equations.push(*missed);
-        equations.resize((row + 1) * width, 0.0);
+    // The padding is never read, so it may keep numbers of an earlier problem.
+    equations.resize(count * width, 0.0);
+    for (row, equation) in equations.chunks_exact_mut(width).enumerate() {
+        equation[..count].copy_from_slice(problem.of_row(row));
+        equation[count] = velocity[row];
     }
     let set_to = |equation: &mut [f64], row: usize, impulse: f64| {
         equation.fill(0.0);
@@ -106,39 +106,47 @@ fn width(count: usize) -> usize {
     (count + 1).next_multiple_of(4)
 }
 
-/// Solves the equations in place by Gaussian elimination. Each row ends with its right-hand side. Returns false if there is no solution.
+/// Solves the equations in place. Returns false if there is no solution.
 fn eliminate(equations: &mut [f64], answer: &mut [f64]) -> bool {
+    // The loops of the usual sizes are compiled for a constant width: they are so short that their bounds cost more than their arithmetic.
+    match width(answer.len()) {
+        8 => eliminate_of_width(equations, answer, 8),
+        12 => eliminate_of_width(equations, answer, 12),
+        16 => eliminate_of_width(equations, answer, 16),
+        width => eliminate_of_width(equations, answer, width),
+    }
+}
+
+/// Solves equations of a width by Gaussian elimination. Each row ends with its right-hand side.
+#[inline(always)]
+fn eliminate_of_width(equations: &mut [f64], answer: &mut [f64], width: usize) -> bool {
     let count = answer.len();
-    let width = width(count);
-    // Partial pivoting.
+    // Partial pivoting. The pivot of the next column is found while the rows are at hand.
+    let (mut chosen, mut most) = largest(equations.chunks_exact(width).map(|equation| equation[0]));
     for unknown in 0..count {
-        let (mut chosen, mut most) = (unknown, 0.0);
-        for (number, equation) in equations.chunks_exact(width).enumerate().skip(unknown) {
-            let size = equation[unknown].abs();
-            if size > most {
-                (chosen, most) = (number, size);
-            }
-        }
         if most == 0.0 {
             return false;
         }
         let (before, after) = equations.split_at_mut((unknown + 1) * width);
         let used = &mut before[unknown * width..];
-        if chosen != unknown {
-            used.swap_with_slice(&mut after[(chosen - unknown - 1) * width..][..width]);
+        if chosen > 0 {
+            used.swap_with_slice(&mut after[(chosen - 1) * width..][..width]);
         }
         let inverse = 1.0 / used[unknown];
         used[unknown] = inverse;
         // Columns before the pivot are no longer needed, so the blocks of four start at its block.
-        let first = (unknown + 1) / 4 * 4;
-        let (used, _) = used[first..].as_chunks::<4>();
-        for equation in after.chunks_exact_mut(width) {
+        let (used, _) = used.as_chunks::<4>();
+        let first = (unknown + 1) / 4;
+        (chosen, most) = (0, 0.0);
+        for (number, equation) in after.chunks_exact_mut(width).enumerate() {
             let factor = equation[unknown] * inverse;
             if factor != 0.0 {
-                let (equation, _) = equation[first..].as_chunks_mut::<4>();
-                for (to, from) in equation.iter_mut().zip(used) {
-                    (0..4).for_each(|lane| to[lane] -= factor * from[lane]);
-                }
+                let (equation, _) = equation.as_chunks_mut::<4>();
+                subtract(&mut equation[first..], factor, &used[first..]);
+            }
+            let size = equation[unknown + 1].abs();
+            if size > most {
+                (chosen, most) = (number, size);
             }
         }
     }
@@ -147,4 +155,16 @@ fn eliminate(equations: &mut [f64], answer: &mut [f64]) -> bool {
         answer[unknown] = (equation[count] - known) * equation[unknown];
     }
     answer.iter().all(|it| it.is_finite())
+}
+
+/// Subtracts a multiple of blocks from others. As a function of its own it tells the compiler that they do not overlap.
+fn subtract(to: &mut [[f64; 4]], factor: f64, from: &[[f64; 4]]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        (0..4).for_each(|lane| to[lane] -= factor * from[lane]);
+    }
+}
+
+/// Returns the number and the size of the largest entry. Both are 0 if there is none but zeros.
+fn largest(entries: impl Iterator<Item = f64>) -> (usize, f64) {
+    entries.map(f64::abs).enumerate().fold((0, 0.0), |largest, it| if it.1 > largest.1 { it } else { largest })
 }

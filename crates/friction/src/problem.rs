@@ -109,9 +109,22 @@ impl Problem {
 
     /// Stores in `velocity` the residual velocity of every row, m/s: the velocity with impulses minus its target.
     pub(crate) fn velocity(&self, impulses: &[f64], velocity: &mut Vec<f64>) {
-        velocity.clear();
-        velocity
-            .extend(self.missing.iter().enumerate().map(|(row, missing)| dot(self.of_row(row), impulses) - missing));
+        velocity.resize(self.missing.len(), 0.0);
+        // The numbers of rows of robots on four wheels, with rollers and without, are compiled as constants.
+        match self.missing.len() {
+            0 => {}
+            8 => self.set_velocity(8, impulses, velocity),
+            12 => self.set_velocity(12, impulses, velocity),
+            count => self.set_velocity(count, impulses, velocity),
+        }
+    }
+
+    #[inline(always)]
+    fn set_velocity(&self, count: usize, impulses: &[f64], velocity: &mut [f64]) {
+        let (rows, impulses) = (self.response.chunks_exact(count), &impulses[..count]);
+        for ((velocity, row), missing) in velocity.iter_mut().zip(rows).zip(&self.missing) {
+            *velocity = dot(row, impulses) - missing;
+        }
     }
 
     /// Computes the residual of impulses, N s.

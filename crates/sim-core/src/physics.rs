@@ -60,8 +60,6 @@ pub(crate) struct Physics {
     /// True if a robot came or left since the engine's last step, so the engine has to step to notice.
     is_changed: bool,
     landing: Landing,
-    /// Scratch buffers for solving systems of robots in reduced coordinates.
-    rooms: Vec<articulated::Room>,
     /// Number of systems that did not converge.
     unsettled: u64,
     /// Multiplications of the last step's systems of several bodies.
@@ -71,7 +69,7 @@ pub(crate) struct Physics {
 }
 
 impl Clone for Physics {
-    /// Copies the state; scratch buffers begin empty.
+    /// Copies the state; the engine's pipelines begin empty.
     fn clone(&self) -> Self {
         let Self {
             world,
@@ -86,7 +84,6 @@ impl Clone for Physics {
             unsettled,
             work,
             placeholders,
-            ..
         } = self;
         Self {
             world: engine_copy(world),
@@ -98,7 +95,6 @@ impl Clone for Physics {
             robots_of_engine: *robots_of_engine,
             is_changed: *is_changed,
             landing: landing.clone(),
-            rooms: Vec::new(),
             unsettled: *unsettled,
             work: *work,
             placeholders: placeholders.clone(),
@@ -154,7 +150,6 @@ impl Physics {
             robots_of_engine: 0,
             is_changed: false,
             landing: Landing::default(),
-            rooms: Vec::new(),
             unsettled: 0,
             work: 0,
             placeholders: Vec::new(),

@@ -38,7 +38,7 @@ use compile::{JointValue, Ring};
 use finding::{Found, Key, Placed};
 pub(super) use object::{MovableObject, uniform};
 pub(crate) use saved::{SavedObject, SavedTree};
-pub(super) use together::{Room, Surroundings, solve};
+pub(super) use together::{Surroundings, solve};
 
 /// Time over which the end of a joint gives way, s. A joint beyond its end returns within it.
 const END_TIME: f64 = 0.02;
@@ -236,9 +236,9 @@ impl ArticulatedRobot {
         }
     }
 
-    /// Returns the rows of joint ends, dry friction and couplings for the coming step. `number` is the robot's number among the bodies.
-    fn joint_rows(&self, number: usize, time_step: f64) -> impl Iterator<Item = JointRow> {
-        let row = move |terms, constraint, target| JointRow {
+    /// Adds the rows of joint ends, dry friction and couplings for the coming step. `number` is the robot's number among the bodies.
+    fn joint_rows(&self, number: usize, time_step: f64, rows: &mut Vec<JointRow>) {
+        let row = |terms, constraint, target| JointRow {
             body: number,
             terms,
             root: [0.0; 6],
@@ -247,34 +247,37 @@ impl ArticulatedRobot {
             compliance: 0.0,
             impulse: 0.0,
         };
-        let back = move |beyond: f64| if beyond > 0.0 { beyond / (time_step + END_TIME) } else { beyond / time_step };
+        let back = |beyond: f64| if beyond > 0.0 { beyond / (time_step + END_TIME) } else { beyond / time_step };
         let end = Constraint::Contact { friction: 0.0, tangents: 0 };
-        let of_joints = self.made_of.joints.iter().flat_map(move |joint| {
-            let JointState { position, speed } = joint.state(&self.body);
-            let [low, high] = joint.value.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-            // Only ends that the joint can reach in a few steps get a row.
-            let reach = 0.01 + 4.0 * speed.abs() * time_step;
-            let low = (position - low < reach).then(|| row([Some((joint.dof, 1.0)), None], end, back(low - position)));
-            let high =
-                (high - position < reach).then(|| row([Some((joint.dof, -1.0)), None], end, back(position - high)));
-            let friction = (joint.friction > 0.0)
-                .then(|| row([Some((joint.dof, 1.0)), None], Constraint::Within(joint.friction * time_step), 0.0));
-            [low, high, friction].into_iter().flatten()
-        });
-        let of_gears = self.made_of.gears.iter().map(move |gear| {
+        for joint in &self.made_of.joints {
+            if let Some([low, high]) = joint.value.limits {
+                let JointState { position, speed } = joint.state(&self.body);
+                // Only ends that the joint can reach in a few steps get a row.
+                let reach = 0.01 + 4.0 * speed.abs() * time_step;
+                if position - low < reach {
+                    rows.push(row([Some((joint.dof, 1.0)), None], end, back(low - position)));
+                }
+                if high - position < reach {
+                    rows.push(row([Some((joint.dof, -1.0)), None], end, back(position - high)));
+                }
+            }
+            if joint.friction > 0.0 {
+                rows.push(row([Some((joint.dof, 1.0)), None], Constraint::Within(joint.friction * time_step), 0.0));
+            }
+        }
+        for gear in &self.made_of.gears {
             let at = |link: usize| self.body.position(link);
             let off = gear.multiplier * at(gear.leader.0) + gear.offset - at(gear.follower.0);
             let terms = [Some((gear.follower.1, 1.0)), Some((gear.leader.1, -gear.multiplier))];
-            row(terms, Constraint::Within(f64::INFINITY), off / (time_step + END_TIME))
-        });
-        of_joints.chain(of_gears)
+            rows.push(row(terms, Constraint::Within(f64::INFINITY), off / (time_step + END_TIME)));
+        }
     }
 
     /// Adds the rows of the joints, warm-started with the last step's impulses. A robot in contact also gets the rows that make it follow
     /// its commands. `gravity` is the weight of a kilogram, N.
     fn add_joint_rows(&self, number: usize, gravity: f64, time_step: f64, rows: &mut Vec<JointRow>) {
         let before = rows.len();
-        rows.extend(self.joint_rows(number, time_step));
+        self.joint_rows(number, time_step, rows);
         if !self.found.is_empty() {
             rows.extend(self.following_rows(number, gravity, time_step).into_iter().flatten());
         }

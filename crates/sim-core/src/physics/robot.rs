@@ -178,11 +178,10 @@ impl Physics {
             ref conveyors,
             robots_of_engine,
             is_changed,
-            ref mut rooms,
             ..
         } = self;
         let surroundings = Surroundings { materials, conveyors, robots_of_engine, is_changed, threads };
-        let cost = articulated::solve(world, surroundings, robots.collect(), objects, rooms);
+        let cost = articulated::solve(world, surroundings, robots.collect(), objects);
         self.unsettled += cost.unsettled;
         self.work = cost.work;
     }

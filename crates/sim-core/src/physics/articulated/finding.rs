@@ -16,10 +16,9 @@ use super::super::surface::Materials;
 use super::ArticulatedRobot;
 use super::compile::{Form, Surface};
 use super::link_pose;
-use super::ring::WheelContact;
 use super::shape_contact::touches;
 use super::together::Surroundings;
-use super::wheel::{RollerTouch, Touch};
+use super::wheel::Touch;
 
 /// Distance over which contacts are found, beyond the distance that a surface moves in a step, m.
 const PREDICTION: f64 = 0.001;
@@ -188,6 +187,9 @@ impl ArticulatedRobot {
     }
 
     fn touch_itself(&mut self) {
+        if self.made_of.touching_itself.is_empty() {
+            return;
+        }
         let mut found = std::mem::take(&mut self.found);
         let (before, mut met) = (found.len(), Vec::new());
         for &(one, other) in &self.made_of.touching_itself {
@@ -217,6 +219,9 @@ impl ArticulatedRobot {
                 continue;
             }
             self.meet(surface, at, shape, other.collider.position(), at.prediction, at.motion, &mut met);
+            if met.is_empty() {
+                continue;
+            }
             let key = Key { surface: index, other: (other.peer, other.handle.into_raw_parts().0 as usize), number: 0 };
             add(&mut met, key, other.second, &Pair::of(&surface.material, other.material), found);
         }
@@ -273,43 +278,33 @@ impl ArticulatedRobot {
         };
         let ring = &self.made_of.rings[ring];
         let hub = convert::from_pose(at);
-        let mut contacts: Vec<WheelContact> = Vec::new();
-        ring.shape.touch(&hub, self.turned(ring), prediction, shape, pose, &mut contacts);
-        met.extend(contacts.into_iter().map(|WheelContact { point, normal, roller, axis, rolling_radius, gap }| {
-            Touch {
-                normal,
-                point,
-                gap,
-                share: 1.0,
-                roller: Some(RollerTouch { index: roller, axis, radius: rolling_radius }),
-            }
-        }));
+        ring.shape.touch(&hub, self.turned(ring), prediction, shape, pose, met);
     }
 
     /// Drops the contacts of rollers that leave the load to the next roller. Two rollers share the load only while both press. The wheel's
     /// turning brings no roller nearer: the next one lands where the last leaves, on the same circle.
     pub(super) fn hand_over(&mut self, time_step: f64) {
         let Self { found, made_of, body, .. } = self;
-        if found.iter().all(|it| it.touch.roller.is_none()) {
-            return;
-        }
-        let stays = |it: &Found| {
-            if it.touch.roller.is_none() {
-                return true;
-            }
+        let leaves = |it: &Found| {
             let nearer = |peer: &Found| {
                 peer.key.surface == it.key.surface
                     && peer.touch.gap < it.touch.gap
                     && peer.touch.normal.dot(&it.touch.normal) > SAME_SURFACE
             };
+            if it.touch.roller.is_none() || !found.iter().any(nearer) {
+                return false;
+            }
             let wheel = made_of.surfaces[it.key.surface].link;
             let carrier = body.tree().links()[wheel].parent;
             let approach = it.touch.normal.dot(&body.velocity_at(carrier, it.touch.point));
-            it.touch.gap + approach * time_step <= MARGIN || !found.iter().any(nearer)
+            it.touch.gap + approach * time_step > MARGIN
         };
-        let stays: Vec<bool> = found.iter().map(stays).collect();
-        let mut stays = stays.into_iter();
-        found.retain(|_| stays.next().unwrap_or(true));
+        if !found.iter().any(leaves) {
+            return;
+        }
+        let leaves: Vec<bool> = found.iter().map(leaves).collect();
+        let mut leaves = leaves.into_iter();
+        found.retain(|_| !leaves.next().unwrap_or(false));
     }
 }
 

@@ -7,9 +7,10 @@ use rapier3d::parry::query::details::NormalConstraints;
 use rapier3d::parry::shape::Shape;
 use scene::{Pose, Rollers};
 
-use super::super::contact::{Touch, distance, touch_part};
+use super::super::contact::{self, distance, touch_part};
 use super::super::convert;
 use super::super::roller::RollerShape;
+use super::wheel::{RollerTouch, Touch};
 
 /// Angle beside the direction to a surface within which rollers are tested, beyond a roller's half sector, rad. A contact is up to 21 mm
 /// beside the hub. Where a surface ends obliquely, its point nearest to the hub is up to 15 mm before or behind it.
@@ -18,23 +19,6 @@ const MARGIN: f64 = 0.3;
 const SAME_PLACE: f64 = 1e-5;
 /// Cosine of the normal with the axle above which a surface can touch any roller of the wheel.
 const FACING: f64 = 0.5;
-
-/// A contact of one roller, world axes.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct WheelContact {
-    /// Contact point.
-    pub(super) point: Vector3<f64>,
-    /// Normal, from the other body to the wheel.
-    pub(super) normal: Vector3<f64>,
-    /// Number of the roller.
-    pub(super) roller: usize,
-    /// Axis of the roller.
-    pub(super) axis: Vector3<f64>,
-    /// Distance of the point from the roller's axis along the normal, m.
-    pub(super) rolling_radius: f64,
-    /// Gap, m; negative where they overlap.
-    pub(super) gap: f64,
-}
 
 /// The rollers of a wheel as geometry.
 #[derive(Debug, Clone)]
@@ -69,7 +53,7 @@ impl RollerRing {
         self.rollers.len()
     }
 
-    /// Finds every contact of the ring with a shape at a pose. `hub` is the pose of the wheel at angle 0.
+    /// Adds every contact of the ring with a shape at a pose, in world axes. `hub` is the pose of the wheel at angle 0.
     pub(super) fn touch(
         &self,
         hub: &Pose,
@@ -77,8 +61,9 @@ impl RollerRing {
         prediction: f64,
         shape: &dyn Shape,
         frame: &EnginePose,
-        contacts: &mut Vec<WheelContact>,
+        contacts: &mut Vec<Touch>,
     ) {
+        let before = contacts.len();
         let frame = convert::from_pose(frame);
         let hub = frame.inv_mul(hub);
         let mut touch =
@@ -89,7 +74,7 @@ impl RollerRing {
                 self.touch_part(&local, angle, prediction, part, constraints, |index, roller, touch| {
                     let contact = self.contact(&frame, index, roller, touch);
                     // Two triangles that share an edge find the same contact there.
-                    if !contacts.iter().any(|known| (known.point - contact.point).amax() < SAME_PLACE) {
+                    if !contacts[before..].iter().any(|known| (known.point - contact.point).amax() < SAME_PLACE) {
                         contacts.push(contact);
                     }
                 });
@@ -113,7 +98,7 @@ impl RollerRing {
         prediction: f64,
         part: &dyn Shape,
         constraints: Option<&dyn NormalConstraints>,
-        mut found: impl FnMut(usize, &Pose, Touch),
+        mut found: impl FnMut(usize, &Pose, contact::Touch),
     ) {
         let centre = convert::vector(hub.translation.vector);
         let nearest = match part.as_halfspace() {
@@ -131,7 +116,8 @@ impl RollerRing {
         let wheel = hub * turn;
         for (index, roller) in self.rollers.iter().enumerate() {
             let off = self.first_roller + pitch * index as f64 + angle - direction;
-            let off = off - std::f64::consts::TAU * (off / std::f64::consts::TAU).round();
+            // Half a turn either way is the far side of the wheel, so it does not matter how ties are rounded.
+            let off = off - std::f64::consts::TAU * (off / std::f64::consts::TAU).round_ties_even();
             if off.abs() > self.last_phase + MARGIN && toward.y.abs() < FACING {
                 continue;
             }
@@ -142,19 +128,18 @@ impl RollerRing {
         }
     }
 
-    fn contact(&self, frame: &Pose, index: usize, roller: &Pose, touch: Touch) -> WheelContact {
+    fn contact(&self, frame: &Pose, index: usize, roller: &Pose, touch: contact::Touch) -> Touch {
         let normal = convert::from_vector(touch.normal);
         let axis = roller.rotation * Vector3::x();
         let radius = self.shape.radius_at(touch.along);
         let gap = touch.gap;
         let point = roller.translation.vector + axis * touch.along - normal * (radius + gap / 2.0);
-        WheelContact {
+        Touch {
             point: (frame * nalgebra::Point3::from(point)).coords,
             normal: frame.rotation * normal,
-            roller: index,
-            axis: frame.rotation * axis,
-            rolling_radius: radius,
             gap,
+            share: 1.0,
+            roller: Some(RollerTouch { index, axis: frame.rotation * axis, radius }),
         }
     }
 }

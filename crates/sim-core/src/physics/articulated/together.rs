@@ -3,6 +3,8 @@
 //! Bodies that touch each other are one system, whatever their order. Systems are solved on all threads. At their new poses the bodies find
 //! their contacts with fixed bodies for the next step.
 
+use std::cell::RefCell;
+
 use articulated::{Body, Contact, JointRow, Side};
 use nalgebra::Vector3;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -30,10 +32,20 @@ const SMALL: usize = 4;
 
 /// Scratch buffers that one thread reuses between systems.
 #[derive(Default)]
-pub(in super::super) struct Room {
+struct Scratch {
     contacts: Vec<Contact>,
     joints: Vec<JointRow>,
     workspace: articulated::Workspace,
+}
+
+thread_local! {
+    /// Scratch buffers of the thread, not of the world: worlds that are stepped in turn share them in its cache.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// The results of systems beside the motion of their bodies.
+#[derive(Default)]
+struct Tally {
     cost: Cost,
     /// Impulses on objects that need to know them.
     pushes: Vec<Push>,
@@ -79,7 +91,6 @@ pub(in super::super) fn solve<'a>(
     surroundings: Surroundings,
     mut robots: Vec<(&'a mut ArticulatedRobot, Option<&'a Flight>)>,
     objects: &'a mut [MovableObject],
-    rooms: &mut Vec<Room>,
 ) -> Cost {
     let Surroundings { materials, robots_of_engine, is_changed, threads, .. } = surroundings;
     // A robot that left may have carried an object.
@@ -130,13 +141,13 @@ pub(in super::super) fn solve<'a>(
     let mut groups: Vec<&mut [Member]> = members.chunk_by_mut(|one, other| one.group == other.group).collect();
     // A step in which all objects sleep has no groups.
     let size = groups.len().div_ceil(PARTS).max(1);
-    rooms.resize_with(PARTS, Room::default);
-    let mut parts: Vec<(&mut [&mut [Member]], &mut Room)> = groups.chunks_mut(size).zip(rooms.iter_mut()).collect();
+    let mut parts: Vec<(&mut [&mut [Member]], Tally)> =
+        groups.chunks_mut(size).map(|groups| (groups, Tally::default())).collect();
     let seen = &*world;
     in_parts(threads, 1, &mut parts, &|parts| {
-        for (groups, room) in parts {
+        for (groups, tally) in parts {
             for group in groups.iter_mut() {
-                step.solve(group, room);
+                SCRATCH.with_borrow_mut(|scratch| step.solve(group, scratch, tally));
                 if group.len() <= SMALL {
                     let robots = group.iter_mut().filter_map(Member::robot);
                     robots.for_each(|robot| robot.look_around(seen, surroundings, time_step));
@@ -144,17 +155,21 @@ pub(in super::super) fn solve<'a>(
             }
         }
     });
+    let (mut pushes, mut cost) = (Vec::new(), Cost::default());
+    for (_, tally) in parts {
+        pushes.extend(tally.pushes);
+        cost.unsettled += tally.cost.unsettled;
+        cost.work += tally.cost.work;
+    }
     look_around(members.iter_mut().filter_map(Member::robot), seen, surroundings);
     for OfEngine { links, reactions, .. } in of_engine {
         for (link, point, impulse) in reactions {
             react(world, links[link], point, impulse);
         }
     }
-    let mut pushes: Vec<Push> = rooms.iter_mut().flat_map(|room| room.pushes.drain(..)).collect();
     pushes.sort_by_key(|push| push.object);
     rest(objects, &is_asleep[robot_count..], &pushes, gravity.norm(), time_step);
-    let costs = rooms.iter_mut().map(|room| std::mem::take(&mut room.cost));
-    costs.fold(Cost::default(), |sum, it| Cost { unsettled: sum.unsettled + it.unsettled, work: sum.work + it.work })
+    cost
 }
 
 /// Finds contacts of bodies that moved since the last search.
@@ -336,8 +351,9 @@ struct Step<'a> {
 
 impl Step<'_> {
     /// Advances a group by one step, and records its contacts.
-    fn solve(self, group: &mut [Member], room: &mut Room) {
-        let Room { contacts, joints, workspace, cost, pushes } = room;
+    fn solve(self, group: &mut [Member], scratch: &mut Scratch, tally: &mut Tally) {
+        let Scratch { contacts, joints, workspace } = scratch;
+        let Tally { cost, pushes } = tally;
         contacts.clear();
         joints.clear();
         let is_alone = group.len() == 1;
