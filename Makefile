@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test book figures fuzz soak attack golden loom dist release check
+.PHONY: run view test book figures fuzz soak attack golden loom wheel dist release check
 
 # Expanded only where something has to be built with it.
 npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
@@ -67,6 +67,10 @@ golden:
 loom:
 	cargo test --quiet --package outbox --features loom
 
+# The Python package as a wheel in target/python/wheels, tested in clean environments of Python 3.10 and 3.13.
+wheel: view
+	tests/python --release
+
 # What is given away, with SHA256SUMS in target/dist: docs/install.md. `packaging/try` tries it.
 # Only for one processor: `make dist TARGETS=x86_64-unknown-linux-musl`.
 TARGETS =
@@ -89,12 +93,14 @@ check:
 	.ci/run
 
 # Every measured number that README.md and docs show, made anew: a quarter of an hour on a machine that does nothing else.
-figures: target/interop/venv/bin/python
+figures: target/interop/venv/bin/python wheel
 	UPDATE_FIGURES=1 cargo test -p gamebots-server --lib the_page_has_the_types_of_the_scene
 	UPDATE_FIGURES=1 cargo test --release -p usarsim --test figures -- --nocapture
 	$< -m pip install --quiet --requirement tests/interop/requirements.txt
 	$< bench/validation.py
 	$< bench/compare.py --out docs/comparison.md
+	$< -m pip install --quiet --force-reinstall target/python/wheels/*.whl gymnasium
+	$< bench/learning.py --out docs/howto-learning.md
 
 target/interop/venv/bin/python:
 	python3 -m venv target/interop/venv

@@ -74,6 +74,7 @@ impl Environment {
             let init = start(&task, rng);
             self.robots.extend(self.world.init(&init, &mut Vec::new()));
         }
+        self.world.set_reporting(task.file.explore.is_some());
         self.targets = vec![0.0; task.joints.len() * task.robots()];
         (self.age, self.is_over) = (0, false);
         self.sight.robots.clear();

@@ -234,7 +234,7 @@ struct Member {
     has_followed: bool,
 }
 
-/// Copies of a world that are stepped together.
+/// Copies of a world that are stepped together. Their sensors measure if one of them is observed.
 ///
 /// Orders are rows of [`WorldBatch::order_width`] numbers, a row a world, robot by robot in the order of their spawns. Observations are
 /// rows of [`WorldBatch::observation_width`] numbers in the same order.
@@ -281,7 +281,9 @@ impl WorldBatch {
         if robots.is_empty() {
             return Err(BatchError::NoRobots);
         }
-        let first = Member { world: world.clone(), readings: vec![0.0; readings], has_followed: true };
+        let mut quiet = world.clone();
+        quiet.set_reporting(columns.iter().any(|column| matches!(column, Column::Sensor(_))));
+        let first = Member { world: quiet, readings: vec![0.0; readings], has_followed: true };
         let order_width = robots.iter().map(|robot| robot.order_width(&orders)).sum();
         let mut row = Vec::new();
         first.observe(&robots, &columns, &mut |number| row.push(number));
@@ -322,7 +324,7 @@ impl WorldBatch {
         layout
     }
 
-    /// Returns a world.
+    /// Returns a world. If no sensor is observed, its robots do not report until [`World::set_reporting`].
     pub fn world(&self, number: usize) -> Option<&World> {
         self.members.get(number).map(|member| &member.world)
     }

@@ -97,7 +97,9 @@ impl Batch {
             let count = self.batch.worlds();
             return Err(error::task(format_args!("world: got {number}, expected less than {count}")));
         };
-        World::of(world.clone(), pool(1)?).map_err(error::log)
+        let mut world = world.clone();
+        world.set_reporting(true);
+        World::of(world, pool(1)?).map_err(error::log)
     }
 
     /// Hashes of the bits of every body, a world each.

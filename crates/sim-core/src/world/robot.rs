@@ -289,6 +289,11 @@ impl Robot {
         physics.before_step(&mut self.bodies);
     }
 
+    /// Lets it report from the step after `step` on, or not at all. Sensors that do not report do not measure.
+    pub(super) fn set_reporting(&mut self, is_reporting: bool, step: u64) {
+        self.next_report = if is_reporting { self.report_after(step) } else { u64::MAX };
+    }
+
     /// True if it has something to report at a step.
     pub(super) fn is_about_to_report(&self, step: u64) -> bool {
         step >= self.next_report
@@ -303,6 +308,9 @@ impl Robot {
 
     /// True if one of its sensors measures at a step.
     pub(super) fn is_about_to_look(&self, step: u64) -> bool {
+        if !self.is_about_to_report(step) {
+            return false;
+        }
         let age = step - self.spawned;
         let mut sensors = self.items.iter().filter(|item| item.is_sensor());
         sensors.any(|item| is_due(age, self.options.time_step, item.get().interval()))
