@@ -1,5 +1,5 @@
 # Both worlds at once: the page in viewer/ (Node.js 20) and the server (Rust). `make run` and `make test` are all one needs.
-.PHONY: run view test book figures fuzz soak attack golden loom wheel dist release check
+.PHONY: run view test book figures fuzz soak attack golden loom wheel package dist release check
 
 # Expanded only where something has to be built with it.
 npm = $(or $(shell command -v npm 2>/dev/null),$(error npm is missing (it is a part of Node.js): \
@@ -71,6 +71,11 @@ loom:
 wheel: view
 	tests/python --release
 
+# The libraries as a registry takes them, each built from its package: docs/libraries.md.
+LIBRARIES = articulated friction gamebots-client gamebots-proto kinematics scene sim-core usarsim-names
+package:
+	cargo package --locked $(LIBRARIES:%=--package %)
+
 # What is given away, with SHA256SUMS in target/dist: docs/install.md. `packaging/try` tries it.
 # Only for one processor: `make dist TARGETS=x86_64-unknown-linux-musl`.
 TARGETS =
@@ -79,7 +84,7 @@ dist: view
 
 # What is tried before a release, beside `make check`: what `make run` starts in the browser, what `make dist` makes, and an installation
 # from source. A quarter of an hour.
-release: dist
+release: dist package
 	cargo build --release
 	tests/interop/run
 	target/interop/venv/bin/python bench/compare.py --seconds 1 --repeat 1 --out target/interop/comparison.md

@@ -11,7 +11,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use scene::{JointState, Pose};
 
-/// What happened to the robots of a world in one control interval.
+/// The result of one control interval for the robots of a world.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Verdict {
     /// Reward of each robot.

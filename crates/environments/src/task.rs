@@ -106,7 +106,7 @@ pub(crate) struct Action {
     gripper: Option<String>,
 }
 
-/// Where robots start.
+/// The start of the robots.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Start {

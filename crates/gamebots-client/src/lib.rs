@@ -1,14 +1,36 @@
-//! A blocking Gamebots client on `gamebots-proto`.
+//! A blocking client of a Gamebots server: it connects, sends lines and returns the server's lines one by one.
 //!
-//! ```no_run
+//! [`Client`] is all there is. The crate `gamebots-proto` turns lines into typed messages and back, and has the frame and the units: x
+//! forward, y right, z down, metres, radians, seconds. The example `drive` drives a robot to a place.
+//!
+//! # Example
+//! A listener stands in for the server, which greets and waits for a robot's class.
+//!
+//! ```
+//! use std::io::{BufRead, BufReader, Write};
+//! use std::net::TcpListener;
 //! use std::time::Duration;
 //!
-//! let mut client = gamebots_client::Client::connect("127.0.0.1:3000")?;
-//! client.send("INIT {ClassName USARBot.KUKA_YouBot} {Start PlayerStart_0}")?;
-//! client.send("DRIVE {Left 1.0} {Right 1.0}")?;
-//! while let Some(line) = client.next_line(Duration::from_secs(1))? {
-//!     println!("{line}");
-//! }
+//! use gamebots_client::Client;
+//! use gamebots_proto::Message;
+//! use gamebots_proto::message::Nfo;
+//!
+//! let listener = TcpListener::bind("127.0.0.1:0")?;
+//! let address = listener.local_addr()?;
+//! let server = std::thread::spawn(move || {
+//!     let (mut stream, _) = listener.accept()?;
+//!     stream.write_all(b"NFO {Gametype BotDeathMatch} {Level hall} {TimeLimit 20}\r\n")?;
+//!     BufReader::new(stream).lines().next().unwrap_or_else(|| Ok(String::new()))
+//! });
+//!
+//! let mut client = Client::connect(address)?;
+//! let line = client.next_line(Duration::from_secs(10))?.unwrap_or_default();
+//! let Some(Message::Nfo(Nfo::Greeting(greeting))) = Message::read(&line) else { panic!("no greeting: {line}") };
+//! assert_eq!(greeting.level, "hall");
+//!
+//! client.send("INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}")?;
+//! let received = server.join().map_err(|_| std::io::Error::other("the server panicked"))??;
+//! assert_eq!(received, "INIT {ClassName USARBot.P3AT} {Start PlayerStart_0}");
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
@@ -20,6 +42,7 @@ use std::time::{Duration, Instant};
 use gamebots_proto::Framing;
 
 /// A connection to a server.
+#[derive(Debug)]
 pub struct Client {
     stream: TcpStream,
     framing: Framing,
@@ -87,3 +110,8 @@ impl Client {
         }
     }
 }
+
+/// The examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -55,3 +55,8 @@ impl PlanarPose {
         }
     }
 }
+
+/// The examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -32,6 +32,11 @@ pub fn count(number: usize, thing: &str) -> String {
     format!("{number} {thing}{end}")
 }
 
+/// The examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 #[cfg(test)]
 mod tests {
     use super::*;

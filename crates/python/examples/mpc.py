@@ -47,7 +47,7 @@ def main():
     arguments.add_argument("--seed", type=int, default=1)
     arguments.add_argument("--picture")
     arguments = arguments.parse_args()
-    scene = usarsim.Scene("smooth", set=["material.pvc.friction=0.15"], drive_model="analytic")
+    scene = usarsim.Scene("smooth", set=["material.cast-acrylic.friction=0.15"], drive_model="analytic")
     world = usarsim.World(scene, time_step=0.02, seed=arguments.seed)
     robot = world.spawn("YouBot", position=(0.0, 0.0, 0.0))
     random, mean = np.random.default_rng(arguments.seed), np.zeros((PIECES, 3))

@@ -1,7 +1,63 @@
-//! Scenes and snapshots: plain data in SI units, in the world frame (x forward, y right, z down).
+//! Definitions of simulated worlds as plain data: maps, robots, materials, sensors, and the limits of every number.
 //!
-//! The crate `scene-loader` builds scenes from files. This crate neither reads files nor moves anything. Values written as JSON, as
-//! in a log, read back bit for bit.
+//! A definition can be built by hand, checked, written as JSON and read back bit for bit, as a log does. A snapshot is the state of a
+//! world at one time. The crate `scene-loader` builds scenes from files, and `sim-core` simulates them. This crate neither reads files
+//! nor moves anything.
+//!
+//! SI units, in the world frame: x forward, y right, z down, right-handed. Rotations are roll, pitch and yaw in radians. Positions of a
+//! robot's parts are in the robot frame with every joint at 0.
+//!
+//! | type | content |
+//! |---|---|
+//! | [`WorldDef`] | a scene: a map and classes of robots; [`WorldDef::check`] finds numbers outside the limits in [`check`] |
+//! | [`MapDef`] | a map: [`Solid`]s, movable [`Object`]s, gravity, start poses, victims, tags |
+//! | [`RobotDef`] | a class of robots: a tree of [`Link`]s with [`Joint`]s, [`Wheel`]s and [`Motor`]s, and what it carries |
+//! | [`Shape`], [`Material`] | geometry and surface of solids |
+//! | [`SensorDef`], [`Reading`] | a sensor of a robot, and one measurement in 64-bit numbers; [`sensor`] has a module for each kind |
+//! | [`Actuator`], [`Gripper`], [`ToolChanger`], [`Vacuum`] | arms and hands |
+//! | [`Snapshot`] | poses, velocities and contacts of robots and objects at one time |
+//! | [`Options`] | seed and time step of a run |
+//! | [`League`] | rules of a round with teams and points |
+//!
+//! # Example
+//! A cart with four driven wheels on a plane:
+//!
+//! ```
+//! use nalgebra::{Matrix3, Vector3};
+//! use scene::{Link, MapDef, Material, Motor, Part, RobotDef, Shape, Side, Solid, Steering, Wheel, WorldDef};
+//!
+//! let material = Material { name: "rubber".to_owned(), friction: 0.8, ..Material::default() };
+//! let solid = |name: &str, shape: Shape| Solid {
+//!     name: name.to_owned(),
+//!     shape,
+//!     position: [0.0; 3],
+//!     rotation: [0.0; 3],
+//!     material: material.clone(),
+//! };
+//! let floor = solid("floor", Shape::HalfSpace);
+//! let map = MapDef { name: "plane".to_owned(), gravity: 9.81, solids: vec![floor], ..MapDef::default() };
+//!
+//! let part = Part { name: "frame".to_owned(), mass: 10.0, centre: Vector3::zeros(), inertia: Matrix3::identity() * 0.2 };
+//! let solids = vec![solid("frame", Shape::Box { size: [0.4, 0.3, 0.1] })];
+//! let mut links = vec![Link { name: "frame".to_owned(), parts: vec![part], solids, ..Link::default() }];
+//! let (left, right) = (Side::Left, Side::Right);
+//! for (name, x, y, side) in [("FL", 0.15, -0.2, left), ("FR", 0.15, 0.2, right), ("BL", -0.15, -0.2, left), ("BR", -0.15, 0.2, right)] {
+//!     let motor = Motor { max_speed: 10.0, gain: 50.0, max_torque: 20.0, stiffness: None, integral_time: Some(0.05), armature: 0.0 };
+//!     let wheel = Wheel { side, radius: 0.1, width: 0.05, mass: 0.5, material: material.clone(), rollers: None, belt: None };
+//!     links.push(Link::of_wheel(name.to_owned(), [x, y, 0.03], Some(motor), wheel));
+//! }
+//! let cart = RobotDef::new("Cart", Steering::Skid, links);
+//! let world = WorldDef { map, robots: [("Cart".to_owned(), cart)].into(), ..WorldDef::default() };
+//! world.check()?;
+//!
+//! let text = serde_json::to_string(&world)?;
+//! assert_eq!(serde_json::from_str::<WorldDef>(&text)?, world);
+//!
+//! let mut heavy = world;
+//! heavy.map.gravity = 1e6;
+//! assert!(heavy.check().is_err_and(|problem| problem.message.contains("gravity")));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod actuator;
 mod base;
@@ -89,6 +145,11 @@ impl WorldDef {
         self.robots.get(class)?.sensors.iter().find(|sensor| sensor.name == name)
     }
 }
+
+/// The examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 #[cfg(test)]
 mod tests {

@@ -150,6 +150,29 @@ pub struct RobotDef {
 }
 
 impl RobotDef {
+    /// Creates a class of robots without sensors, actuators and a battery. Its footing is that of its steering, without flight.
+    pub fn new(class: &str, steering: Steering, links: Vec<Link>) -> Self {
+        Self {
+            class: class.to_owned(),
+            description: String::new(),
+            steering,
+            reported_steering: None,
+            drive_model: DriveModel::default(),
+            one_side_drives: false,
+            speaks_ut2004: false,
+            links,
+            sensors: Vec::new(),
+            actuators: Vec::new(),
+            grippers: Vec::new(),
+            tool_changers: Vec::new(),
+            vacuums: Vec::new(),
+            battery: None,
+            reported_max_torque: 50000.0,
+            footing: Footing::of(steering, None),
+            assumptions: Vec::new(),
+        }
+    }
+
     /// Sets the drive model if one is given and it can move the robot.
     pub fn set_drive_model(&mut self, model: Option<DriveModel>) {
         if let Some(model) = model.filter(|&model| self.can_have(model)) {

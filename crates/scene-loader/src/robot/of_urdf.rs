@@ -6,8 +6,7 @@ pub(crate) mod extent;
 mod legs;
 
 use scene::{
-    Actuator, Footing, JointKind, Link, Material, Motor, RobotDef, Rollers, SensorDef, Side, Steering, Wheel, check,
-    sensor,
+    Actuator, JointKind, Link, Material, Motor, RobotDef, Rollers, SensorDef, Side, Steering, Wheel, check, sensor,
 };
 
 use self::extent::{Extent, bounds};
@@ -103,23 +102,11 @@ pub(crate) fn read(
         assumptions.push(format!("actuators are chains of joints with servos: {}", names.join(", ")));
     }
     let robot = RobotDef {
-        class: class.to_owned(),
         description: format!("From {file}"),
-        steering,
-        reported_steering: None,
-        drive_model: scene::DriveModel::default(),
-        one_side_drives: false,
-        speaks_ut2004: false,
-        links,
         sensors: sensors(steering),
         actuators,
-        grippers: Vec::new(),
-        tool_changers: Vec::new(),
-        vacuums: Vec::new(),
-        battery: None,
-        reported_max_torque: 50000.0,
-        footing: Footing::of(steering, None),
         assumptions,
+        ..RobotDef::new(class, steering, links)
     };
     let shown = source.display(file);
     let links = robot.links.iter().enumerate();
