@@ -234,6 +234,13 @@ struct Member {
     has_followed: bool,
 }
 
+/// One world's part of a step.
+struct Job<'a> {
+    member: &'a mut Member,
+    orders: &'a [f64],
+    row: &'a mut [f64],
+}
+
 /// Copies of a world that are stepped together. Their sensors measure if one of them is observed.
 ///
 /// Orders are rows of [`WorldBatch::order_width`] numbers, a row a world, robot by robot in the order of their spawns. Observations are
@@ -337,11 +344,12 @@ impl WorldBatch {
         self.check("orders", orders.len(), self.widths[0])?;
         self.check("observations", observations.len(), self.widths[1])?;
         let Self { members, robots, orders: kind, columns, widths, threads, .. } = self;
-        let rows = orders.chunks_exact(widths[0].max(1)).map(Some).chain(std::iter::repeat(None));
-        let mut jobs: Vec<_> = members.iter_mut().zip(rows).zip(rows_mut(observations, widths[1])).collect();
-        let work = |jobs: &mut [((&mut Member, Option<&[f64]>), &mut [f64])]| {
-            for ((member, orders), row) in jobs {
-                member.has_followed = orders.is_none_or(|orders| member.follow(robots, kind, orders));
+        let rows = orders.chunks_exact(widths[0].max(1)).chain(std::iter::repeat(&[][..]));
+        let jobs = members.iter_mut().zip(rows).zip(rows_mut(observations, widths[1]));
+        let mut jobs: Vec<Job> = jobs.map(|((member, orders), row)| Job { member, orders, row }).collect();
+        let work = |jobs: &mut [Job]| {
+            for Job { member, orders, row } in jobs {
+                member.has_followed = member.follow(robots, kind, orders);
                 (0..steps).for_each(|_| member.step(robots));
                 member.write(robots, columns, row);
             }
@@ -384,7 +392,7 @@ impl WorldBatch {
 
 /// Returns rows of an array; empty ones if they have no width.
 fn rows_mut(numbers: &mut [f64], width: usize) -> impl Iterator<Item = &mut [f64]> {
-    numbers.chunks_exact_mut(width.max(1)).chain(std::iter::repeat_with(|| <&mut [f64]>::default()))
+    numbers.chunks_exact_mut(width.max(1)).chain(std::iter::repeat_with(Default::default))
 }
 
 impl Layout {
