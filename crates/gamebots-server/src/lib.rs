@@ -35,6 +35,7 @@ mod publisher;
 mod recording;
 mod results;
 mod saved;
+mod view;
 mod web;
 mod wireless;
 mod world_thread;
@@ -45,6 +46,7 @@ pub use images::ImageKind;
 pub use live::messages as viewer_messages;
 pub use playback::{Playback, play};
 pub use saved::{SavedFileError, read_saved};
+pub use view::View;
 pub use wireless::Propagation;
 
 use std::net::SocketAddr;

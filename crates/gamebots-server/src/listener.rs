@@ -19,7 +19,7 @@ use crate::images::{self, Board};
 use crate::live::{About, Channels};
 use crate::login::{Accepted, LoginQueue};
 use crate::ports::{self, Port};
-use crate::web::{Packed, Site};
+use crate::web::{Framing, Packed, Site};
 use crate::wireless::{self, Network};
 use crate::{
     Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl, com_server, connection, foxglove_server, live,
@@ -160,6 +160,7 @@ fn site(config: &Config, access: &Access, addresses: &Ready, channels: Channels,
         access: access.clone(),
         packed: Packed::default(),
         pages: AtomicU64::new(0),
+        framing: Framing::Nobody,
     }
 }
 
@@ -174,7 +175,10 @@ fn about(config: &Config, addresses: &Ready) -> About {
 }
 
 /// Listens on a port. `None` if another program has it and the service is left out then.
-async fn listen(host: &str, Listener { service, port, if_taken }: Listener) -> Result<Option<TcpListener>, ServeError> {
+pub(crate) async fn listen(
+    host: &str,
+    Listener { service, port, if_taken }: Listener,
+) -> Result<Option<TcpListener>, ServeError> {
     let bind = async |port| match service {
         Service::Page => listen_for_viewers(host, port).await,
         _ => TcpListener::bind((host, port)).await,

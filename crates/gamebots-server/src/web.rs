@@ -47,6 +47,25 @@ const MAX_CONNECTIONS: usize = 256;
 /// Longest time for the head of a request, and for a client to read its response.
 const TIMEOUT: Duration = Duration::from_secs(10);
 
+/// Pages that may frame the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Framing {
+    /// None: a frame could trick its user into driving.
+    Nobody,
+    /// Pages of this machine, such as notebooks. For a page that only shows.
+    Local,
+}
+
+impl Framing {
+    /// Returns the sources of `frame-ancestors` (Content Security Policy).
+    fn ancestors(self) -> &'static str {
+        match self {
+            Self::Nobody => "'none'",
+            Self::Local => "http://localhost:* http://127.0.0.1:* http://[::1]:* vscode-webview:",
+        }
+    }
+}
+
 /// State that the page's handlers share.
 pub(crate) struct Site {
     /// The host name that the server was told to listen on.
@@ -62,6 +81,7 @@ pub(crate) struct Site {
     pub(crate) packed: Packed,
     /// Number of pages opened so far; it numbers the pages.
     pub(crate) pages: AtomicU64,
+    pub(crate) framing: Framing,
 }
 
 /// One of the [`MAX_CONNECTIONS`], held while the connection lives, also after it has become a WebSocket.
@@ -159,12 +179,15 @@ async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> R
         return (StatusCode::FORBIDDEN, reason).into_response();
     }
     let mut response = next.run(request).await;
+    let policy = format!(
+        "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
+         frame-ancestors {}; base-uri 'none'; form-action 'none'",
+        site.framing.ancestors()
+    );
+    if let Ok(policy) = HeaderValue::from_str(&policy) {
+        response.headers_mut().insert(header::CONTENT_SECURITY_POLICY, policy);
+    }
     for (name, value) in [
-        (
-            header::CONTENT_SECURITY_POLICY,
-            "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; \
-             style-src 'self' 'unsafe-inline'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
-        ),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         (header::REFERRER_POLICY, "no-referrer"),
         (header::HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use ::scene::{BodyState, JointState, ObjectId, Options, PawnId, Pose, RobotDef, Sensed, Steering};
 use experiments::LoggedSessions;
+use gamebots_server::View;
 use nalgebra::{Point3, Vector3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use picture::{Camera, Image, Stage};
@@ -27,6 +28,8 @@ use crate::scene::Scene;
 
 /// Time between two looks at the signals of the process, for Ctrl-C.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(100);
+/// Time between two looks of a world that is shown, or that keeps to a pace.
+const SHOWN_INTERVAL: Duration = Duration::from_millis(15);
 /// Longest time that one call may step, simulated s.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
 /// Vertical field of view of a picture, rad.
@@ -43,6 +46,7 @@ pub(crate) struct World {
     next_session: SessionId,
     threads: ThreadPool,
     stage: Option<Arc<Stage>>,
+    view: Option<View>,
 }
 
 impl World {
@@ -52,7 +56,7 @@ impl World {
 
     fn with(world: sim_core::World, threads: ThreadPool, log: Option<LogWriter>) -> Self {
         let sessions = LoggedSessions::new(world.on_threads(Arc::new(threads.clone())), log);
-        Self { sessions, readings: BTreeMap::new(), next_session: 1, threads, stage: None }
+        Self { sessions, readings: BTreeMap::new(), next_session: 1, threads, stage: None, view: None }
     }
 
     /// Creates sessions for a world that has robots: each takes one over.
@@ -89,8 +93,9 @@ impl World {
 
     /// Advances by at most this many steps, until the signals are due. Returns the number of steps taken.
     fn advance(&mut self, steps: u64) -> Result<u64, RecordError> {
-        let Self { sessions, readings, threads, .. } = self;
+        let Self { sessions, readings, threads, view, .. } = self;
         let start = Instant::now();
+        let interval = if view.is_some() { SHOWN_INTERVAL } else { SIGNAL_INTERVAL };
         threads.run(|| {
             for step in 0..steps {
                 // The step's readings are of its end.
@@ -98,12 +103,19 @@ impl World {
                 sessions.step(&mut |sensed| {
                     readings.insert((sensed.robot, sensed.sensor), (time, sensed.clone()));
                 })?;
-                if start.elapsed() >= SIGNAL_INTERVAL {
+                if start.elapsed() >= interval {
                     return Ok(step + 1);
                 }
             }
             Ok(steps)
         })
+    }
+
+    /// Shows the present on the page of the world, if it has one and a frame is due or `must` be shown.
+    fn show_now(&mut self, must: bool) {
+        if let Some(view) = self.view.as_mut().filter(|view| must || view.is_due()) {
+            view.show(self.sessions.world().snapshot());
+        }
     }
 
     fn stage(&mut self) -> Arc<Stage> {
@@ -208,30 +220,68 @@ impl World {
             session.map_or(Ok(()), |session| world.sessions.close(session)).map_err(error::log)?;
             return Err(error::command(format_args!("class_name: got {class_name}, expected a robot class")));
         }
+        slf.try_borrow_mut().map_err(|_| busy())?.show_now(true);
         warn(py, &problems)?;
         Ok(Robot { world: slf.unbind(), id })
     }
 
     /// Advances the world.
-    #[pyo3(signature = (steps = 1))]
-    fn step(&mut self, py: Python, steps: u64) -> PyResult<()> {
+    #[pyo3(signature = (steps = 1, *, real_time_factor = None))]
+    fn step(&mut self, py: Python, steps: u64, real_time_factor: Option<f64>) -> PyResult<()> {
         if steps as f64 * self.world().time_step() > MAX_SECONDS {
             return Err(error::command(format_args!("steps: got {steps}, expected at most a simulated month")));
         }
+        if let Some(factor) = real_time_factor.filter(|factor| !(0.001..=1000.0).contains(factor)) {
+            return Err(error::command(format_args!("real_time_factor: got {factor}, expected 0.001 to 1000")));
+        }
+        let (start, begin, time_step) = (Instant::now(), self.world().time(), self.world().time_step());
         let mut left = steps;
         while left > 0 {
-            left -= py.detach(|| self.advance(left)).map_err(error::log)?;
+            // As many steps as have become due until the next look.
+            let due = real_time_factor.map_or(left, |factor| {
+                let end = (start.elapsed() + SHOWN_INTERVAL).as_secs_f64() * factor;
+                ((end - (self.world().time() - begin)) / time_step).max(0.0) as u64
+            });
+            left -= py.detach(|| self.advance(due.min(left))).map_err(error::log)?;
+            self.show_now(left == 0);
             py.check_signals()?;
+            if let Some(factor) = real_time_factor {
+                let ahead =
+                    Duration::from_secs_f64((self.world().time() - begin) / factor).saturating_sub(start.elapsed());
+                py.detach(|| std::thread::sleep(ahead.min(SIGNAL_INTERVAL)));
+            }
         }
         Ok(())
     }
 
     /// Advances the world by a time, s.
-    fn run(&mut self, py: Python, seconds: f64) -> PyResult<()> {
+    #[pyo3(signature = (seconds, *, real_time_factor = None))]
+    fn run(&mut self, py: Python, seconds: f64, real_time_factor: Option<f64>) -> PyResult<()> {
         if !(0.0..=MAX_SECONDS).contains(&seconds) {
             return Err(error::command(format_args!("seconds: got {seconds}, expected 0 to {MAX_SECONDS}")));
         }
-        self.step(py, (seconds / self.world().time_step()).round() as u64)
+        self.step(py, (seconds / self.world().time_step()).round() as u64, real_time_factor)
+    }
+
+    /// Serves a page that shows the world live.
+    #[pyo3(signature = (port = 0, height = 480))]
+    fn show(slf: Bound<Self>, port: u16, height: u32) -> PyResult<Bound<PyAny>> {
+        let url = {
+            let mut world = slf.try_borrow_mut().map_err(|_| busy())?;
+            if world.view.is_none() {
+                let view = View::start(world.world().def(), world.world().options(), port).map_err(error::command)?;
+                world.view = Some(view);
+            }
+            world.show_now(true);
+            world.view.as_ref().map_or_else(String::new, |view| format!("http://{}/", view.address()))
+        };
+        slf.py().import("usarsim._view")?.getattr("View")?.call1((&slf, url, height))
+    }
+
+    /// Ends the page.
+    fn _hide(&mut self, py: Python) {
+        let view = self.view.take();
+        py.detach(|| drop(view));
     }
 
     /// Simulated time, s.
@@ -304,6 +354,7 @@ impl World {
             next_session: self.next_session,
             threads: self.threads.clone(),
             stage: self.stage.clone(),
+            view: None,
         }
     }
 

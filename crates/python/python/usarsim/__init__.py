@@ -42,6 +42,7 @@ from ._native import (
     tasks,
 )
 from ._picture import Picture
+from ._view import View
 
 DriveModel = Literal["articulated", "analytic", "kinematic", "kinematic-textbook", "bodies"]
 
@@ -60,6 +61,7 @@ __all__ = [
     "SceneError",
     "TaskError",
     "UsarsimWarning",
+    "View",
     "World",
     "__version__",
     "describe",

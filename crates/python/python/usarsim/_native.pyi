@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._picture import Picture
+from ._view import View
 
 __all__ = [
     "__version__",
@@ -160,15 +161,18 @@ class World:
         if its name is taken.
         """
 
-    def step(self, steps: int = 1) -> None:
+    def step(self, steps: int = 1, *, real_time_factor: float | None = None) -> None:
         """Advances the world by time steps. Ctrl-C ends it within 0.1 s.
 
-        Raises `CommandError` for more than 31 simulated days, `LogError` if the log cannot be written, and `OverflowError` for
+        `real_time_factor` is the simulated seconds per second that it keeps to, 0.001 to 1000, to watch the world; None is as
+        fast as possible.
+
+        Raises `CommandError` for more than 31 simulated days or another factor, `LogError` if the log cannot be written, and `OverflowError` for
         a negative number.
         """
 
-    def run(self, seconds: float) -> None:
-        """Advances the world by a time, s, rounded to whole time steps.
+    def run(self, seconds: float, *, real_time_factor: float | None = None) -> None:
+        """Advances the world by a time, s, rounded to whole time steps. `real_time_factor` is as for `step`.
 
         Raises `CommandError` if the time is negative, not finite, or more than 31 days, and `LogError` if the log cannot be
         written.
@@ -241,6 +245,18 @@ class World:
 
         Raises `LogError` if the log cannot be written.
         """
+
+    def show(self, port: int = 0, height: int = 480) -> View:
+        """Serves a page that shows the world while it is stepped. A notebook shows it as a frame of `height` pixels.
+
+        `port` 0 takes a free one. The page is served on this machine alone, and nobody can drive or change the world from it.
+        A second call shows the present and returns a view of the same page.
+
+        Raises `CommandError` if it cannot listen on the port.
+        """
+
+    def _hide(self) -> None:
+        """Ends the page of the world. `View.close` calls it."""
 
     def __enter__(self) -> World:
         """Returns the world."""

@@ -1,0 +1,158 @@
+//! The page of a world that another program steps, such as one in a notebook. It shows; nobody drives or controls.
+//!
+//! ```text
+//! program --snapshot--> view thread (frames, status) --> web sockets
+//! ```
+
+use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::atomic::AtomicU64;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::{Arc, mpsc};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use scene::{Options, Snapshot, WorldDef};
+use tokio::sync::oneshot;
+
+use crate::access::Access;
+use crate::budget::Budgets;
+use crate::connection::Event;
+use crate::images::{Board, ImageKind};
+use crate::live::{self, About, Broadcast, RobotStatus, Status};
+use crate::login::LoginQueue;
+use crate::web::{self, Framing, Packed, Site};
+use crate::{IfTaken, Listener, ServeError, Service, WorldControl, listener};
+
+/// Interval between two frames, and least time between two snapshots that are worth taking.
+const FRAME_INTERVAL: Duration = Duration::from_millis(33);
+
+/// The page of a world that another program steps. It ends when dropped.
+pub struct View {
+    address: SocketAddr,
+    snapshots: Option<SyncSender<Arc<Snapshot>>>,
+    /// Earliest time of the next snapshot.
+    next: Instant,
+    stop: Option<oneshot::Sender<()>>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl View {
+    /// Serves the page of a world on a port of this machine; 0 takes a free one. Other pages of this machine, such as notebooks, may frame
+    /// it.
+    ///
+    /// # Errors
+    /// When it cannot listen on the port, or a thread cannot be started.
+    pub fn start(def: &WorldDef, options: Options, port: u16) -> Result<Self, ServeError> {
+        let host = Ipv4Addr::LOCALHOST.to_string();
+        let listener = Listener { service: Service::Page, port, if_taken: IfTaken::Fail };
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
+        let bound = runtime.block_on(listener::listen(&host, listener))?.ok_or(ServeError::WorldStopped)?;
+        let address = bound.local_addr().map_err(ServeError::Start)?;
+        let about = About { seed: options.seed, time_step: options.time_step, port: 0, maps: Vec::new() };
+        let board = Board::new(ImageKind::default(), false);
+        let (live, channels) = live::broadcast(Instant::now(), def, Some(about), board);
+        let (events, requests) = channel();
+        let (access, budgets) = (Access::new(None), Budgets::default());
+        let site = Site {
+            host,
+            protocol: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
+            channels,
+            events,
+            stall_timeout: Duration::from_secs(30),
+            world_control: WorldControl::Nobody,
+            access: access.clone(),
+            packed: Packed::default(),
+            pages: AtomicU64::new(0),
+            framing: Framing::Local,
+        };
+        let (snapshots, taken) = sync_channel(1);
+        let (stop, stopped) = oneshot::channel();
+        let def = def.clone();
+        let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
+        let show = move || show(live, &def, &taken, &requests);
+        let showing = thread("view").spawn(show).map_err(ServeError::Start)?;
+        let logins = LoginQueue::new(access, &[], false, budgets);
+        let serve = move || {
+            runtime.block_on(async {
+                tokio::select! {
+                    () = web::serve(bound, logins, Arc::new(site)) => {}
+                    _ = stopped => {}
+                }
+            });
+        };
+        let serving = thread("view-page").spawn(serve).map_err(ServeError::Start)?;
+        let (next, threads) = (Instant::now(), vec![showing, serving]);
+        Ok(Self { address, snapshots: Some(snapshots), next, stop: Some(stop), threads })
+    }
+
+    /// Returns the address of the page.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// True if a new snapshot would be shown.
+    pub fn is_due(&self) -> bool {
+        Instant::now() >= self.next
+    }
+
+    /// Shows a snapshot, unless the last one still waits for its turn.
+    pub fn show(&mut self, snapshot: Snapshot) {
+        self.next = Instant::now() + FRAME_INTERVAL;
+        if let Some(snapshots) = &self.snapshots {
+            match snapshots.try_send(Arc::new(snapshot)) {
+                // The thread ends only with this value.
+                Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
+            }
+        }
+    }
+}
+
+impl Drop for View {
+    fn drop(&mut self) {
+        // Both threads end when their senders are gone.
+        (self.snapshots, self.stop) = (None, None);
+        for thread in self.threads.drain(..) {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Publishes the last snapshot, again for viewers that come later, until the program is gone.
+fn show(mut live: Broadcast, def: &WorldDef, snapshots: &Receiver<Arc<Snapshot>>, requests: &mpsc::Receiver<Event>) {
+    let (mut shown, mut measured, mut speed) = (Arc::<Snapshot>::default(), (Instant::now(), 0.0), 0.0);
+    loop {
+        match snapshots.recv_timeout(FRAME_INTERVAL) {
+            Ok(snapshot) => shown = snapshot,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+        // A request that is dropped is answered as by a world that has ended.
+        requests.try_iter().for_each(drop);
+        let now = Instant::now();
+        let elapsed = now.duration_since(measured.0).as_secs_f64();
+        if elapsed >= 0.5 {
+            speed = ((shown.time - measured.1) / elapsed).max(0.0);
+            measured = (now, shown.time);
+        }
+        if let Some(due) = live.due(now) {
+            let status = due.status.then(|| status(&shown, speed));
+            live.publish(now, def, &shown, status);
+        }
+    }
+}
+
+fn status(shown: &Snapshot, speed: f64) -> Status {
+    let robot = |robot: &scene::RobotSnapshot| RobotStatus {
+        id: robot.id.0,
+        class: robot.class.clone(),
+        name: robot.name.clone(),
+        connection: None,
+        battery: None,
+    };
+    Status {
+        real_time_factor: speed,
+        speed: 1.0,
+        robots: shown.robots.iter().map(robot).collect(),
+        ..Status::default()
+    }
+}
