@@ -103,7 +103,7 @@ def table(head, rows):
 
 def replaced(page, name, text):
     """The page with a table between its marks."""
-    pattern = rf"(<!-- figures: {name} -->\n\n).*?(\n\n<!-- end -->)"
+    pattern = rf"(<!-- learning: {name} -->\n\n).*?(\n\n<!-- end -->)"
     page, count = re.subn(pattern, lambda match: match[1] + text + match[2], page, flags=re.DOTALL)
     if count != 1:
         raise SystemExit(f"expected one table {name}, got {count}")
