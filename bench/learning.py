@@ -68,7 +68,7 @@ def mujoco_steps(shape, cone, threads, seconds):
 
 def vector_steps(task, count, threads, seconds):
     """Environment steps a second of the native vector."""
-    environments = gymnasium.make_vec(f"usarsim/{task}-v0", num_envs=count, vector_kwargs={"threads": threads})
+    environments = gymnasium.make_vec(f"usarsim/{task}-v0", num_envs=count, threads=threads)
     environments.reset(seed=0)
     actions, best = environments.action_space.sample(), 0.0
     end = time.perf_counter() + seconds

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::str::FromStr;
 
 use kinematics::Twist;
-use scene::{Reading, RobotDef};
+use scene::{BodyState, JointState, Reading, RobotDef, WheelState};
 use sim_core::{Order, PawnId, World, in_parts};
 use thread_pool::ThreadPool;
 
@@ -323,7 +323,8 @@ impl WorldBatch {
         for (number, robot) in self.robots.iter().enumerate() {
             for group in 0..self.columns.len() {
                 let mut width = 0;
-                self.first.observe_group(robot, &self.columns, group, &mut |_| width += 1);
+                let seen = Seen::of(&self.first.world, robot.id, &self.columns);
+                self.first.observe_group(robot, &seen, &self.columns, group, &mut |_| width += 1);
                 layout.push((number, self.columns[group].clone(), begin..begin + width));
                 begin += width;
             }
@@ -446,27 +447,33 @@ impl Member {
 
     fn observe(&self, robots: &[Layout], columns: &[Column], push: &mut dyn FnMut(f64)) {
         for robot in robots {
-            (0..columns.len()).for_each(|group| self.observe_group(robot, columns, group, push));
+            let seen = Seen::of(&self.world, robot.id, columns);
+            (0..columns.len()).for_each(|group| self.observe_group(robot, &seen, columns, group, push));
         }
     }
 
     /// Pushes the numbers of one group of columns.
-    fn observe_group(&self, robot: &Layout, columns: &[Column], group: usize, push: &mut dyn FnMut(f64)) {
-        let body = || self.world.state(robot.id).map(|(body, _)| body);
-        let wheels = || self.world.state(robot.id).map_or_else(Vec::new, |(_, wheels)| wheels);
-        let joints = || self.world.joints(robot.id).unwrap_or_default();
+    fn observe_group(
+        &self,
+        robot: &Layout,
+        Seen { body, wheels, joints }: &Seen,
+        columns: &[Column],
+        group: usize,
+        push: &mut dyn FnMut(f64),
+    ) {
+        let body = body.as_ref();
         match &columns[group] {
-            Column::Position => body().iter().for_each(|it| it.pose.translation.vector.iter().for_each(|n| push(*n))),
-            Column::Orientation => body().iter().for_each(|it| it.pose.rotation.coords.iter().for_each(|n| push(*n))),
+            Column::Position => body.iter().for_each(|it| it.pose.translation.vector.iter().for_each(|n| push(*n))),
+            Column::Orientation => body.iter().for_each(|it| it.pose.rotation.coords.iter().for_each(|n| push(*n))),
             Column::Rotation => {
-                body().iter().for_each(|it| scene::position_and_rotation(&it.pose).1.into_iter().for_each(&mut *push));
+                body.iter().for_each(|it| scene::position_and_rotation(&it.pose).1.into_iter().for_each(&mut *push));
             }
-            Column::Velocity => body().iter().for_each(|it| it.linear.iter().for_each(|n| push(*n))),
-            Column::AngularVelocity => body().iter().for_each(|it| it.angular.iter().for_each(|n| push(*n))),
-            Column::JointPositions => joints().iter().for_each(|joint| push(joint.position)),
-            Column::JointSpeeds => joints().iter().for_each(|joint| push(joint.speed)),
-            Column::WheelAngles => wheels().iter().for_each(|wheel| push(wheel.angle)),
-            Column::WheelSpeeds => wheels().iter().for_each(|wheel| push(wheel.speed)),
+            Column::Velocity => body.iter().for_each(|it| it.linear.iter().for_each(|n| push(*n))),
+            Column::AngularVelocity => body.iter().for_each(|it| it.angular.iter().for_each(|n| push(*n))),
+            Column::JointPositions => joints.iter().for_each(|joint| push(joint.position)),
+            Column::JointSpeeds => joints.iter().for_each(|joint| push(joint.speed)),
+            Column::WheelAngles => wheels.iter().for_each(|wheel| push(wheel.angle)),
+            Column::WheelSpeeds => wheels.iter().for_each(|wheel| push(wheel.speed)),
             Column::Objects => {
                 for object in self.world.objects() {
                     let (position, rotation) = (object.pose.translation.vector, object.pose.rotation.coords);
@@ -479,6 +486,22 @@ impl Member {
                 self.readings[readings].iter().for_each(|n| push(*n));
             }
         }
+    }
+}
+
+/// State of a robot, as far as it is observed.
+struct Seen {
+    body: Option<BodyState>,
+    wheels: Vec<WheelState>,
+    joints: Vec<JointState>,
+}
+
+impl Seen {
+    fn of(world: &World, robot: PawnId, columns: &[Column]) -> Self {
+        let has_joints = columns.iter().any(|it| matches!(it, Column::JointPositions | Column::JointSpeeds));
+        let joints = if has_joints { world.joints(robot).unwrap_or_default() } else { Vec::new() };
+        let (body, wheels) = world.state(robot).map_or((None, Vec::new()), |(body, wheels)| (Some(body), wheels));
+        Self { body, wheels, joints }
     }
 }
 
