@@ -185,7 +185,7 @@ fn arrays_of_another_size_and_actions_that_are_no_numbers_are_refused() {
 }
 
 /// Plays a task with a controller until an episode ends. Returns the sum of the rewards, and true for a success.
-fn solve(task: &str, seed: u64, act: impl Fn(&[f32]) -> Vec<f32>) -> (f64, bool) {
+fn solve(task: &str, seed: u64, mut act: impl FnMut(&[f32]) -> Vec<f32>) -> (f64, bool) {
     let mut one = environments(task, 1, 1);
     let mut arrays = Arrays::of(&one);
     one.reset(Some(&[seed]), None, &mut arrays.observations).expect("a reset");
@@ -242,6 +242,60 @@ fn a_simple_controller_pushes_the_crate() {
         solve("YouBotPush", seed, act).1
     });
     assert!(successes.count() >= 3);
+}
+
+/// Heights and lengths of the youBot's arm, m: shoulder over the floor, upper arm, forearm, hand; and the shoulder ahead of the middle.
+const SHOULDER: f32 = 0.241;
+const ARM: [f32; 3] = [0.155, 0.135, 0.209];
+const SHOULDER_AHEAD: f32 = 0.2;
+/// Distance of the block ahead of the robot when the arm grips it, m.
+const AHEAD: f32 = 0.4;
+
+/// Returns the angles of the arm for a hand that points down at a height over the floor, m.
+fn arm_at(height: f32) -> [f32; 5] {
+    let [upper, lower, hand] = ARM;
+    let (ahead, up) = (AHEAD - SHOULDER_AHEAD, height + hand - SHOULDER);
+    let distance = ahead.hypot(up);
+    let lift = ((distance * distance + upper * upper - lower * lower) / (2.0 * distance * upper)).acos();
+    let shoulder = std::f32::consts::FRAC_PI_2 - up.atan2(ahead) - lift;
+    let forearm = (ahead - upper * shoulder.sin()).atan2(up - upper * shoulder.cos());
+    [0.0, shoulder, forearm - shoulder, std::f32::consts::PI - forearm, 0.0]
+}
+
+#[test]
+fn a_script_fetches_the_block() {
+    for seed in [0, 2, 4] {
+        let (mut targets, mut height, mut phase, mut wait) = ([0.0_f32; 5], 0.2_f32, 0, 30);
+        let (reward, success) = solve("YouBotFetch", seed, |seen| {
+            let (off, wanted) = ([seen[0] - AHEAD, seen[1]], arm_at(height));
+            let far = wanted.iter().zip(&seen[11..16]).map(|(wanted, angle)| (wanted - angle).abs());
+            let is_there = far.fold(0.0, f32::max) < 0.03;
+            match phase {
+                // Down in steps, while the base keeps the block under the hand.
+                0 if is_there && off[0].hypot(off[1]) < 0.01 && height > 0.041 => {
+                    height = f32::max(0.04, height - 0.02)
+                }
+                0 if is_there && off[0].hypot(off[1]) < 0.01 => phase = 1,
+                1 if wait > 0 => wait -= 1,
+                1 => (phase, height) = (2, 0.15),
+                2 if is_there => phase = 3,
+                _ => {}
+            }
+            let base = match phase {
+                0 => off.map(|off| (4.0 * off).clamp(-0.5, 0.5)),
+                3 => {
+                    let way = [seen[6] - seen[0], seen[7] - seen[1]];
+                    way.map(|part| part / way[0].hypot(way[1]).max(0.5))
+                }
+                _ => [0.0, 0.0],
+            };
+            let joints = [0, 1, 2, 3, 4].map(|joint| ((wanted[joint] - targets[joint]) / 0.06).clamp(-1.0, 1.0));
+            targets.iter_mut().zip(joints).for_each(|(target, speed)| *target += 0.06 * speed);
+            let gripper = if phase == 0 { 1.0 } else { -1.0 };
+            [&base[..], &[0.0], &joints, &[gripper]].concat()
+        });
+        assert!(success && reward > 1.0, "{seed}: {reward}");
+    }
 }
 
 #[test]
