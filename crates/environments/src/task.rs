@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use include_dir::{Dir, include_dir};
+use scene::check::TIME_STEP;
 use scene::{Object, RobotDef, Shape, WorldDef};
 use scene_loader::Override;
 use serde::Deserialize;
@@ -231,7 +232,7 @@ impl TaskFile {
             is_good.then_some(()).ok_or_else(|| format!("{name}: got {got}, expected {least} to {most}"))
         };
         within("robots", self.robots as f64, 1.0, MAX_ROBOTS as f64)?;
-        within("time_step", self.time_step, 1e-4, 0.02)?;
+        within("time_step", self.time_step, TIME_STEP.least, TIME_STEP.most)?;
         within("control_interval", self.control_interval, self.time_step, MAX_INTERVAL)?;
         within("seconds", self.seconds, self.control_interval, MAX_SECONDS)?;
         let steps = self.control_interval / self.time_step;

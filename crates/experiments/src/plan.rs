@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use scene::DriveModel;
+use scene::check::TIME_STEP;
 use scene_loader::Override;
 use serde::Deserialize;
 
@@ -310,7 +311,7 @@ impl Plan {
             (least..=most).contains(&value).then_some(()).ok_or_else(message)
         };
         within("samples", f64::from(self.samples), 1.0, 10_000.0)?;
-        within("time_step", self.time_step, 1e-4, 0.02)?;
+        within("time_step", self.time_step, TIME_STEP.least, TIME_STEP.most)?;
         within("settling", self.settling, 0.1, 60.0)?;
         let Tolerances { position, yaw, wheel_phase, friction, mass } = self.tolerances;
         let tolerances = [("position", position), ("yaw", yaw), ("wheel_phase", wheel_phase)];

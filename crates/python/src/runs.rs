@@ -6,6 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use ::scene::check::TIME_STEP;
 use ::scene::{DriveModel, Options};
 use experiments::batch::Batch;
 use experiments::fit::Fit;
@@ -53,8 +54,8 @@ pub(crate) fn validate(
     time_step: f64,
 ) -> PyResult<String> {
     interruptible(py, move |stop| {
-        if !(1.0..=60.0).contains(&seconds) || !(1e-4..=0.02).contains(&time_step) {
-            let text = format!("got {seconds} s and a time step of {time_step} s: expected 1 to 60 and 0.0001 to 0.02");
+        if !(1.0..=60.0).contains(&seconds) || !TIME_STEP.holds(time_step) {
+            let text = format!("got {seconds} s and a time step of {time_step} s: expected 1 to 60 s and {TIME_STEP}");
             return Err(error::task(text));
         }
         let overrides = set.iter().map(|text| text.parse()).collect::<Result<Vec<Override>, _>>();

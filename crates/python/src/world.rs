@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use ::scene::check::TIME_STEP;
 use ::scene::{BodyState, JointState, ObjectId, Options, PawnId, Pose, RobotDef, Sensed, Steering};
 use experiments::LoggedSessions;
 use gamebots_server::View;
@@ -150,8 +151,8 @@ impl World {
         log: Option<PathBuf>,
     ) -> PyResult<Self> {
         let threads = pool(threads)?;
-        if !(1e-4..=0.02).contains(&time_step) {
-            return Err(error::scene(format_args!("time_step: got {time_step}, expected 0.0001 to 0.02 s")));
+        if !TIME_STEP.holds(time_step) {
+            return Err(error::scene(format_args!("time_step: got {time_step}, expected {TIME_STEP}")));
         }
         let options = Options { seed, time_step, ..Options::default() };
         py.detach(|| {
@@ -182,6 +183,8 @@ impl World {
         if !name.is_empty() {
             write!(line, " {{Name {name}}}").map_err(error::command)?;
         }
+        let mut world = slf.try_borrow_mut().map_err(|_| busy())?;
+        let map = &world.world().def().map;
         match (start, position) {
             (Some(_), Some(_)) => return Err(error::command("got both start and position: expected one of them")),
             (Some(_), None) if rotation.is_some() => {
@@ -189,8 +192,6 @@ impl World {
             }
             (Some(start), None) => {
                 check_text("start", start)?;
-                let known = slf.try_borrow().map_err(|_| busy())?;
-                let map = &known.world().def().map;
                 if map.start(start).is_none() {
                     let known = names::listed(map.starts.iter().map(|start| start.name.as_str()));
                     return Err(error::command(format_args!("unknown start `{start}`: expected one of {known}")));
@@ -198,9 +199,7 @@ impl World {
                 write!(line, " {{Start {start}}}")
             }
             (None, position) => {
-                let known = slf.try_borrow().map_err(|_| busy())?;
-                let first = known.world().def().map.starts.first();
-                let (position, rotation) = match (position, first) {
+                let (position, rotation) = match (position, map.starts.first()) {
                     (Some(position), _) => (position, rotation.unwrap_or_default()),
                     (None, Some(first)) => (first.position, rotation.unwrap_or(first.rotation)),
                     (None, None) => ([0.0; 3], rotation.unwrap_or_default()),
@@ -212,15 +211,15 @@ impl World {
             }
         }
         .map_err(error::command)?;
-        let (pawn, problems) = slf.try_borrow_mut().map_err(|_| busy())?.enter(&line).map_err(error::log)?;
+        let (pawn, problems) = world.enter(&line).map_err(error::log)?;
         let Some(id) = pawn else { return Err(error::command(problems.join("; "))) };
-        if slf.try_borrow().map_err(|_| busy())?.world().robot(id).is_none() {
-            let mut world = slf.try_borrow_mut().map_err(|_| busy())?;
+        if world.world().robot(id).is_none() {
             let session = world.sessions.owner(id);
             session.map_or(Ok(()), |session| world.sessions.close(session)).map_err(error::log)?;
             return Err(error::command(format_args!("class_name: got {class_name}, expected a robot class")));
         }
-        slf.try_borrow_mut().map_err(|_| busy())?.show_now(true);
+        world.show_now(true);
+        drop(world);
         warn(py, &problems)?;
         Ok(Robot { world: slf.unbind(), id })
     }

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use picture::Stage;
 use recorder::{Entry, Log, PictureTaken, Record, RobotState, STATE_INTERVAL};
+use scene::check::TIME_STEP;
 use scene::{Options, PawnId, Reading, Sensed, Snapshot};
 use sessions::{News, Request, Sessions};
 use sim_core::World;
@@ -18,7 +19,7 @@ const MAX_GAP: f64 = 2.0 * STATE_INTERVAL;
 /// Longest time between what a picture shows and its record, s.
 const MAX_DELAY: f64 = 0.2;
 /// Valid time steps of a world, s.
-const TIME_STEPS: std::ops::RangeInclusive<f64> = 1e-4..=0.02;
+const TIME_STEPS: std::ops::RangeInclusive<f64> = TIME_STEP.least..=TIME_STEP.most;
 /// Valid wheel-speed units, rad/s: rad/s are 1 and revolutions a second 2 pi.
 const SPEED_UNITS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use experiments::{Course, Crowd, Moment, Motion};
+use scene::check::TIME_STEP;
 use scene::{DriveModel, MapDef, RobotDef, WorldDef};
 use scene_loader::Override;
 use serde_json::json;
@@ -63,7 +64,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn time_step(text: &str) -> Result<f64, String> {
-    within(text, 1e-4, 0.02)
+    within(text, TIME_STEP.least, TIME_STEP.most)
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
