@@ -28,6 +28,8 @@ pub(crate) struct Environment {
     age: u32,
     /// True if the episode has ended and the next one has not begun.
     pub(crate) is_over: bool,
+    /// The reason why the last episode could not begin, if any, in words.
+    pub(crate) failure: Option<String>,
 }
 
 /// The end of an interval between two actions.
@@ -44,7 +46,7 @@ impl Environment {
         let world = World::new(task.scene.clone(), task.options(0));
         let rng = ChaCha8Rng::seed_from_u64(seed);
         let (robots, targets, sight) = (Vec::new(), Vec::new(), Sight::default());
-        Self { task, world, robots, targets, goal, sight, rng, age: 0, is_over: true }
+        Self { task, world, robots, targets, goal, sight, rng, age: 0, is_over: true, failure: None }
     }
 
     /// True if an episode has begun.
@@ -62,7 +64,7 @@ impl Environment {
         self.rng = ChaCha8Rng::seed_from_u64(seed);
     }
 
-    /// Begins an episode and writes the first observations.
+    /// Begins an episode and writes the first observations. If there is no room for a robot, none begins, and `failure` says why.
     pub(crate) fn reset(&mut self, observations: &mut [f32]) {
         let (task, rng) = (self.task.clone(), &mut self.rng);
         self.world = World::new(task.scene.clone(), task.options(rng.random()));
@@ -71,8 +73,14 @@ impl Environment {
         }
         self.robots.clear();
         for _ in 0..task.robots() {
-            let init = start(&task, rng);
-            self.robots.extend(self.world.init(&init, &mut Vec::new()));
+            let (init, mut problems) = (start(&task, rng), Vec::new());
+            let Some(robot) = self.world.init(&init, &mut problems) else {
+                self.robots.clear();
+                let reason: Vec<String> = problems.iter().map(ToString::to_string).collect();
+                self.failure = Some(reason.join("; "));
+                return;
+            };
+            self.robots.push(robot);
         }
         self.world.set_reporting(task.file.explore.is_some());
         self.targets = vec![0.0; task.joints.len() * task.robots()];
@@ -165,7 +173,7 @@ impl Environment {
             }
         }
         self.sight.object = self.task.object().and_then(|id| self.world.object(id));
-        is_lost || self.sight.robots.len() < self.task.robots()
+        is_lost
     }
 
     fn observe(&self, observations: &mut [f32]) {

@@ -95,7 +95,7 @@ impl Environments {
     /// on. Observations of other environments stay as they are.
     ///
     /// # Errors
-    /// When an array has another size; then nothing happens.
+    /// When an array has another size; then nothing happens. When there is no room for a robot; the other environments begin all the same.
     pub fn reset(
         &mut self,
         seeds: Option<&[u64]>,
@@ -120,13 +120,14 @@ impl Environments {
         };
         let threads = &self.threads;
         threads.run(|| in_parts(threads, ENVIRONMENTS_AT_A_TIME, &mut jobs, &work));
-        Ok(())
+        self.take_failure()
     }
 
     /// Plays one interval in every environment. Actions beyond -1 to 1 count as these.
     ///
     /// # Errors
-    /// When an array has another size, or an action is not finite; then nothing happens.
+    /// When an array has another size, an action is not finite, or an environment has not begun; then nothing happens. When an episode ended
+    /// and there is no room for a robot of the next; the other environments are stepped all the same.
     pub fn step(&mut self, actions: &[f32], autoreset: Autoreset, outcomes: Outcomes) -> Result<(), BatchError> {
         let robots = self.task.robots();
         let widths = [robots * self.task.actions(), robots * self.task.observations()];
@@ -155,7 +156,18 @@ impl Environments {
         let work = |jobs: &mut [Job]| jobs.iter_mut().for_each(|job| job.run(autoreset));
         let threads = &self.threads;
         threads.run(|| in_parts(threads, ENVIRONMENTS_AT_A_TIME, &mut jobs, &work));
-        Ok(())
+        self.take_failure()
+    }
+
+    /// Takes the failures of all environments, and returns the first as an error.
+    fn take_failure(&mut self) -> Result<(), BatchError> {
+        let mut first = Ok(());
+        for (number, environment) in self.environments.iter_mut().enumerate() {
+            if let Some(reason) = environment.failure.take() {
+                first = first.and(Err(BatchError::NoRoom { environment: number, reason }));
+            }
+        }
+        first
     }
 
     fn check(&self, array: &'static str, got: usize, width: usize) -> Result<(), BatchError> {

@@ -194,6 +194,14 @@ pub enum BatchError {
         /// The first of them.
         first: usize,
     },
+    /// An episode that cannot begin, as there is no room for a robot.
+    #[error("environment {environment}: no episode begins: {reason}")]
+    NoRoom {
+        /// Number of the environment.
+        environment: usize,
+        /// Problems of the robot, in words.
+        reason: String,
+    },
     /// A step before the first reset.
     #[error("environment {0} was never reset: expected a reset before the first step")]
     NotBegun(usize),
@@ -222,8 +230,10 @@ struct Layout {
     /// Numbers of the joints that are no wheels, among those with a value.
     joints: Vec<usize>,
     driven: usize,
-    /// Sensors by their numbers, each with its columns in the robot's readings.
+    /// Sensors by their numbers, each with its columns in the readings of all.
     sensors: Vec<(usize, Range<usize>)>,
+    /// Its columns in a row, group by group.
+    columns: Vec<Range<usize>>,
 }
 
 /// A copy of the world, with the last readings of the sensors that are observed.
@@ -283,7 +293,7 @@ impl WorldBatch {
                 readings += length;
             }
             let joints = joints.map(|(number, _)| number).collect();
-            robots.push(Layout { id, joints, driven: def.driven().count(), sensors });
+            robots.push(Layout { id, joints, driven: def.driven().count(), sensors, columns: Vec::new() });
         }
         if robots.is_empty() {
             return Err(BatchError::NoRobots);
@@ -292,9 +302,16 @@ impl WorldBatch {
         quiet.set_reporting(columns.iter().any(|column| matches!(column, Column::Sensor(_))));
         let first = Member { world: quiet, readings: vec![0.0; readings], has_followed: true };
         let order_width = robots.iter().map(|robot| robot.order_width(&orders)).sum();
-        let mut row = Vec::new();
-        first.observe(&robots, &columns, &mut |number| row.push(number));
-        let widths = [order_width, row.len()];
+        let mut width = 0;
+        for robot in &mut robots {
+            let seen = Seen::of(&first.world, robot.id, &columns);
+            for group in 0..columns.len() {
+                let begin = width;
+                first.observe_group(robot, &seen, &columns, group, &mut |_| width += 1);
+                robot.columns.push(begin..width);
+            }
+        }
+        let widths = [order_width, width];
         if worlds == 0 || widths.iter().any(|width| width.saturating_mul(worlds) > MAX_NUMBERS) {
             return Err(BatchError::TooLarge { worlds, numbers: widths[1] });
         }
@@ -319,17 +336,11 @@ impl WorldBatch {
 
     /// Returns the columns of each robot and group, in the order of a row: number of the robot, group, columns.
     pub fn layout(&self) -> Vec<(usize, Column, Range<usize>)> {
-        let (mut layout, mut begin) = (Vec::new(), 0);
-        for (number, robot) in self.robots.iter().enumerate() {
-            for group in 0..self.columns.len() {
-                let mut width = 0;
-                let seen = Seen::of(&self.first.world, robot.id, &self.columns);
-                self.first.observe_group(robot, &seen, &self.columns, group, &mut |_| width += 1);
-                layout.push((number, self.columns[group].clone(), begin..begin + width));
-                begin += width;
-            }
-        }
-        layout
+        let of_robot = |(number, robot): (usize, &Layout)| {
+            let groups = self.columns.iter().cloned().zip(robot.columns.clone());
+            groups.map(move |(column, range)| (number, column, range)).collect::<Vec<_>>()
+        };
+        self.robots.iter().enumerate().flat_map(of_robot).collect()
     }
 
     /// Returns a world. If no sensor is observed, its robots do not report until [`World::set_reporting`].
@@ -439,16 +450,15 @@ impl Member {
     }
 
     fn write(&self, robots: &[Layout], columns: &[Column], row: &mut [f64]) {
-        let mut places = row.iter_mut();
-        self.observe(robots, columns, &mut |number| places.next().into_iter().for_each(|place| *place = number));
-        // A robot that is gone has no numbers.
-        places.for_each(|place| *place = f64::NAN);
-    }
-
-    fn observe(&self, robots: &[Layout], columns: &[Column], push: &mut dyn FnMut(f64)) {
         for robot in robots {
             let seen = Seen::of(&self.world, robot.id, columns);
-            (0..columns.len()).for_each(|group| self.observe_group(robot, &seen, columns, group, push));
+            for (group, range) in robot.columns.iter().enumerate() {
+                let mut places = row[range.clone()].iter_mut();
+                let push = &mut |number| places.next().into_iter().for_each(|place| *place = number);
+                self.observe_group(robot, &seen, columns, group, push);
+                // A robot or an object that is gone has no numbers.
+                places.for_each(|place| *place = f64::NAN);
+            }
         }
     }
 
@@ -576,5 +586,34 @@ impl Trial {
             Some(&(.., length)) => Ok(length),
             None => refuse("it measured nothing within 2 s"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gamebots_proto::command::Init;
+    use scene::Options;
+
+    use super::*;
+
+    /// Only a fault removes a robot from a batch, so one is removed by hand.
+    #[test]
+    fn a_robot_that_is_gone_leaves_the_columns_of_the_others_in_place() {
+        let def = scene_loader::load("rough", &[]).expect("a map");
+        let mut world = World::new(def, Options::default());
+        let mut spawn = |class: &str, y: f64| {
+            let init = Init { class_name: class.to_owned(), location: [0.0, y, 0.0], ..Init::default() };
+            world.init(&init, &mut Vec::new()).expect("a robot")
+        };
+        let [gone, stays] = [spawn("YouBot", 0.0), spawn("P3AT", 3.0)];
+        let columns = vec![Column::Position, Column::WheelSpeeds];
+        let batch = WorldBatch::new(&world, 1, Orders::Wheels, columns, ThreadPool::one());
+        let mut batch = batch.expect("a batch");
+        batch.members[0].world.remove(gone);
+        let mut row = vec![0.0; batch.observation_width()];
+        batch.members[0].write(&batch.robots, &batch.columns, &mut row);
+        let (body, _) = world.state(stays).expect("a robot");
+        assert!(row[..7].iter().all(|number| number.is_nan()), "{row:?}");
+        assert_eq!(&row[7..10], body.pose.translation.vector.as_slice());
     }
 }

@@ -184,6 +184,38 @@ fn arrays_of_another_size_and_actions_that_are_no_numbers_are_refused() {
     assert!(Environments::new(task(), usize::MAX, ThreadPool::one()).is_err());
 }
 
+#[test]
+fn an_episode_without_room_for_a_robot_is_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wall = |name: &str, position: &str, size: &str| {
+        format!("[[box]]\nname = \"{name}\"\nmaterial = \"plywood\"\nposition = {position}\nsize = {size}\n")
+    };
+    // A closet of 0.9 m, with room for one youBot.
+    let map = [
+        "description = \"A closet\"\n[[half_space]]\nname = \"floor\"\nmaterial = \"concrete\"\n".to_owned(),
+        wall("front", "[0.5, 0.0, -0.6]", "[0.1, 1.1, 1.2]"),
+        wall("back", "[-0.5, 0.0, -0.6]", "[0.1, 1.1, 1.2]"),
+        wall("left", "[0.0, -0.5, -0.6]", "[1.1, 0.1, 1.2]"),
+        wall("right", "[0.0, 0.5, -0.6]", "[1.1, 0.1, 1.2]"),
+        "[[start]]\nname = \"Middle\"\nposition = [0.0, 0.0, 0.0]\n".to_owned(),
+    ];
+    std::fs::write(folder.path().join("closet.toml"), map.concat()).expect("a map");
+    let play = |robots: usize| {
+        let text = SHORT.replace("\"rough\"", "\"closet.toml\"");
+        let text = text.replace("seconds = 0.16", &format!("seconds = 0.16\nrobots = {robots}"));
+        let task = Task::read(&folder.path().join("short.toml"), &text).expect("a task");
+        let mut all = Environments::new(task, 2, ThreadPool::one()).expect("environments");
+        let mut arrays = Arrays::of(&all);
+        let reset = all.reset(None, None, &mut arrays.observations);
+        (reset, all.step(&vec![0.0; 6 * robots], Autoreset::NextStep, arrays.outcomes()))
+    };
+    assert_eq!(play(1), (Ok(()), Ok(())));
+    let (reset, step) = play(3);
+    let text = reset.expect_err("no room").to_string();
+    assert!(text.starts_with("environment 0: no episode begins: "), "{text}");
+    assert_eq!(step, Err(BatchError::NotBegun(0)));
+}
+
 /// Plays a task with a controller until an episode ends. Returns the sum of the rewards, and true for a success.
 fn solve(task: &str, seed: u64, mut act: impl FnMut(&[f32]) -> Vec<f32>) -> (f64, bool) {
     let mut one = environments(task, 1, 1);
