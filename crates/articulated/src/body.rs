@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
-use crate::{Joint, Link, Mass, Pose, Tree, factor, inertia};
+use crate::{Joint, Link, Mass, Pose, Tree, factor, inertia, root};
 
 /// A tree with its pose and velocity.
 #[derive(Debug, Clone)]
@@ -97,6 +97,13 @@ impl Body {
     pub fn new(tree: Arc<Tree>, pose: Pose) -> Self {
         let (links, dofs) = (tree.links.len(), tree.dof_count());
         let zero = Vector3::zeros();
+        let mut axes = vec![Axis { angular: zero, linear: zero }; dofs];
+        if tree.dofs_of_free_root() > 0 {
+            for axis in 0..3 {
+                axes[axis].angular = Vector3::ith(axis, 1.0);
+                axes[3 + axis].linear = Vector3::ith(axis, 1.0);
+            }
+        }
         let mut body = Self {
             pose,
             centre: zero,
@@ -104,7 +111,7 @@ impl Body {
             turns: vec![UnitQuaternion::identity(); links],
             velocity: vec![0.0; dofs],
             frames: vec![Frame { rotation: Matrix3::identity(), origin: zero, angular: zero, linear: zero }; links],
-            axes: vec![Axis { angular: zero, linear: zero }; dofs],
+            axes,
             gravity: zero,
             drives: vec![Drive::default(); dofs],
             force: vec![0.0; dofs],
@@ -226,7 +233,9 @@ impl Body {
         let at = point - self.centre();
         let Self { tree, axes, force: sum, .. } = self;
         let Some(tip) = tree.tip(link) else { return };
-        for &dof in tree.chain(tip) {
+        let of_root = tree.dofs_of_free_root();
+        sum[..of_root].iter_mut().zip(root::along(&force, &at)).for_each(|(sum, along)| *sum += along);
+        for &dof in &tree.chain(tip)[of_root..] {
             sum[dof] += axes[dof].at(at).dot(&force);
         }
     }
@@ -257,11 +266,6 @@ impl Body {
                     let origin = rotation * -link.mass.centre;
                     let mut frame = Frame { rotation, origin, angular: Vector3::zeros(), linear: Vector3::zeros() };
                     if link.joint == Joint::Free {
-                        for axis in 0..3 {
-                            let unit = Vector3::ith(axis, 1.0);
-                            axes[axis] = Axis { angular: unit, linear: Vector3::zeros() };
-                            axes[3 + axis] = Axis { angular: Vector3::zeros(), linear: unit };
-                        }
                         frame.angular = Vector3::from_column_slice(&velocity[..3]);
                         frame.linear = Vector3::from_column_slice(&velocity[3..6]) + frame.angular.cross(&origin);
                     }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::tree::Rotor;
-use crate::{Body, Joint};
+use crate::{Body, Joint, root};
 
 /// A link with all links below it, about the centre of the root.
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,6 +35,7 @@ pub(crate) struct Scratch {
 pub(crate) fn assemble(body: &mut Body, time_step: f64, scratch: &mut Scratch) {
     let Body { tree, frames, axes, velocity, gravity, drives, force, factors, free, .. } = body;
     let Scratch { composites, accelerations } = scratch;
+    let of_root = tree.dofs_of_free_root();
     composites.resize(tree.links.len(), Composite::default());
     accelerations.resize(tree.links.len(), Acceleration::default());
     for &(number, ref mass) in &tree.carriers {
@@ -85,7 +86,8 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64, scratch: &mut Scratch) {
         // Its momentum at a speed of 1. It turns with the carrier, which bears the gyroscopic moment.
         let angular = axes[dof].angular * inertia;
         let row = &mut factors[tree.dofs[dof].row..];
-        for (to, &above) in row.iter_mut().zip(tree.chain(dof)) {
+        row[..of_root].iter_mut().zip(root::twist(&angular, &Vector3::zeros())).for_each(|(to, of)| *to = of);
+        for (to, &above) in row.iter_mut().zip(tree.chain(dof)).skip(of_root) {
             *to = axes[above].angular.dot(&angular);
         }
         finish(dof, row, angular.dot(&accelerations[parent].angular));
@@ -93,6 +95,20 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64, scratch: &mut Scratch) {
     }
     for &(number, _) in tree.carriers.iter().rev() {
         let own = composites[number];
+        if number == 0 && of_root > 0 {
+            let Composite { mass, moment, inertia, force, turning } = own;
+            for axis in 0..3 {
+                let row = &mut factors[tree.dofs[axis].row..];
+                (0..=axis).for_each(|above| row[above] = inertia[(above, axis)]);
+                finish(axis, row, turning[axis]);
+                let row = &mut factors[tree.dofs[3 + axis].row..];
+                let linear = Vector3::ith(axis, mass);
+                row[..=3 + axis]
+                    .copy_from_slice(&root::twist(&moment.cross(&Vector3::ith(axis, 1.0)), &linear)[..=3 + axis]);
+                finish(3 + axis, row, force[axis]);
+            }
+            break;
+        }
         let (first, count) = tree.dofs_of[number];
         for dof in first..first + count {
             let axis = &axes[dof];
@@ -100,7 +116,8 @@ pub(crate) fn assemble(body: &mut Body, time_step: f64, scratch: &mut Scratch) {
             let linear = axis.linear * own.mass + axis.angular.cross(&own.moment);
             let angular = own.inertia * axis.angular + own.moment.cross(&axis.linear);
             let row = &mut factors[tree.dofs[dof].row..];
-            for (to, &above) in row.iter_mut().zip(tree.chain(dof)) {
+            row[..of_root].iter_mut().zip(root::twist(&angular, &linear)).for_each(|(to, of)| *to = of);
+            for (to, &above) in row.iter_mut().zip(tree.chain(dof)).skip(of_root) {
                 *to = axes[above].angular.dot(&angular) + axes[above].linear.dot(&linear);
             }
             finish(dof, row, axis.angular.dot(&own.turning) + axis.linear.dot(&own.force));

@@ -66,6 +66,7 @@
 mod body;
 mod factor;
 mod inertia;
+mod root;
 mod system;
 mod tree;
 

@@ -3,7 +3,7 @@
 use friction::{Constraint, Effort, Problem, SparseProblem};
 use nalgebra::Vector3;
 
-use crate::{Body, Drive, factor, inertia};
+use crate::{Body, Drive, factor, inertia, root};
 
 /// Share of a tangent's own response that is added to it. Nearly equal contacts of one body need it for a unique answer.
 const SOFTNESS: f64 = 1e-6;
@@ -209,19 +209,17 @@ impl Body {
     }
 }
 
-/// Computes a block of the Delassus matrix, column by column: the velocity on the rows of `one` by impulses on those of `other`. `None` if
-/// they have no body in common.
-fn shared(bodies: &[&mut Body], entries: &[[f64; 3]], one: &Block, other: &Block) -> Option<[[f64; 3]; 3]> {
-    let mut sum = None;
+/// Computes a block of the Delassus matrix of one body, row by row: the velocity on the rows of `one` by impulses on those of `other`.
+fn shared(body: &Body, entries: &[[f64; 3]], one: &Block, other: &Block) -> [[f64; 3]; 3] {
+    let mut sum = [[0.0; 3]; 3];
     for own in one.parts.iter().flatten() {
-        for its in other.parts.iter().flatten().filter(|its| its.body == own.body) {
-            let common = bodies[own.body].tree.common(own.tip, its.tip);
-            let sum = sum.get_or_insert([[0.0; 3]; 3]);
-            let (own, its) = (&entries[own.entries.clone()][..common], &entries[its.entries.clone()][..common]);
+        for its in other.parts.iter().flatten() {
+            let common = body.tree.common(own.tip, its.tip);
+            let (own, its) = (&entries[own.entries.start..][..common], &entries[its.entries.start..][..common]);
             match one.rows.max(other.rows) {
-                1 => add_products::<1>(own, its, sum),
-                2 => add_products::<2>(own, its, sum),
-                _ => add_products::<3>(own, its, sum),
+                1 => add_products::<1>(own, its, &mut sum),
+                2 => add_products::<2>(own, its, &mut sum),
+                _ => add_products::<3>(own, its, &mut sum),
             }
         }
     }
@@ -230,10 +228,19 @@ fn shared(bodies: &[&mut Body], entries: &[[f64; 3]], one: &Block, other: &Block
 
 /// Adds the products of the first `ROWS` rows of two Jacobians.
 fn add_products<const ROWS: usize>(own: &[[f64; 3]], its: &[[f64; 3]], sum: &mut [[f64; 3]; 3]) {
+    // Wheels of one robot have its root in common, whose loop of a constant length is unrolled.
+    if let (Ok(own), Ok(its)) = (<&[_; root::DOFS]>::try_from(own), <&[_; root::DOFS]>::try_from(its)) {
+        return add_products_of::<ROWS>(own, its, sum);
+    }
+    add_products_of::<ROWS>(own, its, sum);
+}
+
+#[inline(always)]
+fn add_products_of<const ROWS: usize>(own: &[[f64; 3]], its: &[[f64; 3]], sum: &mut [[f64; 3]; 3]) {
     for (own, its) in own.iter().zip(its) {
-        for column in 0..ROWS {
-            for row in 0..ROWS {
-                sum[column][row] += own[row] * its[column];
+        for row in 0..ROWS {
+            for column in 0..ROWS {
+                sum[row][column] += own[row] * its[column];
             }
         }
     }
@@ -271,23 +278,22 @@ impl Workspace {
             self.places.push(self.places[self.places.len() - 1] + body.free.len());
         }
         let is_small = bodies.len() == 1 && count <= DENSE_ROWS;
-        let outcome = if is_small { self.solve_dense(bodies) } else { self.solve_sparse(bodies) };
+        let outcome = if is_small { self.solve_dense(bodies[0]) } else { self.solve_sparse(bodies) };
         self.apply(bodies);
         outcome
     }
 
     /// Finds the impulses of one body by its Delassus matrix, as nearly all rows share its root.
-    fn solve_dense(&mut self, bodies: &[&mut Body]) -> Outcome {
+    fn solve_dense(&mut self, body: &Body) -> Outcome {
         let Self { blocks, entries, compliance, problem, impulses, friction, .. } = self;
         let count = impulses.len();
         let response = &mut problem.response;
-        response.clear();
         response.resize(count * count, 0.0);
         for (number, block) in blocks.iter().enumerate() {
             for other in &blocks[..=number] {
-                let Some(shared) = shared(bodies, entries, block, other) else { continue };
-                for (its, column) in shared.iter().enumerate().take(other.rows) {
-                    for (own, &velocity) in column.iter().enumerate().take(block.rows) {
+                let shared = shared(body, entries, block, other);
+                for (own, row) in shared.iter().enumerate().take(block.rows) {
+                    for (its, &velocity) in row.iter().enumerate().take(other.rows) {
                         response[(block.row + own) * count + other.row + its] = velocity;
                         response[(other.row + its) * count + block.row + own] = velocity;
                     }
@@ -403,18 +409,26 @@ impl Workspace {
         let (tip, axes) = body.axes_of(side.link)?;
         let at = contact.point - body.centre();
         let belt = body.belt_at(side.link, contact.normal);
+        let (chain, of_root) = (body.tree.chain(tip), body.tree.dofs_of_free_root());
         let start = self.entries.len();
-        self.entries.extend(body.tree.chain(tip).iter().map(|&dof| {
+        self.entries.resize(start + chain.len(), [0.0; 3]);
+        let entries = &mut self.entries[start..];
+        if of_root > 0 {
+            for row in 0..ROWS {
+                for (entry, along) in entries.iter_mut().zip(root::along(&directions[row], &at)) {
+                    entry[row] = along * sign;
+                }
+            }
+        }
+        for (&dof, entry) in chain.iter().zip(&mut *entries).skip(of_root) {
             // Both sides' belts run the same way, as their outward normals are opposite.
             let run = belt.filter(|(of_belt, _)| *of_belt == dof).map_or_else(Vector3::zeros, |(_, run)| run);
             let moved = axes[dof].at(at) * sign + run;
-            let mut entry = [0.0; 3];
-            for row in 0..ROWS {
-                entry[row] = directions[row].dot(&moved);
-                velocity[row] += entry[row] * body.free[dof];
-            }
-            entry
-        }));
+            (0..ROWS).for_each(|row| entry[row] = directions[row].dot(&moved));
+        }
+        for (&dof, entry) in chain.iter().zip(&*entries) {
+            (0..ROWS).for_each(|row| velocity[row] += entry[row] * body.free[dof]);
+        }
         factor::solve_chain::<ROWS>(&body.tree, &body.factors, tip, &mut self.entries[start..]);
         Some(Part { body: side.body, tip, entries: start..self.entries.len() })
     }

@@ -169,6 +169,11 @@ impl Tree {
         usize::from(self.common[a * self.dofs.len() + b])
     }
 
+    /// Returns the number of degrees of freedom of a free root, the first of every chain; 0 for a fixed root.
+    pub(crate) fn dofs_of_free_root(&self) -> usize {
+        self.dofs_of[0].1
+    }
+
     /// Returns the last degree of freedom that moves a link, or `None` if nothing does.
     pub(crate) fn tip(&self, mut link: usize) -> Option<usize> {
         loop {
