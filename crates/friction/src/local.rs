@@ -46,6 +46,12 @@ pub(crate) fn solve(
     if held.x >= 0.0 && beyond(&held) <= 0.0 {
         return held;
     }
+    if tangents == 1 {
+        // It slides one way or the other, against its slip.
+        let friction = friction.copysign(left[0]);
+        let push = missing.x / (normal + friction * one);
+        return Vector3::new(push, friction * push, 0.0);
+    }
     // Bracket the compliance by factors of eight, then narrow it by false position, keeping each end at most once (Illinois).
     let unit = if tangents == 1 { response[(1, 1)] } else { response[(1, 1)].max(response[(2, 2)]) };
     let (mut least, mut most) = (0.0, unit);

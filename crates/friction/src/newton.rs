@@ -22,12 +22,13 @@ pub(crate) fn solve(
 ) -> bool {
     let tries: &[(f64, usize)] = if is_first { &FIRST_TRY } else { &TRIES };
     let Workspace { trial, velocity, equations } = workspace;
+    let scale = problem.scale();
     for &(share, most) in tries {
         trial.clear();
         trial.extend_from_slice(impulses);
         for _ in 0..=most {
             problem.velocity(trial, velocity);
-            if problem.residual_at(trial, velocity).worst() <= tolerance {
+            if problem.residual_at(trial, velocity, scale).worst() <= tolerance {
                 impulses.copy_from_slice(trial);
                 return true;
             }
@@ -41,64 +42,157 @@ pub(crate) fn solve(
     false
 }
 
+/// Scratch buffers of a Newton step.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Equations {
+    /// Rows that have an equation.
+    unknown: Vec<usize>,
+    /// Rows whose step follows from that of another.
+    tied: Vec<Tied>,
+    /// One equation for each unknown, with its right-hand side behind it.
+    matrix: Vec<f64>,
+    /// An equation before the tied rows are put in.
+    whole: Vec<f64>,
+    answer: Vec<f64>,
+}
+
+/// A row whose impulse is known, or in proportion to another: its step is a multiple of that of an unknown, and an offset.
+#[derive(Debug, Clone, Copy)]
+struct Tied {
+    row: usize,
+    /// Number among the unknowns.
+    to: usize,
+    factor: f64,
+    offset: f64,
+}
+
 /// Computes one Newton step. On entry `velocity` is the residual velocity. On return it is the step to subtract from the impulses. Returns
-/// false if there is no solution. `equations` is a scratch buffer.
-fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &mut Vec<f64>) -> bool {
-    // One equation per row, with its right-hand side behind it. A condition on a velocity is its row of the Delassus matrix.
-    let count = velocity.len();
+/// false if there is no solution.
+fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &mut Equations) -> bool {
+    equations.choose(problem, impulses, velocity);
+    let Equations { unknown, tied, matrix, whole, answer } = equations;
+    let count = unknown.len();
     let width = width(count);
     // The padding is never read, so it may keep numbers of an earlier problem.
-    equations.resize(count * width, 0.0);
-    for (row, equation) in equations.chunks_exact_mut(width).enumerate() {
-        equation[..count].copy_from_slice(problem.of_row(row));
-        equation[count] = velocity[row];
-    }
-    let set_to = |equation: &mut [f64], row: usize, impulse: f64| {
-        equation.fill(0.0);
-        equation[row] = 1.0;
-        equation[count] = impulses[row] - impulse;
+    matrix.resize(count * width, 0.0);
+    let put_in = |equation: &mut [f64], whole: &[f64], right: f64| {
+        equation.iter_mut().zip(&*unknown).for_each(|(entry, &row)| *entry = whole[row]);
+        let mut right = right;
+        for &Tied { row, to, factor, offset } in &*tied {
+            equation[to] += whole[row] * factor;
+            right -= whole[row] * offset;
+        }
+        equation[count] = right;
     };
+    for (equation, &row) in matrix.chunks_exact_mut(width).zip(&*unknown) {
+        // A condition on a velocity is its row of the Delassus matrix.
+        put_in(equation, problem.of_row(row), velocity[row]);
+    }
+    // A contact that slides with two tangents.
     for (row, constraint) in problem.constraints() {
-        let wanted = |row: usize, own: f64| impulses[row] - velocity[row] / own;
-        let mut equations = equations.chunks_exact_mut(width).enumerate().skip(row).take(constraint.rows());
-        match constraint {
-            Constraint::Within(most) => {
-                let wanted = wanted(row, problem.own(row));
-                if wanted.abs() > most {
-                    equations.for_each(|(row, equation)| set_to(equation, row, most.copysign(wanted)));
-                }
+        let Constraint::Contact { friction, tangents: 2 } = constraint else { continue };
+        let Some(slip) = Slip::of(problem, impulses, velocity, row, friction, 2) else { continue };
+        let Ok(first) = unknown.binary_search(&row) else { continue };
+        for tangent in 0..2 {
+            let at = row + 1 + tangent;
+            whole.clear();
+            whole.resize(velocity.len(), 0.0);
+            whole[at] = 1.0;
+            // Derivative of the direction: the part of each tangent across it.
+            for other in 0..2 {
+                let across = f64::from(u8::from(tangent == other)) - slip.direction[tangent] * slip.direction[other];
+                let share = across * slip.most / slip.length;
+                let response = problem.of_row(row + 1 + other);
+                whole.iter_mut().zip(response).for_each(|(to, from)| *to += share / slip.own * from);
+                whole[row + 1 + other] -= share;
             }
-            Constraint::Contact { .. } if wanted(row, problem.own(row)) <= 0.0 => {
-                equations.for_each(|(row, equation)| set_to(equation, row, 0.0));
-            }
-            Constraint::Contact { tangents: 0, .. } => {}
-            Constraint::Contact { friction, tangents } => {
-                // The larger response of the two tangents, so a holding contact is not taken for a sliding one.
-                let own = (row + 1..=row + tangents).map(|row| problem.own(row)).fold(0.0, f64::max);
-                let wanted = [0, 1].map(|it| if it < tangents { wanted(row + 1 + it, own) } else { 0.0 });
-                let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
-                let most = friction * impulses[row];
-                if length <= most {
-                    continue;
-                }
-                let direction = wanted.map(|part| part / length);
-                equations.next();
-                for (tangent, (at, equation)) in equations.enumerate() {
-                    set_to(equation, at, most * direction[tangent]);
-                    // Derivative of the direction: the part of each tangent across it.
-                    for other in 0..tangents {
-                        let across = f64::from(u8::from(tangent == other)) - direction[tangent] * direction[other];
-                        let share = across * most / length;
-                        let response = problem.of_row(row + 1 + other);
-                        equation.iter_mut().zip(response).for_each(|(to, from)| *to += share / own * from);
-                        equation[row + 1 + other] -= share;
+            whole[row] -= friction * slip.direction[tangent];
+            let right = impulses[at] - slip.most * slip.direction[tangent];
+            put_in(&mut matrix[(first + 1 + tangent) * width..][..width], whole, right);
+        }
+    }
+    answer.resize(count, 0.0);
+    if !eliminate(matrix, answer) {
+        return false;
+    }
+    unknown.iter().zip(&*answer).for_each(|(&row, step)| velocity[row] = *step);
+    for &Tied { row, to, factor, offset } in &*tied {
+        velocity[row] = if factor == 0.0 { offset } else { factor * answer[to] + offset };
+    }
+    velocity.iter().all(|it| it.is_finite())
+}
+
+/// A contact that slides.
+struct Slip {
+    /// Direction of the friction in its tangents.
+    direction: [f64; 2],
+    /// Limit of the friction, N s.
+    most: f64,
+    /// Impulse that would hold, N s.
+    length: f64,
+    /// Response of a tangent.
+    own: f64,
+}
+
+impl Slip {
+    /// Returns how a pushing contact slides, or `None` if it holds. `row` is that of its normal.
+    fn of(
+        problem: &Problem,
+        impulses: &[f64],
+        velocity: &[f64],
+        row: usize,
+        friction: f64,
+        tangents: usize,
+    ) -> Option<Self> {
+        // The larger response of the two tangents, so a holding contact is not taken for a sliding one.
+        let own = (row + 1..=row + tangents).map(|row| problem.own(row)).fold(0.0, f64::max);
+        let wanted =
+            [0, 1].map(|it| if it < tangents { impulses[row + 1 + it] - velocity[row + 1 + it] / own } else { 0.0 });
+        let length =
+            if tangents == 1 { wanted[0].abs() } else { (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt() };
+        let most = friction * impulses[row];
+        (length > most).then(|| Self { direction: wanted.map(|part| part / length), most, length, own })
+    }
+}
+
+impl Equations {
+    /// Sorts the rows into unknown and tied ones by the conditions that hold at the present impulses.
+    fn choose(&mut self, problem: &Problem, impulses: &[f64], velocity: &[f64]) {
+        let Self { unknown, tied, .. } = self;
+        unknown.clear();
+        tied.clear();
+        for (row, constraint) in problem.constraints() {
+            let rows = row..row + constraint.rows();
+            let wanted = || impulses[row] - velocity[row] / problem.own(row);
+            match constraint {
+                Constraint::Within(most) => {
+                    let wanted = wanted();
+                    if wanted.abs() > most {
+                        let offset = impulses[row] - most.copysign(wanted);
+                        tied.push(Tied { row, to: 0, factor: 0.0, offset });
+                    } else {
+                        unknown.push(row);
                     }
-                    equation[row] -= friction * direction[tangent];
                 }
+                Constraint::Contact { .. } if wanted() <= 0.0 => {
+                    tied.extend(rows.map(|row| Tied { row, to: 0, factor: 0.0, offset: impulses[row] }));
+                }
+                Constraint::Contact { friction, tangents: 1 } => {
+                    unknown.push(row);
+                    match Slip::of(problem, impulses, velocity, row, friction, 1) {
+                        // Its friction is in proportion to its normal impulse.
+                        Some(Slip { direction, most, .. }) => {
+                            let [row, to] = [row + 1, unknown.len() - 1];
+                            let offset = impulses[row] - most * direction[0];
+                            tied.push(Tied { row, to, factor: friction * direction[0], offset });
+                        }
+                        None => unknown.push(row + 1),
+                    }
+                }
+                Constraint::Contact { .. } => unknown.extend(rows),
             }
         }
     }
-    eliminate(equations, velocity)
 }
 
 /// Returns the length of an equation with its right-hand side, padded to a multiple of four for SIMD.
@@ -154,7 +248,7 @@ fn eliminate_of_width(equations: &mut [f64], answer: &mut [f64], width: usize) -
         let known = dot(&equation[unknown + 1..count], &answer[unknown + 1..]);
         answer[unknown] = (equation[count] - known) * equation[unknown];
     }
-    answer.iter().all(|it| it.is_finite())
+    true
 }
 
 /// Subtracts a multiple of blocks from others. As a function of its own it tells the compiler that they do not overlap.

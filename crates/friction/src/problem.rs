@@ -26,6 +26,7 @@ impl Constraint {
 
     /// Computes the residual of the constraint, as velocities, m/s. The slices begin at its first row. `own` is the velocity that an
     /// impulse of 1 N s gives on its own row, for the constraint's rows alone; then come the impulses and the residual velocities.
+    #[inline]
     pub(crate) fn residual(self, own: &[f64], impulse: &[f64], velocity: &[f64]) -> Residual {
         match self {
             Self::Within(most) => {
@@ -38,9 +39,13 @@ impl Constraint {
                 if tangents == 0 {
                     return Residual { normal, tangent: 0.0 };
                 }
-                let own = own[1..].iter().copied().fold(f64::INFINITY, f64::min);
                 // The tangent impulse is the projection onto its disc of itself less the slip (De Saxcé).
                 let most = friction * impulse[0].max(0.0);
+                if tangents == 1 {
+                    let wanted = (impulse[1] - velocity[1] / own[1]).max(-most).min(most);
+                    return Residual { normal, tangent: (impulse[1] - wanted).abs() * own[1] };
+                }
+                let own = own[1..].iter().copied().fold(f64::INFINITY, f64::min);
                 let wanted = |row: usize| impulse[row] - velocity[row] / own;
                 let length = (1..=tangents).map(|row| wanted(row).powi(2)).sum::<f64>().sqrt();
                 let share = if length > most { most / length } else { 1.0 };
@@ -109,21 +114,24 @@ impl Problem {
 
     /// Stores in `velocity` the residual velocity of every row, m/s: the velocity with impulses minus its target.
     pub(crate) fn velocity(&self, impulses: &[f64], velocity: &mut Vec<f64>) {
-        velocity.resize(self.missing.len(), 0.0);
-        // The numbers of rows of robots on four wheels, with rollers and without, are compiled as constants.
-        match self.missing.len() {
-            0 => {}
-            8 => self.set_velocity(8, impulses, velocity),
-            12 => self.set_velocity(12, impulses, velocity),
-            count => self.set_velocity(count, impulses, velocity),
+        let count = self.missing.len();
+        velocity.clear();
+        velocity.extend(self.missing.iter().map(|missing| -missing));
+        // The matrix is symmetric, so its columns are its rows. Four sums at a time stay in registers.
+        let (fours, rest) = velocity.as_chunks_mut::<4>();
+        let first_of_rest = 4 * fours.len();
+        for (number, sums) in fours.iter_mut().enumerate() {
+            let mut at = 4 * number;
+            let mut sum = *sums;
+            for impulse in impulses {
+                let Some(column) = self.response[at..].first_chunk::<4>() else { return };
+                (0..4).for_each(|lane| sum[lane] += column[lane] * impulse);
+                at += count;
+            }
+            *sums = sum;
         }
-    }
-
-    #[inline(always)]
-    fn set_velocity(&self, count: usize, impulses: &[f64], velocity: &mut [f64]) {
-        let (rows, impulses) = (self.response.chunks_exact(count), &impulses[..count]);
-        for ((velocity, row), missing) in velocity.iter_mut().zip(rows).zip(&self.missing) {
-            *velocity = dot(row, impulses) - missing;
+        for (row, sum) in rest.iter_mut().enumerate() {
+            *sum += dot(self.of_row(first_of_rest + row), impulses);
         }
     }
 
@@ -131,21 +139,24 @@ impl Problem {
     pub fn residual(&self, impulses: &[f64]) -> Residual {
         let mut velocity = Vec::new();
         self.velocity(impulses, &mut velocity);
-        self.residual_at(impulses, &velocity)
+        self.residual_at(impulses, &velocity, self.scale())
     }
 
-    /// Computes the residual of impulses whose residual velocity is known.
-    pub(crate) fn residual_at(&self, impulses: &[f64], velocity: &[f64]) -> Residual {
-        let scale = self.scale();
+    /// Computes the residual of impulses whose residual velocity is known, with the unit of velocity.
+    pub(crate) fn residual_at(&self, impulses: &[f64], velocity: &[f64], scale: f64) -> Residual {
         let mut worst = Residual::default();
         for (row, constraint) in self.constraints() {
-            let count = constraint.rows();
-            let own: [f64; 3] = std::array::from_fn(|it| if it < count { self.own(row + it) } else { 0.0 });
-            let Residual { normal, tangent } = constraint.residual(&own[..count], &impulses[row..], &velocity[row..]);
-            worst.normal = worst.normal.max(normal / scale);
-            worst.tangent = worst.tangent.max(tangent / scale);
+            let of = |own: &[f64]| constraint.residual(own, &impulses[row..], &velocity[row..]);
+            // An array for each number of rows: so short loops are unrolled.
+            let Residual { normal, tangent } = match constraint.rows() {
+                1 => of(&[self.own(row)]),
+                2 => of(&[self.own(row), self.own(row + 1)]),
+                _ => of(&[self.own(row), self.own(row + 1), self.own(row + 2)]),
+            };
+            worst.normal = worst.normal.max(normal);
+            worst.tangent = worst.tangent.max(tangent);
         }
-        worst
+        Residual { normal: worst.normal / scale, tangent: worst.tangent / scale }
     }
 }
 

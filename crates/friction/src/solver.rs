@@ -34,7 +34,7 @@ pub struct Outcome {
 pub struct Workspace {
     pub(crate) trial: Vec<f64>,
     pub(crate) velocity: Vec<f64>,
-    pub(crate) equations: Vec<f64>,
+    pub(crate) equations: newton::Equations,
 }
 
 /// Solves a problem. On entry `impulses` are those of the last step, or 0 if there was none. On return they are the impulse on every row, N

@@ -31,7 +31,7 @@ const WORLDS: [Golden; 5] = [
             (1, "DRIVE {LinearVelocity 0.3} {RotationalVelocity 0.5}"),
             (1, "ACT {Name Arm} {Link 1} {Value 0.7} {Link 2} {Value -1.2}"),
         ],
-        digest: 0xfe94_a7a2_1fc0_2d09,
+        digest: 0x7268_9e1c_3062_f727,
     },
     Golden {
         name: "the engine",
@@ -52,7 +52,7 @@ const WORLDS: [Golden; 5] = [
             (1, "DRIVE {Left 2} {Right 3}"),
             (1, "MULTIDRIVE {FLFlipper 0.5} {RRFlipper -0.7}"),
         ],
-        digest: 0x2646_0e38_7ce6_cfa7,
+        digest: 0x4260_20b5_6d6f_8b02,
     },
     Golden {
         name: "a heap",
@@ -68,7 +68,7 @@ const WORLDS: [Golden; 5] = [
             (3, "CONTROL {Type Create} {ClassName WCPallet} {Name lift} {Location 0,-1.2,-0.2} {Rotation 0,0,0.3}"),
             (3, "CONTROL {Type Rotate} {Name lift} {Speed 0,0,0.7}"),
         ],
-        digest: 0xcac1_c514_d260_a9d4,
+        digest: 0x4bd6_e9bf_60fe_a1ab,
     },
     Golden {
         name: "cars and flight",
@@ -81,7 +81,7 @@ const WORLDS: [Golden; 5] = [
             (2, "INIT {ClassName USARBot.AirRobot} {Location 3,0,-1}"),
             (2, "DRIVE {AltitudeVelocity 0.2} {LinearVelocity 0.5} {RotationalVelocity 30}"),
         ],
-        digest: 0x5eaf_3012_ff37_b062,
+        digest: 0xab22_8bc9_fda7_47da,
     },
 ];
 
