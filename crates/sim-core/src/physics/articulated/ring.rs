@@ -1,6 +1,6 @@
 //! Contacts of a Mecanum wheel's rollers without a body for each roller, with the same geometry.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::parry::math::{Pose as EnginePose, Vector};
 use rapier3d::parry::query::details::NormalConstraints;
@@ -26,12 +26,30 @@ pub(super) struct RollerRing {
     shape: RollerShape,
     /// Largest distance of a point of the ring from the hub, m.
     reach: f64,
-    /// Half the sector that a roller covers, rad.
-    last_phase: f64,
+    /// Angle between a roller and a surface within which they are tested, rad, and its cosine.
+    sector: f64,
+    cos_sector: f64,
     /// Angle of the first roller past the front, rad.
     first_roller: f64,
-    /// Poses of the rollers in the frame of the wheel.
-    rollers: Vec<Pose>,
+    /// Rollers in the frame of the wheel.
+    rollers: Vec<Roller>,
+}
+
+/// A roller in the frame of its wheel.
+#[derive(Debug, Clone)]
+struct Roller {
+    pose: Pose,
+    /// Unit vector along its axis.
+    axis: Vector3<f64>,
+    /// Unit vector from the hub to its middle.
+    direction: Vector3<f64>,
+}
+
+impl Roller {
+    fn new(pose: Pose) -> Self {
+        let direction = pose.translation.vector.try_normalize(0.0).unwrap_or_default();
+        Self { pose, axis: pose.rotation * Vector3::x(), direction }
+    }
 }
 
 impl RollerRing {
@@ -39,12 +57,14 @@ impl RollerRing {
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
         let half_width = rollers.half_length_at(rollers.last_phase, wheel_radius) * libm::cos(rollers.angle)
             + (wheel_radius - rollers.axis_circle);
+        let sector = rollers.last_phase + MARGIN;
         Self {
             shape: RollerShape::new(rollers, wheel_radius),
             reach: Vector2::new(wheel_radius, half_width).norm(),
-            last_phase: rollers.last_phase,
+            sector,
+            cos_sector: libm::cos(sector),
             first_roller: rollers.first_roller,
-            rollers: (0..rollers.count).map(|index| rollers.pose(index)).collect(),
+            rollers: (0..rollers.count).map(|index| Roller::new(rollers.pose(index))).collect(),
         }
     }
 
@@ -65,6 +85,11 @@ impl RollerRing {
     ) {
         let before = contacts.len();
         let frame = convert::from_pose(frame);
+        if let Some(half_space) = shape.as_halfspace() {
+            let normal = frame.rotation * convert::from_vector(half_space.normal);
+            let height = normal.dot(&(hub.translation.vector - frame.translation.vector));
+            return self.touch_plane(hub, angle, prediction, normal, height, contacts);
+        }
         let hub = frame.inv_mul(hub);
         let mut touch =
             |part_pose: Option<&EnginePose>, part: &dyn Shape, constraints: Option<&dyn NormalConstraints>| {
@@ -90,6 +115,42 @@ impl RollerRing {
         }
     }
 
+    /// Adds the contacts with a plane, given by its normal and the height of the hub over it, in closed form. It does what
+    /// [`Self::touch_part`] does, in the frame of the wheel, where the rollers stand still.
+    fn touch_plane(
+        &self,
+        hub: &Pose,
+        angle: f64,
+        prediction: f64,
+        normal: Vector3<f64>,
+        height: f64,
+        contacts: &mut Vec<Touch>,
+    ) {
+        if height > self.reach + prediction {
+            return;
+        }
+        let axes = hub.rotation.to_rotation_matrix().into_inner();
+        let (sin, cos) = libm::sincos(angle);
+        let [ahead, axle, down] = [axes.column(0), axes.column(1), axes.column(2)];
+        let wheel = Matrix3::from_columns(&[ahead * cos + down * sin, axle.into_owned(), down * cos - ahead * sin]);
+        let toward = -wheel.tr_mul(&normal);
+        let least = self.cos_sector * toward.xz().norm();
+        for (index, Roller { pose, axis, direction }) in self.rollers.iter().enumerate() {
+            if direction.dot(&toward) < least && toward.y.abs() < FACING {
+                continue;
+            }
+            let along = self.shape.farthest_along(toward.dot(axis));
+            let (centre, radius) = (pose.translation.vector + axis * along, self.shape.radius_at(along));
+            let gap = height - toward.dot(&centre) - radius;
+            if gap > prediction {
+                continue;
+            }
+            let point = hub.translation.vector + wheel * (centre + toward * (radius + gap / 2.0));
+            let roller = Some(RollerTouch { index, axis: wheel * axis, radius });
+            contacts.push(Touch { point, normal, gap, share: 1.0, roller });
+        }
+    }
+
     /// Finds the contacts with one convex part, in its frame.
     fn touch_part(
         &self,
@@ -101,11 +162,7 @@ impl RollerRing {
         mut found: impl FnMut(usize, &Pose, contact::Touch),
     ) {
         let centre = convert::vector(hub.translation.vector);
-        let nearest = match part.as_halfspace() {
-            Some(half_space) => Some((half_space.normal.dot(centre), half_space.normal)),
-            None => distance(part, centre),
-        };
-        let Some((gap, normal)) = nearest else { return };
+        let Some((gap, normal)) = distance(part, centre) else { return };
         if gap > self.reach + prediction {
             return;
         }
@@ -114,14 +171,14 @@ impl RollerRing {
         let pitch = std::f64::consts::TAU / self.rollers.len() as f64;
         let turn = nalgebra::UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), angle);
         let wheel = hub * turn;
-        for (index, roller) in self.rollers.iter().enumerate() {
+        for (index, Roller { pose, .. }) in self.rollers.iter().enumerate() {
             let off = self.first_roller + pitch * index as f64 + angle - direction;
             // Half a turn either way is the far side of the wheel, so it does not matter how ties are rounded.
             let off = off - std::f64::consts::TAU * (off / std::f64::consts::TAU).round_ties_even();
-            if off.abs() > self.last_phase + MARGIN && toward.y.abs() < FACING {
+            if off.abs() > self.sector && toward.y.abs() < FACING {
                 continue;
             }
-            let pose = wheel * roller;
+            let pose = wheel * pose;
             if let Some(touch) = touch_part(&self.shape, &convert::pose(&pose), part, constraints, prediction) {
                 found(index, &pose, touch);
             }
