@@ -5,8 +5,9 @@ use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUnty
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 
+use crate::arguments::{contiguous, pool};
 use crate::error;
-use crate::world::{World, pool};
+use crate::world::World;
 
 /// Copies of a world that are stepped together.
 #[pyclass(module = "usarsim")]
@@ -117,10 +118,6 @@ impl Batch {
         let [orders, observations] = [self.batch.order_width(), self.batch.observation_width()];
         format!("Batch({} worlds, {orders} orders, {observations} observations each)", self.batch.worlds())
     }
-}
-
-pub(crate) fn contiguous(name: &str) -> PyErr {
-    error::task(format_args!("{name}: expected a contiguous array in C order"))
 }
 
 /// Checks the shape of an array, and that its rows are one after the other.

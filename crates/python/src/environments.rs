@@ -7,9 +7,10 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteA
 use picture::Stage;
 use pyo3::prelude::*;
 
-use crate::batch::{check_rows, contiguous};
+use crate::arguments::{check_size, contiguous, pool};
+use crate::batch::check_rows;
 use crate::error;
-use crate::world::{array, check_size, draw, pool};
+use crate::picture::{array, draw};
 
 /// Returns the names of the shipped tasks.
 #[pyfunction]

@@ -3,9 +3,14 @@
 //! Python's part of the package is in `python/usarsim`: it adds the environments of Gymnasium and PettingZoo, notebooks and Dask. Types
 //! and docs for Python are in `_native.pyi` there.
 
+mod arguments;
 mod batch;
 mod environments;
 mod error;
+mod object;
+mod picture;
+mod reading;
+mod robot;
 mod runs;
 mod scene;
 mod world;
@@ -25,13 +30,13 @@ fn _native(module: &Bound<PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<world::World>()?;
-    module.add_class::<world::Robot>()?;
-    module.add_class::<world::Reading>()?;
-    module.add_class::<world::MovableObject>()?;
+    module.add_class::<robot::Robot>()?;
+    module.add_class::<reading::Reading>()?;
+    module.add_class::<object::MovableObject>()?;
     module.add_class::<batch::Batch>()?;
     module.add_class::<environments::Environments>()?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
-    module.add_function(wrap_pyfunction!(world::_png, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::_png, module)?)?;
     module.add_function(wrap_pyfunction!(scene::maps, module)?)?;
     module.add_function(wrap_pyfunction!(scene::robots, module)?)?;
     module.add_function(wrap_pyfunction!(environments::tasks, module)?)?;
