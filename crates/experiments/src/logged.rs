@@ -79,6 +79,29 @@ impl LoggedSessions {
         self.record(sensed, |sessions, hear| sessions.take(id, &request, hear))
     }
 
+    /// Executes a line of a session as [`LoggedSessions::take`] does. Returns its problems, and the lines that answer it.
+    ///
+    /// # Errors
+    /// When the log cannot be written.
+    pub fn ask(
+        &mut self,
+        id: SessionId,
+        line: &str,
+        sensed: &mut dyn FnMut(&Sensed),
+    ) -> Result<(Vec<Problem>, Vec<String>), RecordError> {
+        let request = Request::read(Ok(line.to_owned()));
+        let mut answers = Vec::new();
+        let problems = self.record(sensed, |sessions, hear| {
+            sessions.ask(id, &request, &mut |world, news| {
+                if let News::Sent { line, .. } = &news {
+                    answers.push(line.clone());
+                }
+                hear(world, news);
+            });
+        })?;
+        Ok((problems, answers))
+    }
+
     /// Advances the world by one step. Calls `sensed` with the readings of the step.
     ///
     /// # Errors

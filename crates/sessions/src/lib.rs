@@ -213,6 +213,16 @@ impl Sessions {
         self.send(id, pawn, &answers, hear);
     }
 
+    /// Executes a line of a session as [`Sessions::take`] does. A session that gets no lines gets the answers to this one.
+    pub fn ask(&mut self, id: SessionId, request: &Request, hear: Listener) {
+        let silence = |sessions: &mut Self, is_silent: bool| {
+            sessions.sessions.get_mut(&id).is_some_and(|session| std::mem::replace(&mut session.is_silent, is_silent))
+        };
+        let was_silent = silence(self, false);
+        self.take(id, request, hear);
+        silence(self, was_silent);
+    }
+
     /// Executes a command. A league decides which robots come, and where.
     fn execute(&mut self, pawn: Option<PawnId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
         let Self { world, round, .. } = self;
