@@ -1,8 +1,9 @@
 //! Parameters of a robot, fitted to steps that were simulated with them.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use experiments::fit::{Estimate, Fit, Found};
+use experiments::fit::{Estimate, Fit, FitError, Found};
 use experiments::plan::Plan;
 use experiments::{run, table};
 use scene::DriveModel;
@@ -72,7 +73,7 @@ fn folder(fit: &str, measured: &str, samples: u32) -> tempfile::TempDir {
 fn found(fit: &str, measured: &str, samples: u32, jobs: usize) -> Found {
     let folder = folder(fit, measured, samples);
     let fit = Fit::read(&folder.path().join("fit.toml"), None).unwrap_or_else(|error| panic!("{error}"));
-    fit.find(jobs, |_| {}).unwrap_or_else(|error| panic!("{error}"))
+    fit.find(jobs, |_| ControlFlow::Continue(())).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -130,4 +131,12 @@ fn a_wrong_file_is_named_with_what_was_expected() {
     check(fit, "run,step,main,error,yaw\nleft,4,0,0,0\n", "run `left`, step 4: expected a step from 1 to 3");
     check(fit, "run,step,main,error,yaw\nleft,1,a,0,0\n", "measured.csv");
     check(fit, "run,step,main,error,yaw\nleft,1,NaN,0,0\n", "not finite");
+}
+
+#[test]
+fn a_fit_can_be_broken_off() {
+    let folder = folder(RADIUS_AND_FRICTION, &measured(), 1);
+    let fit = Fit::read(&folder.path().join("fit.toml"), None).unwrap_or_else(|error| panic!("{error}"));
+    let found = fit.find(1, |_| ControlFlow::Break(()));
+    assert!(matches!(found, Err(FitError::BrokenOff)), "{found:?}");
 }

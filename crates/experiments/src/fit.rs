@@ -9,6 +9,7 @@ mod measured;
 mod search;
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use charts::{Chart, Series};
@@ -97,6 +98,9 @@ pub enum FitError {
     /// The optimiser failed.
     #[error("the search failed: {0}")]
     Search(String),
+    /// The caller broke it off.
+    #[error("the search was broken off")]
+    BrokenOff,
 }
 
 /// Result of a fit.
@@ -182,11 +186,12 @@ impl Fit {
         std::iter::once(folder.join("fit.json")).chain(pictures).collect()
     }
 
-    /// Finds the best values, `jobs` runs at a time. Calls `progress` with the distance, m, after every set of runs.
+    /// Finds the best values, `jobs` runs at a time. Calls `progress` with the distance, m, after every set of runs; it decides if the
+    /// search goes on.
     ///
     /// # Errors
-    /// When a run fails, or the optimiser does.
-    pub fn find(&self, jobs: usize, progress: impl Fn(f64) + Sync) -> Result<Found, FitError> {
+    /// When a run fails, the optimiser does, or `progress` breaks the search off.
+    pub fn find(&self, jobs: usize, progress: impl Fn(f64) -> ControlFlow<()> + Sync) -> Result<Found, FitError> {
         let search = Search::new(self, jobs, &progress);
         let start: Vec<f64> = self.parameters.iter().map(Parameter::begin).collect();
         let before = search.predict(&start)?;

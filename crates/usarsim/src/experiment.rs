@@ -2,6 +2,7 @@
 
 mod socket;
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -233,6 +234,7 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
     let trial = |distance: f64| {
         bar.set_message(format!("{:.3} mm from the measured steps", 1e3 * distance));
         bar.inc(1);
+        ControlFlow::Continue(())
     };
     let found = fit.find(jobs(arguments.jobs), trial).map_err(refused)?;
     bar.finish_and_clear();

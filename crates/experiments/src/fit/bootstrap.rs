@@ -1,5 +1,7 @@
 //! Confidence intervals of the fitted values.
 
+use std::ops::ControlFlow;
+
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -26,7 +28,7 @@ pub(super) struct Bootstrap {
 
 /// Estimates how the result varies over other measurements of the same kind. It draws the measured runs or steps, and the samples
 /// of the simulation, again with replacement. For each draw it solves the least squares with the derivatives at the best values.
-pub(super) fn bootstrap<P: Fn(f64) + Sync>(
+pub(super) fn bootstrap<P: Fn(f64) -> ControlFlow<()> + Sync>(
     fit: &Fit,
     search: &Search<P>,
     best: &[f64],

@@ -1,6 +1,7 @@
 //! Simulated steps, and the search for the parameters with the least distance from the measured ones.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -26,8 +27,8 @@ pub(super) struct Search<'a, P> {
     progress: &'a P,
 }
 
-impl<'a, P: Fn(f64) + Sync> Search<'a, P> {
-    /// Creates a search; `progress` is called with the distance, m, after every set of runs.
+impl<'a, P: Fn(f64) -> ControlFlow<()> + Sync> Search<'a, P> {
+    /// Creates a search; `progress` is called with the distance, m, after every set of runs, and decides if the search goes on.
     pub(super) fn new(fit: &'a Fit, jobs: usize, progress: &'a P) -> Self {
         Self { fit, jobs: jobs.max(1), simulated: AtomicUsize::new(0), progress }
     }
@@ -43,8 +44,10 @@ impl<'a, P: Fn(f64) + Sync> Search<'a, P> {
         let means: Vec<Vec<Step>> = samples.iter().map(|samples| mean(samples.iter())).collect();
         let measured = self.fit.measured.iter();
         let predicted: Vec<Step> = measured.map(|measured| means[measured.setting][measured.step]).collect();
-        (self.progress)(self.fit.distance(&predicted));
-        Ok(predicted)
+        match (self.progress)(self.fit.distance(&predicted)) {
+            ControlFlow::Continue(()) => Ok(predicted),
+            ControlFlow::Break(()) => Err(FitError::BrokenOff),
+        }
     }
 
     /// Returns the steps of every sample of every setting.
@@ -131,7 +134,7 @@ struct Distance<'a, P> {
     active: &'a [usize],
 }
 
-impl<P: Fn(f64) + Sync> CostFunction for Distance<'_, P> {
+impl<P: Fn(f64) -> ControlFlow<()> + Sync> CostFunction for Distance<'_, P> {
     type Param = Vec<f64>;
     type Output = f64;
 
