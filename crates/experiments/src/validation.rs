@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 use gamebots_proto::command::{Command, Init};
 use nalgebra::Vector3;
 use scene::{DriveModel, MapDef, Material, MountedWheel, RobotDef, Shape, Solid, WorldDef};
+use scene_loader::{LoadError, Override};
 use sim_core::{BodyState, Options, PawnId, WheelState, World, mecanum};
 
 pub use reason::{Stance, reason};
@@ -52,6 +53,37 @@ pub struct Subject {
     pub options: Options,
     /// Time of a measured drive, s.
     pub seconds: f64,
+}
+
+impl Subject {
+    /// Loads a robot, by the name of its class or the path of its robot.toml, and the floor of the map `rough`.
+    ///
+    /// # Errors
+    /// When a file does not load, or an override changes nothing.
+    pub fn load(
+        robot: &str,
+        drive_model: Option<DriveModel>,
+        set: &[Override],
+        options: Options,
+        seconds: f64,
+    ) -> Result<Self, LoadError> {
+        let mut robot = scene_loader::robot(robot, set)?;
+        robot.set_drive_model(drive_model);
+        let floor = scene_loader::map("rough", set)?.solids.swap_remove(0).material;
+        scene_loader::check_used(set)?;
+        Ok(Self { robot, floor, options, seconds })
+    }
+
+    /// Returns a finding as JSON, with the name of its check and the reason of a failure.
+    pub fn to_json(&self, finding: &Finding) -> serde_json::Value {
+        let Finding { check, what, measured, least, most } = finding;
+        let bound = |value: &f64| value.is_finite().then_some(*value);
+        let name = checks(&self.robot).get(*check as usize - 1);
+        serde_json::json!({
+            "check": check, "name": name, "what": what, "measured": measured, "least": bound(least),
+            "most": bound(most), "passes": finding.passes(), "reason": reason(&self.robot, finding),
+        })
+    }
 }
 
 /// Returns the names of the checks of a robot.

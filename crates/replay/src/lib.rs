@@ -43,6 +43,16 @@ impl Replay {
     pub fn is_same(&self) -> bool {
         self.first_difference.is_none() && self.recorded.is_none_or(|recorded| recorded == self.digest)
     }
+
+    /// Returns the result as JSON, with digests in hexadecimal digits.
+    pub fn to_json(&self) -> serde_json::Value {
+        let Self { seconds, digest, recorded, states, first_difference } = self;
+        let recorded = recorded.map(|digest| format!("{digest:016x}"));
+        serde_json::json!({
+            "same": self.is_same(), "seconds": seconds, "digest": format!("{digest:016x}"), "recorded": recorded,
+            "states": states, "first_difference": first_difference,
+        })
+    }
 }
 
 /// A log that cannot be replayed.

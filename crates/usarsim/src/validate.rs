@@ -44,14 +44,10 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let broken = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
-    let mut robot = scene_loader::robot(&arguments.robot, &arguments.set).map_err(|error| broken(&error))?;
-    robot.set_drive_model(arguments.drive_model);
-    let floor =
-        scene_loader::map("rough", &arguments.set).map_err(|error| broken(&error))?.solids.swap_remove(0).material;
-    scene_loader::check_used(&arguments.set).map_err(|error| broken(&error))?;
-    let model = robot.drive_model;
     let options = Options { time_step: arguments.dt, ..Options::default() };
-    let subject = Subject { robot, floor, options, seconds: arguments.seconds };
+    let Arguments { robot, drive_model, set, seconds, .. } = arguments;
+    let subject = Subject::load(robot, *drive_model, set, options, *seconds).map_err(|error| broken(&error))?;
+    let model = subject.robot.drive_model;
     let names = validation::checks(&subject.robot);
     let all = || (1..=names.len() as u32).collect();
     let checks: Vec<u32> = if arguments.check.is_empty() { all() } else { arguments.check.clone() };
@@ -68,15 +64,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let failed = findings.iter().filter(|finding| !finding.passes()).count();
     let stance = if failed > 0 { Some(Stance::of(&subject).map_err(|error| broken(&error))?) } else { None };
     let remark = stance.and_then(|stance| stance.remark(&subject.robot));
-    let reason = |finding: &Finding| validation::reason(&subject.robot, finding);
     if arguments.json {
-        let rows: Vec<_> = findings.iter().map(|finding| row(finding, reason(finding))).collect();
+        let rows: Vec<_> = findings.iter().map(|finding| subject.to_json(finding)).collect();
         let (class, dt) = (&subject.robot.class, arguments.dt);
         print(json!({
             "robot": class, "drive_model": model.name(), "dt": dt, "failed": failed, "remark": remark, "findings": rows,
         }));
     } else {
-        print_table(names, &findings, reason);
+        print_table(names, &findings, |finding| validation::reason(&subject.robot, finding));
         remark.iter().for_each(|remark| print(format_args!("look at this first: {remark}")));
     }
     if failed > 0 {
@@ -86,16 +81,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         ));
     }
     Ok(())
-}
-
-fn row(finding: &Finding, reason: Option<&str>) -> serde_json::Value {
-    let Finding { check, what, measured, least, most } = finding;
-    let bound = |value: &f64| value.is_finite().then_some(*value);
-    json!({
-        "check": check, "what": what, "measured": measured,
-        "least": bound(least), "most": bound(most), "passes": finding.passes(),
-        "reason": reason,
-    })
 }
 
 /// Returns the name of a check. It is empty for a number out of range, which the run of the check refuses.

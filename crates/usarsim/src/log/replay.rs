@@ -98,14 +98,13 @@ fn again(file: &Path) -> Result<Replay, Failure> {
 fn report(file: &Path, replay: &Replay, as_json: bool) {
     let file = file.display().to_string();
     let Replay { seconds, states, first_difference, .. } = replay;
-    let recorded = replay.recorded.map(|digest| format!("{digest:016x}"));
     if as_json {
-        print(json!({
-            "file": file, "same": replay.is_same(), "seconds": seconds, "digest": format!("{:016x}", replay.digest),
-            "recorded": recorded, "states": states, "first_difference": first_difference,
-        }));
+        let mut row = replay.to_json();
+        row["file"] = file.into();
+        print(row);
     } else if replay.is_same() {
-        let digest = recorded.map_or("no digest, the log was cut off".to_owned(), |digest| format!("digest {digest}"));
+        let cut_off = || "no digest, the log was cut off".to_owned();
+        let digest = replay.recorded.map_or_else(cut_off, |digest| format!("digest {digest:016x}"));
         print(format_args!(
             "{file}: {seconds:.3} s replayed with the same bits: {states} states and readings, {digest}"
         ));
