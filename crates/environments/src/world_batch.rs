@@ -538,8 +538,9 @@ fn check_orders(orders: &Orders, def: &RobotDef, class: &str) -> Result<(), Batc
 }
 
 fn sensor_number(def: &RobotDef, name: &str) -> Result<usize, BatchError> {
-    let known = def.sensors.iter().position(|sensor| sensor.name.eq_ignore_ascii_case(name));
-    known.ok_or_else(|| BatchError::unknown("sensor", name, def.sensors.iter().map(|sensor| sensor.name.as_str())))
+    let labels = def.sensor_labels();
+    let known = labels.iter().position(|label| label.eq_ignore_ascii_case(name));
+    known.ok_or_else(|| BatchError::unknown("sensor", name, labels.iter().map(String::as_str)))
 }
 
 /// A copy of the world that finds out how long the readings of sensors are.

@@ -37,6 +37,14 @@ pub(crate) fn check_text(name: &str, text: &str) -> PyResult<()> {
     Ok(())
 }
 
+/// Checks that a text is one line of the protocol.
+pub(crate) fn check_line(line: &str) -> PyResult<()> {
+    if line.contains(['\n', '\r']) || line.len() > 65536 {
+        return Err(error::command("line: expected one line of at most 65536 bytes"));
+    }
+    Ok(())
+}
+
 /// Returns the error of an array whose numbers are not one after the other.
 pub(crate) fn contiguous(name: &str) -> PyErr {
     error::task(format_args!("{name}: expected a contiguous array in C order"))

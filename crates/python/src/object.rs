@@ -1,6 +1,6 @@
 //! Movable objects of a world.
 
-use ::scene::Pose;
+use ::scene::{ObjectSnapshot, Pose};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
@@ -10,12 +10,18 @@ use crate::reading::vector;
 #[pyclass(frozen, name = "Object", module = "usarsim")]
 pub(crate) struct MovableObject {
     #[pyo3(get)]
-    pub(crate) id: u64,
+    id: u64,
     #[pyo3(get)]
-    pub(crate) name: String,
+    name: String,
     #[pyo3(get)]
-    pub(crate) mass: f64,
-    pub(crate) pose: Pose,
+    mass: f64,
+    pose: Pose,
+}
+
+impl From<ObjectSnapshot> for MovableObject {
+    fn from(object: ObjectSnapshot) -> Self {
+        Self { id: object.id.0, name: object.def.solid.name.clone(), mass: object.def.mass, pose: object.pose }
+    }
 }
 
 #[pymethods]

@@ -6,10 +6,12 @@ use std::fmt::Write;
 use ::picture::SENSOR_SIZE;
 use ::scene::{BodyState, JointState, PawnId, RobotDef, Sensed, Steering};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use sessions::SessionId;
 
-use crate::arguments::{busy, check_finite, check_size, check_text};
+use crate::arguments::{busy, check_finite, check_line, check_size, check_text};
 use crate::error;
 use crate::picture::array;
 use crate::reading::{Reading, vector};
@@ -49,12 +51,15 @@ impl Robot {
 
     fn take(&self, py: Python, line: &str) -> PyResult<()> {
         let mut world = self.world_mut(py)?;
-        let session = world.sessions.owner(self.id).ok_or_else(|| self.gone())?;
-        if world.world().robot(self.id).is_none() {
-            return Err(self.gone());
-        }
+        let session = self.session(&world)?;
         let problems = world.take(session, line).map_err(error::log)?;
         if problems.is_empty() { Ok(()) } else { Err(error::command(problems.join("; "))) }
+    }
+
+    /// Returns the session of the robot, while it is in the world.
+    fn session(&self, world: &World) -> PyResult<SessionId> {
+        let is_here = world.world().robot(self.id).is_some();
+        world.sessions.owner(self.id).filter(|_| is_here).ok_or_else(|| self.gone())
     }
 
     /// Checks that the robot's class takes an order.
@@ -74,16 +79,14 @@ impl Robot {
         Err(error::command(format_args!("{class} does not take {order}: expected {expected}")))
     }
 
-    /// Finds a sensor by its name; of several with one name, the first.
+    /// Finds a sensor by its label.
     fn sensor(&self, py: Python, name: &str) -> PyResult<usize> {
-        self.with_def(py, |def| {
-            let known = def.sensors.iter().position(|sensor| sensor.name.eq_ignore_ascii_case(name));
-            known.ok_or_else(|| {
-                let meant = names::did_you_mean(name, def.sensors.iter().map(|sensor| sensor.name.as_str()));
-                let known = names::listed(def.sensors.iter().map(|sensor| sensor.name.as_str()));
-                error::command(format_args!("unknown sensor `{name}`{meant}: expected one of {known}"))
-            })
-        })?
+        let labels = self.with_def(py, RobotDef::sensor_labels)?;
+        labels.iter().position(|label| label.eq_ignore_ascii_case(name)).ok_or_else(|| {
+            let known = || labels.iter().map(String::as_str);
+            let (meant, known) = (names::did_you_mean(name, known()), names::listed(known()));
+            error::command(format_args!("unknown sensor `{name}`{meant}: expected one of {known}"))
+        })
     }
 }
 
@@ -196,10 +199,10 @@ impl Robot {
         Ok((rows(points)?, rows(forces)?))
     }
 
-    /// Names of its sensors.
+    /// Names of its sensors, with a number behind a name that comes again.
     #[getter]
     fn sensor_names(&self, py: Python) -> PyResult<Vec<String>> {
-        self.with_def(py, |def| def.sensors.iter().map(|sensor| sensor.name.clone()).collect())
+        self.with_def(py, RobotDef::sensor_labels)
     }
 
     /// Last readings of all sensors that have measured, by name.
@@ -297,12 +300,12 @@ impl Robot {
         self.take(py, &line)
     }
 
-    /// Sends a line of the Gamebots protocol as the robot's controller.
-    fn send(&self, py: Python, line: &str) -> PyResult<()> {
-        if line.contains(['\n', '\r']) || line.len() > 65536 {
-            return Err(error::command("line: expected one line of at most 65536 bytes"));
-        }
-        self.take(py, line)
+    /// Sends a line of the Gamebots protocol as the robot's controller. Returns the lines that answer it.
+    fn send(&self, py: Python, line: &str) -> PyResult<Vec<String>> {
+        check_line(line)?;
+        let mut world = self.world_mut(py)?;
+        let session = self.session(&world)?;
+        world.ask(session, line)
     }
 
     /// Removes the robot from the world.
@@ -311,6 +314,13 @@ impl Robot {
         let session = world.sessions.owner(self.id).ok_or_else(|| self.gone())?;
         world.readings.retain(|(robot, _), _| *robot != self.id);
         world.sessions.close(session).map_err(error::log)
+    }
+
+    /// Returns what pickle makes the robot of: its world and its number.
+    fn __reduce__<'py>(slf: Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, Self { world, id }) = (slf.py(), slf.get());
+        let find = py.get_type::<World>().getattr("_robot")?;
+        (find, (world, id.0)).into_bound_py_any(py)
     }
 
     fn __eq__(&self, other: &Bound<PyAny>) -> bool {

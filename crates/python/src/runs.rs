@@ -1,5 +1,6 @@
 //! Replay, validation, experiments and fits. Results are JSON, which the Python part reads.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -13,11 +14,11 @@ use experiments::fit::Fit;
 use experiments::plan::Plan;
 use experiments::run::RunError;
 use experiments::sweep::Sweep;
-use experiments::validation::{self, Finding, Subject};
+use experiments::validation::{self, Subject};
 use experiments::{report, run};
 use pyo3::prelude::*;
 use scene_loader::Override;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::error;
 
@@ -32,12 +33,7 @@ pub(crate) fn replay(py: Python, path: PathBuf) -> PyResult<String> {
         let failed = |text: &dyn std::fmt::Display| error::log(format_args!("{}: {text}", path.display()));
         let log = recorder::read(&path).map_err(error::log)?;
         let replay = ::replay::replay(&log).map_err(|error| failed(&error))?;
-        let recorded = replay.recorded.map(|digest| format!("{digest:016x}"));
-        Ok(json!({
-            "same": replay.is_same(), "seconds": replay.seconds, "digest": format!("{:016x}", replay.digest),
-            "recorded": recorded, "states": replay.states, "first_difference": replay.first_difference,
-        })
-        .to_string())
+        Ok(replay.to_json().to_string())
     })
 }
 
@@ -61,30 +57,17 @@ pub(crate) fn validate(
         let overrides = set.iter().map(|text| text.parse()).collect::<Result<Vec<Override>, _>>();
         let overrides = overrides.map_err(error::scene)?;
         let model = drive_model.map(|name| name.parse::<DriveModel>()).transpose().map_err(error::scene)?;
-        let mut robot = scene_loader::robot(&robot, &overrides).map_err(error::scene)?;
-        robot.set_drive_model(model);
-        let mut floor = scene_loader::map("rough", &overrides).map_err(error::scene)?;
-        scene_loader::check_used(&overrides).map_err(error::scene)?;
         let options = Options { time_step, ..Options::default() };
-        let subject = Subject { robot, floor: floor.solids.swap_remove(0).material, options, seconds };
-        let names = validation::checks(&subject.robot);
+        let subject = Subject::load(&robot, model, &overrides, options, seconds).map_err(error::scene)?;
+        let count = validation::checks(&subject.robot).len();
         let mut findings = Vec::new();
-        for check in checks.unwrap_or_else(|| (1..=names.len() as u32).collect()) {
+        for check in checks.unwrap_or_else(|| (1..=count as u32).collect()) {
             if stop.load(Ordering::Relaxed) {
                 break;
             }
             findings.extend(validation::check(&subject, check).map_err(error::task)?);
         }
-        let bound = |value: f64| value.is_finite().then_some(value);
-        let row = |finding: &Finding| {
-            let name = names.get(finding.check as usize - 1).copied().unwrap_or_default();
-            json!({
-                "check": finding.check, "name": name, "what": finding.what, "measured": finding.measured,
-                "least": bound(finding.least), "most": bound(finding.most), "passes": finding.passes(),
-                "reason": validation::reason(&subject.robot, finding),
-            })
-        };
-        Ok(Value::from(findings.iter().map(row).collect::<Vec<_>>()).to_string())
+        Ok(Value::from(findings.iter().map(|finding| subject.to_json(finding)).collect::<Vec<_>>()).to_string())
     })
 }
 
@@ -113,10 +96,11 @@ pub(crate) fn run_experiment(py: Python, file: PathBuf, out: PathBuf, jobs: usiz
 #[pyfunction]
 #[pyo3(name = "_fit", signature = (file, *, drive_model = None, jobs))]
 pub(crate) fn fit(py: Python, file: PathBuf, drive_model: Option<String>, jobs: usize) -> PyResult<String> {
-    interruptible(py, move |_| {
+    interruptible(py, move |stop| {
         let model = drive_model.map(|name| name.parse::<DriveModel>()).transpose().map_err(error::scene)?;
         let fit = Fit::read(&file, model).map_err(error::task)?;
-        let found = fit.find(jobs, |_| {}).map_err(error::task)?;
+        let go_on = |_| if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let found = fit.find(jobs, go_on).map_err(error::task)?;
         serde_json::to_string(&found).map_err(error::task)
     })
 }

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use ::scene::{DriveModel, WorldDef};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use scene_loader::{Changes, Equipment, Override};
 use sim_core::CompiledScene;
 
@@ -90,6 +92,24 @@ impl Scene {
     /// Returns every number of the map as JSON.
     fn _map_json(&self) -> PyResult<String> {
         serde_json::to_string(&self.def().map).map_err(error::scene)
+    }
+
+    /// Creates a scene from the bytes of `__reduce__`.
+    #[staticmethod]
+    fn _from_bytes(py: Python, bytes: &[u8]) -> PyResult<Self> {
+        py.detach(|| {
+            let unreadable = |reason| error::scene(format_args!("not a pickled scene: {reason}"));
+            let def: WorldDef = serde_json::from_slice(bytes).map_err(unreadable)?;
+            def.check().map_err(|problem| error::scene(format_args!("not a pickled scene: {problem}")))?;
+            Ok(Self { compiled: def.into() })
+        })
+    }
+
+    /// Returns what pickle makes the scene of: its definition.
+    fn __reduce__<'py>(slf: Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, scene) = (slf.py(), slf.get());
+        let bytes = py.detach(|| serde_json::to_vec(scene.def())).map_err(error::scene)?;
+        (slf.get_type().getattr("_from_bytes")?, (PyBytes::new(py, &bytes),)).into_bound_py_any(py)
     }
 
     fn __repr__(&self) -> String {

@@ -14,6 +14,7 @@ use ::scene::{ObjectId, Options, PawnId, Sensed};
 use experiments::LoggedSessions;
 use gamebots_server::View;
 use picture::Stage;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use recorder::{LogWriter, RecordError};
@@ -21,7 +22,7 @@ use sessions::SessionId;
 use sim_core::{CompiledScene, SavedWorld};
 use thread_pool::ThreadPool;
 
-use crate::arguments::{busy, check_finite, check_size, check_text, pool, warn};
+use crate::arguments::{busy, check_finite, check_line, check_size, check_text, pool, warn};
 use crate::error;
 use crate::object::MovableObject;
 use crate::picture::{array, draw};
@@ -32,6 +33,8 @@ use crate::scene::Scene;
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(100);
 /// Time between two looks of a world that is shown, or that keeps to a pace.
 const SHOWN_INTERVAL: Duration = Duration::from_millis(15);
+/// Line by which the world's controller enters it.
+const CONTROLLER: &str = "INIT {ClassName USARBotAPI.WorldController} {Name Python}";
 /// Longest time that one call may step, simulated s.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
 
@@ -44,6 +47,8 @@ pub(crate) struct World {
     pub(crate) sessions: LoggedSessions,
     pub(crate) readings: BTreeMap<(PawnId, usize), Read>,
     next_session: SessionId,
+    /// The world controller that creates objects, once there is one.
+    controller: Option<PawnId>,
     threads: ThreadPool,
     stage: Option<Arc<Stage>>,
     view: Option<View>,
@@ -56,7 +61,15 @@ impl World {
 
     fn with(world: sim_core::World, threads: ThreadPool, log: Option<LogWriter>) -> Self {
         let sessions = LoggedSessions::new(world.on_threads(Arc::new(threads.clone())), log);
-        Self { sessions, readings: BTreeMap::new(), next_session: 1, threads, stage: None, view: None }
+        Self {
+            sessions,
+            readings: BTreeMap::new(),
+            next_session: 1,
+            controller: None,
+            threads,
+            stage: None,
+            view: None,
+        }
     }
 
     /// Creates sessions for a world that has robots: each takes one over.
@@ -89,6 +102,30 @@ impl World {
         let mut keep = |sensed: &Sensed| _ = readings.insert((sensed.robot, sensed.sensor), (time, sensed.clone()));
         let problems = sessions.take(session, line, &mut keep)?;
         Ok(problems.iter().map(ToString::to_string).collect())
+    }
+
+    /// Executes a line of a session. Returns the lines that answer it.
+    pub(crate) fn ask(&mut self, session: SessionId, line: &str) -> PyResult<Vec<String>> {
+        let Self { sessions, readings, .. } = self;
+        let time = sessions.world().time();
+        let mut keep = |sensed: &Sensed| _ = readings.insert((sensed.robot, sensed.sensor), (time, sensed.clone()));
+        let (problems, answers) = sessions.ask(session, line, &mut keep).map_err(error::log)?;
+        if problems.is_empty() {
+            return Ok(answers);
+        }
+        Err(error::command(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")))
+    }
+
+    /// Returns the session of the world's controller. It enters the world with its first order. In a loaded world it takes over the one of
+    /// the saved world.
+    fn controller(&mut self) -> PyResult<SessionId> {
+        if let Some(session) = self.controller.and_then(|pawn| self.sessions.owner(pawn)) {
+            return Ok(session);
+        }
+        let (pawn, problems) = self.enter(CONTROLLER).map_err(error::log)?;
+        self.controller = pawn;
+        let session = pawn.and_then(|pawn| self.sessions.owner(pawn));
+        session.ok_or_else(|| error::command(problems.join("; ")))
     }
 
     /// Advances by at most this many steps, until the signals are due. Returns the number of steps taken.
@@ -310,11 +347,7 @@ impl World {
     /// Movable objects, by their ids.
     #[getter]
     fn objects(&self, py: Python) -> PyResult<Vec<Py<MovableObject>>> {
-        let object = |object: ::scene::ObjectSnapshot| {
-            let name = object.def.solid.name.clone();
-            Py::new(py, MovableObject { id: object.id.0, name, mass: object.def.mass, pose: object.pose })
-        };
-        self.world().objects().map(object).collect()
+        self.world().objects().map(|object| Py::new(py, MovableObject::from(object))).collect()
     }
 
     /// Puts a movable object at a pose, at rest.
@@ -323,13 +356,70 @@ impl World {
         check_finite("position", &position)?;
         check_finite("rotation", &rotation)?;
         if self.sessions.is_logged() {
-            return Err(error::command("an object cannot be put in a world with a log: the log would not replay"));
+            return Err(error::command(
+                "an object cannot be put in a world with a log, which would not replay: expected \
+                 control(\"CONTROL {Type AbsMove} {Name ..} {Location ..}\")",
+            ));
         }
         let id = self.object(name)?;
         let is_put = self.sessions.world_mut().put_object(id, &::scene::pose(position, rotation));
         is_put
             .then_some(())
             .ok_or_else(|| error::command(format_args!("position: got {position:?}, expected a place on the map")))
+    }
+
+    /// Creates a movable object.
+    #[pyo3(signature = (class_name, name, position, rotation = [0.0; 3], *, scale = [1.0; 3], material = "", rigid = true))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+    fn create_object(
+        &mut self,
+        py: Python,
+        class_name: &str,
+        name: &str,
+        position: [f64; 3],
+        rotation: [f64; 3],
+        scale: [f64; 3],
+        material: &str,
+        rigid: bool,
+    ) -> PyResult<MovableObject> {
+        for (key, text) in [("class_name", class_name), ("name", name), ("material", material)] {
+            check_text(key, text)?;
+        }
+        for (key, vector) in [("position", position), ("rotation", rotation), ("scale", scale)] {
+            check_finite(key, &vector)?;
+        }
+        if name.trim() != name || name.is_empty() {
+            return Err(error::command(format_args!("name: got {name:?}, expected a name without space around it")));
+        }
+        if self.world().objects().any(|object| object.def.solid.name.eq_ignore_ascii_case(name)) {
+            return Err(error::command(format_args!("name: the world has an object `{name}` already")));
+        }
+        let text = |vector: [f64; 3]| vector.map(|number| number.to_string()).join(",");
+        let mut line = format!("CONTROL {{Type Create}} {{ClassName {class_name}}} {{Name {name}}}");
+        line += &format!(" {{Location {}}} {{Rotation {}}}", text(position), text(rotation));
+        line += &format!(" {{Scale {}}} {{Material {material}}}", text(scale));
+        line += if rigid { " {Physics RigidBody}" } else { "" };
+        let session = self.controller()?;
+        let problems = self.take(session, &line).map_err(error::log)?;
+        let created = self.world().objects().find(|object| object.def.solid.name == name);
+        let created = created.ok_or_else(|| error::command(problems.join("; ")))?;
+        warn(py, &problems)?;
+        Ok(created.into())
+    }
+
+    /// Removes a movable object.
+    fn remove_object(&mut self, name: &str) -> PyResult<()> {
+        check_text("name", name)?;
+        self.object(name)?;
+        let session = self.controller()?;
+        self.ask(session, &format!("CONTROL {{Type Kill}} {{Name {name}}}")).map(drop)
+    }
+
+    /// Sends a line of the Gamebots protocol as a world controller. Returns the lines that answer it.
+    fn control(&mut self, line: &str) -> PyResult<Vec<String>> {
+        check_line(line)?;
+        let session = self.controller()?;
+        self.ask(session, line)
     }
 
     /// Hash of the bits of every body.
@@ -350,6 +440,7 @@ impl World {
             sessions: self.sessions.copy(),
             readings: self.readings.clone(),
             next_session: self.next_session,
+            controller: self.controller,
             threads: self.threads.clone(),
             stage: self.stage.clone(),
             view: None,
@@ -394,6 +485,25 @@ impl World {
             let world = sim_core::World::load(scene.compiled.clone(), &world).map_err(error::save)?;
             Self::of(world, threads).map_err(error::save)
         })
+    }
+
+    /// Creates a world from what `__reduce__` returns.
+    #[staticmethod]
+    fn _restore(py: Python, scene: &Scene, state: &[u8], threads: usize) -> PyResult<Self> {
+        Self::load(py, scene, state, threads)
+    }
+
+    /// Returns what pickle makes the world of: its scene, its state and the number of its threads.
+    fn __reduce__<'py>(slf: Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let restore = slf.get_type().getattr("_restore")?;
+        let world = slf.try_borrow().map_err(|_| busy())?;
+        (restore, (world.scene(), world.save(py)?, world.threads.threads())).into_bound_py_any(py)
+    }
+
+    /// Returns the robot with a number, for pickle.
+    fn _robot(slf: Bound<Self>, id: u64) -> Robot {
+        Robot { world: slf.unbind(), id: PawnId(id) }
     }
 
     /// Ends the log.

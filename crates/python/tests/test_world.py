@@ -2,6 +2,7 @@
 
 import copy
 import json
+import pickle
 import signal
 import threading
 import warnings
@@ -126,9 +127,109 @@ def test_an_arm_moves_its_joints():
     angles = dict(zip(robot.joint_names, robot.joint_positions))
     assert angles["ArmJoint2"] == pytest.approx(0.5, abs=0.01)
     assert angles["ArmJoint3"] == pytest.approx(-0.5, abs=0.01)
-    robot.send("SET {Type Gripper} {Name Gripper} {Opcode Open}")
+    assert robot.send("SET {Type Gripper} {Name Gripper} {Opcode Open}") == []
     with pytest.raises(usarsim.CommandError, match="ArmJoint9"):
         robot.move_joints({"ArmJoint9": 0})
+
+
+def test_a_line_is_answered(world):
+    robot = world.spawn("P3AT", position=(0, 3, 0))
+    (conf,) = robot.send("GETCONF {Type RangeScanner}")
+    assert conf.startswith("CONF {Type RangeScanner} {Name lms200}")
+    (geo,) = robot.send("GETGEO {Type Robot}")
+    assert geo.startswith("GEO {Type GroundVehicle} {Name P3AT}")
+    assert robot.send("DRIVE {Left 1} {Right 1}") == []
+
+
+def test_sensors_of_one_name_are_told_apart(tmp_path):
+    (tmp_path / "Twin").mkdir()
+    sensor = '[[sensor]]\nclass = "HokuyoURG04LX"\nname = "laser"\nposition = [{x}, 0.0, -0.3]\n'
+    robot = 'like = "P3AT"\ndescription = "Two lasers"\n' + sensor.format(x=0.2) + sensor.format(x=-0.4)
+    (tmp_path / "Twin" / "robot.toml").write_text(robot)
+    world = usarsim.World(usarsim.Scene("hall", robots=[tmp_path / "Twin"]), time_step=0.01)
+    twin = world.spawn("Twin")
+    assert twin.sensor_names == ["laser", "laser#2"]
+    world.run(0.5)
+    front, back = twin.readings["laser"]["ranges"], twin.reading("LASER#2")["ranges"]
+    assert front.shape == back.shape and not np.allclose(front, back, atol=0.3)
+    columns = usarsim.Batch(world, 2, observations=["sensor:laser", "sensor:laser#2"], orders="wheels").columns
+    assert [name for _, name, _, _ in columns] == ["sensor:laser", "sensor:laser#2"]
+
+
+def test_objects_come_and_go(scene, tmp_path):
+    world = usarsim.World(scene, time_step=0.004, log=tmp_path / "objects.mcap")
+    robot = world.spawn("KUKA_YouBot", position=(0, 0, 0))
+    crate = world.create_object("WCCrate", "box", position=(0.75, 0, -0.25), scale=(1, 1, 0.5))
+    assert (crate.name, crate.mass) == ("box", 2.5)
+    robot.drive_twist(forward=0.3)
+    world.run(2.0)
+    (box,) = world.objects
+    assert box.position[0] > 0.9, "the robot pushes it"
+    wall = world.create_object("WCCrate", "wall", position=(0, 2, -0.25), rigid=False, material="carpet")
+    assert world.control("CONTROL {Type RelMove} {Name wall} {Location 0,1,0}") == []
+    assert world.control("CONTROL {Type GetSTA} {Name wall}")[0].startswith("STA {Name wall} {Size 0.5000,0.5000")
+    assert [round(float(it.position[1]), 2) for it in world.objects if it.name == wall.name] == [3.0]
+    world.remove_object("box")
+    world.run(0.5)
+    assert [it.name for it in world.objects] == ["wall"] and len(world.robots) == 1
+    world.close()
+    assert usarsim.replay(tmp_path / "objects.mcap")["same"]
+
+
+def test_objects_outlive_a_save(scene):
+    world = usarsim.World(scene, time_step=0.004)
+    world.create_object("WCCrate", "box", position=(0.75, 0, -0.25))
+    copied, loaded = world.copy(), usarsim.World.load(scene, world.save())
+    for one in (copied, loaded):
+        one.remove_object("box")
+        assert one.objects == []
+        one.create_object("WCCrate", "box", position=(1, 0, -0.25))
+    assert len(world.objects) == 1
+
+
+def test_what_is_wrong_with_an_object_is_said(scene):
+    world = usarsim.World(scene, time_step=0.004)
+    world.spawn("KUKA_YouBot", position=(0, 0, 0))
+    world.create_object("WCCrate", "box", position=(2, 0, -0.25))
+    for wrong, said in (
+        (("WCCrat", "a", (1, 1, 0)), "did you mean `WCCrate`"),
+        (("WCCrate", "BOX", (1, 1, 0)), "an object `BOX` already"),
+        (("WCCrate", "", (1, 1, 0)), "expected a name"),
+        (("WCCrate", "a} {Permanent True", (1, 1, 0)), "without braces"),
+        (("WCCrate", "a", (0, 0, -0.1)), "is there"),
+        (("WCCrate", "a", (float("inf"), 0, 0)), "expected finite"),
+        (("WCCrate", "a", (1e9, 0, 0)), "expected"),
+    ):
+        with pytest.raises(usarsim.CommandError, match=said):
+            world.create_object(*wrong)
+    with pytest.warns(usarsim.UsarsimWarning, match="no material `cheese`"):
+        world.create_object("WCCrate", "a", position=(0, 3, -0.25), material="cheese")
+    with pytest.raises(usarsim.CommandError, match="unknown object `b`: expected one of"):
+        world.remove_object("b")
+    with pytest.raises(usarsim.CommandError):
+        world.control("CONTROL {Type Kill} {Name nothing}")
+    assert [it.name for it in world.objects] == ["box", "a"]
+
+
+def test_worlds_scenes_and_robots_can_be_pickled(world, tmp_path):
+    robot = world.robots[0]
+    robot.drive_twist(forward=0.3)
+    world.run(0.5)
+    again, its = pickle.loads(pickle.dumps((world, robot)))
+    assert its == again.robots[0] and its.class_name == "KUKA_YouBot"
+    for one in (world, again):
+        one.run(0.5)
+    assert again.digest == world.digest
+    for name in usarsim.maps():
+        scene = usarsim.Scene(name)
+        other = pickle.loads(pickle.dumps(scene))
+        assert usarsim.describe(other) == usarsim.describe(scene) and other.classes == scene.classes
+    with pytest.raises(usarsim.SaveError, match="bodies"):
+        engine = usarsim.World(usarsim.Scene("rough"))
+        engine.spawn("KUKA_YouBot", position=(0, 0, 0))
+        pickle.dumps(engine)
+    with pytest.raises(usarsim.SceneError, match="not a pickled scene"):
+        usarsim.Scene._from_bytes(b"{}")
 
 
 def test_an_object_can_be_put_elsewhere():

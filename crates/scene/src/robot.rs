@@ -269,6 +269,16 @@ impl RobotDef {
         joints.filter_map(|link| link.joint.as_ref()?.limits)
     }
 
+    /// Returns the names of the sensors. A name that comes again has a number behind it: `Scanner`, `Scanner#2`.
+    pub fn sensor_labels(&self) -> Vec<String> {
+        let names: Vec<&str> = self.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+        let label = |(number, name): (usize, &&str)| {
+            let before = names[..number].iter().filter(|other| other.eq_ignore_ascii_case(name)).count();
+            if before == 0 { (*name).to_owned() } else { format!("{name}#{}", before + 1) }
+        };
+        names.iter().enumerate().map(label).collect()
+    }
+
     /// Returns the links whose joints have a value, in the order of a state's joints.
     pub fn with_values(&self) -> impl Iterator<Item = &Link> + Clone {
         self.links.iter().filter(|link| link.has_value())

@@ -107,6 +107,13 @@ class Scene:
     def _map_json(self) -> str:
         """Returns every number of the map as JSON. `usarsim.describe` reads it."""
 
+    @staticmethod
+    def _from_bytes(bytes: bytes) -> Scene:
+        """Returns a pickled scene."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Returns what pickle makes the scene of: every number of it, so that it needs no files."""
+
 @final
 class World:
     """A simulated world: a scene, robots in it, and a clock that only `step` and `run` advance.
@@ -207,6 +214,63 @@ class World:
         repeat it.
         """
 
+    def create_object(
+        self,
+        class_name: str,
+        name: str,
+        position: _Numbers,
+        rotation: _Numbers = ...,
+        *,
+        scale: _Numbers = ...,
+        material: str = "",
+        rigid: bool = True,
+    ) -> Object:
+        """Creates a movable object, and returns it. A world may have 1024.
+
+        `class_name` is one of the classes of a world controller, as `WCCrate`, and `position` that of its middle: x, y, z, m.
+        `rotation` is roll, pitch, yaw, rad. `scale` are factors of its size along x, y, z; its mass follows the volume.
+        `material` is one of the world, or that of the class. An object that is not `rigid` stays where it is put, and robots
+        drive against it or on it. A rigid one in the floor is raised onto it.
+
+        Raises `CommandError` for an unknown class, a name that is empty or taken, and a place that is taken or outside the
+        map. Warns with `UsarsimWarning` of an unknown material; the object has that of its class then.
+
+        >>> from usarsim import Scene, World
+        >>> world = World(Scene("rough"))
+        >>> world.create_object("WCCrate", "box", position=(1, 0, -0.5))
+        Object("box", position=[1.000, 0.000, -0.500])
+        >>> world.run(1.0)
+        >>> world.objects
+        [Object("box", position=[1.000, 0.000, -0.250])]
+        >>> world.remove_object("box")
+        >>> world.objects
+        []
+        """
+
+    def remove_object(self, name: str) -> None:
+        """Removes a movable object, also one of the map.
+
+        Raises `CommandError` for an unknown name.
+        """
+
+    def control(self, line: str) -> list[str]:
+        """Sends one line of the Gamebots protocol as a world controller, and returns the lines that answer it.
+
+        `CONTROL` turns objects, lets them follow paths, moves robots and drives conveyors. Objects of `create_object` are the
+        same controller's.
+
+        Raises `CommandError` for everything that a server would complain about, and for a text with line ends or of more
+        than 65536 bytes.
+
+        >>> from usarsim import Scene, World
+        >>> world = World(Scene("rough"))
+        >>> crate = world.create_object("WCCrate", "box", position=(1, 0, -0.25))
+        >>> world.control("CONTROL {Type AbsMove} {Name box} {Location 3,0,-0.25}")
+        []
+        >>> world.control("CONTROL {Type GetSTA} {Name box}")[0][:62]
+        'STA {Name box} {Size 0.5000,0.5000,-0.5000} {Location 3.0000,0'
+        """
+
     @property
     def digest(self) -> str:
         """Hash of the bits of every body, 16 hexadecimal digits. Equal worlds have equal digests."""
@@ -240,6 +304,16 @@ class World:
         Raises `SaveError` if the state cannot be read, or its robots or objects do not fit the scene.
         """
 
+    @staticmethod
+    def _restore(scene: Scene, state: bytes, threads: int) -> World:
+        """Returns a pickled world."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Returns what pickle makes the world of: its scene and what `save` returns, without a log and the last readings."""
+
+    def _robot(self, id: int) -> Robot:
+        """Returns the robot with a number. Pickle uses it."""
+
     def close(self) -> None:
         """Ends the log, if there is one. The world itself goes on without it.
 
@@ -247,7 +321,8 @@ class World:
         """
 
     def show(self, port: int = 0, height: int = 480) -> View:
-        """Serves a page that shows the world while it is stepped. A notebook shows it as a frame of `height` pixels.
+        """Serves a page that shows the world, with the beams of lasers and sonars, while it is stepped. A notebook shows it as
+        a frame of `height` pixels.
 
         `port` 0 takes a free one. The page is served on this machine alone, and nobody can drive or change the world from it.
         A second call shows the present and returns a view of the same page.
@@ -371,7 +446,7 @@ class Robot:
 
     @property
     def sensor_names(self) -> list[str]:
-        """Names of its sensors."""
+        """Names of its sensors. A name that comes again has a number behind it, as `Camera#2`."""
 
     @property
     def readings(self) -> dict[str, Reading]:
@@ -433,10 +508,9 @@ class Robot:
         Raises `CommandError` for an unknown joint, and then moves none.
         """
 
-    def send(self, line: str) -> None:
-        """Sends one line of the Gamebots protocol as the robot's controller, as `SET {Type Gripper} ..`.
-
-        Replies of the server are not returned.
+    def send(self, line: str) -> list[str]:
+        """Sends one line of the Gamebots protocol as the robot's controller, as `SET {Type Gripper} ..`, and returns the
+        lines that answer it.
 
         Raises `CommandError` for everything that a server would complain about, and for a text with line ends or of more
         than 65536 bytes.
@@ -444,6 +518,9 @@ class Robot:
 
     def remove(self) -> None:
         """Removes the robot from the world."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Returns what pickle makes the robot of: its world and its number."""
 
 @final
 class Reading:
