@@ -7,20 +7,24 @@ export interface Action {
   /** `event.key`, and how the key is shown where that differs */
   key?: string;
   shown?: string;
+  /** true for what needs a server that robots are driven on */
+  drives?: boolean;
   run: () => void;
 }
 
-/** Runs actions by their keys; `driving` returns whether the space bar and the arrows are not for buttons. */
-export function listenToKeys(actions: Action[], driving: () => boolean): void {
+/** Runs those actions that are possible by their keys; `driving` returns whether the space bar and the arrows are not for buttons. */
+export function listenToKeys(possible: () => Action[], driving: () => boolean): void {
   window.addEventListener('keydown', (event) => {
     if (document.querySelector('dialog[open]')) return;
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'k') {
       event.preventDefault();
-      actions.find(({ shown }) => shown === 'Ctrl K')?.run();
+      possible()
+        .find(({ shown }) => shown === 'Ctrl K')
+        ?.run();
       return;
     }
     if (event.ctrlKey || event.metaKey || event.altKey || isForControl(event, driving())) return;
-    const action = actions.find(({ key }) => key === event.key);
+    const action = possible().find(({ key }) => key === event.key);
     if (!action || (ARROWS.includes(event.key) && driving())) return;
     // Else the button that has the focus is pressed, too.
     event.preventDefault();

@@ -160,6 +160,7 @@ function showScene(scene: Scene): void {
   if (before?.map.name !== scene.map.name || !state.isPresent) pictures.end();
   view.setScene(scene);
   drive.updateScene();
+  document.documentElement.toggleAttribute('data-watched', state.isWatched);
   setText(find('map'), scene.map.name);
   if (before && before.map.name !== scene.map.name) say(`The map is now ${scene.map.name}`);
 }
@@ -257,17 +258,17 @@ returnFocusAfterChoice();
 
 const press = (id: string) => () => find(id).click();
 const actions: Action[] = [
-  { name: 'Commands', shown: 'Ctrl K', run: () => showCommands(actions) },
-  { name: 'Keys', key: '?', run: () => showKeys(actions) },
+  { name: 'Commands', shown: 'Ctrl K', run: () => showCommands(possible()) },
+  { name: 'Keys', key: '?', run: () => showKeys(possible()) },
   { name: 'Pause or resume', key: ' ', shown: 'space', run: press('pause') },
   { name: 'Step 10 ms', key: '.', run: press('step') },
-  { name: 'Spawn a robot', key: 'n', shown: 'N', run: openSpawn },
+  { name: 'Spawn a robot', key: 'n', shown: 'N', drives: true, run: openSpawn },
   { name: 'Next camera: orbit, follow, chase, top, robot', key: 'c', shown: 'C', run: () => tools.nextCamera() },
   { name: 'Fit the robot, or the map', key: 'g', shown: 'G', run: press('fit') },
   { name: 'The whole map', key: 'Home', run: press('home') },
   { name: 'Plots', key: 'p', shown: 'P', run: () => showPlots(find('plots').hidden === true) },
   { name: 'Plot position, speeds and slip', run: plotFirst },
-  { name: 'Wire: the lines of the protocol', key: 'l', shown: 'L', run: () => showTab('wire') },
+  { name: 'Wire: the lines of the protocol', key: 'l', shown: 'L', drives: true, run: () => showTab('wire') },
   { name: 'Change the map', key: 'm', shown: 'M', run: press('map') },
   { name: 'Record a log, or stop', run: press('record') },
   { name: 'Save the world to a file', run: press('save') },
@@ -285,11 +286,12 @@ const actions: Action[] = [
     run: () => view.setQuality(quality),
   })),
 ];
+const possible = () => actions.filter(({ drives }) => !drives || !state.isWatched);
 // Space is for time, not for buttons, while a robot is driven or the past is shown.
-listenToKeys(actions, () => state.hasRobot || !state.isPresent);
+listenToKeys(possible, () => state.hasRobot || !state.isPresent);
 
-find('commands').onclick = () => showCommands(actions);
-find('help').onclick = () => showKeys(actions);
+find('commands').onclick = () => showCommands(possible());
+find('help').onclick = () => showKeys(possible());
 find('theme').onclick = () => setTheme(document.documentElement.dataset.theme !== 'dark');
 find('map').onclick = () => offerMaps(state, live);
 find('screenshot').onclick = () => void saveSnapshot();

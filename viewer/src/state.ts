@@ -21,6 +21,11 @@ export class State {
   hasRobot = false;
   private readonly sensors = new Map<number, SensorValues>();
 
+  /** True if nobody can drive here: a program steps the world, and the page shows it. */
+  get isWatched(): boolean {
+    return this.scene?.port === 0;
+  }
+
   /** True if a robot is driven from this page: it gets the keys. */
   get driving(): boolean {
     return this.hasRobot && this.isPresent;

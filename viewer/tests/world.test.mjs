@@ -20,6 +20,21 @@ pageTest('a robot is spawned from the first view', rough, async ({ page }) => {
   await waitForNumber(page, X, (value) => value > 0.1);
 });
 
+pageTest('a world that a program steps is only looked at', rough, async ({ page }) => {
+  // The page of such a world has no port for controllers.
+  await page.route('**/scene.json', async (route) => {
+    const response = await route.fetch();
+    await route.fulfill({ response, json: { ...(await response.json()), port: 0 } });
+  });
+  await page.reload();
+  await page.waitForSelector('[data-watched] #world :text("No robot yet.")');
+  for (const part of ['#panel', '#welcome', '#open-spawn']) await page.waitForSelector(part, { state: 'hidden' });
+  await page.keyboard.press('n');
+  await page.keyboard.press('?');
+  const keys = await page.textContent('#dialog');
+  assert.ok(keys.includes('Plots') && !keys.includes('Spawn a robot'), keys);
+});
+
 pageTest('a value of a sensor is shown and plotted by a click', rough, async ({ page }) => {
   await spawnRobot(page, { robotClass: 'P3AT' });
   await page.click('summary:text("GroundTruth GndTruth")');

@@ -46,7 +46,7 @@ pub use images::ImageKind;
 pub use live::messages as viewer_messages;
 pub use playback::{Playback, play};
 pub use saved::{SavedFileError, read_saved};
-pub use view::View;
+pub use view::{Moment, View};
 pub use wireless::Propagation;
 
 use std::net::SocketAddr;

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use scene::{MapDef, ObjectSnapshot, Reading, Score, Sensed, Snapshot, Standing, Standings, WorldDef};
+use scene::{MapDef, ObjectSnapshot, Reading, RobotDef, Score, Sensed, Snapshot, Standing, Standings, WorldDef};
 use serde::Serialize;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
@@ -390,22 +390,23 @@ impl Broadcast {
     /// Publishes a reading to viewers who want it. The ranges of lasers and sonars and the pictures of cameras go out no more often
     /// than a viewer can follow.
     pub(crate) fn sensed(&mut self, world: &World, sensed: &Sensed, present: &mut Present) {
+        if let Reading::Camera(_) = &sensed.reading {
+            self.cameras.look(world, sensed, present);
+        }
+        self.measured(world.time(), world.robot(sensed.robot), sensed);
+    }
+
+    /// Publishes the numbers of a reading. `def` is the class of its robot.
+    pub(crate) fn measured(&mut self, time: f64, def: Option<&RobotDef>, sensed: &Sensed) {
+        if self.readings.receiver_count() > 0 {
+            // The last listener may just have left.
+            let _ = self.readings.send(Arc::new(Measured::new(time, sensed)));
+        }
         let ranges = match &sensed.reading {
             Reading::RangeScanner(scan) => &*scan.ranges,
             Reading::Sonar(sonar) => std::slice::from_ref(&sonar.range),
-            Reading::Camera(_) => {
-                self.cameras.look(world, sensed, present);
-                &[]
-            }
-            _ => &[],
+            _ => return,
         };
-        if self.readings.receiver_count() > 0 {
-            // The last listener may just have left.
-            let _ = self.readings.send(Arc::new(Measured::new(world.time(), sensed)));
-        }
-        if ranges.is_empty() {
-            return;
-        }
         if !self.is_watched() {
             self.scanned.clear();
             return;
@@ -415,8 +416,7 @@ impl Broadcast {
             return;
         }
         self.scanned.insert(sensor, now);
-        let robot = sensed.robot;
-        if let Some(scan) = world.robot(robot).and_then(|def| frame::scan(def, robot.0, sensed.sensor, ranges)) {
+        if let Some(scan) = def.and_then(|def| frame::scan(def, sensed.robot.0, sensed.sensor, ranges)) {
             let _ = self.notices.send(Notice::Scan(scan.into()));
         }
     }

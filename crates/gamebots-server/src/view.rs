@@ -1,7 +1,7 @@
 //! The page of a world that another program steps, such as one in a notebook. It shows; nobody drives or controls.
 //!
 //! ```text
-//! program --snapshot--> view thread (frames, status) --> web sockets
+//! program --moment--> view thread (frames, scans, status) --> web sockets
 //! ```
 
 use std::net::{Ipv4Addr, SocketAddr};
@@ -11,7 +11,7 @@ use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use scene::{Options, Snapshot, WorldDef};
+use scene::{Options, Sensed, Snapshot, WorldDef};
 use tokio::sync::oneshot;
 
 use crate::access::Access;
@@ -29,11 +29,20 @@ const FRAME_INTERVAL: Duration = Duration::from_millis(33);
 /// The page of a world that another program steps. It ends when dropped.
 pub struct View {
     address: SocketAddr,
-    snapshots: Option<SyncSender<Arc<Snapshot>>>,
+    moments: Option<SyncSender<Moment>>,
     /// Earliest time of the next snapshot.
     next: Instant,
     stop: Option<oneshot::Sender<()>>,
     threads: Vec<JoinHandle<()>>,
+}
+
+/// Content of a page at one time.
+#[derive(Debug)]
+pub struct Moment {
+    /// The world.
+    pub snapshot: Snapshot,
+    /// Readings since the last moment, each with its time, s.
+    pub readings: Vec<(f64, Sensed)>,
 }
 
 impl View {
@@ -65,7 +74,7 @@ impl View {
             pages: AtomicU64::new(0),
             framing: Framing::Local,
         };
-        let (snapshots, taken) = sync_channel(1);
+        let (moments, taken) = sync_channel(1);
         let (stop, stopped) = oneshot::channel();
         let def = def.clone();
         let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
@@ -82,7 +91,7 @@ impl View {
         };
         let serving = thread("view-page").spawn(serve).map_err(ServeError::Start)?;
         let (next, threads) = (Instant::now(), vec![showing, serving]);
-        Ok(Self { address, snapshots: Some(snapshots), next, stop: Some(stop), threads })
+        Ok(Self { address, moments: Some(moments), next, stop: Some(stop), threads })
     }
 
     /// Returns the address of the page.
@@ -95,11 +104,11 @@ impl View {
         Instant::now() >= self.next
     }
 
-    /// Shows a snapshot, unless the last one still waits for its turn.
-    pub fn show(&mut self, snapshot: Snapshot) {
+    /// Shows a moment, unless the last one still waits for its turn.
+    pub fn show(&mut self, moment: Moment) {
         self.next = Instant::now() + FRAME_INTERVAL;
-        if let Some(snapshots) = &self.snapshots {
-            match snapshots.try_send(Arc::new(snapshot)) {
+        if let Some(moments) = &self.moments {
+            match moments.try_send(moment) {
                 // The thread ends only with this value.
                 Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
             }
@@ -110,19 +119,25 @@ impl View {
 impl Drop for View {
     fn drop(&mut self) {
         // Both threads end when their senders are gone.
-        (self.snapshots, self.stop) = (None, None);
+        (self.moments, self.stop) = (None, None);
         for thread in self.threads.drain(..) {
             let _ = thread.join();
         }
     }
 }
 
-/// Publishes the last snapshot, again for viewers that come later, until the program is gone.
-fn show(mut live: Broadcast, def: &WorldDef, snapshots: &Receiver<Arc<Snapshot>>, requests: &mpsc::Receiver<Event>) {
+/// Publishes the last moment, its snapshot again for viewers that come later, until the program is gone.
+fn show(mut live: Broadcast, def: &WorldDef, moments: &Receiver<Moment>, requests: &mpsc::Receiver<Event>) {
     let (mut shown, mut measured, mut speed) = (Arc::<Snapshot>::default(), (Instant::now(), 0.0), 0.0);
     loop {
-        match snapshots.recv_timeout(FRAME_INTERVAL) {
-            Ok(snapshot) => shown = snapshot,
+        match moments.recv_timeout(FRAME_INTERVAL) {
+            Ok(Moment { snapshot, readings }) => {
+                shown = Arc::new(snapshot);
+                for (time, sensed) in &readings {
+                    let robot = shown.robots.iter().find(|robot| robot.id == sensed.robot);
+                    live.measured(*time, robot.and_then(|robot| def.robots.get(&robot.class)), sensed);
+                }
+            }
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return,
         }

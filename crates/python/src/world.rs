@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use ::scene::check::TIME_STEP;
 use ::scene::{ObjectId, Options, PawnId, Sensed};
 use experiments::LoggedSessions;
-use gamebots_server::View;
+use gamebots_server::{Moment, View};
 use picture::Stage;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -52,6 +52,8 @@ pub(crate) struct World {
     threads: ThreadPool,
     stage: Option<Arc<Stage>>,
     view: Option<View>,
+    /// Time of the moment that its page shows, s.
+    shown: f64,
 }
 
 impl World {
@@ -69,6 +71,7 @@ impl World {
             threads,
             stage: None,
             view: None,
+            shown: f64::NEG_INFINITY,
         }
     }
 
@@ -150,8 +153,12 @@ impl World {
 
     /// Shows the present on the page of the world, if it has one and a frame is due or `must` be shown.
     fn show_now(&mut self, must: bool) {
-        if let Some(view) = self.view.as_mut().filter(|view| must || view.is_due()) {
-            view.show(self.sessions.world().snapshot());
+        let Self { sessions, readings, view, shown, .. } = self;
+        if let Some(view) = view.as_mut().filter(|view| must || view.is_due()) {
+            let snapshot = sessions.world().snapshot();
+            let fresh = readings.values().filter(|(time, _)| *time > *shown).cloned().collect();
+            *shown = snapshot.time;
+            view.show(Moment { snapshot, readings: fresh });
         }
     }
 
@@ -444,6 +451,7 @@ impl World {
             threads: self.threads.clone(),
             stage: self.stage.clone(),
             view: None,
+            shown: f64::NEG_INFINITY,
         }
     }
 

@@ -8,6 +8,9 @@ import pytest
 import usarsim
 from websockets.sync.client import connect
 
+# First byte of a binary message whose content is a scan: the field's number and wire type (live.proto).
+SCAN_TAG = 2 << 3 | 2
+
 
 def messages(view, count):
     """The first status and frames that a viewer gets."""
@@ -39,6 +42,18 @@ def test_a_page_shows_the_world_while_it_is_stepped(world):
     with pytest.raises(OSError):
         urllib.request.urlopen(view.url, timeout=2)
     world.run(0.1)
+
+
+def test_the_page_shows_the_beams_of_a_laser(world):
+    laser = world.spawn("P3AT", position=(0, 3, 0))
+    view = world.show()
+    address, origin = view.url.replace("http", "ws") + "live", {"Origin": view.url.rstrip("/")}
+    with connect(address, additional_headers=origin, max_size=None) as socket:
+        seen = []
+        while not (scans := [it for it in seen if it[0] == SCAN_TAG]) and len(seen) < 1000:
+            world.run(0.1)
+            seen += [it for it in (socket.recv(timeout=10) for _ in range(2)) if isinstance(it, bytes)]
+    assert scans and len(scans[0]) > len(laser.reading("lms200")["ranges"]), "two bytes a beam"
 
 
 def test_a_world_that_is_shown_has_the_same_bits(world):

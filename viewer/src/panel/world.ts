@@ -107,10 +107,8 @@ export class WorldPanel {
     this.cells = [];
     this.robots.replaceChildren(...robots.map((robot) => this.robot(robot.id)));
     if (robots.length === 0) {
-      const port = scene?.port ?? 3000;
-      this.robots.append(
-        make('li', { class: 'quiet' }, `No robot yet. Spawn one, or connect a controller to port ${port}.`),
-      );
+      const how = this.state.isWatched ? '' : ` Spawn one, or connect a controller to port ${scene?.port ?? 3000}.`;
+      this.robots.append(make('li', { class: 'quiet' }, `No robot yet.${how}`));
     }
     if (robotInFocus) this.robots.querySelector<HTMLElement>(`[data-robot="${robotInFocus}"]`)?.focus();
     if (cameraInFocus) this.robots.querySelector<HTMLElement>(`[data-camera="${cameraInFocus}"]`)?.focus();
