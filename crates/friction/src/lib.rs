@@ -49,7 +49,8 @@
 //! # Method
 //! Sweeps over the contacts solve each contact exactly for the impulses of the others. Within a few sweeps they find which contacts push,
 //! hold and slide. They are slow to find the amounts if one body has many nearly equal contacts. Newton's method does that in two or three
-//! steps from there. In steady motion one Newton step from the last step's impulses is enough. Both methods are bounded, so there is always
+//! steps from there. In steady motion one Newton step from the last step's impulses is enough. Its equations leave out impulses that follow
+//! from others: of contacts that let go, of joints at their bounds, and of rollers that slide. Both methods are bounded, so there is always
 //! an answer. [`Outcome`] tells if it converged.
 //!
 //! [`solve_sparse`] uses the same sweeps and steps. It eliminates the impulses from Newton's equations instead of the velocities, so work
