@@ -71,10 +71,11 @@ loom:
 wheel: view
 	tests/python --release
 
-# The libraries as a registry takes them, each built from its package: docs/libraries.md.
+# The libraries as a registry takes them, each built from its package: docs/libraries.md. `make package VERIFY=--no-verify` builds none.
+VERIFY =
 LIBRARIES = articulated friction gamebots-client gamebots-proto kinematics scene sim-core usarsim-names
 package:
-	cargo package --locked $(LIBRARIES:%=--package %)
+	cargo package --locked $(VERIFY) $(LIBRARIES:%=--package %)
 
 # What is given away, with SHA256SUMS in target/dist: docs/install.md. `packaging/try` tries it.
 # Only for one processor: `make dist TARGETS=x86_64-unknown-linux-musl`.
