@@ -200,3 +200,66 @@ impl RollerRing {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_4, PI};
+
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rapier3d::parry::shape::{Cuboid, HalfSpace};
+
+    use super::*;
+
+    /// Returns the contacts of the ring with a shape, by their rollers.
+    fn touches(ring: &RollerRing, hub: &Pose, angle: f64, shape: &dyn Shape, frame: &Pose) -> Vec<Touch> {
+        let mut found = Vec::new();
+        ring.touch(hub, angle, 0.01, shape, &convert::pose(frame), &mut found);
+        found.sort_by_key(|touch| touch.roller.map(|roller| roller.index));
+        found
+    }
+
+    #[test]
+    fn a_plane_is_touched_as_the_top_of_a_box() {
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let (plane, block) = (HalfSpace::new(-Vector::Z), Cuboid::new(Vector::splat(5.0)));
+        let (mut seen, mut several) = (0, 0);
+        for lean in [FRAC_PI_4, -FRAC_PI_4] {
+            let material = scene::Material::default();
+            let rollers = Rollers {
+                count: 6,
+                axis_circle: 0.036,
+                angle: lean,
+                first_roller: 0.4,
+                last_phase: PI / 5.0,
+                mass: 0.1,
+                damping: 0.0,
+                material,
+            };
+            let ring = RollerRing::new(&rollers, 0.05);
+            for _ in 0..500 {
+                let turn = |most: f64, rng: &mut ChaCha8Rng| rng.random_range(-most..most);
+                // Upright, leaning, and on its side.
+                let tilt = [turn(1.6, &mut rng), turn(0.3, &mut rng), turn(PI, &mut rng)];
+                let hub = scene::pose([0.0, 0.0, -rng.random_range(0.03..0.07)], tilt);
+                let (angle, sloped) = (turn(20.0, &mut rng), [turn(0.2, &mut rng), turn(0.2, &mut rng), 0.0]);
+                let frame = scene::pose([0.0; 3], sloped);
+                let on_plane = touches(&ring, &hub, angle, &plane, &frame);
+                // The top of the box is the plane; its z points down, too.
+                let below = frame * scene::pose([0.0, 0.0, 5.0], [0.0; 3]);
+                let on_box = touches(&ring, &hub, angle, &block, &below);
+                assert_eq!(on_plane.len(), on_box.len(), "{hub} {angle}");
+                for (one, other) in on_plane.iter().zip(&on_box) {
+                    let (Some(roller), Some(its)) = (one.roller, other.roller) else { panic!("a roller touches") };
+                    assert_eq!(roller.index, its.index);
+                    let off = [one.point - other.point, one.normal - other.normal, roller.axis - its.axis];
+                    assert!(off.iter().all(|off| off.amax() < 1e-9), "{one:?}, {other:?}");
+                    assert!((one.gap - other.gap).abs() < 1e-9 && (roller.radius - its.radius).abs() < 1e-9);
+                }
+                seen += on_plane.len();
+                several += usize::from(on_plane.len() > 1);
+            }
+        }
+        assert!(seen > 500 && several > 100, "{seen} contacts, {several} times several");
+    }
+}
