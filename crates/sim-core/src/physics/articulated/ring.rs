@@ -26,11 +26,8 @@ pub(super) struct RollerRing {
     shape: RollerShape,
     /// Largest distance of a point of the ring from the hub, m.
     reach: f64,
-    /// Angle between a roller and a surface within which they are tested, rad, and its cosine.
+    /// Cosine of the angle between a roller and a surface within which they are tested.
     sector: f64,
-    cos_sector: f64,
-    /// Angle of the first roller past the front, rad.
-    first_roller: f64,
     /// Rollers in the frame of the wheel.
     rollers: Vec<Roller>,
 }
@@ -57,13 +54,10 @@ impl RollerRing {
     pub(super) fn new(rollers: &Rollers, wheel_radius: f64) -> Self {
         let half_width = rollers.half_length_at(rollers.last_phase, wheel_radius) * libm::cos(rollers.angle)
             + (wheel_radius - rollers.axis_circle);
-        let sector = rollers.last_phase + MARGIN;
         Self {
             shape: RollerShape::new(rollers, wheel_radius),
             reach: Vector2::new(wheel_radius, half_width).norm(),
-            sector,
-            cos_sector: libm::cos(sector),
-            first_roller: rollers.first_roller,
+            sector: libm::cos(rollers.last_phase + MARGIN),
             rollers: (0..rollers.count).map(|index| Roller::new(rollers.pose(index))).collect(),
         }
     }
@@ -134,11 +128,7 @@ impl RollerRing {
         let [ahead, axle, down] = [axes.column(0), axes.column(1), axes.column(2)];
         let wheel = Matrix3::from_columns(&[ahead * cos + down * sin, axle.into_owned(), down * cos - ahead * sin]);
         let toward = -wheel.tr_mul(&normal);
-        let least = self.cos_sector * toward.xz().norm();
-        for (index, Roller { pose, axis, direction }) in self.rollers.iter().enumerate() {
-            if direction.dot(&toward) < least && toward.y.abs() < FACING {
-                continue;
-            }
+        for (index, Roller { pose, axis, .. }) in self.facing(toward) {
             let along = self.shape.farthest_along(toward.dot(axis));
             let (centre, radius) = (pose.translation.vector + axis * along, self.shape.radius_at(along));
             let gap = height - toward.dot(&centre) - radius;
@@ -166,23 +156,22 @@ impl RollerRing {
         if gap > self.reach + prediction {
             return;
         }
-        let toward = hub.rotation.inverse() * -convert::from_vector(normal);
-        let direction = libm::atan2(toward.z, toward.x);
-        let pitch = std::f64::consts::TAU / self.rollers.len() as f64;
         let turn = nalgebra::UnitQuaternion::from_axis_angle(&-Vector3::y_axis(), angle);
         let wheel = hub * turn;
-        for (index, Roller { pose, .. }) in self.rollers.iter().enumerate() {
-            let off = self.first_roller + pitch * index as f64 + angle - direction;
-            // Half a turn either way is the far side of the wheel, so it does not matter how ties are rounded.
-            let off = off - std::f64::consts::TAU * (off / std::f64::consts::TAU).round_ties_even();
-            if off.abs() > self.sector && toward.y.abs() < FACING {
-                continue;
-            }
+        let toward = wheel.rotation.inverse() * -convert::from_vector(normal);
+        for (index, Roller { pose, .. }) in self.facing(toward) {
             let pose = wheel * pose;
             if let Some(touch) = touch_part(&self.shape, &convert::pose(&pose), part, constraints, prediction) {
                 found(index, &pose, touch);
             }
         }
+    }
+
+    /// Returns the rollers that a surface in a direction can touch, with their numbers. The direction is in the frame of the wheel.
+    fn facing(&self, toward: Vector3<f64>) -> impl Iterator<Item = (usize, &Roller)> {
+        let least = self.sector * toward.xz().norm();
+        let faces = move |roller: &Roller| roller.direction.dot(&toward) >= least || toward.y.abs() >= FACING;
+        self.rollers.iter().enumerate().filter(move |(_, roller)| faces(roller))
     }
 
     fn contact(&self, frame: &Pose, index: usize, roller: &Pose, touch: contact::Touch) -> Touch {
