@@ -15,6 +15,25 @@ const fn at(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
+/// Reason of a panic: a chain that ends within the root has to be solved row by row.
+const SHORT: &str = "a chain has all degrees of freedom of the root";
+
+fn first<T>(row: &[T]) -> &[T; DOFS] {
+    row.first_chunk().expect(SHORT)
+}
+
+fn first_mut<T>(row: &mut [T]) -> &mut [T; DOFS] {
+    row.first_chunk_mut().expect(SHORT)
+}
+
+fn triangle(matrix: &[f64]) -> &[f64; TRIANGLE] {
+    matrix.first_chunk().expect(SHORT)
+}
+
+fn triangle_mut(matrix: &mut [f64]) -> &mut [f64; TRIANGLE] {
+    matrix.first_chunk_mut().expect(SHORT)
+}
+
 /// Computes the velocity along a direction that each degree of freedom gives a point at a speed of 1. `arm` is the point from the root's
 /// centre of mass, m.
 #[inline]
@@ -31,7 +50,7 @@ pub(crate) fn twist(angular: &Vector3<f64>, linear: &Vector3<f64>) -> [f64; DOFS
 /// Subtracts from a matrix the products of a row's entries.
 #[inline]
 pub(crate) fn subtract_products(matrix: &mut [f64], row: &[f64]) {
-    let (Some(matrix), Some(row)) = (matrix.first_chunk_mut::<TRIANGLE>(), row.first_chunk::<DOFS>()) else { return };
+    let (matrix, row) = (triangle_mut(matrix), first(row));
     for one in 0..DOFS {
         for other in 0..=one {
             matrix[at(one, other)] -= row[one] * row[other];
@@ -42,7 +61,7 @@ pub(crate) fn subtract_products(matrix: &mut [f64], row: &[f64]) {
 /// Replaces a matrix by its factors L'L. Their diagonal is stored inverted.
 #[inline]
 pub(crate) fn factorise(matrix: &mut [f64]) {
-    let Some(matrix) = matrix.first_chunk_mut::<TRIANGLE>() else { return };
+    let matrix = triangle_mut(matrix);
     for number in (0..DOFS).rev() {
         let inverse = 1.0 / matrix[at(number, number)].sqrt();
         matrix[at(number, number)] = inverse;
@@ -62,7 +81,7 @@ pub(crate) fn subtract_row<const SIDES: usize, const WIDTH: usize>(
     row: &[f64],
     value: &[f64; SIDES],
 ) {
-    let (Some(right), Some(row)) = (right.first_chunk_mut::<DOFS>(), row.first_chunk::<DOFS>()) else { return };
+    let (right, row) = (first_mut(right), first(row));
     for (right, factor) in right.iter_mut().zip(row) {
         (0..SIDES).for_each(|side| right[side] -= factor * value[side]);
     }
@@ -71,9 +90,7 @@ pub(crate) fn subtract_row<const SIDES: usize, const WIDTH: usize>(
 /// Solves with L', in place, for the first `SIDES` right-hand sides.
 #[inline]
 pub(crate) fn solve_upper<const SIDES: usize, const WIDTH: usize>(factors: &[f64], right: &mut [[f64; WIDTH]]) {
-    let (Some(factors), Some(right)) = (factors.first_chunk::<TRIANGLE>(), right.first_chunk_mut::<DOFS>()) else {
-        return;
-    };
+    let (factors, right) = (triangle(factors), first_mut(right));
     for number in (0..DOFS).rev() {
         (0..SIDES).for_each(|side| right[number][side] *= factors[at(number, number)]);
         for row in 0..number {
@@ -85,9 +102,7 @@ pub(crate) fn solve_upper<const SIDES: usize, const WIDTH: usize>(factors: &[f64
 /// Solves with L, in place.
 #[inline]
 pub(crate) fn solve_lower(factors: &[f64], right: &mut [f64]) {
-    let (Some(factors), Some(right)) = (factors.first_chunk::<TRIANGLE>(), right.first_chunk_mut::<DOFS>()) else {
-        return;
-    };
+    let (factors, right) = (triangle(factors), first_mut(right));
     for number in 0..DOFS {
         let known = (0..number).fold(0.0, |sum, column| sum + factors[at(number, column)] * right[column]);
         right[number] = (right[number] - known) * factors[at(number, number)];
@@ -97,6 +112,6 @@ pub(crate) fn solve_lower(factors: &[f64], right: &mut [f64]) {
 /// Computes the part of a product that is the root's.
 #[inline]
 pub(crate) fn dot(one: &[f64], other: &[f64]) -> f64 {
-    let (Some(one), Some(other)) = (one.first_chunk::<DOFS>(), other.first_chunk::<DOFS>()) else { return 0.0 };
+    let (one, other) = (first(one), first(other));
     (0..DOFS).fold(0.0, |sum, dof| sum + one[dof] * other[dof])
 }
