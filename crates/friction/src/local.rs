@@ -53,7 +53,7 @@ pub(crate) fn solve(
         return Vector3::new(push, friction * push, 0.0);
     }
     // Bracket the compliance by factors of eight, then narrow it by false position, keeping each end at most once (Illinois).
-    let unit = if tangents == 1 { response[(1, 1)] } else { response[(1, 1)].max(response[(2, 2)]) };
+    let unit = response[(1, 1)].max(response[(2, 2)]);
     let (mut least, mut most) = (0.0, unit);
     let (mut off_least, mut push) = (beyond(&held), at(most));
     let mut off_most = beyond(&push);

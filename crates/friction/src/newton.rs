@@ -117,6 +117,7 @@ fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &m
     }
     unknown.iter().zip(&*answer).for_each(|(&row, step)| velocity[row] = *step);
     for &Tied { row, to, factor, offset } in &*tied {
+        // Without an unknown there is none to follow.
         velocity[row] = if factor == 0.0 { offset } else { factor * answer[to] + offset };
     }
     velocity.iter().all(|it| it.is_finite())

@@ -121,12 +121,10 @@ impl Problem {
         let (fours, rest) = velocity.as_chunks_mut::<4>();
         let first_of_rest = 4 * fours.len();
         for (number, sums) in fours.iter_mut().enumerate() {
-            let mut at = 4 * number;
             let mut sum = *sums;
-            for impulse in impulses {
-                let Some(column) = self.response[at..].first_chunk::<4>() else { return };
+            for (column, impulse) in self.response.chunks_exact(count).zip(impulses) {
+                let column = column.as_chunks::<4>().0[number];
                 (0..4).for_each(|lane| sum[lane] += column[lane] * impulse);
-                at += count;
             }
             *sums = sum;
         }
@@ -146,13 +144,9 @@ impl Problem {
     pub(crate) fn residual_at(&self, impulses: &[f64], velocity: &[f64], scale: f64) -> Residual {
         let mut worst = Residual::default();
         for (row, constraint) in self.constraints() {
-            let of = |own: &[f64]| constraint.residual(own, &impulses[row..], &velocity[row..]);
-            // An array for each number of rows: so short loops are unrolled.
-            let Residual { normal, tangent } = match constraint.rows() {
-                1 => of(&[self.own(row)]),
-                2 => of(&[self.own(row), self.own(row + 1)]),
-                _ => of(&[self.own(row), self.own(row + 1), self.own(row + 2)]),
-            };
+            let count = constraint.rows();
+            let own: [f64; 3] = std::array::from_fn(|it| if it < count { self.own(row + it) } else { 0.0 });
+            let Residual { normal, tangent } = constraint.residual(&own[..count], &impulses[row..], &velocity[row..]);
             worst.normal = worst.normal.max(normal);
             worst.tangent = worst.tangent.max(tangent);
         }
