@@ -57,7 +57,7 @@ soak:
 # Ten minutes of 64 hostile clients, made from the recordings that USARSIM_CAPTURES names, beside an honest one.
 attack:
 	@[ -n "$$USARSIM_CAPTURES" ] || { echo "USARSIM_CAPTURES has to name the folder of the recordings" >&2; exit 64; }
-	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test attack -- --nocapture
+	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test all attack -- --nocapture
 
 # Fixed worlds in WebAssembly, with the digests that `cargo test` wants of them on this machine.
 golden:
@@ -101,7 +101,7 @@ check:
 # Every measured number that README.md and docs show, made anew: a quarter of an hour on a machine that does nothing else.
 figures: target/interop/venv/bin/python wheel
 	UPDATE_FIGURES=1 cargo test -p gamebots-server --lib the_page_has_the_types_of_the_scene
-	UPDATE_FIGURES=1 cargo test --release -p usarsim --test figures -- --nocapture
+	UPDATE_FIGURES=1 cargo test --release -p usarsim --test all figures -- --nocapture
 	$< -m pip install --quiet --requirement tests/interop/requirements.txt
 	$< bench/validation.py
 	$< bench/compare.py --out docs/comparison.md

@@ -14,7 +14,7 @@ use kinematics::thesis::{Sizes, base_velocity, printed};
 use scene::{DriveModel, PawnId, RobotDef, Steering, WorldDef};
 use sim_core::{Options, World};
 
-use crate::{UNTIMED, budget, repository};
+use super::{UNTIMED, budget, repository};
 
 /// Returns a table in Markdown, with the empty lines around it.
 fn table(head: &str, rows: impl IntoIterator<Item = String>) -> String {

@@ -1,0 +1,5 @@
+//! All tests of the crate's public items: one program, so that it is linked once.
+
+mod documented;
+mod equipment;
+mod visuals;

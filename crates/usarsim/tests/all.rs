@@ -1,0 +1,10 @@
+//! All tests of the program but the soak, which measures alone: one program, so that it is linked once and waits overlap.
+
+mod attack;
+mod book;
+mod cli;
+mod experiment;
+mod figures;
+mod import;
+mod import_map;
+mod log;
