@@ -100,12 +100,12 @@ check:
 
 # Every measured number that README.md and docs show, made anew: a quarter of an hour on a machine that does nothing else.
 figures: target/interop/venv/bin/python wheel
-	UPDATE_FIGURES=1 cargo test -p gamebots-server --lib the_page_has_the_types_of_the_scene
+	UPDATE_FIGURES=1 cargo test --workspace --lib the_page_has_the_types_of
 	UPDATE_FIGURES=1 cargo test --release -p usarsim --test all figures -- --nocapture
 	$< -m pip install --quiet --requirement tests/interop/requirements.txt
 	$< bench/validation.py
 	$< bench/compare.py --out docs/comparison.md
-	$< -m pip install --quiet --force-reinstall target/python/wheels/*.whl gymnasium
+	$< -m pip install --quiet --force-reinstall target/dist/*.whl gymnasium
 	$< bench/learning.py --out docs/howto-learning.md
 
 target/interop/venv/bin/python:
