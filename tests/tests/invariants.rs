@@ -153,7 +153,8 @@ fn paths_in_the_documents_exist() {
 #[test]
 fn nothing_is_left_undone_in_the_code() {
     for path in files(&repository().join("crates"), &["rs"]) {
-        let source = text(&path);
+        // A test that needs what is not part of this repository is run where it is: `.ci/run`.
+        let source = text(&path).replace("#[ignore = \"needs ", "");
         for word in ["todo!(", "unimplemented!(", "#[ignore", "dbg!("] {
             assert!(!source.contains(word), "{} has {word}", path.display());
         }
