@@ -25,8 +25,7 @@ target/page/index.html: viewer/node_modules/.package-lock.json $(page_sources)
 # Everything that is tested, the page in a real browser (chromium) too.
 test: view
 	cargo test
-	cargo build --release
-	cd viewer && npm test
+	cd viewer && USARSIM=$(CURDIR)/target/debug/usarsim npm test
 
 # The book as pages: target/book/index.html. mdBook is built once, into target/tools.
 book: target/tools/bin/mdbook
@@ -57,7 +56,7 @@ soak:
 # Ten minutes of 64 hostile clients, made from the recordings that USARSIM_CAPTURES names, beside an honest one.
 attack:
 	@[ -n "$$USARSIM_CAPTURES" ] || { echo "USARSIM_CAPTURES has to name the folder of the recordings" >&2; exit 64; }
-	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test all attack -- --nocapture
+	USARSIM_ATTACK_SECONDS=600 cargo test --release -p usarsim --test all attack -- --nocapture --include-ignored
 
 # Fixed worlds in WebAssembly, with the digests that `cargo test` wants of them on this machine.
 golden:
@@ -67,9 +66,10 @@ golden:
 loom:
 	cargo test --quiet --package outbox --features loom
 
-# The Python package as a wheel in target/python/wheels, tested in clean environments of Python 3.10 and 3.13.
+# The Python package as a wheel in target/dist, tested in clean environments of Python 3.10 and 3.13.
 wheel: view
-	tests/python --release
+	packaging/wheel
+	tests/python target/dist/*.whl
 
 # The libraries as a registry takes them, each built from its package: docs/libraries.md. `make package VERIFY=--no-verify` builds none.
 VERIFY =
@@ -83,14 +83,15 @@ TARGETS =
 dist: view
 	packaging/dist $(TARGETS)
 
-# What is tried before a release, beside `make check`: what `make run` starts in the browser, what `make dist` makes, and an installation
-# from source. A quarter of an hour.
-release: dist package
-	cargo build --release
+# What is tried before a release, beside `make check`: what `make run` starts in the browser, what `make dist` makes, the Python package
+# with Stable-Baselines3 and its types, an installation from source, and the book's pages.
+release: dist package book
+	cargo build --release --bin usarsim
 	tests/interop/run
 	target/interop/venv/bin/python bench/compare.py --seconds 1 --repeat 1 --out target/interop/comparison.md
 	cd viewer && npm test
 	packaging/try
+	tests/python target/dist/*.whl
 	cargo install --quiet --locked --path crates/usarsim --root target/installed
 	target/installed/bin/usarsim snapshot --map arena --robot P3AT --size 64x48 --out target/installed/p3at.png
 
@@ -100,12 +101,12 @@ check:
 
 # Every measured number that README.md and docs show, made anew: a quarter of an hour on a machine that does nothing else.
 figures: target/interop/venv/bin/python wheel
-	UPDATE_FIGURES=1 cargo test -p gamebots-server --lib the_page_has_the_types_of_the_scene
+	UPDATE_FIGURES=1 cargo test --workspace --lib the_page_has_the_types_of
 	UPDATE_FIGURES=1 cargo test --release -p usarsim --test all figures -- --nocapture
 	$< -m pip install --quiet --requirement tests/interop/requirements.txt
 	$< bench/validation.py
 	$< bench/compare.py --out docs/comparison.md
-	$< -m pip install --quiet --force-reinstall target/python/wheels/*.whl gymnasium
+	$< -m pip install --quiet --force-reinstall target/dist/*.whl gymnasium
 	$< bench/learning.py --out docs/howto-learning.md
 
 target/interop/venv/bin/python:

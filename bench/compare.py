@@ -2,7 +2,7 @@
 """usarsim beside MuJoCo: the same robots, the same motions, on one core of this machine, in one run.
 
     python3 -m venv venv && venv/bin/pip install mujoco numpy
-    cargo build --release            # or USARSIM names another build of the program
+    cargo build --release --bin usarsim      # or USARSIM names another build of the program
     venv/bin/python bench/compare.py [--seconds 10] [--repeat 3] [--out docs/comparison.md] [--check docs/comparison.md]
 
 Both are driven forward, to the right and on the spot at 1 rad/s and compared with the exact kinematics of wheels with six

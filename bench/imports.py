@@ -2,7 +2,7 @@
 """Robots of public ROS packages through `usarsim import`: loads, stands, moves. Makes the table of docs/howto-import.md.
 
     python3 -m venv venv && . venv/bin/activate && pip install xacro
-    cargo build --release            # or USARSIM names another build of the program
+    cargo build --release --bin usarsim      # or USARSIM names another build of the program
     python3 bench/imports.py FOLDER [--only Husky] [--page docs/howto-import.md]
 
 FOLDER has a checkout of each repository below, by its name without the owner. None of them is part of this project. A robot on wheels is

@@ -2,7 +2,7 @@
 """Writes docs/validation.md: what `usarsim validate` and `usarsim bench` find, as tables and plots.
 
     python3 -m venv venv && venv/bin/pip install matplotlib
-    cargo build --release            # or USARSIM names another build of the program
+    cargo build --release --bin usarsim      # or USARSIM names another build of the program
     venv/bin/python bench/validation.py [--out docs]
 """
 

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-/// Reads every recording by name: the events of its clients in order. Without the recordings it prints a note and returns `None`.
+/// Reads every recording by name: the events of its clients in order.
 ///
 /// # Panics
-/// If they cannot be read.
-pub fn recordings() -> Option<BTreeMap<String, Vec<Value>>> {
-    let folder = folder()?.join("clients");
+/// If there are none, or they cannot be read.
+pub fn recordings() -> BTreeMap<String, Vec<Value>> {
+    let folder = folder().join("clients");
     let files = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let mut recordings = BTreeMap::new();
     for path in files.filter_map(|file| file.ok()).map(|file| file.path()) {
@@ -19,28 +19,26 @@ pub fn recordings() -> Option<BTreeMap<String, Vec<Value>>> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         recordings.insert(name, text.lines().map(event).collect());
     }
-    Some(recordings)
+    assert!(!recordings.is_empty(), "{} has no recordings", folder.display());
+    recordings
 }
 
 /// Reads the lines that a genuine server of 2011 sent. Its client cut off the end of every scan, so a scan ends here with its last whole
-/// range. Without the recordings this prints a note and returns `None`.
+/// range.
 ///
 /// # Panics
 /// If they cannot be read.
-pub fn server_lines() -> Option<Vec<String>> {
-    let path = folder()?.join("usarsim-2011-server.txt");
+pub fn server_lines() -> Vec<String> {
+    let path = folder().join("usarsim-2011-server.txt");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mended = |line: &str| match line.rsplit_once(',') {
         Some((whole, _)) if !line.ends_with('}') => format!("{whole}}}"),
         _ => line.to_owned(),
     };
-    Some(text.lines().map(|line| mended(line.trim_end())).filter(|line| line.ends_with('}')).collect())
+    text.lines().map(|line| mended(line.trim_end())).filter(|line| line.ends_with('}')).collect()
 }
 
-fn folder() -> Option<PathBuf> {
+fn folder() -> PathBuf {
     let folder = std::env::var_os("USARSIM_CAPTURES");
-    if folder.is_none() {
-        println!("skipped: USARSIM_CAPTURES does not name the folder of the recordings");
-    }
-    folder.map(PathBuf::from)
+    PathBuf::from(folder.expect("USARSIM_CAPTURES names no folder: expected that of the recordings"))
 }

@@ -1,7 +1,6 @@
 //! Recorded streams of real controllers, replayed: the robot moves, Stop! stops it, questions are answered.
 //!
-//! The recordings are not part of this repository: `USARSIM_CAPTURES` names their folder. Without it these tests print that they are
-//! skipped.
+//! The recordings are not part of this repository: `USARSIM_CAPTURES` names their folder, and `--ignored` runs these tests.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -60,9 +59,9 @@ fn grouped_sonars(line: &str) -> usize {
     (1..).take_while(names).count()
 }
 
-/// Replays a recording on the default map; `None` without the recordings.
-fn replay(name: &str) -> Option<Vec<Exchange>> {
-    let events = recordings()?.remove(name).unwrap_or_else(|| panic!("no recording of {name}"));
+/// Replays a recording on the default map.
+fn replay(name: &str) -> Vec<Exchange> {
+    let events = recordings().remove(name).unwrap_or_else(|| panic!("no recording of {name}"));
     let server = Server::start("rough", &[], |config| config.real_time_factor = SPEED);
     let start = Instant::now();
     let mut peers: BTreeMap<u64, Peer> = BTreeMap::new();
@@ -97,15 +96,15 @@ fn replay(name: &str) -> Option<Vec<Exchange>> {
     for exchange in &exchanges {
         assert!(exchange.lines.first().is_some_and(|line| line.starts_with("NFO {Gametype BotDeathMatch}")), "{name}");
     }
-    Some(exchanges)
+    exchanges
 }
 
 #[track_caller]
-fn assert_moves(name: &str, at_least: f64) -> Option<Vec<Exchange>> {
-    let exchanges = replay(name)?;
+fn assert_moves(name: &str, at_least: f64) -> Vec<Exchange> {
+    let exchanges = replay(name);
     let travelled = exchanges.iter().map(Exchange::travelled).fold(0.0, f64::max);
     assert!(travelled > at_least, "{name}: travelled {travelled:.3} m");
-    Some(exchanges)
+    exchanges
 }
 
 /// Checks that half a second after Stop! the robot no longer moves.
@@ -119,8 +118,9 @@ fn assert_stops(exchange: &Exchange) {
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn iridium_drives_the_p3at_and_stops_it() {
-    let Some(exchanges) = assert_moves("iridium", 0.5) else { return };
+    let exchanges = assert_moves("iridium", 0.5);
     assert_stops(&exchanges[0]);
     for start in ["NFO {StartPoses 3} {PlayerStart_0 ", "GEO {Type GroundVehicle} {Name P3AT}", "CONF {Name P3AT}"] {
         assert!(exchanges[0].has(start), "{start}");
@@ -128,15 +128,17 @@ fn iridium_drives_the_p3at_and_stops_it() {
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn iridium_drives_the_youbot_by_the_thesis_command_and_stops_it() {
-    let Some(exchanges) = assert_moves("iridium-youbot-raw", 0.1) else { return };
+    let exchanges = assert_moves("iridium-youbot-raw", 0.1);
     assert_stops(&exchanges[0]);
     assert!(exchanges[0].has("CONF {Name KUKA_YouBot} {Type GroundVehicle} {SteeringType OmniDrive}"));
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn iridium_drives_the_youbot_from_its_aerial_panel_and_stops_it() {
-    let Some(exchanges) = assert_moves("iridium-youbot-aerial", 0.1) else { return };
+    let exchanges = assert_moves("iridium-youbot-aerial", 0.1);
     assert_stops(&exchanges[0]);
     let positions = exchanges[0].positions();
     let (first, last) = (positions[0], positions[positions.len() - 1]);
@@ -144,15 +146,17 @@ fn iridium_drives_the_youbot_from_its_aerial_panel_and_stops_it() {
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn iridiumse_asks_on_one_connection_and_drives_on_another() {
-    let Some(exchanges) = assert_moves("iridiumse", 0.5) else { return };
+    let exchanges = assert_moves("iridiumse", 0.5);
     assert!(exchanges[0].has("NFO {StartPoses 3}"));
     assert!(exchanges[1].has("CONF {Type GroundTruth} {Name GndTruth} {ScanInterval 0.1000}"));
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn the_nist_ros_bridge_gets_the_class_of_its_robot_and_the_names_of_its_sensors() {
-    let Some(exchanges) = assert_moves("usarsim_inf", 0.3) else { return };
+    let exchanges = assert_moves("usarsim_inf", 0.3);
     for start in [
         "NFO {StartPoses 3}",
         "CONF {Name P3AT} {Type GroundVehicle} {SteeringType SkidSteered}",
@@ -166,8 +170,9 @@ fn the_nist_ros_bridge_gets_the_class_of_its_robot_and_the_names_of_its_sensors(
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn usarsimcontroller_drives_the_p2at_with_spaces_in_its_vectors() {
-    let Some(exchanges) = assert_moves("usarsimcontroller", 0.5) else { return };
+    let exchanges = assert_moves("usarsimcontroller", 0.5);
     assert!(exchanges[0].has("CONF {Type GroundVehicle} {Name P2AT}"));
     // It splits lines between their blocks and reads by position.
     let parts = |line: &str| line.split("} {").map(str::to_owned).collect::<Vec<_>>();
@@ -188,19 +193,22 @@ fn usarsimcontroller_drives_the_p2at_with_spaces_in_its_vectors() {
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn aut_toolbox_gets_ground_truth_without_a_gap() {
     assert_moves("aut-toolbox", 0.5);
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn onomasticon_starts_at_its_start() {
     assert_moves("onomasticon", 0.5);
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn ap2dx_drives_the_p2dx_by_percent() {
     // It was recorded until just after its DRIVE; the robot starts to move in the next half second.
-    let Some(exchanges) = assert_moves("ap2dx", 0.1) else { return };
+    let exchanges = assert_moves("ap2dx", 0.1);
     assert_eq!(grouped_sonars(exchanges[0].reading("Sonar")), 8);
     for (sensor, key) in [("INS", "Location"), ("INS", "Orientation"), ("Odometry", "Pose"), ("RangeScanner", "Range")]
     {
@@ -212,9 +220,10 @@ fn ap2dx_drives_the_p2dx_by_percent() {
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn swe_thaf_drives_the_p2dx() {
     // It names one side only, so the robot swings about its other wheel.
-    let Some(exchanges) = assert_moves("swe-thaf", 0.2) else { return };
+    let exchanges = assert_moves("swe-thaf", 0.2);
     // It reads the type after the verb, and after the time if it expects one.
     assert_eq!(grouped_sonars(exchanges[0].reading("Sonar")), 8);
     let odometry = exchanges[0].reading("Odometry");
@@ -226,12 +235,14 @@ fn swe_thaf_drives_the_p2dx() {
 }
 
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn swe_thaf_avoid_drives_the_p2dx() {
     assert_moves("swe-thaf-avoid", 0.3);
 }
 
 /// Its robot, an arm on a platform, is not simulated yet. Its stream must do no harm.
 #[test]
+#[ignore = "needs USARSIM_CAPTURES"]
 fn slider_is_served_without_its_robot() {
     replay("slider");
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Model-predictive control of a youBot: a planner copies the world for each of its tries.
 
-    pip install usarsim
+    pip install ./crates/python
     python3 mpc.py [--seconds 12] [--seed 1] [--picture mpc.png]
 
 The robot parks at a pose on a slippery floor. Every 0.2 s, 128 copies of the world try random velocities for 2 s (the cross-entropy

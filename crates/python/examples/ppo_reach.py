@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Learns to drive a youBot to a point by PPO, and saves the policy as plain arrays.
 
-    pip install usarsim[gym] stable-baselines3
+    pip install "./crates/python[gym]" stable-baselines3
     python3 ppo_reach.py [--seed 1] [--steps 300000] [--out reach.npz] [--plot reach.png]
 
 `drive_reach.py` drives a robot of a server with the policy.

@@ -9,7 +9,7 @@ use crate::Shape;
 
 /// A surface of heights over a grid around the origin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "ts", derive(ts_rs::TS))]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct HeightField {
     /// Lengths along x and y, m.
     pub size: [f64; 2],

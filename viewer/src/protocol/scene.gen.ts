@@ -1,5 +1,7 @@
 // Generated from crates/gamebots-server/src/live/scene_json.rs by `make figures`.
 
+import type { Shape } from './shape.gen';
+
 export type Scene = { version: string, seed: number | null, 
 /**
  * Time step, s.
@@ -165,47 +167,3 @@ resolution: number,
  * True if the beams are in the sensor's horizontal plane.
  */
 level: boolean, };
-
-export type HeightField = { 
-/**
- * Lengths along x and y, m.
- */
-size: [number, number], 
-/**
- * Number of points along y.
- */
-columns: number, 
-/**
- * Heights, upward, m. Rows of points along y follow each other along x.
- */
-heights: Array<number>, };
-
-export type Shape = "HalfSpace" | { "Box": { 
-/**
- * Edge lengths along x, y, z.
- */
-size: [number, number, number], } } | { "Cylinder": { 
-/**
- * Radius.
- */
-radius: number, 
-/**
- * Length along z.
- */
-length: number, } } | { "Ball": { 
-/**
- * Radius.
- */
-radius: number, } } | { "Hull": { 
-/**
- * At least four points that are not in one plane.
- */
-points: Array<[number, number, number]>, } } | { "Mesh": { 
-/**
- * Corners.
- */
-vertices: Array<[number, number, number]>, 
-/**
- * Indices of three corners each.
- */
-triangles: Array<[number, number, number]>, } } | { "HeightField": HeightField };

@@ -1,4 +1,4 @@
-/** The scene as `/scene.json` gives it: SI units, z down. The server's types are the source of those in scene.gen.ts. */
+/** The scene as `/scene.json` gives it: SI units, z down. Those in scene.gen.ts and shape.gen.ts are generated from Rust. */
 
 import type { Scene, Spawned } from './scene.gen';
 import { fetchWithToken } from './token';
@@ -7,17 +7,16 @@ export type {
   Camera,
   Drawn,
   Gripper,
-  HeightField,
   Joint,
   NamedPlace,
   RobotClass,
   Scene,
   Sensor,
-  Shape,
   Solid,
   Spawned,
   Wheel,
 } from './scene.gen';
+export type { HeightField, Shape } from './shape.gen';
 
 /** Position x y z and quaternion x y z w. */
 export type Pose = [number, number, number, number, number, number, number];
