@@ -842,6 +842,74 @@ fn the_server_stops_while_viewers_ask_for_more_than_it_does() {
     viewers.into_iter().for_each(|viewer| viewer.join().unwrap());
 }
 
+/// Connects to a server of Foxglove's protocol and subscribes to its channels.
+fn subscribed(address: SocketAddr) -> WebSocket<MaybeTlsStream<TcpStream>> {
+    let mut request = format!("ws://{address}").into_client_request().unwrap();
+    request.headers_mut().insert("sec-websocket-protocol", "foxglove.sdk.v1".parse().unwrap());
+    let (mut socket, _) = tungstenite::connect(request).unwrap();
+    let MaybeTlsStream::Plain(stream) = socket.get_ref() else { panic!("no plain stream") };
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    let channels = std::iter::repeat_with(|| socket.read().unwrap()).find_map(|message| json(&message, "channels"));
+    let channels = channels.unwrap().as_array().unwrap().clone();
+    let subscriptions: Vec<Value> = channels
+        .iter()
+        .enumerate()
+        .map(|(number, channel)| serde_json::json!({ "id": number, "channelId": channel["id"] }))
+        .collect();
+    let text = serde_json::json!({ "op": "subscribe", "subscriptions": subscriptions }).to_string();
+    socket.send(Message::text(text)).unwrap();
+    socket
+}
+
+/// Returns the listeners of this machine at loopback addresses that nobody chooses (Linux).
+fn hidden_listeners() -> Vec<SocketAddr> {
+    let table = std::fs::read_to_string("/proc/net/tcp").unwrap();
+    let rows = table.lines().skip(1).map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let listening = rows.filter(|row| row.get(3) == Some(&"0A")).filter_map(|row| {
+        let (address, port) = row.get(1)?.split_once(':')?;
+        let address = u32::from_str_radix(address, 16).ok()?.to_le_bytes();
+        Some(SocketAddr::from((address, u16::from_str_radix(port, 16).ok()?)))
+    });
+    let is_hidden =
+        |address: &SocketAddr| address.ip().is_loopback() && address.ip() != std::net::IpAddr::from([127, 0, 0, 1]);
+    listening.filter(is_hidden).collect()
+}
+
+/// Programs of other users of the machine find the server behind the gate.
+#[cfg(target_os = "linux")]
+#[test]
+fn foxgloves_own_server_sends_nothing_to_those_who_go_around_the_gate() {
+    let server = serve("rough", |config| config.listeners.push(Listener::new(Service::Foxglove, 0)));
+    let mut peer = server.client();
+    robot(&mut peer);
+    // A test beside this one may have a server of its own, which can end at any time.
+    let port = server.foxglove.unwrap();
+    let hidden = hidden_listeners();
+    assert!(!hidden.is_empty());
+    let (sent, received) = std::sync::mpsc::channel();
+    for address in hidden {
+        let sent = sent.clone();
+        std::thread::spawn(move || {
+            let mut socket = subscribed(address);
+            while let Ok(message) = socket.read() {
+                // The time is for everybody.
+                if let Message::Binary(bytes) = message
+                    && bytes.first() == Some(&1)
+                {
+                    let _ = sent.send(address);
+                }
+            }
+        });
+    }
+    let mut admitted = subscribed(SocketAddr::from(([127, 0, 0, 1], port)));
+    let mut messages = 0;
+    while messages < 200 {
+        let message = admitted.read().unwrap();
+        messages += usize::from(matches!(message, Message::Binary(bytes) if bytes.first() == Some(&1)));
+    }
+    assert_eq!(received.try_recv().ok(), None);
+}
+
 #[test]
 fn pages_of_strangers_are_turned_away_from_foxgloves_port() {
     let server = serve("rough", |config| config.listeners.push(Listener::new(Service::Foxglove, 0)));

@@ -1,6 +1,7 @@
 //! The channels of a log, live, for Foxglove and Lichtblick. Their services control the world's time.
 
 mod gate;
+mod pass;
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -8,11 +9,14 @@ use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
 use foxglove::websocket::service::{Request, Service, ServiceSchema};
-use foxglove::websocket::{Capability, ChannelView, Client, ServerListener};
+use foxglove::websocket::{Capability, ChannelView, Client, ClientChannel, ServerListener};
 use foxglove::{Context, Schema, WebSocketServerHandle};
-use recorder::{Latched, Live, Record, Recorder};
+use recorder::{Admitted, Latched, Live, Record, Recorder};
 use scene::{MapDef, Snapshot, WorldDef};
 use tokio::net::TcpListener;
+
+use gate::Gate;
+use pass::Pass;
 
 use crate::ServeError;
 use crate::connection::Event;
@@ -44,15 +48,27 @@ pub(crate) async fn start(
     world: &WorldDef,
     events: Option<Sender<Event>>,
 ) -> Result<FoxgloveServer, ServeError> {
-    let (context, latched) = (Context::new(), Latched::default());
-    let live = Live::new(world, context.clone(), latched.clone())?;
+    let (context, latched, admitted) = (Context::new(), Latched::default(), Admitted::default());
+    let live = Live::new(world, context.clone(), latched.clone(), admitted.clone())?;
+    let pass = Pass::new();
     let hidden = gate::hidden_address();
     let server = context.websocket_server().name(format!("usarsim {}", world.map.name)).bind(hidden.to_string(), 0);
-    let server = server.capabilities([Capability::Time]).services(events.iter().flat_map(services));
-    let server = server.message_backlog_size(BACKLOG).listener(Arc::new(Late(latched)));
+    let server = server.capabilities([Capability::Time, Capability::ClientPublish]).supported_encodings(["json"]);
+    let server = server.services(events.iter().flat_map(services)).message_backlog_size(BACKLOG);
+    let server = server.listener(Arc::new(Reception { pass: pass.clone(), admitted: admitted.clone(), latched }));
     let started = server.start().await;
     let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;
-    tokio::spawn(gate::serve(listener, most, host.to_owned(), door.clone(), SocketAddr::from((hidden, handle.port()))));
+    tokio::spawn(gate::serve(
+        listener,
+        most,
+        Gate {
+            own_name: host.to_owned(),
+            door: door.clone(),
+            behind: SocketAddr::from((hidden, handle.port())),
+            pass,
+            admitted,
+        },
+    ));
     let recorder = Recorder::new(live)?;
     Ok(FoxgloveServer { handle, _context: context, recorder, next_time: Instant::now() })
 }
@@ -85,12 +101,28 @@ impl FoxgloveServer {
     }
 }
 
-/// Sends late subscribers the messages that they missed.
-struct Late(Latched);
+/// Admits clients who show a pass, and sends late subscribers the messages that they missed.
+///
+/// Programs of other users of this machine can find the server behind the gate and connect to it. They get the names of the channels, and no
+/// message.
+struct Reception {
+    pass: Pass,
+    admitted: Admitted,
+    latched: Latched,
+}
 
-impl ServerListener for Late {
+impl ServerListener for Reception {
+    /// The gate shows a pass as the topic of a channel, before anything that its client sends.
+    fn on_client_advertise(&self, client: Client, channel: &ClientChannel) {
+        if let Some((number, subscriber)) = self.pass.number(&channel.topic).zip(client.sink_id()) {
+            self.admitted.admit(number, subscriber);
+        }
+    }
+
     fn on_subscribe(&self, client: Client, channel: ChannelView) {
-        self.0.send(channel.topic(), client.sink_id());
+        if client.sink_id().is_some_and(|subscriber| self.admitted.has(subscriber)) {
+            self.latched.send(channel.topic(), client.sink_id());
+        }
     }
 }
 

@@ -25,7 +25,7 @@ mod table;
 mod writer;
 
 pub use file::{Storage, storage};
-pub use live::{Latched, Live};
+pub use live::{Admitted, Latched, Live};
 pub use messages::{
     LeagueScore, LeagueStandings, ObjectRemoved, ObjectSpawned, ObjectState, PictureTaken, Quantity, Quaternion,
     RobotLeft, RobotState, SensorReading, Vector, WireLine,

@@ -1,7 +1,7 @@
 //! The channels of a log, streamed live by Foxglove's WebSocket server, with the topics and messages of the file.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use foxglove::{Context, Encode, PartialMetadata, RawChannel, SinkId};
 use mcap::McapResult;
@@ -29,6 +29,10 @@ pub struct Live {
 #[derive(Clone, Default)]
 pub struct Latched(Arc<Mutex<BTreeMap<String, Last>>>);
 
+/// The subscribers that may have messages, by a number that their entrance gave them. Others get nothing.
+#[derive(Clone, Default)]
+pub struct Admitted(Arc<Mutex<BTreeMap<u64, SinkId>>>);
+
 struct Last {
     channel: Arc<RawChannel>,
     message: Vec<u8>,
@@ -39,6 +43,7 @@ struct Channels {
     context: Arc<Context>,
     by_topic: BTreeMap<String, Arc<RawChannel>>,
     latched: Latched,
+    admitted: Admitted,
 }
 
 impl Live {
@@ -46,8 +51,13 @@ impl Live {
     ///
     /// # Errors
     /// When a channel cannot be created.
-    pub fn new(world: &WorldDef, context: Arc<Context>, latched: Latched) -> Result<Self, RecordError> {
-        let mut channels = Channels { context, by_topic: BTreeMap::new(), latched };
+    pub fn new(
+        world: &WorldDef,
+        context: Arc<Context>,
+        latched: Latched,
+        admitted: Admitted,
+    ) -> Result<Self, RecordError> {
+        let mut channels = Channels { context, by_topic: BTreeMap::new(), latched, admitted };
         let native = Native::new(world, &mut channels).map_err(|reason| refused("of Foxglove", reason))?;
         Ok(Self { native, states: States::default(), channels, time: 0.0 })
     }
@@ -91,6 +101,35 @@ impl Sink for Live {
     }
 }
 
+impl Admitted {
+    /// Admits a subscriber.
+    pub fn admit(&self, number: u64, subscriber: SinkId) {
+        self.lock().insert(number, subscriber);
+    }
+
+    /// Forgets a subscriber that has left.
+    pub fn forget(&self, number: u64) {
+        self.lock().remove(&number);
+    }
+
+    /// True if a subscriber is admitted.
+    pub fn has(&self, subscriber: SinkId) -> bool {
+        self.lock().values().any(|admitted| *admitted == subscriber)
+    }
+
+    /// Sends a message to all who are admitted and have subscribed to its channel.
+    fn send(&self, channel: &RawChannel, message: &[u8], time: PartialMetadata) {
+        for &subscriber in self.lock().values() {
+            channel.log_with_meta_to_sink(message, time, Some(subscriber));
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<u64, SinkId>> {
+        // The map is valid after each statement.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 impl Latched {
     /// Sends the last message of a channel to one subscriber.
     pub fn send(&self, topic: &str, subscriber: Option<SinkId>) {
@@ -99,7 +138,7 @@ impl Latched {
         }
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Last>> {
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Last>> {
         // The map is valid after each statement.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -119,12 +158,12 @@ impl Publish for Channels {
         message.encode(&mut buffer).map_err(|error| std::io::Error::other(error.to_string()))?;
         let time = PartialMetadata::with_log_time(nanoseconds(time));
         if is_passing {
-            channel.log_with_meta(&buffer, time);
+            self.admitted.send(&channel, &buffer, time);
             return Ok(());
         }
         // The lock stays held, so that a new subscriber gets this message once and not an older one after it.
         let mut latched = self.latched.lock();
-        channel.log_with_meta(&buffer, time);
+        self.admitted.send(&channel, &buffer, time);
         latched.insert(topic.to_owned(), Last { channel, message: buffer, time });
         Ok(())
     }
@@ -152,7 +191,7 @@ mod tests {
     #[test]
     fn nothing_is_kept_of_robots_that_left() {
         let (world, latched) = (WorldDef::default(), Latched::default());
-        let mut live = Live::new(&world, Context::new(), latched.clone()).expect("channels");
+        let mut live = Live::new(&world, Context::new(), latched.clone(), Admitted::default()).expect("channels");
         let topics = || latched.lock().keys().cloned().collect::<Vec<_>>();
         let before = topics();
         for robot in 0..1000 {

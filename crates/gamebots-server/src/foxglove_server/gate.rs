@@ -1,7 +1,8 @@
 //! A gate before Foxglove's own server, which admits every page of every site and any number of clients.
 //!
 //! That server listens on an address of this machine that no page can guess. The gate reads the head of each request first.
-//! Only then does it pass bytes through unchanged.
+//! Only then does it pass bytes through unchanged, after a
+//! pass that makes that server send messages.
 
 use std::hash::{BuildHasher, RandomState};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -10,6 +11,7 @@ use std::time::Duration;
 
 use axum::http::uri::Uri;
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
+use recorder::Admitted;
 use tokio::io::{AsyncReadExt, AsyncWriteExt, copy_bidirectional};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Semaphore;
@@ -17,6 +19,7 @@ use tokio::time::timeout;
 use tokio_io_timeout::TimeoutStream;
 use tracing::debug;
 
+use super::pass::Pass;
 use crate::access::{Access, Role};
 use crate::budget::Budget;
 use crate::listener::back_off;
@@ -45,18 +48,28 @@ pub(super) fn hidden_address() -> Ipv4Addr {
     Ipv4Addr::LOCALHOST
 }
 
+/// A gate and the server behind it.
+pub(super) struct Gate {
+    /// Host name that the server was told to listen on.
+    pub(super) own_name: String,
+    pub(super) door: Door,
+    /// Address of the server behind.
+    pub(super) behind: SocketAddr,
+    pub(super) pass: Pass,
+    pub(super) admitted: Admitted,
+}
+
 /// Passes a number of clients at once on to the server behind, until the runtime ends.
-pub(super) async fn serve(listener: TcpListener, most: usize, own_name: String, door: Door, behind: SocketAddr) {
+pub(super) async fn serve(listener: TcpListener, most: usize, gate: Gate) {
     let (places, mut warnings) = (Arc::new(Semaphore::new(most)), Budget::default());
-    let own_name: Arc<str> = own_name.into();
+    let gate = Arc::new(gate);
     loop {
-        door.room.vacancy().await;
+        gate.door.room.vacancy().await;
         match listener.accept().await {
             Ok((client, peer)) => {
-                let stay = door.room.enter(peer.ip());
-                let (own_name, access, places) = (own_name.clone(), door.access.clone(), places.clone());
+                let (stay, gate, places) = (gate.door.room.enter(peer.ip()), gate.clone(), places.clone());
                 tokio::spawn(async move {
-                    if let Err(reason) = admit(client, stay, &own_name, &access, &places, behind).await {
+                    if let Err(reason) = gate.admit(client, stay, &places).await {
                         debug!(%peer, reason, "a client of Foxglove's protocol ended");
                     }
                 });
@@ -66,47 +79,48 @@ pub(super) async fn serve(listener: TcpListener, most: usize, own_name: String, 
     }
 }
 
-/// Passes a client on once its head has shown that it may come in.
-async fn admit(
-    mut client: TcpStream,
-    stay: Stay,
-    own_name: &str,
-    access: &Access,
-    places: &Semaphore,
-    behind: SocketAddr,
-) -> Result<(), String> {
-    let head = tokio::select! {
-        head = timeout(HEAD_TIMEOUT, read_head(&mut client)) => head.map_err(|_| "no request within 10 s")??,
-        () = stay.dropped() => return Err("dropped for another connection".to_owned()),
-    };
-    let refused = match (check(&head, own_name, access), places.try_acquire()) {
-        (Ok(()), Ok(place)) => {
-            drop(stay);
-            let result = pass(client, &head, behind).await;
-            drop(place);
-            return result;
-        }
-        (Err(reason), _) => ("403 Forbidden", reason),
-        (Ok(()), Err(_)) => ("503 Service Unavailable", "too many clients are connected: try again later\n".to_owned()),
-    };
-    let (status, reason) = refused;
-    let length = reason.len();
-    let answer = format!(
-        "HTTP/1.1 {status}\r\nContent-Type: text/plain\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{reason}"
-    );
-    let _ = timeout(HEAD_TIMEOUT, client.write_all(answer.as_bytes())).await;
-    Err(reason)
+impl Gate {
+    /// Passes a client on once its head has shown that it may come in.
+    async fn admit(&self, mut client: TcpStream, stay: Stay, places: &Semaphore) -> Result<(), String> {
+        let head = tokio::select! {
+            head = timeout(HEAD_TIMEOUT, read_head(&mut client)) => head.map_err(|_| "no request within 10 s")??,
+            () = stay.dropped() => return Err("dropped for another connection".to_owned()),
+        };
+        let (status, reason) = match (check(&head, &self.own_name, &self.door.access), places.try_acquire()) {
+            (Ok(()), Ok(_place)) => {
+                drop(stay);
+                let (number, pass) = self.pass.frame();
+                let result = relay(client, &head, self.behind, &pass).await;
+                self.admitted.forget(number);
+                return result.map_err(|error| error.to_string());
+            }
+            (Err(reason), _) => ("403 Forbidden", reason),
+            (Ok(()), Err(_)) => {
+                ("503 Service Unavailable", "too many clients are connected: try again later\n".to_owned())
+            }
+        };
+        let length = reason.len();
+        let head = format!("HTTP/1.1 {status}\r\nContent-Type: text/plain\r\nContent-Length: {length}");
+        let answer = format!("{head}\r\nConnection: close\r\n\r\n{reason}");
+        let _ = timeout(HEAD_TIMEOUT, client.write_all(answer.as_bytes())).await;
+        Err(reason)
+    }
 }
 
-async fn pass(client: TcpStream, head: &[u8], behind: SocketAddr) -> Result<(), String> {
-    let said = |error: std::io::Error| error.to_string();
-    client.set_nodelay(true).map_err(said)?;
-    let mut server = TcpStream::connect(behind).await.map_err(said)?;
-    server.set_nodelay(true).map_err(said)?;
-    server.write_all(head).await.map_err(said)?;
+/// Relays a connection to the server behind. If that accepts it, it gets the pass before anything else.
+async fn relay(mut client: TcpStream, head: &[u8], behind: SocketAddr, pass: &[u8]) -> std::io::Result<()> {
+    client.set_nodelay(true)?;
+    let mut server = TcpStream::connect(behind).await?;
+    server.set_nodelay(true)?;
+    server.write_all(head).await?;
+    let answer = read_head(&mut server).await.map_err(std::io::Error::other)?;
+    if answer.starts_with(b"HTTP/1.1 101 ") {
+        server.write_all(pass).await?;
+    }
+    client.write_all(&answer).await?;
     let mut client = TimeoutStream::new(client);
     client.set_write_timeout(Some(STALL_TIMEOUT));
-    copy_bidirectional(&mut Box::pin(client), &mut server).await.map(|_| ()).map_err(said)
+    copy_bidirectional(&mut Box::pin(client), &mut server).await.map(|_| ())
 }
 
 /// Reads up to the end of the head. The result may include bytes after it.
@@ -150,7 +164,13 @@ fn is_welcome(origin: &str) -> bool {
         return true;
     }
     let Ok(uri) = origin.parse::<Uri>() else { return false };
-    let host = uri.host().unwrap_or_default().trim_matches(['[', ']']);
+    let host = uri.host().unwrap_or_default();
+    // The parser takes anything after a colon for a port.
+    let port = uri.port_u16().map(|port| format!(":{port}")).unwrap_or_default();
+    if uri.authority().is_some_and(|authority| authority.as_str() != format!("{host}{port}")) {
+        return false;
+    }
+    let host = host.trim_matches(['[', ']']);
     match uri.scheme_str() {
         Some("http" | "https") => host == "localhost" || host.parse::<IpAddr>().is_ok_and(|ip| ip.is_loopback()),
         // A page that hides its origin sends `null`.
@@ -171,6 +191,8 @@ mod tests {
             ("http://[::1]:8080", true),
             ("app://lichtblick", true),
             ("https://evil.example", false),
+            ("http://127.0.0.1:8765.evil.example", false),
+            ("http://user@127.0.0.1", false),
             ("https://app.foxglove.dev.evil.example", false),
             ("http://localhost.evil.example", false),
             ("http://192.168.1.7", false),
