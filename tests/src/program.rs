@@ -18,6 +18,8 @@ pub struct Program {
     pub address: SocketAddr,
     /// Address of the page.
     pub page: SocketAddr,
+    /// Its ready line.
+    ready: Value,
     child: Child,
     folder: TempDir,
 }
@@ -45,7 +47,16 @@ impl Program {
         let port = |key: &str| ready[key].as_u64().and_then(|port| u16::try_from(port).ok());
         let (Some(address), Some(page)) = (port("port"), port("http")) else { panic!("not ready: {line}") };
         let local = |port| SocketAddr::from((Ipv4Addr::LOCALHOST, port));
-        Self { address: local(address), page: local(page), child, folder }
+        Self { address: local(address), page: local(page), ready, child, folder }
+    }
+
+    /// Returns the port of a service that its ready line names.
+    ///
+    /// # Panics
+    /// If it names none.
+    pub fn port(&self, service: &str) -> u16 {
+        let port = self.ready[service].as_u64().and_then(|port| u16::try_from(port).ok());
+        port.unwrap_or_else(|| panic!("no port of {service}"))
     }
 
     /// Returns the path of a file in the program's working folder.

@@ -19,6 +19,7 @@ mod families;
 mod faults;
 mod fit;
 mod ground;
+mod guests;
 mod heaps;
 mod hostile_files;
 mod images;

@@ -96,14 +96,29 @@ fn bytes_go_both_ways_and_the_receiver_learns_who_sends() {
     assert_eq!(&buffer, b"pong");
     let port = there.peer_addr().expect("an address").port();
     assert_eq!(b.ask(&format!("REVERSEDNS {{Port {port}}}")), format!("REVERSEDNSREPLY {{Port {port}}} {{Robot A}}"));
-    // What runs goes on when a robot leaves the radio; its name and its ports are free.
+    // A robot that leaves the radio frees its name and its ports, and its relays end.
     let way = a.way_to("B");
     drop(b);
     wait_until(|| a.strength("B") == "NaN} {Error Robot.Does.Not.Exist");
     wait_until(|| TcpStream::connect(way).is_err());
-    here.write_all(b"more").expect("to send");
-    there.read_exact(&mut buffer).expect("bytes");
-    assert_eq!(&buffer, b"more");
+    for end in [&mut here, &mut there] {
+        assert!(matches!(end.read(&mut buffer), Ok(0) | Err(_)), "the relay goes on");
+    }
+}
+
+/// Otherwise one pair of robots takes the descriptors of everybody.
+#[test]
+fn an_address_has_half_of_the_relays_and_what_is_over_is_closed() {
+    let server = server("rough", Propagation::Everywhere);
+    let (mut a, _b) = (Radio::new(&server, "A"), Radio::new(&server, "B"));
+    let way = a.way_to("B");
+    let mut relays: Vec<TcpStream> = (0..200).filter_map(|_| TcpStream::connect(way).ok()).collect();
+    let is_open = |relay: &mut TcpStream| {
+        relay.set_nonblocking(true).expect("a stream");
+        matches!(relay.read(&mut [0; 4]), Err(error) if error.kind() == std::io::ErrorKind::WouldBlock)
+    };
+    wait_until(|| relays.iter_mut().map(is_open).filter(|is_open| *is_open).count() == 64);
+    robot(&server, "C", "0,0,0");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! One client in the world's thread: its requests, its outbox, its mistakes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -32,6 +32,8 @@ pub(crate) struct Client {
     /// Requests that are not executed yet. The turn is given back after the last one.
     requests: std::vec::IntoIter<Request>,
     turn: Option<Turn>,
+    /// INIT lines that put its robots back after a restart.
+    put_back: VecDeque<Request>,
     /// The client has left.
     is_closed: bool,
     /// Recent cost of its requests.
@@ -51,6 +53,7 @@ impl Client {
             repeated: BTreeMap::new(),
             requests: Vec::new().into_iter(),
             turn: None,
+            put_back: VecDeque::new(),
             is_closed: false,
             cost: Duration::ZERO,
         }
@@ -70,9 +73,19 @@ impl Client {
         next
     }
 
+    /// Adds an INIT line that puts one of its robots back.
+    pub(crate) fn put_back(&mut self, init: Request) {
+        self.put_back.push_back(init);
+    }
+
+    /// Returns the next INIT line that puts a robot back. It goes before all requests, which are for that robot.
+    pub(crate) fn next_put_back(&mut self) -> Option<Request> {
+        self.put_back.pop_front()
+    }
+
     /// True if a request can be executed now.
     pub(crate) fn is_ready(&self) -> bool {
-        self.requests.len() > 0 && self.outbox.has_room()
+        !self.put_back.is_empty() || self.requests.len() > 0 && self.outbox.has_room()
     }
 
     /// True if the next request spawns a robot.
@@ -80,8 +93,9 @@ impl Client {
         matches!(self.requests.as_slice(), [Request { command: Some(Command::Init(_)), .. }, ..])
     }
 
-    /// Notes that the client has left. It is gone when all its requests are executed.
+    /// Notes that the client has left. It is gone when all its requests are executed. Its robots are not put back.
     pub(crate) fn close(&mut self) {
+        self.put_back.clear();
         self.is_closed = true;
     }
 

@@ -1,10 +1,10 @@
 //! The port of the old relay between robots (ComServer.uc): robots say where they wait, and the server connects to two of them.
 //!
 //! The original connected to any address that a client named. Here a client can name its own address alone, so that no stranger uses the
-//! server to reach other machines; a client on the server's machine can name any.
+//! server to reach other machines. A client on the server's machine can name any address of that machine.
 
 use std::collections::{BTreeSet, VecDeque};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -12,23 +12,20 @@ use gamebots_proto::ports::{ComAnswer, ComCommand, ComFraming, ComLink};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::tcp::{ReadHalf, WriteHalf};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::Semaphore;
 use tokio::time::{interval, timeout};
 use tracing::debug;
 
 use crate::connection::{FirstBytes, send};
+use crate::limits::Limits;
 use crate::listener::accept;
 use crate::login::LoginQueue;
+use crate::shares::Shares;
 use crate::wireless::{LOOK, Network};
 
-/// Most control connections at once; more wait.
-const MAX_CONNECTIONS: usize = 64;
 /// Most robots. One more replaces the oldest.
 const MAX_ROBOTS: usize = 256;
 /// Most ports of a robot.
 const MAX_PORTS: usize = 16;
-/// Most joined connections at once.
-const MAX_LINKS: usize = 256;
 /// Longest name of a robot, bytes.
 const MAX_NAME: usize = 64;
 /// Longest time to connect to a robot.
@@ -40,7 +37,8 @@ const READ_BYTES: usize = 4096;
 #[derive(Clone)]
 struct Registry {
     robots: Arc<Mutex<VecDeque<Robot>>>,
-    links: Arc<Semaphore>,
+    /// Places for joined connections.
+    links: Shares,
     network: Network,
     stall_timeout: Duration,
 }
@@ -56,10 +54,16 @@ struct Robot {
 }
 
 /// Serves the port until the future is dropped.
-pub(crate) async fn serve(network: Network, listener: TcpListener, logins: LoginQueue, stall_timeout: Duration) {
-    let links = Arc::new(Semaphore::new(MAX_LINKS));
+pub(crate) async fn serve(
+    network: Network,
+    listener: TcpListener,
+    logins: LoginQueue,
+    limits: Limits,
+    stall_timeout: Duration,
+) {
+    let links = Shares::new(limits.links);
     let registry = Registry { robots: Arc::default(), links, network, stall_timeout };
-    accept(listener, logins, MAX_CONNECTIONS, |accepted, place| {
+    accept(listener, logins, limits.com_server, |accepted, place| {
         let registry = registry.clone();
         async move {
             let _place = place;
@@ -152,7 +156,8 @@ impl Registry {
             ip => ip.parse::<IpAddr>().ok()?,
         };
         let client = robot.client.to_canonical();
-        (ip.to_canonical() == client || client.is_loopback()).then(|| SocketAddr::new(ip, port))
+        let is_own = ip.to_canonical() == client || client.is_loopback() && is_of_this_machine(ip);
+        is_own.then(|| SocketAddr::new(ip, port))
     }
 
     /// Returns the address of the client that registered a robot.
@@ -172,7 +177,7 @@ impl Registry {
             return ComAnswer::OutOfReach(other.0);
         }
         let (Some(from), Some(to)) = (self.target(one), self.target(other)) else { return ComAnswer::NoConnection };
-        let Ok(place) = self.links.clone().try_acquire_owned() else { return ComAnswer::NoConnection };
+        let Some(place) = self.links.take(client) else { return ComAnswer::NoConnection };
         let connect = |address| timeout(PATIENCE, TcpStream::connect(address));
         let (Ok(Ok(first)), Ok(Ok(second))) = tokio::join!(connect(from), connect(to)) else {
             return ComAnswer::NoConnection;
@@ -201,6 +206,11 @@ impl Registry {
             _ => ComAnswer::NoStrength,
         }
     }
+}
+
+/// True if an address is one of this machine: only those can be bound.
+fn is_of_this_machine(ip: IpAddr) -> bool {
+    UdpSocket::bind((ip, 0)).is_ok()
 }
 
 /// Joins two robots until one closes, does not read, or is out of reach.
@@ -235,13 +245,14 @@ async fn pass_on(mut read: ReadHalf<'_>, mut write: WriteHalf<'_>, stall_timeout
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Propagation;
     use crate::access::Access;
+    use crate::{Config, Propagation};
 
     fn registry() -> Registry {
         let (events, _) = std::sync::mpsc::channel();
-        let network = Network::new(events, Access::new(None), "127.0.0.1", Propagation::Everywhere);
-        let links = Arc::new(Semaphore::new(MAX_LINKS));
+        let (limits, _) = crate::limits::limits(&Config::new(scene::WorldDef::default()));
+        let (links, network) =
+            (Shares::new(4), Network::new(events, Access::new(None), "127.0.0.1", Propagation::Everywhere, limits));
         Registry { robots: Arc::default(), links, network, stall_timeout: PATIENCE }
     }
 
@@ -254,7 +265,8 @@ mod tests {
             ("127.0.0.1", [10, 0, 0, 7], None),
             ("localhost", [10, 0, 0, 7], None),
             ("printer.example", [10, 0, 0, 7], None),
-            ("10.0.0.8", [127, 0, 0, 1], Some([10, 0, 0, 8])),
+            ("10.0.0.8", [127, 0, 0, 1], None),
+            ("127.0.0.1", [127, 0, 0, 1], Some([127, 0, 0, 1])),
             ("localhost", [127, 0, 0, 1], Some([127, 0, 0, 1])),
         ]
         .into_iter()

@@ -12,15 +12,14 @@ use sessions::Request;
 use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::OwnedReadHalf;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{Instant, sleep_until, timeout};
 use tracing::info;
 
 use crate::WorldControl;
 use crate::access::Access;
 use crate::budget::Budgets;
-use crate::control::{Actor, Control};
-use crate::fit::{Ask, Fit};
+use crate::guests::Guest;
 use crate::login::Accepted;
 use crate::ports::Question;
 
@@ -53,12 +52,8 @@ pub(crate) enum Event {
     Requests(ConnectionId, Vec<Request>, Turn),
     /// A client disconnected.
     Closed(ConnectionId),
-    /// A viewer's request to the world.
-    Control(Control, Actor, Turn),
-    /// A viewer's question about room for a robot.
-    Fit(Ask, oneshot::Sender<Fit>, Turn),
-    /// A question of a port beside the controllers'.
-    Ask(Question, Turn),
+    /// A request of somebody who does not drive.
+    Ask(Guest, Question, Turn),
     /// The server stops.
     Stop,
 }

@@ -13,15 +13,16 @@ use foxglove::{Context, Schema, WebSocketServerHandle};
 use recorder::{Latched, Live, Record, Recorder};
 use scene::{MapDef, Snapshot, WorldDef};
 use tokio::net::TcpListener;
-use tokio::sync::Semaphore;
 
 use crate::ServeError;
-use crate::access::Access;
 use crate::connection::Event;
 use crate::control::{Actor, Control};
+use crate::guests;
+use crate::login::Door;
+use crate::ports::{Inquiry, Question};
 
 /// Messages that can wait for one client; if the world is fast, a client misses the oldest.
-const BACKLOG: usize = 4096;
+const BACKLOG: usize = 1024;
 /// Real time between two announcements of the simulated time.
 const TIME_INTERVAL: Duration = Duration::from_millis(33);
 
@@ -34,11 +35,12 @@ pub(crate) struct FoxgloveServer {
     next_time: Instant,
 }
 
-/// Starts serving on a listener. Clients' requests go to `events`; without it, no services are offered.
+/// Starts serving a number of clients at once on a listener. Clients' requests go to `events`; without it, no services are offered.
 pub(crate) async fn start(
     listener: TcpListener,
+    most: usize,
     host: &str,
-    access: &Access,
+    door: &Door,
     world: &WorldDef,
     events: Option<Sender<Event>>,
 ) -> Result<FoxgloveServer, ServeError> {
@@ -50,7 +52,7 @@ pub(crate) async fn start(
     let server = server.message_backlog_size(BACKLOG).listener(Arc::new(Late(latched)));
     let started = server.start().await;
     let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;
-    tokio::spawn(gate::serve(listener, host.to_owned(), access.clone(), SocketAddr::from((hidden, handle.port()))));
+    tokio::spawn(gate::serve(listener, most, host.to_owned(), door.clone(), SocketAddr::from((hidden, handle.port()))));
     let recorder = Recorder::new(live)?;
     Ok(FoxgloveServer { handle, _context: context, recorder, next_time: Instant::now() })
 }
@@ -94,7 +96,7 @@ impl ServerListener for Late {
 
 /// Builds the services pause, step, speed and reset, with the page's requests.
 fn services(events: &Sender<Event>) -> Vec<Service> {
-    let turns = Arc::new(Semaphore::new(1));
+    let inquiry = Inquiry::new(guests::Kind::Foxglove, events.clone());
     let service = |name: &'static str, argument: &'static str| {
         let request = format!("{{\"type\":\"object\",\"properties\":{{{argument}}}}}");
         let response = "{\"type\":\"object\",\"properties\":{\"success\":{\"type\":\"boolean\"}}}";
@@ -104,10 +106,10 @@ fn services(events: &Sender<Event>) -> Vec<Service> {
         let schema = ServiceSchema::new(format!("usarsim.{name}"))
             .with_request("json", schema("Request", &request))
             .with_response("json", schema("Response", response));
-        let (events, turns) = (events.clone(), turns.clone());
+        let inquiry = inquiry.clone();
         Service::builder(name, schema).async_handler_fn(move |request: Request| {
             let control = read(name, request.payload());
-            answer(control, events.clone(), turns.clone())
+            answer(control, inquiry.clone())
         })
     };
     vec![
@@ -130,13 +132,7 @@ fn read(service: &str, payload: &[u8]) -> Result<Control, String> {
     }
 }
 
-async fn answer(
-    control: Result<Control, String>,
-    events: Sender<Event>,
-    turns: Arc<Semaphore>,
-) -> Result<&'static [u8], String> {
-    let control = control?;
-    let turn = turns.acquire_owned().await.map_err(|_| "the server stops")?;
-    events.send(Event::Control(control, Actor::foxglove(), turn)).map_err(|_| "the server stops")?;
-    Ok(b"{\"success\":true}")
+async fn answer(control: Result<Control, String>, inquiry: Inquiry) -> Result<&'static [u8], String> {
+    let sent = inquiry.send(Question::Control(control?, Actor::foxglove())).await;
+    sent.map(|()| &b"{\"success\":true}"[..]).ok_or_else(|| "the server stops".to_owned())
 }

@@ -24,8 +24,6 @@ use crate::connection::{FirstBytes, send};
 use crate::listener::accept;
 use crate::login::LoginQueue;
 
-/// Most connections at once; more wait.
-const MAX_CONNECTIONS: usize = 16;
 /// Longest wait for a picture that the client has not had.
 const WAIT: Duration = Duration::from_millis(100);
 /// Longest wait for the first picture of all: cameras measure every 0.1 s of simulated time.
@@ -235,9 +233,15 @@ fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8
     pixels.get(columns).map(<[_]>::to_vec).unwrap_or_default()
 }
 
-/// Serves the port until the future is dropped.
-pub(crate) async fn serve(board: Board, listener: TcpListener, logins: LoginQueue, stall_timeout: Duration) {
-    accept(listener, logins, MAX_CONNECTIONS, |accepted, place| {
+/// Serves the port to a number of clients at once until the future is dropped; more wait.
+pub(crate) async fn serve(
+    board: Board,
+    listener: TcpListener,
+    logins: LoginQueue,
+    most: usize,
+    stall_timeout: Duration,
+) {
+    accept(listener, logins, most, |accepted, place| {
         let board = board.clone();
         async move {
             let _place = place;

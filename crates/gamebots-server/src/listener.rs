@@ -12,18 +12,19 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::task::JoinSet;
 use tracing::{debug, warn};
 
-use crate::access::{Access, Role};
-use crate::budget::{Budget, Budgets, Spent};
+use crate::access::Role;
+use crate::budget::{Budget, Spent};
 use crate::connection::{BACK_OFF, Event, Rules};
 use crate::images::{self, Board};
+use crate::limits::limits;
 use crate::live::{About, Channels};
-use crate::login::{Accepted, LoginQueue};
-use crate::ports::{self, Port};
+use crate::login::{Accepted, Door, LoginQueue};
+use crate::ports::{self, Inquiry, Port};
 use crate::web::{Framing, Packed, Site};
 use crate::wireless::{self, Network};
 use crate::{
-    Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl, com_server, connection, foxglove_server, live,
-    web, world_thread,
+    Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl, com_server, connection, foxglove_server,
+    guests, live, web, world_thread,
 };
 
 /// Longest time to send the last lines to all clients.
@@ -40,8 +41,10 @@ pub(crate) async fn serve(
 ) -> Result<(), ServeError> {
     let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
     let (mut ports, mut images, mut radios, mut relays) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let budgets = Budgets::default();
-    let access = Access::new(config.tokens.clone());
+    let (limits, lowered) = limits(&config);
+    lowered.iter().for_each(|text| warn!("{text}"));
+    let door = Door::new(config.tokens.clone(), limits.waiting);
+    let Door { access, budgets, .. } = door.clone();
     // Unbounded: each sender waits for a turn, see `connection::Turn`.
     let (events, receiver) = mpsc::channel();
     for listener in &config.listeners {
@@ -60,22 +63,24 @@ pub(crate) async fn serve(
                 // Its clients cannot be told apart.
                 let may_control = config.world_control == WorldControl::Everyone && access.is_open();
                 let events = may_control.then(|| events.clone());
-                foxglove = Some(foxglove_server::start(bound, &config.host, &access, &config.world, events).await?);
+                foxglove = Some(
+                    foxglove_server::start(bound, limits.foxglove, &config.host, &door, &config.world, events).await?,
+                );
             }
         }
     }
     let addresses = Ready(addresses);
     let (gone, mut world_gone) = oneshot::channel();
     let board = Board::new(config.image_kind, config.image_legacy);
-    let network = Network::new(events.clone(), access.clone(), &config.host, config.propagation);
+    let network = Network::new(events.clone(), access.clone(), &config.host, config.propagation, limits);
     let (live, channels) = live::broadcast(
         Instant::now(),
         &config.world,
         addresses.of(Service::Page).map(|_| about(&config, &addresses)),
         board.clone(),
     );
-    let site = Arc::new(site(&config, &access, &addresses, channels, events.clone()));
-    let (max_connections, stall_timeout) = (config.max_connections, config.stall_timeout);
+    let site = Arc::new(Site { limits: limits.named(), ..site(&config, &door, &addresses, channels, events.clone()) });
+    let stall_timeout = config.stall_timeout;
     let rules = Rules {
         dialect: None,
         access: access.clone(),
@@ -90,28 +95,30 @@ pub(crate) async fn serve(
     let ids = Cell::new(0);
     let accepting = clients.iter_mut().zip(controllers).map(|(clients, (dialect, address, bound))| {
         let (ids, events, rules) = (&ids, &events, Rules { dialect, ..rules.clone() });
-        let logins = LoginQueue::new(access.clone(), &[Role::Driver, Role::Referee], true, rules.budgets.clone());
+        let logins = LoginQueue::new(door.clone(), &[Role::Driver, Role::Referee], true);
         let serve = move |accepted| {
             ids.set(ids.get() + 1);
             connection::serve(ids.get(), accepted, rules.clone(), events.clone())
         };
-        accept_clients(clients, bound, address, max_connections, logins, serve)
+        accept_clients(clients, bound, address, limits.controllers, logins, serve)
     });
-    let logins = |wanted| LoginQueue::new(access.clone(), wanted, false, budgets.clone());
-    let telling = ports
-        .into_iter()
-        .map(|(port, bound)| ports::serve(port, bound, logins(&[Role::Viewer]), events.clone(), stall_timeout));
-    let drawing = images
-        .into_iter()
-        .map(|bound| images::serve(board.clone(), bound, logins(&[Role::Viewer, Role::Driver]), stall_timeout));
+    let logins = |wanted| LoginQueue::new(door.clone(), wanted, false);
+    let telling = ports.into_iter().map(|(port, bound)| {
+        let most = match port {
+            Port::Truth => limits.truth,
+            Port::Positions => limits.positions,
+        };
+        ports::serve(port, bound, logins(&[Role::Viewer]), most, events.clone(), stall_timeout)
+    });
+    let drawing = images.into_iter().map(|bound| {
+        images::serve(board.clone(), bound, logins(&[Role::Viewer, Role::Driver]), limits.images, stall_timeout)
+    });
     let radioing =
         radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, logins(&[Role::Driver]), stall_timeout));
     let relaying = relays
         .into_iter()
-        .map(|bound| com_server::serve(network.clone(), bound, logins(&[Role::Driver]), stall_timeout));
-    // A page logs in by its requests.
-    let open = || LoginQueue::new(Access::new(None), &[], false, budgets.clone());
-    let showing = pages.into_iter().map(|page| web::serve(page, open(), site.clone()));
+        .map(|bound| com_server::serve(network.clone(), bound, logins(&[Role::Driver]), limits, stall_timeout));
+    let showing = pages.into_iter().map(|page| web::serve(page, limits.pages, site.clone()));
     let is_gone = tokio::select! {
         () = forever(accepting) => false,
         () = forever(showing) => false,
@@ -147,17 +154,20 @@ async fn forever(services: impl Iterator<Item = impl Future<Output = ()>>) {
 }
 
 /// Collects the state that the page's handlers share.
-fn site(config: &Config, access: &Access, addresses: &Ready, channels: Channels, events: mpsc::Sender<Event>) -> Site {
+fn site(config: &Config, door: &Door, addresses: &Ready, channels: Channels, events: mpsc::Sender<Event>) -> Site {
     // Without controllers the page cannot drive: nothing listens at this address, and its WebSocket reports that.
     let protocol = addresses.controllers().unwrap_or_else(|| SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
     Site {
         host: config.host.clone(),
         protocol: reachable(protocol),
         channels,
+        inquiry: Inquiry::new(guests::Kind::Http, events.clone()),
         events,
         stall_timeout: config.stall_timeout,
         world_control: config.world_control,
-        access: access.clone(),
+        access: door.access.clone(),
+        room: door.room.clone(),
+        limits: Vec::new(),
         packed: Packed::default(),
         pages: AtomicU64::new(0),
         framing: Framing::Nobody,
@@ -257,14 +267,19 @@ async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
         tokio::select! {
             accepted = accept => match accepted {
                 Ok(accepted) => _ = clients.spawn(serve(accepted)),
-                Err(error) => {
-                    warn!(%error, "cannot accept a client");
-                    tokio::time::sleep(BACK_OFF).await;
-                }
+                Err(error) => back_off(&error, &mut warnings).await,
             },
             Some(_) = clients.join_next() => {}
         }
     }
+}
+
+/// Reports an error of accept, and waits: it would otherwise recur at once.
+pub(crate) async fn back_off(error: &std::io::Error, warnings: &mut Budget) {
+    if warnings.spend(Instant::now()) != Spent::Refused {
+        warn!(%error, "cannot accept a client");
+    }
+    tokio::time::sleep(BACK_OFF).await;
 }
 
 /// One of a service's places for connections. It is held while the connection lives.
@@ -278,7 +293,7 @@ pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
     serve: impl Fn(Accepted, Place) -> S,
 ) {
     let places = Arc::new(Semaphore::new(most));
-    let mut clients = JoinSet::new();
+    let (mut clients, mut warnings) = (JoinSet::new(), Budget::default());
     loop {
         // The semaphore is never closed.
         let Ok(place) = places.clone().acquire_owned().await else { return };
@@ -288,10 +303,7 @@ pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
                     debug!(peer = %accepted.peer, "connected");
                     clients.spawn(serve(accepted, place));
                 }
-                Err(error) => {
-                    warn!(%error, "cannot accept a client");
-                    tokio::time::sleep(BACK_OFF).await;
-                }
+                Err(error) => back_off(&error, &mut warnings).await,
             },
             Some(_) = clients.join_next() => {}
         }

@@ -1,8 +1,8 @@
 //! Live data for viewers. The world's thread makes each message once for all viewers, and no frames while nobody watches.
 //!
-//! Five channels differ in what a slow viewer misses. It gets only the newest frame (see [`frame`]) and [`Status`]. It gets
-//! every [`Notice`], and every [`Line`] of the wire and the readings of robots ([`Measured`]) if it wants them. If it falls too
-//! far behind, it is told how many it missed. A viewer that takes nothing for half a minute is dropped.
+//! The channels differ in what a slow viewer misses. It gets only the newest frame (see [`frame`]) and [`Status`]. It gets every text, and
+//! every [`Line`] of the wire and the readings of robots ([`Measured`]) if it wants them. If it falls too far behind, it is told how many it
+//! missed. It misses scans and pictures silently. A viewer that takes nothing for half a minute is dropped.
 
 pub(crate) mod frame;
 pub mod messages;
@@ -32,20 +32,17 @@ const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
 const STATUS_INTERVAL: Duration = Duration::from_millis(500);
 /// Least real time between two scans of one sensor.
 const SCAN_INTERVAL: Duration = Duration::from_millis(100);
-/// Most notices, and lines, that a viewer can be behind.
-const MAX_NOTICES: usize = 1024;
+/// Most notices, lines and readings that a viewer can be behind. With the limits below each channel holds 9 MB at most.
+const MAX_BEHIND: usize = 1024;
+/// Most scans that a viewer can be behind. The next scan replaces a missed one.
+const MAX_SCANS: usize = 64;
+/// Longest text of a line for viewers, bytes. Longer ones are cut.
+const MAX_TEXT: usize = 4096;
+/// Most numbers of a quantity for viewers. Further ones are left out.
+const MAX_VALUES: usize = 1024;
 
 /// Most changes of points that a status has of each team.
 const MAX_SCORES: usize = 8;
-
-/// A message that is published once.
-#[derive(Debug, Clone)]
-pub(crate) enum Notice {
-    /// Ranges of a laser or a sonar, see [`frame`].
-    Scan(Bytes),
-    /// An event or a problem, in words.
-    Said(Arc<str>),
-}
 
 /// A line of the wire.
 #[derive(Debug, Serialize)]
@@ -72,9 +69,22 @@ pub(crate) struct Measured {
     quantities: Vec<scene::Quantity>,
 }
 
+impl Line {
+    /// Cuts a text that is too long for viewers.
+    pub(crate) fn cut(text: &str) -> String {
+        if text.len() <= MAX_TEXT {
+            return text.to_owned();
+        }
+        let start = text.char_indices().take_while(|(index, letter)| index + letter.len_utf8() <= MAX_TEXT);
+        let start: String = start.map(|(_, letter)| letter).collect();
+        format!("{start}.. ({} bytes in all)", text.len())
+    }
+}
+
 impl Measured {
     fn new(time: f64, Sensed { robot, sensor, reading }: &Sensed) -> Self {
-        let (type_name, quantities) = (reading.type_name(), reading.quantities());
+        let (type_name, mut quantities) = (reading.type_name(), reading.quantities());
+        quantities.iter_mut().for_each(|quantity| quantity.values.truncate(MAX_VALUES));
         Self { time, robot: robot.0, sensor: *sensor, type_name, quantities }
     }
 }
@@ -189,7 +199,10 @@ pub(crate) struct Due {
 pub(crate) struct Channels {
     frames: watch::Receiver<Bytes>,
     statuses: watch::Receiver<Arc<str>>,
-    notices: broadcast::Sender<Notice>,
+    /// Events and problems, in words.
+    notices: broadcast::Sender<Arc<str>>,
+    /// Ranges of lasers and sonars, see [`frame`].
+    scans: broadcast::Sender<Bytes>,
     lines: broadcast::Sender<Arc<Line>>,
     readings: broadcast::Sender<Arc<Measured>>,
     demand: Demand,
@@ -217,8 +230,12 @@ impl Channels {
         self.statuses.clone()
     }
 
-    pub(crate) fn notices(&self) -> broadcast::Receiver<Notice> {
+    pub(crate) fn notices(&self) -> broadcast::Receiver<Arc<str>> {
         self.notices.subscribe()
+    }
+
+    pub(crate) fn scans(&self) -> broadcast::Receiver<Bytes> {
+        self.scans.subscribe()
     }
 
     /// Returns the wish of a viewer for pictures, for nothing yet.
@@ -243,7 +260,10 @@ impl Channels {
 pub(crate) struct Broadcast {
     frames: watch::Sender<Bytes>,
     statuses: watch::Sender<Arc<str>>,
-    notices: broadcast::Sender<Notice>,
+    /// Events and problems, in words.
+    notices: broadcast::Sender<Arc<str>>,
+    /// Ranges of lasers and sonars, see [`frame`].
+    scans: broadcast::Sender<Bytes>,
     lines: broadcast::Sender<Arc<Line>>,
     readings: broadcast::Sender<Arc<Measured>>,
     scene: watch::Sender<Bytes>,
@@ -272,8 +292,8 @@ fn scene(world: &WorldDef, about: Option<&About>) -> Bytes {
 pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, board: Board) -> (Broadcast, Channels) {
     let (frames, frames_end) = watch::channel(Bytes::new());
     let (statuses, statuses_end) = watch::channel(Arc::from("{}"));
-    let ((notices, _), (lines, _)) = (broadcast::channel(MAX_NOTICES), broadcast::channel(MAX_NOTICES));
-    let (readings, _) = broadcast::channel(MAX_NOTICES);
+    let ((notices, _), (lines, _)) = (broadcast::channel(MAX_BEHIND), broadcast::channel(MAX_BEHIND));
+    let ((readings, _), (scans, _)) = (broadcast::channel(MAX_BEHIND), broadcast::channel(MAX_SCANS));
     let (scene, scene_end) = watch::channel(scene(world, about.as_ref()));
     let (objects, objects_end) = watch::channel(Bytes::from_static(b"[]"));
     let cameras = Cameras::new(board);
@@ -283,6 +303,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, bo
         frames: frames_end,
         statuses: statuses_end,
         notices: notices.clone(),
+        scans: scans.clone(),
         lines: lines.clone(),
         readings: readings.clone(),
         scene: scene_end,
@@ -294,6 +315,7 @@ pub(crate) fn broadcast(now: Instant, world: &WorldDef, about: Option<About>, bo
         frames,
         statuses,
         notices,
+        scans,
         lines,
         readings,
         scene,
@@ -417,13 +439,13 @@ impl Broadcast {
         }
         self.scanned.insert(sensor, now);
         if let Some(scan) = def.and_then(|def| frame::scan(def, sensed.robot.0, sensed.sensor, ranges)) {
-            let _ = self.notices.send(Notice::Scan(scan.into()));
+            let _ = self.scans.send(scan.into());
         }
     }
 
     /// Publishes a text.
     pub(crate) fn say(&self, text: &str) {
-        let _ = self.notices.send(Notice::Said(text.into()));
+        let _ = self.notices.send(Line::cut(text).into());
     }
 }
 
@@ -433,6 +455,18 @@ mod tests {
 
     use super::*;
     use crate::images::ImageKind;
+
+    #[test]
+    fn long_texts_are_cut_between_letters() {
+        for (text, expected) in [
+            ("short".to_owned(), "short".to_owned()),
+            ("x".repeat(MAX_TEXT), "x".repeat(MAX_TEXT)),
+            ("ä".repeat(5000), format!("{}.. (10000 bytes in all)", "ä".repeat(MAX_TEXT / 2))),
+            (format!("x{}", "ä".repeat(5000)), format!("x{}.. (10001 bytes in all)", "ä".repeat(MAX_TEXT / 2 - 1))),
+        ] {
+            assert_eq!(Line::cut(&text), expected);
+        }
+    }
 
     #[test]
     fn when_a_sensor_was_last_shown_is_known_only_while_it_is_there_and_somebody_looks() {

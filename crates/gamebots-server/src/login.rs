@@ -1,6 +1,6 @@
-//! Logins: new connections of a port wait in a queue until their LOGIN line has come. They take no place of clients that have logged in.
+//! Logins: new connections of a port stay in the waiting room until their LOGIN line has come. They take no place of clients that have
+//! logged in.
 
-use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -8,30 +8,41 @@ use gamebots_proto::Dialect;
 use gamebots_proto::message::{Message, Nfo};
 use tokio::io::{AsyncReadExt, AsyncWriteExt, copy, sink};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::task::{AbortHandle, JoinSet};
+use tokio::task::JoinSet;
 use tokio::time::timeout;
 use tracing::info;
 
-use crate::access::{Access, LOGIN_TIME, Refusal, Rights, Role};
+use crate::access::{Access, LOGIN_TIME, Refusal, Rights, Role, Tokens};
 use crate::budget::Budgets;
+use crate::waiting_room::WaitingRoom;
 
-/// Most connections that wait. One more drops the oldest. A client with a token logs in at once, so it is not among them.
-const MAX_WAITING: usize = 256;
 /// Longest time to send a refusal, and most bytes of the client that are read meanwhile.
 const FAREWELL: Duration = Duration::from_secs(1);
 const MOST_UNREAD: u64 = 64 * 1024;
 
+/// Rules and state that the logins of all ports share.
+#[derive(Clone)]
+pub(crate) struct Door {
+    pub(crate) access: Access,
+    pub(crate) room: WaitingRoom,
+    pub(crate) budgets: Budgets,
+}
+
+impl Door {
+    /// Creates the door of a server with these tokens, if any. So many connections wait at once.
+    pub(crate) fn new(tokens: Option<Tokens>, waiting: usize) -> Self {
+        Self { access: Access::new(tokens), room: WaitingRoom::new(waiting), budgets: Budgets::default() }
+    }
+}
+
 /// Logins of a port. Without tokens every connection is accepted at once.
 pub(crate) struct LoginQueue {
-    access: Access,
+    door: Door,
     /// The roles of which one is needed.
     wanted: &'static [Role],
     /// True to send refused clients the reason.
     sends_reason: bool,
-    budgets: Budgets,
     waiting: JoinSet<Option<Accepted>>,
-    /// Waiting connections, oldest first.
-    handles: VecDeque<AbortHandle>,
 }
 
 /// An accepted connection.
@@ -43,8 +54,8 @@ pub(crate) struct Accepted {
 }
 
 impl LoginQueue {
-    pub(crate) fn new(access: Access, wanted: &'static [Role], sends_reason: bool, budgets: Budgets) -> Self {
-        Self { access, wanted, sends_reason, budgets, waiting: JoinSet::new(), handles: VecDeque::new() }
+    pub(crate) fn new(door: Door, wanted: &'static [Role], sends_reason: bool) -> Self {
+        Self { door, wanted, sends_reason, waiting: JoinSet::new() }
     }
 
     /// Returns the next accepted connection. The future can be dropped at any time.
@@ -52,18 +63,22 @@ impl LoginQueue {
     /// # Errors
     /// The operating system's, when a connection cannot be accepted.
     pub(crate) async fn accept(&mut self, listener: &TcpListener) -> std::io::Result<Accepted> {
-        if self.access.is_open() {
+        if self.door.access.is_open() {
             let (stream, peer) = listener.accept().await?;
             return Ok(Accepted { stream, peer, rights: Rights::all() });
         }
+        let room = self.door.room.clone();
         loop {
+            let accept = async {
+                room.vacancy().await;
+                listener.accept().await
+            };
             tokio::select! {
-                accepted = listener.accept() => {
+                accepted = accept => {
                     let (stream, peer) = accepted?;
                     self.start_login(stream, peer);
                 }
                 Some(login) = self.waiting.join_next() => {
-                    // A dropped connection is an error of its task.
                     if let Ok(Some(accepted)) = login {
                         return Ok(accepted);
                     }
@@ -72,17 +87,12 @@ impl LoginQueue {
         }
     }
 
-    /// Adds a connection to the queue.
+    /// Lets a connection into the waiting room until it has logged in.
     fn start_login(&mut self, mut stream: TcpStream, peer: SocketAddr) {
-        self.handles.retain(|handle| !handle.is_finished());
-        if self.handles.len() >= MAX_WAITING
-            && let Some(oldest) = self.handles.pop_front()
-        {
-            oldest.abort();
-        }
-        let (access, wanted, sends_reason) = (self.access.clone(), self.wanted, self.sends_reason);
-        let budgets = self.budgets.clone();
-        self.handles.push_back(self.waiting.spawn(async move {
+        let (Door { access, room, budgets }, wanted, sends_reason) =
+            (self.door.clone(), self.wanted, self.sends_reason);
+        let stay = room.enter(peer.ip());
+        let log_in = async move {
             match access.log_in(&mut stream, wanted).await {
                 Ok(rights) => Some(Accepted { stream, peer, rights }),
                 Err(refusal) => {
@@ -95,7 +105,13 @@ impl LoginQueue {
                     None
                 }
             }
-        }));
+        };
+        self.waiting.spawn(async move {
+            tokio::select! {
+                accepted = log_in => accepted,
+                () = stay.dropped() => None,
+            }
+        });
     }
 }
 

@@ -10,13 +10,14 @@ use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
 use tracing::{info, warn};
 
-use crate::access::{Access, Role};
-use crate::budget::Budgets;
-use crate::login::{Accepted, LoginQueue};
+use crate::access::Role;
+use crate::login::{Accepted, Door, LoginQueue};
 use crate::{ServeError, Tokens};
 
 /// Most clients at once; more wait until one leaves.
 const MAX_CLIENTS: usize = 64;
+/// Most clients that have not logged in.
+const MAX_WAITING: usize = 64;
 /// Time after which a client that reads nothing is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(30);
 
@@ -51,7 +52,7 @@ pub fn play(
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
     runtime.block_on(async {
         let Playback { host, port, real_time_factor, lines, tokens } = playback;
-        let logins = LoginQueue::new(Access::new(tokens), &[Role::Viewer], false, Budgets::default());
+        let logins = LoginQueue::new(Door::new(tokens, MAX_WAITING), &[Role::Viewer], false);
         let failed = |reason| ServeError::Listen { host: host.clone(), port, reason };
         let listener = TcpListener::bind((host.as_str(), port)).await.map_err(failed)?;
         ready(listener.local_addr().map_err(failed)?);

@@ -6,15 +6,15 @@
 //! The rows of truth leave in one write, and the end of them a moment later. MetricTool asks how many bytes are there at the first one and reads
 //! so many, again and again, until fewer come. Without a shorter rest it waits for 4 s.
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use gamebots_proto::Framing;
 use gamebots_proto::ports::{Place, PositionsQuestion, Row, Stand, TRUTH_END, TruthQuestion, positions, rows};
 use nalgebra::Vector3;
 use scene::{Pose, Standings};
-use sessions::Sessions;
 use sim_core::{Actor, ActorKind, World};
 use tokio::io::AsyncReadExt;
 use tokio::net::{TcpListener, TcpStream};
@@ -22,12 +22,13 @@ use tokio::sync::{Semaphore, oneshot};
 use tokio::time::{sleep, timeout};
 
 use crate::connection::{Event, FirstBytes, UNENDED_LINE, send};
+use crate::control::{self, Control};
+use crate::fit::{Ask, Fit};
+use crate::guests::{Guest, Kind};
 use crate::listener::accept;
 use crate::login::LoginQueue;
 use crate::web::Health;
 
-/// Most connections to a port at once; more wait.
-const MAX_CONNECTIONS: usize = 64;
 /// Time between the rows of truth and their end.
 const BEFORE_END: Duration = Duration::from_millis(20);
 /// Bytes read at once.
@@ -42,16 +43,20 @@ pub(crate) enum Port {
     Positions,
 }
 
-/// A question to the world's thread, and where its answer goes.
+/// A guest's request to the world's thread, and the way of its answer.
 pub(crate) enum Question {
     /// Everything with a pose.
-    Actors(oneshot::Sender<Actors>),
+    Actors(oneshot::Sender<Arc<Actors>>),
     /// The number of walls between two points, m.
     Obstacles([[f64; 3]; 2], oneshot::Sender<usize>),
     /// The state of the server in numbers.
     Health(oneshot::Sender<Health>),
     /// Every team's points; none without a league.
     Standings(oneshot::Sender<Option<Standings>>),
+    /// Room for a robot.
+    Fit(Ask, oneshot::Sender<Fit>),
+    /// A change of the world, by a viewer.
+    Control(Control, control::Actor),
 }
 
 /// Everything with a pose at a time.
@@ -59,51 +64,62 @@ pub(crate) struct Actors {
     /// Simulated time, s.
     time: f64,
     all: Vec<Actor>,
+    /// Answer to GETPOS, once it was asked for.
+    stands: OnceLock<String>,
 }
 
-impl Question {
-    /// Answers the question. The client may have left. `health` collects the state of the server.
-    pub(crate) fn answer(self, sessions: &mut Sessions, health: impl FnOnce(&World) -> Health) {
-        let world = sessions.world_mut();
-        match self {
-            Self::Actors(answer) => _ = answer.send(Actors { time: world.time(), all: world.actors() }),
-            Self::Obstacles([from, to], answer) => _ = answer.send(world.obstacles(from, to)),
-            Self::Health(answer) => _ = answer.send(health(world)),
-            Self::Standings(answer) => _ = answer.send(sessions.standings()),
-        }
+impl Actors {
+    /// Returns the simulated time, s.
+    pub(crate) fn time(&self) -> f64 {
+        self.time
+    }
+
+    pub(crate) fn of(world: &World) -> Self {
+        Self { time: world.time(), all: world.actors(), stands: OnceLock::new() }
     }
 }
 
-/// The way of one connection to the world. It has one question at a time there.
+/// The way of one guest to the world. It has one question at a time there.
+#[derive(Clone)]
 pub(crate) struct Inquiry {
+    guest: Guest,
     events: Sender<Event>,
     turns: Arc<Semaphore>,
 }
 
 impl Inquiry {
-    pub(crate) fn new(events: Sender<Event>) -> Self {
-        Self { events, turns: Arc::new(Semaphore::new(1)) }
+    pub(crate) fn new(kind: Kind, events: Sender<Event>) -> Self {
+        /// Number of the next guest.
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let guest = Guest { kind, number: NEXT.fetch_add(1, Ordering::Relaxed) };
+        Self { guest, events, turns: Arc::new(Semaphore::new(1)) }
     }
 
     /// Asks the world. `None` if it has ended.
     pub(crate) async fn ask<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Option<T> {
-        let turn = self.turns.clone().acquire_owned().await.ok()?;
         let (answer, answered) = oneshot::channel();
-        self.events.send(Event::Ask(question(answer), turn)).ok()?;
+        self.send(question(answer)).await?;
         answered.await.ok()
+    }
+
+    /// Sends a request to the world. `None` if it has ended.
+    pub(crate) async fn send(&self, question: Question) -> Option<()> {
+        let turn = self.turns.clone().acquire_owned().await.ok()?;
+        self.events.send(Event::Ask(self.guest, question, turn)).ok()
     }
 }
 
-/// Serves a port of lines until the future is dropped.
+/// Serves a port of lines to a number of clients at once until the future is dropped; more wait.
 pub(crate) async fn serve(
     port: Port,
     listener: TcpListener,
     logins: LoginQueue,
+    most: usize,
     events: Sender<Event>,
     stall_timeout: Duration,
 ) {
-    accept(listener, logins, MAX_CONNECTIONS, |accepted, place| {
-        let inquiry = Inquiry::new(events.clone());
+    accept(listener, logins, most, |accepted, place| {
+        let inquiry = Inquiry::new(port.kind(), events.clone());
         async move {
             let _place = place;
             converse(port, accepted.stream, &inquiry, stall_timeout).await;
@@ -157,10 +173,17 @@ async fn converse(port: Port, mut stream: TcpStream, inquiry: &Inquiry, stall_ti
 }
 
 impl Port {
+    fn kind(self) -> Kind {
+        match self {
+            Self::Truth => Kind::Truth,
+            Self::Positions => Kind::Positions,
+        }
+    }
+
     /// Answers a line. `None` if the world has ended.
     async fn answer(self, line: &str, inquiry: &Inquiry) -> Option<String> {
         match self {
-            Self::Truth => Some(truth(&TruthQuestion::read(line), &inquiry.ask(Question::Actors).await?)),
+            Self::Truth => Some(truth(&TruthQuestion::read(line), &*inquiry.ask(Question::Actors).await?)),
             Self::Positions => answer_positions(line, inquiry).await,
         }
     }
@@ -187,7 +210,7 @@ async fn answer_positions(line: &str, inquiry: &Inquiry) -> Option<String> {
     let between = match PositionsQuestion::read(line) {
         None => return Some(String::new()),
         Some(PositionsQuestion::Nothing) => return Some("\r\n".to_owned()),
-        Some(PositionsQuestion::Positions) => return Some(stands(&inquiry.ask(Question::Actors).await?)),
+        Some(PositionsQuestion::Positions) => return Some(inquiry.ask(Question::Actors).await?.stands().to_owned()),
         Some(PositionsQuestion::Obstacles(between)) => between,
     };
     let actors = inquiry.ask(Question::Actors).await?;
@@ -203,27 +226,29 @@ async fn answer_positions(line: &str, inquiry: &Inquiry) -> Option<String> {
     Some(between.answer(count))
 }
 
-fn stands(actors: &Actors) -> String {
-    let robots = actors.robots().map(|Actor { called, pose, battery_is_empty, .. }| Stand {
-        name: called,
-        location: point_of(pose).map(|number| number as f32),
-        battery_is_empty: *battery_is_empty,
-    });
-    positions(&robots.collect::<Vec<_>>())
-}
-
 fn point_of(pose: &Pose) -> [f64; 3] {
     Vector3::into(pose.translation.vector)
 }
 
 impl Actors {
     /// Returns names and places of the robots, m, each with true if its battery is empty.
-    pub(crate) fn places(self) -> impl Iterator<Item = (String, ([f64; 3], bool))> {
-        let robots = self.all.into_iter().filter(|actor| actor.kind == ActorKind::Robot);
-        robots.map(|robot| (robot.called, (point_of(&robot.pose), robot.battery_is_empty)))
+    pub(crate) fn places(&self) -> impl Iterator<Item = (String, ([f64; 3], bool))> {
+        self.robots().map(|robot| (robot.called.clone(), (point_of(&robot.pose), robot.battery_is_empty)))
     }
 
     fn robots(&self) -> impl Iterator<Item = &Actor> {
         self.all.iter().filter(|actor| actor.kind == ActorKind::Robot)
+    }
+
+    /// Returns the answer to GETPOS. Clients that ask in the same step share it.
+    fn stands(&self) -> &str {
+        self.stands.get_or_init(|| {
+            let robots = self.robots().map(|Actor { called, pose, battery_is_empty, .. }| Stand {
+                name: called,
+                location: point_of(pose).map(|number| number as f32),
+                battery_is_empty: *battery_is_empty,
+            });
+            positions(&robots.collect::<Vec<_>>())
+        })
     }
 }

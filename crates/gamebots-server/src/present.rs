@@ -1,24 +1,35 @@
-//! The snapshot of the present, which observers on all threads share.
+//! The present: a snapshot and the poses that guests ask for, which observers on all threads share.
 
 use std::sync::Arc;
 
 use scene::Snapshot;
 use sim_core::World;
 
-/// A snapshot, made when first needed after a change.
+use crate::ports::Actors;
+
+/// A snapshot and the poses of everything, made when first needed after a change.
 #[derive(Default)]
-pub(crate) struct Present(Option<Arc<Snapshot>>);
+pub(crate) struct Present {
+    snapshot: Option<Arc<Snapshot>>,
+    actors: Option<Arc<Actors>>,
+}
 
 impl Present {
     /// Returns the snapshot of a world.
     pub(crate) fn of(&mut self, world: &World) -> Arc<Snapshot> {
-        let known = self.0.take().filter(|snapshot| snapshot.time.to_bits() == world.time().to_bits());
-        self.0.insert(known.unwrap_or_else(|| Arc::new(world.snapshot()))).clone()
+        let known = self.snapshot.take().filter(|snapshot| snapshot.time.to_bits() == world.time().to_bits());
+        self.snapshot.insert(known.unwrap_or_else(|| Arc::new(world.snapshot()))).clone()
     }
 
-    /// Drops the snapshot, because the world changed between two steps.
+    /// Returns everything that has a pose in a world.
+    pub(crate) fn actors(&mut self, world: &World) -> Arc<Actors> {
+        let known = self.actors.take().filter(|actors| actors.time().to_bits() == world.time().to_bits());
+        self.actors.insert(known.unwrap_or_else(|| Arc::new(Actors::of(world)))).clone()
+    }
+
+    /// Drops what is known, because the world changed between two steps.
     pub(crate) fn forget(&mut self) {
-        self.0 = None;
+        *self = Self::default();
     }
 }
 

@@ -2,6 +2,7 @@
 //! published elsewhere.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use recorder::{Record, RecordError, WireLine};
@@ -12,6 +13,7 @@ use crate::cameras::{Shot, Shots};
 use crate::connection::ConnectionId;
 use crate::journal::Journal;
 use crate::live::{Broadcast, Line, Status};
+use crate::ports::Actors;
 use crate::present::Present;
 use crate::recording::{BeginError, Recording};
 
@@ -36,7 +38,7 @@ impl Publisher {
         self.present.forget();
         let robot = pawn.map(|robot| robot.0);
         self.keep(world, Record::In(WireLine { connection, robot, line: line.to_owned() }));
-        self.live.line(|| Line { time: world.time(), direction: "in", connection, robot, text: line.to_owned() });
+        self.live.line(|| Line { time: world.time(), direction: "in", connection, robot, text: Line::cut(line) });
     }
 
     /// Publishes a line that goes to a client. `robot` is the robot that it is about, if any.
@@ -45,7 +47,7 @@ impl Publisher {
         if self.recording.is_wanted() {
             self.recording.record(world, Record::Out(WireLine { connection, robot, line: line.to_owned() }));
         }
-        self.live.line(|| Line { time: world.time(), direction: "out", connection, robot, text: line.to_owned() });
+        self.live.line(|| Line { time: world.time(), direction: "out", connection, robot, text: Line::cut(line) });
     }
 
     /// Publishes a reading, whether or not the robot has a client.
@@ -146,6 +148,11 @@ impl Publisher {
             }
             Err(error) => self.warn(world, &error.to_string()),
         }
+    }
+
+    /// Returns everything that has a pose in the world.
+    pub(crate) fn actors(&mut self, world: &World) -> Arc<Actors> {
+        self.present.actors(world)
     }
 
     /// Checks if the world may start over now.

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
 
 use scene::WorldDef;
 use serde::{Deserialize, Serialize};
@@ -15,6 +16,8 @@ use crate::recording::{is_kept, numbered};
 const FORMAT: u32 = 1;
 /// Largest file that is read, bytes: a map of 500 000 triangles and 256 robots.
 const MAX_BYTES: u64 = 256 * 1024 * 1024;
+/// Least time between two saves: each takes time of the world's thread, and room on the disk.
+const INTERVAL: Duration = Duration::from_secs(1);
 
 #[derive(Serialize)]
 struct Written<'a> {
@@ -70,17 +73,33 @@ pub fn read_saved(path: &Path) -> Result<(WorldDef, SavedWorld), SavedFileError>
 
 /// Saving of a world while it runs. A thread writes the file, so that the world does not wait for the disk.
 #[derive(Default)]
-pub(crate) struct Saving(Option<Receiver<Outcome>>);
+pub(crate) struct Saving {
+    /// True if somebody asked for a save that has not begun. Saves that wait become one.
+    is_asked: bool,
+    /// The outcome of the save that is being written.
+    outcome: Option<Receiver<Outcome>>,
+    /// Time of the last save's start.
+    started: Option<Instant>,
+}
 
 /// A sentence about a save that succeeded or failed.
 type Outcome = Result<String, String>;
 
 impl Saving {
+    /// Requests a save.
+    pub(crate) fn ask(&mut self) {
+        self.is_asked = true;
+    }
+
+    /// True if a save is to begin now.
+    pub(crate) fn is_due(&self, now: Instant) -> bool {
+        let has_rested = self.started.is_none_or(|started| now.duration_since(started) >= INTERVAL);
+        self.is_asked && self.outcome.is_none() && has_rested
+    }
+
     /// Begins to write a world to a file beside this name that does not exist yet. Returns the reason if it cannot.
-    pub(crate) fn start(&mut self, name: &Path, world: &World) -> Result<(), String> {
-        if self.0.is_some() {
-            return Err("not saved: the last save is still being written".to_owned());
-        }
+    pub(crate) fn start(&mut self, now: Instant, name: &Path, world: &World) -> Result<(), String> {
+        (self.is_asked, self.started) = (false, Some(now));
         let state = world.save().map_err(|error| format!("not saved: {error}"))?;
         let path = (1..).map(|number| numbered(name, number)).find(|path| !is_kept(path)).unwrap_or_default();
         let (scene, time) = (world.scene().clone(), world.time());
@@ -95,18 +114,18 @@ impl Saving {
         };
         let thread = std::thread::Builder::new().name("save".to_owned()).spawn(write);
         thread.map_err(|error| format!("not saved: {error}"))?;
-        self.0 = Some(news);
+        self.outcome = Some(news);
         Ok(())
     }
 
     /// Returns the outcome of a save that has ended since the last call.
     pub(crate) fn news(&mut self) -> Option<Outcome> {
-        let news = match self.0.as_ref()?.try_recv() {
+        let news = match self.outcome.as_ref()?.try_recv() {
             Ok(news) => news,
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => Err("not saved: the file was not finished".to_owned()),
         };
-        self.0 = None;
+        self.outcome = None;
         Some(news)
     }
 }

@@ -14,17 +14,19 @@ use std::time::{Duration, Instant};
 use scene::{Options, Sensed, Snapshot, WorldDef};
 use tokio::sync::oneshot;
 
-use crate::access::Access;
-use crate::budget::Budgets;
 use crate::connection::Event;
+use crate::guests::Kind;
 use crate::images::{Board, ImageKind};
 use crate::live::{self, About, Broadcast, RobotStatus, Status};
-use crate::login::LoginQueue;
+use crate::login::Door;
+use crate::ports::Inquiry;
 use crate::web::{self, Framing, Packed, Site};
 use crate::{IfTaken, Listener, ServeError, Service, WorldControl, listener};
 
 /// Interval between two frames, and least time between two snapshots that are worth taking.
 const FRAME_INTERVAL: Duration = Duration::from_millis(33);
+/// Most connections to the page at once.
+const MAX_CONNECTIONS: usize = 64;
 
 /// The page of a world that another program steps. It ends when dropped.
 pub struct View {
@@ -61,15 +63,18 @@ impl View {
         let board = Board::new(ImageKind::default(), false);
         let (live, channels) = live::broadcast(Instant::now(), def, Some(about), board);
         let (events, requests) = channel();
-        let (access, budgets) = (Access::new(None), Budgets::default());
+        let Door { access, room, .. } = Door::new(None, MAX_CONNECTIONS);
         let site = Site {
             host,
             protocol: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
             channels,
+            inquiry: Inquiry::new(Kind::Http, events.clone()),
             events,
             stall_timeout: Duration::from_secs(30),
             world_control: WorldControl::Nobody,
-            access: access.clone(),
+            access,
+            room,
+            limits: Vec::new(),
             packed: Packed::default(),
             pages: AtomicU64::new(0),
             framing: Framing::Local,
@@ -80,11 +85,10 @@ impl View {
         let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
         let show = move || show(live, &def, &taken, &requests);
         let showing = thread("view").spawn(show).map_err(ServeError::Start)?;
-        let logins = LoginQueue::new(access, &[], false, budgets);
         let serve = move || {
             runtime.block_on(async {
                 tokio::select! {
-                    () = web::serve(bound, logins, Arc::new(site)) => {}
+                    () = web::serve(bound, MAX_CONNECTIONS, Arc::new(site)) => {}
                     _ = stopped => {}
                 }
             });

@@ -12,9 +12,9 @@ mod viewer;
 mod wire;
 
 use std::net::{IpAddr, SocketAddr};
-use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use axum::body::Bytes;
@@ -28,22 +28,23 @@ use axum::{Extension, Router};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
+use tokio::task::JoinSet;
 use tokio_io_timeout::TimeoutStream;
 use tracing::debug;
 
 use crate::WorldControl;
 use crate::access::{Access, Role};
+use crate::budget::Budget;
 use crate::connection::Event;
-use crate::listener::{self, accept};
+use crate::listener::back_off;
 use crate::live::Channels;
-use crate::login::{Accepted, LoginQueue};
 use crate::ports::{Inquiry, Question};
+use crate::waiting_room::{Stay, WaitingRoom};
 
 pub(crate) use metrics::Health;
 pub(crate) use packed::Packed;
 
-/// Most connections to the page at once, WebSockets included; more wait.
-const MAX_CONNECTIONS: usize = 256;
 /// Longest time for the head of a request, and for a client to read its response.
 const TIMEOUT: Duration = Duration::from_secs(10);
 
@@ -74,18 +75,55 @@ pub(crate) struct Site {
     pub(crate) protocol: SocketAddr,
     pub(crate) channels: Channels,
     pub(crate) events: Sender<Event>,
+    /// The way of all HTTP requests to the world.
+    pub(crate) inquiry: Inquiry,
     /// Time after which a viewer that reads nothing is disconnected.
     pub(crate) stall_timeout: Duration,
     pub(crate) world_control: WorldControl,
     pub(crate) access: Access,
+    pub(crate) room: WaitingRoom,
+    /// Most connections of each kind.
+    pub(crate) limits: Vec<(&'static str, usize)>,
     pub(crate) packed: Packed,
     /// Number of pages opened so far; it numbers the pages.
     pub(crate) pages: AtomicU64,
     pub(crate) framing: Framing,
 }
 
-/// One of the [`MAX_CONNECTIONS`], held while the connection lives, also after it has become a WebSocket.
-pub(crate) type Place = Arc<listener::Place>;
+/// A connection's stay: in the waiting room until it has shown that it may come in, then in one of the page's places. It is held while the
+/// connection lives, also after it has become a WebSocket.
+pub(crate) struct Visit {
+    places: Arc<Semaphore>,
+    state: Mutex<VisitState>,
+    dropped: Arc<Notify>,
+}
+
+enum VisitState {
+    Waiting(#[expect(dead_code, reason = "it leaves the room on drop")] Stay),
+    Admitted(#[expect(dead_code, reason = "it is free again on drop")] OwnedSemaphorePermit),
+}
+
+impl Visit {
+    fn new(places: Arc<Semaphore>, stay: Stay) -> Self {
+        let dropped = stay.notify();
+        Self { places, state: Mutex::new(VisitState::Waiting(stay)), dropped }
+    }
+
+    /// Gives the connection a place. Returns false if all are taken.
+    fn admit(&self) -> bool {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if let VisitState::Admitted(_) = *state {
+            return true;
+        }
+        let place = self.places.clone().try_acquire_owned();
+        place.map(|place| *state = VisitState::Admitted(place)).is_ok()
+    }
+
+    /// Completes when the waiting room drops the connection for another one.
+    async fn dropped(&self) {
+        self.dropped.notified().await;
+    }
+}
 
 /// The ends of a page's connection.
 #[derive(Debug, Clone, Copy)]
@@ -95,8 +133,8 @@ struct Peer {
     own: IpAddr,
 }
 
-/// Serves until the future is dropped.
-pub(crate) async fn serve(listener: TcpListener, logins: LoginQueue, site: Arc<Site>) {
+/// Serves a number of connections at once until the future is dropped, WebSockets included.
+pub(crate) async fn serve(listener: TcpListener, most: usize, site: Arc<Site>) {
     let for_viewers = middleware::from_fn_with_state(site.clone(), admit_viewer);
     let router = Router::new()
         .route("/scene.json", get(scene).post(log_scene::answer))
@@ -111,13 +149,33 @@ pub(crate) async fn serve(listener: TcpListener, logins: LoginQueue, site: Arc<S
         .route("/metrics", get(metrics::metrics).route_layer(for_viewers))
         .route("/health", get(metrics::health))
         .with_state(site.clone());
-    let serve = |Accepted { stream, peer, .. }: Accepted, place| {
-        let place: Place = Arc::new(place);
-        let own = stream.local_addr().unwrap_or(peer);
-        let peer = Peer { address: peer.ip(), own: own.ip() };
-        serve_connection(stream, router.clone().layer(Extension(place)).layer(Extension(peer)))
-    };
-    accept(listener, logins, MAX_CONNECTIONS, serve).await;
+    let (places, mut warnings) = (Arc::new(Semaphore::new(most)), Budget::default());
+    let mut connections = JoinSet::new();
+    loop {
+        let accept = async {
+            site.room.vacancy().await;
+            listener.accept().await
+        };
+        tokio::select! {
+            accepted = accept => match accepted {
+                Ok((stream, peer)) => {
+                    debug!(%peer, "connected");
+                    let visit = Arc::new(Visit::new(places.clone(), site.room.enter(peer.ip())));
+                    let own = stream.local_addr().unwrap_or(peer);
+                    let peer = Peer { address: peer.ip(), own: own.ip() };
+                    let router = router.clone().layer(Extension(visit.clone())).layer(Extension(peer));
+                    connections.spawn(async move {
+                        tokio::select! {
+                            () = serve_connection(stream, router) => {}
+                            () = visit.dropped() => {}
+                        }
+                    });
+                }
+                Err(error) => back_off(&error, &mut warnings).await,
+            },
+            Some(_) = connections.join_next() => {}
+        }
+    }
 }
 
 async fn serve_connection(stream: TcpStream, router: Router) {
@@ -145,7 +203,7 @@ async fn objects(State(site): State<Arc<Site>>) -> Response {
 
 /// Answers with every team's points; `null` without a league.
 async fn league(State(site): State<Arc<Site>>) -> Response {
-    match Inquiry::new(site.events.clone()).ask(Question::Standings).await {
+    match site.inquiry.ask(Question::Standings).await {
         // Standings have only text and numbers, so serialization cannot fail.
         Some(standings) => json(serde_json::to_vec(&standings).unwrap_or_default().into()),
         None => StatusCode::SERVICE_UNAVAILABLE.into_response(),
@@ -157,14 +215,25 @@ fn json(body: Bytes) -> Response {
 }
 
 /// Refuses requests without the token of a viewer, if the server has tokens: `Authorization: Bearer <token>`.
-async fn admit_viewer(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
+async fn admit_viewer(
+    State(site): State<Arc<Site>>,
+    Extension(visit): Extension<Arc<Visit>>,
+    request: Request,
+    next: Next,
+) -> Response {
     match site.access.rights(bearer(request.headers()), &[Role::Viewer]) {
+        Ok(_) if !visit.admit() => too_many(),
         Ok(_) => next.run(request).await,
         Err(refusal) => {
             let text = format!("{refusal}: expected `Authorization: Bearer <token>` with the role viewer\n");
             (StatusCode::UNAUTHORIZED, [(header::WWW_AUTHENTICATE, "Bearer")], text).into_response()
         }
     }
+}
+
+fn too_many() -> Response {
+    let text = "too many pages are open: close one, or try again later\n";
+    (StatusCode::SERVICE_UNAVAILABLE, [(header::RETRY_AFTER, "5")], text).into_response()
 }
 
 /// Returns the token of a request, if it has one.
@@ -174,9 +243,17 @@ pub(crate) fn bearer(headers: &HeaderMap) -> Option<&str> {
 }
 
 /// Refuses foreign pages, and tells the browser to restrict this page to what it needs.
-async fn guard(State(site): State<Arc<Site>>, request: Request, next: Next) -> Response {
+async fn guard(
+    State(site): State<Arc<Site>>,
+    Extension(visit): Extension<Arc<Visit>>,
+    request: Request,
+    next: Next,
+) -> Response {
     if let Err(reason) = check(request.headers(), &site.host, |_| false) {
         return (StatusCode::FORBIDDEN, reason).into_response();
+    }
+    if site.access.is_open() && !visit.admit() {
+        return too_many();
     }
     let mut response = next.run(request).await;
     let policy = format!(

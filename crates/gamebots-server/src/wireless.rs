@@ -12,25 +12,23 @@ use std::time::Duration;
 use gamebots_proto::Framing;
 use gamebots_proto::ports::{Strength, WirelessCommand, WirelessError, origin, registered, route, strength};
 use nalgebra::Point3;
-use tokio::io::{AsyncReadExt, AsyncWriteExt, copy};
+use tokio::io::{AsyncReadExt, AsyncWriteExt, copy, split};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{Notify, Semaphore, watch};
+use tokio::sync::{Notify, watch};
 use tokio::task::AbortHandle;
 use tokio::time::{interval, timeout};
+use tokio_io_timeout::TimeoutStream;
 use tracing::{debug, warn};
 
 use crate::access::Access;
 use crate::connection::{BACK_OFF, Event, FirstBytes, send};
+use crate::guests::Kind;
+use crate::limits::Limits;
 use crate::listener::accept;
 use crate::login::LoginQueue;
 use crate::ports::{Inquiry, Question};
+use crate::shares::{Share, Shares};
 
-/// Most control connections at once; more wait.
-const MAX_CONNECTIONS: usize = 64;
-/// Most ports that robots are given.
-const MAX_ROUTES: usize = 256;
-/// Most relayed connections at once; more wait.
-const MAX_RELAYS: usize = 512;
 /// Time between two looks at the links (WSS: 1 s).
 pub(crate) const LOOK: Duration = Duration::from_secs(1);
 /// Time for the second direction of a relayed connection after the end of the first.
@@ -80,7 +78,10 @@ impl Propagation {
 #[derive(Clone)]
 pub(crate) struct Network {
     shared: Arc<Mutex<State>>,
-    relays: Arc<Semaphore>,
+    limits: Limits,
+    /// Places for ports that robots are given, and for relayed connections.
+    routes: Shares,
+    relays: Shares,
     events: Sender<Event>,
     access: Access,
     host: Arc<str>,
@@ -109,6 +110,7 @@ struct Route {
     port: u16,
     holds: watch::Sender<bool>,
     task: AbortHandle,
+    _share: Share,
 }
 
 impl Drop for Route {
@@ -121,14 +123,14 @@ impl Drop for Route {
 type Places = BTreeMap<String, ([f64; 3], bool)>;
 
 impl Network {
-    pub(crate) fn new(events: Sender<Event>, access: Access, host: &str, model: Propagation) -> Self {
-        let relays = Arc::new(Semaphore::new(MAX_RELAYS));
-        Self { shared: Arc::default(), relays, events, access, host: host.into(), model }
+    pub(crate) fn new(events: Sender<Event>, access: Access, host: &str, model: Propagation, limits: Limits) -> Self {
+        let (routes, relays) = (Shares::new(limits.routes), Shares::new(limits.relays));
+        Self { shared: Arc::default(), limits, routes, relays, events, access, host: host.into(), model }
     }
 
     /// Returns the strength of a signal between two robots, dBm, as [`Self::strength`] does.
     pub(crate) async fn strength_between(&self, one: &str, other: &str) -> Option<f64> {
-        let inquiry = Inquiry::new(self.events.clone());
+        let inquiry = Inquiry::new(Kind::Radio, self.events.clone());
         let places = if self.model == Propagation::Everywhere { Places::new() } else { places(&inquiry).await? };
         self.strength(&inquiry, &places, one, other).await
     }
@@ -144,7 +146,7 @@ impl Network {
 
     /// Looks at the links once a second: breaks and restores them, and removes robots that have left the world. Never ends.
     async fn watch(self) {
-        let inquiry = Inquiry::new(self.events.clone());
+        let inquiry = Inquiry::new(Kind::Radio, self.events.clone());
         let mut looks = interval(LOOK);
         loop {
             looks.tick().await;
@@ -196,7 +198,7 @@ impl Network {
 
 /// Serves the port until the future is dropped.
 pub(crate) async fn serve(network: Network, listener: TcpListener, logins: LoginQueue, stall_timeout: Duration) {
-    let accepting = accept(listener, logins, MAX_CONNECTIONS, |accepted, place| {
+    let accepting = accept(listener, logins, network.limits.radio, |accepted, place| {
         let network = network.clone();
         async move {
             let _place = place;
@@ -216,7 +218,7 @@ async fn places(inquiry: &Inquiry) -> Option<Places> {
 async fn converse(mut stream: TcpStream, network: Network, stall_timeout: Duration) {
     let _ = stream.set_nodelay(true);
     let Ok(peer) = stream.peer_addr() else { return };
-    let mut robot = Robot { network, address: peer.ip(), name: None, kick: Arc::default() };
+    let mut robot = Robot { network, stall_timeout, address: peer.ip(), name: None, kick: Arc::default() };
     let kick = robot.kick.clone();
     let mut framing = Framing::default();
     let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
@@ -240,9 +242,11 @@ async fn converse(mut stream: TcpStream, network: Network, stall_timeout: Durati
     }
 }
 
-/// The server's end of a control connection. With it the robot leaves the radio; running relays go on.
+/// The server's end of a control connection. With it the robot leaves the radio, and its relays end.
 struct Robot {
     network: Network,
+    /// Time after which a relay that is not read ends.
+    stall_timeout: Duration,
     address: IpAddr,
     /// Its name, once it is registered.
     name: Option<String>,
@@ -322,9 +326,7 @@ impl Robot {
             Ok(port) => return Some(route(other, Ok(port))),
             Err(key) => key,
         };
-        if self.network.state().routes.len() >= MAX_ROUTES {
-            return Some(WirelessError::NoPort.line());
-        }
+        let Some(share) = self.network.routes.take(self.address) else { return Some(WirelessError::NoPort.line()) };
         let bound = TcpListener::bind((&*self.network.host, 0)).await;
         let Some((bound, address)) = bound.ok().and_then(|bound| bound.local_addr().ok().map(|it| (bound, it))) else {
             return Some(WirelessError::NoPort.line());
@@ -332,9 +334,10 @@ impl Robot {
         let strength = self.network.strength_between(name, other).await?;
         let (holds, link) = watch::channel(self.network.model.holds(strength));
         let (network, from) = (self.network.clone(), name.to_owned());
-        let relay = Relay { network, from, address: self.address, target, link };
+        let stall_timeout = self.stall_timeout;
+        let relay = Relay { network, from, address: self.address, target, link, stall_timeout };
         let task = tokio::spawn(relay.serve(bound, address)).abort_handle();
-        self.network.state().routes.insert(key, Route { port: address.port(), holds, task });
+        self.network.state().routes.insert(key, Route { port: address.port(), holds, task, _share: share });
         Some(route(other, Ok(address.port())))
     }
 }
@@ -347,8 +350,10 @@ struct Relay {
     /// Address of the robot that asked.
     address: IpAddr,
     target: SocketAddr,
-    /// True while the link holds.
+    /// True while the link holds. It is closed when either robot leaves the radio.
     link: watch::Receiver<bool>,
+    /// Time after which a connection that is not read ends.
+    stall_timeout: Duration,
 }
 
 impl Relay {
@@ -374,14 +379,16 @@ impl Relay {
                 accepted = accept => match accepted {
                     // With tokens the port is for the robot that asked.
                     Some((_, peer)) if !self.network.access.is_open() && peer.ip() != self.address => {}
-                    Some((stream, _)) => {
-                        let Ok(place) = self.network.relays.clone().acquire_owned().await else { return };
-                        let relay = self.clone();
-                        tokio::spawn(async move {
-                            let _place = place;
-                            relay.carry(stream).await;
-                        });
-                    }
+                    Some((stream, _)) => match self.network.relays.take(self.address) {
+                        Some(share) => {
+                            let relay = self.clone();
+                            tokio::spawn(async move {
+                                let _share = share;
+                                relay.carry(stream).await;
+                            });
+                        }
+                        None => debug!(from = self.from, "too many relayed connections: one is closed"),
+                    },
                     None => {
                         warn!(%address, "a port of the wireless simulator cannot be had now");
                         tokio::time::sleep(BACK_OFF).await;
@@ -391,16 +398,21 @@ impl Relay {
         }
     }
 
-    /// Carries the bytes of a connection both ways until either end closes it or the link breaks.
-    async fn carry(mut self, mut stream: TcpStream) {
-        let Ok(mut target) = TcpStream::connect(self.target).await else {
+    /// Carries the bytes of a connection both ways until either end closes it or does not read, or the link ends.
+    async fn carry(mut self, stream: TcpStream) {
+        let Ok(target) = TcpStream::connect(self.target).await else {
             debug!(target = %self.target, "a robot does not listen");
             return;
         };
         let _ = (stream.set_nodelay(true), target.set_nodelay(true));
         let Ok(seen) = target.local_addr().map(|address| address.port()) else { return };
         self.network.state().origins.insert(seen, self.from.clone());
-        let ((mut read, mut write), (mut its_read, mut its_write)) = (stream.split(), target.split());
+        let impatient = |stream| {
+            let mut stream = TimeoutStream::new(stream);
+            stream.set_write_timeout(Some(self.stall_timeout));
+            split(Box::pin(stream))
+        };
+        let ((mut read, mut write), (mut its_read, mut its_write)) = (impatient(stream), impatient(target));
         let there = async {
             let _ = copy(&mut read, &mut its_write).await;
             let _ = its_write.shutdown().await;
@@ -410,12 +422,8 @@ impl Relay {
             let _ = write.shutdown().await;
         };
         tokio::pin!(there, back);
-        let broken = async {
-            // A robot that leaves ends its ports, but not what runs over them.
-            if self.link.wait_for(|holds| !holds).await.is_err() {
-                std::future::pending::<()>().await;
-            }
-        };
+        // A robot that leaves the radio closes the channel.
+        let broken = async { _ = self.link.wait_for(|holds| !holds).await };
         tokio::select! {
             () = &mut there => { let _ = timeout(LAST_WORDS, back).await; }
             () = &mut back => { let _ = timeout(LAST_WORDS, there).await; }

@@ -9,9 +9,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use scene::{MapDef, PawnId, Standings, WorldDef};
+use scene::{MapDef, PawnId, Standings};
 use sessions::{News, Sessions};
 use sim_core::World;
+use thread_pool::ThreadPool;
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
@@ -20,10 +21,13 @@ use crate::client::Client;
 use crate::connection::{ConnectionId, Event};
 use crate::control::{Actor, Control};
 use crate::foxglove_server::FoxgloveServer;
+use crate::guests::{Credit, Guests};
 use crate::live::{Broadcast, ClientStatus, LeagueStatus, RobotStatus, Status};
 use crate::pace::{self, Pace};
+use crate::ports::Question;
 use crate::publisher::Publisher;
 use crate::recording::Recording;
+use crate::restart::{Restart, Restarts};
 use crate::results::Results;
 use crate::saved::Saving;
 use crate::web::Health;
@@ -44,6 +48,9 @@ const MAX_CREDIT: Duration = Duration::from_millis(4);
 const FORGETTING_INTERVAL: Duration = Duration::from_millis(100);
 /// Least time over which the real-time factor is measured. Shorter times are too uneven.
 const MEASURE_INTERVAL: Duration = Duration::from_millis(500);
+/// Longest time in which robots are put back together after a restart. The rest of them are put back as INIT lines are executed, so that
+/// steps go on.
+const PUT_BACK_TOGETHER: Duration = Duration::from_millis(50);
 /// Interval between reports of dropped lines and repeated problems.
 const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
@@ -76,7 +83,8 @@ pub(crate) fn spawn(
         Some(saved) => World::load(world, &saved)?,
         None => World::new(world, options),
     };
-    let world = world.on_threads(Arc::new(threads.clone()));
+    let pool = Arc::new(threads.clone());
+    let world = world.on_threads(pool.clone());
     let options = world.options();
     let saved_as = unnamed_log.with_extension("json");
     let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
@@ -100,6 +108,10 @@ pub(crate) fn spawn(
             pace: Pace::new(real_time_factor, now, world.time()),
             work: Work::new(now, world.time()),
             sessions: Sessions::new(world),
+            threads: pool,
+            guests: Guests::default(),
+            guests_credit: Credit::new(now),
+            restarts: Restarts::new(now),
             maps,
             resets: 0,
             saves: 0,
@@ -122,6 +134,12 @@ pub(crate) fn spawn(
 struct Server {
     sessions: Sessions,
     audience: Audience,
+    /// Threads of the world's steps.
+    threads: Arc<ThreadPool>,
+    /// Requests of everyone who does not drive.
+    guests: Guests,
+    guests_credit: Credit,
+    restarts: Restarts,
     /// Maps that a viewer can change to.
     maps: Vec<MapDef>,
     timing: Timing,
@@ -132,10 +150,10 @@ struct Server {
     /// Number of times that the world was saved.
     saves: u64,
     report_errors: bool,
-    /// Time that requests may take while a step is due. Steps earn as much as they take, so that neither side can hold up the
+    /// Time that clients' requests may take while a step is due. Steps earn as much as they take, so that neither side can hold up the
     /// other.
     credit: Duration,
-    /// Time when the clients' costs were last halved.
+    /// Time when the costs of clients and guests were last halved.
     forgotten: Instant,
     /// Limit of controls in the log.
     controls: Budget,
@@ -194,6 +212,7 @@ impl Audience {
 }
 
 /// Timing of the world's steps.
+#[derive(Clone, Copy, PartialEq)]
 struct Timing {
     /// Simulated seconds per real second; 0 is as fast as possible.
     speed: f64,
@@ -254,6 +273,9 @@ impl Server {
         while self.take_events(events).is_ok() {
             let now = Instant::now();
             self.publish(now);
+            self.forget(now);
+            self.restart(now);
+            self.save(now);
             self.work.measure(now, self.sessions.world().time());
             if now.duration_since(report) >= REPORT_INTERVAL {
                 let Audience { publisher, clients, .. } = &mut self.audience;
@@ -262,10 +284,15 @@ impl Server {
                 report = now;
             }
             let wait = self.wait(now);
+            let idle_until = now + wait.min(MAX_WAIT);
+            let may_answer = self.guests_credit.earn(now);
             if wait.is_zero() {
                 self.work_on_credit(now);
+                if may_answer {
+                    self.answer_on_credit();
+                }
                 self.step();
-            } else if !self.work(now + wait.min(MAX_WAIT)) {
+            } else if !(self.work(idle_until) | self.answer_until(idle_until)) {
                 let taken = match events.recv_timeout(wait.min(MAX_WAIT)) {
                     Ok(event) => self.take(event),
                     Err(RecvTimeoutError::Timeout) => Ok(()),
@@ -387,30 +414,74 @@ impl Server {
                     self.end_if_done(id);
                 }
             }
-            Event::Control(control, actor, _turn) => self.control(control, &actor),
-            Event::Fit(ask, answer, _turn) => {
-                // The page may have left.
-                let _ = answer.send(ask.answer(self.sessions.world_mut()));
-            }
-            Event::Ask(question, _turn) => {
-                let Self { sessions, audience, timing, work, resets, .. } = self;
-                question.answer(sessions, |world| Health {
-                    simulated: world.time(),
-                    real_time_factor: work.real_time_factor,
-                    speed: timing.speed,
-                    paused: timing.paused,
-                    steps: work.steps,
-                    step_seconds: work.took.as_secs_f64(),
-                    unsettled_steps: world.unsettled_steps(),
-                    robots: world.robots().count(),
-                    clients: audience.clients.len(),
-                    dropped_lines: work.dropped + audience.clients.values().map(Client::dropped).sum::<u64>(),
-                    resets: *resets,
-                });
-            }
+            Event::Ask(guest, question, turn) => self.guests.add(guest, question, turn),
             Event::Stop => return Err(Stop),
         }
         Ok(())
+    }
+
+    /// Answers guests while a step is due, within their credit.
+    fn answer_on_credit(&mut self) {
+        while self.answer_next().is_some_and(|took| self.guests_credit.spend(took)) {}
+    }
+
+    /// Answers guests until none waits or the deadline has passed. Returns false if there was nothing to do.
+    fn answer_until(&mut self, deadline: Instant) -> bool {
+        let mut answered = false;
+        while Instant::now() < deadline && self.answer_next().is_some() {
+            answered = true;
+        }
+        answered
+    }
+
+    /// Answers the guest whose turn it is. Returns the time that it took; `None` if no guest waits.
+    fn answer_next(&mut self) -> Option<Duration> {
+        let (guest, question, _turn) = self.guests.next()?;
+        let start = Instant::now();
+        self.answer(question);
+        let took = start.elapsed();
+        self.guests.charge(guest, took);
+        Some(took)
+    }
+
+    /// Answers a guest. It may have left.
+    fn answer(&mut self, question: Question) {
+        let Self { sessions, audience, .. } = self;
+        match question {
+            Question::Actors(answer) => _ = answer.send(audience.publisher.actors(sessions.world())),
+            Question::Obstacles([from, to], answer) => _ = answer.send(sessions.world_mut().obstacles(from, to)),
+            Question::Health(answer) => _ = answer.send(self.health()),
+            Question::Standings(answer) => _ = answer.send(sessions.standings()),
+            Question::Fit(ask, answer) => _ = answer.send(ask.answer(sessions.world_mut())),
+            Question::Control(control, actor) => self.control(control, actor),
+        }
+    }
+
+    fn health(&self) -> Health {
+        let Self { sessions, audience, timing, work, resets, .. } = self;
+        let world = sessions.world();
+        Health {
+            simulated: world.time(),
+            real_time_factor: work.real_time_factor,
+            speed: timing.speed,
+            paused: timing.paused,
+            steps: work.steps,
+            step_seconds: work.took.as_secs_f64(),
+            unsettled_steps: world.unsettled_steps(),
+            robots: world.robots().count(),
+            clients: audience.clients.len(),
+            dropped_lines: work.dropped + audience.clients.values().map(Client::dropped).sum::<u64>(),
+            resets: *resets,
+        }
+    }
+
+    /// Halves the costs of clients and guests from time to time.
+    fn forget(&mut self, now: Instant) {
+        if now.duration_since(self.forgotten) >= FORGETTING_INTERVAL {
+            self.forgotten = now;
+            self.audience.clients.values_mut().for_each(Client::forget_half);
+            self.guests.forget_half();
+        }
     }
 
     /// Executes requests while a step is due, within the time that steps have earned.
@@ -432,10 +503,6 @@ impl Server {
                 break;
             }
         }
-        if worked && self.forgotten.elapsed() >= FORGETTING_INTERVAL {
-            self.forgotten = Instant::now();
-            self.audience.clients.values_mut().for_each(Client::forget_half);
-        }
         worked
     }
 
@@ -448,8 +515,14 @@ impl Server {
     fn execute_slice(&mut self, id: ConnectionId) {
         let start = Instant::now();
         let mut count = 0;
-        let Self { sessions, audience, .. } = self;
-        while count < REQUESTS_TOGETHER || start.elapsed() < SLICE {
+        let Self { sessions, audience, restarts, .. } = self;
+        let put_back = audience.clients.get_mut(&id).and_then(Client::next_put_back);
+        let is_put_back = put_back.is_some();
+        if let Some(init) = put_back {
+            sessions.take(id, &init, &mut |world, news| audience.hear(world, news));
+            restarts.add_cost(start.elapsed());
+        }
+        while !is_put_back && (count < REQUESTS_TOGETHER || start.elapsed() < SLICE) {
             let Some(client) = audience.clients.get_mut(&id) else { break };
             let Some(request) = client.next_request() else { break };
             client.note_line();
@@ -481,12 +554,14 @@ impl Server {
     }
 
     /// Executes a viewer's request to the world, and tells everyone who made it.
-    fn control(&mut self, control: Control, Actor(actor): &Actor) {
+    fn control(&mut self, control: Control, actor: Actor) {
         let now = Instant::now();
+        let Actor(name) = &actor;
         if let Spent::Granted { .. } = self.controls.spend(now) {
-            info!(?control, by = actor, time = self.sessions.world().time(), "control");
+            info!(?control, by = name, time = self.sessions.world().time(), "control");
         }
-        let was_paused = self.timing.paused;
+        let before = self.timing;
+        let was_paused = before.paused;
         let done = match control {
             Control::Pause(paused) => {
                 (self.timing.paused, self.timing.steps) = (paused, 0);
@@ -504,21 +579,22 @@ impl Server {
                 let speed = if speed == 0.0 { "as fast as possible".to_owned() } else { format!("{speed}") };
                 Some(format!("set the real-time factor to {speed}"))
             }
-            Control::Reset => {
-                let fresh = self.sessions.world().anew();
-                self.start_over(now, fresh).then(|| "reset the world".to_owned())
-            }
             Control::Map(_) | Control::Save if self.sessions.world().def().league.is_some() => {
                 let text = "not done: a league stays on its map, and its points cannot be saved";
                 self.audience.publisher.announce(now, text);
                 None
             }
             Control::Remove(robot) => self.remove(PawnId(robot)).map(|name| format!("removed robot {robot} ({name})")),
-            Control::Map(name) => self.change_map(now, &name).then(|| format!("changed the map to {name}")),
+            Control::Reset => {
+                self.restarts.ask(Restart { map: None, actor });
+                return;
+            }
+            Control::Map(name) => {
+                self.change_map(now, &name, actor);
+                return;
+            }
             Control::Save => {
-                if let Err(error) = self.saving.start(&self.saved_as, self.sessions.world()) {
-                    self.audience.publisher.announce(now, &error);
-                }
+                self.saving.ask();
                 None
             }
             Control::Record(on) => {
@@ -530,12 +606,18 @@ impl Server {
             }
         };
         if let Some(done) = done {
-            let text = format!("{actor} {done}");
-            self.audience.publisher.note(self.sessions.world(), &text);
-            self.audience.publisher.announce(now, &text);
+            self.tell(now, &format!("{} {done}", actor.0));
         }
-        self.pace = Pace::new(self.timing.speed, now, self.sessions.world().time());
+        if self.timing != before {
+            self.pace = Pace::new(self.timing.speed, now, self.sessions.world().time());
+        }
         self.audience.publisher.changed(now);
+    }
+
+    /// Tells everyone what somebody did.
+    fn tell(&mut self, now: Instant, text: &str) {
+        self.audience.publisher.note(self.sessions.world(), text);
+        self.audience.publisher.announce(now, text);
     }
 
     /// Removes a robot from the world. Returns its class and name, or `None` if there is no such robot.
@@ -550,21 +632,45 @@ impl Server {
         Some(name)
     }
 
-    /// Changes to a fresh world on another map. Returns false if no map has that name, or a log does not allow it.
-    fn change_map(&mut self, now: Instant, name: &str) -> bool {
-        let Some(map) = self.maps.iter().find(|map| map.name == name) else {
-            let names: Vec<&str> = self.maps.iter().map(|map| map.name.as_str()).collect();
-            let text = format!("no map `{name}`: expected {}", names.join(", "));
-            self.audience.publisher.announce(now, &text);
-            return false;
-        };
-        let world = self.sessions.world();
-        let fresh = world.anew_with(WorldDef { map: map.clone(), ..world.def().clone() });
-        self.start_over(now, fresh)
+    /// Requests a restart on another map, if one has that name.
+    fn change_map(&mut self, now: Instant, name: &str, actor: Actor) {
+        match self.maps.iter().find(|map| map.name == name) {
+            Some(map) => self.restarts.ask(Restart { map: Some(map.clone()), actor }),
+            None => {
+                let names: Vec<&str> = self.maps.iter().map(|map| map.name.as_str()).collect();
+                let text = format!("no map `{name}`: expected {}", names.join(", "));
+                self.audience.publisher.announce(now, &text);
+            }
+        }
     }
 
-    /// Replaces the world with a fresh one. Connected clients get their robots back at their first poses, in the same order.
-    /// Returns false if a log does not allow it.
+    /// Begins a save if one is due.
+    fn save(&mut self, now: Instant) {
+        if self.saving.is_due(now)
+            && let Err(error) = self.saving.start(now, &self.saved_as, self.sessions.world())
+        {
+            self.audience.publisher.announce(now, &error);
+        }
+    }
+
+    /// Restarts the world once a fresh one is ready.
+    fn restart(&mut self, now: Instant) {
+        match self.restarts.poll(now, self.sessions.world()) {
+            None => {}
+            Some(Err(error)) => self.audience.publisher.announce(now, &error),
+            Some(Ok((Restart { map, actor }, fresh))) => {
+                if !self.start_over(now, fresh) {
+                    return;
+                }
+                let done = map.map_or("reset the world".to_owned(), |map| format!("changed the map to {}", map.name));
+                self.tell(now, &format!("{} {done}", actor.0));
+                self.pace = Pace::new(self.timing.speed, Instant::now(), self.sessions.world().time());
+            }
+        }
+    }
+
+    /// Replaces the world with a fresh one. Connected clients get their robots back at their first poses, in the same order. Robots that
+    /// take long wait for their client's turn. Returns false if a log does not allow it.
     fn start_over(&mut self, now: Instant, fresh: World) -> bool {
         if let Err(error) = self.audience.publisher.may_start_over(now) {
             self.audience.publisher.warn(self.sessions.world(), &format!("not reset: {error}"));
@@ -572,10 +678,19 @@ impl Server {
         }
         self.conclude();
         let Self { sessions, audience, .. } = self;
-        let old = sessions.replace_world(fresh);
+        let (old, inits) = sessions.replace_world(fresh.on_threads(self.threads.clone()));
         audience.publisher.start_over(now, &old, sessions.world());
         self.resets += 1;
-        sessions.enter_again(&mut |world, news| audience.hear(world, news));
+        let start = Instant::now();
+        for (id, init) in inits {
+            if start.elapsed() < PUT_BACK_TOGETHER {
+                sessions.take(id, &init, &mut |world, news| audience.hear(world, news));
+            } else if let Some(client) = audience.clients.get_mut(&id) {
+                client.put_back(init);
+            }
+        }
+        drop(old);
+        self.restarts.add_cost(now.elapsed());
         true
     }
 

@@ -303,18 +303,14 @@ impl Sessions {
         self.owners.leave(id);
     }
 
-    /// Replaces the world by another one, and returns the old one. [`Sessions::enter_again`] has to follow.
-    pub fn replace_world(&mut self, world: World) -> World {
+    /// Replaces the world by another one. Returns the old one, and the INIT lines of all pawns with their sessions, in the order of the pawns'
+    /// numbers. Taking these lines puts the pawns back.
+    pub fn replace_world(&mut self, world: World) -> (World, Vec<(SessionId, Request)>) {
         self.orphans.clear();
         self.round = round_of(&world);
-        std::mem::replace(&mut self.world, world)
-    }
-
-    /// Runs the INIT lines of all open sessions again, in the order of their pawns' numbers.
-    pub fn enter_again(&mut self, hear: Listener) {
-        for (id, init) in self.owners.start_over() {
-            self.take(id, &Request::read(Ok(init)), hear);
-        }
+        let inits = self.owners.start_over().into_iter();
+        let inits = inits.map(|(id, init)| (id, Request::read(Ok(init)))).collect();
+        (std::mem::replace(&mut self.world, world), inits)
     }
 
     /// Returns the pawn of a loaded world that an INIT takes over: the first of its class and name that no session has.

@@ -162,18 +162,6 @@ impl World {
         Self { threads, ..self }
     }
 
-    /// Returns a world at time zero without robots, with the same scene, options and threads.
-    #[must_use]
-    pub fn anew(&self) -> Self {
-        Self::new(self.scene.clone(), self.options).on_threads(self.threads.clone())
-    }
-
-    /// Returns a world of another definition at time zero without robots, with the same options and threads.
-    #[must_use]
-    pub fn anew_with(&self, world: WorldDef) -> Self {
-        Self::new(world, self.options).on_threads(self.threads.clone())
-    }
-
     /// Returns the simulated time, s.
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.options.time_step

@@ -3,6 +3,7 @@
 mod attack;
 mod book;
 mod cli;
+mod descriptors;
 mod experiment;
 mod figures;
 mod import;

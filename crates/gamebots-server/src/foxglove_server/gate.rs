@@ -15,13 +15,15 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Semaphore;
 use tokio::time::timeout;
 use tokio_io_timeout::TimeoutStream;
-use tracing::{debug, warn};
+use tracing::debug;
 
 use crate::access::{Access, Role};
+use crate::budget::Budget;
+use crate::listener::back_off;
+use crate::login::Door;
+use crate::waiting_room::Stay;
 use crate::web;
 
-/// Most clients at once; more wait.
-const MAX_CLIENTS: usize = 64;
 /// Longest head of a request, bytes, and most headers in it.
 const MAX_HEAD: usize = 16 * 1024;
 const MAX_HEADERS: usize = 64;
@@ -29,8 +31,6 @@ const MAX_HEADERS: usize = 64;
 const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 /// Time after which a client that reads nothing is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(30);
-/// Pause after an error of accept, which would otherwise recur at once.
-const BACK_OFF: Duration = Duration::from_millis(100);
 /// Origin of Foxglove's own page.
 const FOXGLOVE_PAGE: &str = "https://app.foxglove.dev";
 
@@ -45,45 +45,65 @@ pub(super) fn hidden_address() -> Ipv4Addr {
     Ipv4Addr::LOCALHOST
 }
 
-/// Passes clients on to the server behind until the runtime ends.
-pub(super) async fn serve(listener: TcpListener, own_name: String, access: Access, behind: SocketAddr) {
-    let places = Arc::new(Semaphore::new(MAX_CLIENTS));
+/// Passes a number of clients at once on to the server behind, until the runtime ends.
+pub(super) async fn serve(listener: TcpListener, most: usize, own_name: String, door: Door, behind: SocketAddr) {
+    let (places, mut warnings) = (Arc::new(Semaphore::new(most)), Budget::default());
     let own_name: Arc<str> = own_name.into();
-    // The semaphore is never closed.
-    while let Ok(place) = places.clone().acquire_owned().await {
+    loop {
+        door.room.vacancy().await;
         match listener.accept().await {
             Ok((client, peer)) => {
-                let (own_name, access) = (own_name.clone(), access.clone());
+                let stay = door.room.enter(peer.ip());
+                let (own_name, access, places) = (own_name.clone(), door.access.clone(), places.clone());
                 tokio::spawn(async move {
-                    if let Err(reason) = pass(client, &own_name, &access, behind).await {
+                    if let Err(reason) = admit(client, stay, &own_name, &access, &places, behind).await {
                         debug!(%peer, reason, "a client of Foxglove's protocol ended");
                     }
-                    drop(place);
                 });
             }
-            Err(error) => {
-                warn!(%error, "cannot accept a client of Foxglove's protocol");
-                tokio::time::sleep(BACK_OFF).await;
-            }
+            Err(error) => back_off(&error, &mut warnings).await,
         }
     }
 }
 
-async fn pass(mut client: TcpStream, own_name: &str, access: &Access, behind: SocketAddr) -> Result<(), String> {
-    let head = timeout(HEAD_TIMEOUT, read_head(&mut client)).await.map_err(|_| "no request within 10 s")??;
-    if let Err(reason) = check(&head, own_name, access) {
-        let answer = format!(
-            "HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{reason}",
-            reason.len()
-        );
-        let _ = timeout(HEAD_TIMEOUT, client.write_all(answer.as_bytes())).await;
-        return Err(reason);
-    }
+/// Passes a client on once its head has shown that it may come in.
+async fn admit(
+    mut client: TcpStream,
+    stay: Stay,
+    own_name: &str,
+    access: &Access,
+    places: &Semaphore,
+    behind: SocketAddr,
+) -> Result<(), String> {
+    let head = tokio::select! {
+        head = timeout(HEAD_TIMEOUT, read_head(&mut client)) => head.map_err(|_| "no request within 10 s")??,
+        () = stay.dropped() => return Err("dropped for another connection".to_owned()),
+    };
+    let refused = match (check(&head, own_name, access), places.try_acquire()) {
+        (Ok(()), Ok(place)) => {
+            drop(stay);
+            let result = pass(client, &head, behind).await;
+            drop(place);
+            return result;
+        }
+        (Err(reason), _) => ("403 Forbidden", reason),
+        (Ok(()), Err(_)) => ("503 Service Unavailable", "too many clients are connected: try again later\n".to_owned()),
+    };
+    let (status, reason) = refused;
+    let length = reason.len();
+    let answer = format!(
+        "HTTP/1.1 {status}\r\nContent-Type: text/plain\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{reason}"
+    );
+    let _ = timeout(HEAD_TIMEOUT, client.write_all(answer.as_bytes())).await;
+    Err(reason)
+}
+
+async fn pass(client: TcpStream, head: &[u8], behind: SocketAddr) -> Result<(), String> {
     let said = |error: std::io::Error| error.to_string();
     client.set_nodelay(true).map_err(said)?;
     let mut server = TcpStream::connect(behind).await.map_err(said)?;
     server.set_nodelay(true).map_err(said)?;
-    server.write_all(&head).await.map_err(said)?;
+    server.write_all(head).await.map_err(said)?;
     let mut client = TimeoutStream::new(client);
     client.set_write_timeout(Some(STALL_TIMEOUT));
     copy_bidirectional(&mut Box::pin(client), &mut server).await.map(|_| ()).map_err(said)

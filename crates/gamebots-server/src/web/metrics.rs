@@ -13,7 +13,7 @@ use axum::response::{IntoResponse, Response};
 use tokio::time::timeout;
 
 use super::Site;
-use crate::ports::{Inquiry, Question};
+use crate::ports::Question;
 
 /// Longest wait for the world.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -43,8 +43,7 @@ pub(crate) struct Health {
 
 /// Asks the world. `None` if it does not answer in time.
 async fn ask(site: &Site) -> Option<Health> {
-    let inquiry = Inquiry::new(site.events.clone());
-    timeout(PATIENCE, inquiry.ask(Question::Health)).await.ok().flatten()
+    timeout(PATIENCE, site.inquiry.ask(Question::Health)).await.ok().flatten()
 }
 
 pub(super) async fn health(State(site): State<Arc<Site>>) -> Response {
@@ -65,7 +64,19 @@ pub(super) async fn health(State(site): State<Arc<Site>>) -> Response {
 pub(super) async fn metrics(State(site): State<Arc<Site>>) -> Response {
     let Some(health) = ask(&site).await else { return StatusCode::SERVICE_UNAVAILABLE.into_response() };
     let head = [(header::CONTENT_TYPE, "text/plain; version=0.0.4"), (header::CACHE_CONTROL, "no-store")];
-    (head, text(&health)).into_response()
+    (head, text(&health) + &limits(&site.limits)).into_response()
+}
+
+/// Returns the limits of connections in Prometheus's text format.
+fn limits(limits: &[(&str, usize)]) -> String {
+    let mut text = "# HELP usarsim_connection_limit Most connections of a kind at once.\n\
+                    # TYPE usarsim_connection_limit gauge\n"
+        .to_owned();
+    for (kind, limit) in limits {
+        // Writing to a text cannot fail.
+        let _ = writeln!(text, "usarsim_connection_limit{{kind=\"{kind}\"}} {limit}");
+    }
+    text
 }
 
 /// Returns the numbers in Prometheus's text format.

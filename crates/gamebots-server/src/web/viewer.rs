@@ -13,16 +13,17 @@ use serde::Deserialize;
 use serde_json::json;
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::{Semaphore, oneshot};
+use tokio::sync::oneshot;
 use tokio::time::timeout;
 
-use super::{Peer, Place, Site};
+use super::{Peer, Site, Visit};
 use crate::access::{LOGIN_TIME, Role};
 use crate::cameras::Wish;
-use crate::connection::Event;
 use crate::control::{Actor, Control};
-use crate::fit::Ask;
-use crate::live::{Line, Measured, Notice};
+use crate::fit::{Ask, Fit};
+use crate::guests::Kind;
+use crate::live::{Line, Measured};
+use crate::ports::{Inquiry, Question};
 
 /// Longest text that a viewer may send.
 const MAX_TEXT: usize = 1024;
@@ -31,7 +32,7 @@ const MAX_TEXT: usize = 1024;
 const MAX_LINES: u64 = 1000;
 const LINE_WINDOW: Duration = Duration::from_secs(1);
 
-/// Least time between two answers about room for a robot: one may take the world's thread some milliseconds.
+/// Least time between two questions about room for a robot: one may take the world's thread some milliseconds.
 const FIT_INTERVAL: Duration = Duration::from_millis(50);
 
 /// WebSocket close code: against the rules of the server.
@@ -60,12 +61,13 @@ struct Listen {
 
 pub(super) async fn upgrade(
     State(site): State<Arc<Site>>,
-    Extension(place): Extension<Place>,
+    Extension(visit): Extension<Arc<Visit>>,
     Extension(peer): Extension<Peer>,
     socket: WebSocketUpgrade,
 ) -> Response {
     socket.max_message_size(MAX_TEXT).on_upgrade(move |socket| async move {
-        let turns = Arc::new(Semaphore::new(1));
+        let inquiry = |site: &Site| Inquiry::new(Kind::Page, site.events.clone());
+        let (controls, fits) = (inquiry(&site), inquiry(&site));
         let actor = Actor::page(site.pages.fetch_add(1, Ordering::Relaxed) + 1, peer.address);
         let wish = site.channels.wish();
         let (listen, shown) = (Listen::default(), (Instant::now(), 0));
@@ -75,14 +77,17 @@ pub(super) async fn upgrade(
             actor,
             peer,
             refusal: None,
-            turns,
+            controls,
+            fits,
             lines: None,
             readings: None,
             listen,
             wish,
             shown,
+            wanted: None,
+            fit: None,
             next_fit: tokio::time::Instant::now(),
-            _place: place,
+            visit,
         };
         // A viewer that has left or does not read needs no farewell.
         let _ = viewer.run().await;
@@ -97,8 +102,9 @@ struct Viewer {
     peer: Peer,
     /// The reason why it may not control the world, if any.
     refusal: Option<&'static str>,
-    /// Permit for one request that waits for the world.
-    turns: Arc<Semaphore>,
+    /// The ways of its requests and of its questions about room to the world.
+    controls: Inquiry,
+    fits: Inquiry,
     /// The lines of the wire, if it wants them.
     lines: Option<Receiver<Arc<Line>>>,
     /// The readings of robots, if it wants some.
@@ -107,9 +113,13 @@ struct Viewer {
     wish: Wish,
     /// Start of the current window, and lines and readings counted in it.
     shown: (Instant, u64),
-    /// Earliest time of the next answer about room for a robot.
+    /// The question about room that waits. Until it is asked, no more messages are read.
+    wanted: Option<Ask>,
+    /// The answer that the world owes.
+    fit: Option<oneshot::Receiver<Fit>>,
+    /// Earliest time of the next question about room.
     next_fit: tokio::time::Instant,
-    _place: Place,
+    visit: Arc<Visit>,
 }
 
 /// The viewer has left.
@@ -121,6 +131,7 @@ impl Viewer {
         let mut frames = self.site.channels.frames();
         let mut statuses = self.site.channels.statuses();
         let mut notices = self.site.channels.notices();
+        let mut scans = self.site.channels.scans();
         let mut pictures = self.site.channels.pictures();
         self.send(text(&json!({ "you": &self.actor.0, "refused": self.refusal }))).await?;
         loop {
@@ -135,7 +146,16 @@ impl Viewer {
                     let frame = frames.borrow_and_update().clone();
                     self.send(Message::Binary(frame)).await?;
                 }
-                notice = notices.recv() => self.send_notice(notice).await?,
+                notice = notices.recv() => match notice {
+                    Ok(notice) => self.say(&notice).await?,
+                    Err(RecvError::Lagged(missed)) => self.send(text(&json!({ "missed": missed }))).await?,
+                    Err(RecvError::Closed) => return Err(Gone),
+                },
+                scan = scans.recv() => match scan {
+                    Ok(scan) => self.send(Message::Binary(scan)).await?,
+                    Err(RecvError::Lagged(_)) => {}
+                    Err(RecvError::Closed) => return Err(Gone),
+                },
                 picture = pictures.recv() => match picture {
                     Ok(picture) if self.wish.has(picture.robot) => self.send(Message::Binary(picture.message)).await?,
                     // The next picture replaces those that it has missed.
@@ -148,7 +168,14 @@ impl Viewer {
                         self.send_counted(measured, |measured| json!({ "reading": measured })).await?;
                     }
                 }
-                received = self.socket.recv() => self.take(received).await?,
+                fit = answer(&mut self.fit) => {
+                    self.fit = None;
+                    self.send(text(&json!({ "fit": fit.map_err(|_| Gone)? }))).await?;
+                }
+                () = tokio::time::sleep_until(self.next_fit), if self.wanted.is_some() && self.fit.is_none() => {
+                    self.ask_fit().await?;
+                }
+                received = self.socket.recv(), if self.wanted.is_none() => self.take(received).await?,
             }
         }
     }
@@ -157,14 +184,21 @@ impl Viewer {
     async fn log_in(&mut self) -> Result<(), Gone> {
         let token = match self.site.access.is_open() {
             true => None,
-            false => match timeout(LOGIN_TIME, self.socket.recv()).await {
-                Ok(Some(Ok(Message::Text(text)))) => serde_json::from_str(&text).ok().map(|Login { token }| token),
-                Ok(Some(Ok(_))) | Err(_) => None,
-                Ok(Some(Err(_)) | None) => return Err(Gone),
-            },
+            false => {
+                let received = tokio::select! {
+                    received = timeout(LOGIN_TIME, self.socket.recv()) => received,
+                    () = self.visit.dropped() => return Err(Gone),
+                };
+                match received {
+                    Ok(Some(Ok(Message::Text(text)))) => serde_json::from_str(&text).ok().map(|Login { token }| token),
+                    Ok(Some(Ok(_))) | Err(_) => None,
+                    Ok(Some(Err(_)) | None) => return Err(Gone),
+                }
+            }
         };
         let Site { access, world_control, .. } = &*self.site;
         let refusal = match access.rights(token.as_deref(), &[Role::Viewer]) {
+            Ok(_) if !self.visit.admit() => "too many pages are open".to_owned(),
             Ok(rights) => {
                 self.refusal = access.refusal(&rights, *world_control, self.peer.address, self.peer.own);
                 return Ok(());
@@ -173,16 +207,6 @@ impl Viewer {
         };
         self.send(Message::Close(Some(CloseFrame { code: NO_ENTRY, reason: refusal.into() }))).await?;
         Err(Gone)
-    }
-
-    async fn send_notice(&mut self, notice: Result<Notice, RecvError>) -> Result<(), Gone> {
-        let message = match notice {
-            Ok(Notice::Scan(scan)) => Message::Binary(scan),
-            Ok(Notice::Said(said)) => return self.say(&said).await,
-            Err(RecvError::Lagged(missed)) => text(&json!({ "missed": missed })),
-            Err(RecvError::Closed) => return Err(Gone),
-        };
-        self.send(message).await
     }
 
     /// Sends a line or a reading, if not too many were sent in this window.
@@ -229,29 +253,25 @@ impl Viewer {
             return Ok(());
         }
         if let Some(ask) = Ask::read(&request) {
-            return self.fit(ask).await;
+            self.wanted = Some(ask);
+            return Ok(());
         }
         match Control::read(&request) {
             Err(reason) => self.say(&format!("not understood: {reason}")).await,
             Ok(control) => match self.refusal {
                 Some(reason) => self.say(&format!("not done: {reason}")).await,
-                None => {
-                    let turn = self.turns.clone().acquire_owned().await.map_err(|_| Gone)?;
-                    self.site.events.send(Event::Control(control, self.actor.clone(), turn)).map_err(|_| Gone)
-                }
+                None => self.controls.send(Question::Control(control, self.actor.clone())).await.ok_or(Gone),
             },
         }
     }
 
-    /// Asks the world if a robot has room, at most once per [`FIT_INTERVAL`].
-    async fn fit(&mut self, ask: Ask) -> Result<(), Gone> {
-        tokio::time::sleep_until(self.next_fit).await;
+    /// Asks the world if a robot has room.
+    async fn ask_fit(&mut self) -> Result<(), Gone> {
+        let Some(ask) = self.wanted.take() else { return Ok(()) };
         self.next_fit = tokio::time::Instant::now() + FIT_INTERVAL;
-        let turn = self.turns.clone().acquire_owned().await.map_err(|_| Gone)?;
         let (answer, answered) = oneshot::channel();
-        self.site.events.send(Event::Fit(ask, answer, turn)).map_err(|_| Gone)?;
-        let fit = answered.await.map_err(|_| Gone)?;
-        self.send(text(&json!({ "fit": fit }))).await
+        self.fit = Some(answered);
+        self.fits.send(Question::Fit(ask, answer)).await.ok_or(Gone)
     }
 
     async fn say(&mut self, said: &str) -> Result<(), Gone> {
@@ -274,6 +294,14 @@ impl Viewer {
 async fn next<T: Clone>(channel: &mut Option<Receiver<T>>) -> Result<T, RecvError> {
     match channel {
         Some(channel) => channel.recv().await,
+        None => std::future::pending().await,
+    }
+}
+
+/// Returns the answer to a question if one was asked; otherwise never completes.
+async fn answer<T>(asked: &mut Option<oneshot::Receiver<T>>) -> Result<T, oneshot::error::RecvError> {
+    match asked {
+        Some(asked) => asked.await,
         None => std::future::pending().await,
     }
 }

@@ -10,12 +10,14 @@ use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
+use gamebots_proto::ports::read_login;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::net::tcp::{ReadHalf, WriteHalf};
 use tokio::time::timeout;
 
-use super::{Place, Site};
+use super::{Site, Visit};
+use crate::access::Role;
 
 /// Longest message from a browser.
 const MAX_MESSAGE: usize = 64 * 1024;
@@ -24,16 +26,18 @@ const TRY_LATER: u16 = 1013;
 
 pub(super) async fn upgrade(
     State(site): State<Arc<Site>>,
-    Extension(place): Extension<Place>,
+    Extension(visit): Extension<Arc<Visit>>,
     socket: WebSocketUpgrade,
 ) -> Response {
     socket.max_message_size(MAX_MESSAGE).on_upgrade(|socket| async move {
-        bridge(socket, &site).await;
-        drop(place);
+        tokio::select! {
+            () = bridge(socket, &site, &visit) => {}
+            () = visit.dropped() => {}
+        }
     })
 }
 
-async fn bridge(mut socket: WebSocket, site: &Site) {
+async fn bridge(mut socket: WebSocket, site: &Site, visit: &Visit) {
     let mut stream = match TcpStream::connect(site.protocol).await {
         Ok(stream) => stream,
         Err(error) => {
@@ -46,12 +50,14 @@ async fn bridge(mut socket: WebSocket, site: &Site) {
     let (to_browser, from_browser) = socket.split();
     // Each direction continues while the other waits: a server may take no more input until its output is read.
     tokio::select! {
-        () = to_server(from_browser, write, site.stall_timeout) => {}
+        () = to_server(from_browser, write, site, visit) => {}
         () = to_page(read, to_browser, site.stall_timeout) => {}
     }
 }
 
-async fn to_server(mut browser: SplitStream<WebSocket>, mut write: WriteHalf<'_>, stall_timeout: Duration) {
+/// Passes on what a browser sends. A page that sends a driver's token first has a place from then on.
+async fn to_server(mut browser: SplitStream<WebSocket>, mut write: WriteHalf<'_>, site: &Site, visit: &Visit) {
+    let mut is_first = true;
     while let Some(Ok(message)) = browser.next().await {
         let bytes = match message {
             Message::Text(text) => text.into(),
@@ -59,10 +65,20 @@ async fn to_server(mut browser: SplitStream<WebSocket>, mut write: WriteHalf<'_>
             Message::Ping(_) | Message::Pong(_) => continue,
             Message::Close(_) => return,
         };
-        if !matches!(timeout(stall_timeout, write.write_all(&bytes)).await, Ok(Ok(()))) {
+        if std::mem::take(&mut is_first) && may_drive(&bytes, site) && !visit.admit() {
+            return;
+        }
+        if !matches!(timeout(site.stall_timeout, write.write_all(&bytes)).await, Ok(Ok(()))) {
             return;
         }
     }
+}
+
+/// True if a message begins with a LOGIN line whose token may drive.
+fn may_drive(message: &[u8], site: &Site) -> bool {
+    let line = String::from_utf8_lossy(message);
+    let token = line.lines().next().and_then(read_login);
+    site.access.rights(token.as_deref(), &[Role::Driver, Role::Referee]).is_ok()
 }
 
 async fn to_page(mut read: ReadHalf<'_>, mut browser: SplitSink<WebSocket, Message>, stall_timeout: Duration) {
