@@ -74,6 +74,9 @@ mod mass;
 mod material;
 mod mount;
 mod options;
+#[cfg(test)]
+#[path = "../page_types.rs"]
+mod page_types;
 mod reading;
 mod robot;
 pub mod rotation_units;
