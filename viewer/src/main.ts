@@ -119,7 +119,8 @@ const live = new Live({
   fit: (answer) => pointer.takeFit(answer),
   said(text) {
     wire.said(text);
-    toasts.show(plainNotice(text, namesOf));
+    const plain = plainNotice(text, namesOf, (line) => state.ownInits.has(line));
+    if (plain !== null) toasts.show(plain);
   },
   lost() {
     connected = false;

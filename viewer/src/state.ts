@@ -16,6 +16,8 @@ export class State {
   /** The server's numbers of this page's own connections, which have spawned a robot each. */
   readonly own = new Set<number>();
   /** True while the page shows the server's present, not the past and not a log. */
+  /** INIT lines that this page has sent. */
+  readonly ownInits = new Set<string>();
   isPresent = true;
   /** True if this page has a robot to drive. */
   hasRobot = false;
