@@ -4,7 +4,6 @@ import * as THREE from 'three';
 import { startsOf } from '../offer';
 import type { ObjectState } from '../protocol/frame';
 import type { Scene } from '../protocol/scene';
-import { colourOf } from './colours';
 import type { Labels } from './labels';
 import type { Catalogue } from './map';
 import type { Robots } from './robots';
@@ -50,13 +49,11 @@ export function labelObjects(labels: Labels, objects: ObjectState[], catalogue: 
 
 export function labelRobots(labels: Labels, robots: Robots): void {
   const keys = new Set<string>();
-  for (const { state, name, fleet } of robots.all) {
+  for (const { state, name, colour, fleet } of robots.all) {
     const [x, y, z] = state.pose;
     const key = `robot ${state.id}`;
     keys.add(key);
-    labels.set(key, 'robot', name, onStage([x, y, z - fleet.height(state)]), {
-      colour: colourOf(state.id),
-    });
+    labels.set(key, 'robot', name, onStage([x, y, z - fleet.height(state)]), { colour });
   }
   labels.keep('robot', keys);
   labels.first = robots.selected === null ? null : `robot ${robots.selected}`;
