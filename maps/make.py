@@ -47,9 +47,10 @@ def text_of(value):
 class Map:
     """The text of a map.toml, table by table."""
 
-    def __init__(self, comment, description):
+    def __init__(self, comment, description, robots):
         self.lines = [f"# {line}" for line in comment.strip().splitlines()]
         self.lines += ["# Made by ../make.py: change that, not this.", f"description = {text_of(description)}"]
+        self.lines += [f"robots = [{', '.join(map(text_of, robots))}]"]
         self.numbers = {}
 
     def note(self, comment):
@@ -174,7 +175,8 @@ def rescue():
     arena = Map("""
 An arena after NIST's standard test methods for response robots (ASTM E54): tiles of 1.2 m, walls of plywood 1.2 m high.
 Yellow is a maze, orange has ramps and stairs, red has step fields. The arena is 16.8 x 12 m, with six victims and ten RFID tags.""",
-                "Rescue arena of 16.8 x 12 m: rooms, a corridor, ramps, step fields, a stair, inclined planes, smoke and six victims")
+                "Rescue arena of 16.8 x 12 m: rooms, a corridor, ramps, step fields, a stair, inclined planes, smoke and six victims",
+                ("Kenaf", "P3AT", "AirRobot"))
     arena.table("half_space", name="floor", material="concrete")
     wall = 1.2
     arena.note("The outer walls, and those of the rooms with their doorways.")
@@ -310,7 +312,8 @@ def factory():
 A factory hall after the industrial competitions of the Virtual Manufacturing Automation Challenge: two conveyors, shelves, tables
 with parts and trays, and pallets. A world controller sets a conveyor's speed: CONTROL {Type Conveyor} {Name belt-1} {Speed 0}.
 Masses of parts and trays are USARSim's.""",
-                "Factory hall of 16 x 12 m with two conveyors, shelves, pallets, and parts and trays on tables")
+                "Factory hall of 16 x 12 m with two conveyors, shelves, pallets, and parts and trays on tables",
+               ("Kiva4Wheel", "KR60", "YouBotArm"))
     hall.table("!material.belt", friction=0.9, colour=BLACK, source="a belt of ribbed rubber")
     hall.table("half_space", name="floor", material="concrete")
     wall = 1.0
@@ -409,7 +412,8 @@ def soccer():
     field = Map("""
 The field of RoboCup's Standard Platform League: 9 x 6 m with a border of 0.7 m, goals of 1.5 m and a ball of 10 cm. Lines are only seen, so
 that no wheel feels them and no laser measures them.""",
-                "Soccer field of RoboCup's Standard Platform League, 9 x 6 m, with two goals and a ball")
+                "Soccer field of RoboCup's Standard Platform League, 9 x 6 m, with two goals and a ball",
+                ("SoccerRobot", "Nao", "YouBot"))
     field.table("!material.ball", friction=0.5, restitution=0.4, angular_damping=0.3, colour=ORANGE,
                 source="a foam ball on carpet; it rolls a few metres")
     field.table("!material.artificial-grass", friction=0.8, rolling_resistance=0.03, colour=(0.20, 0.45, 0.22),

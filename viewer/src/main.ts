@@ -100,7 +100,7 @@ const drive = new DrivePanel(
     if (playback.mode !== 'live') playback.goLive();
   },
 );
-const board = new Board();
+const board = new Board(state);
 const welcome = new Welcome(state, (robotClass) => drive.spawnAnywhere(robotClass));
 
 const live = new Live({
@@ -119,7 +119,8 @@ const live = new Live({
   fit: (answer) => pointer.takeFit(answer),
   said(text) {
     wire.said(text);
-    toasts.show(plainNotice(text, namesOf));
+    const plain = plainNotice(text, namesOf, (line) => state.ownInits.has(line));
+    if (plain !== null) toasts.show(plain);
   },
   lost() {
     connected = false;
@@ -162,7 +163,9 @@ function showScene(scene: Scene): void {
   drive.updateScene();
   document.documentElement.toggleAttribute('data-watched', state.isWatched);
   setText(find('map'), scene.map.name);
-  if (before && before.map.name !== scene.map.name) say(`The map is now ${scene.map.name}`);
+  // A log that is opened or closed changes no map.
+  const isPresent = state.isPresent && playback.mode === 'live';
+  if (isPresent && before && before.map.name !== scene.map.name) say(`The map is now ${scene.map.name}`);
 }
 
 function showStatus(status: Status): void {
@@ -174,7 +177,7 @@ function showStatus(status: Status): void {
   if (state.selected === null && status.robots[0]) select(status.robots[0].id);
   world.update();
   play.update();
-  board.update(status.league ?? null);
+  board.update();
   welcome.update();
 }
 
@@ -243,7 +246,7 @@ function setTheme(dark: boolean): void {
   view.setDark(dark);
 }
 
-async function saveSnapshot(): Promise<void> {
+async function savePicture(): Promise<void> {
   const picture = await view.screenshot();
   const { frame, scene } = state;
   if (picture) save(picture, `usarsim-${scene?.map.name ?? 'world'}-${(frame?.time ?? 0).toFixed(1)}s.png`);
@@ -276,7 +279,7 @@ const actions: Action[] = [
   { name: 'Reset world', run: press('reset') },
   { name: 'Remove the chosen robot', run: removeRobot },
   { name: 'Score board of a league: large or small', key: 'b', shown: 'B', run: () => board.toggle() },
-  { name: 'Snapshot: save the picture', run: press('screenshot') },
+  { name: 'Save the picture as PNG', run: press('screenshot') },
   { name: 'Clear the paths', run: () => view.clearPaths() },
   { name: 'Light or dark', run: press('theme') },
   { name: 'Full screen', run: press('fullscreen') },
@@ -294,7 +297,7 @@ find('commands').onclick = () => showCommands(possible());
 find('help').onclick = () => showKeys(possible());
 find('theme').onclick = () => setTheme(document.documentElement.dataset.theme !== 'dark');
 find('map').onclick = () => offerMaps(state, live);
-find('screenshot').onclick = () => void saveSnapshot();
+find('screenshot').onclick = () => void savePicture();
 find('toggle-plots').onclick = () => showPlots(find('plots').hidden === true);
 find('fullscreen').onclick = () =>
   void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());

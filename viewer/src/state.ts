@@ -3,6 +3,7 @@
 import type { Frame, RobotState } from './protocol/frame';
 import type { Status } from './protocol/live';
 import type { RobotClass, Scene, Solid } from './protocol/scene';
+import { colourOf } from './view/colours';
 import { type Reading, type SensorValues, addReading } from './protocol/sensors';
 
 export class State {
@@ -15,6 +16,8 @@ export class State {
   selected: number | null = null;
   /** The server's numbers of this page's own connections, which have spawned a robot each. */
   readonly own = new Set<number>();
+  /** INIT lines that this page has sent. */
+  readonly ownInits = new Set<string>();
   /** True while the page shows the server's present, not the past and not a log. */
   isPresent = true;
   /** True if this page has a robot to drive. */
@@ -80,6 +83,11 @@ export class State {
   /** Robots that others have spawned. */
   othersRobots(): Status['robots'] {
     return (this.status?.robots ?? []).filter((robot) => !this.isOwn(robot));
+  }
+
+  /** A robot's colour, which goes by its name. */
+  colourOf(id: number): string {
+    return colourOf({ id, name: this.robot(id)?.name ?? '' });
   }
 
   /** A robot's name for people. */

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
-import { frameBytes, messageBytes, standInForBrowser } from './messages.mjs';
+import { frameBytes, messageBytes, settled, standInForBrowser } from './messages.mjs';
 import { root } from './server.mjs';
 
 const module = async (name) => (await runnerImport(join(root, `viewer/src/${name}.ts`))).module;
@@ -13,7 +13,6 @@ const { Live } = await module('protocol/live');
 const { Playback } = await module('playback');
 
 const PNG = [0x89, 0x50, 0x4e, 0x47];
-const passed = () => new Promise((resolve) => setTimeout(resolve, 10));
 const listenerOf = (names, heard) => Object.fromEntries(names.map((name) => [name, heard]));
 
 const pictureBytes = ({ png, ...picture }) => messageBytes({ picture: { ...picture, png: Uint8Array.from(png) } });
@@ -44,12 +43,12 @@ test('the page says whose pictures it wants, when that changes and to each serve
       this.sent.push(JSON.parse(text));
     }
   };
-  context.mock.timers.enable({ apis: ['setInterval'] });
+  context.mock.timers.enable({ apis: ['setInterval', 'setTimeout'] });
   context.mock.method(globalThis, 'fetch', async () => Response.json({}));
   const pictures = [];
   const names = ['scene', 'objects', 'frame', 'scan', 'status', 'line', 'said', 'fit', 'lost'];
   const live = new Live({ ...listenerOf(names, () => {}), picture: (picture) => pictures.push(picture) });
-  await passed();
+  await settled(() => sockets.length === 1);
   const [first] = sockets;
   const wishes = () => first.sent.splice(0);
   first.onopen();
@@ -68,7 +67,8 @@ test('the page says whose pictures it wants, when that changes and to each serve
   );
   // A second for the attempt to connect again.
   first.onclose();
-  await new Promise((resolve) => setTimeout(resolve, 1100));
+  context.mock.timers.tick(1000);
+  await settled(() => sockets.length === 2);
   const [, second] = sockets;
   second.onopen();
   assert.deepEqual(second.sent, [{ wire: false, robots: [2], cameras: [5] }]);

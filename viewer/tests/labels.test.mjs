@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
-import { pageTest, spawnRobot, waitForPixels } from './pagetest.mjs';
+import { near, pageTest, setQuality, spawnRobot, waitForPixels } from './pagetest.mjs';
 import { connectClient, root } from './server.mjs';
 
 const rough = { serve: ['--map', 'rough'] };
@@ -90,13 +90,10 @@ pageTest('forces have a colour of their own that stays at the lowest quality', r
     const [red, green, blue] = parts(colour);
     assert.ok(Math.hypot(red - r, green - g, blue - b) > 110, colour);
   }
-  await page.keyboard.press('Control+k');
-  await page.fill('dialog input', 'picture quality 1');
-  await page.keyboard.press('Enter');
+  await setQuality(page, 1);
   await spawnRobot(page, { robotClass: 'P3AT' });
   await page.click('#layers summary');
   await page.check('[name=forces]');
   await page.keyboard.press('Home');
-  const near = (by) => [r, g, b].map((part) => Math.max(0, Math.min(255, part + by)));
-  await waitForPixels(page, 40, near(-50), near(50));
+  await waitForPixels(page, 40, ...near(colours.FORCE_COLOUR, 50));
 });

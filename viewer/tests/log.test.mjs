@@ -7,7 +7,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { runnerImport } from 'vite';
-import { connectClient, program, root, startServer } from './server.mjs';
+import { connectClient, program, root, startServer, until } from './server.mjs';
 
 const { module: logs } = await runnerImport(join(root, 'viewer/src/log/index.ts'));
 const { module: lz4 } = await runnerImport(join(root, 'viewer/src/log/lz4.ts'));
@@ -49,13 +49,18 @@ before(async () => {
   path = join(writer.folder, 'run.mcap');
   const init = (robotClass, name, place) => `INIT {ClassName USARBot.${robotClass}} {Name ${name}} {Location ${place}}`;
   const joint = 'SET {Type Joint} {Name ArmJoint1} {Opcode Angle} {Params 1}';
-  await connectClient(writer.port, init('YouBotArm', 'Arm', '0,-3,-0.1'), 'DRIVE {RotationalVelocity 0.5}', joint);
+  const arm = await connectClient(
+    writer.port,
+    init('YouBotArm', 'Arm', '0,-3,-0.1'),
+    'DRIVE {RotationalVelocity 0.5}',
+    joint,
+  );
   const pusher = await connectClient(writer.port, init('P3AT', 'Pusher', '0,0,-0.2'), 'DRIVE {Left 5} {Right 5}');
-  await sleep(1500);
+  await arm.reaches(6);
   pusher.end();
-  await sleep(300);
-  await connectClient(writer.port, init('P2DX', 'Next', '0,3,-0.2'), 'DRIVE {Left 2} {Right 1}');
-  await sleep(500);
+  await arm.reaches(7);
+  const next = await connectClient(writer.port, init('P2DX', 'Next', '0,3,-0.2'), 'DRIVE {Left 2} {Right 1}');
+  await next.reaches(9);
   await writer.stop();
   server = await startServer('--map', 'smooth');
 });
@@ -73,7 +78,6 @@ async function askScene(stored) {
 }
 
 const open = async (file) => logs.LogFile.open(await openAsBlob(file), askScene);
-const sleep = (ms) => new Promise((woken) => setTimeout(woken, ms));
 const usarsim = (...args) => execFileSync(program, ['log', ...args], { maxBuffer: 1 << 28 }).toString();
 
 /** The rows of `usarsim log export --csv` by their columns. */
@@ -223,18 +227,19 @@ test('it plays, pauses, jumps and ends', async () => {
   await player.seek(0.5);
   const begin = performance.now();
   player.play(1);
-  while (seen.frames.length < 10) await sleep(10);
+  await until(() => seen.frames.length >= 10);
   player.pause();
   const paused = player.time;
   const passed = (performance.now() - begin) / 1000;
   assert.ok(paused > 0.6 && paused < 0.5 + passed + 0.05, `${paused} after ${passed} s`);
-  await sleep(100);
-  assert.equal(player.time, paused);
   assert.ok(seen.frames.every((time, at) => time >= (seen.frames[at - 1] ?? 0)));
   // Each line once.
   const cat = usarsim('cat', path, '--to', String(seen.frames.at(-1)))
     .trimEnd()
     .split('\n');
+  // Meanwhile whatever would have moved it became due.
+  await new Promise(setImmediate);
+  assert.equal(player.time, paused);
   assert.equal(seen.lines.length, cat.length);
   assert.equal(seen.jumps, 1);
   assert.ok(seen.scans > 0, `${seen.scans} scans`);
@@ -251,7 +256,7 @@ test('it plays, pauses, jumps and ends', async () => {
   assert.equal(player.time, log.end);
   await player.seek(log.end - 0.2);
   player.play(5);
-  while (player.isPlaying) await sleep(10);
+  await until(() => !player.isPlaying);
   assert.deepEqual([seen.ended, player.time, seen.failed], [1, log.end, []]);
   assert.equal(seen.status.at(-1), 'Arm,Next');
   const before = seen.frames.length;
@@ -299,7 +304,7 @@ test('damage is said by name', async () => {
   };
   const player = new logs.Player(log, { ...listener, failed: (reason) => failed.push(reason) });
   player.play(10);
-  while (player.isPlaying) await sleep(10);
+  await until(() => !player.isPlaying);
   assert.match(failed.join(), /^the log is damaged at byte \d+: /);
   // The rest can be looked at.
   await player.seek(log.end);

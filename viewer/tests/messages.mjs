@@ -26,3 +26,10 @@ export function standInForBrowser() {
   globalThis.location = { href: 'http://127.0.0.1:1/', hash: '' };
   globalThis.sessionStorage = { getItem: () => null };
 }
+
+/** Lets promises run until a condition holds, and a few turns more. Takes no timer, which a test may have replaced. */
+export async function settled(condition) {
+  const turn = () => new Promise(setImmediate);
+  for (const end = Date.now() + 10_000; !condition() && Date.now() < end;) await turn();
+  for (let more = 0; more < 5; more++) await turn();
+}

@@ -5,7 +5,7 @@ import { test } from 'node:test';
 import { join } from 'node:path';
 import { runnerImport } from 'vite';
 import { message, writeLog } from './mcap.mjs';
-import { frameBytes, standInForBrowser } from './messages.mjs';
+import { frameBytes, settled, standInForBrowser } from './messages.mjs';
 import { root } from './server.mjs';
 
 const module = async (name) => (await runnerImport(join(root, `viewer/src/${name}.ts`))).module;
@@ -29,7 +29,6 @@ const sceneOf = (...objects) => ({
   classes: {},
 });
 const statusOf = (resets) => ({ resets, robots: [], recording: null });
-const passed = () => new Promise((resolve) => setTimeout(resolve, 10));
 const numbersOf = (objects) => objects.map(({ number }) => number);
 
 test('a frame names its objects by their numbers', () => {
@@ -113,17 +112,17 @@ test('the server is asked for objects once at a time, and of the world that is s
   for (let change = 0; change < 3; change++) questions.ask();
   assert.deepEqual([asked.length, asked[0].name], [1, 'objects.json']);
   asked[0].answer([{ number: 1 }]);
-  await passed();
+  await settled(() => asked.length === 2);
   assert.deepEqual([seen, asked.length], [[1], 2]);
   questions.restart();
   questions.ask();
   asked[1].answer([{ number: 2 }]);
   asked[2].answer([{ number: 3 }]);
-  await passed();
+  await settled(() => seen.length === 2);
   assert.deepEqual([seen, asked.length], [[1, 3], 3]);
   questions.ask();
   asked[3].reject(new Error('gone'));
-  await passed();
+  await settled(() => seen.length === 3);
   assert.deepEqual(seen, [1, 3, 'failed']);
 });
 
@@ -145,20 +144,21 @@ test('objects are fetched with the first status, when they change and after a sc
     objects: (answer) => seen.push(answer),
     status: () => seen.push('status'),
   });
-  const after = async (scene, resets, objects) => {
+  await settled(() => sockets.length === 1);
+  assert.deepEqual(seen, ['scene.json']);
+  for (const [scene, resets, objects, expected] of [
+    [0, 0, 0, 'status objects.json'],
+    [0, 0, 0, 'status'],
+    [0, 0, 1, 'status objects.json'],
+    [0, 1, 1, 'status objects.json'],
+    [1, 2, 1, 'scene.json objects.json'],
+    [1, 2, 1, 'status'],
+  ]) {
     seen.length = 0;
     sockets[0].onmessage({ data: JSON.stringify({ status: { scene, resets, objects } }) });
-    await passed();
-    return seen.join(' ');
-  };
-  await passed();
-  assert.equal(seen.join(' '), 'scene.json');
-  assert.equal(await after(0, 0, 0), 'status objects.json');
-  assert.equal(await after(0, 0, 0), 'status');
-  assert.equal(await after(0, 0, 1), 'status objects.json');
-  assert.equal(await after(0, 1, 1), 'status objects.json');
-  assert.equal(await after(1, 2, 1), 'scene.json objects.json');
-  assert.equal(await after(1, 2, 1), 'status');
+    await settled(() => seen.join(' ') === expected);
+    assert.equal(seen.join(' '), expected);
+  }
 });
 
 test('the picture has the objects of the frame that are known', () => {

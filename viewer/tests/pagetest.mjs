@@ -70,3 +70,50 @@ export async function waitForPixels(page, count, least, most) {
   }
   throw new Error(`${found} pixels after half a minute: expected ${count}`);
 }
+
+/** Returns the limits of red, green and blue about a colour. */
+export function near(colour, by) {
+  const parts = [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
+  const limited = (by) => parts.map((part) => Math.max(0, Math.min(255, part + by)));
+  return [limited(-by), limited(by)];
+}
+
+export async function setQuality(page, quality) {
+  await page.keyboard.press('Control+k');
+  await page.fill('dialog input', `picture quality ${quality}`);
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(
+    (quality) => document.querySelector('#rate').textContent.startsWith(`Picture quality ${quality} of 5`),
+    quality,
+  );
+}
+
+/** Length of the vertical axis in the drawing of the axes, px: the camera's pitch. */
+export const ABOVE = [0, 1];
+export const SLANTED = [8, 26];
+
+/** Waits until the camera is so far above what it looks at. */
+export function waitForView(page, [least, most]) {
+  return page.waitForFunction(
+    ([least, most]) => {
+      const [ball] = [...document.querySelectorAll('.view-gizmo .ball')].filter(
+        (ball) => ball.querySelector('title').textContent === 'Look from +z',
+      );
+      const [x, y] = (ball?.getAttribute('transform') ?? '').match(/-?[\d.]+/g)?.map(Number) ?? [];
+      const length = Math.hypot(x - 42, y - 42);
+      return least <= length && length <= most;
+    },
+    [least, most],
+  );
+}
+
+/** Waits until the only robot's or the chosen robot's name is near the middle of the view. */
+export function waitForRobotInMiddle(page, most = 70) {
+  return page.waitForFunction((most) => {
+    const name = document.querySelector('[data-robot][aria-pressed=true] span')?.textContent;
+    const label = [...document.querySelectorAll('.view-label.robot')].find(({ textContent }) => textContent === name);
+    const { width, height } = document.querySelector('#canvas').getBoundingClientRect();
+    const [x, y] = label?.style.transform.match(/-?[\d.]+/g)?.map(Number) ?? [];
+    return Math.hypot(x + label?.offsetWidth / 2 - width / 2, y - height / 2) < most;
+  }, most);
+}

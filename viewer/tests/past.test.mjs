@@ -53,14 +53,12 @@ pageTest('keys drive nobody while the past is shown, and space plays it', rough,
   const then = await number(page, '#time');
   const before = sent.length;
   assert.ok(before > 0);
-  for (const key of ['w', 'd', 'ArrowUp']) {
-    await page.keyboard.down(key);
-    await page.waitForTimeout(150);
-    await page.keyboard.up(key);
-  }
+  const keys = ['w', 'd', 'ArrowUp'];
+  for (const key of keys) await page.keyboard.down(key);
   assert.ok(await page.isDisabled('#joint-ArmJoint1'));
   await page.keyboard.press(' ');
   await waitForNumber(page, '#time', (time) => time > then + 0.4);
+  for (const key of keys) await page.keyboard.up(key);
   await page.waitForSelector('#pause:text-is("Pause")');
   await page.keyboard.press(' ');
   await page.waitForSelector('#pause:text-is("Play")');

@@ -72,13 +72,10 @@ await take('phone.png', ['--map', 'rough'], phone, async (page) => {
 });
 await browser.close();
 
-/** What the page offers first, and from how far it is seen, m. */
-for (const [robot, distance] of [
-  ['YouBotArm', 2.9],
-  ['P3AT', 1.9],
-  ['AirRobot', 1.9],
-]) {
-  const out = join(root, `viewer/public/robots/${robot}.png`);
-  const options = ['--robot', robot, '--distance', distance, '--size', '240x168', '--out', out];
-  execFileSync(program, ['snapshot', '--map', 'arena', ...options]);
+/** Robots that the shipped maps offer first. */
+const OFFERED = 'AirRobot ATRV Hummer KR60 Kenaf Kiva4Wheel Nao P3AT SoccerRobot YouBot YouBotArm'.split(' ');
+for (const robot of OFFERED) {
+  const out = join(root, `viewer/src/panel/robots/${robot}.png`);
+  const options = ['--robot', robot, '--view', 'portrait', '--seconds', '0.3', '--size', '240x168', '--out', out];
+  execFileSync(program, ['snapshot', '--map', 'smooth', ...options]);
 }

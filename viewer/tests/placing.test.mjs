@@ -1,7 +1,8 @@
 // A robot is put where one clicks: its ghost is red where it cannot stand.
 
 import assert from 'node:assert/strict';
-import { countPixels, pageTest, waitForPixels } from './pagetest.mjs';
+import { ABOVE, countPixels, pageTest, setQuality, waitForPixels, waitForView } from './pagetest.mjs';
+import { until } from './server.mjs';
 
 const arena = { serve: ['--map', 'arena'] };
 
@@ -39,9 +40,7 @@ async function answerFits(page, questions, world) {
 pageTest('a ghost is red where the robot cannot stand, and says why', arena, async ({ page }) => {
   const [questions, world] = [[], { stands: true }];
   await answerFits(page, questions, world);
-  await page.keyboard.press('Control+k');
-  await page.fill('dialog input', 'picture quality 1');
-  await page.keyboard.press('Enter');
+  await setQuality(page, 1);
   await page.selectOption('#camera', 'top');
   await startPlacing(page, 'YouBotArm');
   await page.waitForSelector('#placing:has-text("Click where the robot should stand")');
@@ -89,15 +88,30 @@ pageTest('a robot is placed also by a server that does not know where it fits', 
 });
 
 pageTest('the server says what is in the way of a robot', arena, async ({ page }) => {
+  let [asked, answered] = [0, 0];
+  await page.routeWebSocket(/\/live$/, (socket) => {
+    const server = socket.connectToServer();
+    socket.onMessage((message) => {
+      asked += JSON.parse(message).fit ? 1 : 0;
+      server.send(message);
+    });
+    server.onMessage((message) => {
+      socket.send(message);
+      answered += typeof message === 'string' && JSON.parse(message).fit ? 1 : 0;
+    });
+  });
+  await page.reload();
+  await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
   await page.selectOption('#camera', 'top');
+  await waitForView(page, ABOVE);
   await startPlacing(page, 'P3AT');
   const { x, y, width, height } = await page.locator('#canvas').boundingBox();
   // Somewhere on the way to the edge of the map is a wall.
   let isFound = false;
   for (let part = 0.5; part > 0.02 && !isFound; part -= 0.01) {
+    const before = asked;
     await page.mouse.move(x + width / 2, y + part * height);
-    await page.waitForSelector('#placing:not([data-stands=unknown])', { timeout: 5000 });
-    await page.waitForTimeout(150);
+    await until(() => asked > before && answered === asked, 'the server answers for this place');
     isFound = /takes it/.test(await page.textContent('#placing'));
   }
   assert.ok(isFound);

@@ -6,6 +6,7 @@ import net from 'node:net';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import readline from 'node:readline';
+import { setTimeout as sleep } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
@@ -14,14 +15,25 @@ export const program = resolve(process.env.USARSIM ?? join(root, 'target/release
 export const pictures = join(root, 'target/screenshots');
 mkdirSync(pictures, { recursive: true });
 
-/** Starts `usarsim serve` and waits until it is ready. */
+/** Waits until a condition holds, for half a minute at most. Returns its value. */
+export async function until(condition, what = String(condition)) {
+  for (const end = performance.now() + 30_000; performance.now() < end; await sleep(20)) {
+    const value = await condition();
+    if (value) return value;
+  }
+  throw new Error(`not so for half a minute: ${what}`);
+}
+
+/** Starts `usarsim serve` and waits until it is ready. `logged` waits for a text in what it writes to its log. */
 export async function startServer(...options) {
   const folder = mkdtempSync(join(tmpdir(), 'usarsim-'));
   const ports = options.includes('--port') ? [] : ['--port', '0', '--http', '0'];
   const child = spawn(program, ['serve', '--json', ...ports, ...options], {
     cwd: folder,
-    stdio: ['ignore', 'pipe', 'ignore'],
+    stdio: ['ignore', 'pipe', 'pipe'],
   });
+  let log = '';
+  child.stderr.on('data', (data) => (log = (log + data).slice(-100_000)));
   const [line] = await new Promise((ready, failed) => {
     readline.createInterface(child.stdout).once('line', (line) => ready([line]));
     child.once('exit', (code) => failed(new Error(`the server ended with ${code}`)));
@@ -34,27 +46,34 @@ export async function startServer(...options) {
     child.kill(signal);
     await ended;
   };
-  return { folder, port, http, url: `http://127.0.0.1:${http}/`, stop };
+  const logged = (text) => until(() => log.includes(text), `the server logs: ${text}`);
+  return { folder, port, http, url: `http://127.0.0.1:${http}/`, stop, logged };
 }
 
-/** Connects a client of the protocol that sends some lines, and waits until the server has executed them. */
+/**
+ * Connects a client of the protocol that sends some lines, and waits until the server has executed them. `reaches` waits until its
+ * robot's lines are of a simulated time, s.
+ */
 export async function connectClient(port, ...lines) {
   const socket = net.connect(port, '127.0.0.1');
   await new Promise((resolve, failed) => socket.once('connect', resolve).once('error', failed));
   socket.on('error', () => {});
+  let time = -Infinity;
   // Two clients whose lines wait are served in any order.
   const served = new Promise((resolve) => {
-    let heard = '';
-    socket.on('data', (data) => {
-      if (heard === null) return;
-      heard += data;
-      if (heard.includes('{StartPoses')) resolve((heard = null));
+    readline.createInterface(socket).on('line', (line) => {
+      if (line.includes('{StartPoses')) resolve();
+      time = Number(/^(?:STA|SEN) \{Time ([\d.]+)\}/.exec(line)?.[1] ?? time);
     });
     socket.once('close', resolve);
   });
   [...lines, 'GETSTARTPOSES'].forEach((line) => socket.write(`${line}\r\n`));
   await served;
-  return { send: (line) => socket.write(`${line}\r\n`), end: () => socket.destroy() };
+  return {
+    send: (line) => socket.write(`${line}\r\n`),
+    end: () => socket.destroy(),
+    reaches: (seconds) => until(() => time >= seconds, `${seconds} s of simulated time`),
+  };
 }
 
 /** Connects clients that spawn a robot each, and drive it. */
@@ -71,7 +90,12 @@ export function launchBrowser() {
   const executablePath =
     process.env.CHROMIUM ??
     ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
-  const args = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+  const args = [
+    '--no-sandbox',
+    '--use-angle=swiftshader',
+    '--enable-unsafe-swiftshader',
+    '--disable-features=LocalNetworkAccessChecks',
+  ];
   return chromium.launch({ executablePath, args });
 }
 

@@ -3,8 +3,11 @@
 import assert from 'node:assert/strict';
 import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { X, Y, pageTest, spawnRobot } from './pagetest.mjs';
-import { connectClient, number, openPage, pictures, startServer, waitForNumber } from './server.mjs';
+import { ABOVE, SLANTED, X, Y, pageTest, spawnRobot, waitForRobotInMiddle, waitForView } from './pagetest.mjs';
+import { runnerImport } from 'vite';
+import { connectClient, number, openPage, pictures, root, startServer, waitForNumber } from './server.mjs';
+
+const { frameRate } = (await runnerImport(join(root, 'viewer/src/view/stopwatch.ts'))).module;
 
 const rough = { serve: ['--map', 'rough'] };
 const others = 'INIT {ClassName USARBot.P3AT} {Name Other} {Location 3,0,-0.1}';
@@ -83,7 +86,8 @@ pageTest('the last minute can be looked at while the world goes on', rough, asyn
   });
   await page.waitForSelector('#mode[data-mode=past]');
   const then = await waitForNumber(page, '#time', (value) => value < now - 0.5);
-  await page.waitForTimeout(500);
+  // The world goes on.
+  await waitForNumber(page, '#last-time', (value) => value > now + 0.5);
   assert.equal(await number(page, '#time'), then);
   await page.click('#live');
   await waitForNumber(page, '#time', (value) => value > then + 0.5);
@@ -128,6 +132,8 @@ pageTest('a log plays in the page, and the present comes back', rough, async ({ 
   await page.click('#live');
   await map(page, 'rough');
   await page.waitForSelector('[data-robot]', { state: 'detached' });
+  // Nobody has changed the map.
+  assert.equal((await page.locator('#toasts').textContent()).includes('The map is now'), false);
   await page.setInputFiles('#log-file', {
     name: 'no.mcap',
     mimeType: 'application/octet-stream',
@@ -176,7 +182,8 @@ pageTest('a robot of this page is dragged to another place while time stands sti
   await page.keyboard.press('g');
   await page.keyboard.press(' ');
   await page.waitForSelector('#pause[aria-pressed=true]');
-  await page.waitForTimeout(600);
+  await waitForView(page, ABOVE);
+  await waitForRobotInMiddle(page);
   const { x, y, width, height } = await page.locator('#canvas').boundingBox();
   const [middle, level] = [x + width / 2, y + height / 2];
   await page.mouse.move(middle, level);
@@ -245,3 +252,71 @@ pageTest(
     robot.end();
   },
 );
+
+pageTest('robots are listed by name, numbers as numbers', rough, async ({ page, server }) => {
+  const names = ['Student10', 'Student2', 'ann', 'Student1'];
+  const clients = [];
+  for (const [index, name] of names.entries()) {
+    const init = `INIT {ClassName USARBot.P3AT} {Name ${name}} {Location ${2 * index},0,-0.2}`;
+    clients.push(await connectClient(server.port, init));
+  }
+  await page.waitForSelector('[data-robot="3"]', { state: 'attached' });
+  const listed = await page.locator('[data-robot] span').allTextContents();
+  assert.deepEqual(listed, ['ann', 'Student1', 'Student2', 'Student10']);
+  for (const client of clients) client.end();
+});
+
+pageTest('a robot has the same colour when it is spawned again', rough, async ({ page }) => {
+  const colour = () => page.locator('[data-robot] .swatch').evaluate(({ style }) => style.background);
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  const first = await colour();
+  await page.click('[data-value=x]');
+  const marker = page.locator('.u-legend .u-series:nth-child(2) .u-marker');
+  assert.equal(await marker.evaluate(({ style }) => style.borderColor || style.borderTopColor), first);
+  await page.click('#remove');
+  await page.waitForSelector('[data-robot]', { state: 'detached' });
+  await page.fill('[name=name]', 'Robot1');
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  await page.waitForSelector('[data-robot="1"]:has-text("Robot1")');
+  assert.equal(await colour(), first);
+});
+
+pageTest('Home shows the whole map, and the list names the camera', rough, async ({ page }) => {
+  await spawnRobot(page, { robotClass: 'P3AT' });
+  const scale = () => page.textContent('#scale');
+  const whole = async (mode, view) => {
+    await page.keyboard.press('Home');
+    await waitForView(page, view);
+    await page.waitForFunction((mode) => document.querySelector('#camera').value === mode, mode);
+  };
+  await page.selectOption('#camera', 'top');
+  await waitForView(page, ABOVE);
+  await page.keyboard.press('g');
+  await page.waitForFunction(() => document.querySelector('#scale').textContent.endsWith('cm'));
+  await whole('top', ABOVE);
+  await page.waitForFunction(() => / \d+ m$| ?\d+ m$/.test(document.querySelector('#scale').textContent));
+  assert.match(await scale(), /\d m$/);
+  for (const mode of ['follow', 'chase', 'robot']) {
+    await page.selectOption('#camera', mode);
+    await whole('orbit', SLANTED);
+  }
+});
+
+for (const [name, offered] of [
+  ['soccer', ['SoccerRobot', 'Nao', 'YouBot']],
+  ['yard', ['Hummer', 'ATRV', 'AirRobot']],
+  ['rough', ['YouBotArm', 'P3AT', 'AirRobot']],
+]) {
+  pageTest(`robots that suit the map ${name} are offered`, { serve: ['--map', name] }, async ({ page }) => {
+    assert.deepEqual(await page.locator('.card strong').allTextContents(), offered);
+    assert.equal(await page.inputValue('select[name=class]'), offered[0]);
+    const drawn = () =>
+      [...document.querySelectorAll('.card img')].filter(({ complete, naturalWidth }) => complete && naturalWidth > 0);
+    await page.waitForFunction(`(${drawn})().length === 3`);
+  });
+}
+
+pageTest('no frame rate is shown at rest', rough, async ({ page }) => {
+  await page.waitForFunction(() => /^Picture quality \d of 5$/.test(document.querySelector('#rate').textContent));
+  assert.deepEqual([frameRate(0, 0), frameRate(0, 60), frameRate(10, 50), frameRate(10, 5)], [null, null, null, 10]);
+});

@@ -138,6 +138,8 @@ struct TeamStatus {
     place: usize,
     name: String,
     points: i64,
+    /// Number of victims that it found.
+    found: usize,
     /// Numbers of the robots that entered for it.
     robots: Vec<u64>,
     /// The last changes of its points, newest first.
@@ -150,6 +152,7 @@ impl LeagueStatus {
             place,
             name: team.team.clone(),
             points: team.points,
+            found: team.scores.iter().filter(|score| score.is_found_victim()).count(),
             robots: team.robots.iter().map(|entrant| entrant.robot).collect(),
             scores: team.scores.iter().rev().take(MAX_SCORES).cloned().collect(),
         };

@@ -13,7 +13,7 @@ use crate::mesh;
 use crate::problem::Problems;
 use crate::source::Source;
 
-const KEYS: &str = "description, gravity, time_limit, north, latitude, longitude, material, half_space, box, ramp, cylinder, ball, mesh, \
+const KEYS: &str = "description, robots, gravity, time_limit, north, latitude, longitude, material, half_space, box, ramp, cylinder, ball, mesh, \
                     height_field, start, path_node, victim, rfid, smoke, sound";
 
 pub(crate) fn read(
@@ -27,6 +27,7 @@ pub(crate) fn read(
     let shown = source.display(file);
     let (mut document, mut root) = Document::parse(&shown, text, problems)?;
     let description = document.required(&mut root, "description", "one sentence about the map");
+    let robots = document.optional(&mut root, "robots").unwrap_or_default();
     let gravity = document.section(&mut root, "gravity").ok().flatten().map_or(9.81, |(span, gravity)| {
         document.within(&span, "gravity", gravity, check::GRAVITY);
         gravity
@@ -43,7 +44,7 @@ pub(crate) fn read(
         }
     };
     let materials = materials::read_own(&mut document, &mut root, materials);
-    let mut map = MapDef { name: name.to_owned(), gravity, time_limit, north, origin, ..MapDef::default() };
+    let mut map = MapDef { name: name.to_owned(), robots, gravity, time_limit, north, origin, ..MapDef::default() };
     for kind in ["half_space", "box", "ramp", "cylinder", "ball", "mesh", "height_field"] {
         for table in document.tables(&mut root, kind) {
             match read_solid(source, &mut document, kind, table, &materials) {

@@ -2,4 +2,5 @@
 
 mod documented;
 mod equipment;
+mod suiting;
 mod visuals;

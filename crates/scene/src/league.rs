@@ -137,6 +137,11 @@ pub struct Entrant {
 }
 
 impl Score {
+    /// True if the points are for a victim that was found.
+    pub fn is_found_victim(&self) -> bool {
+        self.reason.starts_with("found ")
+    }
+
     /// Returns the bytes of memory that its texts take.
     pub fn held(&self) -> usize {
         size_of::<Self>() + self.team.len() + self.reason.len()

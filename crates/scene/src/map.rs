@@ -168,6 +168,9 @@ pub struct MapDef {
     /// Sources of sounds.
     #[serde(default)]
     pub sounds: Vec<Sound>,
+    /// Classes of robots that suit the map, the first one first: pages offer these.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub robots: Vec<String>,
 }
 
 impl MapDef {

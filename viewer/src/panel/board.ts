@@ -1,6 +1,8 @@
 /** The score board of a league: a card in the view, or the whole page for a hall. */
 
 import type { League } from '../protocol/live';
+import type { State } from '../state';
+import { teamColour } from '../view/colours';
 import { find, make, setText } from './dom';
 
 /** The address that opens the large board. */
@@ -26,7 +28,7 @@ export class Board {
   });
   private shown = '';
 
-  constructor() {
+  constructor(private readonly state: State) {
     const name = make('h2', { id: 'board-name' });
     this.element.append(make('header', {}, name, this.time, this.size), this.teams);
     this.size.onclick = () => this.toggle();
@@ -34,29 +36,51 @@ export class Board {
     this.resize();
   }
 
-  /** Shows the league of a status; none hides the board. */
-  update(league: League | null): void {
+  /** Shows the league that is played; none hides the board. */
+  update(): void {
+    const league = this.state.status?.league ?? null;
     this.element.hidden = !league;
     if (!league) return;
     setText(find('board-name'), league.name);
     setText(this.time, league.is_over ? 'time is up' : clock(league.time_left));
     this.element.classList.toggle('waiting', !league.has_begun);
-    const shown = JSON.stringify(league.teams);
+    const teams = league.teams.map((team) => ({ ...team, about: this.about(team) }));
+    const shown = JSON.stringify(teams);
     if (shown === this.shown) return;
     this.shown = shown;
     this.teams.replaceChildren(
-      ...league.teams.map(({ place, name, points, scores }) => {
+      ...teams.map(({ place, name, points, about, scores }) => {
         const last = scores.map(({ reason, points }) => make('li', {}, `${signed(points)} ${reason}`));
-        return make(
+        const row = make(
           'li',
           { 'data-team': name },
           make('span', { class: 'place' }, String(place)),
           make('span', { class: 'name' }, name),
           make('output', { class: 'points' }, String(points)),
+          make('span', { class: 'about' }, about),
           make('ul', { class: 'scores' }, ...last),
         );
+        row.style.setProperty('--team', teamColour(name, this.numberOf(name)));
+        return row;
       }),
     );
+  }
+
+  /** Place of a team in the definition of the league. */
+  private numberOf(team: string): number {
+    const teams = this.state.scene?.league?.teams ?? [];
+    return Math.max(
+      0,
+      teams.findIndex(({ name }) => name === team),
+    );
+  }
+
+  /** The robots of a team that are in the world, and the victims that it found. */
+  private about({ robots, found }: League['teams'][number]): string {
+    const victims = this.state.scene?.league?.victims ?? 0;
+    const names = robots.filter((id) => this.state.robot(id)).map((id) => this.state.nameOf(id));
+    const ofVictims = victims > 0 ? [`${found} of ${victims} ${victims === 1 ? 'victim' : 'victims'}`] : [];
+    return [names.join(', ') || 'no robot', ...ofVictims].join(' · ');
   }
 
   /** Changes between the card and the large board. */

@@ -2,7 +2,7 @@
 
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import { COLOURS } from '../view/overlay';
+import { curveColours } from '../view/colours';
 import { fixed, make, save, setText } from './dom';
 import type { Series } from './plots';
 
@@ -218,7 +218,7 @@ export class Chart {
 
   private build(): void {
     this.plot?.destroy();
-    const [quantity, labels] = [this.quantity(), this.labels()];
+    const [quantity, labels, colours] = [this.quantity(), this.labels(), curveColours(this.series)];
     // Many values leave no room for what the title says.
     const unit = this.unit && this.series.length <= 2 ? ` ${this.unit}` : '';
     setText(this.title, quantity);
@@ -238,7 +238,7 @@ export class Chart {
           { label: 'time', value: (_, time) => (typeof time === 'number' ? `${time.toFixed(3)} s` : '–') },
           ...this.series.map(({ value }, index) => ({
             label: labels[index] ?? '',
-            stroke: COLOURS[index % COLOURS.length] ?? '#777',
+            stroke: colours[index] ?? '#777',
             width: 1.5,
             value: (_: uPlot, number: number | null) =>
               typeof number === 'number' ? `${fixed(number, value.digits)}${unit}` : '–',

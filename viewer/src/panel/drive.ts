@@ -1,6 +1,6 @@
 /** The tab to spawn a robot and drive it by keyboard or by sticks. */
 
-import { Client, type Spawn, type Twist } from '../protocol/client';
+import { Client, type Spawn, type Twist, initLine } from '../protocol/client';
 import type { Vector } from '../protocol/scene';
 import type { State } from '../state';
 import { find, make, setText } from './dom';
@@ -40,6 +40,8 @@ interface Own {
   connection: number | null;
   /** numbers of the robots that were there before it */
   before: Set<number>;
+  /** the robot that was driven before it */
+  previous: Own | null;
 }
 
 export class DrivePanel {
@@ -148,9 +150,10 @@ export class DrivePanel {
     const connection = this.state.robot(robot)?.connection;
     const own = this.robots.find((own) => own.connection !== null && own.connection === connection);
     if (!own) return this.say('You can only move robots that you spawned from this page');
+    if (this.state.scene?.league) return this.say('In a league a robot enters at a start of its team');
     const { robotClass, name } = own.client.spawn;
     this.forget(own);
-    this.connect({ robotClass, name, place: { location, yaw } });
+    this.connect({ robotClass, name, place: { location, yaw }, team: null });
   }
 
   connect(spawn: Spawn): void {
@@ -158,7 +161,8 @@ export class DrivePanel {
     if (!robotClass) return;
     const before = new Set(this.state.status?.robots.map(({ id }) => id));
     const client: Client = new Client(spawn, robotClass, (what) => this.remove(own, what));
-    const own: Own = { client, connection: null, before };
+    const own: Own = { client, connection: null, before, previous: this.driven };
+    this.state.ownInits.add(initLine(spawn));
     this.robots.push(own);
     this.drive(own);
     this.spawned();
@@ -166,7 +170,10 @@ export class DrivePanel {
   }
 
   private remove(own: Own, what: string): void {
-    if (this.forget(own)) this.say(`${own.client.spawn.name} ${what}`);
+    const { name } = own.client.spawn;
+    if (!this.forget(own)) return;
+    this.say(`${name} ${what}`);
+    if (own.connection === null) this.form.offerName(name);
   }
 
   /** Ends an own robot's connection; false if that was done before. */
@@ -176,7 +183,8 @@ export class DrivePanel {
     this.robots.splice(index, 1);
     if (own.connection !== null) this.state.own.delete(own.connection);
     own.client.end();
-    if (this.driven === own) this.drive(this.robots[0] ?? null);
+    const previous = this.robots.find((other) => other === own.previous) ?? this.robots[0] ?? null;
+    if (this.driven === own) this.drive(previous);
     else this.list();
     return true;
   }

@@ -10,6 +10,8 @@ import { find, make, save } from './dom';
 export interface Series {
   robot: number;
   label: string;
+  /** the robot's */
+  colour: string;
   value: Value;
 }
 
@@ -50,7 +52,10 @@ export class PlotsPanel {
     if (chart?.has(robot, value.key)) {
       chart.remove(robot, value.key);
       if (chart.isEmpty()) this.close(value.unit);
-    } else this.add({ robot, label: `${this.state.nameOf(robot)} ${value.name}`, value });
+    } else {
+      const label = `${this.state.nameOf(robot)} ${value.name}`;
+      this.add({ robot, label, colour: this.state.colourOf(robot), value });
+    }
     this.hint.hidden = this.byUnit.size > 0;
   }
 

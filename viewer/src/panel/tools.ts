@@ -14,6 +14,7 @@ export class Tools {
   ) {
     this.camera.append(...CAMERAS.map((mode) => make('option', { value: mode }, mode)));
     this.camera.onchange = () => this.look();
+    view.onCamera = (mode) => (this.camera.value = mode);
     find('fit').onclick = () => view.fit(state.selected);
     find('home').onclick = () => view.home();
     this.buildLayers();

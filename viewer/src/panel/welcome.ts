@@ -1,14 +1,11 @@
 /** Where no robot is: a few to choose from. */
 
+import { firstClasses } from '../offer';
 import type { State } from '../state';
 import { find, make } from './dom';
 
-/** The robots that are offered, where the server has them, and why. `npm run pictures` makes their pictures. */
-const OFFERED = [
-  { robotClass: 'YouBotArm', what: 'Mecanum wheels and an arm' },
-  { robotClass: 'P3AT', what: 'skid steering and a laser' },
-  { robotClass: 'AirRobot', what: 'flies' },
-];
+/** Pictures of classes, by their files. `npm run pictures` makes those of the shipped maps. */
+const PICTURES = import.meta.glob<string>('./robots/*.png', { eager: true, query: '?url', import: 'default' });
 
 export class Welcome {
   private readonly element = find('welcome');
@@ -23,10 +20,9 @@ export class Welcome {
   update(): void {
     const { status, scene, isPresent } = this.state;
     this.element.hidden = !isPresent || !status || status.robots.length > 0;
-    const classes = Object.keys(scene?.classes ?? {});
-    const known = OFFERED.filter(({ robotClass }) => classes.includes(robotClass));
-    const offered = known.length > 0 ? known : classes.slice(0, 3).map((robotClass) => ({ robotClass, what: '' }));
-    const shown = JSON.stringify([offered, scene?.port]);
+    if (!scene) return;
+    const offered = firstClasses(scene);
+    const shown = JSON.stringify([offered, scene.port]);
     if (shown === this.shown) return;
     this.shown = shown;
     this.element.replaceChildren(
@@ -34,19 +30,20 @@ export class Welcome {
       make(
         'div',
         { class: 'row' },
-        ...offered.map(({ robotClass, what }) => {
+        ...offered.map((robotClass) => {
+          const picture = PICTURES[`./robots/${robotClass}.png`];
           const button = make(
             'button',
             { class: 'card', 'data-spawn': robotClass },
-            ...(what ? [make('img', { src: `robots/${robotClass}.png`, alt: '', width: '120', height: '84' })] : []),
+            ...(picture ? [make('img', { src: picture, alt: '', width: '120', height: '84' })] : []),
             make('strong', {}, robotClass),
-            make('small', {}, what),
+            make('small', {}, scene.classes[robotClass]?.description ?? ''),
           );
           button.onclick = () => this.spawn(robotClass);
           return button;
         }),
       ),
-      make('p', { class: 'quiet' }, `or connect a controller to port ${scene?.port ?? 3000}`),
+      make('p', { class: 'quiet' }, `or connect a controller to port ${scene.port ?? 3000}`),
     );
   }
 }

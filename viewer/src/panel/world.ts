@@ -2,9 +2,11 @@
 
 import type { State } from '../state';
 import { type Group, type Value, valuesOf } from '../values';
-import { colourOf } from '../view/overlay';
 import { find, fixed, make, setText } from './dom';
 import type { Pictures } from './pictures';
+
+/** Student2 is before Student10. */
+const BY_NAME = new Intl.Collator('en', { numeric: true });
 
 /** What a click in the tree does. */
 export interface WorldActions {
@@ -105,7 +107,9 @@ export class WorldPanel {
       document.activeElement?.getAttribute(name),
     );
     this.cells = [];
-    this.robots.replaceChildren(...robots.map((robot) => this.robot(robot.id)));
+    const sorted = robots.map(({ id }) => ({ id, name: this.state.nameOf(id) }));
+    sorted.sort((one, other) => BY_NAME.compare(one.name, other.name) || one.id - other.id);
+    this.robots.replaceChildren(...sorted.map(({ id }) => this.robot(id)));
     if (robots.length === 0) {
       const how = this.state.isWatched ? '' : ` Spawn one, or connect a controller to port ${scene?.port ?? 3000}.`;
       this.robots.append(make('li', { class: 'quiet' }, `No robot yet.${how}`));
@@ -149,7 +153,7 @@ export class WorldPanel {
       this.update();
     };
     const swatch = make('i', { class: 'swatch' });
-    swatch.style.background = colourOf(id);
+    swatch.style.background = this.state.colourOf(id);
     const own = robot && this.state.isOwn(robot) ? ' · yours' : '';
     const pressed = String(id === this.state.selected);
     const button = make(

@@ -1,6 +1,7 @@
 /** A robot driven by hand: an ordinary client of the protocol, through the server's own port. */
 
 import { socketUrl } from './live';
+import { refusal } from './refusal';
 import type { RobotClass, Vector } from './scene';
 import { token } from './token';
 
@@ -17,6 +18,16 @@ export interface Spawn {
   robotClass: string;
   name: string;
   place: { start: string } | { location: Vector; yaw: number };
+  /** Its team in a league. */
+  team: string | null;
+}
+
+/** Returns the line that spawns a robot. */
+export function initLine({ robotClass, name, place, team }: Spawn): string {
+  const where =
+    'start' in place ? `{Start ${place.start}}` : `{Location ${place.location.join(',')}} {Rotation 0,0,${place.yaw}}`;
+  const ofTeam = team === null ? '' : ` {Team ${team}}`;
+  return `INIT {ClassName USARBot.${robotClass}} {Name ${name}} ${where}${ofTeam}`;
 }
 
 /** Least time between two DRIVE lines, ms. */
@@ -84,19 +95,14 @@ export class Client {
       this.init();
       this.sendNext();
     }
-    // With a class and a start of the scene there is no other reason for which a robot is not made.
-    const [, reason] = /^NFO \{Error (?:INIT|LOGIN) refused: (.*)\}$/.exec(line) ?? [];
-    if (reason) this.ended(`was refused: ${reason}`);
+    const [, error] = /^NFO \{Error (.*)\}$/.exec(line) ?? [];
+    const reason = error === undefined ? null : refusal(error);
+    if (reason !== null) this.ended(`was refused: ${reason}`);
   }
 
   private init(): void {
-    const { robotClass, name, place } = this.spawn;
-    const where =
-      'start' in place
-        ? `{Start ${place.start}}`
-        : `{Location ${place.location.join(',')}} {Rotation 0,0,${place.yaw}}`;
     this.send('REPORT {Errors true}');
-    this.send(`INIT {ClassName USARBot.${robotClass}} {Name ${name}} ${where}`);
+    this.send(initLine(this.spawn));
   }
 
   private set(line: string, key: string): void {

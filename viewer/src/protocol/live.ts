@@ -40,6 +40,8 @@ export interface League {
     place: number;
     name: string;
     points: number;
+    /** Victims that it found. */
+    found: number;
     /** The robots that entered for it. */
     robots: number[];
     /** The last changes of its points, newest first. */

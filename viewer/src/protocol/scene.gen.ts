@@ -14,11 +14,27 @@ port: number | null,
 /**
  * Maps that the server can change to.
  */
-maps: Array<OtherMap>, map: Map, classes: Record<string, RobotClass>, };
+maps: Array<OtherMap>, map: Map, classes: Record<string, RobotClass>, league: League | null, };
+
+export type League = { 
+/**
+ * Victims to be found; 0 if they do not count.
+ */
+victims: number, teams: Array<Team>, };
+
+export type Team = { name: string, starts: Array<NamedPlace>, 
+/**
+ * Classes that its robots may have; any if empty.
+ */
+classes: Array<string>, };
 
 export type OtherMap = { name: string, description: string, };
 
-export type Map = { name: string, description: string, solids: Array<Solid>, 
+export type Map = { name: string, description: string, 
+/**
+ * Classes of robots that suit it, to be offered.
+ */
+robots: Array<string>, solids: Array<Solid>, 
 /**
  * Solids that are only seen, without edges and shadows.
  */

@@ -43,6 +43,8 @@ const HAND_TURN = Math.PI;
 /** How the map is seen first, rad, and how much of the picture it fills. */
 const FIRST = { yaw: 0.92, pitch: 0.66 };
 const FILL = 0.9;
+/** How the camera from above looks, rad. */
+const ABOVE = { yaw: Math.PI / 2, pitch: Math.PI / 2 };
 /** Until someone touches the picture it turns by a quarter in so long, s. */
 const TURNTABLE = 40;
 /** Less than that is no movement: rad, parts of a distance. */
@@ -66,6 +68,7 @@ export class Cameras {
     canvas: HTMLCanvasElement,
     private readonly world: Surroundings,
     private readonly changed: () => void,
+    private readonly switched: (mode: CameraMode) => void,
   ) {
     this.pointer = new Pointer(canvas, {
       begin: (x, y) => this.begin(x, y),
@@ -108,14 +111,13 @@ export class Cameras {
 
   look(mode: CameraMode): void {
     const [before, robot] = [this.mode, this.world.robot()];
-    this.mode = mode;
-    this.pointer.pansFirst = mode === 'top';
+    this.switchTo(mode);
     this.lastRobot = robot?.place ?? null;
     this.changed();
     if (mode === before && mode !== 'follow') return;
     this.wasTouched = true;
     const aim = copyAim(this.goal);
-    if (mode === 'top') Object.assign(aim, { pitch: Math.PI / 2, yaw: Math.PI / 2 });
+    if (mode === 'top') Object.assign(aim, ABOVE);
     else if (before === 'top') Object.assign(aim, FIRST);
     if (robot && (mode === 'follow' || mode === 'chase')) {
       aim.target.copy(robot.place);
@@ -136,6 +138,12 @@ export class Cameras {
     this.fly({ ...copyAim(this.goal), target: place.clone() });
   }
 
+  private switchTo(mode: CameraMode): void {
+    this.mode = mode;
+    this.pointer.pansFirst = mode === 'top';
+    this.switched(mode);
+  }
+
   fit(box: THREE.Box3, jump = false): void {
     const { fov, aspect } = this.camera;
     const aim = fitted(this.goal, box, (fov * Math.PI) / 180, aspect, FILL);
@@ -143,12 +151,11 @@ export class Cameras {
     this.fly(aim, jump);
   }
 
-  /** As at first, with all of a box in sight. */
+  /** As at first, with all of a box in sight; the camera from above stays above. */
   home(box: THREE.Box3, jump = false): void {
-    this.mode = 'orbit';
-    this.pointer.pansFirst = false;
+    this.switchTo(this.mode === 'top' ? 'top' : 'orbit');
     const from = copyAim(this.aim);
-    Object.assign(this.aim, FIRST);
+    Object.assign(this.aim, this.mode === 'top' ? ABOVE : FIRST);
     this.flight = null;
     this.fit(box, jump);
     if (this.flight) (this.flight as { from: Aim }).from = from;

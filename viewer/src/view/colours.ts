@@ -15,10 +15,51 @@ export const COLOURS = [
   '#a0693a',
   '#7f9a2e',
   '#8a8f98',
-];
+] as const;
 
-export function colourOf(robot: number): string {
-  return COLOURS[robot % COLOURS.length] ?? '#8a8f98';
+/**
+ * Returns the colour of a robot. It goes by the robot's name: every page shows the same, also after the robot is spawned again. The
+ * number at the end of a name is counted, so that Robot1 to Robot10 differ.
+ */
+export function colourOf({ id, name }: { id: number; name: string }): string {
+  const [, stem = '', number = ''] = /^(.*?)(\d{0,9})$/s.exec(name || String(id)) ?? [];
+  let hash = 0;
+  for (const letter of stem) hash = (31 * hash + (letter.codePointAt(0) ?? 0)) % 65_521;
+  return colourAt(hash + Number(number));
+}
+
+/** Returns the colour at a place of the list, which begins again after its end. */
+function colourAt(index: number): string {
+  return COLOURS[index % COLOURS.length] ?? '#8a8f98';
+}
+
+/** Colours of teams that are called after one. */
+const NAMED: Record<string, string> = {
+  red: '#d64550',
+  blue: '#1f83d6',
+  green: '#00a37a',
+  yellow: '#d9c622',
+  orange: '#e69f00',
+  purple: '#8b6ad8',
+  pink: '#cc79a7',
+  brown: '#a0693a',
+};
+
+/** Returns the colour of a team by its name, or else by its place in the league. */
+export function teamColour(name: string, index: number): string {
+  return NAMED[name.toLowerCase()] ?? colourAt(index);
+}
+
+/** Returns the colours of a chart's curves: a robot's first curve has the colour of the robot, every other one a free colour. */
+export function curveColours(curves: { robot: number; colour: string }[]): string[] {
+  const isFirst = curves.map(({ robot }, index) => curves.findIndex((curve) => curve.robot === robot) === index);
+  const taken = new Set(curves.filter((_, index) => isFirst[index]).map(({ colour }) => colour));
+  const free = COLOURS.filter((colour) => !taken.has(colour));
+  let next = 0;
+  return curves.map(({ colour }, index) => {
+    if (isFirst[index]) return colour;
+    return (free.length > 0 ? free[next++ % free.length] : undefined) ?? colourAt(index);
+  });
 }
 
 /** Colour of contact forces: no robot and no axis has it. */

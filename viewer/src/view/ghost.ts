@@ -3,7 +3,6 @@
 import * as THREE from 'three';
 import type { RobotState } from '../protocol/frame';
 import type { Pose, Vector } from '../protocol/scene';
-import { colourOf } from './colours';
 import { Decals } from './decals';
 import type { RobotFleet } from './robot';
 
@@ -41,7 +40,7 @@ export class Ghost {
   }
 
   /** A robot of a fleet's class on a place of the ground; links stand as those of another robot of the class. */
-  show(fleet: RobotFleet | null, place: Vector, yaw: number, alike: RobotState | null): void {
+  show(fleet: RobotFleet | null, place: Vector, yaw: number, alike: RobotState | null, colour: string): void {
     this.group.visible = fleet !== null;
     if (!fleet) return;
     if (fleet !== this.shown) this.build(fleet, alike);
@@ -56,7 +55,7 @@ export class Ghost {
         matrix: matrix.multiply(new THREE.Matrix4().makeTranslation(middle)),
         size: [(max.x - min.x) / 2, (max.y - min.y) / 2],
         shadow: 0.25,
-        colour: new THREE.Color(this.fits ? colourOf(alike?.id ?? 0) : REFUSED),
+        colour: new THREE.Color(this.fits ? colour : REFUSED),
         ring: 1.4,
       },
     ]);

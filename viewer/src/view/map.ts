@@ -1,6 +1,7 @@
 /** What stands on the map, what can be pushed, and where robots start. */
 
 import * as THREE from 'three';
+import { startsOf } from '../offer';
 import type { ObjectState } from '../protocol/frame';
 import type { Pose, Scene, Solid } from '../protocol/scene';
 import type { Theme } from './colours';
@@ -50,7 +51,7 @@ export class MapView {
     });
     kinds.forEach((geometries, kind) => this.ground.add(this.mesh(merged(geometries), kind)));
     const edges = this.lines(solids.flatMap((solid) => edgesOf(solid, solid.pose)));
-    for (const { position, rotation } of scene.map.starts) this.starts.add(startMark(position, rotation[2]));
+    for (const { position, rotation } of startsOf(scene)) this.starts.add(startMark(position, rotation[2]));
     this.group.add(this.ground, edges, this.starts);
     this.standing = new Decals(this.group);
     this.standing.set(solids.flatMap((solid) => contactShadow(solid, solid.pose) ?? []));

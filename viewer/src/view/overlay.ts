@@ -5,13 +5,11 @@ import type { Frame, RobotState, Scan } from '../protocol/frame';
 import type { RobotClass, Sensor } from '../protocol/scene';
 import { Arrows } from './arrows';
 import { Axes } from './axes';
-import { FORCE_COLOUR, colourOf } from './colours';
+import { FORCE_COLOUR } from './colours';
 import { Path } from './paths';
 import { PointCloud } from './points';
 import { setPose } from './pose';
 import { Rays, coneGeometry, fanGeometry } from './rays';
-
-export { COLOURS, colourOf } from './colours';
 
 export const LAYERS = ['paths', 'points', 'rays', 'forces', 'frames', 'names', 'grid'] as const;
 export type Layer = (typeof LAYERS)[number];
@@ -45,7 +43,7 @@ export class Overlay {
   private readonly scanned = new Map<number, Set<string>>();
   private selected: number | null = null;
 
-  constructor() {
+  constructor(private readonly colourOf: (robot: number) => string) {
     this.layers = {
       paths: this.pathGroup,
       points: this.cloud.points,
@@ -80,7 +78,7 @@ export class Overlay {
     const key = `${id} ${index}`;
     this.scanned.set(id, (this.scanned.get(id) ?? new Set()).add(key));
     const mount = mountOf(sensor, robot);
-    const colour = new THREE.Color(colourOf(id));
+    const colour = new THREE.Color(this.colourOf(id));
     const ends = beamEnds(sensor, ranges, mount);
     if (sensor.fan) {
       const hits = ranges.flatMap((part, beam) =>
@@ -143,7 +141,7 @@ export class Overlay {
   private pathOf(id: number): Path {
     const known = this.paths.get(id);
     if (known) return known;
-    const path = new Path(colourOf(id));
+    const path = new Path(this.colourOf(id));
     this.pathGroup.add(path.mesh);
     this.paths.set(id, path);
     return path;

@@ -23,6 +23,7 @@ const GENEROUS = 0.02;
 export interface Known {
   state: RobotState;
   name: string;
+  colour: string;
   fleet: RobotFleet;
 }
 
@@ -80,7 +81,9 @@ export class Robots {
     this.known = frame.robots.flatMap((state) => {
       const entry = this.roster(state.id);
       const fleet = entry && this.fleet(entry.class);
-      return fleet ? [{ state, name: entry.name || entry.class, fleet }] : [];
+      if (!fleet) return [];
+      const colour = colourOf({ id: state.id, name: entry.name });
+      return [{ state, name: entry.name || entry.class, colour, fleet }];
     });
     for (const fleet of this.fleets.values()) {
       const own = this.known.filter((known) => known.fleet === fleet);
@@ -110,7 +113,7 @@ export class Robots {
     this.decals.dispose();
   }
 
-  private decalOf({ state, fleet }: Known): Decal {
+  private decalOf({ state, colour, fleet }: Known): Decal {
     const { min, max } = fleet.bounds;
     const isSelected = state.id === this.selected;
     const ring = isSelected ? RING.selected : state.id === this.hovered ? RING.hovered : RING.plain;
@@ -129,7 +132,7 @@ export class Robots {
       matrix: matrix.multiply(new THREE.Matrix4().makeTranslation(middle)),
       size,
       shadow,
-      colour: new THREE.Color(colourOf(state.id)),
+      colour: new THREE.Color(colour),
       ring,
     };
   }

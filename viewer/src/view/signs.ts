@@ -1,9 +1,9 @@
 /** What the labels say: names of robots, starts, nodes and objects, and metres along the axes. */
 
 import * as THREE from 'three';
+import { startsOf } from '../offer';
 import type { ObjectState } from '../protocol/frame';
 import type { Scene } from '../protocol/scene';
-import { colourOf } from './colours';
 import type { Labels } from './labels';
 import type { Catalogue } from './map';
 import type { Robots } from './robots';
@@ -20,18 +20,18 @@ const Y_AXIS = new THREE.Vector3(0, -1, 0);
 /** A robot that is so near to a start stands on its label, m. */
 const NEAR = 0.15;
 
-export function labelMap(labels: Labels, { map }: Scene): void {
-  for (const { name, position } of map.starts) labels.set(`start ${name}`, 'start', name, onStage(position));
-  for (const { name, position } of map.path_nodes) labels.set(`node ${name}`, 'node', name, onStage(position));
+export function labelMap(labels: Labels, scene: Scene): void {
+  for (const { label, position } of startsOf(scene)) labels.set(`start ${label}`, 'start', label, onStage(position));
+  for (const { name, position } of scene.map.path_nodes) labels.set(`node ${name}`, 'node', name, onStage(position));
 }
 
 /** Starts on which no robot stands. */
-export function labelStarts(labels: Labels, { map }: Scene, robots: Robots): void {
-  const free = map.starts.filter(({ position: [x, y] }) =>
+export function labelStarts(labels: Labels, scene: Scene, robots: Robots): void {
+  const free = startsOf(scene).filter(({ position: [x, y] }) =>
     robots.all.every(({ state: { pose }, fleet }) => Math.hypot(pose[0] - x, pose[1] - y) > fleet.size / 2 + NEAR),
   );
-  for (const { name, position } of free) labels.set(`start ${name}`, 'start', name, onStage(position));
-  labels.keep('start', new Set(free.map(({ name }) => `start ${name}`)));
+  for (const { label, position } of free) labels.set(`start ${label}`, 'start', label, onStage(position));
+  labels.keep('start', new Set(free.map(({ label }) => `start ${label}`)));
 }
 
 /** Those that are known. */
@@ -49,13 +49,11 @@ export function labelObjects(labels: Labels, objects: ObjectState[], catalogue: 
 
 export function labelRobots(labels: Labels, robots: Robots): void {
   const keys = new Set<string>();
-  for (const { state, name, fleet } of robots.all) {
+  for (const { state, name, colour, fleet } of robots.all) {
     const [x, y, z] = state.pose;
     const key = `robot ${state.id}`;
     keys.add(key);
-    labels.set(key, 'robot', name, onStage([x, y, z - fleet.height(state)]), {
-      colour: colourOf(state.id),
-    });
+    labels.set(key, 'robot', name, onStage([x, y, z - fleet.height(state)]), { colour });
   }
   labels.keep('robot', keys);
   labels.first = robots.selected === null ? null : `robot ${robots.selected}`;

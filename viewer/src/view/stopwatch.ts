@@ -3,6 +3,11 @@
 /** Between two looks whether it is done, ms. */
 const INTERVAL = 2;
 
+/** Returns the frames of a second; null at rest: mostly there was nothing new to draw, or nothing is drawn yet. */
+export function frameRate(drawn: number, idle: number): number | null {
+  return drawn === 0 || idle > 1.5 * drawn ? null : drawn;
+}
+
 export class Stopwatch {
   private pending: { sync: WebGLSync; began: number }[] = [];
   private lastEnd = 0;

@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import type { Frame, Scan } from '../protocol/frame';
 import type { Scene, Vector } from '../protocol/scene';
 import { type CameraMode, Cameras } from './cameras';
-import { colourOf } from './colours';
+import { COLOURS, colourOf } from './colours';
 import { Ghost } from './ghost';
 import { Gizmo } from './gizmo';
 import { type LabelKind, Labels } from './labels';
@@ -16,6 +16,7 @@ import type { Quality } from './quality';
 import { Robots, type Roster } from './robots';
 import { labelMap, labelMetres, labelObjects, labelRobots, labelStarts } from './signs';
 import { Stage } from './stage';
+import { frameRate } from './stopwatch';
 
 export { CAMERAS, type CameraMode } from './cameras';
 export type { Quality } from './quality';
@@ -81,6 +82,7 @@ export class View {
         leave: () => this.hover(null),
       },
       refresh,
+      (mode) => this.onCamera(mode),
     );
     this.stage = new Stage(canvas, this.cameras.camera, () => this.bodiless(), refresh);
     this.labels = new Labels(labels, (place, kind) => this.isBehind(place, kind));
@@ -105,7 +107,12 @@ export class View {
     this.stage.world.clear();
     this.frame = this.drawnFrame = null;
     const map = new MapView(scene, this.stage.surfaces, this.catalogue);
-    const world = { scene, map, robots: new Robots(scene, this.stage.surfaces, this.roster), overlay: new Overlay() };
+    const world = {
+      scene,
+      map,
+      robots: new Robots(scene, this.stage.surfaces, this.roster),
+      overlay: new Overlay((id) => this.colour(id)),
+    };
     if (this.world) world.robots.selected = this.world.robots.selected;
     this.world = world;
     world.map.setTheme(this.stage.theme);
@@ -190,7 +197,10 @@ export class View {
     this.cameras.fit(robot === null ? this.extent() : (this.extentOf(robot) ?? this.extent()));
   }
 
-  /** All of the map as it was seen first. */
+  /** Tells which camera is on when that changes. */
+  onCamera: (mode: CameraMode) => void = () => {};
+
+  /** All of the map as it was seen first; the camera from above stays there. */
   home(): void {
     this.cameras.wasTouched = true;
     this.cameras.home(this.extent());
@@ -242,8 +252,8 @@ export class View {
   showGhost(robotClass: string | null, place: Vector = [0, 0, 0], yaw = 0, fits = true): void {
     this.ghost.setFits(fits);
     const fleet = robotClass === null ? null : (this.world?.robots.fleet(robotClass) ?? null);
-    const alike = this.world?.robots.all.find((known) => known.fleet === fleet)?.state ?? null;
-    this.ghost.show(fleet, place, yaw, alike);
+    const alike = this.world?.robots.all.find((known) => known.fleet === fleet);
+    this.ghost.show(fleet, place, yaw, alike?.state ?? null, alike?.colour ?? COLOURS[0]);
     this.stale = true;
   }
 
@@ -259,12 +269,12 @@ export class View {
     return picture;
   }
 
-  /** Frames drawn in the last second; null if mostly there was nothing new to draw. */
+  /** Frames drawn in the last second; null at rest. */
   framesPerSecond(): number | null {
     const since = performance.now() - 1000;
     this.drawn = this.drawn.filter((time) => time > since);
     this.idle = this.idle.filter((time) => time > since);
-    return this.idle.length > 1.5 * this.drawn.length ? null : this.drawn.length;
+    return frameRate(this.drawn.length, this.idle.length);
   }
 
   /** Length in metres of 100 pixels where the camera looks. */
@@ -329,7 +339,7 @@ export class View {
     }
     this.outline.place(
       selected ? selected.fleet.parts(selected.state, eye, frame.time) : [],
-      colourOf(robots.selected ?? 0),
+      this.colour(robots.selected ?? 0),
     );
     this.drawnFrame = frame;
   }
@@ -395,6 +405,10 @@ export class View {
     this.world.robots.hovered = robot;
     this.canvas.classList.toggle('over-robot', robot !== null);
     this.stale = true;
+  }
+
+  private colour(id: number): string {
+    return colourOf({ id, name: this.roster(id)?.name ?? '' });
   }
 
   /** Where a robot is on the stage. */

@@ -62,6 +62,21 @@ page_types! {
         map: Map<'a>,
         #[cfg_attr(test, ts(type = "Record<string, RobotClass>"))]
         classes: BTreeMap<&'a str, RobotClass<'a>>,
+        league: Option<League<'a>>,
+    }
+
+    /// Rules of the league that is played.
+    struct League<'a> {
+        /// Victims to be found; 0 if they do not count.
+        victims: usize,
+        teams: Vec<Team<'a>>,
+    }
+
+    struct Team<'a> {
+        name: &'a str,
+        starts: Vec<NamedPlace<'a>>,
+        /// Classes that its robots may have; any if empty.
+        classes: &'a [String],
     }
 
     struct OtherMap<'a> {
@@ -72,6 +87,8 @@ page_types! {
     struct Map<'a> {
         name: &'a str,
         description: &'a str,
+        /// Classes of robots that suit it, to be offered.
+        robots: &'a [String],
         solids: Vec<Solid<'a>>,
         /// Solids that are only seen, without edges and shadows.
         markings: Vec<Solid<'a>>,
@@ -241,6 +258,7 @@ pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
         maps: maps.map(|(name, description)| OtherMap { name, description }).collect(),
         map: map(&world.map),
         classes: world.robots.iter().map(|(name, def)| (name.as_str(), class(def))).collect(),
+        league: world.league.as_ref().map(|rules| league(rules, &world.map)),
     };
     // Every key is a string, so serialization cannot fail.
     serde_json::to_string(&scene).unwrap_or_default()
@@ -256,12 +274,22 @@ fn map(map: &MapDef) -> Map<'_> {
     Map {
         name: &map.name,
         description: &map.description,
+        robots: &map.robots,
         solids: map.solids.iter().map(solid).collect(),
         markings: map.markings.iter().map(solid).collect(),
         objects: map.objects.iter().map(|object| solid(&object.solid)).collect(),
         starts: map.starts.iter().map(named).collect(),
         path_nodes: map.path_nodes.iter().map(named).collect(),
     }
+}
+
+fn league<'a>(rules: &'a scene::League, map: &MapDef) -> League<'a> {
+    let team = |team: &'a scene::Team| Team {
+        name: &team.name,
+        starts: team.starts.iter().map(named).collect(),
+        classes: &team.classes,
+    };
+    League { victims: rules.victims.map_or(0, |_| map.victims.len()), teams: rules.teams.iter().map(team).collect() }
 }
 
 fn solid(solid: &scene::Solid) -> Solid<'_> {

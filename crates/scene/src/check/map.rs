@@ -100,6 +100,8 @@ pub fn map(def: &MapDef) -> Vec<String> {
     wrong.extend(count("RFID tags", def.tags.len(), MAX_TAGS));
     wrong.extend(count("boxes of smoke", def.smoke.len(), MAX_SMOKE));
     wrong.extend(count("sounds", def.sounds.len(), MAX_POSES));
+    wrong.extend(count("robots", def.robots.len(), MAX_ROBOTS));
+    wrong.extend(def.robots.iter().flat_map(|class| wire_name("robots", class)));
     wrong.extend(count("triangles", shapes().map(triangles).sum(), MAX_TRIANGLES));
     wrong.extend(count("corners of hulls", shapes().map(hull_points).sum(), MAX_HULL_POINTS));
     wrong
