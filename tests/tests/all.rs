@@ -46,3 +46,4 @@ mod vacuum;
 mod validation;
 mod wireless;
 mod worlds;
+mod wrong_lines;
