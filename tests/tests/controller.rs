@@ -373,7 +373,8 @@ fn the_states_of_many_objects_are_cut_to_a_line_and_it_is_said() {
     let long = "n".repeat(250);
     for number in 0..512 {
         let name = format!("{{Name c{number}}}");
-        stage.must(&create(number, &format!("{{Memory {long}}}")).replace(&name, &format!("{{Name {number}{long}}}")));
+        let order = create(number, &format!("{{Memory {long}}}"));
+        stage.must(&order.replace(&name, &format!("{{Name {number}{long}}}")));
     }
     let mut problems = Vec::new();
     let ask = |text: &str| Command::parse(text, &mut Vec::new()).expect("a command");

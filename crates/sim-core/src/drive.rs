@@ -160,7 +160,10 @@ impl DriveState {
             problems.push(Problem::EmptyDrive { class: robot.class.clone(), expected: known.join(", ") });
         }
         let (mut seen, mut wrong): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
-        for given in drive.given.iter().filter(|given| !given.key().is_empty()) {
+        for given in &drive.given {
+            if given.key().is_empty() || wrong.contains(&given.key()) {
+                continue;
+            }
             let ignored =
                 |why: &str| Problem::Ignored { what: format!("{{{}}}", shown(given.key())), why: why.to_owned() };
             let problem = match own(given) {
@@ -175,9 +178,6 @@ impl DriveState {
                 None if is_driven && given.is_zero() && Drive::KEYS.iter().any(|key| given.is(key)) => continue,
                 None => Problem::no_drive_key(&robot.class, given.key(), &known),
             };
-            if wrong.contains(&given.key()) {
-                continue;
-            }
             wrong.push(given.key());
             problems.push(problem);
             if wrong.len() == MAX_REPORTED {
