@@ -47,3 +47,4 @@ mod vacuum;
 mod validation;
 mod wireless;
 mod worlds;
+mod wrong_lines;

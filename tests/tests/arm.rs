@@ -151,7 +151,7 @@ fn act_counts_from_0_and_mispkg_from_1_and_both_have_keys_in_one_case() {
         ("ACT {Name Arm}", "ACT needs Link and Value, or Gripper"),
         (
             "SET {Type Lamp} {Opcode RESET}",
-            "SET {Type Lamp} {Name }: the robot has no such item or opcode; expected one of Gripper Gripper, GroundTruth GndTruth, ",
+            "SET {Type Lamp}: the robot has no such item or opcode; expected one of Gripper Gripper, GroundTruth GndTruth, ",
         ),
         (
             "SET {Type Joint} {Name Elbow} {Opcode Angle} {Params 1}",

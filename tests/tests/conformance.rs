@@ -88,6 +88,11 @@ fn ports_beside_the_controllers() {
 }
 
 #[test]
+fn report() {
+    check("report.txt");
+}
+
+#[test]
 fn battery() {
     check("battery.txt");
 }

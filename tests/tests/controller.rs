@@ -175,6 +175,10 @@ fn orders_that_cannot_be_followed_say_why() {
         ("{Type Create} {ClassName WCCrate} {Name d} {Location 1e6,0,0}", "expected numbers of -100000 to 100000 m"),
         ("{Type Kill} {Name d}", "no object has that name"),
         ("{Type Rotate} {Name c} {Speed 0,0,1000}", "got 1000 rad/s, expected at most 50"),
+        (
+            "{Type Create} {ClassName WCCrate} {Name ééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééééé}",
+            "Name is too long: got 258 bytes, expected at most 256",
+        ),
         ("{Type SetWP} {Name c} {Speed 1000}", "got 1000 m/s, expected at most 50"),
         ("{Type AddWP} {Name d} {WP 1,2,3}", "this controller has no object of that name"),
         ("{Type Conveyor} {Name belt} {Speed 1}", "there is no such conveyor: the map has none"),
@@ -230,24 +234,163 @@ fn an_object_is_created_where_only_a_part_of_the_order_is_unknown() {
     }
 }
 
+/// Returns a Create for a crate in a row of crates.
+fn create(number: i32, rest: &str) -> String {
+    let (x, y) = (f64::from(number % 32) - 16.0, f64::from(number / 32) - 16.0);
+    format!("{{Type Create}} {{ClassName WCCrate}} {{Name c{number}}} {{Location {x},{y},-0.25}} {rest}")
+}
+
 /// Objects come and go without end and leave nothing behind.
 #[test]
-fn a_thousand_objects_come_and_go() {
+fn five_hundred_objects_come_and_go() {
     let mut stage = Stage::new("rough");
     for round in 0..3 {
-        for number in 0..1024 {
-            let (x, y) = (f64::from(number % 32) - 16.0, f64::from(number / 32) - 16.0);
-            stage.must(&format!("{{Type Create}} {{ClassName WCCrate}} {{Name c{number}}} {{Location {x},{y},-0.25}} {{Physics RigidBody}}"));
-        }
+        (0..512).for_each(|number| stage.must(&create(number, "{Physics RigidBody}")));
         let problems = stage.order("{Type Create} {ClassName WCCrate} {Name more} {Location 0,0,-9}");
-        assert!(problems[0].contains("1024 objects"), "round {round}: {problems:?}");
+        assert!(
+            problems[0].contains("would have 513 objects and leave 511 to all others"),
+            "round {round}: {problems:?}"
+        );
         run(&mut stage.world, 0.02);
-        assert_eq!(stage.world.objects().count(), 1024);
+        assert_eq!(stage.world.objects().count(), 512);
         stage.must("{Type KillAll}");
         assert_eq!(stage.world.objects().count(), 0);
     }
     stage.world.remove(stage.controller);
     run(&mut stage.world, 0.1);
+}
+
+/// However many objects a controller makes, the next one can make some, too.
+#[test]
+fn every_controller_finds_room_beside_greedy_ones() {
+    let mut stage = Stage::new("rough");
+    let mut number = 0;
+    for share in [512, 256, 128, 64] {
+        stage.controller = init(&mut stage.world, "INIT {ClassName USARBotAPI.WorldController}");
+        for _ in 0..share {
+            stage.must(&create(number, ""));
+            number += 1;
+        }
+        let problems = stage.order(&create(number, ""));
+        assert!(problems[0].contains("expected at most as many as it leaves"), "{share}: {problems:?}");
+    }
+}
+
+/// Permanent objects stay, but they block nobody: in a full world the oldest give way to new ones.
+#[test]
+fn objects_that_a_controller_left_behind_give_way() {
+    let mut stage = Stage::new("rough");
+    let of_map = stage.world.objects().count();
+    for round in 0..2 {
+        (0..512).for_each(|number| stage.must(&create(round * 512 + number, "{Permanent true}")));
+        stage.world.remove(stage.controller);
+        stage.controller = init(&mut stage.world, "INIT {ClassName USARBotAPI.WorldController}");
+    }
+    assert_eq!(stage.world.objects().count(), of_map + 1024);
+    for number in 0..512 {
+        let said = stage.order(&create(number, "").replace("-0.25", "-5"));
+        let expected = format!(
+            "CONTROL {{Type Create}} {{Name c{number}}}: the world is full: the object `c{number}`, whose controller has left, is removed"
+        );
+        assert_eq!(said, [expected]);
+    }
+    assert_eq!(stage.world.objects().count(), of_map + 1024);
+    let names: Vec<String> = stage.world.objects().map(|object| object.def.solid.name.clone()).collect();
+    assert!((512..1024).all(|number| names.contains(&format!("c{number}"))), "the newer ones stay");
+}
+
+/// The points of all paths together are bounded, so that nobody can fill the memory with them.
+#[test]
+fn points_of_paths_are_shared_as_objects_are() {
+    let mut stage = Stage::new("rough");
+    let add = |number: i32| {
+        let points = vec!["1,2,-3"; 256].join(";");
+        format!("{{Type AddWP}} {{Name c{number}}} {{WP {points}}}")
+    };
+    (0..9).for_each(|number| stage.must(&create(number, "{Permanent true}")));
+    for number in 0..8 {
+        (0..16).for_each(|_| stage.must(&add(number)));
+    }
+    let said = stage.order(&add(0));
+    assert!(said[0].contains("its path would have 4352 points: expected at most 4096"), "{said:?}");
+    let said = stage.order(&add(8));
+    assert!(said[0].contains("would have 33024 points of paths and leave 32512 to all others"), "{said:?}");
+    // Two controllers leave full paths behind. The oldest gives way.
+    stage.world.remove(stage.controller);
+    stage.controller = init(&mut stage.world, "INIT {ClassName USARBotAPI.WorldController}");
+    (20..28).for_each(|number| stage.must(&create(number, "{Permanent true}")));
+    for number in 20..28 {
+        (0..16).for_each(|_| stage.must(&add(number)));
+    }
+    stage.world.remove(stage.controller);
+    stage.controller = init(&mut stage.world, "INIT {ClassName USARBotAPI.WorldController}");
+    stage.must(&create(40, ""));
+    let said = stage.order(&add(40));
+    assert!(said[0].contains("the object `c0`, whose controller has left, is removed"), "{said:?}");
+    let last: Vec<_> = (0..16).flat_map(|_| stage.order(&add(40))).collect();
+    assert!(last.iter().any(|said| said.contains("expected at most 4096")), "{last:?}");
+}
+
+/// A saved world names the points of a path alone, as before there were limits, and goes on along it with the same bits.
+#[test]
+fn a_saved_path_goes_on_where_it_was() {
+    let mut stage = Stage::new("rough");
+    stage.must("{Type Create} {ClassName WCCrate} {Name c} {Location 0,0,-5}");
+    stage.must("{Type AddWP} {Name c} {WP 0,0,-5;3,4,-5;3,8,-5}");
+    stage.must("{Type SetWP} {Name c} {Speed 2} {Loop true}");
+    run(&mut stage.world, 3.0);
+    let saved = serde_json::to_value(stage.world.save().expect("a saved world")).expect("text");
+    let points = serde_json::json!([[0.0, 0.0, -5.0], [3.0, 4.0, -5.0], [3.0, 8.0, -5.0]]);
+    assert_eq!(saved["created"][0]["path"]["points"], points);
+    let saved = serde_json::from_value(saved).expect("a saved world");
+    let mut loaded = World::load(stage.world.scene().clone(), &saved).expect("a world");
+    for world in [&mut stage.world, &mut loaded] {
+        run(world, 10.0);
+    }
+    assert_eq!(loaded.digest(), stage.world.digest());
+}
+
+/// A bar of 2 km that turns slowly has fast ends.
+#[test]
+fn the_farthest_point_of_a_turning_object_is_no_faster_than_one_on_a_path() {
+    let mut stage = Stage::new("rough");
+    stage.must("{Type Create} {ClassName WCCrate} {Name bar} {Location 0,0,-900} {Scale 2000,1,1}");
+    stage.must("{Type Create} {ClassName WCCrate} {Name small} {Location 0,0,-5}");
+    stage.must("{Type Rotate} {Name small} {Speed 0,0,50}");
+    stage.must("{Type Rotate} {Name bar} {Speed 0,0,0.0999}");
+    for (speed, got) in [("0,0,0.2", 100), ("0,50,0", 25000), ("0.06,0,0.06", 60)] {
+        let said = stage.order(&format!("{{Type Rotate}} {{Name bar}} {{Speed {speed}}}"));
+        let expected =
+            format!("its farthest point, 500.00 m from its centre, would move at {got} m/s: expected at most 50 m/s");
+        assert!(said.len() == 1 && said[0].contains(&expected), "{speed}: {said:?}");
+    }
+}
+
+/// The answer to GetSTA stays a line that a client can keep, whatever its objects are called.
+#[test]
+fn the_states_of_many_objects_are_cut_to_a_line_and_it_is_said() {
+    let mut stage = Stage::new("rough");
+    let long = "n".repeat(250);
+    for number in 0..512 {
+        let name = format!("{{Name c{number}}}");
+        let order = create(number, &format!("{{Memory {long}}}"));
+        stage.must(&order.replace(&name, &format!("{{Name {number}{long}}}")));
+    }
+    let mut problems = Vec::new();
+    let ask = |text: &str| Command::parse(text, &mut Vec::new()).expect("a command");
+    let mut answer = |text: &str, problems: &mut Vec<_>| {
+        let executed = stage.world.execute(Some(stage.controller), &ask(text), problems);
+        let [Report::Message(message)] = &executed.answers[..] else { panic!("{:?}", executed.answers) };
+        message.write(gamebots_proto::Dialect::Udk)
+    };
+    let line = answer("CONTROL {Type GetSTA}", &mut problems);
+    assert!((250_000..=256 * 1024).contains(&line.len()), "{} bytes", line.len());
+    let told = line.matches("{Size").count();
+    let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
+    assert!(said.len() == 1 && said[0].contains(&format!("the first {told} of 512 objects")), "{said:?}");
+    problems.clear();
+    let last = answer(&format!("CONTROL {{Type GetSTA}} {{Name 511{long}}}"), &mut problems);
+    assert!(last.contains("{Name 511n") && problems.is_empty(), "{last}: {problems:?}");
 }
 
 /// Two controllers have their own objects, and each takes only its own along.

@@ -12,7 +12,7 @@ mod walk;
 
 pub use act::{Act, MisPkg};
 pub use control::{Control, Create, Move, SetPath};
-pub use drive::Drive;
+pub use drive::{Drive, Given};
 pub use get::{GetClasses, GetClosestPathNode, GetConf, GetGeo, GetPathNodes, GetStartPoses};
 pub use init::Init;
 pub use multi_drive::MultiDrive;
@@ -20,10 +20,12 @@ pub use report::Report;
 pub use set::Set;
 pub use walk::{Gait, GoTo, Target, Walk};
 
-use crate::{Line, Problem};
+use crate::{Block, Line, Problem, shown};
 
 /// A command that can be read from a line and written to one.
 pub trait ReadWrite: Sized {
+    /// Keys of its blocks. `DRIVE` has those of every kind of robot, and `CONTROL` those of every order.
+    const KEYS: &'static [&'static str] = &[];
     /// Reads the blocks. A missing value takes its default; each mistake is noted in `problems`.
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self;
     /// Writes the command as a client would.
@@ -43,6 +45,9 @@ macro_rules! commands {
             /// The meaning of each verb, in the same order.
             pub const ABOUT: &'static [&'static str] = &[$(concat!($($about,)*)),*];
 
+            /// The keys of each verb, in the same order.
+            pub const KEYS: &'static [&'static [&'static str]] = &[$($name::KEYS),*];
+
             /// Reads a line as it was sent, see [`Command::read`].
             pub fn parse(text: &str, problems: &mut Vec<Problem>) -> Option<Self> {
                 Self::read(&Line::parse(text), problems)
@@ -52,6 +57,10 @@ macro_rules! commands {
             pub fn read(line: &Line, problems: &mut Vec<Problem>) -> Option<Self> {
                 if line.truncated {
                     problems.push(Problem::TooManyBlocks { limit: crate::MAX_BLOCKS });
+                }
+                let verb = Self::VERBS.iter().any(|verb| line.verb.eq_ignore_ascii_case(verb));
+                if verb {
+                    note_text_out_of_place(line, problems);
                 }
                 $(if line.verb.eq_ignore_ascii_case($verb) {
                     return Some(Self::$name($name::read(line, problems)));
@@ -108,6 +117,48 @@ commands! {
     "GETCLASSES" => GetClasses,
 }
 
+/// Most problems of one kind that are reported of a line.
+pub(crate) const MAX_REPORTED: usize = 5;
+
+/// Reports text that is in no block, and blocks that are not closed.
+fn note_text_out_of_place(line: &Line, problems: &mut Vec<Problem>) {
+    let nested = |block: &&Block| block.key.contains('{') || block.value.contains('{');
+    if let Some(Block { key, value }) = line.blocks.iter().find(nested) {
+        problems.push(Problem::Nested { got: shown(format!("{key} {value}").trim()) });
+    }
+    if let Some(got) = line.unclosed.clone() {
+        problems.push(Problem::Unclosed { got });
+    }
+    if let Some(text) = &line.stray {
+        problems.push(Problem::Ignored { what: format!("`{text}`"), why: "it is not in braces".to_owned() });
+    }
+}
+
+/// Reports keys that a command does not have, and blocks after the first with the same key.
+fn note_keys(verb: &'static str, line: &Line, known: &[&str], problems: &mut Vec<Problem>) {
+    let (mut seen, mut wrong): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+    let mut again = 0;
+    for Block { key, value } in line.blocks.iter().filter(|block| !block.key.is_empty()) {
+        let own = known.iter().find(|known| known.eq_ignore_ascii_case(key));
+        match own {
+            None if !wrong.contains(&key.as_str()) => {
+                wrong.push(key);
+                problems.push(Problem::unknown_key(verb, key, known));
+            }
+            Some(own) if seen.contains(own) => {
+                again += 1;
+                let what = format!("{{{key} {}}}", shown(value));
+                problems.push(Problem::Ignored { what, why: format!("the first {own} of a line counts") });
+            }
+            Some(own) => seen.push(own),
+            None => {}
+        }
+        if wrong.len() + again >= MAX_REPORTED {
+            break;
+        }
+    }
+}
+
 /// Adds a block unless the text is empty: on the wire, an empty block and a missing one are the same.
 fn with_text(line: Line, key: &str, text: &str) -> Line {
     if text.is_empty() { line } else { line.with(key, text) }
@@ -154,7 +205,7 @@ mod tests {
             ),
             ("MultiDrive {FLFlipper 0,5} {RLFlipper  -1.57}{Light}", "MULTIDRIVE {FLFlipper 0.5} {RLFlipper -1.57}"),
             (
-                "ACT {Name Arm} {Link 0} {Value 0,5} {Link 3} {Value -1} {link 1} {value 2} {Gripper 1}",
+                "ACT {Name Arm} {Link 0} {Value 0,5} {Link 3} {Value -1} {Gripper 1}",
                 "ACT {Name Arm} {Link 0} {Value 0.5} {Link 3} {Value -1} {Gripper 1}",
             ),
             (
@@ -178,7 +229,6 @@ mod tests {
             ("getstartposes {x y}", "GETSTARTPOSES"),
             ("GETPATHNODES", "GETPATHNODES"),
             ("GETCLOSESTPATHNODE {Location 1 2 3}", "GETCLOSESTPATHNODE {Location 1,2,3}"),
-            ("GETCLOSESTPATHNODE", "GETCLOSESTPATHNODE"),
             ("GetClasses", "GETCLASSES"),
             (
                 "CONTROL {Type Create} {ClassName WCCrate} {Name c1} {Memory m} {Location 1,2,-1} {Physics RigidBody}",
@@ -243,11 +293,84 @@ mod tests {
         assert!(problems[1].to_string().starts_with("unknown verb `DRVE` (did you mean `DRIVE`?); expected"));
     }
 
+    /// Returns the problems of a line.
+    fn said(line: &str) -> Vec<String> {
+        let mut problems = Vec::new();
+        Command::read(&Line::parse(line), &mut problems);
+        problems.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn what_a_line_says_in_vain_is_reported() {
+        for (line, expected) in [
+            ("DRIVE {Left 2", "`{Left 2`: the brace is not closed; the block is ignored"),
+            ("DRIVE {Left 2} {Right 2", "`{Right 2`: the brace is not closed; the block is ignored"),
+            (
+                "DRIVE {Left 2 {Right 2}",
+                "`{Left 2 {Right 2}`: a brace is not closed before the next one; all of it is one block",
+            ),
+            ("DRIVE {Left 2} Right 2", "`Right 2` is ignored: it is not in braces"),
+            (
+                "DRIVE Left 2 Right 2",
+                "unknown verb `DRIVE Left 2 Right 2` (after `DRIVE` come blocks in braces, as in `{Key value}`); expected one of INIT",
+            ),
+            (
+                "ACT {Name Arm} {link 1} {Value 2}",
+                "ACT has no key `link` (did you mean `Link`?); expected Name, Link, ",
+            ),
+            ("MISPKG {Name n} {Rotation 0,1,2}", "MISPKG has no key `Rotation`; expected Name, Link, "),
+            ("SET {Type INS} {Opcod RESET}", "SET has no key `Opcod` (did you mean `Opcode`?); expected Type, "),
+            ("SET {Type Camera} {Opcode Zoom} {0.5}", "SET has no key `0.5`; expected Type, "),
+            ("GETCONF {Typ INS}", "GETCONF has no key `Typ` (did you mean `Type`?); expected Type, Name; "),
+            ("GETGEO {Type=INS}", "GETGEO has no key `Type=INS` (did you mean `{Type INS}`?); expected Type, Name; "),
+            ("GETGEO {Type INS} {type Sonar}", "{type Sonar} is ignored: the first Type of a line counts"),
+            ("GETCLOSESTPATHNODE", "GETCLOSESTPATHNODE needs Location"),
+            ("REPORT {Error true}", "REPORT has no key `Error` (did you mean `Errors`?); expected Errors; "),
+            ("MOVE {Action Pause} {Speed 2}", "MOVE has no key `Speed`; expected Type, Action, "),
+            ("GOTO {Node a}", "GOTO has no key `Node`; expected Name; "),
+            (
+                "CONTROL {Type SetWP} {Name c} {Spped 1}",
+                "CONTROL has no key `Spped` (did you mean `Speed`?); expected Type, Name, Speed, Loop, Moving, ",
+            ),
+            (
+                "CONTROL {Type Create} {Name c} {Physics rigidbody}",
+                "{Physics rigidbody} is unknown (did you mean `RigidBody`?); expected one of RigidBody, Falling, Ground, None;                  the object stays where it is put",
+            ),
+            (
+                "CONTROL {Type KillAll} {MinPos 0,0,0}",
+                "{MinPos 0,0,0} is ignored: without MaxPos all objects are meant",
+            ),
+            ("INIT {ClassName P3AT} {Location 1,2}", "{Location 1,2}: expected three numbers x,y,z; read as 1,0,2"),
+            (
+                "INIT {ClassName P3AT} {Start A} {Location 1,2,3}",
+                "{Location 1,2,3} is ignored: {Start A} says where the robot is put",
+            ),
+            ("INIT {ClassName P3AT} {Name A} {Name B}", "{Name B} is ignored: the first Name of a line counts"),
+            (
+                "INIT {ClassName P3AT} {Name My Robot {x}}",
+                "`{Name My Robot {x}`: a brace is not closed before the next one; all of it is one block",
+            ),
+        ] {
+            let said = said(line);
+            assert_eq!(said.len(), 1, "{line}: {said:?}");
+            assert!(said[0].starts_with(expected), "{line}: {said:?}");
+        }
+        let points = vec!["1,2,3"; 300].join(";");
+        let said = said(&format!("CONTROL {{Type AddWP}} {{Name c}} {{WP {points}}}"));
+        assert_eq!(said, ["the end of {WP ..} is ignored: got 300 points, expected at most 256 a line"]);
+    }
+
+    #[test]
+    fn a_line_of_wrong_keys_is_reported_in_a_few_problems() {
+        let keys: String = (0..4000).map(|number| format!("{{Key{number} 1}}")).collect();
+        assert_eq!(said(&format!("GETCONF {keys}")).len(), MAX_REPORTED);
+        assert_eq!(said(&format!("GETCONF {}", "{Type a}".repeat(4000))).len(), MAX_REPORTED);
+        assert_eq!(said(&format!("GETCONF {}", "{Typ a}".repeat(4000))).len(), 1);
+    }
+
     #[test]
     fn a_wrong_key_of_init_is_named_with_the_right_one() {
-        let mut problems = Vec::new();
-        Command::read(&Line::parse("INIT {ClasName USARBot.P3AT} {Start A} {Teapot}"), &mut problems);
-        let said: Vec<String> = problems.iter().map(ToString::to_string).collect();
+        let said = said("INIT {ClasName USARBot.P3AT} {Start A} {Teapot}");
         assert_eq!(
             said,
             [
@@ -306,8 +429,7 @@ mod tests {
             Just(Command::GetStartPoses(GetStartPoses)),
             Just(Command::GetPathNodes(GetPathNodes)),
             Just(Command::GetClasses(GetClasses)),
-            proptest::option::of(vector())
-                .prop_map(|location| Command::GetClosestPathNode(GetClosestPathNode { location })),
+            vector().prop_map(|place| Command::GetClosestPathNode(GetClosestPathNode { location: Some(place) })),
             (word(), vector(), any::<bool>()).prop_map(|(name, location, is_relative)| {
                 let rotation = location.map(|number| number / 1e6);
                 Command::Control(Control::Move(command::Move { name, is_relative, location, rotation }))

@@ -66,7 +66,7 @@ pub use dialect::Dialect;
 pub use framing::Framing;
 pub use line::{Block, Line, MAX_BLOCKS};
 pub use message::Message;
-pub use problem::{Problem, shown};
+pub use problem::{Problem, expected_of, shown};
 
 /// The examples of the README, as tests.
 #[cfg(doctest)]

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::shown;
+
 /// Most blocks of one line that are read.
 pub const MAX_BLOCKS: usize = 4096;
 
@@ -23,6 +25,10 @@ pub struct Line {
     pub blocks: Vec<Block>,
     /// True when the line had more blocks than were read.
     pub truncated: bool,
+    /// Beginning of the first text outside of the blocks that has a letter or a digit.
+    pub stray: Option<String>,
+    /// Beginning of the last block, without its `{`, if its brace is not closed. It is not among the blocks.
+    pub unclosed: Option<String>,
 }
 
 impl Line {
@@ -45,17 +51,28 @@ impl Line {
         let (verb, mut rest) = text.split_at(text.find('{').unwrap_or(text.len()));
         let mut line = Self::new(verb.trim());
         // Each byte is searched once for either brace: a stray `}` lies before the next `{`.
-        while let Some((_, after)) = rest.split_once('{')
-            && let Some((block, after)) = after.split_once('}')
-        {
+        while let Some((between, after)) = rest.split_once('{') {
+            line.note_stray(between);
+            let Some((block, after)) = after.split_once('}') else {
+                line.unclosed = Some(shown(after));
+                return line;
+            };
             if line.blocks.len() == MAX_BLOCKS {
                 line.truncated = true;
-                break;
+                return line;
             }
             line.blocks.push(Block::parse(block));
             rest = after;
         }
+        line.note_stray(rest);
         line
+    }
+
+    /// Notes text outside of the blocks, unless it is only punctuation, as clients put between blocks.
+    fn note_stray(&mut self, text: &str) {
+        if self.stray.is_none() && text.contains(char::is_alphanumeric) {
+            self.stray = Some(shown(text.trim()));
+        }
     }
 
     /// Returns the value of the first block with this key, in any case.
@@ -111,6 +128,23 @@ mod tests {
         check("A {A {B 1} 2}", "A", &[("A", "{B 1")]);
         check("DRIVE {Left\t1}", "DRIVE", &[("Left", "1")]);
         check("", "", &[]);
+    }
+
+    #[test]
+    fn text_that_is_in_no_block_is_noted() {
+        for (text, stray, unclosed) in [
+            ("DRIVE {Left 1} {Right 1", None, Some("Right 1")),
+            ("DRIVE {Left 2", None, Some("Left 2")),
+            ("DRIVE {", None, Some("")),
+            ("DRIVE {Left 1} Right 2 {Light true} x", Some("Right 2"), None),
+            ("DRIVE {Left 1} Right 2", Some("Right 2"), None),
+            ("SET {Opcode Release}DRIVE {Left 1}", Some("DRIVE"), None),
+            ("DRIVE {Left 1}} , ; {Right 1} .", None, None),
+            ("GETSTARTPOSES", None, None),
+        ] {
+            let line = Line::parse(text);
+            assert_eq!((line.stray.as_deref(), line.unclosed.as_deref()), (stray, unclosed), "{text}");
+        }
     }
 
     #[test]

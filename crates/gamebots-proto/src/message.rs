@@ -16,7 +16,7 @@ pub use avatar::{AvatarBone, AvatarBones, AvatarSta};
 pub use conf::*;
 pub use geo::{ActuatorGeo, Geo, GroundGeo, ItemGeo, JointGeo, MountedGeo, RobotGeo, VehicleGeo};
 pub use nfo::{Greeting, NamedPose, Nfo, PathNode};
-pub use object::ObjectSta;
+pub use object::{MAX_OBJECTS_BYTES, ObjectSta, objects_that_fit};
 pub use res::{Nothing, Res, ViewportsRes};
 pub use sen::*;
 pub use sta::{GroundSta, Sta, StaHead, Vehicle};

@@ -57,6 +57,36 @@ pub enum Problem {
         /// Its value.
         got: String,
     },
+    /// A vector that has not three numbers.
+    #[error("{{{key} {got}}}: expected three numbers x,y,z; read as {},{},{}", read_as[0], read_as[1], read_as[2])]
+    NotAVector {
+        /// The key of the block.
+        key: String,
+        /// Its value.
+        got: String,
+        /// The value used instead.
+        read_as: [f64; 3],
+    },
+    /// A last block without its closing brace.
+    #[error("`{{{got}`: the brace is not closed; the block is ignored")]
+    Unclosed {
+        /// The block without its brace.
+        got: String,
+    },
+    /// A block in which another one begins.
+    #[error("`{{{got}}}`: a brace is not closed before the next one; all of it is one block")]
+    Nested {
+        /// The text of the block.
+        got: String,
+    },
+    /// A part of a line that has no effect.
+    #[error("{what} is ignored: {why}")]
+    Ignored {
+        /// The part, as it was sent.
+        what: String,
+        /// The reason, in words.
+        why: String,
+    },
     /// A key that the command does not have.
     #[error("{verb} has no key `{got}`{meant}; expected {expected}; the block is ignored")]
     UnknownKey {
@@ -67,6 +97,26 @@ pub enum Problem {
         /// " (did you mean ..?)", or empty if no name is near.
         meant: String,
         /// The keys that it has, separated by commas.
+        expected: String,
+    },
+    /// A key of DRIVE that a robot does not take.
+    #[error("DRIVE: {class} takes no key `{got}`{meant}; expected {expected}; the block is ignored")]
+    NoDriveKey {
+        /// The robot's class.
+        class: String,
+        /// The key.
+        got: String,
+        /// " (did you mean ..?)", or empty if no name is near.
+        meant: String,
+        /// The keys that it takes, separated by commas.
+        expected: String,
+    },
+    /// A DRIVE that says nothing.
+    #[error("DRIVE without a value does nothing; {class} takes {expected}")]
+    EmptyDrive {
+        /// The robot's class.
+        class: String,
+        /// The keys that it takes, separated by commas.
         expected: String,
     },
     /// A required block is missing.
@@ -90,15 +140,15 @@ pub enum Problem {
         last: usize,
     },
     /// An item that a robot does not have.
-    #[error(
-        "SET {{Type {type_name}}} {{Name {name}}}: the robot has no such item or opcode; expected one of {expected}"
-    )]
+    #[error("{asked}: the robot has no such {what}{meant}; {expected}")]
     NoItem {
-        /// The type that was sent.
-        type_name: String,
-        /// The name that was sent.
-        name: String,
-        /// Types and names of its items, separated by commas.
+        /// Verb, type and name that were sent, as a line.
+        asked: String,
+        /// `item`, or `item or opcode` for a SET.
+        what: &'static str,
+        /// " (did you mean ..?)", or empty if no name is near.
+        meant: String,
+        /// Types and names of its items, in words.
         expected: String,
     },
     /// A robot that cannot be driven.
@@ -108,7 +158,7 @@ pub enum Problem {
         class: String,
     },
     /// A name that is not known.
-    #[error("{{{key} {got}}} is unknown{meant}; expected one of {expected}; {instead}")]
+    #[error("{{{key} {got}}} is unknown{meant}; {expected}; {instead}")]
     UnknownName {
         /// The key of the block.
         key: &'static str,
@@ -116,7 +166,7 @@ pub enum Problem {
         got: String,
         /// " (did you mean ..?)", or empty if no name is near.
         meant: String,
-        /// The names that are known, separated by commas.
+        /// The names that are known, in words.
         expected: String,
         /// The consequence, in words.
         instead: &'static str,
@@ -164,6 +214,12 @@ pub enum Problem {
     /// A command for a robot on a connection that has none.
     #[error("{verb} ignored: there is no robot on this connection; send INIT first")]
     NoRobot {
+        /// The verb.
+        verb: &'static str,
+    },
+    /// A command for a robot whose battery is flat.
+    #[error("{verb} ignored: the robot's battery is flat")]
+    FlatBattery {
         /// The verb.
         verb: &'static str,
     },
@@ -239,28 +295,54 @@ pub enum Problem {
 const MAX_SHOWN: usize = 60;
 
 impl Problem {
-    /// Reports a name that is not known. `instead` is the consequence, in words.
+    /// Reports a name that is not known. `owner` is the thing that has the known names, as in `this robot`. `instead` is the
+    /// consequence, in words.
     pub fn unknown_name<'a>(
         key: &'static str,
         got: &str,
         known: impl Iterator<Item = &'a str> + Clone,
+        owner: &str,
         instead: &'static str,
     ) -> Self {
-        let expected = known.clone().collect::<Vec<_>>().join(", ");
+        let expected = expected_of(known.clone(), owner);
         let got = shown(got);
         Self::UnknownName { key, meant: names::did_you_mean(&got, known), got, expected, instead }
     }
 
     pub(crate) fn unknown_verb(got: &str, known: &[&str]) -> Self {
         let got = shown(got);
-        Self::UnknownVerb { meant: names::did_you_mean(&got, known.iter().copied()), got, expected: known.join(", ") }
+        let first = got.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
+        let meant = match known.iter().find(|verb| verb.eq_ignore_ascii_case(first)) {
+            Some(verb) => format!(" (after `{verb}` come blocks in braces, as in `{{Key value}}`)"),
+            None => names::did_you_mean(&got, known.iter().copied()),
+        };
+        Self::UnknownVerb { meant, got, expected: known.join(", ") }
     }
 
     pub(crate) fn unknown_key(verb: &'static str, got: &str, known: &[&str]) -> Self {
         let got = shown(got);
-        let meant = names::did_you_mean(&got, known.iter().copied());
-        Self::UnknownKey { verb, meant, got, expected: known.join(", ") }
+        Self::UnknownKey { verb, meant: meant_key(&got, known), got, expected: known.join(", ") }
     }
+
+    /// Reports a key of DRIVE that a robot of a class does not take.
+    pub fn no_drive_key(class: &str, got: &str, known: &[&str]) -> Self {
+        let got = shown(got);
+        Self::NoDriveKey { class: class.to_owned(), meant: meant_key(&got, known), got, expected: known.join(", ") }
+    }
+}
+
+/// Lists the names of which one is expected, in words. `owner` is the thing that has them.
+pub fn expected_of<'a>(known: impl Iterator<Item = &'a str>, owner: &str) -> String {
+    let known: Vec<&str> = known.collect();
+    if known.is_empty() { format!("{owner} has none") } else { format!("expected one of {}", known.join(", ")) }
+}
+
+/// Returns the known key nearest to a wrong one as a suffix of a message. A key that goes on after a sign, as in `Left=2`, is
+/// shown as the block that it should be.
+fn meant_key(got: &str, known: &[&str]) -> String {
+    let Some((key, value)) = got.split_once(['=', ':']) else { return names::did_you_mean(got, known.iter().copied()) };
+    let key = names::nearest(key, known.iter().copied());
+    key.map_or(String::new(), |key| format!(" (did you mean `{{{key} {value}}}`?)"))
 }
 
 /// Returns a client's text for use in a message: its first 60 characters.

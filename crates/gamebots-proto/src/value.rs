@@ -23,8 +23,25 @@ pub(crate) fn index_of(block: &Block, problems: &mut Vec<Problem>) -> Option<usi
     index
 }
 
-/// Reads a vector; zeros if the block is missing.
+/// Reads a vector; zeros if the block is missing. Other than three numbers are a problem.
 pub(crate) fn vector(line: &Line, key: &str, problems: &mut Vec<Problem>) -> [f64; 3] {
+    let before = problems.len();
+    let read_as = vector_or_part(line, key, problems);
+    let text = line.get(key).unwrap_or_default();
+    if problems.len() == before && !text.is_empty() && !has_three_numbers(text) {
+        problems.push(Problem::NotAVector { key: key.to_owned(), got: shown(text), read_as });
+    }
+    read_as
+}
+
+/// True if a vector has three parts, with commas or white space between them.
+fn has_three_numbers(text: &str) -> bool {
+    let words = text.split_whitespace().map(|word| word.trim_matches(',')).filter(|word| !word.is_empty());
+    words.count() == 3 || text.split(',').count() == 3 && text.split(',').all(|part| !part.trim().is_empty())
+}
+
+/// Reads a vector; zeros if the block is missing, and for parts that are missing.
+pub(crate) fn vector_or_part(line: &Line, key: &str, problems: &mut Vec<Problem>) -> [f64; 3] {
     let Some(text) = line.get(key).filter(|text| !text.is_empty()) else { return [0.0; 3] };
     vector_parts(text).map(|part| {
         if part.is_empty() {
@@ -145,24 +162,25 @@ mod tests {
 
     #[test]
     fn vectors() {
-        for (text, expected) in [
-            ("1,2,-0.5", [1.0, 2.0, -0.5]),
-            ("1, 2, -0.5", [1.0, 2.0, -0.5]),
-            ("1 2 -0.5", [1.0, 2.0, -0.5]),
-            ("1 , 2 , -0.5", [1.0, 2.0, -0.5]),
-            ("5", [0.0, 0.0, 5.0]),
-            ("1,2", [1.0, 0.0, 2.0]),
-            ("1,2,-3,9", [1.0, 2.0, -3.0]),
-            ("1,0000, 2,0000, 0,4000", [1.0, 2.0, 0.4]),
-            ("1,500000 -2,250000 0,400000", [1.5, -2.25, 0.4]),
-            (".4, .4, 1.8", [0.4, 0.4, 1.8]),
-            ("1, 2,3", [1.0, 2.0, 3.0]),
-            ("1,,3", [1.0, 0.0, 3.0]),
+        for (text, expected, is_whole) in [
+            ("1,2,-0.5", [1.0, 2.0, -0.5], true),
+            ("1, 2, -0.5", [1.0, 2.0, -0.5], true),
+            ("1 2 -0.5", [1.0, 2.0, -0.5], true),
+            ("1 , 2 , -0.5", [1.0, 2.0, -0.5], true),
+            ("5", [0.0, 0.0, 5.0], false),
+            ("1,2", [1.0, 0.0, 2.0], false),
+            ("1,2,-3,9", [1.0, 2.0, -3.0], false),
+            ("1,0000, 2,0000, 0,4000", [1.0, 2.0, 0.4], true),
+            ("1,500000 -2,250000 0,400000", [1.5, -2.25, 0.4], true),
+            (".4, .4, 1.8", [0.4, 0.4, 1.8], true),
+            ("1, 2,3", [1.0, 2.0, 3.0], true),
+            ("1,,3", [1.0, 0.0, 3.0], false),
         ] {
             let mut problems = Vec::new();
             let line = Line::new("INIT").with("Location", text);
             assert_eq!(vector(&line, "Location", &mut problems), expected, "{text}");
-            assert_eq!(problems, [], "{text}");
+            let problem = Problem::NotAVector { key: "Location".to_owned(), got: text.to_owned(), read_as: expected };
+            assert_eq!(problems, if is_whole { Vec::new() } else { vec![problem] }, "{text}");
         }
         let mut problems = Vec::new();
         let line = Line::new("INIT").with("Location", "NaN,inf,1e30");

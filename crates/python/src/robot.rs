@@ -207,15 +207,15 @@ impl Robot {
 
     /// Last readings of all sensors that have measured, by name.
     #[getter]
-    fn readings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn readings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let names = self.sensor_names(py)?;
         let readings = PyDict::new(py);
-        for (number, name) in names.into_iter().enumerate() {
+        for (number, name) in names.iter().enumerate() {
             if let Some((time, sensed)) = self.world(py)?.readings.get(&(self.id, number)) {
-                readings.set_item(&name, Reading::new(&name, *time, sensed))?;
+                readings.set_item(name, Reading::new(name, *time, sensed))?;
             }
         }
-        Ok(readings)
+        py.import("usarsim._readings")?.getattr("Readings")?.call1((readings, names))
     }
 
     /// Last reading of a sensor; None before the first.

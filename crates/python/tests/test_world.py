@@ -309,6 +309,9 @@ def test_bad_input_raises_an_error_that_says_what(make, error, text):
         (lambda world, robot: robot.send("FLY {Up 1}"), "FLY"),
         (lambda world, robot: robot.send("DRIVE {Left 1}\nINIT {ClassName P3AT}"), "expected one line"),
         (lambda world, robot: robot.reading("Eye"), "unknown sensor `Eye`"),
+        (lambda world, robot: robot.drive({"Lft": 1}), "no key `Lft` .did you mean `Left`"),
+        (lambda world, robot: robot.send("DRIVE {Speed 2}"), "no key `Speed`; expected Front-Left, "),
+        (lambda world, robot: robot.send("GETCONF {Type RangeScaner}"), "no such item"),
         (lambda world, robot: world.run(-1), "expected 0 to"),
         (lambda world, robot: world.run(float("nan")), "expected 0 to"),
         (lambda world, robot: world.step(2**60), "at most"),
@@ -332,7 +335,7 @@ def test_a_robot_that_is_gone_says_so(world):
 
 
 def test_a_robot_beside_another_is_a_warning(world):
-    with pytest.warns(usarsim.UsarsimWarning, match="takes it"):
+    with pytest.warns(usarsim.UsarsimWarning, match="robot 0 `Bot` takes it"):
         other = world.spawn("KUKA_YouBot", position=(0, 0, 0))
     assert np.linalg.norm(other.position[:2]) > 0.3
 
@@ -454,6 +457,18 @@ def test_a_state_of_another_scene_is_refused(world):
     for broken in (b"", b"nonsense", b"{}", state[: len(state) // 2]):
         with pytest.raises(usarsim.SaveError, match="not a saved world"):
             usarsim.World.load(world.scene, broken)
+
+
+def test_a_reading_that_is_not_there_says_which_are(world):
+    robot = world.robots[0]
+    with pytest.raises(KeyError, match="GndTruth has not measured yet"):
+        robot.readings["GndTruth"]
+    world.run(0.2)
+    with pytest.raises(KeyError, match="unknown sensor `nothing`: expected one of .*GndTruth"):
+        robot.readings["nothing"]
+    with pytest.raises(KeyError, match="did you mean `GndTruth`"):
+        robot.readings["GndTruht"]
+    assert robot.readings.get("nothing") is None and "nothing" not in robot.readings
 
 
 def test_readings_and_robots_behave_as_python_expects(world):

@@ -44,6 +44,22 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Returns the distance of the farthest point from the origin, m.
+    pub fn reach(&self) -> f64 {
+        let farthest = |points: &[[f64; 3]]| points.iter().map(|&point| norm(point)).fold(0.0, f64::max);
+        match self {
+            Self::HalfSpace => f64::INFINITY,
+            Self::Box { size } => norm(*size) / 2.0,
+            Self::Cylinder { radius, length } => norm([*radius, length / 2.0, 0.0]),
+            Self::Ball { radius } => *radius,
+            Self::Hull { points } => farthest(points),
+            Self::Mesh { vertices, .. } => farthest(vertices),
+            Self::HeightField(HeightField { size: [x, y], heights, .. }) => {
+                norm([x / 2.0, y / 2.0, heights.iter().copied().map(f64::abs).fold(0.0, f64::max)])
+            }
+        }
+    }
+
     /// Scales the shape along its own axes. A cylinder stays round, with the mean of both factors across, and a ball with that of all.
     #[must_use]
     pub fn scaled(&self, [x, y, z]: [f64; 3]) -> Self {
@@ -60,6 +76,10 @@ impl Shape {
             Self::HeightField(field) => Self::HeightField(field.scaled([x, y, z])),
         }
     }
+}
+
+fn norm(vector: [f64; 3]) -> f64 {
+    nalgebra::Vector3::from(vector).norm()
 }
 
 /// A shape with a pose and a material.
@@ -81,5 +101,26 @@ impl Solid {
     /// Returns the pose.
     pub fn pose(&self) -> Pose {
         pose(self.position, self.rotation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reach_is_the_distance_of_the_farthest_point() {
+        let points = vec![[1.0, 0.0, 0.0], [0.0, -3.0, 4.0], [0.0, 0.0, 0.0], [1.0, 1.0, 1.0]];
+        for (shape, reach) in [
+            (Shape::Box { size: [2.0, 4.0, 4.0] }, 3.0),
+            (Shape::Cylinder { radius: 3.0, length: 8.0 }, 5.0),
+            (Shape::Ball { radius: 2.0 }, 2.0),
+            (Shape::Hull { points: points.clone() }, 5.0),
+            (Shape::Mesh { vertices: points, triangles: Vec::new() }, 5.0),
+            (Shape::HeightField(HeightField { size: [6.0, 8.0], columns: 2, heights: vec![0.0; 4] }), 5.0),
+            (Shape::HalfSpace, f64::INFINITY),
+        ] {
+            assert_eq!(shape.reach(), reach, "{shape:?}");
+        }
     }
 }

@@ -9,8 +9,9 @@ mod round;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use gamebots_proto::command::Init;
 use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
-use gamebots_proto::{Command, Dialect, Problem};
+use gamebots_proto::{Command, Dialect, Problem, shown};
 use scene::{PawnId, Score, Sensed, Standings};
 use sim_core::{Executed, Fault, LostRobot, Report, World};
 
@@ -227,6 +228,12 @@ impl Sessions {
     fn execute(&mut self, pawn: Option<PawnId>, command: &Command, problems: &mut Vec<Problem>) -> Executed {
         let Self { world, round, .. } = self;
         let (Some(round), Command::Init(init)) = (round, command) else {
+            if let Command::Init(Init { team, .. }) = command
+                && !team.is_empty()
+            {
+                let why = "this world has no league".to_owned();
+                problems.push(Problem::Ignored { what: format!("{{Team {}}}", shown(team)), why });
+            }
             return world.execute(pawn, command, problems);
         };
         if !init.is_of_robot() {

@@ -7,14 +7,19 @@ mod ground;
 mod omni;
 mod skid;
 
-use gamebots_proto::Problem;
-use gamebots_proto::command::Drive;
+use gamebots_proto::command::{Drive, Given, ReadWrite};
 use gamebots_proto::message::{GroundSta, Vehicle, VehicleConf, VehicleGeo};
+use gamebots_proto::{Problem, shown};
 use kinematics::Twist;
 use scene::{JointState, Link, Motor, RobotDef, Side, Steering};
 use serde::{Deserialize, Serialize};
 
 use crate::flight::Flight;
+
+/// Keys of DRIVE that every robot with a drive takes.
+const FLAGS: [&str; 2] = ["Normalized", "Light"];
+/// Most problems of the keys of one line.
+const MAX_REPORTED: usize = 5;
 
 /// A robot's drive state, kept between two `DRIVE` lines.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -104,6 +109,7 @@ impl DriveState {
         speed_unit: f64,
         problems: &mut Vec<Problem>,
     ) -> Vec<Order> {
+        self.note_keys(robot, drive, problems);
         self.normalized = drive.normalized.unwrap_or(self.normalized);
         self.light = drive.light.unwrap_or(self.light);
         let mut orders = match &mut self.family {
@@ -127,6 +133,57 @@ impl DriveState {
             }
         }
         orders
+    }
+
+    /// Returns the keys of DRIVE that count for a robot, in the order in which messages list them; none if it has no drive.
+    fn keys(&self) -> Vec<&'static str> {
+        let own: &[&str] = match self.family {
+            Family::Skid => &skid::KEYS,
+            Family::Omni(_) => &omni::KEYS,
+            Family::Ackermann(_) => &ackermann::KEYS,
+            Family::Aerial(_) => &aerial::KEYS,
+            Family::Legged | Family::None => return Vec::new(),
+        };
+        [own, &FLAGS].concat()
+    }
+
+    /// Reports the blocks of a command that do nothing for a robot.
+    fn note_keys(&self, robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) {
+        let known = self.keys();
+        let own = |given: &Given| known.iter().copied().find(|key| given.is(key));
+        let is_driven = drive.given.iter().any(|given| own(given).is_some());
+        let is_flagged = drive.normalized.is_some() || drive.light.is_some();
+        if known.is_empty() {
+            return;
+        }
+        if !is_flagged && drive.given.iter().all(|given| given.key().is_empty()) {
+            problems.push(Problem::EmptyDrive { class: robot.class.clone(), expected: known.join(", ") });
+        }
+        let (mut seen, mut wrong): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+        for given in &drive.given {
+            if given.key().is_empty() || wrong.contains(&given.key()) {
+                continue;
+            }
+            let ignored =
+                |why: &str| Problem::Ignored { what: format!("{{{}}}", shown(given.key())), why: why.to_owned() };
+            let problem = match own(given) {
+                Some(_) if !given.has_value() => ignored("it has no value"),
+                Some(key) if seen.contains(&key) => ignored("the first of a line counts"),
+                // Wheels are told apart by their order, so their keys come again.
+                Some(key) => {
+                    seen.extend(Some(key).filter(|key| !key.starts_with("Wheel")));
+                    continue;
+                }
+                // Programs stop robots of every kind by one line with all keys.
+                None if is_driven && given.is_zero() && Drive::KEYS.iter().any(|key| given.is(key)) => continue,
+                None => Problem::no_drive_key(&robot.class, given.key(), &known),
+            };
+            wrong.push(given.key());
+            problems.push(problem);
+            if wrong.len() == MAX_REPORTED {
+                return;
+            }
+        }
     }
 
     /// Takes the targets of an order, within the limits of the motors or of the flight. Returns false if robots of this kind do not follow such orders.

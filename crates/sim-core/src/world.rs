@@ -317,8 +317,11 @@ impl World {
                 format!("the object `{}`", met.map_or(String::new(), |object| object.def.solid.name.clone()))
             }
             Identity::Link { robot, .. } => {
-                let name = self.robots.get(&robot).map_or("", Robot::name);
-                format!("robot {} `{name}`", robot.0)
+                let met = self.robots.get(&robot);
+                match met.map_or("", Robot::name) {
+                    "" => format!("robot {} ({})", robot.0, met.map_or("", |it| it.def().class.as_str())),
+                    name => format!("robot {} `{name}`", robot.0),
+                }
             }
         }
     }
@@ -351,7 +354,7 @@ impl World {
             if !executed.found
                 && let Some(robot) = self.robots.get(&pawn)
             {
-                problems.push(robot.no_item(set));
+                problems.push(robot.nothing_to_set(set));
             }
             return executed;
         }
@@ -390,7 +393,10 @@ impl World {
                 problems.push(Problem::NoRobot { verb: command.verb() });
                 Vec::new()
             }
-            (_, Some(robot)) if robot.battery_left(time) <= 0 => Vec::new(),
+            (_, Some(robot)) if robot.battery_left(time) <= 0 => {
+                problems.push(Problem::FlatBattery { verb: command.verb() });
+                Vec::new()
+            }
             (Command::Drive(drive), Some(robot)) => {
                 robot.drive(drive, problems);
                 Vec::new()
@@ -413,18 +419,24 @@ impl World {
                 (found, hands) = (outcome.found, outcome.hands);
                 outcome.tags.into_iter().for_each(|order| self.physics.change_tag(order, problems));
                 if !found {
-                    problems.push(robot.no_item(set));
+                    problems.push(robot.nothing_to_set(set));
                 }
                 outcome.reports
             }
             (Command::GetConf(ask), Some(robot)) => {
                 let conf = answer::conf(robot, ask);
                 found = conf.is_some();
+                if !found {
+                    problems.push(robot.nothing_to_tell(command.verb(), &ask.type_name, &ask.name));
+                }
                 conf.map(|conf| Message::Conf(conf).into()).into_iter().collect()
             }
             (Command::GetGeo(ask), Some(robot)) => {
                 let geo = answer::geo(robot, ask);
                 found = geo.is_some();
+                if !found {
+                    problems.push(robot.nothing_to_tell(command.verb(), &ask.type_name, &ask.name));
+                }
                 geo.map(|geo| Message::Geo(geo).into()).into_iter().collect()
             }
         };
@@ -656,7 +668,7 @@ impl World {
             key: "ClassName",
             got: shown(&init.class_name),
             meant: meant.map_or(String::new(), |class| format!(" (did you mean `USARBot.{class}`?)")),
-            expected: classes.join(", "),
+            expected: format!("expected one of {}", classes.join(", ")),
             instead: "no robot is spawned",
         });
         None
@@ -670,7 +682,7 @@ impl World {
             return scene::pose(start.position, start.rotation);
         }
         let known = self.def().map.starts.iter().map(|start| start.name.as_str());
-        problems.push(Problem::unknown_name("Start", &init.start, known, "the origin is used"));
+        problems.push(Problem::unknown_name("Start", &init.start, known, "this map", "the origin is used"));
         Pose::identity()
     }
 }

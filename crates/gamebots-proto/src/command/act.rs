@@ -2,7 +2,7 @@
 //! does the order of their blocks (BotConnection.uc:70-97, 483-512). In MISPKG the blocks after a `Link` may have any order, and `Order`
 //! may be missing, as older clients send it (clients-2.md 4).
 
-use super::{ReadWrite, text, with_text};
+use super::{MAX_REPORTED, ReadWrite, text, with_text};
 use crate::{Block, Line, Problem, value};
 
 /// Moves the joints of an actuator: `{Link i} {Value v}`, any number of times, links from 0. No reply.
@@ -29,7 +29,10 @@ pub struct MisPkg {
 }
 
 impl ReadWrite for Act {
+    const KEYS: &'static [&'static str] = &["Name", "Link", "Value", "Gripper"];
+
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        note_exact_keys("ACT", line, Self::KEYS, problems);
         let pair = |blocks: &[Block], problems: &mut Vec<Problem>| match blocks {
             [link, of_value] if link.key == "Link" && of_value.key == "Value" => target(link, of_value, problems),
             _ => None,
@@ -47,7 +50,10 @@ impl ReadWrite for Act {
 }
 
 impl ReadWrite for MisPkg {
+    const KEYS: &'static [&'static str] = &["Name", "Link", "Value", "Order", "Gripper"];
+
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        note_exact_keys("MISPKG", line, Self::KEYS, problems);
         let group = |blocks: &[Block], problems: &mut Vec<Problem>| {
             let (link, rest) = blocks.split_first().filter(|(link, _)| link.key == "Link")?;
             let find = |key: &str| rest.iter().find(|block| block.key == key);
@@ -65,6 +71,21 @@ impl ReadWrite for MisPkg {
             |line: Line, (link, value): &(usize, f64)| line.with("Link", link).with("Value", value).with("Order", 0);
         let line = self.targets.iter().fold(line, link);
         self.gripper.into_iter().fold(line, |line, gripper| line.with("Gripper", gripper))
+    }
+}
+
+/// Reports keys that a command does not have. Of its own only `Name` has any case.
+fn note_exact_keys(verb: &'static str, line: &Line, known: &[&str], problems: &mut Vec<Problem>) {
+    let is_known = |key: &str| known.contains(&key) || key.eq_ignore_ascii_case("Name");
+    let mut wrong: Vec<&str> = Vec::new();
+    for key in line.blocks.iter().map(|block| block.key.as_str()).filter(|key| !key.is_empty() && !is_known(key)) {
+        if !wrong.contains(&key) {
+            wrong.push(key);
+            problems.push(Problem::unknown_key(verb, key, known));
+        }
+        if wrong.len() >= MAX_REPORTED {
+            break;
+        }
     }
 }
 

@@ -1,14 +1,42 @@
 //! `CONTROL {Type t} ..`: a world controller's orders (protocol.md 3.2). Only `GetSTA` is answered.
 
-use super::{ReadWrite, text, with_text, with_vector};
+use super::{ReadWrite, note_keys, text, with_text, with_vector};
 use crate::{Line, Problem, shown, value};
 
 /// Most way points of a line that are taken.
 const MAX_POINTS: usize = 256;
 
-/// Values of `Type`, with this case.
-const TYPES: [&str; 11] =
-    ["Create", "AbsMove", "RelMove", "Rotate", "AddWP", "SetWP", "ClearWP", "Conveyor", "Kill", "KillAll", "GetSTA"];
+/// Values of `Type`, with this case, each with its keys.
+const TYPES: [(&str, &[&str]); 11] = [
+    (
+        "Create",
+        &[
+            "Type",
+            "ClassName",
+            "Name",
+            "Location",
+            "Rotation",
+            "Start",
+            "Scale",
+            "Physics",
+            "Material",
+            "Memory",
+            "Permanent",
+        ],
+    ),
+    ("AbsMove", &["Type", "Name", "Location", "Rotation"]),
+    ("RelMove", &["Type", "Name", "Location", "Rotation"]),
+    ("Rotate", &["Type", "Name", "Speed"]),
+    ("AddWP", &["Type", "Name", "WP"]),
+    ("SetWP", &["Type", "Name", "Speed", "Loop", "Moving", "ResetOnClear", "Time"]),
+    ("ClearWP", &["Type", "Name"]),
+    ("Conveyor", &["Type", "Name", "Speed"]),
+    ("Kill", &["Type", "Name"]),
+    ("KillAll", &["Type", "MinPos", "MaxPos"]),
+    ("GetSTA", &["Type", "ClassName", "Name"]),
+];
+/// Values of `Physics`; with the last one an object stays where it is put.
+const PHYSICS: [&str; 4] = ["RigidBody", "Falling", "Ground", "None"];
 
 /// An order of a world controller.
 #[derive(Debug, Clone, PartialEq)]
@@ -162,24 +190,57 @@ impl Control {
 }
 
 impl ReadWrite for Control {
+    const KEYS: &'static [&'static str] = &[
+        "Type",
+        "ClassName",
+        "Name",
+        "Location",
+        "Rotation",
+        "Start",
+        "Scale",
+        "Physics",
+        "Material",
+        "Memory",
+        "Permanent",
+        "Speed",
+        "WP",
+        "Loop",
+        "Moving",
+        "ResetOnClear",
+        "Time",
+        "MinPos",
+        "MaxPos",
+    ];
+
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
         let name = text(line, "Name");
+        let type_name = line.get("Type").unwrap_or_default();
+        if let Some((_, keys)) = TYPES.iter().find(|(known, _)| *known == type_name) {
+            note_keys("CONTROL", line, keys, problems);
+        }
         let mut vector = |key: &str| value::vector(line, key, problems);
-        match line.get("Type").unwrap_or_default() {
+        match type_name {
             "Create" => {
                 let scale = match vector("Scale") {
                     [0.0, 0.0, 0.0] => [1.0; 3],
                     scale => scale,
                 };
+                let [location, rotation] = ["Location", "Rotation"].map(vector);
+                let physics = line.get("Physics").unwrap_or_default();
+                if !physics.is_empty() && !PHYSICS.contains(&physics) {
+                    let known = PHYSICS.iter().copied();
+                    let instead = "the object stays where it is put";
+                    problems.push(Problem::unknown_name("Physics", physics, known, "Create", instead));
+                }
                 Self::Create(Create {
                     class_name: text(line, "ClassName"),
                     name,
                     memory: text(line, "Memory"),
-                    location: vector("Location"),
-                    rotation: vector("Rotation"),
+                    location,
+                    rotation,
                     start: text(line, "Start"),
                     scale,
-                    is_rigid: matches!(line.get("Physics"), Some("RigidBody" | "Falling" | "Ground")),
+                    is_rigid: matches!(physics, "RigidBody" | "Falling" | "Ground"),
                     material: text(line, "Material"),
                     permanent: flag(line, "Permanent", problems).unwrap_or_default(),
                 })
@@ -193,6 +254,11 @@ impl ReadWrite for Control {
             "Rotate" => Self::Rotate { name, speed: vector("Speed") },
             "AddWP" => {
                 let parts = line.get("WP").unwrap_or_default().split(';').filter(|part| !part.trim().is_empty());
+                let got = parts.clone().count();
+                if got > MAX_POINTS {
+                    let why = format!("got {got} points, expected at most {MAX_POINTS} a line");
+                    problems.push(Problem::Ignored { what: "the end of {WP ..}".to_owned(), why });
+                }
                 let mut point = |part: &str| value::vector(&Line::new("WP").with("WP", part), "WP", problems);
                 Self::AddPoints { name, points: parts.take(MAX_POINTS).map(&mut point).collect() }
             }
@@ -217,13 +283,21 @@ impl ReadWrite for Control {
             }
             "Kill" => Self::Kill { name },
             "KillAll" => {
-                let is_given = ["MinPos", "MaxPos"].iter().all(|key| line.get(key).is_some_and(|it| !it.is_empty()));
                 let corners = [vector("MinPos"), vector("MaxPos")];
+                let given = ["MinPos", "MaxPos"].map(|key| (key, text(line, key)));
+                let is_given = given.iter().all(|(_, text)| !text.is_empty());
+                for ((key, text), (other, _)) in given.iter().zip(given.iter().rev()) {
+                    if !is_given && !text.is_empty() {
+                        let why = format!("without {other} all objects are meant");
+                        problems.push(Problem::Ignored { what: format!("{{{key} {}}}", shown(text)), why });
+                    }
+                }
                 Self::KillAll { corners: Some(corners).filter(|[least, most]| is_given && least != most) }
             }
             "GetSTA" => Self::GetSta { class_name: text(line, "ClassName"), name },
             type_name => {
-                problems.push(Problem::unknown_name("Type", type_name, TYPES.iter().copied(), "nothing is done"));
+                let known = TYPES.iter().map(|(known, _)| *known);
+                problems.push(Problem::unknown_name("Type", type_name, known, "CONTROL", "nothing is done"));
                 Self::Unknown { type_name: shown(type_name) }
             }
         }

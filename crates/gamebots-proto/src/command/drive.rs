@@ -37,6 +37,21 @@ impl Given {
         self.block.key.eq_ignore_ascii_case(key)
     }
 
+    /// Returns the key as it was sent.
+    pub fn key(&self) -> &str {
+        &self.block.key
+    }
+
+    /// True if it has a value.
+    pub fn has_value(&self) -> bool {
+        !self.block.value.is_empty()
+    }
+
+    /// True if its value is the number 0.
+    pub fn is_zero(&self) -> bool {
+        self.number == 0.0 && self.problem.is_none()
+    }
+
     /// Returns the number, and reports its problem. It is 0 if the block has none.
     pub fn number(&self, problems: &mut Vec<Problem>) -> f64 {
         problems.extend(self.problem.clone());
@@ -69,6 +84,29 @@ impl Drive {
 }
 
 impl ReadWrite for Drive {
+    const KEYS: &'static [&'static str] = &[
+        "Left",
+        "Right",
+        "Front-Left",
+        "Front-Right",
+        "Back-Left",
+        "Back-Right",
+        "LinearVelocity",
+        "LateralVelocity",
+        "RotationalVelocity",
+        "AltitudeVelocity",
+        "PitchAngle",
+        "RollAngle",
+        "Speed",
+        "FrontSteer",
+        "RearSteer",
+        "WheelNumber",
+        "WheelSpeed",
+        "WheelSteer",
+        "Normalized",
+        "Light",
+    ];
+
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
         let normalized = value::boolean(line, "Normalized", problems);
         let light = value::boolean(line, "Light", problems);

@@ -1,6 +1,6 @@
 //! Questions: `GETCONF`, `GETGEO`, `GETSTARTPOSES`, `GETPATHNODES`, `GETCLOSESTPATHNODE`, and our own `GETCLASSES`.
 
-use super::{ReadWrite, text, with_text, with_vector};
+use super::{ReadWrite, note_keys, text, with_text, with_vector};
 use crate::{Line, Problem, value};
 
 macro_rules! by_type_and_name {
@@ -15,7 +15,10 @@ macro_rules! by_type_and_name {
         }
 
         impl ReadWrite for $name {
-            fn read(line: &Line, _problems: &mut Vec<Problem>) -> Self {
+            const KEYS: &'static [&'static str] = &["Type", "Name"];
+
+            fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+                note_keys($verb, line, Self::KEYS, problems);
                 Self { type_name: text(line, "Type"), name: text(line, "Name") }
             }
 
@@ -85,8 +88,14 @@ pub struct GetClosestPathNode {
 }
 
 impl ReadWrite for GetClosestPathNode {
+    const KEYS: &'static [&'static str] = &["Location"];
+
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        note_keys("GETCLOSESTPATHNODE", line, Self::KEYS, problems);
         let given = line.get("Location").is_some_and(|text| !text.is_empty());
+        if !given {
+            problems.push(Problem::MissingKey { verb: "GETCLOSESTPATHNODE", key: "Location" });
+        }
         Self { location: given.then(|| value::vector(line, "Location", problems)) }
     }
 

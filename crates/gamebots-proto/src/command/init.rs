@@ -1,10 +1,7 @@
 //! `INIT {ClassName pkg.Class} {Name s} {Location x,y,z} {Rotation r,p,y} {Start tag}` (protocol.md 3.1). `{Team s}` is ours.
 
-use super::{ReadWrite, text, with_text, with_vector};
-use crate::{Line, Problem, value};
-
-/// Most wrong keys of a line that are reported.
-const MAX_UNKNOWN: usize = 5;
+use super::{ReadWrite, note_keys, text, with_text, with_vector};
+use crate::{Line, Problem, shown, value};
 
 /// Puts a robot into the world. No reply.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -24,9 +21,6 @@ pub struct Init {
 }
 
 impl Init {
-    /// Its keys.
-    pub const KEYS: &'static [&'static str] = &["ClassName", "Name", "Location", "Rotation", "Start", "Team"];
-
     /// Names of the class of world controllers, with its package and without.
     pub const CONTROLLER: [&'static str; 2] = ["USARBotAPI.WorldController", "WorldController"];
 
@@ -62,14 +56,19 @@ impl Init {
 }
 
 impl ReadWrite for Init {
+    const KEYS: &'static [&'static str] = &["ClassName", "Name", "Location", "Rotation", "Start", "Team"];
+
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
-        let unknown = |key: &&str| !key.is_empty() && !Self::KEYS.iter().any(|known| known.eq_ignore_ascii_case(key));
-        let keys = line.blocks.iter().map(|block| block.key.as_str()).filter(unknown).take(MAX_UNKNOWN);
-        problems.extend(keys.map(|key| Problem::unknown_key("INIT", key, Self::KEYS)));
+        note_keys("INIT", line, Self::KEYS, problems);
         let start = text(line, "Start");
         let [location, rotation] = if start.is_empty() {
             ["Location", "Rotation"].map(|key| value::vector(line, key, problems))
         } else {
+            let given = ["Location", "Rotation"].map(|key| (key, text(line, key)));
+            for (key, value) in given.iter().filter(|(_, value)| !value.is_empty()) {
+                let why = format!("{{Start {}}} says where the robot is put", shown(&start));
+                problems.push(Problem::Ignored { what: format!("{{{key} {}}}", shown(value)), why });
+            }
             [[0.0; 3]; 2]
         };
         let team = text(line, "Team");

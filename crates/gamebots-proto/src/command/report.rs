@@ -1,6 +1,6 @@
 //! `REPORT {Errors true}`: an extension for people and tools; no controller of USARSim sends it.
 
-use super::ReadWrite;
+use super::{ReadWrite, note_keys};
 use crate::value::boolean;
 use crate::{Line, Problem};
 
@@ -12,7 +12,10 @@ pub struct Report {
 }
 
 impl ReadWrite for Report {
+    const KEYS: &'static [&'static str] = &["Errors"];
+
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        note_keys("REPORT", line, Self::KEYS, problems);
         Self { errors: boolean(line, "Errors", problems).unwrap_or_default() }
     }
 

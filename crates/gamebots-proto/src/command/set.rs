@@ -1,13 +1,13 @@
 //! `SET {Type t} {Name n} {Opcode o} {Params p}` (protocol.md 3.1), and the two forms that choose pictures (protocol.md 9):
 //! `SET {Type Viewports} {Config SingleView} {Viewport1 c} ..` and `SET {Type Camera} {Robot r} {Name c} {Client ip}`. No reply.
 
-use super::{ReadWrite, text, with_text};
+use super::{ReadWrite, note_keys, text, with_text};
 use crate::{Block, Line, Problem};
 
 /// Most other blocks that are kept.
 const MAX_MORE: usize = 8;
 /// Keys that have fields of their own.
-const KEYS: [&str; 4] = ["Type", "Name", "Opcode", "Params"];
+const OWN_KEYS: [&str; 4] = ["Type", "Name", "Opcode", "Params"];
 
 /// Sends an opcode to every item of a type, or to the one of that name.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -51,9 +51,25 @@ impl Set {
 }
 
 impl ReadWrite for Set {
-    fn read(line: &Line, _problems: &mut Vec<Problem>) -> Self {
-        let is_other =
-            |block: &&Block| !block.value.is_empty() && !KEYS.iter().any(|key| key.eq_ignore_ascii_case(&block.key));
+    const KEYS: &'static [&'static str] = &[
+        "Type",
+        "Name",
+        "Opcode",
+        "Params",
+        "Config",
+        "Viewport1",
+        "Viewport2",
+        "Viewport3",
+        "Viewport4",
+        "Robot",
+        "Client",
+    ];
+
+    fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        note_keys("SET", line, Self::KEYS, problems);
+        let is_other = |block: &&Block| {
+            !block.value.is_empty() && !OWN_KEYS.iter().any(|key| key.eq_ignore_ascii_case(&block.key))
+        };
         Self {
             type_name: text(line, "Type"),
             name: text(line, "Name"),

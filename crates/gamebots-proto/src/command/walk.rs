@@ -1,7 +1,7 @@
 //! `MOVE {Type Walk_Forward|Walk_Backward|Run} {Action New|Append} {Location x,y}`, `MOVE {Action Pause|Resume}` and `GOTO {Name n}`: orders
 //! for avatars (BotConnection.uc:208-281, 664-701; protocol.md 3.1).
 
-use super::{ReadWrite, text};
+use super::{ReadWrite, note_keys, text};
 use crate::{Line, Problem, value};
 
 /// A way of walking.
@@ -19,6 +19,9 @@ pub enum Gait {
 /// Names of the gaits, with this case in the original.
 const GAITS: [(&str, Gait); 3] =
     [("Walk_Forward", Gait::Forward), ("Walk_Backward", Gait::Backward), ("Run", Gait::Run)];
+
+/// The owner of the words of MOVE, in messages.
+const OWNER: &str = "MOVE";
 
 /// The end of a walk.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +54,10 @@ pub enum Walk {
 }
 
 impl ReadWrite for Walk {
+    const KEYS: &'static [&'static str] = &["Type", "Action", "Location", "Pathnode"];
+
     fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        note_keys("MOVE", line, Self::KEYS, problems);
         let [gait, action] = ["Type", "Action"].map(|key| text(line, key));
         let is = |word: &str| action.eq_ignore_ascii_case(word);
         if is("Pause") {
@@ -62,18 +68,18 @@ impl ReadWrite for Walk {
         }
         if !is("New") && !is("Append") {
             let known = ["New", "Append", "Pause", "Resume"].into_iter();
-            problems.push(Problem::unknown_name("Action", &action, known, "the avatar goes on as before"));
+            problems.push(Problem::unknown_name("Action", &action, known, OWNER, "the avatar goes on as before"));
             return Self::Nothing;
         }
         let Some((_, gait)) = GAITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(&gait)).copied() else {
             let known = GAITS.iter().map(|(name, _)| *name);
-            problems.push(Problem::unknown_name("Type", &gait, known, "the avatar goes on as before"));
+            problems.push(Problem::unknown_name("Type", &gait, known, OWNER, "the avatar goes on as before"));
             return Self::Nothing;
         };
         let target = match (line.get("Location").filter(|text| !text.is_empty()), text(line, "Pathnode")) {
             (Some(place), _) => {
                 // A height is ignored. Of two numbers the second is z to the vector's own rule, as the original reads it.
-                let [x, y, z] = value::vector(line, "Location", problems);
+                let [x, y, z] = value::vector_or_part(line, "Location", problems);
                 Target::Place(if place.matches(',').count() == 1 { [x, z] } else { [x, y] })
             }
             (None, node) if !node.is_empty() => Target::Node(node),
@@ -111,7 +117,10 @@ pub struct GoTo {
 }
 
 impl ReadWrite for GoTo {
-    fn read(line: &Line, _: &mut Vec<Problem>) -> Self {
+    const KEYS: &'static [&'static str] = &["Name"];
+
+    fn read(line: &Line, problems: &mut Vec<Problem>) -> Self {
+        note_keys("GOTO", line, Self::KEYS, problems);
         Self { name: text(line, "Name") }
     }
 

@@ -450,7 +450,10 @@ class Robot:
 
     @property
     def readings(self) -> dict[str, Reading]:
-        """Last readings by the names of their sensors, of all sensors that have measured."""
+        """Last readings by the names of their sensors, of all sensors that have measured.
+
+        Another name raises a `KeyError` that lists the sensors.
+        """
 
     def reading(self, name: str) -> Reading | None:
         """Returns the last reading of a sensor, or None before its first one.

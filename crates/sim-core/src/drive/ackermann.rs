@@ -11,13 +11,15 @@ use scene::{Link, RobotDef};
 
 use super::Order;
 
+pub(super) const KEYS: [&str; 3] = ["Speed", "FrontSteer", "RearSteer"];
+
 /// Reported range of an axle that does not steer (AckermanSteeredVehicle.uc:69-105).
 #[expect(clippy::approx_constant, reason = "USARSim writes so")]
 const NO_RANGE: f64 = 6.28;
 
 /// Returns the orders of a command, with the speed in its unit; none if a key is missing.
 pub(super) fn orders(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Vec<Order> {
-    let given = drive.numbers(["Speed", "FrontSteer", "RearSteer"], problems);
+    let given = drive.numbers(KEYS, problems);
     if let [Some(speed), Some(front), Some(rear)] = given {
         return vec![Order::Steer([front, rear]), Order::Wheels(robot.driven().map(|_| Some(speed)).collect())];
     }

@@ -13,6 +13,18 @@ use scene::{Aerial, RobotDef};
 use super::Order;
 use crate::flight::Flight;
 
+/// The last two move nothing.
+pub(super) const KEYS: [&str; 8] = [
+    "LinearVelocity",
+    "LateralVelocity",
+    "AltitudeVelocity",
+    "RotationalVelocity",
+    "PitchAngle",
+    "RollAngle",
+    "Spin1",
+    "Spin2",
+];
+
 /// Returns the order of a command: the targets of a flight, of which it changes what it names. [`Flight::within`] applies the limits.
 pub(super) fn order(mut flight: Flight, robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Option<Order> {
     let Aerial { max_velocity, max_turn, max_tilt } = robot.footing.aerial()?;

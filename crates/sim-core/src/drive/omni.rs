@@ -10,6 +10,21 @@ use scene::{MountedWheel, RobotDef};
 use super::{Order, of_side};
 use crate::mecanum;
 
+/// The last one moves nothing.
+pub(super) const KEYS: [&str; 12] = [
+    "Front-Left",
+    "Front-Right",
+    "Back-Left",
+    "Back-Right",
+    "Left",
+    "Right",
+    "LinearVelocity",
+    "LateralVelocity",
+    "RotationalVelocity",
+    "WheelNumber",
+    "WheelSpeed",
+    "WheelSteer",
+];
 const WHEELS: [&str; 4] = ["Front-Left", "Front-Right", "Back-Left", "Back-Right"];
 const SIDES: [&str; 2] = ["Left", "Right"];
 const VELOCITIES: [&str; 3] = ["LinearVelocity", "LateralVelocity", "RotationalVelocity"];
@@ -19,6 +34,11 @@ pub(super) fn wheels(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem
     let named = drive.numbers(WHEELS, problems);
     let sides = drive.numbers(SIDES, problems);
     let numbered = numbered(drive, problems);
+    let count = robot.driven().count();
+    if let Some((number, _)) = numbered.iter().find(|(number, _)| *number >= count) {
+        let why = format!("{} has wheels 0 to {}", robot.class, count.saturating_sub(1));
+        problems.push(Problem::Ignored { what: format!("{{WheelNumber {number}}}"), why });
+    }
     let by_number = |index| numbered.iter().find(|(number, _)| *number == index).map(|(_, speed)| *speed);
     let speed = |(index, (wheel, named)): (usize, (MountedWheel, Option<f64>))| {
         named.or_else(|| by_number(index)).or_else(|| of_side(sides, wheel.side))

@@ -6,9 +6,11 @@ use scene::RobotDef;
 
 use super::{Order, of_side};
 
+pub(super) const KEYS: [&str; 2] = ["Left", "Right"];
+
 /// Returns the order of a command, with speeds in its unit.
 pub(super) fn order(robot: &RobotDef, drive: &Drive, problems: &mut Vec<Problem>) -> Order {
-    let sides = drive.numbers(["Left", "Right"], problems);
+    let sides = drive.numbers(KEYS, problems);
     let enough = robot.one_side_drives || sides.iter().all(Option::is_some);
     if !enough && sides.iter().any(Option::is_some) {
         problems.push(Problem::MissingKey { verb: "DRIVE", key: "Left and Right together" });

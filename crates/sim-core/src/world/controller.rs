@@ -6,13 +6,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use gamebots_proto::command::{Control, Create, Move, SetPath};
-use gamebots_proto::message::{Message, ObjectSta};
+use gamebots_proto::message::{MAX_OBJECTS_BYTES, Message, ObjectSta, objects_that_fit};
 use gamebots_proto::{Problem, shown};
 use nalgebra::Vector3;
 use scene::{Material, ObjectId, ObjectSnapshot, PawnId, Pose, check};
 use serde::{Deserialize, Serialize};
 
-use super::{MAX_NAME_CHARS, World};
+use super::World;
 use crate::physics::extents;
 use crate::sensor::floats;
 
@@ -20,8 +20,14 @@ use crate::sensor::floats;
 const MAX_OBJECTS: usize = 1024;
 /// Most points of an object's path.
 const MAX_POINTS: usize = 4096;
-/// Largest speed along a path, m/s, and largest rate of turn, rad/s.
+/// Most points of the paths of all objects in a world.
+const MAX_ALL_POINTS: usize = 65_536;
+/// Longest name or memory of an object, bytes.
+const MAX_TEXT_BYTES: usize = 256;
+/// Largest speed along a path and of the farthest point of an object that turns, m/s.
 const MAX_SPEED: f64 = 50.0;
+/// Largest rate of turn, rad/s.
+const MAX_RATE: f64 = 50.0;
 
 /// A world controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,10 +59,55 @@ pub(super) struct Created {
     path: Path,
 }
 
+/// Points of a path, m, with the way from the first to each along straight lines, m. Saved as a list of the points alone.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(from = "Vec<[f64; 3]>", into = "Vec<[f64; 3]>")]
+struct Points {
+    places: Vec<[f64; 3]>,
+    ways: Vec<f64>,
+}
+
+impl From<Vec<[f64; 3]>> for Points {
+    fn from(places: Vec<[f64; 3]>) -> Self {
+        let mut points = Self::default();
+        points.extend(&places);
+        points
+    }
+}
+
+impl From<Points> for Vec<[f64; 3]> {
+    fn from(points: Points) -> Self {
+        points.places
+    }
+}
+
+impl Points {
+    fn extend(&mut self, places: &[[f64; 3]]) {
+        for &place in places {
+            let way = self.places.last().zip(self.ways.last()).map_or(0.0, |(last, way)| way + distance(last, &place));
+            self.places.push(place);
+            self.ways.push(way);
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Returns the length of the line from the last point to the first, m.
+    fn closing(&self) -> f64 {
+        self.places.last().zip(self.places.first()).map_or(0.0, |(last, first)| distance(last, first))
+    }
+}
+
+fn distance(from: &[f64; 3], to: &[f64; 3]) -> f64 {
+    (Vector3::from(*to) - Vector3::from(*from)).norm()
+}
+
 /// The path of an object: straight lines between points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Path {
-    points: Vec<[f64; 3]>,
+    points: Points,
     /// Length up to its end, m; 0 if there is nothing to follow.
     length: f64,
     /// Way from its beginning, m.
@@ -69,20 +120,15 @@ struct Path {
 
 impl Default for Path {
     fn default() -> Self {
-        Self { points: Vec::new(), length: 0.0, progress: 0.0, speed: 0.0, is_loop: false, moving: true }
+        Self { points: Points::default(), length: 0.0, progress: 0.0, speed: 0.0, is_loop: false, moving: true }
     }
 }
 
 impl Path {
     /// Measures the path. A loop has a line from its last point to its first, too.
     fn measure(&mut self) {
-        self.length = self.lines().map(|(from, to)| (to - from).norm()).sum();
-    }
-
-    fn lines(&self) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> {
-        let count = self.points.len();
-        let lines = if self.is_loop { count } else { count.saturating_sub(1) };
-        (0..lines).map(move |from| (self.points[from].into(), self.points[(from + 1) % count].into()))
+        let closing = if self.is_loop { self.points.closing() } else { 0.0 };
+        self.length = self.points.ways.last().copied().unwrap_or_default() + closing;
     }
 
     fn is_followed(&self) -> bool {
@@ -100,17 +146,20 @@ impl Path {
         self.is_loop
     }
 
-    /// Returns the position at the present progress, m.
+    /// Returns the position at the present progress, m. It searches the line in the logarithm of their number.
     fn position(&self) -> Vector3<f64> {
-        let mut left = self.progress;
-        for (from, to) in self.lines() {
-            let length = (to - from).norm();
-            if left < length {
-                return from + (to - from) * (left / length);
-            }
-            left -= length;
-        }
-        self.points.last().map_or_else(Vector3::zeros, |&last| last.into())
+        let Points { places, ways } = &self.points;
+        let next = ways.partition_point(|&way| way <= self.progress);
+        let Some((from, start)) = next.checked_sub(1).and_then(|it| Some((*places.get(it)?, *ways.get(it)?))) else {
+            return Vector3::zeros();
+        };
+        let from = Vector3::from(from);
+        let (to, length) = match (places.get(next), ways.get(next)) {
+            (Some(&to), Some(end)) => (to, end - start),
+            _ if self.is_loop => (places.first().copied().unwrap_or_default(), self.points.closing()),
+            _ => return from,
+        };
+        if length > 0.0 { from + (Vector3::from(to) - from) * ((self.progress - start) / length) } else { from }
     }
 }
 
@@ -137,7 +186,7 @@ impl World {
             Control::Create(create) => self.create(by, create, problems),
             Control::Move(order) => self.put(by, order, problems),
             Control::Rotate { name, speed } => self.rotate(by, name, *speed),
-            Control::AddPoints { name, points } => self.add_points(by, name, points),
+            Control::AddPoints { name, points } => self.add_points(by, name, points, problems),
             Control::SetPath(set) => self.set_path(by, set),
             Control::ClearPath { name } => self.clear_path(by, name),
             Control::Conveyor { name, speed } => self.set_conveyor(name, *speed),
@@ -146,7 +195,7 @@ impl World {
                 self.kill_all(*corners);
                 Ok(())
             }
-            Control::GetSta { class_name, name } => return vec![self.object_states(by, class_name, name)],
+            Control::GetSta { class_name, name } => return vec![self.object_states(by, class_name, name, problems)],
             // The connection has said what is wrong with it.
             Control::Unknown { .. } => Ok(()),
         };
@@ -205,16 +254,13 @@ impl World {
 
     fn create(&mut self, by: PawnId, create: &Create, problems: &mut Vec<Problem>) -> Result<(), String> {
         let class = self.object_class(&create.class_name)?;
-        let is_taken = |created: &Created| created.by == by && created.name.eq_ignore_ascii_case(&create.name);
-        if self.created.iter().any(is_taken) {
+        if self.created_by(by, &create.name).is_some() {
             return Err("this controller has an object of that name".to_owned());
         }
-        if self.created.len() >= MAX_OBJECTS {
-            return Err(format!("controllers have {MAX_OBJECTS} objects in this world already"));
-        }
+        self.check_share(by, 1, MAX_OBJECTS, "objects", |_| 1)?;
         for (key, text) in [("Name", &create.name), ("Memory", &create.memory)] {
-            if text.chars().count() > MAX_NAME_CHARS {
-                return Err(format!("{key} is too long: expected at most {MAX_NAME_CHARS} characters"));
+            if text.len() > MAX_TEXT_BYTES {
+                return Err(format!("{key} is too long: got {} bytes, expected at most {MAX_TEXT_BYTES}", text.len()));
             }
         }
         // As in the original, an unknown material or start is no reason to leave the object out (WorldController.uc:277-318).
@@ -246,6 +292,7 @@ impl World {
         if let Some(obstacle) = self.physics.obstacle(&def, &pose) {
             return Err(format!("{} is there", self.describe(obstacle)));
         }
+        self.make_room("Create", &create.name, 1, MAX_OBJECTS, |_| 1, problems);
         let id = ObjectId(self.next_object);
         self.next_object += 1;
         self.physics.spawn_object(id, Arc::new(def), &pose, !create.is_rigid);
@@ -334,27 +381,105 @@ impl World {
         self.put_robot(id, &scene::pose(position, angles), problems)
     }
 
+    /// Checks that a controller that gets `more` would have no more than what is left for others. So nobody can have everything.
+    /// What controllers left behind counts as free. `amount` is an object's.
+    fn check_share(
+        &self,
+        by: PawnId,
+        more: usize,
+        most: usize,
+        what: &str,
+        amount: impl Fn(&Created) -> usize,
+    ) -> Result<(), String> {
+        let sum = |of: &dyn Fn(&Created) -> bool| -> usize {
+            self.created.iter().filter(|created| of(created)).map(&amount).sum()
+        };
+        let own = sum(&|created| created.by == by);
+        let free = most.saturating_sub(sum(&|created| self.controllers.contains_key(&created.by)) + more);
+        if own + more <= free {
+            return Ok(());
+        }
+        Err(format!(
+            "this controller would have {} {what} and leave {free} to all others: expected at most as many as it leaves; \
+             all together have at most {most}",
+            own + more
+        ))
+    }
+
+    /// Removes the oldest objects whose controllers have left, until there is room for `more`.
+    fn make_room(
+        &mut self,
+        order: &str,
+        name: &str,
+        more: usize,
+        most: usize,
+        amount: impl Fn(&Created) -> usize,
+        problems: &mut Vec<Problem>,
+    ) {
+        let mut excess = (self.created.iter().map(&amount).sum::<usize>() + more).saturating_sub(most);
+        let left_behind = self.created.iter().filter(|created| !self.controllers.contains_key(&created.by));
+        let mut removed: Vec<(ObjectId, String)> = Vec::new();
+        for created in left_behind.filter(|created| amount(created) > 0) {
+            if excess == 0 {
+                break;
+            }
+            excess = excess.saturating_sub(amount(created));
+            removed.push((created.id, shown(&created.name)));
+        }
+        let Some((_, first)) = removed.first() else { return };
+        let others = match removed.len() - 1 {
+            0 => String::new(),
+            others => format!(" and {others} more"),
+        };
+        let why = format!("the world is full: the object `{first}`{others}, whose controller has left, is removed");
+        problems.push(Problem::ObjectChanged { order: order.to_owned(), name: shown(name), why });
+        self.created.retain(|created| !removed.iter().any(|(id, _)| *id == created.id));
+        removed.into_iter().for_each(|(id, _)| self.remove_object(id));
+    }
+
     fn rotate(&mut self, by: PawnId, name: &str, speed: [f64; 3]) -> Result<(), String> {
-        if let Some(rate) = speed.iter().find(|rate| rate.abs() > MAX_SPEED) {
-            return Err(format!("got {rate} rad/s, expected at most {MAX_SPEED}"));
+        if let Some(rate) = speed.iter().find(|rate| rate.abs() > MAX_RATE) {
+            return Err(format!("got {rate} rad/s, expected at most {MAX_RATE}"));
+        }
+        // The axes of roll and yaw are the same at a pitch of a quarter turn.
+        let [roll, pitch, yaw] = speed.map(f64::abs);
+        let rate = (pitch * pitch + (roll + yaw) * (roll + yaw)).sqrt();
+        let id = self.created_by(by, name).map(|created| created.id);
+        let object = self.physics.objects().find(|object| Some(object.id) == id);
+        let reach = object.map_or(0.0, |object| object.def.solid.shape.reach());
+        if rate * reach > MAX_SPEED {
+            let (got, most) = (rate * reach, MAX_SPEED / reach);
+            return Err(format!(
+                "its farthest point, {reach:.2} m from its centre, would move at {got:.0} m/s: \
+                 expected at most {MAX_SPEED} m/s, which is {most:.2} rad/s"
+            ));
         }
         self.change(by, name, |created| created.spin = speed)
     }
 
-    fn add_points(&mut self, by: PawnId, name: &str, points: &[[f64; 3]]) -> Result<(), String> {
+    fn add_points(
+        &mut self,
+        by: PawnId,
+        name: &str,
+        points: &[[f64; 3]],
+        problems: &mut Vec<Problem>,
+    ) -> Result<(), String> {
         if let Some(wrong) = points.iter().find_map(|point| check::MAP_REACH.problem_in("WP", point)) {
             return Err(wrong);
         }
-        let mut fits = true;
+        let of_path = |created: &Created| created.path.points.len();
+        let own = self.created_by(by, name).map_or(0, of_path);
+        if own + points.len() > MAX_POINTS {
+            let got = own + points.len();
+            return Err(format!("its path would have {got} points: expected at most {MAX_POINTS}"));
+        }
+        self.check_share(by, points.len(), MAX_ALL_POINTS, "points of paths", of_path)?;
         self.change(by, name, |created| {
-            let path = &mut created.path;
-            fits = path.points.len() + points.len() <= MAX_POINTS;
-            if fits {
-                path.points.extend(points);
-                path.measure();
-            }
+            created.path.points.extend(points);
+            created.path.measure();
         })?;
-        if fits { Ok(()) } else { Err(format!("a path has at most {MAX_POINTS} points")) }
+        self.make_room("AddWP", name, 0, MAX_ALL_POINTS, of_path, problems);
+        Ok(())
     }
 
     fn set_path(&mut self, by: PawnId, set: &SetPath) -> Result<(), String> {
@@ -379,7 +504,7 @@ impl World {
     fn clear_path(&mut self, by: PawnId, name: &str) -> Result<(), String> {
         let mut cleared = None;
         self.change(by, name, |created| {
-            if !created.path.points.is_empty() {
+            if created.path.points.len() > 0 {
                 created.path = Path::default();
                 created.rotation = created.start[1];
                 cleared = Some((created.id, created.start));
@@ -389,6 +514,11 @@ impl World {
             self.physics.put_object(id, &scene::pose(position, rotation));
         }
         Ok(())
+    }
+
+    /// Finds a controller's own object by its name, in any case.
+    fn created_by(&self, by: PawnId, name: &str) -> Option<&Created> {
+        self.created.iter().find(|created| created.by == by && created.name.eq_ignore_ascii_case(name))
     }
 
     /// Changes an object of a controller. Orders hold it while they move it.
@@ -466,8 +596,8 @@ impl World {
         created.or_else(|| self.objects().find(|it| it.def.solid.name.eq_ignore_ascii_case(name)).map(|it| it.id))
     }
 
-    /// Answers a question for the states of a controller's objects.
-    fn object_states(&self, by: PawnId, class_name: &str, name: &str) -> Message {
+    /// Answers a question for the states of a controller's objects: those that fit into one line, the oldest first.
+    fn object_states(&self, by: PawnId, class_name: &str, name: &str, problems: &mut Vec<Problem>) -> Message {
         let class = class_name.rsplit('.').next().unwrap_or_default();
         let is_meant = |created: &&Created| {
             let is_of_class = class.is_empty() || class == "WCObject" || created.class.eq_ignore_ascii_case(class);
@@ -486,6 +616,58 @@ impl World {
                 rotation: floats(rotation),
             })
         };
-        Message::Objects(self.created.iter().filter(is_meant).filter_map(state).collect())
+        let mut states: Vec<ObjectSta> = self.created.iter().filter(is_meant).filter_map(state).collect();
+        let (all, told) = (states.len(), objects_that_fit(&states));
+        if told < all {
+            let why = format!(
+                "the answer has the first {told} of {all} objects, as a line has at most {MAX_OBJECTS_BYTES} bytes; \
+                 ask for the others by ClassName or Name"
+            );
+            problems.push(Problem::ObjectChanged { order: "GetSTA".to_owned(), name: shown(name), why });
+            states.truncate(told);
+        }
+        Message::Objects(states)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the position on a path by adding up its lines from the first.
+    fn added_up(path: &Path) -> Vector3<f64> {
+        let places: Vec<Vector3<f64>> = path.points.places.iter().map(|&place| place.into()).collect();
+        let mut left = path.progress;
+        let closing = places.last().zip(places.first()).filter(|_| path.is_loop);
+        for (from, to) in places.iter().zip(places.iter().skip(1)).chain(closing) {
+            let length = (to - from).norm();
+            if left < length {
+                return from + (to - from) * (left / length);
+            }
+            left -= length;
+        }
+        *places.last().expect("a point")
+    }
+
+    #[test]
+    fn a_position_on_a_path_is_that_of_its_lines_added_up() {
+        let point = |number: i32| {
+            let number = f64::from(number);
+            // Every fifth point is there twice.
+            [(number / 5.0).floor() + number, (number * number) % 7.0, -number / 3.0]
+        };
+        for (count, is_loop) in [(1, false), (1, true), (2, true), (50, false), (50, true), (4096, true)] {
+            let places: Vec<_> = (0..count).flat_map(|it| vec![point(it); if it % 5 == 0 { 2 } else { 1 }]).collect();
+            let mut path = Path { points: places.into(), is_loop, ..Path::default() };
+            path.measure();
+            for share in [0.0, 1e-9, 0.1, 0.3, 0.5, 0.77, 0.999_999, 1.0] {
+                path.progress = path.length * share;
+                let (got, expected) = (path.position(), added_up(&path));
+                let distance = (got - expected).norm();
+                // At its very end a loop is at its first point, which adding up may miss by rounding.
+                let is_end = share == 1.0 && is_loop;
+                assert!(distance < 1e-8 || is_end, "{count}, {share}: {got} instead of {expected}");
+            }
+        }
     }
 }

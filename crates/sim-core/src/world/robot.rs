@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use gamebots_proto::command::{Drive, MultiDrive, Set};
 use gamebots_proto::message::{Message, Sta};
-use gamebots_proto::{Problem, shown};
+use gamebots_proto::{Problem, expected_of, shown};
 use scene::{Pose, RobotDef, RobotSnapshot};
 use serde::{Deserialize, Serialize};
 
@@ -265,13 +265,17 @@ impl Robot {
     }
 
     /// Returns the problem of a SET that matches nothing, with a list of the robot's items.
-    pub(super) fn no_item(&self, set: &Set) -> Problem {
+    pub(super) fn nothing_to_set(&self, set: &Set) -> Problem {
         let items = self.items.iter().filter(|item| item.takes_set()).map(|item| item.get().identity());
-        let items = items.map(|(type_name, name)| format!("{type_name} {name}"));
         let joints = self.def().with_values().filter(|link| link.wheel.is_none());
-        let joints = joints.map(|link| format!("Joint {} (opcode Angle)", link.name));
-        let known: Vec<String> = items.chain(joints).collect();
-        Problem::NoItem { type_name: shown(&set.type_name), name: shown(&set.name), expected: known.join(", ") }
+        let joints = joints.map(|link| ("Joint", link.name.as_str()));
+        no_item("SET", "item or opcode", [&set.type_name, &set.name], items.chain(joints).collect())
+    }
+
+    /// Returns the problem of a question that matches nothing, with a list of the robot's items.
+    pub(super) fn nothing_to_tell(&self, verb: &str, type_name: &str, name: &str) -> Problem {
+        let items = self.items.iter().map(|item| item.get().identity());
+        no_item(verb, "item", [type_name, name], [("Robot", "")].into_iter().chain(items).collect())
     }
 
     /// Borrows the items mutably together with their view, which is read-only.
@@ -356,9 +360,21 @@ fn view<'a>(
 
 /// Returns the problem of a name that none of the robot's joints, actuators or grippers has.
 pub(super) fn unknown<'a>(key: &'static str, got: &str, known: impl Iterator<Item = &'a str> + Clone) -> Problem {
-    const NONE: &str = "none: this robot has nothing of the kind";
-    let none = known.clone().next().is_none().then_some(NONE);
-    Problem::unknown_name(key, got, known.chain(none), "nothing is moved")
+    Problem::unknown_name(key, got, known, "this robot", "nothing is moved")
+}
+
+/// Returns the problem of a type and a name that match none of a robot's items. `known` has the types and names of these.
+fn no_item(verb: &str, what: &'static str, [type_name, name]: [&str; 2], known: Vec<(&str, &str)>) -> Problem {
+    let blocks = [("Type", type_name), ("Name", name)].into_iter().filter(|(_, value)| !value.is_empty());
+    let asked = blocks.fold(verb.to_owned(), |line, (key, value)| format!("{line} {{{key} {}}}", shown(value)));
+    let is_of_type = |(own, _): &&(&str, &str)| own.eq_ignore_ascii_case(type_name);
+    let names = known.iter().filter(is_of_type).map(|(_, name)| *name).filter(|_| !name.is_empty());
+    let meant = names::did_you_mean(&shown(name), names);
+    let types = || known.iter().map(|(own, _)| *own).filter(|own| *own != type_name && !type_name.is_empty());
+    let meant = if meant.is_empty() { names::did_you_mean(&shown(type_name), types()) } else { meant };
+    let listed: Vec<String> = known.iter().map(|(own, name)| format!("{own} {name}").trim_end().to_owned()).collect();
+    let expected = expected_of(listed.iter().map(String::as_str), "this robot");
+    Problem::NoItem { asked, what, meant, expected }
 }
 
 /// True at the step in which another whole interval since the spawn has passed.
