@@ -10,6 +10,8 @@ use system_tests::{Peer, Server, recordings};
 
 /// Speed of simulation and replay, in seconds per second.
 const SPEED: f64 = 4.0;
+/// Speed for the youBot of the engine: a debug build simulates at most 1.8 seconds of it per second of one core.
+const ENGINE_SPEED: f64 = 1.0;
 
 /// One connection of a recording, with all lines that the server sent.
 #[derive(Default)]
@@ -62,12 +64,13 @@ fn grouped_sonars(line: &str) -> usize {
 /// Replays a recording on the default map.
 fn replay(name: &str) -> Vec<Exchange> {
     let events = recordings().remove(name).unwrap_or_else(|| panic!("no recording of {name}"));
-    let server = Server::start("rough", &[], |config| config.real_time_factor = SPEED);
+    let speed = if name.contains("youbot") { ENGINE_SPEED } else { SPEED };
+    let server = Server::start("rough", &[], |config| config.real_time_factor = speed);
     let start = Instant::now();
     let mut peers: BTreeMap<u64, Peer> = BTreeMap::new();
     let mut exchanges: BTreeMap<u64, Exchange> = BTreeMap::new();
     for event in events {
-        let at = start + Duration::from_secs_f64(event["t"].as_f64().expect("t") / SPEED);
+        let at = start + Duration::from_secs_f64(event["t"].as_f64().expect("t") / speed);
         let connection = event["connection"].as_u64().expect("connection");
         for (id, peer) in &mut peers {
             exchanges.entry(*id).or_default().lines.extend(peer.lines_until(at));
