@@ -70,7 +70,10 @@ pub mod fuzzing {
 
     use axum::http::{HeaderMap, HeaderValue, header};
 
+    use sim_core::World;
+
     use crate::control::Control;
+    use crate::fit::Ask;
     use crate::pace::Pace;
 
     /// Reads a request of a viewer or of Foxglove. For a speed, computes the wait for an hour of simulated time.
@@ -78,6 +81,12 @@ pub mod fuzzing {
         if let Ok(Control::Speed(speed)) = Control::read(text) {
             Pace::new(speed, Instant::now(), 0.0).wait(Instant::now(), 3600.0);
         }
+    }
+
+    /// Answers a question about room for a robot. Returns true if the robot can stand there; `None` if the text is no such question.
+    pub fn fit(text: &str, world: &mut World) -> Option<bool> {
+        let fit = Ask::read(text)?.answer(world);
+        serde_json::to_value(&fit).ok()?["stands"].as_bool()
     }
 
     /// True if a client with these headers gets the page; false if one of them is not a valid header.
