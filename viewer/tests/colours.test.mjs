@@ -15,6 +15,7 @@ test('a colour goes by the name, and numbered names differ', () => {
     const named = COLOURS.map((_, index) => colourOf({ id: 0, name: `${stem}${index + 1}` }));
     assert.equal(new Set(named).size, COLOURS.length, stem);
   }
+  assert.equal(colourOf({ id: 3, name: 'Robot1' }), COLOURS[0]);
   const nameless = COLOURS.map((_, id) => colourOf({ id, name: '' }));
   assert.equal(new Set(nameless).size, COLOURS.length);
   for (const name of ['x'.repeat(256), '😀', '9'.repeat(40)]) assert.ok(COLOURS.includes(colourOf({ id: 0, name })));

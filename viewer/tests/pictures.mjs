@@ -62,6 +62,7 @@ await take('page.png', ['--map', 'arena'], wide, async (page, server) => {
 });
 await take('plots.png', ['--map', 'rough'], wide, async (page) => {
   await drive(page, 'd');
+  await page.selectOption('#camera', 'follow');
   await page.click('#toggle-plots');
   await waitForNumber(page, '#time', (value) => value > 8);
 });

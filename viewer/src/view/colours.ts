@@ -23,7 +23,8 @@ export const COLOURS = [
  */
 export function colourOf({ id, name }: { id: number; name: string }): string {
   const [, stem = '', number = ''] = /^(.*?)(\d{0,9})$/s.exec(name || String(id)) ?? [];
-  let hash = 0;
+  // The page's first robot, Robot1, has the first colour.
+  let hash = 2;
   for (const letter of stem) hash = (31 * hash + (letter.codePointAt(0) ?? 0)) % 65_521;
   return colourAt(hash + Number(number));
 }
