@@ -356,7 +356,7 @@ fn view<'a>(
 
 /// Returns the problem of a name that none of the robot's joints, actuators or grippers has.
 pub(super) fn unknown<'a>(key: &'static str, got: &str, known: impl Iterator<Item = &'a str> + Clone) -> Problem {
-    const NONE: &str = "none: this robot has nothing of the kind";
+    const NONE: &str = "those of this robot, which has none";
     let none = known.clone().next().is_none().then_some(NONE);
     Problem::unknown_name(key, got, known.chain(none), "nothing is moved")
 }
