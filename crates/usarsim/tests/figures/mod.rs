@@ -50,6 +50,7 @@ const FIGURES: [(&str, Maker); 23] = [
     ("sliding", |_| makers::sliding()),
     ("thesis", |_| makers::thesis()),
     ("thesis-runs", |_| makers::thesis_runs()),
+    ("thesis-needed", |_| makers::thesis_needed()),
 ];
 
 #[test]
