@@ -484,7 +484,7 @@ impl Server {
     fn control(&mut self, control: Control, Actor(actor): &Actor) {
         let now = Instant::now();
         if let Spent::Granted { .. } = self.controls.spend(now) {
-            info!(?control, by = actor, time = self.sessions.world().time(), "control");
+            info!(?control, by = actor, time = %format_args!("{:.3}", self.sessions.world().time()), "control");
         }
         let was_paused = self.timing.paused;
         let done = match control {
