@@ -26,7 +26,7 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure. With `true` it also measures times.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 23] = [
+const FIGURES: [(&str, Maker); 24] = [
     ("gallery", |_| gallery::chapters()),
     ("reference-robots", |_| reference::robots()),
     ("reference-actuators", |_| reference::actuators()),
