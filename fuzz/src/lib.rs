@@ -12,6 +12,7 @@ mod guided;
 mod log;
 mod ports;
 mod requests;
+mod saved;
 mod wire;
 mod world;
 
@@ -21,6 +22,7 @@ pub use guided::guided;
 pub use log::log;
 pub use ports::ports;
 pub use requests::requests;
+pub use saved::saved;
 pub use wire::wire;
 pub use world::world;
 
@@ -35,7 +37,7 @@ use cap::Cap;
 pub type Target = fn(&[u8]);
 
 /// Every target with its name, which is also that of its folder in `corpus`.
-pub const TARGETS: [(&str, Target); 16] = [
+pub const TARGETS: [(&str, Target); 17] = [
     ("wire", wire),
     ("ports", ports),
     ("world", world),
@@ -52,6 +54,7 @@ pub const TARGETS: [(&str, Target); 16] = [
     ("glb", glb),
     ("log", log),
     ("requests", requests),
+    ("saved", saved),
 ];
 
 /// Most memory that an input may need, bytes.

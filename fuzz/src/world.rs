@@ -23,7 +23,7 @@ const MAX_LINES: usize = 200;
 
 /// Multiplications that a step may take: the budget of as many systems of two as there may be robots and objects, with a step of Newton's
 /// method beyond it.
-const MAX_WORK: u64 = 10_000_000;
+pub(crate) const MAX_WORK: u64 = 10_000_000;
 
 static WORLDS: LazyLock<Vec<WorldDef>> = LazyLock::new(|| {
     let load = |map: &&str| scene_loader::load(map, &[]).expect("a built-in map");

@@ -89,6 +89,7 @@ targets! {
     glb: 200,
     log: 200,
     requests: 2000,
+    saved: 200,
 }
 
 #[test]

@@ -178,11 +178,52 @@ fn a_robot_of_the_engine_is_not_saved() {
     assert_eq!(world.save(), Err(SaveError::OfEngine { id: PawnId(7), class: "KUKA_YouBot".to_owned() }));
 }
 
+/// Changes an object of a controller in a saved world. Each makes it one that no order gives.
+#[test]
+fn an_object_of_a_controller_that_no_order_gives_is_refused() {
+    let mut world = world("hall", 3);
+    let controller = init(&mut world, "INIT {ClassName USARBotAPI.WorldController} {Location 0,0,0}");
+    for order in [
+        "{Type Create} {ClassName WCPallet} {Name lift} {Location 0,0,-0.2}",
+        "{Type AddWP} {Name lift} {WP 0,0,-0.2;0.5,0,-0.2}",
+        "{Type SetWP} {Name lift} {Speed 0.2}",
+    ] {
+        apply(&mut world, controller, &format!("CONTROL {order}"));
+    }
+    let saved = serde_json::to_value(world.save().expect("a saved world")).expect("JSON");
+    let check = |key: &str, value: serde_json::Value, is_good: bool| {
+        let mut saved = saved.clone();
+        *saved.pointer_mut(&format!("/created/0/{key}")).unwrap_or_else(|| panic!("{key}: {saved}")) = value.clone();
+        let saved: SavedWorld = serde_json::from_value(saved).unwrap_or_else(|error| panic!("{key}: {error}"));
+        let loaded = World::load(world.scene().clone(), &saved);
+        let is_refused = matches!(loaded, Err(LoadError::Created { .. }));
+        assert!(loaded.is_ok() == is_good && is_refused != is_good, "{key} {value}: {:?}", loaded.err());
+    };
+    for (key, value) in [
+        ("id", 0.into()),
+        ("id", 1_000_000.into()),
+        ("by", 1_000_000.into()),
+        ("name", "x".repeat(1000).into()),
+        ("memory", "x".repeat(1000).into()),
+        ("start/0/0", 1e300.into()),
+        ("spin/2", 1e9.into()),
+        ("path/speed", (-1e9).into()),
+        ("path/length", (-1.0).into()),
+        ("path/progress", (-1.0).into()),
+        ("path/points/0/1", 1e300.into()),
+        ("path/points", serde_json::json!(vec![[0.0; 3]; 5000])),
+    ] {
+        check(key, value, false);
+    }
+    check("path/speed", 50.0.into(), true);
+    check("name", "another".into(), true);
+}
+
 /// Every change makes the saved world one of another scene, or of none.
 #[test]
 fn a_saved_world_that_does_not_fit_is_refused() {
     type Row = (&'static str, fn(&mut serde_json::Value, &mut WorldDef), fn(&LoadError) -> bool);
-    let changes: [Row; 10] = [
+    let changes: [Row; 21] = [
         (
             "a class is gone",
             |_, scene| drop(scene.robots.remove("Kenaf")),
@@ -231,6 +272,64 @@ fn a_saved_world_that_does_not_fit_is_refused() {
             "a wheel too few",
             |saved, _| drop(saved["robots"][0]["bodies"]["tree"]["servos"].as_array_mut().and_then(Vec::pop)),
             |it| matches!(it, LoadError::OtherClass { id: PawnId(0), .. }),
+        ),
+        (
+            "a step of no length",
+            |saved, _| saved["options"]["time_step"] = 0.0.into(),
+            |it| matches!(it, LoadError::BadOption { .. }),
+        ),
+        (
+            "a step of half a second",
+            |saved, _| saved["options"]["time_step"] = 0.5.into(),
+            |it| matches!(it, LoadError::BadOption { .. }),
+        ),
+        (
+            "an endless unit",
+            |saved, _| saved["options"]["speed_unit"] = 1e300.into(),
+            |it| matches!(it, LoadError::BadOption { .. }),
+        ),
+        (
+            "a step at which to panic",
+            |saved, _| saved["options"]["panic_at"] = 1000.into(),
+            |it| matches!(it, LoadError::BadOption { .. }),
+        ),
+        (
+            "steps at the end of the counter",
+            |saved, _| saved["steps"] = u64::MAX.into(),
+            |it| matches!(it, LoadError::TooHigh { name: "steps", .. }),
+        ),
+        (
+            "numbers at the end of the counter",
+            |saved, _| saved["next_id"] = u64::MAX.into(),
+            |it| matches!(it, LoadError::TooHigh { name: "next_id", .. }),
+        ),
+        (
+            "objects at the end of the counter",
+            |saved, _| saved["next_object"] = u64::MAX.into(),
+            |it| matches!(it, LoadError::TooHigh { name: "next_object", .. }),
+        ),
+        (
+            "names at the end of the counter",
+            |saved, _| saved["engine_names"]["counts"]["P3AT"] = u64::MAX.into(),
+            |it| matches!(it, LoadError::TooHigh { name: "engine_names", .. }),
+        ),
+        (
+            "a long name",
+            |saved, _| saved["robots"][0]["name"] = "x".repeat(1000).into(),
+            |it| matches!(it, LoadError::LongName { id: PawnId(0), got: 1000, .. }),
+        ),
+        (
+            "a controller with the number of a robot",
+            |saved, _| saved["controllers"]["0"] = serde_json::json!({ "name": "C" }),
+            |it| matches!(it, LoadError::OutOfOrder { id: PawnId(0) }),
+        ),
+        (
+            "too many pawns",
+            |saved, _| {
+                saved["next_id"] = 1000.into();
+                (100..400).for_each(|id| saved["controllers"][id.to_string()] = serde_json::json!({ "name": "C" }));
+            },
+            |it| matches!(it, LoadError::TooMany { what: "pawns", .. }),
         ),
         (
             "a robot of the future",

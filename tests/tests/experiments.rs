@@ -299,3 +299,39 @@ fn the_files_of_the_thesis_belong_together() {
     }
     println!("{} experiments, {} runs, {} plots, {} claims", plans.len(), outcomes.len(), plots.len(), claims.len());
 }
+
+/// The runs that are done unasked draw the same figures and find the same claims as all runs do.
+#[test]
+fn the_needed_runs_of_the_thesis_have_every_figure_and_claim() {
+    let Claims { claims } = toml::from_str(thesis::claims()).unwrap_or_else(|error| panic!("{error}"));
+    let step = Step { main: 0.1, error: 0.0, yaw: 0.0 };
+    let outcome = |run: &experiments::plan::Run| Outcome {
+        id: run.id.clone(),
+        labels: run.labels.clone(),
+        seed: 0,
+        steps: vec![step; 10],
+        wheels_turned: 20.0,
+        digest: String::new(),
+        seconds: 20.0,
+    };
+    let (mut all, mut needed) = (Vec::new(), Vec::new());
+    let (folder, mut plots) = (tempfile::tempdir().expect("a folder"), 0);
+    for (file, text) in thesis::files() {
+        let mut plan = Plan::read(Path::new(&file), text).unwrap_or_else(|error| panic!("{error}"));
+        all.extend(plan.runs().iter().map(outcome));
+        thesis::keep_needed(&mut plan, &claims);
+        let own: Vec<Outcome> = plan.runs().iter().map(outcome).collect();
+        for plot in plan.shown_plots() {
+            assert!(plot.draw(&own, folder.path()).expect("a plot"), "{file}: {}", plot.name);
+            plots += 1;
+        }
+        needed.extend(own);
+    }
+    assert!(plots > 24 && needed.len() * 3 < all.len(), "{plots} plots, {} of {} runs", needed.len(), all.len());
+    for claim in &claims {
+        for model in ["bodies", "analytic", "kinematic"] {
+            let found = |outcomes: &[Outcome]| claim.found(outcomes, model).is_some();
+            assert_eq!(found(&needed), found(&all), "line {} with {model}", claim.line);
+        }
+    }
+}

@@ -656,8 +656,7 @@ fn an_unexpanded_xacro_is_named_as_such() {
     #[track_caller]
     fn check(from: &str, to: &str, expected: &str) {
         let text = BASE.replace(from, to);
-        let how =
-            "is of xacro: expected a URDF; expand it first by `usarsim import`, or `xacro robot.xacro > robot.urdf`";
+        let how = "is of xacro: expected a URDF; expand it first by `usarsim import robot.xacro`, or `xacro robot.xacro > robot.urdf`";
         let expected = if expected == "good" { expected.to_owned() } else { format!("{expected} {how}") };
         check_files(&[("base.urdf", &text), ("base.obj", GROUND)], &[&expected]);
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use crate::plan::Run;
 use crate::plot::Quantity;
 use crate::run::Outcome;
 use crate::table::mean_and_deviation;
@@ -104,6 +105,16 @@ impl Verdict {
 }
 
 impl Claim {
+    /// True if a run of an experiment counts for it.
+    pub(crate) fn measures(&self, experiment: &str, run: &Run) -> bool {
+        self.measure.as_ref().is_some_and(|measure| measure.experiment == experiment && measure.counts(run))
+    }
+
+    /// True if it is about how samples differ, not about their mean.
+    pub(crate) fn tells_samples_apart(&self) -> bool {
+        self.measure.as_ref().is_some_and(|measure| measure.of != Statistic::Mean)
+    }
+
     /// Returns the value that a drive model found, in the claim's unit, or `None` without its runs.
     pub fn found(&self, outcomes: &[Outcome], model: &str) -> Option<f64> {
         let scale = match self.unit.as_str() {
@@ -138,19 +149,31 @@ impl Claim {
 }
 
 impl Measure {
+    /// True if a run is one of those that are measured or compared with.
+    fn counts(&self, run: &Run) -> bool {
+        let of = |values: &BTreeMap<String, String>| values.iter().all(|(name, value)| run.label(name) == Some(value));
+        [None, self.minus.as_ref(), self.over.as_ref()].into_iter().any(|other| of(&self.wanted(other)))
+    }
+
+    /// Returns the wanted values, with some replaced by others.
+    fn wanted(&self, instead: Option<&BTreeMap<String, String>>) -> BTreeMap<String, String> {
+        let mut wanted = self.only.clone();
+        wanted.extend(instead.into_iter().flatten().map(|(name, value)| (name.clone(), value.clone())));
+        wanted
+    }
+
     fn value(&self, outcomes: &[Outcome], model: &str) -> Option<f64> {
-        let value = self.of_runs(outcomes, model, &BTreeMap::new())?;
+        let value = self.of_runs(outcomes, model, None)?;
         match (&self.minus, &self.over) {
-            (Some(other), _) => Some(value - self.of_runs(outcomes, model, other)?),
-            (None, Some(other)) => Some(value / self.of_runs(outcomes, model, other)? - 1.0),
+            (Some(other), _) => Some(value - self.of_runs(outcomes, model, Some(other))?),
+            (None, Some(other)) => Some(value / self.of_runs(outcomes, model, Some(other))? - 1.0),
             (None, None) => Some(value),
         }
     }
 
     /// Returns the statistic over the runs of `only`, with some of its values replaced.
-    fn of_runs(&self, outcomes: &[Outcome], model: &str, instead: &BTreeMap<String, String>) -> Option<f64> {
-        let mut wanted = self.only.clone();
-        wanted.extend(instead.clone());
+    fn of_runs(&self, outcomes: &[Outcome], model: &str, instead: Option<&BTreeMap<String, String>>) -> Option<f64> {
+        let wanted = self.wanted(instead);
         let fits = |outcome: &&Outcome| {
             outcome.experiment() == self.experiment
                 && outcome.label("model") == Some(model)

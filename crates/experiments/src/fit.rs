@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use charts::{Chart, Series};
 use scene::DriveModel;
+use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
 
 use self::bootstrap::{Bootstrap, bootstrap};
@@ -153,7 +154,12 @@ impl Fit {
             file: file.display().to_string(),
             reason: reason.to_string().trim_end().to_owned(),
         };
-        let text = |file: &Path| std::fs::read_to_string(file).map_err(|reason| wrong(file, &reason));
+        let text = |file: &Path| {
+            scene_loader::text(file).map_err(|error| match error {
+                LoadError::Unreadable { reason, .. } => wrong(file, &reason),
+                other => wrong(file, &other),
+            })
+        };
         let beside = |name: &str| -> PathBuf { file.parent().unwrap_or(Path::new("")).join(name) };
         let read: File = toml::from_str(&text(file)?).map_err(|reason| wrong(file, &reason))?;
         let File { description, experiment, measured, seed, parameters } = read;

@@ -60,6 +60,9 @@ pub struct Plan {
     /// Pictures of the results.
     #[serde(default, rename = "plot")]
     pub plots: Vec<Plot>,
+    /// Numbers of the runs that are done, in their order; `None` for all.
+    #[serde(skip)]
+    kept: Option<Vec<usize>>,
 }
 
 fn one() -> u32 {
@@ -238,12 +241,19 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Returns every run, in the order of the axes, then models, then samples.
+    /// Returns every run that is kept, in the order of the axes, then models, then samples.
     pub fn runs(&self) -> Vec<Run> {
-        self.runs_in(0..self.count()).collect()
+        let Some(kept) = &self.kept else { return self.runs_in(0..self.count()).collect() };
+        kept.iter().flat_map(|&number| self.runs_in(number..number + 1)).collect()
     }
 
-    /// Returns the number of runs.
+    /// Keeps only some runs.
+    pub fn keep(&mut self, is_kept: impl Fn(&Run) -> bool) {
+        let runs = self.runs_in(0..self.count()).enumerate();
+        self.kept = Some(runs.filter(|(_, run)| is_kept(run)).map(|(number, _)| number).collect());
+    }
+
+    /// Returns the number of runs, whether they are kept or not.
     pub fn count(&self) -> usize {
         let values = self.axes.iter().map(|axis| axis.setups().len());
         values.fold(self.models.len().saturating_mul(self.samples as usize), usize::saturating_mul)
@@ -277,6 +287,13 @@ impl Plan {
         Run { id, labels, setup, drive_model, sample: sample as u32 }
     }
 
+    /// Returns its plots. A plan without any has the main movement against each axis.
+    pub fn shown_plots(&self) -> Vec<Plot> {
+        let colours: Vec<String> = Some("model".to_owned()).filter(|_| self.models.len() > 1).into_iter().collect();
+        let plot = |axis: &Axis| Plot::of_axis(&axis.name, &colours);
+        if self.plots.is_empty() { self.axes.iter().map(plot).collect() } else { self.plots.clone() }
+    }
+
     /// Returns every value of a label, in the order of the runs; none if no run has the label.
     pub(crate) fn values_of(&self, label: &str) -> Vec<String> {
         let axis = self.axes.iter().filter(|axis| axis.name == label).flat_map(Axis::setups).map(|value| value.name);
@@ -287,19 +304,22 @@ impl Plan {
         }
     }
 
-    /// Keeps only these models, in their order. A plan without named models gets all of them. A plan that names none of them has no
+    /// Keeps only these models, in their order, with all runs. A plan without named models gets all of them. A plan that names none of them has no
     /// runs.
     pub fn keep_models(&mut self, models: &[DriveModel]) {
         let any = self.models == [None];
         let kept = models.iter().map(|&model| Some(model)).filter(|model| any || self.models.contains(model));
         self.models = kept.collect();
+        self.kept = None;
     }
 
     fn beside(&mut self, folder: &Path) {
         let setups = self.axes.iter_mut().flat_map(|axis| &mut axis.values).chain([&mut self.setup]);
+        let known = [scene_loader::map_names(), scene_loader::robot_names()].concat();
         for path in setups.flat_map(|setup| [&mut setup.map, &mut setup.robot]).flatten() {
             let file: PathBuf = folder.join(&path);
-            if file.is_file() {
+            // A folder is a map or a robot, unless it only has the name of a shipped one.
+            if file.is_file() || file.is_dir() && !known.iter().any(|known| known.eq_ignore_ascii_case(path)) {
                 *path = file.display().to_string();
             }
         }
@@ -491,7 +511,14 @@ impl Event {
     }
 }
 
+impl Run {
+    /// Returns the value of a label.
+    pub(crate) fn label(&self, name: &str) -> Option<&str> {
+        self.labels.iter().find(|(label, _)| label == name).map(|(_, value)| value.as_str())
+    }
+}
+
 /// Converts a value to a part of a file name.
-fn file_name(value: &str) -> String {
+pub(crate) fn file_name(value: &str) -> String {
     value.chars().map(|c| if c.is_alphanumeric() || "._".contains(c) { c } else { '_' }).collect()
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use charts::{Chart, ChartError, Series};
 use serde::Deserialize;
 
-use crate::plan::Plan;
+use crate::plan::{Plan, Run, file_name};
 use crate::run::Outcome;
 
 /// Axis label for the step number instead of the value of an axis.
@@ -110,6 +110,30 @@ struct Reference {
 }
 
 impl Plot {
+    /// Returns a plot of the main movement against an axis.
+    pub(crate) fn of_axis(axis: &str, colour: &[String]) -> Self {
+        Self {
+            name: format!("main-{}", file_name(axis)),
+            title: format!("Main movement against {axis}"),
+            x: axis.to_owned(),
+            y: Quantity::Main,
+            colour: colour.to_vec(),
+            mean: false,
+            only: BTreeMap::new(),
+            references: Vec::new(),
+        }
+    }
+
+    /// True if a run belongs to it.
+    pub(crate) fn shows(&self, run: &Run) -> bool {
+        self.only.iter().all(|(name, values)| run.label(name).is_some_and(|value| values.iter().any(|it| it == value)))
+    }
+
+    /// True if each sample has a line of its own.
+    pub(crate) fn tells_samples_apart(&self) -> bool {
+        !self.mean && (self.x == "sample" || self.colour.iter().any(|name| name == "sample"))
+    }
+
     /// Checks that the runs have every label that the plot names.
     pub(crate) fn check(&self, plan: &Plan) -> Result<(), String> {
         let wrong = |what: String| Err(format!("plot `{}`: {what}", self.name));

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use names::count;
 
 use crate::batch::{BatchError, refused, write};
 use crate::claim::Claim;
@@ -12,6 +13,9 @@ use crate::table;
 
 /// Drive models that claims are compared with.
 const MODELS: [&str; 3] = ["bodies", "analytic", "kinematic"];
+
+/// Most lines of a table that is shown unasked.
+const MAX_OPEN: usize = 50;
 
 const STYLE: &str = "
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
@@ -44,7 +48,7 @@ pub fn write_all(
     let mut figures = Vec::new();
     for plan in plans {
         let own: Vec<Outcome> = outcomes.iter().filter(|it| it.experiment() == plan.name).cloned().collect();
-        for plot in &plan.plots {
+        for plot in plan.shown_plots() {
             if plot.draw(&own, &plots)? {
                 let file = plots.join(format!("{}.svg", plot.name));
                 let svg = std::fs::read_to_string(&file).map_err(|error| refused(&file, error))?;
@@ -54,7 +58,8 @@ pub fn write_all(
     }
     // Figures of the thesis in its order, 7.2 before 7.10, then appendices, then others in the order of the plans.
     figures.sort_by_key(|(name, _, _)| number(name));
-    let page = page(title, plans, claims, outcomes, &figures).into_string();
+    let has_logs = folder.join("logs").is_dir();
+    let page = page(title, plans, claims, outcomes, &figures, has_logs).into_string();
     write(&folder.join("report.html"), page.as_bytes())?;
     Ok(figures.len())
 }
@@ -62,7 +67,7 @@ pub fn write_all(
 /// Returns the files that [`write_all`] writes.
 pub fn files(folder: &Path, plans: &[Plan]) -> Vec<PathBuf> {
     let tables = ["steps.csv", "runs.csv", "summary.csv", "report.html"].map(|name| folder.join(name));
-    let plots = plans.iter().flat_map(|plan| &plan.plots);
+    let plots = plans.iter().flat_map(Plan::shown_plots);
     tables.into_iter().chain(plots.flat_map(|plot| plot.files(&folder.join("plots")))).collect()
 }
 
@@ -78,7 +83,11 @@ fn page(
     claims: &[Claim],
     outcomes: &[Outcome],
     figures: &[(String, String, String)],
+    has_logs: bool,
 ) -> Markup {
+    let (runs, experiments) = (count(outcomes.len(), "run"), count(plans.len(), "experiment"));
+    let left_out =
+        plans.iter().map(Plan::count).sum::<usize>().saturating_sub(plans.iter().map(|it| it.runs().len()).sum());
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -91,22 +100,18 @@ fn page(
             body {
                 h1 { (title) }
                 p {
-                    (outcomes.len()) " runs of usarsim " (env!("CARGO_PKG_VERSION")) ", " (plans.len()) " experiments. Every step of every run is in "
+                    (runs) " of usarsim " (env!("CARGO_PKG_VERSION")) ", " (experiments) ". Every step of every run is in "
                     code { "steps.csv" } ", the runs with their seeds in " code { "runs.csv" } ", their means in " code { "summary.csv" }
-                    ", and a log of each under " code { "logs" } "."
+                    @if has_logs { ", and a log of each under " code { "logs" } } "."
                 }
-                @if !claims.is_empty() { (claim_table(claims, outcomes)) }
-                h2 { "Figures" }
-                p {
-                    "Drawn from the runs of this folder. "
-                    @if !claims.is_empty() { "Dashed are the thesis's numbers where its text has them; its own data are lost. " }
-                    "Lines join measured steps and are no measurements between them."
-                }
-                div.figures {
-                    @for (name, title, svg) in figures {
-                        figure id=(name) aria-label=(title) { (PreEscaped(svg)) }
+                @if left_out > 0 {
+                    p {
+                        "Left out: " (count(left_out, "run")) " that no figure or claim needs. Each setting has one sample, but where a figure or claim \
+                         is about samples; " code { "--full" } " does all of them."
                     }
                 }
+                @if !claims.is_empty() { (claim_table(claims, outcomes)) }
+                @if !figures.is_empty() { (figure_chapter(figures, !claims.is_empty())) }
                 h2 { "Experiments" }
                 table {
                     tr { th { "name" } th { "what" } th { "runs" } th { "samples differ by" } }
@@ -120,6 +125,22 @@ fn page(
                     }
                 }
                 (summary_table(outcomes))
+            }
+        }
+    }
+}
+
+fn figure_chapter(figures: &[(String, String, String)], has_claims: bool) -> Markup {
+    html! {
+        h2 { "Figures" }
+        p {
+            "Drawn from the runs of this folder. "
+            @if has_claims { "Dashed are the thesis's numbers where its text has them; its own data are lost. " }
+            "Lines join measured steps and are no measurements between them."
+        }
+        div.figures {
+            @for (name, title, svg) in figures {
+                figure id=(name) aria-label=(title) { (PreEscaped(svg)) }
             }
         }
     }
@@ -157,10 +178,11 @@ fn summary_table(outcomes: &[Outcome]) -> Markup {
     let summary = table::summary(outcomes);
     let mut rows = summary.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = rows.next().unwrap_or_default();
+    let is_short = summary.lines().count() <= MAX_OPEN;
     html! {
         h2 { "Means of all settings" }
         p { "After the last step, in metres and radians; sd is the standard deviation of the samples." }
-        details {
+        details open[is_short] {
             summary { "Show the table" }
             table {
                 tr { @for name in &head { th { (name) } } }

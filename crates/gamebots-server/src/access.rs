@@ -3,6 +3,7 @@
 //! Without tokens everybody has every right. With tokens nobody has any without one: the first line to a port is `LOGIN {Token ..}`, and the
 //! page sends its token with every request.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::net::IpAddr;
 use std::str::FromStr;
@@ -22,6 +23,8 @@ use crate::WorldControl;
 
 /// Lengths of a token, characters. 16 random ones cannot be guessed.
 const LENGTHS: std::ops::RangeInclusive<usize> = 16..=128;
+/// Fewest different characters of a random token. 16 hexadecimal digits have fewer in one of a thousand tokens.
+const FEWEST_CHARACTERS: usize = 7;
 /// Most tokens.
 const MAX_TOKENS: usize = 1000;
 /// Longest LOGIN line, bytes.
@@ -178,6 +181,15 @@ impl Tokens {
     /// Returns the teams that tokens are of.
     pub fn teams(&self) -> impl Iterator<Item = &str> {
         self.0.iter().filter_map(|token| token.team.as_deref())
+    }
+
+    /// Returns the places in the file, from 1, of tokens that could be guessed: words without a digit, or few characters again and again.
+    pub fn guessable(&self) -> impl Iterator<Item = usize> {
+        let is_guessable = |Token { token, .. }: &Token| {
+            let characters: BTreeSet<u8> = token.bytes().collect();
+            characters.len() < FEWEST_CHARACTERS || !token.bytes().any(|byte| byte.is_ascii_digit())
+        };
+        self.0.iter().enumerate().filter(move |(_, token)| is_guessable(token)).map(|(index, _)| index + 1)
     }
 
     /// Finds a token. Every known one is compared, each in a time that does not depend on the characters that are right.
@@ -344,6 +356,20 @@ mod tests {
         ] {
             let error = text.parse::<Tokens>().err().map(|error| error.to_string()).unwrap_or_default();
             assert!(error.contains(expected), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn tokens_that_could_be_guessed_are_found() {
+        for (token, expected) in [
+            ("the-projector-in-the-hall", vec![1]),
+            ("0000000000000000", vec![1]),
+            ("abababababababa1", vec![1]),
+            ("3f0c9a517be2d846", vec![]),
+            ("red-0123456789abcdef", vec![]),
+        ] {
+            let tokens: Tokens = format!("[[token]]\ntoken = \"{token}\"\nroles = [\"viewer\"]").parse().unwrap();
+            assert_eq!(tokens.guessable().collect::<Vec<_>>(), expected, "{token}");
         }
     }
 

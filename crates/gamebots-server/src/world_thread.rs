@@ -558,7 +558,7 @@ impl Server {
         let now = Instant::now();
         let Actor(name) = &actor;
         if let Spent::Granted { .. } = self.controls.spend(now) {
-            info!(?control, by = name, time = self.sessions.world().time(), "control");
+            info!(?control, by = name, time = %format_args!("{:.3}", self.sessions.world().time()), "control");
         }
         let before = self.timing;
         let was_paused = before.paused;

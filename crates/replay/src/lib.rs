@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use picture::Stage;
 use recorder::{Entry, Log, PictureTaken, Record, RobotState, STATE_INTERVAL};
-use scene::check::TIME_STEP;
+use scene::check::{Range, SPEED_UNIT, TIME_STEP};
 use scene::{Options, PawnId, Reading, Sensed, Snapshot};
 use sessions::{News, Request, Sessions};
 use sim_core::World;
@@ -18,10 +18,6 @@ const MAX_IDLE: f64 = 24.0 * 3600.0;
 const MAX_GAP: f64 = 2.0 * STATE_INTERVAL;
 /// Longest time between what a picture shows and its record, s.
 const MAX_DELAY: f64 = 0.2;
-/// Valid time steps of a world, s.
-const TIME_STEPS: std::ops::RangeInclusive<f64> = TIME_STEP.least..=TIME_STEP.most;
-/// Valid wheel-speed units, rad/s: rad/s are 1 and revolutions a second 2 pi.
-const SPEED_UNITS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
 /// The result of a replay.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,14 +66,13 @@ pub struct ReplayError(String);
 pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     let entry = |key: &str| log.run.get(key).ok_or_else(|| ReplayError(format!("no `{key}` in its metadata")));
     let number = |key: &str| entry(key)?.parse::<f64>().map_err(|_| ReplayError(format!("`{key}` is no number")));
-    let within = |key: &str, range: std::ops::RangeInclusive<f64>| {
+    let within = |key: &str, range: Range| {
         let number = number(key)?;
-        let expected = || ReplayError(format!("`{key}` is {number}: expected {} to {}", range.start(), range.end()));
-        range.contains(&number).then_some(number).ok_or_else(expected)
+        range.problem(key, number).map_or(Ok(number), |problem| Err(ReplayError(problem)))
     };
     let def = log.scene().map_err(ReplayError)?;
     let seed = entry("seed")?.parse().map_err(|_| ReplayError("`seed` is not a whole number".to_owned()))?;
-    let (time_step, speed_unit) = (within("time_step", TIME_STEPS)?, within("speed_unit", SPEED_UNITS)?);
+    let (time_step, speed_unit) = (within("time_step", TIME_STEP)?, within("speed_unit", SPEED_UNIT)?);
     if let Some(began) = log.run.get("began") {
         return Err(ReplayError(format!("it began in a running world, at {began} s: expected a log from the start")));
     }

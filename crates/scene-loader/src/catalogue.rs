@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use include_dir::{Dir, include_dir};
-use names::did_you_mean;
+use names::{did_you_mean, listed};
 use scene::{MapDef, Object, RobotDef, WorldDef};
 
 use crate::equipment::Changes;
@@ -37,6 +37,17 @@ static ROBOTS: LazyLock<BTreeMap<String, &Dir>> = LazyLock::new(|| {
 /// Returns the names of the embedded robot classes.
 pub fn robot_names() -> Vec<String> {
     ROBOTS.keys().cloned().collect()
+}
+
+/// Returns the embedded robots by the names of their folders, in any case, each with its further names.
+pub fn robot_folders() -> Vec<(String, Vec<String>)> {
+    let mut folders: BTreeMap<String, (String, Vec<String>)> = BTreeMap::new();
+    for (name, dir) in ROBOTS.iter() {
+        let folder = folder_name(dir).unwrap_or_else(|| name.clone());
+        let (_, further) = folders.entry(folder.to_ascii_lowercase()).or_insert((folder.clone(), Vec::new()));
+        further.extend(Some(name.clone()).filter(|name| *name != folder));
+    }
+    folders.into_values().collect()
 }
 
 /// Returns the names of the embedded actuators.
@@ -130,7 +141,7 @@ pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) ->
     }
     for file in robot_files {
         let definition = robot_equipped(&file.display().to_string(), changes)?;
-        let text = std::fs::read_to_string(in_folder(file, "robot.toml")).unwrap_or_default();
+        let text = crate::text(&in_folder(file, "robot.toml")).unwrap_or_default();
         for class in further_names(&text) {
             robots.insert(class.clone(), RobotDef { class, ..definition.clone() });
         }
@@ -311,7 +322,15 @@ fn folder_name(dir: &Dir) -> Option<String> {
     dir.path().file_name().map(|name| name.to_string_lossy().into_owned())
 }
 
+/// Returns the error of an unknown name: with the nearest known name alone, if one is near.
 fn unknown(kind: &'static str, got: &str, names: &[String]) -> LoadError {
-    let suggestion = did_you_mean(got, names.iter().map(String::as_str));
-    LoadError::UnknownName { kind, got: got.to_owned(), suggestion, expected: names.join(", ") }
+    let known = || names.iter().map(String::as_str);
+    let suggestion = did_you_mean(got, known());
+    let is_listed = kind == "robot" || kind == "map";
+    let expected = match suggestion.as_str() {
+        "" => listed(known()),
+        _ if is_listed => format!("those that `usarsim {kind}s` lists"),
+        _ => listed(known()),
+    };
+    LoadError::UnknownName { kind, got: got.to_owned(), suggestion, expected }
 }

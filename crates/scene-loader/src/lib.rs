@@ -6,6 +6,7 @@
 mod catalogue;
 mod document;
 mod equipment;
+mod families;
 mod import;
 mod import_map;
 mod league;
@@ -20,9 +21,10 @@ mod urdf;
 
 pub use catalogue::{
     File, load, load_equipped, load_with, map, map_files, map_names, objects, robot, robot_equipped, robot_files,
-    robot_names,
+    robot_folders, robot_names,
 };
 pub use equipment::{Changes, Equipment};
+pub use families::{FAMILIES, Family};
 pub use import::{Content, Import, Imported, Packages, import};
 pub use import_map::{ImportedMap, ImportedSolid, MapImport, import_map};
 pub use league::{Communication, Controllers, LeagueFile, league};
@@ -61,6 +63,11 @@ pub fn check(path: &Path) -> Result<Vec<String>, LoadError> {
 pub fn text(path: &Path) -> Result<String, LoadError> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     Source::of_file(path).text(&name)
+}
+
+/// True if the root of a URDF declares the name space of xacro.
+pub fn declares_xacro(text: &str) -> bool {
+    urdf::declares_xacro(text)
 }
 
 /// True for a set of equipment: its name or its tables say so.

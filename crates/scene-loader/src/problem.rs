@@ -46,7 +46,7 @@ pub enum LoadError {
         reason: String,
     },
     /// Neither an embedded name nor a file.
-    #[error("unknown {kind} `{got}`: expected a file or one of {expected}{suggestion}")]
+    #[error("unknown {kind} `{got}`{suggestion}: expected a file or one of {expected}")]
     UnknownName {
         /// `map` or `robot`.
         kind: &'static str,
@@ -54,7 +54,7 @@ pub enum LoadError {
         got: String,
         /// Nearest known name, in words; empty if none is near.
         suggestion: String,
-        /// Known names.
+        /// Known names, or the command that lists them.
         expected: String,
     },
     /// A file of another kind.

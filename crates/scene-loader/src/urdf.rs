@@ -68,6 +68,11 @@ pub(crate) fn document(text: &str) -> Result<roxmltree::Document<'_>, roxmltree:
     roxmltree::Document::parse_with_options(text, options)
 }
 
+/// True if the root of an XML file declares the name space of xacro.
+pub(crate) fn declares_xacro(text: &str) -> bool {
+    document(text).is_ok_and(|document| document.root_element().namespaces().any(|it| check::is_xacro(it.uri())))
+}
+
 fn namespaces(text: &str) -> Option<String> {
     let namespaces = text.matches("xmlns").count();
     (namespaces > MAX_NAMESPACES).then(|| format!("{namespaces} namespaces: expected at most {MAX_NAMESPACES}"))

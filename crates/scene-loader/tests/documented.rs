@@ -102,3 +102,26 @@ fn every_key_of_a_file_is_in_the_book() {
         }
     }
 }
+
+/// Overrides in the book name materials that exist: shipped ones, or those of a map on the same page.
+#[test]
+fn the_book_names_no_material_that_does_not_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let shipped = fs::read_to_string(root.join("assets/materials.toml")).unwrap();
+    let pages = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = pages.chain([root.join("README.md")]).filter(|path| path.extension().is_some_and(|it| it == "md"));
+    let mut found = 0;
+    for page in pages {
+        let text = fs::read_to_string(&page).unwrap();
+        for part in text.split("material.").skip(1) {
+            let Some((name, rest)) = part.split_once('.') else { continue };
+            let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c == '-');
+            if is_name && rest.starts_with(|c: char| c.is_ascii_lowercase()) && rest.contains('=') {
+                let is_known = shipped.contains(&format!("\n[{name}]")) || text.contains(&format!("[material.{name}]"));
+                assert!(is_known, "{}: no material `{name}`", page.display());
+                found += 1;
+            }
+        }
+    }
+    assert!(found > 3, "{found}");
+}

@@ -275,7 +275,7 @@ fn a_mistake_in_a_set_has_its_place() {
         assert!(error.contains(expected), "{text}: {error}");
     }
     let error = Equipment::load("robocup2015").unwrap_err().to_string();
-    assert!(error.contains("expected a file or one of robocup2014, shipped (did you mean `robocup2014`?)"), "{error}");
+    assert!(error.contains("(did you mean `robocup2014`?): expected a file or one of robocup2014, shipped"), "{error}");
 }
 
 #[test]

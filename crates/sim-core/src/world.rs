@@ -294,6 +294,15 @@ impl World {
         Some(self.find_room(&class, &scene::pose(location, rotation), None))
     }
 
+    /// Returns the pose of a robot of a class that is put at a place, if that is free. Unlike [`World::fit`] it searches no place beside,
+    /// which takes far longer. `None` if it is not free or the class is unknown.
+    pub fn free_pose(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Pose> {
+        let class = self.scene.robots().get(class)?.clone();
+        let (_, class) = self.outfit(&class).ok()?;
+        self.enter_shapes_for_question();
+        self.physics.place_here(&class, &scene::pose(location, rotation))
+    }
+
     /// Finds the place for a robot that is wanted at a pose. `moved` is the robot, if it is in the world. Fails with the reason in words.
     fn find_room(&self, class: &CompiledRobot, wanted: &Pose, moved: Option<PawnId>) -> Result<Room, String> {
         if let Some(number) = wanted.translation.vector.iter().find(|&&number| !check::MAP_REACH.holds(number)) {
@@ -664,11 +673,15 @@ impl World {
         let classes: Vec<String> = robots.chain(of_referees).chain(avatars).collect();
         // Compared without the package, which is the same in all names and would make any two of them similar.
         let meant = names::nearest(init.class(), self.scene.robots().keys().map(String::as_str));
+        let (meant, expected) = match meant {
+            Some(class) => (format!(" (did you mean `USARBot.{class}`?)"), "`usarsim robots` lists all".to_owned()),
+            None => (String::new(), format!("expected one of {}", classes.join(", "))),
+        };
         problems.push(Problem::UnknownName {
             key: "ClassName",
             got: shown(&init.class_name),
-            meant: meant.map_or(String::new(), |class| format!(" (did you mean `USARBot.{class}`?)")),
-            expected: format!("expected one of {}", classes.join(", ")),
+            meant,
+            expected,
             instead: "no robot is spawned",
         });
         None

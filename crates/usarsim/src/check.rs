@@ -63,6 +63,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Reads a file of tokens. `None` for another file: only those have such a table.
 fn tokens(file: &Path) -> Option<Result<Tokens, TokensError>> {
-    let text = std::fs::read_to_string(file).ok()?;
+    let text = scene_loader::text(file).ok()?;
     text.lines().any(|line| line.trim() == "[[token]]").then(|| text.parse())
 }

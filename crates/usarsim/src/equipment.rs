@@ -12,11 +12,11 @@ use crate::{Failure, exit};
 pub(crate) struct Choice {
     /// Items that robots carry: `shipped`, as their files say; `robocup2014`, as at that competition; or a TOML file with the
     /// [[CLASS.sensor]] and [[CLASS.mount]] tables of classes.
-    #[arg(long, env = "USARSIM_EQUIPMENT", value_name = "NAME|FILE", conflicts_with = "ini")]
+    #[arg(long, env = "USARSIM_EQUIPMENT", value_name = "NAME|FILE", conflicts_with = "ini", hide_short_help = true)]
     equipment: Option<String>,
     /// Take the robots' items and the sensors' settings from a USARSim ini file, as DefaultUSAR.ini or UT2004's USARBot.ini. May be given
     /// several times, in the order in which Unreal reads them.
-    #[arg(long, value_name = "FILE.ini")]
+    #[arg(long, value_name = "FILE.ini", hide_short_help = true)]
     ini: Vec<PathBuf>,
 }
 

@@ -18,6 +18,7 @@ use scene::DriveModel;
 use serde_json::json;
 
 use crate::output::keep_inputs;
+use crate::progress::Progress;
 use crate::{Failure, exit, print, within};
 
 /// Subcommands of `experiment`.
@@ -33,15 +34,18 @@ pub(crate) enum Command {
 
 /// Options of `experiment thesis`.
 #[derive(clap::Args)]
-#[command(
-    after_help = "Examples:\n  usarsim experiment thesis\n  usarsim experiment thesis --only forward,friction --out quick\n  \
-    usarsim experiment thesis --drive-model analytic --jobs 2 --json\n\nOpen report.html in the folder when it is done. Call it again \
-    to resume an interrupted run. The experiments are the files under experiments/thesis."
-)]
+#[command(after_help = "Examples:\n  usarsim experiment thesis\n  usarsim experiment thesis --full\n  \
+    usarsim experiment thesis --only forward,friction --out quick\n  \
+    usarsim experiment thesis --drive-model analytic --jobs 2 --json\n\nShows every figure and checks every claim with one sample of each \
+    setting, and with all where a figure or claim is about samples. --full does all of them, and keeps runs that are done. Open report.html in \
+    the folder when it is done. Call it again to resume an interrupted run. The experiments are the files under experiments/thesis.")]
 pub(crate) struct ThesisArguments {
     /// Only these experiments, by name.
     #[arg(long, value_delimiter = ',', value_name = "NAME,..")]
     only: Vec<String>,
+    /// Do all runs, instead of those that every figure and claim needs at least.
+    #[arg(long)]
+    full: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -125,32 +129,46 @@ pub(crate) fn run(command: &Command, quiet: bool) -> Result<(), Failure> {
                 all.into_iter().filter(|(file, _)| only(file)).map(|(file, text)| (file.into(), text.to_owned()));
             let claims: Claims = toml::from_str(thesis::claims())
                 .map_err(|error| Failure::new(exit::FAILURE, format_args!("claims.toml: {error}")))?;
-            conduct(files.collect(), "The thesis, reproduced", "thesis", &claims.claims, &arguments.common, quiet)
+            let claims = &claims.claims;
+            let narrow = |plan: &mut Plan| {
+                if !arguments.full {
+                    thesis::keep_needed(plan, claims);
+                }
+            };
+            let task = Task { files: files.collect(), title: "The thesis, reproduced", folder: "thesis", claims };
+            conduct(task, narrow, &arguments.common, quiet)
         }
         Command::Fit(arguments) => fit(arguments, quiet),
         Command::Run(RunArguments { file, common }) => {
-            let text = std::fs::read_to_string(file)
-                .map_err(|error| Failure::new(exit::BAD_CONFIGURATION, format_args!("{}: {error}", file.display())))?;
+            let text = scene_loader::text(file).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
             let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            conduct(vec![(file.clone(), text)], &name, &name, &[], common, quiet)
+            let task = Task { files: vec![(file.clone(), text)], title: &name, folder: &name, claims: &[] };
+            conduct(task, |_| {}, common, quiet)
         }
     }
 }
 
-fn conduct(
+/// Experiments that are done together.
+struct Task<'a> {
+    /// Files with their texts.
     files: Vec<(PathBuf, String)>,
-    title: &str,
-    folder: &str,
-    claims: &[Claim],
-    common: &Common,
-    quiet: bool,
-) -> Result<(), Failure> {
+    /// Title of the report.
+    title: &'a str,
+    /// Folder of the results, unless another is given.
+    folder: &'a str,
+    claims: &'a [Claim],
+}
+
+/// Does experiments. `narrow` may leave runs out.
+fn conduct(task: Task, narrow: impl Fn(&mut Plan), common: &Common, quiet: bool) -> Result<(), Failure> {
+    let Task { files, title, folder, claims } = task;
     let (mut plans, mut inputs) = (Vec::new(), Vec::new());
     for (file, text) in files {
         let mut plan = Plan::read(&file, &text).map_err(|error| Failure::new(exit::BAD_CONFIGURATION, error))?;
         if !common.drive_model.is_empty() {
             plan.keep_models(&common.drive_model);
         }
+        narrow(&mut plan);
         if let Some(real_time_factor) = common.socket {
             // Marks the plan, so its results are not mixed with those of runs in this process.
             plan.text.push_str(&format!("\n# through the socket at {real_time_factor} times real time\n"));
@@ -162,23 +180,23 @@ fn conduct(
     report::files(out, &plans).iter().try_for_each(|written| keep_inputs(written, &inputs))?;
     let batch = Batch::open(out, &plans).map_err(|error| failure(&error))?;
     let total: usize = plans.iter().map(|plan| plan.runs().len()).sum();
+    let left_out = plans.iter().map(Plan::count).sum::<usize>() - total;
     let jobs = jobs(common.jobs);
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {eta} left, {msg}");
-    let bar = bar(Some(total as u64), quiet).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let progress = Progress::of_runs(total, quiet);
     let (start, kept) = (Instant::now(), AtomicUsize::new(0));
     let done = |outcome: &Outcome, old: bool| {
         kept.fetch_add(usize::from(old), Ordering::Relaxed);
-        bar.set_message(outcome.id.clone());
-        bar.inc(1);
+        progress.say(outcome.id.clone());
+        progress.add(1);
     };
     let make = |plan: &Plan, run: &experiments::plan::Run, log: &Path| match common.socket {
         Some(real_time_factor) => socket::run(plan, run, log, real_time_factor),
         None => run::run(plan, run, Some(log)),
     };
     let outcomes = batch.run(jobs, make, done).map_err(|error| failure(&error))?;
-    bar.set_message("tables, plots, report");
+    progress.say("tables, plots, report");
     let plots = report::write_all(out, title, &plans, claims, &outcomes).map_err(|error| failure(&error))?;
-    bar.finish_and_clear();
+    progress.finish();
     let (seconds, kept) = (start.elapsed().as_secs_f64(), kept.into_inner());
     let report = out.join("report.html");
     if common.json {
@@ -195,7 +213,7 @@ fn conduct(
             })
             .collect();
         print(json!({
-            "runs": total, "kept": kept, "seconds": seconds, "plots": plots,
+            "runs": total, "left_out": left_out, "kept": kept, "seconds": seconds, "plots": plots,
             "folder": out.display().to_string(), "report": report.display().to_string(), "claims": verdicts,
         }));
     } else {
@@ -205,14 +223,21 @@ fn conduct(
             names::count(plots, "plot"),
             report.display()
         ));
+        if left_out > 0 {
+            print(format_args!(
+                "left out {} that no figure or claim needs: --full does them",
+                names::count(left_out, "run")
+            ));
+        }
     }
     Ok(())
 }
 
-/// Creates a progress bar on a terminal; hidden if quiet.
-fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
+/// Creates a spinner on a terminal; hidden if quiet.
+fn spinner(quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    ProgressBar::with_draw_target(length, target)
+    let style = ProgressStyle::with_template("{spinner} {pos} trials in {elapsed}, {msg}");
+    ProgressBar::with_draw_target(None, target).with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
 }
 
 fn jobs(given: Option<usize>) -> usize {
@@ -229,8 +254,7 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
     if let Some(out) = out {
         fit.outputs(out).iter().try_for_each(|written| keep_inputs(written, fit.inputs()))?;
     }
-    let style = ProgressStyle::with_template("{spinner} {pos} trials in {elapsed}, {msg}");
-    let bar = bar(None, quiet).with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+    let bar = spinner(quiet);
     let trial = |distance: f64| {
         bar.set_message(format!("{:.3} mm from the measured steps", 1e3 * distance));
         bar.inc(1);

@@ -4,9 +4,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use names::count;
+use scene::{MapDef, Shape};
 use scene_loader::{ImportedMap, ImportedSolid, MapImport};
 use serde_json::json;
-use sim_core::{Options, Room, World};
+use sim_core::{Options, World};
 
 use crate::output::{fill_new_folder, write};
 use crate::{Failure, exit, print, within};
@@ -50,6 +51,9 @@ const CLASS: &str = "P3AT";
 const STEP: f64 = 1.5;
 /// Rings of places that are tried around the middle.
 const RINGS: i32 = 12;
+/// Most triangles near the places that are tried, each counted at every place: the search among them takes most of the time. The first
+/// place is tried whatever is near.
+const MAX_NEAR: usize = 200_000;
 
 fn name(text: &str) -> Result<String, String> {
     let is_good = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
@@ -115,7 +119,7 @@ fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3]
     write(map, text(&[(STARTS[0], [0.0; 3])]).as_bytes())?;
     let def = scene_loader::load(&folder.display().to_string(), &[]);
     let mut world = World::new(def.map_err(|error| Failure::new(exit::BAD_DATA, error))?, Options::default());
-    let starts = free_places(&mut world);
+    let starts = free_places(&mut world)?;
     if starts.is_empty() {
         let hint = "no place on which a robot could stand: expected a floor. --floor adds one, --scale turns other units into metres";
         return Err(Failure::new(exit::BAD_DATA, hint));
@@ -125,7 +129,7 @@ fn fill(folder: &Path, made: &ImportedMap) -> Result<Vec<(&'static str, [f64; 3]
 }
 
 /// Returns free places, the nearest to the middle first, each with the name of a start pose.
-fn free_places(world: &mut World) -> Vec<(&'static str, [f64; 3])> {
+fn free_places(world: &mut World) -> Result<Vec<(&'static str, [f64; 3])>, Failure> {
     let points = picture::corners_of_map(&world.def().map);
     let ends = |axis: usize| {
         let places = points.iter().map(|point| point[axis]);
@@ -133,6 +137,7 @@ fn free_places(world: &mut World) -> Vec<(&'static str, [f64; 3])> {
     };
     let [x, y, [_, lowest]] = [0, 1, 2].map(ends);
     let middle = [x, y].map(|[least, most]| (least + most) / 2.0);
+    let near = triangles_near(&world.def().map, middle);
     let all = (-RINGS..=RINGS).flat_map(|row| (-RINGS..=RINGS).map(move |column| [row, column]));
     let mut places: Vec<[i32; 2]> = all.collect();
     places.sort_by_key(|[row, column]| row * row + column * column);
@@ -140,10 +145,21 @@ fn free_places(world: &mut World) -> Vec<(&'static str, [f64; 3])> {
     let wheels = world.def().robots[CLASS].wheels().map(|wheel| wheel.position[2] + wheel.radius);
     let under = wheels.fold(0.0, f64::max);
     let mut free: Vec<[f64; 3]> = Vec::new();
-    for place in places {
+    let mut work = 0;
+    for (tried, place) in places.into_iter().enumerate() {
+        work += near[cell(place)];
+        if tried > 0 && work > MAX_NEAR {
+            if free.is_empty() {
+                let message = format_args!(
+                    "no place on which a robot could stand among the first {tried}: got {work} triangles near them, expected at most {MAX_NEAR}"
+                );
+                return Err(Failure::new(exit::BAD_DATA, message));
+            }
+            break;
+        }
         let [x, y] = [0, 1].map(|axis| middle[axis] + STEP * f64::from(place[axis]));
         // A robot below everything is lifted onto the lowest floor.
-        let Some(Ok(Room { pose, beside: None })) = world.fit(CLASS, [x, y, lowest], [0.0; 3]) else { continue };
+        let Some(pose) = world.free_pose(CLASS, [x, y, lowest], [0.0; 3]) else { continue };
         if stands(world, [x, y, pose.translation.z]) {
             free.push([x, y, pose.translation.z + under].map(|part| (part * 1e3).round() / 1e3));
         }
@@ -151,7 +167,57 @@ fn free_places(world: &mut World) -> Vec<(&'static str, [f64; 3])> {
             break;
         }
     }
-    STARTS.into_iter().zip(free).collect()
+    Ok(STARTS.into_iter().zip(free).collect())
+}
+
+/// Number of cells along an edge of the square of places.
+const EDGE: usize = 2 * RINGS as usize + 1;
+
+/// Returns the number of the cell of a place.
+fn cell([row, column]: [i32; 2]) -> usize {
+    (row + RINGS) as usize * EDGE + (column + RINGS) as usize
+}
+
+/// Counts the triangles of meshes above and below each place, by their boxes.
+fn triangles_near(map: &MapDef, middle: [f64; 2]) -> Vec<usize> {
+    // Differences along rows and columns: their sums are the counts, so that a triangle over many places costs no more than another.
+    let mut counts = vec![0_i64; (EDGE + 1) * (EDGE + 1)];
+    for solid in map.solids.iter().chain(map.objects.iter().map(|object| &object.solid)) {
+        let Shape::Mesh { vertices, triangles } = &solid.shape else { continue };
+        let pose = solid.pose();
+        let place = |vertex: &[f64; 3]| pose * nalgebra::Point3::from(*vertex);
+        let places: Vec<_> = vertices.iter().map(place).collect();
+        for triangle in triangles {
+            let range = |axis: usize| {
+                let cells = triangle.iter().filter_map(|&index| {
+                    let offset = (places.get(index as usize)?[axis] - middle[axis]) / STEP + f64::from(RINGS);
+                    Some((offset + 0.5).floor())
+                });
+                cells.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+            };
+            let [rows, columns] = [range(0), range(1)];
+            let is_outside = |[low, high]: [f64; 2]| high < 0.0 || low >= EDGE as f64;
+            if is_outside(rows) || is_outside(columns) {
+                continue;
+            }
+            let clamped = |[low, high]: [f64; 2]| [low.max(0.0) as usize, (high as usize).min(EDGE - 1) + 1];
+            let ([top, bottom], [left, right]) = (clamped(rows), clamped(columns));
+            for (row, column, sign) in [(top, left, 1), (top, right, -1), (bottom, left, -1), (bottom, right, 1)] {
+                counts[row * (EDGE + 1) + column] += sign;
+            }
+        }
+    }
+    for row in 0..EDGE {
+        for column in 0..EDGE {
+            let at = |row: usize, column: usize| row * (EDGE + 1) + column;
+            let above = if row > 0 { counts[at(row - 1, column)] } else { 0 };
+            let left = if column > 0 { counts[at(row, column - 1)] } else { 0 };
+            let both = if row > 0 && column > 0 { counts[at(row - 1, column - 1)] } else { 0 };
+            counts[at(row, column)] += above + left - both;
+        }
+    }
+    let of_row = |row: usize| counts[row * (EDGE + 1)..][..EDGE].iter().map(|&count| count.max(0) as usize);
+    (0..EDGE).flat_map(of_row).collect()
 }
 
 /// True if a robot stays where it is put: it has a floor.
@@ -165,4 +231,47 @@ fn stands(world: &World, [x, y, z]: [f64; 3]) -> bool {
     let steps = (SETTLED.0 / copy.time_step()) as usize;
     (0..steps).for_each(|_| drop(copy.step()));
     copy.state(robot).is_some_and(|(body, _)| (body.pose.translation.z - z).abs() < SETTLED.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Compares the counts of a map of one mesh with those of every triangle at every place.
+    #[test]
+    fn triangles_are_counted_at_every_place_that_their_boxes_reach() {
+        let mut state = 7_u64;
+        let mut next = |size: f64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            ((state >> 33) as f64 / (1_u64 << 31) as f64 - 0.5) * size
+        };
+        for (triangles, size, spread) in [(1, 0.1, 0.0), (50, 3.0, 60.0), (20, 200.0, 20.0), (0, 1.0, 1.0)] {
+            let mut vertices = Vec::new();
+            for _ in 0..triangles {
+                let middle = [next(spread), next(spread), 0.0];
+                vertices.extend((0..3).map(|_| middle.map(|part| part + next(size))));
+            }
+            let corners = |triangle: u32| [0, 1, 2].map(|corner| 3 * triangle + corner);
+            let shape = Shape::Mesh { vertices: vertices.clone(), triangles: (0..triangles).map(corners).collect() };
+            let (name, position, rotation, material) = (String::new(), [0.0; 3], [0.0; 3], scene::Material::default());
+            let solid = scene::Solid { name, shape, position, rotation, material };
+            let map = MapDef { solids: vec![solid], ..MapDef::default() };
+            let middle = [1.0, -2.0];
+            let near = triangles_near(&map, middle);
+            for row in -RINGS..=RINGS {
+                for column in -RINGS..=RINGS {
+                    let reaches = |triangle: &[[f64; 3]]| {
+                        [row, column].iter().enumerate().all(|(axis, place)| {
+                            let at = middle[axis] + STEP * f64::from(*place);
+                            let parts = || triangle.iter().map(|vertex| vertex[axis]);
+                            let (low, high) = (parts().fold(f64::MAX, f64::min), parts().fold(f64::MIN, f64::max));
+                            low < at + STEP / 2.0 && high >= at - STEP / 2.0
+                        })
+                    };
+                    let expected = vertices.chunks(3).filter(|triangle| reaches(triangle)).count();
+                    assert_eq!(near[cell([row, column])], expected, "{triangles} of {size} m at {row}, {column}");
+                }
+            }
+        }
+    }
 }

@@ -14,6 +14,7 @@ mod league;
 mod list;
 mod log;
 mod output;
+mod progress;
 mod relay;
 mod serve;
 mod show;
@@ -178,7 +179,8 @@ impl Failure {
 /// Starts a thread that writes log lines, so a stopped reader of stderr does not stop the server. If the queue is full, lines are dropped.
 fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::WorkerGuard {
     use std::io::IsTerminal;
-    use tracing_subscriber::filter::LevelFilter;
+    use tracing_subscriber::filter::{LevelFilter, Targets};
+    use tracing_subscriber::prelude::*;
     let level = match (arguments.quiet, arguments.verbose) {
         (true, _) => LevelFilter::ERROR,
         (false, 0) => LevelFilter::INFO,
@@ -187,7 +189,10 @@ fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::Worke
     };
     let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let (writer, guard) = tracing_appender::non_blocking(std::io::stderr());
-    tracing_subscriber::fmt().with_writer(writer).with_ansi(colour).with_target(false).with_max_level(level).init();
+    // Foxglove's server says where it listens, which is behind our own port.
+    let targets = Targets::new().with_default(level).with_target("foxglove", level.min(LevelFilter::WARN));
+    let lines = tracing_subscriber::fmt::layer().with_writer(writer).with_ansi(colour).with_target(false);
+    tracing_subscriber::registry().with(lines.with_filter(targets)).init();
     guard
 }
 

@@ -1,7 +1,7 @@
 //! `usarsim maps` and `usarsim robots`.
 
 use scene::RobotDef;
-use scene_loader::LoadError;
+use scene_loader::{FAMILIES, LoadError};
 use serde_json::json;
 
 use crate::{Failure, exit, print};
@@ -33,10 +33,8 @@ pub(crate) fn maps(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 pub(crate) fn robots(arguments: &Arguments) -> Result<(), Failure> {
-    let robots: Result<Vec<_>, _> =
-        scene_loader::robot_names().iter().map(|name| scene_loader::robot(name, &[])).collect();
-    let robots = robots.map_err(broken)?;
     if arguments.json {
+        let robots = load(scene_loader::robot_names())?;
         let list = robots.iter().map(|robot| {
             json!({
                 "class": format!("USARBot.{}", robot.class),
@@ -50,14 +48,42 @@ pub(crate) fn robots(arguments: &Arguments) -> Result<(), Failure> {
         print(serde_json::Value::from_iter(list));
         return Ok(());
     }
-    for robot in robots {
-        print(format_args!("USARBot.{:<16} {}", robot.class, robot.description));
-        let sensors = sensors(&robot);
-        if !sensors.is_empty() {
-            print(format_args!("{:<24} {}", "", sensors.join(", ")));
+    let (names, further): (Vec<String>, Vec<Vec<String>>) = scene_loader::robot_folders().into_iter().unzip();
+    let robots = load(names)?;
+    for (number, family) in FAMILIES.iter().enumerate() {
+        let gap = if number == 0 { "" } else { "\n" };
+        print(format_args!("{gap}{}. {}", family.title, family.driving));
+        for (robot, further) in robots.iter().zip(&further).filter(|(robot, _)| family.has(robot)) {
+            let also = folded(&robot.class, further);
+            let also = if also.is_empty() { also } else { format!("; also {also}") };
+            print(format_args!("USARBot.{:<16} {}{also}", robot.class, robot.description));
+            let sensors = sensors(robot);
+            if !sensors.is_empty() {
+                print(format_args!("{:<24} {}", "", sensors.join(", ")));
+            }
         }
     }
     Ok(())
+}
+
+fn load(names: Vec<String>) -> Result<Vec<RobotDef>, Failure> {
+    names.iter().map(|name| scene_loader::robot(name, &[])).collect::<Result<_, _>>().map_err(broken)
+}
+
+/// Lists further names of a class. Those that add an ending, such as the colours `_b _g _r _y`, are given by it.
+fn folded(class: &str, further: &[String]) -> String {
+    let ending = |name: &String| {
+        let (begin, end) = name.split_at_checked(class.len())?;
+        (begin.eq_ignore_ascii_case(class) && end.starts_with('_')).then(|| end.to_owned())
+    };
+    let mut parts: Vec<String> = further.iter().filter(|name| ending(name).is_none()).cloned().collect();
+    let endings: Vec<String> = further.iter().filter_map(ending).collect();
+    match endings.as_slice() {
+        [] => {}
+        [one] => parts.push(format!("{class}{one}")),
+        many => parts.push(format!("with {}", many.join(" "))),
+    }
+    parts.join(", ")
 }
 
 fn sensors(robot: &RobotDef) -> Vec<&str> {

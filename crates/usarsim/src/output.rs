@@ -2,7 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{Failure, exit};
+use crate::serve::stop_signal;
+use crate::{Failure, complain, exit};
+
+/// Most tries to remove a folder.
+const MAX_TRIES: usize = 100;
 
 /// Refuses an output file that is one of the input files, by the same path, a symbolic link or a hard link.
 ///
@@ -18,17 +22,54 @@ pub(crate) fn keep_inputs(out: &Path, inputs: &[impl AsRef<Path>]) -> Result<(),
 
 /// Makes a folder, which must be new: another program may use an empty one.
 pub(crate) fn new_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir(folder).map_err(|error| failed(folder, error))
+    std::fs::create_dir(folder).map_err(|error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists => {
+            let message = format_args!("{}: exists already: choose another name, or remove it", folder.display());
+            Failure::new(exit::FAILURE, message)
+        }
+        _ => failed(folder, error),
+    })
 }
 
-/// Makes a folder and fills it. Leaves nothing if that fails.
+/// Makes a folder and fills it. Leaves nothing if that fails, or if Ctrl-C or SIGTERM ends the program meanwhile.
 pub(crate) fn fill_new_folder<T>(folder: &Path, fill: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     new_folder(folder)?;
+    let (done, ended) = tokio::sync::oneshot::channel();
+    let unfinished = folder.to_owned();
+    let watch = std::thread::Builder::new().name("signals".to_owned()).spawn(|| remove_at_signal(unfinished, ended));
     let filled = fill();
+    drop(done);
+    // After a signal it removes the folder and does not return.
+    if let Ok(thread) = watch {
+        let _ = thread.join();
+    }
     if filled.is_err() {
         let _ = std::fs::remove_dir_all(folder);
     }
     filled
+}
+
+/// Removes a folder and ends the program at a signal, until the other end of the channel is dropped.
+fn remove_at_signal(folder: PathBuf, ended: tokio::sync::oneshot::Receiver<()>) {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build();
+    let Ok(runtime) = runtime else { return };
+    let is_stopped = runtime.block_on(async {
+        tokio::select! {
+            _ = ended => false,
+            () = stop_signal() => true,
+        }
+    });
+    if !is_stopped {
+        return;
+    }
+    // The other thread may write a file meanwhile.
+    for _ in 0..MAX_TRIES {
+        if std::fs::remove_dir_all(&folder).is_ok() {
+            break;
+        }
+    }
+    complain(format_args!("{}: stopped, and removed", folder.display()));
+    std::process::exit(exit::FAILURE.into());
 }
 
 /// Writes a file.

@@ -48,7 +48,12 @@ const UT2004: Service = Service::Controllers { dialect: Some(Dialect::Ut2004) };
 
 /// Options of `serve`.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
+#[command(
+    after_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
+    usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml\n  \
+    usarsim serve --host 0.0.0.0             # other machines can watch and drive\n\n\
+    These are the common options; --help lists all.",
+    after_long_help = "Examples:\n  usarsim serve                          # a hall, 127.0.0.1:3000, real time\n  \
     usarsim serve --map slope-4.5 --rtf 10\n  usarsim serve --map my/map.toml --robot my/robot.toml --port 0 --json\n  \
     usarsim serve --robot turtlebot3_burger.urdf\n  \
     usarsim serve --equipment robocup2014    # a P3AT with eight sonars\n  \
@@ -58,131 +63,150 @@ const UT2004: Service = Service::Controllers { dialect: Some(Dialect::Ut2004) };
     usarsim serve --host 0.0.0.0             # other machines can watch and drive\n  \
     usarsim serve --host 0.0.0.0 --control local  # only this machine can pause and reset\n  \
     usarsim serve --host 0.0.0.0 --token-file tokens.toml  # only those with a token can watch and drive\n\n\
-    The server runs until Ctrl-C or SIGTERM and then ends with exit code 0.")]
+    The server runs until Ctrl-C or SIGTERM and then ends with exit code 0."
+)]
 pub(crate) struct Arguments {
     /// A map by name (see `usarsim maps`), or the path of a map.toml or of its folder.
     /// Defaults to `hall`, or to the map of the league.
-    #[arg(long, env = "USARSIM_MAP", value_name = "NAME|FILE")]
+    #[arg(long, env = "USARSIM_MAP", value_name = "NAME|FILE", help_heading = "World")]
     map: Option<String>,
     /// Play a league: teams, their start poses, a time limit, and points for victims and zones, from a league.toml; `rescue` is built in.
     /// The page shows the points; the world stops when the time is up.
-    #[arg(long, env = "USARSIM_LEAGUE", value_name = "NAME|FILE")]
+    #[arg(long, env = "USARSIM_LEAGUE", value_name = "NAME|FILE", help_heading = "World")]
     league: Option<PathBuf>,
     /// Write the result of the league to a JSON file when the time is up, at a reset and at the end. An existing file is kept: the result
     /// is then result-2.json, result-3.json ..
-    #[arg(long, env = "USARSIM_RESULT", value_name = "FILE.json", requires = "league")]
+    #[arg(
+        long,
+        env = "USARSIM_RESULT",
+        value_name = "FILE.json",
+        requires = "league",
+        help_heading = "World",
+        hide_short_help = true
+    )]
     result: Option<PathBuf>,
     /// Go on with a world that the page saved (`Save the world`), from its file. Its map, robots, seed, time step and units count. An
     /// INIT with the class and name of a robot in it takes that robot over.
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "league", "robot", "set", "equipment", "ini", "drive_model", "dt", "seed", "wheel_speeds"])]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["map", "league", "robot", "set", "equipment", "ini", "drive_model", "dt", "seed", "wheel_speeds"], help_heading = "World")]
     from: Option<PathBuf>,
-    /// A further robot class from a robot.toml, whose class is the name of its folder, or from a URDF, whose class is the name of
+    /// Seed of all randomness: the same seed and commands give the same run.
+    #[arg(long, env = "USARSIM_SEED", default_value_t = 0, help_heading = "World", hide_short_help = true)]
+    seed: u64,
+    /// A further robot class from a robot.toml or its folder, whose class is the name of the folder, or from a URDF, whose class is the name of
     /// the file. May be given several times.
-    #[arg(long, env = "USARSIM_ROBOT", value_name = "FILE")]
+    #[arg(long, env = "USARSIM_ROBOT", value_name = "FILE", help_heading = "Robots")]
     robot: Vec<PathBuf>,
     /// Replace a number: robot.PATH, CLASS.PATH, map.PATH or material.PATH=VALUE, as in robot.wheels.gain=2.5. May be given
     /// several times; `usarsim show` prints the result.
-    #[arg(long, value_name = "PATH=VALUE")]
+    #[arg(long, value_name = "PATH=VALUE", help_heading = "Robots", hide_short_help = true)]
     set: Vec<Override>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Robots")]
     equipment: equipment::Choice,
     /// Drive model of the robots that support it: articulated, bodies, analytic or kinematic; by default the
     /// one in their robot.toml.
-    #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL", value_parser = drive_model)]
+    #[arg(long, env = "USARSIM_DRIVE_MODEL", value_name = "MODEL", value_parser = drive_model, help_heading = "Robots", hide_short_help = true)]
     drive_model: Option<DriveModel>,
+    /// When a connection closes, remove only its newest robot, as USARSim does.
+    #[arg(long, env = "USARSIM_KEEP_ROBOTS", help_heading = "Robots", hide_short_help = true)]
+    keep_robots: bool,
+    /// Report mistakes in clients' lines to them as `NFO {Error ..}`. USARSim does not.
+    #[arg(long, env = "USARSIM_REPORT_ERRORS", help_heading = "Robots", hide_short_help = true)]
+    report_errors: bool,
+    /// Unit of wheel speeds on the wire: radians or revolutions a second.
+    #[arg(long, env = "USARSIM_WHEEL_SPEEDS", default_value = "rad", help_heading = "Robots", hide_short_help = true)]
+    wheel_speeds: WheelSpeeds,
+    /// Port of the page with the 3-D view; 0 takes a free one. By default 8080, or a free one if that is taken.
+    #[arg(long, env = "USARSIM_HTTP", value_name = "PORT", help_heading = "Page")]
+    http: Option<u16>,
+    /// Serve no page, even where --http or USARSIM_HTTP asks for one.
+    #[arg(long, help_heading = "Page", hide_short_help = true)]
+    no_http: bool,
     /// Address to listen on, for controllers and for the page. 0.0.0.0 accepts connections from other machines.
-    #[arg(long, env = "USARSIM_HOST", default_value = "127.0.0.1")]
+    #[arg(long, env = "USARSIM_HOST", default_value = "127.0.0.1", help_heading = "Ports")]
     host: String,
     /// Port to listen on; 0 takes a free one.
-    #[arg(long, env = "USARSIM_PORT", default_value_t = 3000)]
+    #[arg(long, env = "USARSIM_PORT", default_value_t = 3000, help_heading = "Ports")]
     port: u16,
     /// Dialect of the server's lines: udk, ut2004 (grouped sonars, GEO in one brace, an answer to every SET, which older controllers
     /// expect), or auto: ut2004 for the robots that only UT2004 had (P2DX, P2AT).
-    #[arg(long, env = "USARSIM_DIALECT", default_value = "auto", value_name = "DIALECT", value_parser = dialect)]
+    #[arg(long, env = "USARSIM_DIALECT", default_value = "auto", value_name = "DIALECT", value_parser = dialect, help_heading = "Ports", hide_short_help = true)]
     dialect: DialectChoice,
     /// Serve controllers on this port, too, in UT2004's dialect whatever their robots; 0 takes a free one.
-    #[arg(long, env = "USARSIM_UT2004_PORT", value_name = "PORT")]
+    #[arg(long, env = "USARSIM_UT2004_PORT", value_name = "PORT", help_heading = "Ports", hide_short_help = true)]
     ut2004_port: Option<u16>,
-    /// Port of the page with the 3-D view; 0 takes a free one. By default 8080, or a free one if that is taken.
-    #[arg(long, env = "USARSIM_HTTP", value_name = "PORT")]
-    http: Option<u16>,
-    /// Serve no page, even where --http or USARSIM_HTTP asks for one.
-    #[arg(long)]
-    no_http: bool,
-    /// Pages that may pause, step, reset, record, and change the speed or the map: everyone's, only those on this machine
-    /// (also through `ssh -L`), or nobody. Everybody can watch and drive their own robots.
-    /// Defaults to everyone's, or to what the league says.
-    #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO", value_parser = choice(&CONTROLS))]
-    control: Option<WorldControl>,
-    /// Let only those watch, drive and control the world who have a token: from a tokens.toml with roles for each (viewer, driver, referee). The
-    /// first line to every port is then `LOGIN {Token ..}`, and the page asks for one.
-    #[arg(long, env = "USARSIM_TOKEN_FILE", value_name = "FILE.toml")]
-    token_file: Option<PathBuf>,
     /// Stream the channels of a log live to Foxglove or Lichtblick on this port (theirs is 8765); 0 takes a free one.
-    #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT")]
+    #[arg(long, env = "USARSIM_FOXGLOVE", value_name = "PORT", help_heading = "Ports", hide_short_help = true)]
     foxglove: Option<u16>,
     /// Port of the poses of robots, objects and victims, for referees and score boards; `off` for none. By default 3989, and none with
     /// --port 0. If another program has it, the server starts without.
-    #[arg(long, env = "USARSIM_TRUTH", value_name = "PORT|off", value_parser = port_or_off)]
+    #[arg(long, env = "USARSIM_TRUTH", value_name = "PORT|off", value_parser = port_or_off, help_heading = "Ports", hide_short_help = true)]
     truth: Option<PortOrOff>,
     /// Port of robots and the walls between them, for wireless simulators (WSS); `off` for none. By default 7435, as --truth.
-    #[arg(long, env = "USARSIM_POSITIONS", value_name = "PORT|off", value_parser = port_or_off)]
+    #[arg(long, env = "USARSIM_POSITIONS", value_name = "PORT|off", value_parser = port_or_off, help_heading = "Ports", hide_short_help = true)]
     positions: Option<PortOrOff>,
     /// Port of the image server: what the first four cameras see, in one picture; `off` for none. By default 5003, as --truth.
-    #[arg(long, env = "USARSIM_IMAGES", value_name = "PORT|off", value_parser = port_or_off)]
+    #[arg(long, env = "USARSIM_IMAGES", value_name = "PORT|off", value_parser = port_or_off, help_heading = "Ports", hide_short_help = true)]
     images: Option<PortOrOff>,
     /// Kind of the image server's pictures: raw pixels, or JPEG of quality 100 (super), 75 (good), 50 (normal), 25 (fair) or 10 (bad).
-    #[arg(long, env = "USARSIM_IMAGE_KIND", value_name = "KIND", default_value = "raw", value_parser = choice(&IMAGE_KINDS))]
+    #[arg(long, env = "USARSIM_IMAGE_KIND", value_name = "KIND", default_value = "raw", value_parser = choice(&IMAGE_KINDS), help_heading = "Ports", hide_short_help = true)]
     image_kind: ImageKind,
     /// Send the first picture of a connection unasked (the image server's LegacyMode): some clients, as UvA's, wait for it and ask afterwards.
-    #[arg(long, env = "USARSIM_IMAGE_LEGACY")]
+    #[arg(long, env = "USARSIM_IMAGE_LEGACY", help_heading = "Ports", hide_short_help = true)]
     image_legacy: bool,
     /// Port of the radio between robots, as of the program WSS; `off` for none. By default 50000, as --truth.
-    #[arg(long, env = "USARSIM_WIRELESS", value_name = "PORT|off", value_parser = port_or_off)]
+    #[arg(long, env = "USARSIM_WIRELESS", value_name = "PORT|off", value_parser = port_or_off, help_heading = "Ports", hide_short_help = true)]
     wireless: Option<PortOrOff>,
     /// Port of the old relay between robots, ComServer; `off` for none. By default 5874, as --truth.
-    #[arg(long, env = "USARSIM_COM_SERVER", value_name = "PORT|off", value_parser = port_or_off)]
+    #[arg(long, env = "USARSIM_COM_SERVER", value_name = "PORT|off", value_parser = port_or_off, help_heading = "Ports", hide_short_help = true)]
     com_server: Option<PortOrOff>,
     /// Reach of the radio: everywhere, weaker with distance, or weaker with distance and walls. By default everywhere, or as the league
     /// says.
-    #[arg(long, env = "USARSIM_PROPAGATION", value_name = "MODEL", value_parser = choice(&MODELS))]
+    #[arg(long, env = "USARSIM_PROPAGATION", value_name = "MODEL", value_parser = choice(&MODELS), help_heading = "Ports", hide_short_help = true)]
     propagation: Option<Propagation>,
+    /// Most connections. Above it the server accepts no new ones until some close, as in USARSim.
+    #[arg(long, env = "USARSIM_MAX_CONNECTIONS", default_value_t = 64, help_heading = "Ports", hide_short_help = true)]
+    max_connections: usize,
     /// Real-time factor: simulated seconds per second; 0 is as fast as possible.
-    #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor)]
+    #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor, help_heading = "Time")]
     rtf: f64,
     /// Length of a time step, s. A longer step is faster; with `bodies` it is less accurate.
-    #[arg(long, env = "USARSIM_DT", value_name = "SECONDS", default_value_t = sim_core::TIME_STEP, value_parser = crate::bench::time_step)]
+    #[arg(long, env = "USARSIM_DT", value_name = "SECONDS", default_value_t = sim_core::TIME_STEP, value_parser = crate::bench::time_step, help_heading = "Time", hide_short_help = true)]
     dt: f64,
-    /// Seed of all randomness: the same seed and commands give the same run.
-    #[arg(long, env = "USARSIM_SEED", default_value_t = 0)]
-    seed: u64,
+    /// Threads for the simulation; by default the number of cores. The results are bitwise identical for any number.
+    #[arg(long, env = "USARSIM_THREADS", value_parser = clap::value_parser!(u32).range(1..=256), help_heading = "Time", hide_short_help = true)]
+    threads: Option<u32>,
     /// Write every line and every pose to an MCAP file. An existing file is kept: the log is then run-2.mcap, run-3.mcap ..
-    #[arg(long, env = "USARSIM_LOG", value_name = "FILE.mcap")]
+    #[arg(long, env = "USARSIM_LOG", value_name = "FILE.mcap", help_heading = "Log")]
     log: Option<PathBuf>,
     /// `ros2` also writes ROS 2 messages to a second file: run.ros2.mcap beside run.mcap.
-    #[arg(long, env = "USARSIM_LOG_FORMAT", value_name = "FORMAT", default_value = "native", requires = "log")]
+    #[arg(
+        long,
+        env = "USARSIM_LOG_FORMAT",
+        value_name = "FORMAT",
+        default_value = "native",
+        requires = "log",
+        help_heading = "Log",
+        hide_short_help = true
+    )]
     log_format: LogFormat,
     /// Record what robots' cameras see in logs, and stream it to Foxglove: 320 x 240 pixels, ten times a second each.
-    #[arg(long, env = "USARSIM_PICTURES")]
+    #[arg(long, env = "USARSIM_PICTURES", help_heading = "Log", hide_short_help = true)]
     pictures: bool,
-    /// Most connections. Above it the server accepts no new ones until some close, as in USARSim.
-    #[arg(long, env = "USARSIM_MAX_CONNECTIONS", default_value_t = 64)]
-    max_connections: usize,
-    /// Report mistakes in clients' lines to them as `NFO {Error ..}`. USARSim does not.
-    #[arg(long, env = "USARSIM_REPORT_ERRORS")]
-    report_errors: bool,
-    /// When a connection closes, remove only its newest robot, as USARSim does.
-    #[arg(long, env = "USARSIM_KEEP_ROBOTS")]
-    keep_robots: bool,
-    /// Unit of wheel speeds on the wire: radians or revolutions a second.
-    #[arg(long, env = "USARSIM_WHEEL_SPEEDS", default_value = "rad")]
-    wheel_speeds: WheelSpeeds,
-    /// Threads for the simulation; by default the number of cores. The results are bitwise identical for any number.
-    #[arg(long, env = "USARSIM_THREADS", value_parser = clap::value_parser!(u32).range(1..=256))]
-    threads: Option<u32>,
     /// Print the ready line as JSON.
-    #[arg(long)]
+    #[arg(long, help_heading = "Log", hide_short_help = true)]
     json: bool,
+    /// Panic after this number of steps, to test the report of a defect.
+    #[arg(long, hide = true, value_name = "STEPS")]
+    panic_at: Option<u64>,
+    /// Let only those watch, drive and control the world who have a token: from a tokens.toml with roles for each (viewer, driver, referee). The
+    /// first line to every port is then `LOGIN {Token ..}`, and the page asks for one.
+    #[arg(long, env = "USARSIM_TOKEN_FILE", value_name = "FILE.toml", help_heading = "Access")]
+    token_file: Option<PathBuf>,
+    /// Pages that may pause, step, reset, record, and change the speed or the map: everyone's, only those on this machine
+    /// (also through `ssh -L`), or nobody. Everybody can watch and drive their own robots.
+    /// Defaults to everyone's, or to what the league says.
+    #[arg(long, env = "USARSIM_CONTROL", value_name = "WHO", value_parser = choice(&CONTROLS), help_heading = "Access", hide_short_help = true)]
+    control: Option<WorldControl>,
 }
 
 /// Creates a parser of values by name.
@@ -279,7 +303,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         speed_unit,
         time_step: arguments.dt,
         keep_robots: arguments.keep_robots,
-        panic_at: None,
+        panic_at: arguments.panic_at,
     };
     let page = |port, if_taken| Listener { service: Service::Page, port, if_taken };
     let page =
@@ -334,12 +358,18 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     })
 }
 
-/// Reads a file of tokens.
+/// Reads a file of tokens. Warns of those that could be guessed.
 pub(crate) fn tokens(path: &Path) -> Result<Tokens, Failure> {
-    let wrong = |error: &dyn std::fmt::Display| {
-        Failure::new(exit::BAD_CONFIGURATION, format_args!("{}: {error}", path.display()))
-    };
-    std::fs::read_to_string(path).map_err(|error| wrong(&error))?.parse().map_err(|error| wrong(&error))
+    let wrong = |message: String| Failure::new(exit::BAD_CONFIGURATION, message);
+    let text = scene_loader::text(path).map_err(|error| wrong(error.to_string()))?;
+    let tokens: Tokens = text.parse().map_err(|error| wrong(format!("{}: {error}", path.display())))?;
+    for number in tokens.guessable() {
+        tracing::warn!(
+            "{}: token {number} could be guessed: expected a random one, as `openssl rand -hex 16` makes",
+            path.display()
+        );
+    }
+    Ok(tokens)
 }
 
 /// Returns the pages that control the world: as chosen, or as the league says.

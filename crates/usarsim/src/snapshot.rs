@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     /// A map by name, or the path of a map.toml or of its folder.
     #[arg(long, default_value = "hall", value_name = "NAME|FILE")]
     map: String,
-    /// A robot class to spawn, or the path of its robot.toml or URDF.
+    /// A robot class to spawn, or the path of its robot.toml, of its folder or of a URDF.
     #[arg(long, value_name = "CLASS|FILE")]
     robot: Option<String>,
     /// Start pose of the robot by its name on the map; by default the map's first.
@@ -126,14 +126,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs: Vec<PathBuf> = given.into_iter().flatten().flat_map(|given| definition_files(given)).collect();
     keep_inputs(&arguments.out, &inputs)?;
     let configuration = |error: String| Failure::new(exit::BAD_CONFIGURATION, error);
-    let file = arguments.robot.as_deref().map(Path::new).filter(|file| file.is_file());
-    let files: Vec<&Path> = file.into_iter().collect();
+    let is_file = |robot: &str| {
+        let is_built_in = |class: &String| class.eq_ignore_ascii_case(robot);
+        Path::new(robot).exists() && !scene_loader::robot_names().iter().any(is_built_in)
+    };
+    let file = arguments.robot.as_deref().filter(|robot| is_file(robot));
+    let files: Vec<&Path> = file.into_iter().map(Path::new).collect();
     let mut def = scene_loader::load_with(&arguments.map, &files, &arguments.set)
         .map_err(|error| configuration(error.to_string()))?;
     def.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
     let mut world = World::new(def, Options::default());
     if let Some(robot) = &arguments.robot {
-        let class = scene_loader::robot(robot, &[]).map_or_else(|_| robot.clone(), |def| def.class);
+        let class = scene_loader::robot(robot, &[]).map_err(|error| configuration(error.to_string()))?.class;
         place(&mut world, &class, arguments).map_err(configuration)?;
     }
     let stage = Stage::new(world.def());

@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use experiments::sweep::{Sweep, SweepError};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
+use crate::progress::Progress;
 use crate::{Failure, exit, print};
 
 /// Options of `sweep`.
@@ -61,15 +61,12 @@ pub(crate) fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     }
     let kept = sweep.batches() - missing.len();
     let left: usize = missing.iter().map(|&batch| sweep.runs_of(batch)).sum();
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {eta} left, {msg}");
-    let bar = ProgressBar::with_draw_target(Some(left as u64), target)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let progress = Progress::of_runs(left, quiet);
     let jobs = jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    run_batches(&sweep, out, &missing, jobs, &bar).map_err(failure)?;
-    bar.set_message("tables, plots, report");
+    run_batches(&sweep, out, &missing, jobs, &progress).map_err(failure)?;
+    progress.say("tables, plots, report");
     let plots = sweep.finish(out).map_err(failure)?;
-    bar.finish_and_clear();
+    progress.finish();
     let (seconds, report) = (start.elapsed().as_secs_f64(), out.join("report.html"));
     if *json {
         print(json!({
@@ -93,15 +90,21 @@ pub(crate) fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 }
 
 /// Does batches on several threads. After a failure, batches under way are finished.
-fn run_batches(sweep: &Sweep, out: &Path, batches: &[usize], jobs: usize, bar: &ProgressBar) -> Result<(), SweepError> {
+fn run_batches(
+    sweep: &Sweep,
+    out: &Path,
+    batches: &[usize],
+    jobs: usize,
+    progress: &Progress,
+) -> Result<(), SweepError> {
     let (next, failed) = (AtomicUsize::new(0), Mutex::new(None));
     let work = || {
         while failed.lock().unwrap_or_else(PoisonError::into_inner).is_none() {
             let Some(&batch) = batches.get(next.fetch_add(1, Ordering::Relaxed)) else { return };
             match sweep.run_batch(out, batch) {
                 Ok(runs) => {
-                    bar.set_message(format!("batch {batch}"));
-                    bar.inc(runs as u64);
+                    progress.say(format!("batch {batch}"));
+                    progress.add(runs);
                 }
                 Err(error) => *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error),
             }

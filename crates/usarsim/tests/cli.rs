@@ -129,13 +129,8 @@ fn a_reader_of_stderr_that_stops_or_leaves_does_not_stop_the_server() {
 #[test]
 fn a_panic_of_the_world_is_a_report_that_makes_it_again() {
     let folder = tempfile::tempdir().expect("a folder");
-    // A saved world may hold a step at which it is to panic.
-    let scene = scene_loader::load("hall", &[]).expect("a map");
-    let world = World::new(scene, Options { panic_at: Some(1000), ..Options::default() });
-    let saved = serde_json::json!({ "format": 1, "scene": world.def(), "state": world.save().expect("a state") });
-    std::fs::write(folder.path().join("panics.json"), saved.to_string()).expect("a file");
     let child = usarsim()
-        .args(["serve", "--from", "panics.json", "--port", "0", "--no-http", "--json", "--log", "run.mcap"])
+        .args(["serve", "--panic-at", "1000", "--port", "0", "--no-http", "--json", "--log", "run.mcap"])
         .current_dir(folder.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -234,6 +229,27 @@ fn what_is_wrong_is_named_with_what_is_right() {
             "(did you mean `PlayerStart_0`?): expected one of",
         ),
         ("snapshot --out a.jpg", 2, "expected a name that ends in .png"),
+        // A guess stands alone.
+        (
+            "snapshot --robot P3TA --out a.png",
+            78,
+            "unknown robot `P3TA` (did you mean `P3AT`?): expected a file or one of those that `usarsim robots` lists\n",
+        ),
+        (
+            "show robot Kenav",
+            78,
+            "`Kenav` (did you mean `Kenaf`?): expected a file or one of those that `usarsim robots`",
+        ),
+        (
+            "serve --map arean",
+            78,
+            "`arean` (did you mean `arena`?): expected a file or one of those that `usarsim maps`",
+        ),
+        ("show robot Zeppelin", 78, "unknown robot `Zeppelin`: expected a file or one of ARDrone, ATRV,"),
+        ("copy robot P3AT Mine", 0, "Mine/robot.toml"),
+        ("snapshot --robot Mine --seconds 0 --size 64x48 --out a.png", 0, "a.png (64 x 48)"),
+        ("bench --robot Mine --seconds 0.1", 0, "of the exact travel"),
+        ("import-map hall/map.toml --name Mine", 65, "expected a .sdf, .world"),
         ("check hall", 0, "1 file good\n"),
         ("check hall hall/map.toml", 0, "2 files good\n"),
         ("check nowhere.toml", 65, "1 mistake in 1 file\n"),
@@ -646,6 +662,90 @@ fn what_is_shipped_is_good() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
 }
 
+/// Changes the state of a saved world. Each file is refused with the reason, and no server starts.
+#[test]
+fn a_saved_world_with_options_or_numbers_of_no_run_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let world = World::new(scene_loader::load("hall", &[]).expect("a map"), Options::default());
+    let state = serde_json::to_value(world.save().expect("a state")).expect("JSON");
+    let file = folder.path().join("saved.json");
+    for (key, value, expected) in [
+        ("/options/time_step", "0", "options: `time_step` is 0: expected 0.0001 to 0.02 s"),
+        ("/options/time_step", "1e-300", "`time_step` is 1e-300: expected 0.0001 to 0.02 s"),
+        ("/options/time_step", "0.5", "`time_step` is 0.5: expected 0.0001 to 0.02 s"),
+        ("/options/speed_unit", "0", "`speed_unit` is 0: expected 0.01 to 100 rad/s"),
+        ("/options/panic_at", "1000", "`panic_at` is 1000: expected none"),
+        ("/steps", "18446744073709551615", "`steps` is 18446744073709551615: expected at most 281474976710656"),
+        ("/next_id", "18446744073709551615", "`next_id` is 18446744073709551615: expected at most"),
+    ] {
+        let mut state = state.clone();
+        *state.pointer_mut(key).expect("a number") = serde_json::from_str(value).expect("a number");
+        let saved = serde_json::json!({ "format": 1, "scene": world.def(), "state": state });
+        std::fs::write(&file, saved.to_string()).expect("a file");
+        let path = file.display().to_string();
+        let output = run(&["serve", "--from", &path, "--port", "0", "--no-http"]);
+        let said = text(&output.stderr);
+        assert!(output.status.code() == Some(78) && said.contains(expected), "{key} {value}: {said}");
+    }
+}
+
+/// Lines of a list in the order of its families, with the colours of a class in one line.
+#[test]
+fn the_list_of_robots_is_by_family_and_folds_colours() {
+    let list = text(&run(&["robots"]).stdout);
+    let places: Vec<_> = [
+        "On wheels.",
+        "USARBot.P3AT ",
+        "On tracks.",
+        "USARBot.Kenaf ",
+        "Cars.",
+        "USARBot.Hummer ",
+        "On legs.",
+        "USARBot.Nao ",
+    ]
+    .iter()
+    .map(|part| list.find(part).unwrap_or_else(|| panic!("{part}: {list}")))
+    .collect();
+    assert!(places.is_sorted(), "{list}");
+    assert!(list.contains("; also with _b _g _r _y\n") && !list.contains("_sensors_b "), "{list}");
+    assert!(list.contains("; also P2AT_ATLANTA\n"), "{list}");
+}
+
+#[test]
+fn serve_has_a_short_help_and_a_long_one_with_headings() {
+    let help = |option: &str| text(&run(&["serve", option]).stdout);
+    let (short, long) = (help("-h"), help("--help"));
+    let options = |help: &str| help.lines().filter(|line| line.trim_start().starts_with("--")).count();
+    assert!(options(&short) == 10 && options(&long) > 30, "{short}");
+    let headings = ["World:", "Robots:", "Page:", "Ports:", "Time:", "Log:", "Access:"];
+    let places: Vec<_> = headings.iter().map(|heading| long.find(&format!("\n{heading}\n"))).collect();
+    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}: {long}");
+}
+
+#[test]
+fn a_file_of_tokens_is_bounded_and_a_word_is_no_token() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let endless = |arguments: &[&str], code: i32| {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert!(said.contains("not a regular file") || said.contains("/dev/zero: expected"), "{arguments:?}: {said}");
+    };
+    endless(&["serve", "--port", "0", "--token-file", "/dev/zero"], 78);
+    endless(&["check", "/dev/zero"], 65);
+    endless(&["experiment", "run", "/dev/zero"], 78);
+    endless(&["experiment", "fit", "/dev/zero"], 78);
+    let file = folder.path().join("tokens.toml");
+    std::fs::write(&file, "[[token]]\ntoken = \"the-projector-in-the-hall\"\nroles = [\"viewer\"]\n").expect("a file");
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    let mut server = Serving::start_with(&["--token-file", &file.display().to_string()], writer.into());
+    server.signal("TERM");
+    assert_eq!(server.wait().code(), Some(0));
+    drop(server);
+    let said = std::io::read_to_string(reader).expect("text");
+    assert!(said.contains("tokens.toml: token 1 could be guessed") && !said.contains("projector"), "{said}");
+}
+
 #[test]
 fn the_lists_name_maps_and_robots() {
     for (command, names) in [("maps", ["rough", "arena"]), ("robots", ["USARBot.KUKA_YouBot", "USARBot.P3AT"])] {
@@ -674,7 +774,7 @@ fn copies_of_all_robots_and_maps_are_good_and_overwrite_nothing() {
         }
     }
     for (name, to, code, expected) in [
-        ("arena", "my-arena", 1, "my-arena: File exists"),
+        ("arena", "my-arena", 1, "my-arena: exists already: choose another name"),
         ("arean", "new", 78, "did you mean `arena`"),
         ("arena", "no/such/place", 1, "no/such/place: No such file or directory"),
     ] {

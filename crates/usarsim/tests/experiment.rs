@@ -51,3 +51,47 @@ fn an_experiment_through_the_socket_has_the_steps_of_one_in_process() {
     let (code, said) = conduct(&["--out", "there"]);
     assert!(code == Some(78) && said.contains("another version of `moves`"), "{said}");
 }
+
+/// Into a file, where there is no bar, each tenth part of the runs has a line. Without plots the report has one of each axis.
+#[test]
+fn an_experiment_and_a_sweep_say_how_far_they_are_and_draw_each_axis() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let samples =
+        FILE.replace("[setup]", "samples = 10\n[setup]").replace("steps = 4", "steps = 1\nstep_seconds = 0.2");
+    std::fs::write(folder.path().join("moves.toml"), samples).expect("a file");
+    for (command, logs) in [(&["experiment", "run"][..], true), (&["sweep"], false)] {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_usarsim"));
+        let out = command[0];
+        program.args(command).args(["moves.toml", "--out", out]).current_dir(&folder);
+        let output = program.output().expect("usarsim runs");
+        let (said, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{errors}");
+        // A batch of a sweep has all 20 runs.
+        let lines = errors.lines().filter(|line| line.contains(" of 20 runs in ")).count();
+        assert_eq!(lines, if logs { 10 } else { 1 }, "{errors}");
+        assert!(errors.contains("20 of 20 runs in ") && said.contains("1 plot in"), "{said}{errors}");
+        let report = std::fs::read_to_string(folder.path().join(out).join("report.html")).expect("a report");
+        assert!(report.contains("20 runs of usarsim") && report.contains(", 1 experiment."), "{report}");
+        assert!(report.contains("Main movement against move") && report.contains("<details open>"), "{report}");
+        assert_eq!(report.contains("a log of each"), logs);
+    }
+}
+
+/// A map and a robot in folders beside the experiment are found.
+#[test]
+fn an_experiment_takes_folders_of_a_map_and_a_robot() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (what, name, to) in [("map", "rough", "floor"), ("robot", "KUKA_YouBot", "Mine")] {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_usarsim"));
+        program.args(["copy", what, name, to]).current_dir(&folder);
+        assert!(program.output().expect("usarsim runs").status.success());
+    }
+    let file = FILE.replace("[setup]", "[setup]\nmap = \"floor\"\nrobot = \"Mine\"");
+    let file = file.replace("steps = 4", "steps = 1\nstep_seconds = 0.2");
+    std::fs::create_dir(folder.path().join("work")).expect("a folder");
+    std::fs::write(folder.path().join("moves.toml"), file).expect("a file");
+    let mut program = Command::new(env!("CARGO_BIN_EXE_usarsim"));
+    let work = folder.path().join("work");
+    let output = program.args(["experiment", "run", "../moves.toml"]).current_dir(work).output().expect("it runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}

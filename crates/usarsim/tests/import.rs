@@ -121,6 +121,86 @@ fn a_xacro_file_without_xacro_says_what_to_install() {
     assert!(!folder.path().join("Rover").exists());
 }
 
+/// A folder with modules of Python's names, each of which leaves a trace. No import runs one.
+#[test]
+fn programs_of_the_folder_one_stands_in_are_not_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let trace = at("trace");
+    for module in ["json", "xacro", "resource", "types", "site", "sitecustomize", "yaml"] {
+        let code = format!("open({:?}, 'a').write({module:?})\n", trace.display().to_string());
+        std::fs::write(at(&format!("{module}.py")), code).expect("a module");
+    }
+    let program = format!("#!/bin/sh\necho python3 >> {}\n", trace.display());
+    std::fs::write(at("python3"), program).expect("a program");
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    std::fs::set_permissions(at("python3"), mode).expect("a program");
+    let cart = std::fs::read_to_string(packages().join("cart/urdf/cart.urdf")).expect("a URDF");
+    let declared = cart.replacen("<robot ", "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\" ", 1);
+    let used = declared.replacen("<link ", "<xacro:property name=\"x\" value=\"1\"/><link ", 1);
+    let path = |more: &str| format!("{more}:{}", std::env::var("PATH").unwrap_or_default());
+    let own = folder.path().display().to_string();
+    let runs: [(&str, &str, &str, &[i32]); 7] = [
+        ("plain.urdf", &format!("<!-- ${{5}} -->{cart}"), "", &[0]),
+        ("declared.urdf", &declared, "", &[0]),
+        ("undeclared.urdf", &cart.replacen("0.3", "${0.3}", 1), "", &[65]),
+        // Without xacro on this machine, 1; with it the file is good.
+        ("used.urdf", &used, "", &[0, 1]),
+        ("used.xacro", &used, "", &[0, 1]),
+        ("empty.xacro", &used, ":", &[0, 1]),
+        ("own.xacro", &used, &own, &[0, 1]),
+    ];
+    for (number, (name, text, python_path, codes)) in runs.into_iter().enumerate() {
+        std::fs::write(at(name), text).expect("a file");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_usarsim"));
+        command.args(["import", name, "--class", &format!("Robot{number}")]).current_dir(folder.path());
+        command.env("PYTHONPATH", python_path).env("PATH", path(if number % 2 == 0 { "" } else { "." }));
+        let output = command.output().expect("usarsim runs");
+        let code = output.status.code().expect("an exit code");
+        assert!(codes.contains(&code), "{name}: {code}: {}", text_of(&output));
+        let ran = std::fs::read_to_string(&trace).unwrap_or_default();
+        assert_eq!(ran, "", "{name}");
+    }
+}
+
+fn text_of(output: &Output) -> String {
+    text(&output.stdout) + &text(&output.stderr)
+}
+
+/// The user's packages and absolute folders of PYTHONPATH hold a module `xacro` that prints a URDF.
+#[test]
+fn xacro_of_the_user_and_of_ros_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let base = folder.path().join("base");
+    let asked = Command::new("python3")
+        .args(["-c", "import site; print(site.getusersitepackages())"])
+        .env("PYTHONUSERBASE", &base)
+        .output();
+    let Ok(asked) = asked else { return eprintln!("not tested: there is no python3") };
+    let of_user = PathBuf::from(text(&asked.stdout).trim());
+    let of_ros = folder.path().join("ros");
+    let urdf = std::fs::read_to_string(packages().join("cart/urdf/cart.urdf")).expect("a URDF");
+    let module = format!("import yaml\ndef parse():\n  pass\ndef main():\n  print({urdf:?})\n");
+    for (number, (modules, variable)) in [(&of_user, "PYTHONUSERBASE"), (&of_ros, "PYTHONPATH")].into_iter().enumerate()
+    {
+        std::fs::create_dir_all(modules).expect("a folder");
+        std::fs::write(modules.join("xacro.py"), &module).expect("a module");
+        std::fs::write(modules.join("yaml.py"), "").expect("a module");
+        let value = if variable == "PYTHONPATH" { modules } else { &base };
+        let class = format!("Cart{number}");
+        let work = folder.path().join(&class).join("work");
+        std::fs::create_dir_all(&work).expect("a folder");
+        let file = folder.path().join("cart.xacro");
+        std::fs::write(&file, "<robot/>").expect("a file");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_usarsim"));
+        command.arg("import").arg(&file).args(["--class", &class]).current_dir(&work);
+        command.env_remove("PYTHONPATH").env_remove("PYTHONUSERBASE").env(variable, value);
+        let output = command.output().expect("usarsim runs");
+        assert!(output.status.success(), "{variable}: {}", text_of(&output));
+        std::fs::remove_file(modules.join("xacro.py")).expect("a module");
+    }
+}
+
 #[test]
 #[ignore = "needs Python's xacro"]
 fn hostile_xacro_files_are_refused() {

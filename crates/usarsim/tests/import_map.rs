@@ -221,3 +221,44 @@ fn a_folder_that_exists_is_left_alone() {
     assert!(output.status.code() == Some(1) && said.contains("made: File exists"), "{said}");
     assert_eq!(fs::read(folder.path().join("made/mine.txt")).expect("a file"), b"mine");
 }
+
+/// A soup that takes a while: SIGTERM comes when its folder is there.
+#[test]
+fn an_import_that_is_broken_off_leaves_no_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("soup.obj"), soup(20_000)).expect("a file");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_usarsim"));
+    command.current_dir(folder.path()).args(["import-map", "soup.obj", "--name", "made"]);
+    let mut child = command.stderr(std::process::Stdio::piped()).spawn().expect("it runs");
+    let made = folder.path().join("made");
+    while !made.join("map.toml").exists() {
+        assert!(child.try_wait().expect("a child").is_none(), "it ends before its folder is there");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    // The shell's own kill: not every machine has a program of that name.
+    let signal = Command::new("sh").args(["-c", &format!("kill -TERM {}", child.id())]).status();
+    assert!(signal.is_ok_and(|it| it.success()));
+    let output = child.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && said.contains("made: stopped, and removed"), "{said}");
+    assert!(!made.exists());
+}
+
+/// Returns triangles of a metre in disorder in a cube of 10 m, as OBJ.
+fn soup(triangles: usize) -> String {
+    let mut state = 1_u64;
+    let mut next = |size: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / (1_u64 << 31) as f64 * size
+    };
+    let mut text = String::new();
+    for number in 0..triangles {
+        let middle = [next(10.0), next(10.0), next(10.0)];
+        for _ in 0..3 {
+            let [x, y, z] = middle.map(|part| part + next(1.0));
+            text += &format!("v {x:.4} {y:.4} {z:.4}\n");
+        }
+        text += &format!("f {} {} {}\n", 3 * number + 1, 3 * number + 2, 3 * number + 3);
+    }
+    text
+}

@@ -192,7 +192,7 @@ fn of_xacro(node: Node) -> Option<String> {
     match node.node_type() {
         NodeType::Element => {
             let tag = node.tag_name();
-            let own = tag.namespace().is_some_and(|namespace| namespace.ends_with("/xacro"));
+            let own = tag.namespace().is_some_and(is_xacro);
             let value = || node.attributes().map(|attribute| attribute.value()).find(|value| substitution(value));
             if own { Some(format!("<xacro:{}>", tag.name())) } else { value().map(str::to_owned) }
         }
@@ -201,9 +201,15 @@ fn of_xacro(node: Node) -> Option<String> {
     }
 }
 
+/// True for the name space of xacro, of which there are several spellings.
+pub(super) fn is_xacro(namespace: &str) -> bool {
+    let place = namespace.trim_end_matches("#interface").trim_end_matches('/');
+    place.ends_with("/xacro")
+}
+
 /// Returns the message for a file that needs xacro.
 pub(super) fn unexpanded(what: &str) -> String {
     format!(
-        "`{what}` is of xacro: expected a URDF; expand it first by `usarsim import`, or `xacro robot.xacro > robot.urdf`"
+        "`{what}` is of xacro: expected a URDF; expand it first by `usarsim import robot.xacro`, or `xacro robot.xacro > robot.urdf`"
     )
 }

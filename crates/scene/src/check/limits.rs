@@ -4,6 +4,8 @@ use super::Range;
 
 /// Length of a time step of a world.
 pub const TIME_STEP: Range = Range { least: 1e-4, most: 0.02, unit: " s" };
+/// Unit of wheel speeds on the wire: 1 for rad/s, 2 pi for revolutions a second.
+pub const SPEED_UNIT: Range = Range { least: 0.01, most: 100.0, unit: " rad/s" };
 /// Coordinates on a map. The shipped robots drive at its ends as they do at the origin.
 pub const MAP_REACH: Range = Range { least: -1e5, most: 1e5, unit: " m" };
 /// Coordinates on a robot. USARSim's largest robots measure a few metres; with a mass 10 km away the state is lost.

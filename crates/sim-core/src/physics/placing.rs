@@ -69,6 +69,12 @@ impl Physics {
         Ok(Placement { pose: beside, obstacle: Some(obstacle) })
     }
 
+    /// Returns the pose of a robot on the surface at a wanted place, if it is free there. `None` otherwise.
+    pub(crate) fn place_here(&self, robot: &CompiledRobot, wanted: &Pose) -> Option<Pose> {
+        let pose = self.standing_pose(robot, wanted);
+        self.check_room(robot, &pose, None).is_ok().then_some(pose)
+    }
+
     /// Returns the robot or object that an object at a pose would overlap.
     pub(crate) fn obstacle(&self, object: &Object, pose: &Pose) -> Option<Identity> {
         let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed());

@@ -86,6 +86,11 @@ impl EngineNames {
         self.numbers.remove(&id);
     }
 
+    /// Returns the highest count or number.
+    pub(super) fn highest(&self) -> u64 {
+        self.counts.values().chain(self.numbers.values()).copied().max().unwrap_or_default()
+    }
+
     fn of(&self, id: PawnId, class: &str) -> String {
         format!("{class}_{}", self.numbers.get(&id).copied().unwrap_or(id.0))
     }

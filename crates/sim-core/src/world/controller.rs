@@ -17,7 +17,7 @@ use crate::physics::extents;
 use crate::sensor::floats;
 
 /// Most objects that controllers may have in a world.
-const MAX_OBJECTS: usize = 1024;
+pub(super) const MAX_OBJECTS: usize = 1024;
 /// Most points of an object's path.
 const MAX_POINTS: usize = 4096;
 /// Most points of the paths of all objects in a world.
@@ -37,6 +37,14 @@ pub(super) struct Controller {
     /// Pose from its INIT. It does nothing; referees are told it.
     #[serde(default)]
     pub(super) pose: Pose,
+}
+
+impl Controller {
+    /// True if its numbers are finite. Saved ones may come from a stranger.
+    pub(super) fn is_sound(&self) -> bool {
+        let Pose { translation, rotation } = &self.pose;
+        translation.vector.iter().chain(rotation.coords.iter()).all(|it| it.is_finite())
+    }
 }
 
 /// An object that a controller created.
@@ -146,6 +154,15 @@ impl Path {
         self.is_loop
     }
 
+    /// True if its numbers are such as orders give them. Saved ones may come from a stranger.
+    fn is_sound(&self) -> bool {
+        let is_place = |point: &[f64; 3]| point.iter().all(|&it| check::MAP_REACH.holds(it));
+        self.points.len() <= MAX_POINTS
+            && self.points.places.iter().all(is_place)
+            && [self.length, self.progress].iter().all(|way| (0.0..=f64::MAX).contains(way))
+            && self.speed.abs() <= MAX_SPEED
+    }
+
     /// Returns the position at the present progress, m. It searches the line in the logarithm of their number.
     fn position(&self) -> Vector3<f64> {
         let Points { places, ways } = &self.points;
@@ -164,6 +181,27 @@ impl Path {
 }
 
 impl Created {
+    pub(super) fn id(&self) -> ObjectId {
+        self.id
+    }
+
+    /// Returns its controller, which may have left.
+    pub(super) fn by(&self) -> PawnId {
+        self.by
+    }
+
+    /// True if its texts and numbers are such as orders give them. Saved ones may come from a stranger.
+    pub(super) fn is_sound(&self) -> bool {
+        let is_short = |text: &str| text.chars().count() <= MAX_NAME_CHARS;
+        let [position, rotation] = self.start;
+        is_short(&self.name)
+            && is_short(&self.memory)
+            && position.iter().all(|&it| check::MAP_REACH.holds(it))
+            && rotation.iter().chain(&self.rotation).all(|angle| angle.is_finite())
+            && self.spin.iter().all(|rate| rate.abs() <= MAX_SPEED)
+            && self.path.is_sound()
+    }
+
     /// True if orders move it, and no force.
     fn is_led(&self) -> bool {
         self.path.is_followed() || self.spin != [0.0; 3]

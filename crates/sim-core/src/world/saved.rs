@@ -1,20 +1,23 @@
 //! Saving a world as plain data, and going on from it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use scene::{ObjectId, Options, PawnId, RfidTag, check};
 use serde::{Deserialize, Serialize};
 
-use super::World;
 use super::actors::EngineNames;
 use super::avatar::Avatar;
-use super::controller::{Controller, Created};
+use super::controller::{Controller, Created, MAX_OBJECTS};
 use super::robot::{Robot, SavedRobot};
 use super::tiles::Tiles;
 use super::tools::{self, Tool};
 use super::vacuum::Stuck;
+use super::{MAX_NAME_CHARS, MAX_ROBOTS, World};
 use crate::CompiledScene;
 use crate::physics::SavedObject;
+
+/// Most steps and numbers of pawns or objects: 17 000 years of default steps, after which clocks and counters still work.
+const MAX_COUNT: u64 = 1 << 48;
 
 /// The state of a world at the end of a step. The scene is not in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,6 +55,59 @@ impl SavedWorld {
     /// Returns the options that the world ran with.
     pub fn options(&self) -> Options {
         self.options
+    }
+
+    /// Checks options, counters and numbers of entries, which do not depend on the scene.
+    fn check(&self) -> Result<(), LoadError> {
+        let Options { time_step, speed_unit, panic_at, .. } = self.options;
+        let ranges = [("time_step", check::TIME_STEP, time_step), ("speed_unit", check::SPEED_UNIT, speed_unit)];
+        if let Some(problem) = ranges.into_iter().find_map(|(name, range, value)| range.problem(name, value)) {
+            return Err(LoadError::BadOption { problem });
+        }
+        if let Some(step) = panic_at {
+            let problem = format!("`panic_at` is {step}: expected none, as only tests panic on purpose");
+            return Err(LoadError::BadOption { problem });
+        }
+        let counters = [
+            ("steps", self.steps),
+            ("next_id", self.next_id),
+            ("next_object", self.next_object),
+            ("unsettled", self.unsettled),
+            ("engine_names", self.engine_names.highest()),
+        ];
+        if let Some((name, got)) = counters.into_iter().find(|(_, got)| *got > MAX_COUNT) {
+            return Err(LoadError::TooHigh { name, got, most: MAX_COUNT });
+        }
+        let pawns = self.robots.len() + self.controllers.len() + self.avatars.len();
+        let objects = self.objects.len() + self.tools.len() + self.stuck.len();
+        let lists = [
+            ("pawns", pawns, MAX_ROBOTS),
+            ("objects of controllers", self.created.len(), MAX_OBJECTS),
+            ("objects", objects, check::MAX_SOLIDS),
+        ];
+        if let Some((what, got, most)) = lists.into_iter().find(|(_, got, most)| got > most) {
+            return Err(LoadError::TooMany { what, got, most });
+        }
+        self.check_pawns()
+    }
+
+    /// Checks the numbers and names of pawns.
+    fn check_pawns(&self) -> Result<(), LoadError> {
+        let robots = self.robots.iter().map(|robot| (robot.id, robot.name.as_str()));
+        let controllers = self.controllers.iter().map(|(id, controller)| (*id, controller.name.as_str()));
+        let avatars = self.avatars.iter().map(|(id, avatar)| (*id, avatar.name()));
+        let mut ids = BTreeSet::new();
+        for (id, name) in robots.chain(controllers).chain(avatars) {
+            if id.0 >= self.next_id || !ids.insert(id) {
+                return Err(LoadError::OutOfOrder { id });
+            }
+            let got = name.chars().count();
+            if got > MAX_NAME_CHARS {
+                return Err(LoadError::LongName { id, got, most: MAX_NAME_CHARS });
+            }
+        }
+        let is_unsound = |(_, controller): &(&PawnId, &Controller)| !controller.is_sound();
+        self.controllers.iter().find(is_unsound).map_or(Ok(()), |(&id, _)| Err(LoadError::Controller { id }))
     }
 }
 
@@ -106,11 +162,59 @@ pub enum LoadError {
         /// Number of those of the map.
         expected: usize,
     },
-    /// Robots are not in the order of their numbers, or have numbers that are still to be given.
+    /// Robots are not in the order of their numbers, or a pawn has a number that is taken or still to be given.
     #[error("robot {}: its number is out of order", id.0)]
     OutOfOrder {
-        /// The robot.
+        /// The pawn.
         id: PawnId,
+    },
+    /// An option has a value that no run can have.
+    #[error("options: {problem}")]
+    BadOption {
+        /// Description of the option, its value and the expected one.
+        problem: String,
+    },
+    /// A counter is so high that it would overflow, or that clocks would stop.
+    #[error("`{name}` is {got}: expected at most {most}")]
+    TooHigh {
+        /// The counter.
+        name: &'static str,
+        /// Its value.
+        got: u64,
+        /// Highest value.
+        most: u64,
+    },
+    /// A list is longer than a world can have it.
+    #[error("got {got} {what}, expected at most {most}")]
+    TooMany {
+        /// The kind of the entries.
+        what: &'static str,
+        /// Length of the list.
+        got: usize,
+        /// Greatest length.
+        most: usize,
+    },
+    /// The name of a pawn is longer than INIT takes it.
+    #[error("robot {}: its name has {got} characters, expected at most {most}", id.0)]
+    LongName {
+        /// The pawn.
+        id: PawnId,
+        /// Length of the name.
+        got: usize,
+        /// Greatest length.
+        most: usize,
+    },
+    /// The pose of a world controller is not finite.
+    #[error("world controller {}: expected a finite pose", id.0)]
+    Controller {
+        /// The controller.
+        id: PawnId,
+    },
+    /// An object of a world controller has another's number, or a name, pose, spin or path that no order gives.
+    #[error("object {}: expected a number, a name, a pose, a spin and a path as world controllers give them", id.0)]
+    Created {
+        /// The object.
+        id: ObjectId,
     },
 }
 
@@ -148,8 +252,9 @@ impl World {
     /// Creates a world that goes on from a saved state with the same bits, if the scene is the same.
     ///
     /// # Errors
-    /// If the state does not fit the scene.
+    /// If the state does not fit the scene, or has numbers that no world has.
     pub fn load(scene: impl Into<CompiledScene>, saved: &SavedWorld) -> Result<Self, LoadError> {
+        saved.check()?;
         let mut world = Self::new(scene, saved.options);
         (world.steps, world.next_id) = (saved.steps, saved.next_id);
         world.avatars = saved.avatars.clone();
@@ -170,10 +275,13 @@ impl World {
             return Err(LoadError::OtherMap { id: *id });
         }
         let is_saved = |body| saved.objects.iter().any(|object| object.id == body && object.spawned.is_some());
-        let fits =
-            |(id, avatar): &(&PawnId, &Avatar)| id.0 < saved.next_id && is_saved(avatar.body()) && avatar.is_sound();
+        let fits = |(_, avatar): &(&PawnId, &Avatar)| is_saved(avatar.body()) && avatar.is_sound();
         if let Some((_, avatar)) = saved.avatars.iter().find(|avatar| !fits(avatar)) {
             return Err(LoadError::OtherMap { id: avatar.body() });
+        }
+        let fits = |it: &Created| (of_map..next).contains(&it.id().0) && it.by().0 < saved.next_id && it.is_sound();
+        if let Some(created) = saved.created.iter().find(|it| !fits(it)) {
+            return Err(LoadError::Created { id: created.id() });
         }
         let is_sound = |tag: &RfidTag| check::tag(tag).is_empty();
         if let Some(tags) = &saved.tags {
@@ -191,7 +299,7 @@ impl World {
         objects.map_err(|id| LoadError::OtherMap { id })?;
         for robot in &saved.robots {
             let (id, class) = (robot.id, robot.class.clone());
-            if id.0 >= saved.next_id || world.robots.last_key_value().is_some_and(|(last, _)| *last >= id) {
+            if world.robots.last_key_value().is_some_and(|(last, _)| *last >= id) {
                 return Err(LoadError::OutOfOrder { id });
             }
             let Some(compiled) = world.scene.robots().get(&class).cloned() else {

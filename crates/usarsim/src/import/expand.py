@@ -1,8 +1,13 @@
-# Expands a xacro file. Arguments: the packages as JSON, then those of xacro.
+# Expands a xacro file. Arguments: the packages and the folders of modules as JSON, then those of xacro.
 # The file is a program, so its memory is bounded here, and its time and output by the caller.
+# Python runs isolated (-I), so modules come from its own folders. The user's packages and PYTHONPATH are searched after them.
 import json
+import site
 import sys
 import types
+
+site.addsitedir(site.getusersitepackages())
+sys.path += json.loads(sys.argv[2])
 
 try:
     import resource
@@ -55,5 +60,5 @@ def parse_old(*arguments, **named):
 
 xacro.parse = parse_old
 
-sys.argv = ["xacro"] + sys.argv[2:]
+sys.argv = ["xacro"] + sys.argv[3:]
 xacro.main()

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::{Failure, exit};
 
-/// Program that expands; its first argument lists the packages.
+/// Program that expands; its first arguments list the packages and the folders of modules.
 const PROGRAM: &str = include_str!("expand.py");
 /// Exit code of `PROGRAM` if Python has no xacro.
 const NO_XACRO: i32 = 90;
@@ -21,10 +21,22 @@ const MAX_MESSAGES: u64 = 64 << 10;
 /// Maximum number of lines of an error that are shown.
 const MAX_LINES: usize = 8;
 
-/// True for a file with xacro in it, whatever its ending.
+/// True for a file that ends in `.xacro`, or declares xacro and uses it. Any other file starts no other program.
 pub(super) fn is_needed(file: &Path, text: &str) -> bool {
     file.extension().is_some_and(|ending| ending == "xacro")
-        || ["<xacro:", "${", "$("].iter().any(|it| text.contains(it))
+        || ["<xacro:", "${", "$("].iter().any(|it| text.contains(it)) && scene_loader::declares_xacro(text)
+}
+
+/// Returns the folders of PYTHONPATH in which Python may search modules: absolute ones, without the current folder and that of the file.
+/// They may hold anything, such as a `json.py` of a stranger.
+fn module_folders(file: &Path) -> Vec<String> {
+    let resolved = |folder: &Path| folder.canonicalize().ok();
+    let refused = [resolved(Path::new(".")), file.parent().and_then(resolved)];
+    let paths = std::env::var_os("PYTHONPATH").unwrap_or_default();
+    let trusted = std::env::split_paths(&paths).filter(|folder| folder.is_absolute());
+    let trusted =
+        trusted.filter_map(|folder| resolved(&folder)).filter(|folder| !refused.contains(&Some(folder.clone())));
+    trusted.map(|folder| folder.display().to_string()).collect()
 }
 
 /// Returns the URDF of a xacro file, and the names of packages that were not found.
@@ -38,8 +50,10 @@ pub(super) fn expand(
     let failed = |message: String| Failure::new(exit::FAILURE, message);
     let packages = serde_json::to_string(&folders).map_err(|error| failed(error.to_string()))?;
     let file = file.canonicalize().map_err(|error| failed(format!("{}: {error}", file.display())))?;
+    let modules = serde_json::to_string(&module_folders(&file)).map_err(|error| failed(error.to_string()))?;
     let mut command = Command::new("python3");
-    command.args(["-c", PROGRAM, &packages]).arg(&file).args(arguments);
+    // Relative folders of PATH, too, must not lead to the current folder.
+    command.args(["-I", "-c", PROGRAM, &packages, &modules]).arg(&file).args(arguments).current_dir("/");
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let install = "a xacro file needs Python's xacro: `pip install xacro`";
     let child = command.spawn().map_err(|error| failed(format!("python3: {error}: {install}")))?;
@@ -49,7 +63,10 @@ pub(super) fn expand(
         messages.lines().filter_map(|line| line.strip_prefix("usarsim: no package ")).collect();
     match code {
         Some(0) => {}
-        Some(NO_XACRO) => return Err(failed(format!("python3 has no module xacro: {install}"))),
+        Some(NO_XACRO) => {
+            let searched = "searched in its own packages, the user's and absolute folders of PYTHONPATH";
+            return Err(failed(format!("python3 has no module xacro ({searched}): {install}")));
+        }
         _ => {
             let lines = messages.lines().filter(|line| !line.starts_with("usarsim: ") && !line.trim().is_empty());
             let lines = lines.skip_while(|line| !line.starts_with("error: "));

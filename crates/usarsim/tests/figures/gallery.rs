@@ -3,11 +3,11 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-use scene::{RobotDef, Steering};
-use serde::Deserialize;
+use scene::RobotDef;
+use scene_loader::{FAMILIES, Family};
 
 use super::repository;
 
@@ -22,53 +22,9 @@ struct Entry {
 
 /// Returns the shipped classes by the names of their folders.
 fn entries() -> Vec<Entry> {
-    #[derive(Deserialize)]
-    struct Names {
-        #[serde(default)]
-        names: Vec<String>,
-    }
-    let folders = fs::read_dir(repository().join("assets/robots")).unwrap().map(|entry| entry.unwrap().path());
-    let entry = |folder: PathBuf| {
-        let text = fs::read_to_string(folder.join("robot.toml")).unwrap();
-        let robot = scene_loader::robot(&folder.file_name().unwrap().to_string_lossy(), &[]).unwrap();
-        Entry { robot, names: toml::from_str::<Names>(&text).unwrap().names }
-    };
-    let mut entries: Vec<Entry> = folders.map(entry).collect();
-    entries.sort_by_key(|entry| entry.robot.class.to_ascii_lowercase());
-    entries
-}
-
-/// Returns true for the robots of a chapter.
-type Chapter = fn(&RobotDef) -> bool;
-
-const CHAPTERS: [(&str, &str, Chapter); 7] = [
-    ("On wheels", "Skid steering: `DRIVE {Left l} {Right r}`, rad/s.", |robot| skids(robot) && !has_tracks(robot)),
-    ("On tracks", "Skid steering as on wheels. `MULTIDRIVE {joint angle}` moves flippers.", |robot| {
-        skids(robot) && has_tracks(robot)
-    }),
-    (
-        "On Mecanum wheels",
-        "`DRIVE {LinearVelocity x} {LateralVelocity y} {RotationalVelocity r}`, m/s and rad/s, or each wheel.",
-        |robot| robot.steering == Steering::Omni,
-    ),
-    ("Cars", "`DRIVE {Speed s} {FrontSteer f} {RearSteer r}`, rad/s and rad.", |robot| {
-        robot.steering == Steering::Ackermann
-    }),
-    (
-        "In the air and under water",
-        "`DRIVE {LinearVelocity x} {LateralVelocity y} {AltitudeVelocity z} {RotationalVelocity r}`, m/s and degrees/s.",
-        |robot| robot.steering == Steering::Aerial,
-    ),
-    ("On legs", "No DRIVE: `SET {Type Joint}` moves joints.", |robot| robot.steering == Steering::Legged),
-    ("Fixed to the ground", "No DRIVE: `ACT` moves arms.", |robot| robot.steering == Steering::None),
-];
-
-fn skids(robot: &RobotDef) -> bool {
-    robot.steering == Steering::Skid
-}
-
-fn has_tracks(robot: &RobotDef) -> bool {
-    robot.driven().any(|wheel| wheel.wheel.belt.is_some())
+    let entry =
+        |(class, names): (String, Vec<String>)| Entry { robot: scene_loader::robot(&class, &[]).unwrap(), names };
+    scene_loader::robot_folders().into_iter().map(entry).collect()
 }
 
 /// Makes the chapters of the page.
@@ -78,11 +34,12 @@ pub(crate) fn chapters() -> String {
         let names: String = names.iter().map(|name| format!("<br>`{name}`")).collect();
         format!("| ![{class}](robots/{class}.png) | `{class}`{names} | {description} |")
     };
-    let chapter = |(title, drive, belongs): &(&str, &str, Chapter)| {
-        let rows: Vec<String> = entries.iter().filter(|entry| belongs(&entry.robot)).map(row).collect();
-        format!("\n## {title}\n\n{drive}\n\n| | class | |\n|---|---|---|\n{}\n", rows.join("\n"))
+    let chapter = |family: &Family| {
+        let Family { title, driving, .. } = family;
+        let rows: Vec<String> = entries.iter().filter(|entry| family.has(&entry.robot)).map(row).collect();
+        format!("\n## {title}\n\n{driving}\n\n| | class | |\n|---|---|---|\n{}\n", rows.join("\n"))
     };
-    let chapters: String = CHAPTERS.iter().map(chapter).collect();
+    let chapters: String = FAMILIES.iter().map(chapter).collect();
     format!("\n{}\n", chapters.trim_end())
 }
 

@@ -342,6 +342,15 @@ pub(crate) fn thesis_runs() -> String {
     thesis_plans().iter().map(|plan| plan.runs().len()).sum::<usize>().to_string()
 }
 
+pub(crate) fn thesis_needed() -> String {
+    let Claims { claims } = toml::from_str(experiments::thesis::claims()).unwrap();
+    let needed = |mut plan: Plan| {
+        experiments::thesis::keep_needed(&mut plan, &claims);
+        plan.runs().len()
+    };
+    thesis_plans().into_iter().map(needed).sum::<usize>().to_string()
+}
+
 fn thesis_plans() -> Vec<Plan> {
     let files = experiments::thesis::files().into_iter();
     files.map(|(file, text)| Plan::read(Path::new(&file), text).unwrap_or_else(|error| panic!("{error}"))).collect()

@@ -26,7 +26,7 @@ const UNTIMED: &str = "~";
 /// Makes the text of a figure. With `true` it also measures times.
 type Maker = fn(bool) -> String;
 
-const FIGURES: [(&str, Maker); 23] = [
+const FIGURES: [(&str, Maker); 24] = [
     ("gallery", |_| gallery::chapters()),
     ("reference-robots", |_| reference::robots()),
     ("reference-actuators", |_| reference::actuators()),
@@ -50,6 +50,7 @@ const FIGURES: [(&str, Maker); 23] = [
     ("sliding", |_| makers::sliding()),
     ("thesis", |_| makers::thesis()),
     ("thesis-runs", |_| makers::thesis_runs()),
+    ("thesis-needed", |_| makers::thesis_needed()),
 ];
 
 #[test]
