@@ -192,13 +192,13 @@ impl Created {
 
     /// True if its texts and numbers are such as orders give them. Saved ones may come from a stranger.
     pub(super) fn is_sound(&self) -> bool {
-        let is_short = |text: &str| text.chars().count() <= MAX_NAME_CHARS;
+        let is_short = |text: &str| text.len() <= MAX_TEXT_BYTES;
         let [position, rotation] = self.start;
         is_short(&self.name)
             && is_short(&self.memory)
             && position.iter().all(|&it| check::MAP_REACH.holds(it))
             && rotation.iter().chain(&self.rotation).all(|angle| angle.is_finite())
-            && self.spin.iter().all(|rate| rate.abs() <= MAX_SPEED)
+            && self.spin.iter().all(|rate| rate.abs() <= MAX_RATE)
             && self.path.is_sound()
     }
 
