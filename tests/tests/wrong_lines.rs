@@ -97,7 +97,7 @@ fn lines_that_known_programs_mean_have_no_problem() {
     check("P3AT", "GETCONF {Type Robot} {Name ROSbot}", &[]);
     check("P3AT", "GETCONF {Type MisPkg}", &[]);
     check("Kenaf", "MULTIDRIVE {FLFlipper 0.5} {RLFlipper  0.5}", &[]);
-    check("P3AT", "SET {Type Odometry} {Name Odometer} {Opcode RESET} ", &[]);
+    check("P3AT", "SET {Type Tachometer} {Name TachTest} {Opcode RESET} ", &[]);
 }
 
 #[test]
@@ -122,8 +122,8 @@ fn a_type_or_name_that_the_robot_does_not_have_is_named_with_what_it_has() {
     check("P3AT", "GETGEO", &["GETGEO: the robot has no such item; expected one of Robot, "]);
     check(
         "P3AT",
-        "SET {Type Odometri} {Opcode RESET}",
-        &["SET {Type Odometri}: the robot has no such item or opcode (did you mean `Odometry`?); expected one of "],
+        "SET {Type Tachometr} {Opcode RESET}",
+        &["SET {Type Tachometr}: the robot has no such item or opcode (did you mean `Tachometer`?); expected one of "],
     );
     check(
         "P3AT",

@@ -334,7 +334,7 @@ mod tests {
             ),
             (
                 "CONTROL {Type Create} {Name c} {Physics rigidbody}",
-                "{Physics rigidbody} is unknown (did you mean `RigidBody`?); expected one of RigidBody, Falling, Ground, None;                  the object stays where it is put",
+                "{Physics rigidbody} is unknown (did you mean `RigidBody`?); expected one of RigidBody, Falling, Ground, None; the object stays where it is put",
             ),
             (
                 "CONTROL {Type KillAll} {MinPos 0,0,0}",

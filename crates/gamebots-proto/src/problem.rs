@@ -1,5 +1,7 @@
 //! Mistakes in the lines that clients send.
 
+use crate::command::{Drive, ReadWrite};
+
 /// A mistake in a line. The rest of the line still counts. The server sends it to the client only if it reports errors.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
@@ -324,10 +326,12 @@ impl Problem {
         Self::UnknownKey { verb, meant: meant_key(&got, known), got, expected: known.join(", ") }
     }
 
-    /// Reports a key of DRIVE that a robot of a class does not take.
+    /// Reports a key of DRIVE that a robot of a class does not take. A key of other robots is no mistyped one.
     pub fn no_drive_key(class: &str, got: &str, known: &[&str]) -> Self {
         let got = shown(got);
-        Self::NoDriveKey { class: class.to_owned(), meant: meant_key(&got, known), got, expected: known.join(", ") }
+        let is_of_others = Drive::KEYS.iter().any(|key| key.eq_ignore_ascii_case(&got));
+        let meant = if is_of_others { String::new() } else { meant_key(&got, known) };
+        Self::NoDriveKey { class: class.to_owned(), meant, got, expected: known.join(", ") }
     }
 }
 

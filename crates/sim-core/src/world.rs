@@ -474,6 +474,7 @@ impl World {
         assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
         let mut led = self.lead_objects();
         led.extend(self.lead_avatars());
+        self.physics.lead_objects(&led);
         self.robots.values_mut().for_each(|robot| robot.before_step(&mut self.physics));
         let is_engine_needed = self.physics.is_engine_needed();
         if is_engine_needed && !self.is_engine_running {

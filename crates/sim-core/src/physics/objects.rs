@@ -97,12 +97,22 @@ impl Physics {
         self.wake_near(self.objects[place].reach());
     }
 
-    /// Gives a held object the velocity with which it reaches a pose at the end of the coming step.
-    pub(crate) fn lead_object(&mut self, id: ObjectId, pose: &Pose) {
-        let Some(place) = self.place_of(id) else { return };
-        let before = self.objects[place].reach();
-        self.objects[place].lead(pose, self.world.integration_parameters.dt);
-        self.wake_near(before);
+    /// Gives held objects the velocities with which they reach their poses at the end of the coming step. Sleeping objects that they
+    /// touch wake; they are looked for once, however many objects are led.
+    pub(crate) fn lead_objects(&mut self, led: &[(ObjectId, Pose)]) {
+        let is_sleeper = |object: &MovableObject| object.is_asleep() && !object.is_held();
+        let has_sleepers = self.objects.iter().any(is_sleeper);
+        let time_step = self.world.integration_parameters.dt;
+        let mut reaches = Vec::new();
+        for (id, pose) in led {
+            let Some(place) = self.place_of(*id) else { continue };
+            if has_sleepers {
+                reaches.push(self.objects[place].reach());
+            }
+            self.objects[place].lead(pose, time_step);
+        }
+        let sleepers = self.objects.iter_mut().filter(|object| is_sleeper(object));
+        sleepers.filter(|object| reaches.iter().any(|near| object.is_near(near))).for_each(MovableObject::wake);
     }
 
     /// Moves a led object to its pose at the end of a step.

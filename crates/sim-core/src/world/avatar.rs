@@ -409,7 +409,7 @@ impl World {
         (rise.abs() <= STEP).then(|| [wanted.x, wanted.y, rise / interval])
     }
 
-    /// Leads the bodies of avatars to their poses at the end of the coming step. Returns these.
+    /// Returns the bodies of avatars that move, with their poses at the end of the coming step.
     pub(super) fn lead_avatars(&mut self) -> Vec<(ObjectId, Pose)> {
         let time_step = self.options.time_step;
         let mut led = Vec::new();
@@ -422,7 +422,6 @@ impl World {
             }
             let position = now.translation.vector + Vector3::from(avatar.velocity) * time_step;
             let pose = scene::pose(position.into(), [0.0, 0.0, yaw + turn]);
-            self.physics.lead_object(avatar.body, &pose);
             led.push((avatar.body, pose));
         }
         led

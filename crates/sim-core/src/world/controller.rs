@@ -256,7 +256,7 @@ impl World {
         }
     }
 
-    /// Leads objects that turn or follow a path to their poses at the end of the coming step. Returns these.
+    /// Returns the objects that turn or follow a path, with their poses at the end of the coming step.
     pub(super) fn lead_objects(&mut self) -> Vec<(ObjectId, Pose)> {
         let time_step = self.options.time_step;
         let mut led = Vec::new();
@@ -283,7 +283,6 @@ impl World {
             if (position - now.translation.vector).norm() > 2.0 * created.path.speed.abs() * time_step + 1e-3 {
                 self.physics.put_object(created.id, &pose);
             } else {
-                self.physics.lead_object(created.id, &pose);
                 led.push((created.id, pose));
             }
         }
