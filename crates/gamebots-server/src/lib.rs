@@ -86,7 +86,7 @@ pub mod fuzzing {
     /// Answers a question about room for a robot. Returns true if the robot can stand there; `None` if the text is no such question.
     pub fn fit(text: &str, world: &mut World) -> Option<bool> {
         let fit = Ask::read(text)?.answer(world);
-        serde_json::to_value(&fit).ok()?["stands"].as_bool()
+        serde_json::to_value(&fit).ok()?.get("stands")?.as_bool()
     }
 
     /// True if a client with these headers gets the page; false if one of them is not a valid header.
