@@ -206,8 +206,8 @@ fn a_connection_is_told_its_mistakes_when_it_asks_for_them() {
     peer.send("REPORT {Errors true}");
     peer.send("INIT {ClassName USARBot.KUKAYouBot}");
     let reply = peer.reply();
-    let expected =
-        "NFO {Error 'ClassName USARBot.KUKAYouBot' is unknown (did you mean `USARBot.KUKA_YouBot`?); expected one of ";
+    let expected = "NFO {Error 'ClassName USARBot.KUKAYouBot' is unknown (did you mean `USARBot.KUKA_YouBot`?); \
+         `usarsim robots` lists all; ";
     assert!(reply.starts_with(expected), "{reply}");
     peer.send("INIT {ClassName USARBot.P3AT} {Start PlayerStart_1} {Naem Ann}");
     assert!(peer.reply().starts_with("NFO {Error INIT has no key `Naem` (did you mean `Name`?); expected "));

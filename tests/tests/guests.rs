@@ -136,9 +136,10 @@ fn check(what: &str, server: &Server, bystander: &mut Peer, asking: &Asking) {
 
 #[test]
 fn questions_of_many_guests_do_not_stop_the_world() {
+    type Question = fn(&mut TcpStream) -> bool;
     let (server, mut bystander, _owner) = server(30);
     let positions = server.positions;
-    let rows: [(&str, Option<SocketAddr>, fn(&mut TcpStream) -> bool); 3] = [
+    let rows: [(&str, Option<SocketAddr>, Question); 3] = [
         ("obstacles", positions, |stream| ask(stream, "GETOBS {From F1} {To F20}\r\n", "\r\n")),
         ("positions", positions, |stream| ask(stream, "GETPOS\r\n", "\r\n")),
         ("truth", server.truth, |stream| ask(stream, "{class}\r\n", "{End}\r\n")),

@@ -706,7 +706,7 @@ fn what_cannot_be_loaded_is_said_in_one_line() {
         ),
         (
             &["map.gravitas=2"],
-            "--set map.gravitas=2: rough/map.toml: unknown key `gravitas`: expected one of description, gravity",
+            "--set map.gravitas=2: rough/map.toml: unknown key `gravitas`: expected one of description, robots, gravity",
         ),
         (
             &["P3TA.wheels.gain=2"],

@@ -1,4 +1,4 @@
-//! What is wrong with a line is said, to those who asked, and in the log.
+//! Mistakes in lines are reported to those who asked for it, and in the log.
 
 use gamebots_proto::Command;
 use sim_core::World;
