@@ -180,8 +180,8 @@ pageTest(
   },
 );
 
-// Small, as the picture is drawn at the best quality.
-const small = { viewport: { width: 1000, height: 600 } };
+// Small, as the picture is drawn at the best quality. A narrower page has no button for pictures.
+const small = { viewport: { width: 1040, height: 600 } };
 pageTest(
   'views, layers, colours and a picture',
   { serve: ['--map', 'arena'], page: small },
