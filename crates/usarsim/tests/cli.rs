@@ -306,7 +306,7 @@ fn a_wrong_init_is_logged_with_the_right_name_and_repetitions_are_counted() {
     let mut said = String::new();
     server.child.stderr.take().expect("stderr").read_to_string(&mut said).expect("text");
     for expected in [
-        "{ClassName USARBot.KUKAYouBot} is unknown (did you mean `USARBot.KUKA_YouBot`?); expected one of",
+        "{ClassName USARBot.KUKAYouBot} is unknown (did you mean `USARBot.KUKA_YouBot`?); `usarsim robots` lists all",
         "{Start PlayerStart} is unknown (did you mean `PlayerStart_0`?); expected one of",
         "{Left fast}: expected a number; read as 0 (12 times more)",
     ] {
@@ -571,7 +571,7 @@ fn check_names_every_mistake_with_its_line() {
             BROKEN_MAP,
             &[
                 "map.toml:2:11: invalid type: string \"down\", expected f64",
-                "map.toml:3:1: unknown key `colour`: expected one of description, gravity",
+                "map.toml:3:1: unknown key `colour`: expected one of description, robots, gravity",
                 "map.toml:5:1: unknown material `velvet`: expected one of aluminium, carpet",
                 "map.toml:9:1: `size` is [1, 0, 1]: expected numbers of 0.0001 to 100000 m",
                 "map.toml:9:1: name `a box`: expected a name without spaces and braces",

@@ -141,7 +141,7 @@ fn programs_of_the_folder_one_stands_in_are_not_run() {
     let path = |more: &str| format!("{more}:{}", std::env::var("PATH").unwrap_or_default());
     let own = folder.path().display().to_string();
     let runs: [(&str, &str, &str, &[i32]); 7] = [
-        ("plain.urdf", &format!("<!-- ${{5}} -->{cart}"), "", &[0]),
+        ("plain.urdf", &format!("{cart}<!-- ${{5}} -->"), "", &[0]),
         ("declared.urdf", &declared, "", &[0]),
         ("undeclared.urdf", &cart.replacen("0.3", "${0.3}", 1), "", &[65]),
         // Without xacro on this machine, 1; with it the file is good.

@@ -218,7 +218,7 @@ fn a_folder_that_exists_is_left_alone() {
     let files: [(&str, &[u8]); 2] = [("house.obj", HOUSE.as_bytes()), ("made/mine.txt", b"mine")];
     let output = import(folder.path(), &files, &["house.obj", "--name", "made"]);
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.code() == Some(1) && said.contains("made: File exists"), "{said}");
+    assert!(output.status.code() == Some(1) && said.contains("made: exists already"), "{said}");
     assert_eq!(fs::read(folder.path().join("made/mine.txt")).expect("a file"), b"mine");
 }
 
