@@ -31,6 +31,7 @@ mod observing;
 mod orders;
 mod perception;
 mod ports;
+mod pressed;
 mod robots;
 mod robots_together;
 mod rollers;

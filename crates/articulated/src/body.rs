@@ -359,6 +359,27 @@ impl Body {
         self.place();
     }
 
+    /// Scales the motion about the centre of mass. The momentum stays, and the energy does not grow if the share is at most 1.
+    pub fn scale_motion(&mut self, share: f64) {
+        let mean = if self.tree.dofs_of_free_root() > 0 { self.mean_velocity() } else { Vector3::zeros() };
+        self.velocity.iter_mut().for_each(|speed| *speed *= share);
+        if self.tree.dofs_of_free_root() > 0 {
+            self.velocity[3..6].iter_mut().zip(&mean).for_each(|(speed, mean)| *speed += mean * (1.0 - share));
+        }
+        self.place();
+    }
+
+    /// Computes the velocity of the centre of mass, m/s.
+    fn mean_velocity(&mut self) -> Vector3<f64> {
+        self.place();
+        let links = self.tree.links.iter().zip(&self.frames);
+        let (mass, momentum) = links.fold((0.0, Vector3::zeros()), |(mass, momentum), (link, frame)| {
+            let velocity = frame.linear + frame.angular.cross(&(frame.rotation * link.mass.centre));
+            (mass + link.mass.mass, momentum + velocity * link.mass.mass)
+        });
+        momentum / mass
+    }
+
     /// Moves the root's frame to a pose. Joints and velocities stay.
     pub fn set_pose(&mut self, pose: Pose) {
         self.pose = pose;

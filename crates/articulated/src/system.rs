@@ -279,6 +279,10 @@ impl Workspace {
         }
         let is_small = bodies.len() == 1 && count <= DENSE_ROWS;
         let outcome = if is_small { self.solve_dense(bodies[0]) } else { self.solve_sparse(bodies) };
+        self.change(bodies);
+        if !outcome.is_settled {
+            self.scale(is_small);
+        }
         self.apply(bodies);
         outcome
     }
@@ -347,8 +351,8 @@ impl Workspace {
         Outcome { is_settled, sweeps, newton_steps, work }
     }
 
-    /// Adds the velocity changes by the impulses to the bodies' free velocities.
-    fn apply(&mut self, bodies: &mut [&mut Body]) {
+    /// Computes the velocity changes by the impulses, multiplied by L.
+    fn change(&mut self, bodies: &[&mut Body]) {
         let Self { blocks, entries, impulses, change, places, .. } = self;
         change.clear();
         change.resize(places[bodies.len()], 0.0);
@@ -364,8 +368,25 @@ impl Workspace {
                 }
             }
         }
-        for (body, &place) in bodies.iter_mut().zip(&*places) {
-            let change = &mut change[place..][..body.free.len()];
+    }
+
+    /// Scales impulses that did not settle, so that they do no more work than those that settle would: the work that brings the rows to
+    /// their target speeds is used up by the change of the velocities. Impulses within a cone stay there.
+    fn scale(&mut self, is_small: bool) {
+        let Self { impulses, change, problem, sparse, .. } = self;
+        let missing = if is_small { &problem.missing } else { &sparse.missing };
+        let given: f64 = impulses.iter().zip(missing).map(|(impulse, missing)| impulse * missing).sum();
+        let taken: f64 = change.iter().map(|change| change * change).sum();
+        if given < taken {
+            let share = (given / taken).max(0.0);
+            impulses.iter_mut().chain(change).for_each(|it| *it *= share);
+        }
+    }
+
+    /// Adds the velocity changes to the bodies' free velocities.
+    fn apply(&mut self, bodies: &mut [&mut Body]) {
+        for (body, &place) in bodies.iter_mut().zip(&*self.places) {
+            let change = &mut self.change[place..][..body.free.len()];
             factor::solve_lower(&body.tree, &body.factors, change);
             body.free.iter_mut().zip(change.iter()).for_each(|(free, change)| *free += *change);
         }

@@ -43,6 +43,15 @@ pub(super) use together::{Surroundings, solve};
 /// Time over which the end of a joint gives way, s. A joint beyond its end returns within it.
 const END_TIME: f64 = 0.02;
 
+/// Largest speed at which a joint returns from beyond its end or to its coupling, rad/s or m/s. A load may force a light joint far beyond.
+const MAX_RETURN: f64 = 1.0;
+
+/// Ratio of the largest speed of a joint that is not a wheel to its motor's. A motor that is driven faster is a generator, which brakes.
+const MAX_OVERSPEED: f64 = 2.0;
+
+/// Largest turn of a joint without a motor in a step, rad or m.
+const MAX_SWING: f64 = 0.5;
+
 /// Gain of a drive that reaches its target against any load, N m s/rad: wheels of a base that follows its commands, and the attitude of a
 /// flying robot.
 const STIFF: f64 = 1e6;
@@ -247,7 +256,9 @@ impl ArticulatedRobot {
             compliance: 0.0,
             impulse: 0.0,
         };
-        let back = |beyond: f64| if beyond > 0.0 { beyond / (time_step + END_TIME) } else { beyond / time_step };
+        let back = |beyond: f64| {
+            if beyond > 0.0 { (beyond / (time_step + END_TIME)).min(MAX_RETURN) } else { beyond / time_step }
+        };
         let end = Constraint::Contact { friction: 0.0, tangents: 0 };
         for joint in &self.made_of.joints {
             if let Some([low, high]) = joint.value.limits {
@@ -269,7 +280,8 @@ impl ArticulatedRobot {
             let at = |link: usize| self.body.position(link);
             let off = gear.multiplier * at(gear.leader.0) + gear.offset - at(gear.follower.0);
             let terms = [Some((gear.follower.1, 1.0)), Some((gear.leader.1, -gear.multiplier))];
-            rows.push(row(terms, Constraint::Within(f64::INFINITY), off / (time_step + END_TIME)));
+            let back = (off / (time_step + END_TIME)).clamp(-MAX_RETURN, MAX_RETURN);
+            rows.push(row(terms, Constraint::Within(f64::INFINITY), back));
         }
     }
 
@@ -327,6 +339,19 @@ impl ArticulatedRobot {
         let joints = self.made_of.joints.iter().filter_map(|joint| Some((joint, joint.value.motor.as_ref()?)));
         let driven = |speed: f64, motor: &Motor| speed.abs().min(motor.max_speed);
         joints.map(|(joint, motor)| motor.max_torque * driven(self.body.velocity()[joint.dof], motor) * time_step).sum()
+    }
+
+    /// Moves the robot by a step. If a load turns a joint too fast, the robot's motion about its centre of mass is slowed.
+    fn advance(&mut self, time_step: f64) {
+        let joints = self.made_of.joints.iter().filter(|joint| !joint.value.is_wheel);
+        let most = |motor: Option<&Motor>| motor.map_or(MAX_SWING / time_step, |motor| motor.max_speed * MAX_OVERSPEED);
+        let velocity = self.body.velocity();
+        let share = joints.map(|joint| most(joint.value.motor.as_ref()) / velocity[joint.dof].abs());
+        let share = share.fold(1.0, f64::min);
+        if share < 1.0 {
+            self.body.scale_motion(share);
+        }
+        self.body.advance(time_step);
     }
 
     /// Scales the velocities.

@@ -19,7 +19,7 @@ const STIFFNESS_TOGETHER: [f64; 2] = [1e6, 1e5];
 /// Time in which an overlap is pushed out, s.
 const RECOVERY_TIME: f64 = 0.02;
 /// Largest speed at which an overlap is pushed out, m/s.
-const MAX_RECOVERY: f64 = 1.0;
+const MAX_RECOVERY: f64 = 0.25;
 /// Approach speed below which nothing bounces, m/s.
 const LEAST_BOUNCE: f64 = 0.2;
 /// Ratio of a bearing's compliance to the robot's (one over its mass) above which the bearing hardly brakes.

@@ -415,7 +415,7 @@ impl Step<'_> {
             }
             if let Some(robot) = group[body].robot() {
                 robot.found = found;
-                robot.body.advance(self.time_step);
+                robot.advance(self.time_step);
                 robot.standing.is_known = false;
             }
         }
