@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::super::identity::BodyId;
 use super::super::rolling::Load;
 use super::ArticulatedRobot;
-use super::compile::Form;
+use super::compile::{Form, Surface};
 use super::finding::{Found, MARGIN, Second};
 use super::wheel::{RollerTouch, SIDE, Touch};
 
@@ -18,12 +18,20 @@ const STIFFNESS: f64 = 1e8;
 const STIFFNESS_TOGETHER: [f64; 2] = [1e6, 1e5];
 /// Time in which an overlap is pushed out, s.
 const RECOVERY_TIME: f64 = 0.02;
-/// Largest speed at which an overlap is pushed out, m/s.
-const MAX_RECOVERY: f64 = 0.25;
+/// Largest speed at which an overlap is pushed out, m/s: of roots, wheels and tracks, and of other links. These are light, and far from
+/// their joints they would be thrown.
+const MAX_RECOVERY: [f64; 2] = [1.0, 0.25];
 /// Approach speed below which nothing bounces, m/s.
 const LEAST_BOUNCE: f64 = 0.2;
 /// Ratio of a bearing's compliance to the robot's (one over its mass) above which the bearing hardly brakes.
 const WEAK: f64 = 1e4;
+
+impl Surface {
+    /// Returns the largest speed at which an overlap is pushed out, m/s.
+    pub(super) fn recovery(&self) -> f64 {
+        MAX_RECOVERY[usize::from(self.link != 0 && self.form == Form::Solid)]
+    }
+}
 
 impl ArticulatedRobot {
     /// Returns a contact as the solver takes it. `body` is the robot's number among the bodies solved together. `moves` is the velocity of
@@ -49,7 +57,7 @@ impl ArticulatedRobot {
         let stiffness = stiffness * share;
         let velocity = self.body.velocity_at(first.link, point) - moves;
         let speed = normal.dot(&velocity);
-        let push = if gap > 0.0 { -gap / time_step } else { (-gap / (time_step + RECOVERY_TIME)).min(MAX_RECOVERY) };
+        let push = if gap > 0.0 { -gap / time_step } else { (-gap / (time_step + RECOVERY_TIME)).min(found.recovery) };
         let bounces = gap <= 0.0 && speed < -LEAST_BOUNCE;
         let guess = self.known.iter().find(|(key, _)| *key == found.key);
         let mut contact = Contact {

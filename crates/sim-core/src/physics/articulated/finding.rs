@@ -62,6 +62,8 @@ pub(super) struct Found {
     pub(super) friction: f64,
     pub(super) restitution: f64,
     pub(super) resistance: f64,
+    /// Largest speed at which an overlap is pushed out, m/s.
+    pub(super) recovery: f64,
 }
 
 /// The other side of a contact.
@@ -201,7 +203,7 @@ impl ArticulatedRobot {
             let (prediction, motion) = (at.prediction + its_at.prediction, at.motion - its_at.motion);
             self.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
             let key = Key { surface: one, other: (Peer::Itself, other), number: 0 };
-            let pair = Pair::of(&surface.material, &its.material);
+            let pair = Pair::of(surface, its);
             add(&mut met, key, Second::Itself(other), &pair, &mut found);
         }
         let mut own = found.split_off(before);
@@ -223,7 +225,7 @@ impl ArticulatedRobot {
                 continue;
             }
             let key = Key { surface: index, other: (other.peer, other.handle.into_raw_parts().0 as usize), number: 0 };
-            add(&mut met, key, other.second, &Pair::of(&surface.material, other.material), found);
+            add(&mut met, key, other.second, &Pair::with(surface, other.material), found);
         }
     }
 
@@ -391,7 +393,7 @@ pub(super) fn touch_each_other(
             let motion = at.motion - its_at.motion;
             robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
             let key = Key { surface: index, other: (Peer::Body(robots[second].id), its_index), number: 0 };
-            let pair = Pair::of(&surface.material, &its.material);
+            let pair = Pair::of(surface, its);
             add(&mut met, key, Second::Robot(second, its_index), &pair, &mut added);
             if is_asleep[second] {
                 let drift = |it: &mut Found| it.drift = robots[second].body.velocity_at(0, it.touch.point);
@@ -416,23 +418,31 @@ impl Form {
     }
 }
 
-/// Coefficients of a pair of materials.
+/// Coefficients of a pair of surfaces.
 struct Pair {
     friction: f64,
     restitution: f64,
     resistance: f64,
+    recovery: f64,
 }
 
 impl Pair {
-    fn of(one: &Material, other: &Material) -> Self {
-        let (friction, restitution) = one.pair(other);
-        Self { friction, restitution, resistance: one.pair_rolling_resistance(other) }
+    fn of(one: &Surface, other: &Surface) -> Self {
+        let pair = Self::with(one, &other.material);
+        Self { recovery: pair.recovery.min(other.recovery()), ..pair }
+    }
+
+    /// Returns the coefficients of a surface with a material.
+    fn with(surface: &Surface, other: &Material) -> Self {
+        let (friction, restitution) = surface.material.pair(other);
+        let resistance = surface.material.pair_rolling_resistance(other);
+        Self { friction, restitution, resistance, recovery: surface.recovery() }
     }
 }
 
 /// Turns the contacts found for a pair into `Found` entries. Their keys differ from `key` in the contact's number.
 fn add(met: &mut Vec<Touch>, key: Key, second: Second, pair: &Pair, found: &mut Vec<Found>) {
-    let &Pair { friction, restitution, resistance } = pair;
+    let &Pair { friction, restitution, resistance, recovery } = pair;
     found.extend(met.drain(..).enumerate().map(|(number, touch)| Found {
         key: Key { number, ..key },
         second,
@@ -441,6 +451,7 @@ fn add(met: &mut Vec<Touch>, key: Key, second: Second, pair: &Pair, found: &mut 
         friction,
         restitution,
         resistance,
+        recovery,
     }));
 }
 
