@@ -73,8 +73,8 @@ fn classes() -> Vec<String> {
 }
 
 /// Runs a trial at each step. Panics with all errors.
-fn check(mut trial: impl FnMut(f64) -> Vec<String>) {
-    let errors: Vec<String> = TIME_STEPS.into_iter().flat_map(|time_step| trial(time_step)).collect();
+fn check(trial: impl FnMut(f64) -> Vec<String>) {
+    let errors: Vec<String> = TIME_STEPS.into_iter().flat_map(trial).collect();
     assert!(errors.is_empty(), "{errors:#?}");
 }
 
