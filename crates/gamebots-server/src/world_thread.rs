@@ -37,11 +37,13 @@ use crate::{Config, ServeError};
 const MAX_WAIT: Duration = Duration::from_millis(2);
 /// Most events taken between two steps, so that a flood of them cannot stop time.
 const MAX_EVENTS_A_STEP: usize = 1024;
-/// Requests of one segment that are executed together, however much time they take. A question in the segment of an INIT is
-/// then answered before the first reading at any speed.
+/// Requests of one segment that are executed together, if they do not take [`LONG_SLICE`]. A question in the segment of an INIT is then
+/// answered before the first reading at any speed.
 const REQUESTS_TOGETHER: usize = 16;
 /// Time for one client's requests before another client has its turn.
 const SLICE: Duration = Duration::from_millis(1);
+/// Time after which a client's requests give way, however few were executed. One may have an answer of 256 KiB.
+const LONG_SLICE: Duration = Duration::from_millis(4);
 /// Most time for requests that steps can earn while the world is always due. A longer step earns its whole duration.
 const MAX_CREDIT: Duration = Duration::from_millis(4);
 /// Time after which the cost of a client counts half.
@@ -117,6 +119,7 @@ pub(crate) fn spawn(
             saves: 0,
             report_errors,
             credit: Duration::ZERO,
+            debt: Duration::ZERO,
             forgotten: now,
             controls: Budget::default(),
             budgets,
@@ -153,6 +156,8 @@ struct Server {
     /// Time that clients' requests may take while a step is due. Steps earn as much as they take, so that neither side can hold up the
     /// other.
     credit: Duration,
+    /// Time that a long request took beyond the credit. Steps repay it first.
+    debt: Duration,
     /// Time when the costs of clients and guests were last halved.
     forgotten: Instant,
     /// Limit of controls in the log.
@@ -334,7 +339,9 @@ impl Server {
         }
         let took = start.elapsed();
         self.work.add(took);
-        self.credit = (self.credit + took).min(MAX_CREDIT.max(took));
+        let repaid = self.debt.min(took);
+        self.debt -= repaid;
+        self.credit = (self.credit + took - repaid).min(MAX_CREDIT.max(took));
     }
 
     /// Pauses the world because the time of its league is up.
@@ -488,7 +495,9 @@ impl Server {
     fn work_on_credit(&mut self, now: Instant) {
         if !self.credit.is_zero() {
             self.work(now + self.credit);
-            self.credit = self.credit.saturating_sub(now.elapsed());
+            let spent = now.elapsed();
+            self.debt += spent.saturating_sub(self.credit);
+            self.credit = self.credit.saturating_sub(spent);
         }
     }
 
@@ -522,7 +531,8 @@ impl Server {
             sessions.take(id, &init, &mut |world, news| audience.hear(world, news));
             restarts.add_cost(start.elapsed());
         }
-        while !is_put_back && (count < REQUESTS_TOGETHER || start.elapsed() < SLICE) {
+        let most = |count| if count < REQUESTS_TOGETHER { LONG_SLICE } else { SLICE };
+        while !is_put_back && (count == 0 || start.elapsed() < most(count)) {
             let Some(client) = audience.clients.get_mut(&id) else { break };
             let Some(request) = client.next_request() else { break };
             client.note_line();
