@@ -92,6 +92,13 @@ impl Axis {
     }
 }
 
+impl Frame {
+    /// Computes the velocity of the link's centre of mass, m/s.
+    fn velocity_of_centre(&self, link: &Link) -> Vector3<f64> {
+        self.linear + self.angular.cross(&(self.rotation * link.mass.centre))
+    }
+}
+
 impl Body {
     /// Creates a body at rest, with every joint at 0.
     pub fn new(tree: Arc<Tree>, pose: Pose) -> Self {
@@ -243,7 +250,7 @@ impl Body {
     /// Computes the kinetic energy, J.
     pub fn kinetic_energy(&self) -> f64 {
         let of_link = |(link, frame): (&crate::Link, &Frame)| {
-            let velocity = frame.linear + frame.angular.cross(&(frame.rotation * link.mass.centre));
+            let velocity = frame.velocity_of_centre(link);
             let turning = frame.rotation.transpose() * frame.angular;
             (link.mass.mass * velocity.norm_squared() + turning.dot(&(link.mass.inertia * turning))) / 2.0
         };
@@ -361,7 +368,9 @@ impl Body {
 
     /// Scales the motion about the centre of mass. The momentum stays, and the energy does not grow if the share is at most 1.
     pub fn scale_motion(&mut self, share: f64) {
-        let mean = if self.tree.dofs_of_free_root() > 0 { self.mean_velocity() } else { Vector3::zeros() };
+        // Frames may have the velocity before the step.
+        self.place();
+        let mean = self.mean_velocity();
         self.velocity.iter_mut().for_each(|speed| *speed *= share);
         if self.tree.dofs_of_free_root() > 0 {
             self.velocity[3..6].iter_mut().zip(&mean).for_each(|(speed, mean)| *speed += mean * (1.0 - share));
@@ -370,11 +379,10 @@ impl Body {
     }
 
     /// Computes the velocity of the centre of mass, m/s.
-    fn mean_velocity(&mut self) -> Vector3<f64> {
-        self.place();
+    fn mean_velocity(&self) -> Vector3<f64> {
         let links = self.tree.links.iter().zip(&self.frames);
         let (mass, momentum) = links.fold((0.0, Vector3::zeros()), |(mass, momentum), (link, frame)| {
-            let velocity = frame.linear + frame.angular.cross(&(frame.rotation * link.mass.centre));
+            let velocity = frame.velocity_of_centre(link);
             (mass + link.mass.mass, momentum + velocity * link.mass.mass)
         });
         momentum / mass

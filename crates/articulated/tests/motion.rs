@@ -19,9 +19,8 @@ fn run(body: &mut Body, time_step: f64, seconds: f64) {
     }
 }
 
-/// A body in free flight has no external force, so its momentum is constant. With small steps its energy is, too.
-#[test]
-fn a_tree_in_flight_keeps_momentum_and_energy() {
+/// Creates a tree with each kind of joint, in motion.
+fn flying() -> Body {
     let mut chassis = mass(5.0, [0.1, 0.2, 0.25]);
     chassis.centre = Vector3::new(0.02, -0.01, 0.03);
     let mut arm = mass(1.0, [0.01, 0.02, 0.02]);
@@ -33,21 +32,43 @@ fn a_tree_in_flight_keeps_momentum_and_energy() {
         Link::new(1, Joint::Prismatic(Vector3::z()), Vector3::new(0.0, 0.1, 0.0), arm),
         Link::new(0, Joint::Ball, Vector3::new(-0.2, 0.0, 0.0), arm),
     ]);
-    let momentum = |body: &Body| {
-        let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
-        for (link, frame) in body.tree().links().iter().zip(body.frames()) {
-            let arm = frame.rotation * link.mass.centre;
-            let along = (frame.linear + frame.angular.cross(&arm)) * link.mass.mass;
-            linear += along;
-            angular += (body.centre() + frame.origin + arm).cross(&along);
-            angular += frame.rotation * link.mass.inertia * (frame.rotation.transpose() * frame.angular);
-        }
-        (linear, angular)
-    };
     let mut body = Body::new(Arc::new(tree), Pose::translation(1.0, 2.0, 3.0));
     let speeds = [0.3, -0.5, 0.7, 1.0, -2.0, 0.5, 1.5, -2.0, 0.3, 0.4, -0.6, 0.8];
     body.velocity_mut().copy_from_slice(&speeds);
     body.place();
+    body
+}
+
+/// Returns the momentum and the angular momentum.
+fn momentum(body: &Body) -> (Vector3<f64>, Vector3<f64>) {
+    let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+    for (link, frame) in body.tree().links().iter().zip(body.frames()) {
+        let arm = frame.rotation * link.mass.centre;
+        let along = (frame.linear + frame.angular.cross(&arm)) * link.mass.mass;
+        linear += along;
+        angular += (body.centre() + frame.origin + arm).cross(&along);
+        angular += frame.rotation * link.mass.inertia * (frame.rotation.transpose() * frame.angular);
+    }
+    (linear, angular)
+}
+
+/// The energy about the centre of mass falls with the square of the share.
+#[test]
+fn scaled_motion_keeps_its_momentum_and_loses_energy() {
+    let mut body = flying();
+    let mass: f64 = body.tree().links().iter().map(|link| link.mass.mass).sum();
+    let (energy, (linear, _)) = (body.kinetic_energy(), momentum(&body));
+    let of_centre = linear.norm_squared() / mass / 2.0;
+    body.scale_motion(0.5);
+    let expected = of_centre + (energy - of_centre) / 4.0;
+    assert!((momentum(&body).0 - linear).norm() < 1e-12, "{linear} became {}", momentum(&body).0);
+    assert!((body.kinetic_energy() - expected).abs() < 1e-12 * energy, "{energy} became {}", body.kinetic_energy());
+}
+
+/// A body in free flight has no external force, so its momentum is constant. With small steps its energy is, too.
+#[test]
+fn a_tree_in_flight_keeps_momentum_and_energy() {
+    let mut body = flying();
     let (energy, (linear, angular)) = (body.kinetic_energy(), momentum(&body));
     run(&mut body, 1e-5, 0.5);
     let (linear_after, angular_after) = momentum(&body);
