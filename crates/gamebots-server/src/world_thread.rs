@@ -37,12 +37,12 @@ use crate::{Config, ServeError};
 const MAX_WAIT: Duration = Duration::from_millis(2);
 /// Most events taken between two steps, so that a flood of them cannot stop time.
 const MAX_EVENTS_A_STEP: usize = 1024;
-/// Requests of one segment that are executed together, if they do not take [`LONG_SLICE`]. A question in the segment of an INIT is then
-/// answered before the first reading at any speed.
+/// Requests of one segment that are executed together, if all but the first take less than [`LONG_SLICE`]. A question in the segment of
+/// an INIT is then answered before the first reading at any speed.
 const REQUESTS_TOGETHER: usize = 16;
 /// Time for one client's requests before another client has its turn.
 const SLICE: Duration = Duration::from_millis(1);
-/// Time after which a client's requests give way, however few were executed. One may have an answer of 256 KiB.
+/// Time for the requests behind the first of a slice, however few they are. Each may have an answer of 256 KiB.
 const LONG_SLICE: Duration = Duration::from_millis(4);
 /// Most time for requests that steps can earn while the world is always due. A longer step earns its whole duration.
 const MAX_CREDIT: Duration = Duration::from_millis(4);
@@ -118,8 +118,7 @@ pub(crate) fn spawn(
             resets: 0,
             saves: 0,
             report_errors,
-            credit: Duration::ZERO,
-            debt: Duration::ZERO,
+            credit: 0.0,
             forgotten: now,
             controls: Budget::default(),
             budgets,
@@ -153,11 +152,9 @@ struct Server {
     /// Number of times that the world was saved.
     saves: u64,
     report_errors: bool,
-    /// Time that clients' requests may take while a step is due. Steps earn as much as they take, so that neither side can hold up the
-    /// other.
-    credit: Duration,
-    /// Time that a long request took beyond the credit. Steps repay it first.
-    debt: Duration,
+    /// Time that clients' requests may take while a step is due, s. Steps earn as much as they take, so that neither side can hold up the
+    /// other. Below 0 requests took more, which steps repay first.
+    credit: f64,
     /// Time when the costs of clients and guests were last halved.
     forgotten: Instant,
     /// Limit of controls in the log.
@@ -339,9 +336,7 @@ impl Server {
         }
         let took = start.elapsed();
         self.work.add(took);
-        let repaid = self.debt.min(took);
-        self.debt -= repaid;
-        self.credit = (self.credit + took - repaid).min(MAX_CREDIT.max(took));
+        self.credit = (self.credit + took.as_secs_f64()).min(MAX_CREDIT.max(took).as_secs_f64());
     }
 
     /// Pauses the world because the time of its league is up.
@@ -493,11 +488,9 @@ impl Server {
 
     /// Executes requests while a step is due, within the time that steps have earned.
     fn work_on_credit(&mut self, now: Instant) {
-        if !self.credit.is_zero() {
-            self.work(now + self.credit);
-            let spent = now.elapsed();
-            self.debt += spent.saturating_sub(self.credit);
-            self.credit = self.credit.saturating_sub(spent);
+        if self.credit > 0.0 {
+            self.work(now + Duration::from_secs_f64(self.credit));
+            self.credit -= now.elapsed().as_secs_f64();
         }
     }
 
@@ -531,13 +524,19 @@ impl Server {
             sessions.take(id, &init, &mut |world, news| audience.hear(world, news));
             restarts.add_cost(start.elapsed());
         }
-        let most = |count| if count < REQUESTS_TOGETHER { LONG_SLICE } else { SLICE };
-        while !is_put_back && (count == 0 || start.elapsed() < most(count)) {
+        // An INIT is the first request of its slice. Its time is not that of the requests behind it.
+        let mut first_done = start;
+        while !is_put_back
+            && (start.elapsed() < SLICE || count < REQUESTS_TOGETHER && first_done.elapsed() < LONG_SLICE)
+        {
             let Some(client) = audience.clients.get_mut(&id) else { break };
             let Some(request) = client.next_request() else { break };
             client.note_line();
             sessions.take(id, &request, &mut |world, news| audience.hear(world, news));
             count += 1;
+            if count == 1 {
+                first_done = Instant::now();
+            }
             // A segment with many robots must not hold up other clients.
             if audience.clients.get(&id).is_some_and(Client::is_next_init) {
                 break;
