@@ -187,3 +187,35 @@ fn resets_that_wait_become_one_and_the_server_ends_before_them() {
         assert!(stopping.elapsed() < PATIENCE / 2, "{text}: the end took {:?}", stopping.elapsed());
     }
 }
+
+/// A controller asks for the states of its objects without pause, 180 KiB a time. Time runs as fast as it can, so a step is always due.
+#[test]
+fn long_answers_to_a_driver_do_not_stop_the_world() {
+    let server = Server::start("hall", &[], |config| config.real_time_factor = 0.0);
+    let mut bystander = server.bystander();
+    let mut controller = TcpStream::connect(server.address).expect("a connection");
+    let mut orders = "INIT {ClassName USARBotAPI.WorldController} {Name Orders}\r\n".to_owned();
+    let memory = "m".repeat(250);
+    for number in 0..500 {
+        let place = format!("{{Location {},{},-9}}", number % 20, number / 20);
+        orders +=
+            &format!("CONTROL {{Type Create}} {{ClassName WCCrate}} {{Name {number}}} {{Memory {memory}}} {place}\r\n");
+    }
+    controller.write_all(orders.as_bytes()).expect("a connection");
+    let mut answers = controller.try_clone().expect("a stream");
+    let (start, mut truths) = (Instant::now(), 0);
+    std::thread::scope(|scope| {
+        scope.spawn(|| while (&controller).write_all(&b"CONTROL {Type GetSTA}\r\n".repeat(16)).is_ok() {});
+        answers.read_exact(&mut vec![0; 1_000_000]).expect("answers");
+        scope.spawn(|| std::io::copy(&mut answers, &mut std::io::sink()));
+        // Readings from before are skipped.
+        bystander.nothing();
+        while truths < TRUTHS && start.elapsed() < PATIENCE {
+            bystander.next_of("GroundTruth");
+            truths += 1;
+        }
+        controller.shutdown(std::net::Shutdown::Both).expect("a connection");
+    });
+    assert_eq!(truths, TRUTHS, "in {PATIENCE:?}");
+    server.client();
+}
