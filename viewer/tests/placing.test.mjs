@@ -21,17 +21,25 @@ const RED = [
   [255, 90, 90],
 ];
 
-/** Answers for the server. */
+/** Answers for the server. The page itself notes when it sends, as a busy machine brings its questions late. */
 async function answerFits(page, questions, world) {
   await page.routeWebSocket(/\/live$/, (socket) => {
     const server = socket.connectToServer();
     socket.onMessage((message) => {
       const { fit } = JSON.parse(message);
       if (!fit) return server.send(message);
-      questions.push({ ...fit, at: performance.now() });
+      questions.push(fit);
       const { stands } = world;
       socket.send(JSON.stringify({ fit: { ...fit, stands, why: stands ? null : 'inside wall-front' } }));
     });
+  });
+  await page.addInitScript(() => {
+    const { send } = WebSocket.prototype;
+    window.asked = [];
+    WebSocket.prototype.send = function (text) {
+      if (typeof text === 'string' && text.includes('"fit"')) window.asked.push(performance.now());
+      return send.call(this, text);
+    };
   });
   await page.reload();
   await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
@@ -65,9 +73,10 @@ pageTest('a ghost is red where the robot cannot stand, and says why', arena, asy
   await page.mouse.up();
   await page.waitForSelector('[data-robot]');
   await page.waitForSelector('#placing', { state: 'hidden' });
-  // One question may come late, and the next one soon after it.
-  const mean = (questions.at(-1).at - questions[0].at) / (questions.length - 1);
-  assert.ok(mean > 60, `${questions.length} questions, one every ${mean} ms`);
+  const asked = await page.evaluate(() => window.asked);
+  assert.equal(asked.length, questions.length);
+  const gaps = asked.slice(1).map((at, index) => at - asked[index]);
+  assert.ok(Math.min(...gaps) > 60, `${gaps}`);
   assert.equal(questions[0].class, 'YouBotArm');
 });
 
