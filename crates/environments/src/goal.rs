@@ -85,6 +85,12 @@ impl Place {
         [cos * x + sin * y, cos * y - sin * x]
     }
 
+    /// Returns the direction that another place faces, in this place's frame.
+    pub(crate) fn heading_of(self, other: Self) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(other.yaw - self.yaw);
+        [cos, sin]
+    }
+
     pub(crate) fn point(self) -> [f64; 2] {
         [self.x, self.y]
     }

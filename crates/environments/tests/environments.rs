@@ -1,5 +1,6 @@
 //! Environments play the shipped tasks, with the same bits alone and among others.
 
+use std::f32::consts::FRAC_PI_2;
 use std::path::Path;
 
 use environments::{Autoreset, BatchError, Environments, Outcomes, Task};
@@ -289,28 +290,35 @@ fn arm_at(height: f32) -> [f32; 5] {
     let (ahead, up) = (AHEAD - SHOULDER_AHEAD, height + hand - SHOULDER);
     let distance = ahead.hypot(up);
     let lift = ((distance * distance + upper * upper - lower * lower) / (2.0 * distance * upper)).acos();
-    let shoulder = std::f32::consts::FRAC_PI_2 - up.atan2(ahead) - lift;
+    let shoulder = FRAC_PI_2 - up.atan2(ahead) - lift;
     let forearm = (ahead - upper * shoulder.sin()).atan2(up - upper * shoulder.cos());
     [0.0, shoulder, forearm - shoulder, std::f32::consts::PI - forearm, 0.0]
 }
 
 #[test]
 fn a_script_fetches_the_block() {
-    for seed in [0, 2, 4] {
+    for seed in 0..10 {
         let (mut targets, mut height, mut phase, mut wait) = ([0.0_f32; 5], 0.2_f32, 0, 30);
         let (reward, success) = solve("YouBotFetch", seed, |seen| {
-            let (off, wanted) = ([seen[0] - AHEAD, seen[1]], arm_at(height));
+            let (off, mut wanted) = ([seen[0] - AHEAD, seen[1]], arm_at(height));
+            // The hand points down, so it turns against the robot. All four sides of the block fit.
+            let heading = f32::atan2(seen[19], seen[18]);
+            wanted[4] = (heading / FRAC_PI_2).round() * FRAC_PI_2 - heading;
             let far = wanted.iter().zip(&seen[11..16]).map(|(wanted, angle)| (wanted - angle).abs());
             let is_there = far.fold(0.0, f32::max) < 0.03;
             match phase {
                 // Down in steps, while the base keeps the block under the hand.
-                0 if is_there && off[0].hypot(off[1]) < 0.01 && height > 0.041 => {
+                0 if is_there && off[0].hypot(off[1]) < 0.004 && height > 0.041 => {
                     height = f32::max(0.04, height - 0.02)
                 }
-                0 if is_there && off[0].hypot(off[1]) < 0.01 => phase = 1,
+                0 if is_there && off[0].hypot(off[1]) < 0.004 => phase = 1,
                 1 if wait > 0 => wait -= 1,
                 1 => (phase, height) = (2, 0.15),
                 2 if is_there => phase = 3,
+                3 => {
+                    let apart = (0..3).map(|axis| (seen[axis] - seen[3 + axis]).powi(2)).sum::<f32>().sqrt();
+                    assert!(apart < 0.01, "{seed}: the hand sees the block {apart} m from its fingers");
+                }
                 _ => {}
             }
             let base = match phase {

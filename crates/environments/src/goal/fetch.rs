@@ -1,7 +1,7 @@
 //! Grip the object and bring it to a point.
 //!
 //! A robot observes the object in its own frame (3), its gripper in its own frame (3), the point in its own frame (2), its velocities (3),
-//! and the positions of its joints that are no wheels. The reward is the distance that the gripper came nearer to the object, m, the
+//! the positions of its joints that are no wheels, and the object's heading in its own frame, as cosine and sine. The reward is the distance that the gripper came nearer to the object, m, the
 //! height that the object rose, m, the distance that the object came nearer to the point, m, and 1 when the object is there. There is one
 //! robot.
 
@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use scene::{RobotDef, Shape};
 use serde::Deserialize;
 
-use super::{Goal, RobotSight, Sight, Verdict, distance, draw};
+use super::{Goal, Place, RobotSight, Sight, Verdict, distance, draw};
 use crate::task::check_range;
 
 /// Reward of the arrival.
@@ -62,7 +62,7 @@ impl Fetch {
             let (link, pose) = placed.get(finger)?;
             // The middle of the finger's shapes, which is nearer to the tip than its joint.
             let solid = link.solids.iter().find(|solid| matches!(solid.shape, Shape::Box { .. }))?;
-            Some((pose * solid.pose()).translation.vector)
+            Some((pose * link.pose_of(solid)).translation.vector)
         });
         let ends: Vec<_> = ends.collect();
         Point3::from(ends.iter().sum::<nalgebra::Vector3<f64>>() / ends.len().max(1) as f64)
@@ -78,7 +78,7 @@ impl Fetch {
 
 impl Goal for Fetch {
     fn width(&self) -> usize {
-        3 + 3 + 2 + 3 + self.joints.len()
+        3 + 3 + 2 + 3 + self.joints.len() + 2
     }
 
     fn reset(&mut self, sight: &Sight, rng: &mut ChaCha8Rng) {
@@ -88,10 +88,12 @@ impl Goal for Fetch {
 
     fn observe(&self, sight: &Sight, robot: usize, push: &mut dyn FnMut(f64)) {
         let (seen, object) = (&sight.robots[robot], sight.object.unwrap_or_default());
+        let heading = seen.place.heading_of(Place::of(&object));
         let object = seen.pose.inverse() * Point3::from(object.translation.vector);
         object.iter().chain(self.grip(seen).iter()).for_each(|number| push(*number));
         seen.place.to_own(self.target).into_iter().chain(seen.velocity).for_each(&mut *push);
         self.joints.iter().for_each(|&joint| push(seen.joints.get(joint).map_or(0.0, |joint| joint.position)));
+        heading.into_iter().for_each(push);
     }
 
     fn judge(&mut self, sight: &Sight) -> Verdict {

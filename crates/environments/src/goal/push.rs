@@ -64,8 +64,8 @@ impl Goal for Push {
 
     fn observe(&self, sight: &Sight, robot: usize, push: &mut dyn FnMut(f64)) {
         let (seen, object) = (&sight.robots[robot], object(sight));
-        let (sin, cos) = libm::sincos(object.yaw - seen.place.yaw);
-        let places = [seen.place.to_own(object.point()), seen.place.to_own(self.target), [cos, sin]];
+        let heading = seen.place.heading_of(object);
+        let places = [seen.place.to_own(object.point()), seen.place.to_own(self.target), heading];
         places.into_iter().flatten().chain(seen.velocity).for_each(push);
     }
 
