@@ -47,6 +47,7 @@ const END_TIME: f64 = 0.02;
 const MAX_RETURN: f64 = 1.0;
 
 /// Ratio of the largest speed of a joint that is not a wheel to its motor's. A motor that is driven faster is a generator, which brakes.
+/// Joints that turn less than [`MAX_TURN`] in a step may be faster: the integrator gains no energy by them.
 const MAX_OVERSPEED: f64 = 2.0;
 
 /// Largest turn of a joint without a motor in a step, rad or m.
@@ -56,7 +57,7 @@ const MAX_SWING: f64 = 0.5;
 /// flying robot.
 const STIFF: f64 = 1e6;
 
-/// Turn of a body in one step above which the energy of its group is limited, rad.
+/// Turn in one step up to which a step of the integrator gains no energy, rad. Bodies and joints that turn more are limited.
 const MAX_TURN: f64 = 0.1;
 
 /// Largest acceleration of a flying robot that touches something, m/s². A quadrotor's rotors lift three times its weight at most.
@@ -344,7 +345,8 @@ impl ArticulatedRobot {
     /// Moves the robot by a step. If a load turns a joint too fast, the robot's motion about its centre of mass is slowed.
     fn advance(&mut self, time_step: f64) {
         let joints = self.made_of.joints.iter().filter(|joint| !joint.value.is_wheel);
-        let most = |motor: Option<&Motor>| motor.map_or(MAX_SWING / time_step, |motor| motor.max_speed * MAX_OVERSPEED);
+        let of_motor = |motor: &Motor| f64::max(motor.max_speed * MAX_OVERSPEED, MAX_TURN / time_step);
+        let most = |motor: Option<&Motor>| motor.map_or(MAX_SWING / time_step, of_motor);
         let velocity = self.body.velocity();
         let share = joints.map(|joint| most(joint.value.motor.as_ref()) / velocity[joint.dof].abs());
         let share = share.fold(1.0, f64::min);
