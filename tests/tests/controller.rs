@@ -4,7 +4,7 @@ use gamebots_proto::Command;
 use gamebots_proto::message::Message;
 use nalgebra::Vector3;
 use sim_core::{Options, PawnId, Report, World};
-use system_tests::{init, problems, run};
+use system_tests::{Server, init, problems, run};
 
 /// A world with a controller.
 struct Stage {
@@ -364,6 +364,24 @@ fn the_farthest_point_of_a_turning_object_is_no_faster_than_one_on_a_path() {
             format!("its farthest point, 500.00 m from its centre, would move at {got} m/s: expected at most 50 m/s");
         assert!(said.len() == 1 && said[0].contains(&expected), "{speed}: {said:?}");
     }
+}
+
+/// A client over a socket gets the whole answer, of 150 kB here.
+#[test]
+fn a_client_reads_the_states_of_many_objects() {
+    let server = Server::start("hall", &[], |_| {});
+    let mut controller = server.client();
+    controller.send("INIT {ClassName USARBotAPI.WorldController}");
+    let memory = "m".repeat(250);
+    for number in 0..400 {
+        let place = format!("{},{},-9", number % 20, number / 20);
+        controller.send(&format!(
+            "CONTROL {{Type Create}} {{ClassName WCCrate}} {{Name {number}}} {{Memory {memory}}} {{Location {place}}}"
+        ));
+    }
+    controller.send("CONTROL {Type GetSTA}");
+    let answer = controller.wait_for("the states", |line| line.starts_with("STA {Name "));
+    assert_eq!(answer.matches(&memory).count(), 400, "{} bytes", answer.len());
 }
 
 /// The answer to GetSTA stays a line that a client can keep, whatever its objects are called.

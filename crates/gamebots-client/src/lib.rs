@@ -39,14 +39,14 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
-use gamebots_proto::Framing;
+use gamebots_proto::{Framing, Problem};
 
 /// A connection to a server.
 #[derive(Debug)]
 pub struct Client {
     stream: TcpStream,
     framing: Framing,
-    lines: VecDeque<String>,
+    lines: VecDeque<Result<String, Problem>>,
 }
 
 impl Client {
@@ -57,7 +57,7 @@ impl Client {
     pub fn connect(address: impl ToSocketAddrs) -> std::io::Result<Self> {
         let stream = TcpStream::connect(address)?;
         stream.set_nodelay(true)?;
-        Ok(Self { stream, framing: Framing::default(), lines: VecDeque::new() })
+        Ok(Self { stream, framing: Framing::of_answers(), lines: VecDeque::new() })
     }
 
     /// Sends a line and ends it with CR LF.
@@ -87,13 +87,15 @@ impl Client {
     /// Returns the next line, without its end; `None` if no line came in time.
     ///
     /// # Errors
-    /// [`ErrorKind::UnexpectedEof`] if the server has closed the connection; otherwise the operating system's error.
+    /// [`ErrorKind::UnexpectedEof`] if the server has closed the connection, [`ErrorKind::InvalidData`] in place of a line of more than
+    /// [`MAX_ANSWER_BYTES`](gamebots_proto::framing::MAX_ANSWER_BYTES), after which the next lines can be read; otherwise the operating
+    /// system's error.
     pub fn next_line(&mut self, patience: Duration) -> std::io::Result<Option<String>> {
         let end = Instant::now() + patience;
         let mut buffer = [0; 16 * 1024];
         loop {
             if let Some(line) = self.lines.pop_front() {
-                return Ok(Some(line));
+                return line.map(Some).map_err(|problem| std::io::Error::new(ErrorKind::InvalidData, problem));
             }
             let left = end.saturating_duration_since(Instant::now());
             if left.is_zero() {
@@ -102,7 +104,7 @@ impl Client {
             self.stream.set_read_timeout(Some(left))?;
             match self.stream.read(&mut buffer) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
-                Ok(count) => self.lines.extend(self.framing.push(&buffer[..count]).into_iter().flatten()),
+                Ok(count) => self.lines.extend(self.framing.push(&buffer[..count])),
                 Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => return Ok(None),
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),

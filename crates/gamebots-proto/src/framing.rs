@@ -1,17 +1,22 @@
 //! Framing: splits bytes into lines.
 //!
-//! CR, LF, CR LF and LF CR all end a line, runs of them collapse and empty lines vanish. A line longer
-//! than [`MAX_LINE_BYTES`] is discarded up to its end and the connection lives on. Where empty lines count, CR LF is one end.
+//! CR, LF, CR LF and LF CR all end a line, runs of them collapse and empty lines vanish. A line longer than the limit is discarded up to
+//! its end and the connection lives on. Where empty lines count, CR LF is one end.
 
 use crate::Problem;
 
-/// Longest line that is kept, in bytes without its terminator. USARSim had no limit; a stranger needs one.
+/// Longest line that a server takes, in bytes without its terminator. USARSim had no limit; a stranger needs one.
 pub const MAX_LINE_BYTES: usize = 64 * 1024;
 
+/// Longest line that a client takes, in bytes without its terminator. The longest answer of a server, that of GetSTA, has 256 KiB.
+pub const MAX_ANSWER_BYTES: usize = 1024 * 1024;
+
 /// Splits a stream of bytes into lines; holds the part of a line that has not ended yet.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Framing {
     partial: Vec<u8>,
+    /// Longest line that is kept, in bytes without its end.
+    limit: usize,
     /// Bytes of an over-long line discarded so far.
     discarded: usize,
     /// True if empty lines count.
@@ -20,7 +25,19 @@ pub struct Framing {
     is_after_cr: bool,
 }
 
+impl Default for Framing {
+    /// Creates a framing of a server, with lines of up to [`MAX_LINE_BYTES`].
+    fn default() -> Self {
+        Self { partial: Vec::new(), limit: MAX_LINE_BYTES, discarded: 0, keeps_empty: false, is_after_cr: false }
+    }
+}
+
 impl Framing {
+    /// Creates a framing of a client, with lines of up to [`MAX_ANSWER_BYTES`].
+    pub fn of_answers() -> Self {
+        Self { limit: MAX_ANSWER_BYTES, ..Self::default() }
+    }
+
     /// Creates a framing in which empty lines count.
     pub fn with_empty_lines() -> Self {
         Self { keeps_empty: true, ..Self::default() }
@@ -55,7 +72,7 @@ impl Framing {
         let bytes = std::mem::take(&mut self.partial);
         let discarded = std::mem::take(&mut self.discarded);
         if discarded > 0 {
-            return Some(Err(Problem::LineTooLong { got: discarded, limit: MAX_LINE_BYTES }));
+            return Some(Err(Problem::LineTooLong { got: discarded, limit: self.limit }));
         }
         (!bytes.is_empty()).then(|| Ok(decode(bytes)))
     }
@@ -66,7 +83,7 @@ impl Framing {
     }
 
     fn keep(&mut self, text: &[u8]) {
-        if self.discarded > 0 || self.partial.len() + text.len() > MAX_LINE_BYTES {
+        if self.discarded > 0 || self.partial.len() + text.len() > self.limit {
             self.discarded += self.partial.len() + text.len();
             self.partial = Vec::new();
         } else {
@@ -144,6 +161,17 @@ mod tests {
         let mut bytes = vec![b'x'; MAX_LINE_BYTES];
         bytes.push(b'\n');
         assert_eq!(Framing::default().push(&bytes)[0].as_ref().map(String::len), Ok(MAX_LINE_BYTES));
+    }
+
+    #[test]
+    fn a_client_takes_the_longest_answer() {
+        let mut bytes = vec![b'x'; MAX_ANSWER_BYTES];
+        bytes.extend(b"\ny");
+        assert_eq!(Framing::of_answers().push(&bytes)[0].as_ref().map(String::len), Ok(MAX_ANSWER_BYTES));
+        bytes.extend(vec![b'y'; MAX_ANSWER_BYTES]);
+        bytes.push(b'\n');
+        let too_long = Problem::LineTooLong { got: MAX_ANSWER_BYTES + 1, limit: MAX_ANSWER_BYTES };
+        assert_eq!(Framing::of_answers().push(&bytes)[1], Err(too_long));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-use std::io::{BufRead, IsTerminal};
+use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::path::PathBuf;
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -94,6 +94,7 @@ fn pass_through(mut client: Client) -> Result<(), Failure> {
         match client.next_line(POLL) {
             Ok(Some(line)) => print(line),
             Ok(None) => {}
+            Err(error) if error.kind() == ErrorKind::InvalidData => tracing::warn!(%error, "a line is left out"),
             // The server closed the connection.
             Err(_) => return Ok(()),
         }
@@ -209,6 +210,7 @@ fn show(mut client: Client, typed: &Receiver<Typed>, mut printer: impl ExternalP
             // Names in the line are offered as completions later, so it is made printable first.
             Ok(Some(line)) => printable(&line).into_owned(),
             Ok(None) => continue,
+            Err(error) if error.kind() == ErrorKind::InvalidData => error.to_string(),
             Err(error) => {
                 let _ = printer.print(format!("the server has ended the connection ({error}); :quit\n"));
                 return;
