@@ -10,10 +10,14 @@ use std::time::{Duration, Instant};
 use crate::connection::Turn;
 use crate::ports::Question;
 
-/// Part of real time that guests may take while steps are due. Time in which no step is due is theirs as well.
-const SHARE: f64 = 0.05;
+/// Part of real time that guests may take while steps are due.
+pub(crate) const SHARE: f64 = 0.03;
+/// Part of real time that guests may take while no step is due. Drivers' connections and the threads of steps need the cores, too.
+pub(crate) const IDLE_SHARE: f64 = 0.25;
 /// Longest time that guests can save up, s.
 const MAX_SAVED: f64 = 0.005;
+/// Price of an answer beside the world's time: about what a connection's thread and the system take to send it.
+const DELIVERY: Duration = Duration::from_micros(100);
 
 /// Kinds of guests, by the service that they use. Kinds share the world's time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -87,8 +91,10 @@ impl Guests {
     }
 }
 
-/// Time that guests may take while steps are due. A request that takes longer makes it negative; then guests wait.
+/// Time that guests may take. A request that takes longer makes it negative; then guests wait.
 pub(crate) struct Credit {
+    /// Part of real time that is earned.
+    share: f64,
     /// Saved time, s.
     saved: f64,
     /// Time of the last earning.
@@ -96,20 +102,20 @@ pub(crate) struct Credit {
 }
 
 impl Credit {
-    pub(crate) fn new(now: Instant) -> Self {
-        Self { saved: 0.0, earned: now }
+    pub(crate) fn new(share: f64, now: Instant) -> Self {
+        Self { share, saved: 0.0, earned: now }
     }
 
     /// Earns the share of the time since the last call. Returns true if guests may take time now.
     pub(crate) fn earn(&mut self, now: Instant) -> bool {
         let elapsed = now.saturating_duration_since(self.earned).as_secs_f64();
-        (self.saved, self.earned) = ((self.saved + SHARE * elapsed).min(MAX_SAVED), now);
+        (self.saved, self.earned) = ((self.saved + self.share * elapsed).min(MAX_SAVED), now);
         self.saved > 0.0
     }
 
-    /// Spends time. Returns true if some is left.
+    /// Pays for an answer that took the world this time. Returns true if some is left.
     pub(crate) fn spend(&mut self, took: Duration) -> bool {
-        self.saved -= took.as_secs_f64();
+        self.saved -= (took + DELIVERY).as_secs_f64();
         self.saved > 0.0
     }
 }
@@ -174,12 +180,12 @@ mod tests {
     fn a_long_request_is_paid_back_before_the_next() {
         let start = Instant::now();
         let at = |milliseconds| start + Duration::from_millis(milliseconds);
-        let mut credit = Credit::new(start);
+        let mut credit = Credit::new(SHARE, start);
         assert!(!credit.earn(start));
         assert!(credit.earn(at(1)));
         assert!(!credit.spend(Duration::from_millis(2)));
-        assert!(!credit.earn(at(38)));
-        assert!(credit.earn(at(42)));
+        assert!(!credit.earn(at(68)));
+        assert!(credit.earn(at(72)));
         credit.earn(at(100_000));
         assert!(credit.spend(Duration::from_millis(4)) && !credit.spend(Duration::from_millis(2)));
     }

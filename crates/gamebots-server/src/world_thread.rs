@@ -21,7 +21,7 @@ use crate::client::Client;
 use crate::connection::{ConnectionId, Event};
 use crate::control::{Actor, Control};
 use crate::foxglove_server::FoxgloveServer;
-use crate::guests::{Credit, Guests};
+use crate::guests::{Credit, Guests, IDLE_SHARE, SHARE};
 use crate::live::{Broadcast, ClientStatus, LeagueStatus, RobotStatus, Status};
 use crate::pace::{self, Pace};
 use crate::ports::Question;
@@ -112,7 +112,8 @@ pub(crate) fn spawn(
             sessions: Sessions::new(world),
             threads: pool,
             guests: Guests::default(),
-            guests_credit: Credit::new(now),
+            guests_credit: Credit::new(SHARE, now),
+            idle_credit: Credit::new(IDLE_SHARE, now),
             restarts: Restarts::new(now),
             maps,
             resets: 0,
@@ -140,7 +141,9 @@ struct Server {
     threads: Arc<ThreadPool>,
     /// Requests of everyone who does not drive.
     guests: Guests,
+    /// Time for guests while a step is due, and while none is.
     guests_credit: Credit,
+    idle_credit: Credit,
     restarts: Restarts,
     /// Maps that a viewer can change to.
     maps: Vec<MapDef>,
@@ -287,14 +290,14 @@ impl Server {
             }
             let wait = self.wait(now);
             let idle_until = now + wait.min(MAX_WAIT);
-            let may_answer = self.guests_credit.earn(now);
+            let may_answer = [self.guests_credit.earn(now), self.idle_credit.earn(now)];
             if wait.is_zero() {
                 self.work_on_credit(now);
-                if may_answer {
+                if may_answer[0] {
                     self.answer_on_credit();
                 }
                 self.step();
-            } else if !(self.work(idle_until) | self.answer_until(idle_until)) {
+            } else if !(self.work(idle_until) | (may_answer[1] && self.answer_until(idle_until))) {
                 let taken = match events.recv_timeout(wait.min(MAX_WAIT)) {
                     Ok(event) => self.take(event),
                     Err(RecvTimeoutError::Timeout) => Ok(()),
@@ -427,11 +430,12 @@ impl Server {
         while self.answer_next().is_some_and(|took| self.guests_credit.spend(took)) {}
     }
 
-    /// Answers guests until none waits or the deadline has passed. Returns false if there was nothing to do.
+    /// Answers guests until none waits, their time is spent or the deadline has passed. Returns false if there was nothing to do.
     fn answer_until(&mut self, deadline: Instant) -> bool {
-        let mut answered = false;
-        while Instant::now() < deadline && self.answer_next().is_some() {
-            answered = true;
+        let (mut answered, mut may_answer) = (false, true);
+        while may_answer && Instant::now() < deadline {
+            let Some(took) = self.answer_next() else { break };
+            (answered, may_answer) = (true, self.idle_credit.spend(took));
         }
         answered
     }
