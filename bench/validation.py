@@ -184,7 +184,7 @@ def main():
     page = f"""# Validation
 
 The twelve checks of a Mecanum robot that `usarsim validate --robot KUKA_YouBot` makes, for the thesis's youBot at the default step of 2 ms. This
-page is made by `bench/validation.py`; `cargo test -p system-tests --test all validation` runs the same checks with shorter drives.
+page is made by `bench/validation.py`; `cargo test --test all validation` runs the same checks with shorter drives.
 
 {tables()}
 **no** marks what is out of bounds. `right` is for `bodies`; `analytic` is held to 0.3 % in checks 1 to 3.

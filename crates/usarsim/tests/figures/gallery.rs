@@ -99,5 +99,5 @@ fn every_robot_has_a_picture_in_the_gallery() {
         assert!(size <= PICTURE, "docs/robots/{name}: {size} bytes, expected at most {PICTURE}");
         drawn.insert(name.strip_suffix(".png").unwrap_or(&name).to_owned());
     }
-    assert_eq!(drawn, classes, "`UPDATE_FIGURES=1 cargo test -p usarsim --test all figures` draws the pictures");
+    assert_eq!(drawn, classes, "`UPDATE_FIGURES=1 cargo test --test all figures` draws the pictures");
 }
