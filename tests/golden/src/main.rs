@@ -31,7 +31,7 @@ const WORLDS: [Golden; 5] = [
             (1, "DRIVE {LinearVelocity 0.3} {RotationalVelocity 0.5}"),
             (1, "ACT {Name Arm} {Link 1} {Value 0.7} {Link 2} {Value -1.2}"),
         ],
-        digest: 0x610e_2938_8519_effd,
+        digest: 0x68d4_6b62_0972_fb2b,
     },
     Golden {
         name: "the engine",
@@ -52,7 +52,7 @@ const WORLDS: [Golden; 5] = [
             (1, "DRIVE {Left 2} {Right 3}"),
             (1, "MULTIDRIVE {FLFlipper 0.5} {RRFlipper -0.7}"),
         ],
-        digest: 0x1540_fea6_98f6_7865,
+        digest: 0x4260_20b5_6d6f_8b02,
     },
     Golden {
         name: "a heap",
@@ -81,7 +81,7 @@ const WORLDS: [Golden; 5] = [
             (2, "INIT {ClassName USARBot.AirRobot} {Location 3,0,-1}"),
             (2, "DRIVE {AltitudeVelocity 0.2} {LinearVelocity 0.5} {RotationalVelocity 30}"),
         ],
-        digest: 0xb76b_03ed_3d01_4d97,
+        digest: 0xab22_8bc9_fda7_47da,
     },
 ];
 
