@@ -12,7 +12,7 @@ use tokio::sync::Notify;
 use tokio::time::sleep;
 
 /// Time that a connection has at least before it can be dropped for another.
-const LEAST_STAY: Duration = Duration::from_millis(50);
+const LEAST_STAY: Duration = Duration::from_millis(25);
 
 /// The waiting room. Copies are the same room.
 #[derive(Clone)]

@@ -52,7 +52,7 @@ const FORGETTING_INTERVAL: Duration = Duration::from_millis(100);
 const MEASURE_INTERVAL: Duration = Duration::from_millis(500);
 /// Longest time in which robots are put back together after a restart. The rest of them are put back as INIT lines are executed, so that
 /// steps go on.
-const PUT_BACK_TOGETHER: Duration = Duration::from_millis(50);
+const PUT_BACK_TOGETHER: Duration = Duration::from_millis(20);
 /// Interval between reports of dropped lines and repeated problems.
 const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 
