@@ -112,8 +112,7 @@ pub(crate) fn spawn(
             sessions: Sessions::new(world),
             threads: pool,
             guests: Guests::default(),
-            guests_credit: Credit::new(SHARE, now),
-            idle_credit: Credit::new(IDLE_SHARE, now),
+            guests_credits: [SHARE, IDLE_SHARE].map(|share| Credit::new(share, now)),
             restarts: Restarts::new(now),
             maps,
             resets: 0,
@@ -142,8 +141,7 @@ struct Server {
     /// Requests of everyone who does not drive.
     guests: Guests,
     /// Time for guests while a step is due, and while none is.
-    guests_credit: Credit,
-    idle_credit: Credit,
+    guests_credits: [Credit; 2],
     restarts: Restarts,
     /// Maps that a viewer can change to.
     maps: Vec<MapDef>,
@@ -290,14 +288,14 @@ impl Server {
             }
             let wait = self.wait(now);
             let idle_until = now + wait.min(MAX_WAIT);
-            let may_answer = [self.guests_credit.earn(now), self.idle_credit.earn(now)];
+            let [may_answer, may_answer_idly] = self.guests_credits.each_mut().map(|credit| credit.earn(now));
             if wait.is_zero() {
                 self.work_on_credit(now);
-                if may_answer[0] {
-                    self.answer_on_credit();
+                if may_answer {
+                    self.answer_guests(None);
                 }
                 self.step();
-            } else if !(self.work(idle_until) | (may_answer[1] && self.answer_until(idle_until))) {
+            } else if !(self.work(idle_until) | (may_answer_idly && self.answer_guests(Some(idle_until)))) {
                 let taken = match events.recv_timeout(wait.min(MAX_WAIT)) {
                     Ok(event) => self.take(event),
                     Err(RecvTimeoutError::Timeout) => Ok(()),
@@ -425,29 +423,21 @@ impl Server {
         Ok(())
     }
 
-    /// Answers guests while a step is due, within their credit.
-    fn answer_on_credit(&mut self) {
-        while self.answer_next().is_some_and(|took| self.guests_credit.spend(took)) {}
-    }
-
-    /// Answers guests until none waits, their time is spent or the deadline has passed. Returns false if there was nothing to do.
-    fn answer_until(&mut self, deadline: Instant) -> bool {
+    /// Answers guests until none waits, their time is spent or the next step is due. `idle_until` is that moment; without it a step is due
+    /// now. Returns false if there was nothing to do.
+    fn answer_guests(&mut self, idle_until: Option<Instant>) -> bool {
         let (mut answered, mut may_answer) = (false, true);
-        while may_answer && Instant::now() < deadline {
-            let Some(took) = self.answer_next() else { break };
-            (answered, may_answer) = (true, self.idle_credit.spend(took));
+        while may_answer && idle_until.is_none_or(|end| Instant::now() < end) {
+            let Some((guest, question, _turn)) = self.guests.next() else { break };
+            let start = Instant::now();
+            self.answer(question);
+            let took = start.elapsed();
+            self.guests.charge(guest, took);
+            answered = true;
+            let [due, idle] = &mut self.guests_credits;
+            may_answer = if idle_until.is_some() { idle } else { due }.spend(took);
         }
         answered
-    }
-
-    /// Answers the guest whose turn it is. Returns the time that it took; `None` if no guest waits.
-    fn answer_next(&mut self) -> Option<Duration> {
-        let (guest, question, _turn) = self.guests.next()?;
-        let start = Instant::now();
-        self.answer(question);
-        let took = start.elapsed();
-        self.guests.charge(guest, took);
-        Some(took)
     }
 
     /// Answers a guest. It may have left.

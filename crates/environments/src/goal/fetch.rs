@@ -1,9 +1,9 @@
 //! Grip the object and bring it to a point.
 //!
 //! A robot observes the object in its own frame (3), its gripper in its own frame (3), the point in its own frame (2), its velocities (3),
-//! the positions of its joints that are no wheels, and the object's heading in its own frame, as cosine and sine. The reward is the distance that the gripper came nearer to the object, m, the
-//! height that the object rose, m, the distance that the object came nearer to the point, m, and 1 when the object is there. There is one
-//! robot.
+//! the positions of its joints that are no wheels, and the object's heading in its own frame, as cosine and sine (2). The reward is the
+//! distance that the gripper came nearer to the object, m, the height that the object rose, m, the distance that the object came nearer to
+//! the point, m, and 1 when the object is there. There is one robot.
 
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
