@@ -107,7 +107,9 @@ impl LoginQueue {
             }
         };
         self.waiting.spawn(async move {
+            // A line that has come counts, even if the place is lost at the same moment.
             tokio::select! {
+                biased;
                 accepted = log_in => accepted,
                 () = stay.dropped() => None,
             }

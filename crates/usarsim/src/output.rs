@@ -35,8 +35,12 @@ pub(crate) fn new_folder(folder: &Path) -> Result<(), Failure> {
 pub(crate) fn fill_new_folder<T>(folder: &Path, fill: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     new_folder(folder)?;
     let (done, ended) = tokio::sync::oneshot::channel();
+    let (ready, watching) = std::sync::mpsc::channel();
     let unfinished = folder.to_owned();
-    let watch = std::thread::Builder::new().name("signals".to_owned()).spawn(|| remove_at_signal(unfinished, ended));
+    let watch = move || remove_at_signal(unfinished, ready, ended);
+    let watch = std::thread::Builder::new().name("signals".to_owned()).spawn(watch);
+    // A signal before the thread listens would end the program and leave the folder. An error says that there is no thread.
+    let _ = watching.recv();
     let filled = fill();
     drop(done);
     // After a signal it removes the folder and does not return.
@@ -49,14 +53,20 @@ pub(crate) fn fill_new_folder<T>(folder: &Path, fill: impl FnOnce() -> Result<T,
     filled
 }
 
-/// Removes a folder and ends the program at a signal, until the other end of the channel is dropped.
-fn remove_at_signal(folder: PathBuf, ended: tokio::sync::oneshot::Receiver<()>) {
+/// Removes a folder and ends the program at a signal, until the other end of `ended` is dropped. Says when it is `ready` for signals.
+fn remove_at_signal(folder: PathBuf, ready: std::sync::mpsc::Sender<()>, ended: tokio::sync::oneshot::Receiver<()>) {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build();
     let Ok(runtime) = runtime else { return };
     let is_stopped = runtime.block_on(async {
+        let ended = async {
+            let _ = ready.send(());
+            ended.await
+        };
+        // The first poll of `stop_signal` sets up the handlers, so it comes first.
         tokio::select! {
-            _ = ended => false,
+            biased;
             () = stop_signal() => true,
+            _ = ended => false,
         }
     });
     if !is_stopped {

@@ -1,7 +1,7 @@
 //! A server with few descriptors. Strangers who hold connections open lock nobody out.
 
 use std::io::Read;
-use std::net::TcpStream;
+use std::net::{SocketAddr, TcpStream};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -44,6 +44,15 @@ fn hold(port: u16, stop: &AtomicBool) {
     }
 }
 
+/// Logs in, and reads the greeting. Fails if the machine pauses this thread so long after connecting that its place goes to a stranger.
+fn log_in(server: SocketAddr) -> std::io::Result<()> {
+    let mut client = Client::connect(server)?;
+    client.send("LOGIN {Token 0123456789abcdef}")?;
+    let greeting = client.next_line(PATIENCE)?.ok_or(std::io::ErrorKind::UnexpectedEof)?;
+    assert!(greeting.starts_with("NFO {Gametype"), "{greeting}");
+    Ok(())
+}
+
 #[test]
 fn strangers_who_wait_at_all_ports_lock_out_nobody_with_a_token() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -63,11 +72,9 @@ fn strangers_who_wait_at_all_ports_lock_out_nobody_with_a_token() {
         .collect();
     for number in 0..5 {
         let start = Instant::now();
-        let mut client = Client::connect(program.address).expect("a connection");
-        client.send("LOGIN {Token 0123456789abcdef}").expect("to send");
-        let greeting = client.next_line(PATIENCE).expect("a connection").expect("a greeting");
-        assert!(greeting.starts_with("NFO {Gametype"), "{number}: {greeting}");
-        assert!(start.elapsed() < PATIENCE / 2, "{number}: in after {:?}", start.elapsed());
+        while let Err(error) = log_in(program.address) {
+            assert!(start.elapsed() < PATIENCE / 2, "{number}: out after {:?}: {error}", start.elapsed());
+        }
     }
     assert!(program.usage().descriptors < DESCRIPTORS, "{} descriptors", program.usage().descriptors);
     stop.store(true, Ordering::Relaxed);
