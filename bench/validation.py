@@ -3,7 +3,9 @@
 
     python3 -m venv venv && venv/bin/pip install matplotlib
     cargo build --release --bin usarsim      # or USARSIM names another build of the program
-    venv/bin/python bench/validation.py [--out docs]
+    venv/bin/python bench/validation.py [--out docs | --check docs/validation.md [--but-bodies]]
+
+With `--check` it only makes the tables, and fails if they are not those of the page.
 """
 
 import argparse
@@ -23,7 +25,10 @@ import matplotlib.pyplot as plt
 ROOT = os.path.join(os.path.dirname(__file__), "..")
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("--out", default=os.path.join(ROOT, "docs"), help="folder of the page")
-OUT = parser.parse_args().out
+parser.add_argument("--check", metavar="PAGE", help="compare the tables with those of a page, and draw nothing")
+parser.add_argument("--but-bodies", action="store_true", help="with --check, leave out the column of the youBot's bodies, which takes five minutes")
+ARGUMENTS = parser.parse_args()
+OUT = ARGUMENTS.out
 USARSIM = os.environ.get("USARSIM") or os.path.join(ROOT, "target", "release", "usarsim")
 COLOURS = {"bodies": "#1f5fa8", "articulated": "#8a4fa8", "analytic": "#d1495b", "kinematic": "#6b9e3f"}
 # The same file every time.
@@ -150,8 +155,8 @@ def errors_against_step():
     return "\n".join(pictures)
 
 
-def tables():
-    names = ["bodies", "articulated", "analytic", "kinematic"]
+def tables(names=("bodies", "articulated", "analytic", "kinematic")):
+    """The findings of the youBot, a column for each drive model."""
     reports = each(lambda name: run("validate", "--drive-model", name)["findings"], names)
     lines = [f"| check | found | {' | '.join(names)} | right |", "|---|---|---|---|---|---|"]
     for rows in zip(*reports):
@@ -179,7 +184,31 @@ def plain_tables():
     return "\n".join(lines) + "\n"
 
 
+def cells(lines):
+    """The cells of the rows of tables, without those that only draw a line."""
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith("|") and "---" not in line]
+
+
+def check(page):
+    """Fails if the tables of a page are not those of the program."""
+    with open(page) as file:
+        shown = cells(file)
+    made = cells(plain_tables().splitlines())
+    if ARGUMENTS.but_bodies:
+        made = [row[:-1] for row in cells(tables(("articulated", "analytic", "kinematic")).splitlines())] + made
+        rows = next(number for number, row in enumerate(shown[1:], 1) if row[0] == "check")
+        # In the first table the third column is that of bodies, and the last has the bounds of theirs.
+        shown = [row[:2] + row[3:-1] if number < rows else row for number, row in enumerate(shown)]
+    else:
+        made = cells(tables().splitlines()) + made
+    wrong = [f"{page} shows {' | '.join(old)}\nthe program gives {' | '.join(new)}" for old, new in zip(shown, made) if old != new]
+    if wrong or len(shown) != len(made):
+        raise SystemExit("\n".join(wrong) or f"{page} shows {len(shown)} rows: the program gives {len(made)}")
+
+
 def main():
+    if ARGUMENTS.check:
+        return check(ARGUMENTS.check)
     os.makedirs(os.path.join(OUT, "plots"), exist_ok=True)
     page = f"""# Validation
 

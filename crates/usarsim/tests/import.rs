@@ -17,6 +17,11 @@ fn import(folder: &Path, file: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_usarsim"));
     command.arg("import").arg(file).args(arguments).current_dir(folder);
     command.env_remove("ROS_PACKAGE_PATH").env_remove("AMENT_PREFIX_PATH");
+    // `PATH=.. cargo test` would build every crate anew that depends on Python.
+    if let (Some(xacro), Some(path)) = (std::env::var_os("XACRO_FOLDER"), std::env::var_os("PATH")) {
+        let folders = std::iter::once(PathBuf::from(xacro)).chain(std::env::split_paths(&path));
+        command.env("PATH", std::env::join_paths(folders).expect("folders"));
+    }
     command.output().expect("usarsim runs")
 }
 
