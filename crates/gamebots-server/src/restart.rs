@@ -10,8 +10,9 @@ use crate::control::Actor;
 
 /// Least time between two restarts.
 const INTERVAL: Duration = Duration::from_secs(1);
-/// Least time between two restarts, as a multiple of the time that the world's thread took for the first one.
-const REST: u32 = 10;
+/// Least time between two restarts, as a multiple of the time that the world's thread took for the first one. So restarts take at most 4 %
+/// of the time.
+const REST: u32 = 25;
 
 /// A request to restart.
 pub(crate) struct Restart {

@@ -4,6 +4,8 @@
 //! robot, an object or a solid is in the way, the robot is put at the nearest free place beside it, on the same floor and on the same side
 //! of walls. A robot comes to stand on another only if it is asked for above it.
 
+use std::sync::LazyLock;
+
 use nalgebra::{Point3, Vector3};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::query::{self, Ray};
@@ -106,7 +108,7 @@ impl Physics {
         let around = Aabb::from_half_extents(bounds.center(), half + Vector::new(GAP, GAP, MAX_DROP));
         let is_other = is_other_than(moved);
         let movers = self.world.query_pipeline_with_filter(QueryFilter::exclude_fixed().predicate(&is_other));
-        let candidates = rings().into_iter().filter_map(|(x, y)| {
+        let candidates = RINGS_AROUND.iter().filter_map(|&(x, y)| {
             let offset = Vector3::new(f64::from(x) * step, f64::from(y) * step, 0.0);
             let moved = around.translated(convert::vector(offset));
             // The boxes in the tree are larger than those of the colliders.
@@ -223,12 +225,20 @@ impl Physics {
 
     /// Raises a pose out of a slope under the wheels, or out of a kerb between them. Returns it unchanged if that is not enough.
     fn raised(&self, robot: &CompiledRobot, pose: Pose) -> Pose {
-        let is_clear = |lift: f64| {
+        let mut least = 0.0;
+        for number in 0..=RAISES {
+            let lift = f64::from(number) * MAX_RAISE / f64::from(RAISES);
+            if lift < least {
+                continue;
+            }
             let raised = Pose::from_parts((pose.translation.vector - Vector3::z() * lift).into(), pose.rotation);
-            self.deepest_overlap(robot, &raised).is_none_or(|(depth, _)| depth <= OVERLAP).then_some(raised)
-        };
-        let lifts = (0..=RAISES).map(|number| f64::from(number) * MAX_RAISE / f64::from(RAISES));
-        lifts.filter_map(is_clear).next().unwrap_or(pose)
+            match self.deepest_overlap(robot, &raised) {
+                // A metre up makes an overlap smaller by a metre at most, so lower lifts are not enough. Overlaps are known to a micrometre.
+                Some((depth, _)) if depth > OVERLAP => least = lift + (depth - OVERLAP) - 1e-6,
+                _ => return raised,
+            }
+        }
+        pose
     }
 
     /// Returns the height (z) of the surface to stand on at a place. It is the first one below the reference height, unless there is none
@@ -268,14 +278,14 @@ fn is_other_than(robot: Option<PawnId>) -> impl Fn(ColliderHandle, &Collider) ->
     move |_, collider| robot.is_none_or(|robot| !Mark::is_of(collider, robot))
 }
 
-/// Returns the offsets of the places around one, the nearest first.
-fn rings() -> Vec<(i32, i32)> {
+/// Offsets of the places around one, the nearest first.
+static RINGS_AROUND: LazyLock<Vec<(i32, i32)>> = LazyLock::new(|| {
     let all = (-RINGS..=RINGS).flat_map(|x| (-RINGS..=RINGS).map(move |y| (x, y)));
     let mut around: Vec<(i32, i32)> = all.filter(|&place| place != (0, 0)).collect();
     // Ties go forward and to the right first.
     around.sort_by_key(|&(x, y)| (x * x + y * y, -x, -y));
     around
-}
+});
 
 /// Returns the layers of one collider on a ray that points down: one for a convex solid, one for each upward face of a mesh.
 fn layers_of(collider: &Collider, mut ray: Ray) -> Vec<Layer> {
