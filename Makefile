@@ -88,6 +88,7 @@ dist: view
 release: dist package book
 	cargo build --release --bin usarsim
 	tests/interop/run
+	cargo test --release -p usarsim --test all figures
 	USARSIM=target/release/usarsim target/interop/venv/bin/python bench/validation.py --check docs/validation.md
 	target/interop/venv/bin/python bench/compare.py --seconds 1 --repeat 1 --out target/interop/comparison.md
 	cd viewer && npm test
