@@ -67,7 +67,10 @@ impl Physics {
     ) -> Result<Placement, Identity> {
         let pose = self.standing_pose(robot, wanted);
         let Err(obstacle) = self.check_room(robot, &pose, moved) else { return Ok(Placement { pose, obstacle: None }) };
-        let beside = self.place_beside(robot, wanted, &pose, (obstacle, moved)).ok_or(obstacle)?;
+        // Deep in the floor no place is near: it is looked for beside the one above.
+        let is_deep = wanted.translation.z - pose.translation.z > MAX_DROP;
+        let from = if is_deep { &pose } else { wanted };
+        let beside = self.place_beside(robot, from, &pose, (obstacle, moved)).ok_or(obstacle)?;
         Ok(Placement { pose: beside, obstacle: Some(obstacle) })
     }
 
