@@ -114,7 +114,7 @@ fn robots_that_fall_on_each_other_are_no_faster_than_their_fall() {
                 stage.robot(class, &format!("{{Location 0,0,-{height}}}"));
                 height += 0.6;
             }
-            // The last one falls for 0.9 s.
+            // The last one falls for 1 s.
             stage.run(2.0);
             stage.error(&format!("a heap of {classes:?}"), (2.0 * GRAVITY * height).sqrt())
         };

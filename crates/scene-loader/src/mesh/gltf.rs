@@ -20,8 +20,9 @@ const MAX_NODES: usize = 100_000;
 pub(super) fn read(source: &Source, bytes: &[u8]) -> Result<Vec<Piece>, String> {
     let (json, mut blob) = if bytes.starts_with(b"glTF") {
         // The library subtracts the 12 bytes of the header without a check.
-        if bytes.get(8..12).is_some_and(|length| length[1..] == [0; 3] && length[0] < 12) {
-            return Err(format!("the header says {} bytes: expected at least its own 12", bytes[8]));
+        let length = bytes.get(8..12).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
+        if let Some(length) = length.filter(|&length| length < 12) {
+            return Err(format!("the header says {length} bytes: expected at least its own 12"));
         }
         let file = Glb::from_slice(bytes).map_err(|error| error.to_string())?;
         (file.json, file.bin.map(Cow::into_owned))
