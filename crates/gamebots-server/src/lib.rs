@@ -14,45 +14,22 @@
 #![cfg_attr(test, allow(clippy::indexing_slicing, clippy::string_slice, clippy::expect_used))]
 
 mod access;
-mod budget;
-mod cameras;
-mod client;
-mod com_server;
-mod connection;
-mod control;
-mod fit;
-mod foxglove_server;
-mod guests;
-mod images;
-mod journal;
-mod limits;
-mod listener;
-mod live;
-mod login;
-mod pace;
-mod playback;
+mod door;
+mod messages;
+mod page;
 mod ports;
-mod present;
-mod publisher;
-mod recording;
-mod restart;
-mod results;
-mod saved;
-mod shares;
-mod view;
-mod waiting_room;
-mod web;
-mod wireless;
-mod world_thread;
+mod run;
+mod subscribers;
+mod world;
 
-pub use access::{Tokens, TokensError};
-pub use control::{WorldControl, check_real_time_factor};
-pub use images::ImageKind;
-pub use live::messages as viewer_messages;
-pub use playback::{Playback, play};
-pub use saved::{SavedFileError, read_saved};
-pub use view::{Moment, View};
-pub use wireless::Propagation;
+pub use access::tokens::{Tokens, TokensError};
+pub use messages::control::{WorldControl, check_real_time_factor};
+pub use messages::pb as viewer_messages;
+pub use page::view::{Moment, View};
+pub use ports::images::ImageKind;
+pub use ports::playback::{Playback, play};
+pub use ports::wireless::Propagation;
+pub use world::saved::{SavedFileError, read_saved};
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -72,9 +49,9 @@ pub mod fuzzing {
 
     use sim_core::World;
 
-    use crate::control::Control;
-    use crate::fit::Ask;
-    use crate::pace::Pace;
+    use crate::messages::control::Control;
+    use crate::messages::fit::Ask;
+    use crate::world::pace::Pace;
 
     /// Reads a request of a viewer or of Foxglove. For a speed, computes the wait for an hour of simulated time.
     pub fn control(text: &str) {
@@ -95,7 +72,7 @@ pub mod fuzzing {
             std::iter::once((header::HOST, host)).chain(origins.iter().map(|origin| (header::ORIGIN, *origin)));
         let headers = headers.map(|(name, value)| HeaderValue::from_bytes(value).map(|value| (name, value)));
         let headers = headers.collect::<Result<HeaderMap, _>>();
-        headers.is_ok_and(|headers| crate::web::check(&headers, own_name, |_| false).is_ok())
+        headers.is_ok_and(|headers| crate::page::site::check(&headers, own_name, |_| false).is_ok())
     }
 }
 
@@ -291,5 +268,5 @@ pub enum ServeError {
 /// When serving cannot start, or the world stops by itself.
 pub fn run(config: Config, ready: impl FnOnce(Ready), shutdown: impl Future<Output = ()>) -> Result<(), ServeError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
-    runtime.block_on(listener::serve(config, ready, shutdown))
+    runtime.block_on(run::serve(config, ready, shutdown))
 }

@@ -1,0 +1,3 @@
+//! The way in for connections.
+
+pub(crate) mod limits;

@@ -1,0 +1,451 @@
+//! The scene for viewers: the definitions, together with derived values, so that a viewer needs no formulas of its own.
+//!
+//! Shapes are serialized directly: as a tree of JSON values, the meshes of a map would take a gigabyte.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use scene::{
+    Drawn as DrawnPiece, Geometry, JointKind, MapDef, MountedWheel, Moves, ObjectSnapshot, Pads, Pose, RobotDef,
+    SensorDef, Shape, WorldDef,
+};
+use serde::Serialize;
+
+use crate::subscribers::cameras::SIZE;
+
+/// The server's settings that a page needs beside the world.
+#[derive(Debug, Clone)]
+pub(crate) struct About {
+    pub(crate) seed: u64,
+    /// Time step, s.
+    pub(crate) time_step: f64,
+    /// Port for controllers.
+    pub(crate) port: u16,
+    /// Maps that it can change to, with their descriptions.
+    pub(crate) maps: Vec<(String, String)>,
+}
+
+/// Position x y z, m, and quaternion x y z w, in the frame of the parent.
+type Place = [f64; 7];
+
+/// Defines structs of the scene, and in tests their TypeScript.
+macro_rules! page_types {
+    ($($(#[$of_type:meta])* struct $name:ident$(<$a:lifetime>)? { $($(#[$of_field:meta])* $field:ident: $type:ty,)* })*) => {
+        $(
+            $(#[$of_type])*
+            #[derive(Serialize)]
+            #[cfg_attr(test, derive(ts_rs::TS))]
+            struct $name$(<$a>)? { $($(#[$of_field])* $field: $type,)* }
+        )*
+
+        /// Returns the TypeScript of every type.
+        #[cfg(test)]
+        fn declarations() -> Vec<String> {
+            let config = ts_rs::Config::default();
+            vec![$(<$name as ts_rs::TS>::decl(&config)),*]
+        }
+    };
+}
+
+page_types! {
+    /// The scene of `/scene.json`. Without a server, as for a log's world, its settings are null.
+    struct Scene<'a> {
+        version: &'a str,
+        #[cfg_attr(test, ts(type = "number | null"))]
+        seed: Option<u64>,
+        /// Time step, s.
+        time_step: Option<f64>,
+        /// Port for controllers.
+        port: Option<u16>,
+        /// Maps that the server can change to.
+        maps: Vec<OtherMap<'a>>,
+        map: Map<'a>,
+        #[cfg_attr(test, ts(type = "Record<string, RobotClass>"))]
+        classes: BTreeMap<&'a str, RobotClass<'a>>,
+        league: Option<League<'a>>,
+    }
+
+    /// Rules of the league that is played.
+    struct League<'a> {
+        /// Victims to be found; 0 if they do not count.
+        victims: usize,
+        teams: Vec<Team<'a>>,
+    }
+
+    struct Team<'a> {
+        name: &'a str,
+        starts: Vec<NamedPlace<'a>>,
+        /// Classes that its robots may have; any if empty.
+        classes: &'a [String],
+    }
+
+    struct OtherMap<'a> {
+        name: &'a str,
+        description: &'a str,
+    }
+
+    struct Map<'a> {
+        name: &'a str,
+        description: &'a str,
+        /// Classes of robots that suit it, to be offered.
+        robots: &'a [String],
+        solids: Vec<Solid<'a>>,
+        /// Solids that are only seen, without edges and shadows.
+        markings: Vec<Solid<'a>>,
+        objects: Vec<Solid<'a>>,
+        starts: Vec<NamedPlace<'a>>,
+        path_nodes: Vec<NamedPlace<'a>>,
+    }
+
+    struct Solid<'a> {
+        name: &'a str,
+        #[cfg_attr(test, ts(type = "Shape"))]
+        shape: Cow<'a, Shape>,
+        pose: Place,
+        /// Name of the material.
+        material: &'a str,
+        colour: [f64; 3],
+        friction: f64,
+    }
+
+    /// An object that the map does not have.
+    struct Spawned<'a> {
+        #[cfg_attr(test, ts(type = "number"))]
+        number: u64,
+        #[serde(flatten)]
+        solid: Solid<'a>,
+    }
+
+    struct NamedPlace<'a> {
+        name: &'a str,
+        position: [f64; 3],
+        /// Roll, pitch, yaw, rad.
+        rotation: [f64; 3],
+    }
+
+    struct RobotClass<'a> {
+        description: &'a str,
+        #[cfg_attr(test, ts(type = "'SkidSteered' | 'OmniDrive' | 'AckermanSteered' | 'Aerial' | 'Legged' | 'None'"))]
+        steering: &'a str,
+        /// Largest angles of front and rear, rad.
+        max_steer: [f64; 2],
+        drive_model: &'a str,
+        wheel_radius: f64,
+        track: f64,
+        wheel_base: f64,
+        /// Pieces of the body.
+        drawn: Vec<Drawn<'a>>,
+        /// Links except the body and driven wheels.
+        links: Vec<Link<'a>>,
+        /// Driven wheels.
+        wheels: Vec<Wheel<'a>>,
+        /// Links with a joint that has a value, in the order of a log's positions.
+        values: Vec<&'a str>,
+        /// Joints that go to positions.
+        joints: Vec<Joint<'a>>,
+        grippers: Vec<Gripper<'a>>,
+        sensors: Vec<Sensor<'a>>,
+    }
+
+    struct Link<'a> {
+        name: &'a str,
+        /// Pose in the robot frame when every joint is at 0.
+        pose: Place,
+        drawn: Vec<Drawn<'a>>,
+    }
+
+    /// A piece of a robot in the frame of its link.
+    struct Drawn<'a> {
+        #[cfg_attr(test, ts(type = "Shape"))]
+        shape: Cow<'a, Shape>,
+        pose: Place,
+        colour: [f64; 3],
+        /// Speed about its own z axis, rad/s: it turns with the world's time.
+        spin: f64,
+    }
+
+    struct Wheel<'a> {
+        name: &'a str,
+        /// Index of the carrier among the links; null for the body.
+        link: Option<usize>,
+        /// Position in the carrier's frame, m.
+        position: [f64; 3],
+        /// Pieces except rollers and pads.
+        drawn: Vec<Drawn<'a>>,
+        /// Speed limit, rad/s.
+        max_speed: Option<f64>,
+        rollers: Option<Rollers>,
+        /// Pads of the belt around it; a wheel with a belt does not turn.
+        belt: Option<Belt>,
+    }
+
+    /// Boxes that move along a closed path around a sprocket.
+    struct Belt {
+        /// Corners of the path, x and z in the wheel's frame, m.
+        path: Vec<[f64; 2]>,
+        pads: usize,
+        /// Edges of a pad along the path, across the belt and outward, m.
+        size: [f64; 3],
+        /// Travel for each rad of the sprocket, m.
+        radius: f64,
+        colour: [f64; 3],
+    }
+
+    struct Rollers {
+        /// Poses in the wheel's frame.
+        poses: Vec<Place>,
+        /// Points of the outline: along the axis and away from it, m.
+        outline: Vec<[f64; 2]>,
+        colour: [f64; 3],
+    }
+
+    /// A joint that goes to a position by `SET {Type Joint}`.
+    struct Joint<'a> {
+        name: &'a str,
+        min: f64,
+        max: f64,
+        #[cfg_attr(test, ts(type = "'rad' | 'm'"))]
+        unit: &'a str,
+    }
+
+    /// Joints that open and close together.
+    struct Gripper<'a> {
+        name: &'a str,
+        joints: Vec<&'a str>,
+        /// Positions of the joints, rad or m.
+        open: &'a [f64],
+        closed: &'a [f64],
+    }
+
+    struct Sensor<'a> {
+        name: &'a str,
+        /// Index of the carrier among the links; null for the body.
+        link: Option<usize>,
+        /// Pose in the carrier's frame.
+        pose: Place,
+        /// Size of its pictures; null if it is no camera.
+        camera: Option<Camera>,
+        /// Greatest range, m.
+        max_range: Option<f64>,
+        fan: Option<Fan>,
+    }
+
+    /// Size of a camera's pictures, pixels.
+    struct Camera {
+        width: usize,
+        height: usize,
+    }
+
+    /// Beams of a laser.
+    struct Fan {
+        /// Angle of the first beam, rad.
+        first: f64,
+        /// Angle between two beams, rad.
+        resolution: f64,
+        /// True if the beams are in the sensor's horizontal plane.
+        level: bool,
+    }
+}
+
+/// Returns the map and every robot class as JSON. Without `about`, as for a log's world, it has no settings of a server.
+pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
+    let maps = about.iter().flat_map(|about| &about.maps);
+    let scene = Scene {
+        version: env!("CARGO_PKG_VERSION"),
+        seed: about.map(|about| about.seed),
+        time_step: about.map(|about| about.time_step),
+        port: about.map(|about| about.port),
+        maps: maps.map(|(name, description)| OtherMap { name, description }).collect(),
+        map: map(&world.map),
+        classes: world.robots.iter().map(|(name, def)| (name.as_str(), class(def))).collect(),
+        league: world.league.as_ref().map(|rules| league(rules, &world.map)),
+    };
+    // Every key is a string, so serialization cannot fail.
+    serde_json::to_string(&scene).unwrap_or_default()
+}
+
+/// Returns objects beside the map's as JSON.
+pub(crate) fn objects_json(objects: &[ObjectSnapshot]) -> String {
+    let objects = objects.iter().map(|object| Spawned { number: object.id.0, solid: solid(&object.def.solid) });
+    serde_json::to_string(&objects.collect::<Vec<_>>()).unwrap_or_default()
+}
+
+fn map(map: &MapDef) -> Map<'_> {
+    Map {
+        name: &map.name,
+        description: &map.description,
+        robots: &map.robots,
+        solids: map.solids.iter().map(solid).collect(),
+        markings: map.markings.iter().map(solid).collect(),
+        objects: map.objects.iter().map(|object| solid(&object.solid)).collect(),
+        starts: map.starts.iter().map(named).collect(),
+        path_nodes: map.path_nodes.iter().map(named).collect(),
+    }
+}
+
+fn league<'a>(rules: &'a scene::League, map: &MapDef) -> League<'a> {
+    let team = |team: &'a scene::Team| Team {
+        name: &team.name,
+        starts: team.starts.iter().map(named).collect(),
+        classes: &team.classes,
+    };
+    League { victims: rules.victims.map_or(0, |_| map.victims.len()), teams: rules.teams.iter().map(team).collect() }
+}
+
+fn solid(solid: &scene::Solid) -> Solid<'_> {
+    Solid {
+        name: &solid.name,
+        shape: shape(Cow::Borrowed(&solid.shape)),
+        pose: place(&solid.pose()),
+        material: &solid.material.name,
+        colour: solid.material.colour,
+        friction: solid.material.friction,
+    }
+}
+
+fn named(place: &scene::NamedPose) -> NamedPlace<'_> {
+    NamedPlace { name: &place.name, position: place.position, rotation: place.rotation }
+}
+
+fn class(def: &RobotDef) -> RobotClass<'_> {
+    let drawn: Vec<_> = def.drawn().collect();
+    let wheels = drawn.iter().enumerate().filter_map(|(number, (link, pieces))| {
+        let wheel = MountedWheel::of((number, link)).filter(|wheel| wheel.drive.is_some())?;
+        Some(self::wheel(def, wheel, pieces))
+    });
+    // Poses with every joint at 0: logs from before robots were trees do not have them.
+    let at_rest = def.placed_links(&[]);
+    let links = drawn.iter().zip(&at_rest).skip(1).filter(|((link, _), _)| !link.is_driven_wheel());
+    let geometry = def.wheel_geometry();
+    RobotClass {
+        description: &def.description,
+        steering: def.steering.wire_name(),
+        max_steer: [0, 1].map(|axle| most_steered(def, axle)),
+        drive_model: def.drive_model.name(),
+        wheel_radius: geometry.radius,
+        track: geometry.track,
+        wheel_base: geometry.wheel_base,
+        drawn: drawn.first().map_or_else(Vec::new, |(_, pieces)| still(pieces)),
+        links: links
+            .map(|((link, pieces), (_, at))| Link { name: &link.name, pose: place(at), drawn: still(pieces) })
+            .collect(),
+        wheels: wheels.collect(),
+        values: def.with_values().map(|link| link.name.as_str()).collect(),
+        joints: def.with_values().filter_map(joint).collect(),
+        grippers: def.grippers.iter().map(|it| gripper(def, it)).collect(),
+        sensors: def.sensors.iter().map(|it| sensor(def, it)).collect(),
+    }
+}
+
+fn sensor<'a>(def: &RobotDef, sensor: &'a SensorDef) -> Sensor<'a> {
+    let [width, height] = SIZE;
+    let fan = |fan: scene::sensor::Fan| Fan { first: fan.first, resolution: fan.resolution, level: fan.level };
+    Sensor {
+        name: &sensor.name,
+        link: link_number(def, sensor.link),
+        pose: place(&def.mount_of(sensor).map_or_else(Pose::identity, |(_, _, mount)| mount)),
+        camera: sensor.config.is_camera().then_some(Camera { width, height }),
+        max_range: sensor.config.max_range(),
+        fan: sensor.config.fan().map(fan),
+    }
+}
+
+fn joint(link: &scene::Link) -> Option<Joint<'_>> {
+    let [min, max] = link.position_limits()?;
+    let slides = link.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Prismatic);
+    Some(Joint { name: &link.name, min, max, unit: if slides { "m" } else { "rad" } })
+}
+
+fn gripper<'a>(def: &'a RobotDef, gripper: &'a scene::Gripper) -> Gripper<'a> {
+    let joints = gripper.links.iter().filter_map(|&link| def.links.get(link));
+    let joints = joints.map(|link| link.name.as_str()).collect();
+    Gripper { name: &gripper.name, joints, open: &gripper.open, closed: &gripper.closed }
+}
+
+/// Returns the largest angle that all joints of an axle can steer to both sides, rad.
+fn most_steered(def: &RobotDef, axle: usize) -> f64 {
+    def.steering_limits(axle).map(|[least, most]| most.min(-least)).reduce(f64::min).unwrap_or(0.0)
+}
+
+fn wheel<'a>(def: &RobotDef, wheel: MountedWheel<'a>, drawn: &[DrawnPiece<'a>]) -> Wheel<'a> {
+    let carrier = def.links.get(wheel.parent).map_or([0.0; 3], scene::Link::origin);
+    let [x, y, z] = wheel.position;
+    let [from_x, from_y, from_z] = carrier;
+    let rollers: Vec<&DrawnPiece> = drawn.iter().filter(|it| it.moves == Moves::Roller).collect();
+    let outline = rollers.first().and_then(|it| match &it.geometry {
+        Geometry::Revolved(outline) => Some((outline, it.colour)),
+        Geometry::Shape(_) => None,
+    });
+    Wheel {
+        name: wheel.name,
+        link: link_number(def, wheel.parent),
+        position: [x - from_x, y - from_y, z - from_z],
+        drawn: still(drawn),
+        max_speed: wheel.drive.as_ref().map(|motor| motor.max_speed),
+        rollers: outline.map(|(outline, colour)| Rollers {
+            poses: rollers.iter().map(|roller| place(&roller.pose)).collect(),
+            outline: outline.clone(),
+            colour,
+        }),
+        belt: wheel.belt.as_ref().map(|belt| {
+            let Pads { path, count, size, radius } = belt.pads(wheel.width);
+            Belt { path, pads: count, size, radius, colour: wheel.material.colour }
+        }),
+    }
+}
+
+/// Returns a link's index among the page's links; `None` for the body and driven wheels.
+fn link_number(def: &RobotDef, link: usize) -> Option<usize> {
+    let links = def.links.iter().enumerate().skip(1).filter(|(_, link)| !link.is_driven_wheel());
+    links.map(|(number, _)| number).position(|number| number == link)
+}
+
+/// Returns the drawn pieces of a link, except rollers and pads, in its frame.
+fn still<'a>(drawn: &[DrawnPiece<'a>]) -> Vec<Drawn<'a>> {
+    let piece = |it: &DrawnPiece<'a>| {
+        let spin = match it.moves {
+            Moves::Still => 0.0,
+            Moves::Spin(speed) => speed,
+            Moves::Roller | Moves::Belt(_) => return None,
+        };
+        let Geometry::Shape(drawn) = &it.geometry else { return None };
+        Some(Drawn { shape: shape(drawn.clone()), pose: place(&it.pose), colour: it.colour, spin })
+    };
+    drawn.iter().filter_map(piece).collect()
+}
+
+/// Returns a shape that a viewer can draw: a hull becomes its surface.
+fn shape(shape: Cow<'_, Shape>) -> Cow<'_, Shape> {
+    match &*shape {
+        Shape::Hull { points } => scene::hull_surface(points).map_or(shape, Cow::Owned),
+        _ => shape,
+    }
+}
+
+fn place(pose: &Pose) -> Place {
+    let ([x, y, z], [i, j, k, w]): ([f64; 3], [f64; 4]) = (pose.translation.vector.into(), pose.rotation.coords.into());
+    [x, y, z, i, j, k, w]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// `UPDATE_FIGURES=1` renews the file.
+    #[test]
+    fn the_page_has_the_types_of_the_scene() {
+        let types: String = declarations().iter().map(|it| format!("\nexport {it}\n")).collect();
+        let text = format!(
+            "// Generated from crates/gamebots-server/src/messages/scene.rs by `make figures`.\n\n\
+             import type {{ Shape }} from './shape.gen';\n{types}"
+        );
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../viewer/src/protocol/scene.gen.ts");
+        if std::env::var_os("UPDATE_FIGURES").is_some() {
+            std::fs::write(&path, &text).expect("a file");
+        }
+        let found = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(found == text, "{} is out of date: `make figures` renews it", path.display());
+    }
+}

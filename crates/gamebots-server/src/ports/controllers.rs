@@ -1,0 +1,296 @@
+//! One client: bytes become commands to the world, and lines from its outbox become bytes.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::Duration;
+
+use gamebots_proto::ports::read_login;
+use gamebots_proto::{Dialect, Framing, Problem};
+use outbox::{Outbox, Taken};
+use sessions::Request;
+use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio::net::tcp::OwnedReadHalf;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::time::{Instant, sleep_until, timeout};
+use tracing::info;
+
+use crate::WorldControl;
+use crate::access::budget::Budgets;
+use crate::access::login::Accepted;
+use crate::access::tokens::Access;
+use crate::ports::truth::Question;
+use crate::world::guests::Guest;
+
+/// Bytes read at once.
+const READ_BYTES: usize = 16 * 1024;
+/// Least time between two lines sent in separate segments. A script that takes one `recv` for one line has read the first by
+/// then.
+const LINE_INTERVAL: Duration = Duration::from_millis(2);
+/// Most lines handed to the world at once. It bounds the lines that wait for one client, some 100 kB.
+const MAX_REQUESTS: usize = 256;
+
+/// First bytes of a connection that are checked for a method of HTTP: the longest method and a space.
+const FIRST_BYTES: usize = 8;
+
+/// Wait after which a fragment that ends with a whole block counts as a line: one known controller never ends its lines
+/// (tamsl/swe-thaf).
+pub(crate) const UNENDED_LINE: Duration = Duration::from_millis(500);
+
+/// Pause after an error of accept or bind, which would otherwise recur at once.
+pub(crate) const BACK_OFF: Duration = Duration::from_millis(100);
+
+/// Number of a connection, from 1.
+pub(crate) type ConnectionId = u64;
+
+/// An event for the world's thread.
+pub(crate) enum Event {
+    /// A client connected.
+    Opened(Opened),
+    /// Lines of one segment, handed over together so that the world can handle them before time goes on.
+    Requests(ConnectionId, Vec<Request>, Turn),
+    /// A client disconnected.
+    Closed(ConnectionId),
+    /// A request of somebody who does not drive.
+    Ask(Guest, Question, Turn),
+    /// The server stops.
+    Stop,
+}
+
+/// A new client.
+pub(crate) struct Opened {
+    pub(crate) id: ConnectionId,
+    pub(crate) address: SocketAddr,
+    /// The dialect of all its lines; if none, robots decide.
+    pub(crate) dialect: Option<Dialect>,
+    pub(crate) outbox: Arc<Outbox>,
+}
+
+/// A permit that is held while a request waits for the world. Each sender has one, so at most one segment of a client waits. No
+/// client can fill the queue for others.
+pub(crate) type Turn = OwnedSemaphorePermit;
+
+/// Rules of a controllers' port.
+#[derive(Clone)]
+pub(crate) struct Rules {
+    /// The dialect of all lines; if none, robots decide.
+    pub(crate) dialect: Option<Dialect>,
+    pub(crate) access: Access,
+    pub(crate) world_control: WorldControl,
+    /// True if the world has a league: in one, not everybody may be a world controller.
+    pub(crate) is_league: bool,
+    /// Time after which a client that reads nothing is disconnected.
+    pub(crate) stall_timeout: Duration,
+    /// Limits of what is logged about an address.
+    pub(crate) budgets: Budgets,
+}
+
+/// Serves a client until it leaves, or is disconnected because it does not read.
+pub(crate) async fn serve(id: ConnectionId, accepted: Accepted, rules: Rules, events: Sender<Event>) {
+    let Accepted { stream, peer: address, rights } = accepted;
+    let host = address.ip();
+    if rules.budgets.allow(host) {
+        info!(connection = id, peer = %address, "client connected");
+    }
+    // Lines would wait for each other (Nagle's algorithm).
+    let _ = stream.set_nodelay(true);
+    let refusal = match stream.local_addr().ok() {
+        _ if rules.access.is_open() && !rules.is_league => None,
+        Some(own) => rules.access.refusal(&rights, rules.world_control, host, own.ip()),
+        None => Some("its address is unknown"),
+    };
+    let Rules { dialect, stall_timeout, budgets, .. } = rules;
+    let admit = move |line: Result<String, Problem>| {
+        let is_login = |text: &String| read_login(text).is_some();
+        // A token must not get into a log, so a second LOGIN is left out, too.
+        (!line.as_ref().is_ok_and(is_login)).then(|| rights.admit(Request::read(line), refusal))
+    };
+    let (read, write) = stream.into_split();
+    let outbox = Arc::new(Outbox::default());
+    if events.send(Event::Opened(Opened { id, address, dialect, outbox: outbox.clone() })).is_err() {
+        return;
+    }
+    let writer = write_lines(write, &outbox, stall_timeout);
+    tokio::pin!(writer);
+    let reader = read_lines(id, read, admit, &outbox, &events);
+    let (reason, may_still_write) = tokio::select! {
+        reason = reader => (reason, true),
+        reason = &mut writer => (reason, false),
+    };
+    if !may_still_write {
+        // Frees requests that wait for room in this client's outbox.
+        outbox.close();
+    }
+    // The world closes the outbox after this event, so that the last answers are still sent.
+    let told = events.send(Event::Closed(id)).is_ok();
+    if told && may_still_write {
+        writer.await;
+    }
+    if budgets.allow(host) {
+        info!(connection = id, reason, "client disconnected");
+    }
+}
+
+/// Reads until the client ends the stream; its last fragment counts as a line. `admit` makes a line a request, or leaves it out.
+async fn read_lines(
+    id: ConnectionId,
+    mut read: OwnedReadHalf,
+    admit: impl Fn(Result<String, Problem>) -> Option<Request>,
+    outbox: &Outbox,
+    events: &Sender<Event>,
+) -> &'static str {
+    let turns = Arc::new(Semaphore::new(1));
+    let mut framing = Framing::default();
+    let mut buffer = vec![0; READ_BYTES];
+    let mut first_bytes = FirstBytes::default();
+    loop {
+        outbox.ready_for_answers().await;
+        let read = read.read(&mut buffer);
+        let result = if framing.ends_with_block() { timeout(UNENDED_LINE, read).await.ok() } else { Some(read.await) };
+        let (lines, end) = match result {
+            Some(Ok(count)) if count > 0 => {
+                let bytes = buffer.get(..count).unwrap_or_default();
+                first_bytes.add(bytes);
+                (framing.push(bytes), None)
+            }
+            Some(Ok(_)) => (framing.finish().into_iter().collect(), Some("closed by the client")),
+            Some(Err(_)) => (framing.finish().into_iter().collect(), Some("reset by the client")),
+            None => (framing.finish().into_iter().collect(), None),
+        };
+        if first_bytes.are_http() {
+            let request = Request { text: String::new(), command: None, problems: vec![Problem::Http] };
+            return match hand_over(id, vec![request], &turns, events).await {
+                Ok(()) => "it speaks HTTP",
+                Err(Stopped) => "the server stops",
+            };
+        }
+        let mut requests = lines.into_iter().filter_map(&admit).peekable();
+        while requests.peek().is_some() {
+            let requests = requests.by_ref().take(MAX_REQUESTS).collect();
+            if hand_over(id, requests, &turns, events).await.is_err() {
+                return "the server stops";
+            }
+        }
+        if let Some(end) = end {
+            return end;
+        }
+    }
+}
+
+/// The world has ended.
+struct Stopped;
+
+async fn hand_over(
+    id: ConnectionId,
+    requests: Vec<Request>,
+    turns: &Arc<Semaphore>,
+    events: &Sender<Event>,
+) -> Result<(), Stopped> {
+    let turn = turns.clone().acquire_owned().await.map_err(|_| Stopped)?;
+    events.send(Event::Requests(id, requests, turn)).map_err(|_| Stopped)
+}
+
+/// The first bytes of a connection.
+#[derive(Default)]
+pub(crate) struct FirstBytes(Vec<u8>);
+
+impl FirstBytes {
+    /// Adds the next bytes of the connection.
+    pub(crate) fn add(&mut self, bytes: &[u8]) {
+        self.0.extend(bytes.iter().take(FIRST_BYTES - self.0.len()));
+    }
+
+    /// True if the connection begins with an HTTP request. Any web page can make a browser send one here, and its body would be read
+    /// line by line. No verb of the protocol is a method of HTTP, and the first bytes show it however long the line gets.
+    pub(crate) fn are_http(&self) -> bool {
+        const METHODS: [&[u8]; 9] =
+            [b"GET ", b"POST ", b"HEAD ", b"PUT ", b"DELETE ", b"OPTIONS ", b"PATCH ", b"CONNECT ", b"TRACE "];
+        METHODS.iter().any(|method| self.0.starts_with(method))
+    }
+}
+
+/// Sends an answer. Returns false if the client has left or does not take it in time.
+pub(crate) async fn send(stream: &mut TcpStream, answer: &[u8], stall_timeout: Duration) -> bool {
+    matches!(timeout(stall_timeout, stream.write_all(answer)).await, Ok(Ok(())))
+}
+
+/// Writes lines as they come. Paced lines leave in separate segments, [`LINE_INTERVAL`] apart.
+async fn write_lines(mut write: impl AsyncWrite + Unpin, outbox: &Outbox, stall_timeout: Duration) -> &'static str {
+    let mut next = Instant::now();
+    while let Some(Taken { text, is_paced }) = outbox.take().await {
+        if is_paced {
+            sleep_until(next).await;
+        }
+        let mut rest = text.as_bytes();
+        while !rest.is_empty() {
+            match timeout(stall_timeout, write.write(rest)).await {
+                Ok(Ok(count)) if count > 0 => rest = rest.get(count..).unwrap_or_default(),
+                Ok(_) => return "reset by the client",
+                Err(_) => return "disconnected: it does not read",
+            }
+        }
+        next = Instant::now() + LINE_INTERVAL;
+    }
+    "all sent"
+}
+
+#[cfg(test)]
+mod tests {
+    use std::pin::Pin;
+    use std::sync::Mutex;
+    use std::task::{Context, Poll};
+
+    use tokio::time::sleep;
+
+    use super::*;
+
+    /// Every written piece, and its time.
+    #[derive(Clone, Default)]
+    struct Pieces(Arc<Mutex<Vec<(Instant, String)>>>);
+
+    impl AsyncWrite for Pieces {
+        fn poll_write(self: Pin<&mut Self>, _: &mut Context<'_>, bytes: &[u8]) -> Poll<std::io::Result<usize>> {
+            let piece = String::from_utf8_lossy(bytes).into_owned();
+            self.0.lock().unwrap_or_else(|error| panic!("{error}")).push((Instant::now(), piece));
+            Poll::Ready(Ok(bytes.len()))
+        }
+
+        fn poll_flush(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<std::io::Result<()>> {
+            Poll::Ready(Ok(()))
+        }
+
+        fn poll_shutdown(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<std::io::Result<()>> {
+            Poll::Ready(Ok(()))
+        }
+    }
+
+    /// Writes some lines of one step. Returns the number of written pieces and the shortest time between two of them.
+    async fn pieces(lines: usize, is_paced: bool) -> (usize, Duration) {
+        let (written, outbox) = (Pieces::default(), Outbox::default());
+        outbox.set_paced(is_paced);
+        (0..lines).for_each(|number| outbox.push(format!("SEN {number}"), true));
+        let closer = async {
+            while outbox.waiting_bytes() > 0 {
+                sleep(LINE_INTERVAL).await;
+            }
+            outbox.close();
+        };
+        let writer = write_lines(written.clone(), &outbox, Duration::from_secs(30));
+        assert_eq!(tokio::join!(writer, closer).0, "all sent");
+        let written = written.0.lock().unwrap_or_else(|error| panic!("{error}"));
+        let text: String = written.iter().map(|(_, piece)| piece.as_str()).collect();
+        assert_eq!(text.lines().count(), lines);
+        let gaps = written.windows(2).map(|pair| pair[1].0 - pair[0].0);
+        (written.len(), gaps.min().unwrap_or_default())
+    }
+
+    #[tokio::test]
+    async fn lines_of_one_step_leave_one_by_one_in_real_time_unless_the_client_is_behind() {
+        for (lines, is_paced, expected) in [(12, true, 12), (12, false, 1), (1000, true, 1), (1, true, 1)] {
+            let (count, gap) = pieces(lines, is_paced).await;
+            assert_eq!(count, expected, "{lines} lines, paced: {is_paced}");
+            assert!(count == 1 || gap >= LINE_INTERVAL, "{lines} lines: {gap:?} apart");
+        }
+    }
+}

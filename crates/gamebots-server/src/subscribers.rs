@@ -1,0 +1,10 @@
+//! Listeners of the world: logs, viewers, Foxglove, results.
+
+pub(crate) mod cameras;
+pub(crate) mod foxglove;
+pub(crate) mod journal;
+pub(crate) mod live;
+pub(crate) mod log;
+pub(crate) mod present;
+pub(crate) mod publisher;
+pub(crate) mod results;

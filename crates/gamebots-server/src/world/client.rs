@@ -1,0 +1,189 @@
+//! One client in the world's thread: its requests, its outbox, its mistakes.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use gamebots_proto::{Command, Problem};
+use outbox::Outbox;
+use sessions::Request;
+use tracing::warn;
+
+use crate::access::budget::{Budgets, Spent};
+use crate::ports::controllers::{ConnectionId, Opened, Turn};
+
+/// Most different problems of one connection whose repetitions are counted; all others are logged each time.
+const MAX_COUNTED: usize = 50;
+/// Characters of a bad line that are logged.
+const SHOWN_CHARS: usize = 200;
+
+/// One client.
+pub(crate) struct Client {
+    id: ConnectionId,
+    address: SocketAddr,
+    outbox: Arc<Outbox>,
+    lines: u64,
+    dropped: u64,
+    /// Limits of what is logged.
+    budgets: Budgets,
+    /// Problems that were logged, with their repetitions since the last report.
+    repeated: BTreeMap<String, u64>,
+    /// Requests that are not executed yet. The turn is given back after the last one.
+    requests: std::vec::IntoIter<Request>,
+    turn: Option<Turn>,
+    /// INIT lines that put its robots back after a restart.
+    put_back: VecDeque<Request>,
+    /// The client has left.
+    is_closed: bool,
+    /// Recent cost of its requests.
+    cost: Duration,
+}
+
+impl Client {
+    pub(crate) fn new(opened: Opened, budgets: Budgets) -> Self {
+        let Opened { id, address, outbox, .. } = opened;
+        Self {
+            id,
+            address,
+            outbox,
+            lines: 0,
+            dropped: 0,
+            budgets,
+            repeated: BTreeMap::new(),
+            requests: Vec::new().into_iter(),
+            turn: None,
+            put_back: VecDeque::new(),
+            is_closed: false,
+            cost: Duration::ZERO,
+        }
+    }
+
+    /// Takes a segment's requests. The client's turn is held, so no earlier requests are waiting.
+    pub(crate) fn take(&mut self, requests: Vec<Request>, turn: Turn) {
+        (self.requests, self.turn) = (requests.into_iter(), Some(turn));
+    }
+
+    /// Returns the next request to execute; none while the outbox is full because the client does not read.
+    pub(crate) fn next_request(&mut self) -> Option<Request> {
+        let next = if self.outbox.has_room() { self.requests.next() } else { None };
+        if self.requests.len() == 0 {
+            self.turn = None;
+        }
+        next
+    }
+
+    /// Adds an INIT line that puts one of its robots back.
+    pub(crate) fn put_back(&mut self, init: Request) {
+        self.put_back.push_back(init);
+    }
+
+    /// Returns the next INIT line that puts a robot back. It goes before all requests, which are for that robot.
+    pub(crate) fn next_put_back(&mut self) -> Option<Request> {
+        self.put_back.pop_front()
+    }
+
+    /// True if a request can be executed now.
+    pub(crate) fn is_ready(&self) -> bool {
+        !self.put_back.is_empty() || self.requests.len() > 0 && self.outbox.has_room()
+    }
+
+    /// True if the next request spawns a robot.
+    pub(crate) fn is_next_init(&self) -> bool {
+        matches!(self.requests.as_slice(), [Request { command: Some(Command::Init(_)), .. }, ..])
+    }
+
+    /// Notes that the client has left. It is gone when all its requests are executed. Its robots are not put back.
+    pub(crate) fn close(&mut self) {
+        self.put_back.clear();
+        self.is_closed = true;
+    }
+
+    /// True if the client has left and all its requests are executed.
+    pub(crate) fn is_over(&self) -> bool {
+        self.is_closed && self.requests.len() == 0
+    }
+
+    /// Returns the recent cost of its requests.
+    pub(crate) fn cost(&self) -> Duration {
+        self.cost
+    }
+
+    pub(crate) fn add_cost(&mut self, cost: Duration) {
+        self.cost += cost;
+    }
+
+    pub(crate) fn forget_half(&mut self) {
+        self.cost /= 2;
+    }
+
+    /// Returns the client's address.
+    pub(crate) fn peer(&self) -> String {
+        self.address.to_string()
+    }
+
+    /// Returns the number of lines received so far.
+    pub(crate) fn lines(&self) -> u64 {
+        self.lines
+    }
+
+    /// Returns the number of dropped periodic lines, as of the last report.
+    pub(crate) fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    pub(crate) fn outbox(&self) -> &Outbox {
+        &self.outbox
+    }
+
+    /// Counts a line.
+    pub(crate) fn note_line(&mut self) {
+        self.lines += 1;
+    }
+
+    /// Logs the problems of a line. Returns the logged warnings.
+    pub(crate) fn warn_of(&mut self, text: &str, problems: &[Problem], now: Instant) -> Vec<String> {
+        problems.iter().filter_map(|problem| self.warn(text, problem, now)).collect()
+    }
+
+    /// Logs and returns what recurred since the last call: repetitions of logged problems, and dropped periodic lines.
+    pub(crate) fn report(&mut self) -> Vec<String> {
+        let dropped = self.outbox.take_dropped();
+        self.dropped += dropped;
+        if dropped > 0 && self.budgets.allow(self.address.ip()) {
+            warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
+        }
+        // A problem that did not recur is logged in full when it does.
+        self.repeated.retain(|_, times| *times > 0);
+        let (budgets, host) = (self.budgets.clone(), self.address.ip());
+        let again = self.repeated.iter_mut().map(|(problem, times)| (problem, std::mem::take(times)));
+        let again = again.take_while(|_| budgets.allow(host));
+        let more = |times| names::count(usize::try_from(times).unwrap_or(usize::MAX), "time");
+        let text = |(problem, times)| format!("connection {}: {problem} ({} more)", self.id, more(times));
+        let said: Vec<String> = again.map(text).collect();
+        said.iter().for_each(|text| warn!("{text}"));
+        said
+    }
+
+    /// Logs a problem and returns the text, unless it is a repetition or the budget of this second is spent.
+    fn warn(&mut self, text: &str, problem: &Problem, now: Instant) -> Option<String> {
+        let shown = problem.to_string();
+        if let Some(times) = self.repeated.get_mut(&shown) {
+            *times += 1;
+            return None;
+        }
+        if self.repeated.len() < MAX_COUNTED {
+            self.repeated.insert(shown, 0);
+        }
+        match self.budgets.spend(self.address.ip(), now) {
+            Spent::Granted { suppressed: 0 } => {}
+            Spent::Granted { suppressed } => {
+                warn!(connection = self.id, suppressed, "further problems were not logged")
+            }
+            Spent::Refused => return None,
+        }
+        let shown: String = text.chars().take(SHOWN_CHARS).collect();
+        warn!(connection = self.id, line = self.lines, text = shown, "{problem}");
+        Some(format!("connection {}, line {}: {problem}: {shown}", self.id, self.lines))
+    }
+}
