@@ -1,8 +1,10 @@
-//! Rights of clients, their logins, and their shares of what all need.
+//! Rights of clients, their logins, and their shares of limited things.
 
 pub(crate) mod budget;
 pub(crate) mod login;
+pub(crate) mod origin;
 pub(crate) mod pass;
+pub(crate) mod rights;
 pub(crate) mod shares;
 pub(crate) mod tokens;
 pub(crate) mod waiting_room;

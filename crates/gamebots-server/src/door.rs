@@ -1,3 +1,5 @@
-//! The way in for connections.
+//! The way in for connections: listening, acceptance, lines, limits.
 
+pub(crate) mod accept;
 pub(crate) mod limits;
+pub(crate) mod lines;

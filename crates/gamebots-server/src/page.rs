@@ -4,6 +4,7 @@ pub(crate) mod file;
 pub(crate) mod log_scene;
 pub(crate) mod metrics;
 pub(crate) mod packed;
+pub(crate) mod shared;
 pub(crate) mod site;
 pub(crate) mod view;
 pub(crate) mod viewer;

@@ -1,175 +1,245 @@
-//! Listeners, with a port each for controllers, viewers and Foxglove. Accepts clients, and pauses when there are too many.
+//! The server: it binds the ports, starts the world's thread, and serves every port until the end.
 
 use std::cell::Cell;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
-use std::sync::{Arc, mpsc};
+use std::sync::mpsc::{self, Sender};
 use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
-use tokio::net::{TcpListener, TcpSocket, lookup_host};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
+use tokio::net::TcpListener;
+use tokio::sync::oneshot;
 use tokio::task::JoinSet;
-use tracing::{debug, warn};
+use tracing::warn;
 
-use crate::access::budget::{Budget, Spent};
 use crate::access::login::{Accepted, Door, LoginQueue};
+use crate::access::rights::WorldControl;
 use crate::access::tokens::Role;
-use crate::door::limits::limits;
+use crate::config::{Config, Ready, Service};
+use crate::door::accept::{self, Limit, listen};
+use crate::door::limits::{Limits, limits};
+use crate::error::ServeError;
 use crate::messages::scene::About;
 use crate::page::packed::Packed;
-use crate::page::site::{self, Framing, Site};
-use crate::ports::controllers::{BACK_OFF, Event, Rules};
-use crate::ports::images::{self, Board};
-use crate::ports::truth::{self, Inquiry, Port};
+use crate::page::shared::{Framing, Site};
+use crate::page::site::Page;
+use crate::ports::com_server::{self, Registry};
+use crate::ports::controllers::{self, Rules};
+use crate::ports::gate::Gate;
+use crate::ports::images::{self, Pictures};
 use crate::ports::wireless::{self, Network};
-use crate::ports::{com_server, controllers};
-use crate::subscribers::live::Channels;
-use crate::subscribers::{foxglove as foxglove_server, live};
-use crate::world::{guests, thread};
-use crate::{Config, IfTaken, Listener, Ready, ServeError, Service, WorldControl};
+use crate::ports::{foxglove, positions, truth};
+use crate::subscribers::board::Board;
+use crate::subscribers::live::{self, Channels};
+use crate::world::event::{Event, Kind};
+use crate::world::inquiry::Inquiry;
+use crate::world::thread;
 
 /// Longest time to send the last lines to all clients.
 const FAREWELL_TIMEOUT: Duration = Duration::from_millis(500);
-/// Send buffer of the operating system for one viewer, bytes.
-const MAX_UNSENT_TO_VIEWER: u32 = 64 * 1024;
-/// Viewers that may wait to be accepted.
-const BACKLOG: u32 = 128;
 
 pub(crate) async fn serve(
     config: Config,
     ready: impl FnOnce(Ready),
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    let (mut addresses, mut controllers, mut pages, mut foxglove) = (Vec::new(), Vec::new(), Vec::new(), None);
-    let (mut ports, mut images, mut radios, mut relays) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (limits, lowered) = limits(&config);
     lowered.iter().for_each(|text| warn!("{text}"));
     let door = Door::new(config.tokens.clone(), limits.waiting);
-    let Door { access, budgets, .. } = door.clone();
-    // Unbounded: each sender waits for a turn, see `controllers::Turn`.
-    let (events, receiver) = mpsc::channel();
+    let mut bound = Vec::new();
+    let mut addresses = Vec::new();
     for listener in &config.listeners {
-        let Some(bound) = listen(&config.host, *listener).await? else { continue };
-        let address = bound.local_addr().map_err(ServeError::Start)?;
-        addresses.push((listener.service, address));
-        match listener.service {
-            Service::Controllers { dialect } => controllers.push((dialect, address, bound)),
-            Service::Page => pages.push(bound),
-            Service::Truth => ports.push((Port::Truth, bound)),
-            Service::Positions => ports.push((Port::Positions, bound)),
-            Service::Images => images.push(bound),
-            Service::Wireless => radios.push(bound),
-            Service::ComServer => relays.push(bound),
-            Service::Foxglove => {
-                // Its clients cannot be told apart.
-                let may_control = config.world_control == WorldControl::Everyone && access.is_open();
-                let events = may_control.then(|| events.clone());
-                foxglove = Some(
-                    foxglove_server::start(bound, limits.foxglove, &config.host, &door, &config.world, events).await?,
-                );
-            }
-        }
+        let Some(port) = listen(&config.host, *listener).await? else { continue };
+        addresses.push((listener.service, port.local_addr().map_err(ServeError::Start)?));
+        bound.push((listener.service, port));
     }
     let addresses = Ready(addresses);
-    let (gone, mut world_gone) = oneshot::channel();
-    let board = Board::new(config.image_kind, config.image_legacy);
-    let network = Network::new(events.clone(), access.clone(), &config.host, config.propagation, limits);
-    let (live, channels) = live::broadcast(
-        Instant::now(),
-        &config.world,
-        addresses.of(Service::Page).map(|_| about(&config, &addresses)),
-        board.clone(),
-    );
-    let site = Arc::new(Site { limits: limits.named(), ..site(&config, &door, &addresses, channels, events.clone()) });
-    let stall_timeout = config.stall_timeout;
-    let rules = Rules {
-        dialect: None,
-        access: access.clone(),
-        world_control: config.world_control,
-        is_league: config.world.league.is_some(),
-        stall_timeout,
-        budgets: budgets.clone(),
+    // Unbounded: each sender waits for a turn, see `Turn`.
+    let (events, receiver) = mpsc::channel();
+    // Foxglove's clients cannot be told apart.
+    let may_control = config.world_control == WorldControl::Everyone && door.access.is_open();
+    let (foxglove, gate) = match addresses.of(Service::Foxglove) {
+        Some(_) => {
+            let events = may_control.then_some(&events);
+            let (server, gate) = foxglove::start(&config.host, limits.foxglove, &door, &config.world, events).await?;
+            (Some(server), Some(gate))
+        }
+        None => (None, None),
     };
-    let world = thread::spawn(config, budgets.clone(), receiver, live, foxglove, gone)?;
+    let (gone, mut world_gone) = oneshot::channel();
+    let board = Board::default();
+    let about = addresses.of(Service::Page).map(|_| about(&config, &addresses));
+    let (live, channels) = live::broadcast(Instant::now(), &config.world, about, board.clone());
+    let network = Network::new(events.clone(), door.access.clone(), &config.host, config.propagation, limits);
+    let server = Server {
+        rules: Rules {
+            dialect: None,
+            access: door.access.clone(),
+            world_control: config.world_control,
+            is_league: config.world.league.is_some(),
+            stall_timeout: config.stall_timeout,
+            budgets: door.budgets.clone(),
+        },
+        connections: Cell::new(0),
+        page: Page::new(Arc::new(site(&config, &door, &addresses, limits, channels, events.clone())), limits.pages),
+        gate: gate.map(Arc::new),
+        pictures: Pictures::new(board, config.image_kind, config.image_legacy),
+        registry: Registry::new(network.clone(), limits.links, config.stall_timeout),
+        network,
+        stall_timeout: config.stall_timeout,
+        events,
+        limits,
+        door,
+    };
+    let world = thread::spawn(config, server.door.budgets.clone(), receiver, live, foxglove, gone)?;
     ready(addresses);
-    let mut clients: Vec<JoinSet<()>> = controllers.iter().map(|_| JoinSet::new()).collect();
-    let ids = Cell::new(0);
-    let accepting = clients.iter_mut().zip(controllers).map(|(clients, (dialect, address, bound))| {
-        let (ids, events, rules) = (&ids, &events, Rules { dialect, ..rules.clone() });
-        let logins = LoginQueue::new(door.clone(), &[Role::Driver, Role::Referee], true);
-        let serve = move |accepted| {
-            ids.set(ids.get() + 1);
-            controllers::serve(ids.get(), accepted, rules.clone(), events.clone())
-        };
-        accept_clients(clients, bound, address, limits.controllers, logins, serve)
-    });
-    let logins = |wanted| LoginQueue::new(door.clone(), wanted, false);
-    let telling = ports.into_iter().map(|(port, bound)| {
-        let most = match port {
-            Port::Truth => limits.truth,
-            Port::Positions => limits.positions,
-        };
-        truth::serve(port, bound, logins(&[Role::Viewer]), most, events.clone(), stall_timeout)
-    });
-    let drawing = images.into_iter().map(|bound| {
-        images::serve(board.clone(), bound, logins(&[Role::Viewer, Role::Driver]), limits.images, stall_timeout)
-    });
-    let radioing =
-        radios.into_iter().map(|bound| wireless::serve(network.clone(), bound, logins(&[Role::Driver]), stall_timeout));
-    let relaying = relays
-        .into_iter()
-        .map(|bound| com_server::serve(network.clone(), bound, logins(&[Role::Driver]), limits, stall_timeout));
-    let showing = pages.into_iter().map(|page| site::serve(page, limits.pages, site.clone()));
+    let mut clients: Vec<(Service, JoinSet<()>)> =
+        bound.iter().map(|(service, _)| (*service, JoinSet::new())).collect();
+    let ports = clients.iter_mut().zip(bound);
+    let ports = ports.map(|((_, clients), (service, listener))| server.serve_port(service, listener, clients));
     let is_gone = tokio::select! {
-        () = forever(accepting) => false,
-        () = forever(showing) => false,
-        () = forever(telling) => false,
-        () = forever(drawing) => false,
-        () = forever(radioing) => false,
-        () = forever(relaying) => false,
+        () = forever(ports) => false,
         () = shutdown => false,
         _ = &mut world_gone => true,
     };
     if !is_gone {
         // The world may have ended by now.
-        let _ = events.send(Event::Stop);
+        let _ = server.events.send(Event::Stop);
         let _ = world_gone.await;
     }
     // The world has closed every outbox; clients that read still get their last lines.
     let farewell = async {
-        for clients in &mut clients {
-            while clients.join_next().await.is_some() {}
+        for (service, clients) in &mut clients {
+            while matches!(service, Service::Controllers { .. }) && clients.join_next().await.is_some() {}
         }
     };
     let _ = tokio::time::timeout(FAREWELL_TIMEOUT, farewell).await;
-    for clients in &mut clients {
+    for (_, clients) in &mut clients {
         clients.shutdown().await;
     }
     world.join().map_err(|_| ServeError::WorldStopped)?
 }
 
-/// Runs all services, and never ends.
-async fn forever(services: impl Iterator<Item = impl Future<Output = ()>>) {
-    join_all(services).await;
+/// Runs all ports, and never ends.
+async fn forever(ports: impl Iterator<Item = impl Future<Output = ()>>) {
+    join_all(ports).await;
     std::future::pending().await
 }
 
+/// State that the ports share.
+struct Server {
+    door: Door,
+    limits: Limits,
+    rules: Rules,
+    /// Number of controllers' connections so far.
+    connections: Cell<u64>,
+    events: Sender<Event>,
+    page: Page,
+    /// The gate before Foxglove's server, if it is served.
+    gate: Option<Arc<Gate>>,
+    pictures: Pictures,
+    network: Network,
+    registry: Registry,
+    /// Time after which a client that reads nothing is disconnected.
+    stall_timeout: Duration,
+}
+
+impl Server {
+    /// Serves a port until the future is dropped: the table of services.
+    async fn serve_port(&self, service: Service, listener: TcpListener, clients: &mut JoinSet<()>) {
+        let Self { limits, stall_timeout, .. } = self;
+        let stall = *stall_timeout;
+        let wait = Limit::Waiting;
+        match service {
+            Service::Controllers { dialect } => {
+                let serve = |accepted| {
+                    self.connections.set(self.connections.get() + 1);
+                    let rules = Rules { dialect, ..self.rules.clone() };
+                    controllers::serve(self.connections.get(), accepted, rules, self.events.clone())
+                };
+                let logins = LoginQueue::new(self.door.clone(), &[Role::Driver, Role::Referee], true);
+                accept_logins(clients, listener, Limit::Refusing(limits.controllers), logins, serve).await;
+            }
+            Service::Page => {
+                let serve = |visitor| self.page.clone().serve(visitor);
+                let next = async |listener: &TcpListener| self.door.room.accept(listener).await;
+                accept::accept(clients, listener, Limit::Elsewhere, next, serve).await;
+            }
+            Service::Foxglove => {
+                let Some(gate) = &self.gate else { return };
+                let serve = |visitor| gate.clone().serve(visitor);
+                let next = async |listener: &TcpListener| self.door.room.accept(listener).await;
+                accept::accept(clients, listener, Limit::Elsewhere, next, serve).await;
+            }
+            Service::Truth => {
+                let serve = |accepted| truth::converse(self.inquiry(Kind::Truth), accepted, stall);
+                accept_logins(clients, listener, wait(limits.truth), self.logins(&[Role::Viewer]), serve).await;
+            }
+            Service::Positions => {
+                let serve = |accepted| positions::converse(self.inquiry(Kind::Positions), accepted, stall);
+                accept_logins(clients, listener, wait(limits.positions), self.logins(&[Role::Viewer]), serve).await;
+            }
+            Service::Images => {
+                let serve = |accepted| images::converse(self.pictures.clone(), accepted, stall);
+                let logins = self.logins(&[Role::Viewer, Role::Driver]);
+                accept_logins(clients, listener, wait(limits.images), logins, serve).await;
+            }
+            Service::Wireless => {
+                let serve = |accepted| wireless::converse(self.network.clone(), accepted, stall);
+                let logins = self.logins(&[Role::Driver]);
+                let accepting = accept_logins(clients, listener, wait(limits.radio), logins, serve);
+                tokio::join!(accepting, self.network.clone().watch());
+            }
+            Service::ComServer => {
+                let serve = |accepted| com_server::converse(self.registry.clone(), accepted);
+                let logins = self.logins(&[Role::Driver]);
+                accept_logins(clients, listener, wait(limits.com_server), logins, serve).await;
+            }
+        }
+    }
+
+    fn logins(&self, wanted: &'static [Role]) -> LoginQueue {
+        LoginQueue::new(self.door.clone(), wanted, false)
+    }
+
+    fn inquiry(&self, kind: Kind) -> Inquiry {
+        Inquiry::new(kind, self.events.clone())
+    }
+}
+
+/// Accepts clients that have logged in.
+async fn accept_logins<S: Future<Output = ()> + Send + 'static>(
+    clients: &mut JoinSet<()>,
+    listener: TcpListener,
+    limit: Limit,
+    mut logins: LoginQueue,
+    serve: impl Fn(Accepted) -> S,
+) {
+    accept::accept(clients, listener, limit, async |listener| logins.accept(listener).await, serve).await;
+}
+
 /// Collects the state that the page's handlers share.
-fn site(config: &Config, door: &Door, addresses: &Ready, channels: Channels, events: mpsc::Sender<Event>) -> Site {
+fn site(
+    config: &Config,
+    door: &Door,
+    addresses: &Ready,
+    limits: Limits,
+    channels: Channels,
+    events: Sender<Event>,
+) -> Site {
     // Without controllers the page cannot drive: nothing listens at this address, and its WebSocket reports that.
     let protocol = addresses.controllers().unwrap_or_else(|| SocketAddr::from((Ipv4Addr::LOCALHOST, 0)));
     Site {
         host: config.host.clone(),
         protocol: reachable(protocol),
         channels,
-        inquiry: Inquiry::new(guests::Kind::Http, events.clone()),
+        inquiry: Inquiry::new(Kind::Http, events.clone()),
         events,
         stall_timeout: config.stall_timeout,
         world_control: config.world_control,
         access: door.access.clone(),
-        room: door.room.clone(),
-        limits: Vec::new(),
+        limits: limits.named(),
         packed: Packed::default(),
         pages: AtomicU64::new(0),
         framing: Framing::Nobody,
@@ -186,51 +256,6 @@ fn about(config: &Config, addresses: &Ready) -> About {
     }
 }
 
-/// Listens on a port. `None` if another program has it and the service is left out then.
-pub(crate) async fn listen(
-    host: &str,
-    Listener { service, port, if_taken }: Listener,
-) -> Result<Option<TcpListener>, ServeError> {
-    let bind = async |port| match service {
-        Service::Page => listen_for_viewers(host, port).await,
-        _ => TcpListener::bind((host, port)).await,
-    };
-    let bound = bind(port).await;
-    let bound = match (if_taken, bound) {
-        (IfTaken::Another, Err(_)) => {
-            warn!(port, ?service, "taken by another program: a free port is used");
-            bind(0).await
-        }
-        (IfTaken::LeaveOut, Err(reason)) => {
-            warn!(port, ?service, %reason, "the port cannot be had: this service is left out");
-            return Ok(None);
-        }
-        (_, bound) => bound,
-    };
-    bound.map(Some).map_err(|reason| ServeError::Listen { host: host.to_owned(), port, reason })
-}
-
-/// Listens for viewers with a small send buffer, so that a slow viewer sees the newest frame and not one that is seconds old.
-async fn listen_for_viewers(host: &str, port: u16) -> std::io::Result<TcpListener> {
-    let mut result = Err(std::io::ErrorKind::AddrNotAvailable.into());
-    for address in lookup_host((host, port)).await? {
-        result = listen_at(address);
-        if result.is_ok() {
-            break;
-        }
-    }
-    result
-}
-
-fn listen_at(address: SocketAddr) -> std::io::Result<TcpListener> {
-    let socket = if address.is_ipv4() { TcpSocket::new_v4()? } else { TcpSocket::new_v6()? };
-    socket.set_reuseaddr(true)?;
-    // Accepted connections inherit the size.
-    socket.set_send_buffer_size(MAX_UNSENT_TO_VIEWER)?;
-    socket.bind(address)?;
-    socket.listen(BACKLOG)
-}
-
 /// Returns an address at which this machine reaches its own listener.
 fn reachable(mut address: SocketAddr) -> SocketAddr {
     match address.ip() {
@@ -239,87 +264,4 @@ fn reachable(mut address: SocketAddr) -> SocketAddr {
         _ => {}
     }
     address
-}
-
-/// Accepts clients. As in USARSim, the limit is exceeded by one: listening stops when there are more than `max` connections.
-/// The operating system then refuses clients until one leaves (BotServer.uc:46-72).
-async fn accept_clients<S: Future<Output = ()> + Send + 'static>(
-    clients: &mut JoinSet<()>,
-    listener: TcpListener,
-    address: SocketAddr,
-    max: usize,
-    mut logins: LoginQueue,
-    serve: impl Fn(Accepted) -> S,
-) {
-    let (mut listener, mut warnings) = (Some(listener), Budget::default());
-    loop {
-        if clients.len() > max {
-            if listener.take().is_some() && warnings.spend(Instant::now()) != Spent::Refused {
-                warn!(connections = clients.len(), "too many connections: not listening until one leaves");
-            }
-        } else if listener.is_none() {
-            listener = listen_again(address).await;
-        }
-        let accept = async {
-            match &listener {
-                Some(listener) => logins.accept(listener).await,
-                None => std::future::pending().await,
-            }
-        };
-        tokio::select! {
-            accepted = accept => match accepted {
-                Ok(accepted) => _ = clients.spawn(serve(accepted)),
-                Err(error) => back_off(&error, &mut warnings).await,
-            },
-            Some(_) = clients.join_next() => {}
-        }
-    }
-}
-
-/// Reports an error of accept, and waits: it would otherwise recur at once.
-pub(crate) async fn back_off(error: &std::io::Error, warnings: &mut Budget) {
-    if warnings.spend(Instant::now()) != Spent::Refused {
-        warn!(%error, "cannot accept a client");
-    }
-    tokio::time::sleep(BACK_OFF).await;
-}
-
-/// One of a service's places for connections. It is held while the connection lives.
-pub(crate) type Place = OwnedSemaphorePermit;
-
-/// Accepts clients until the future is dropped, at most a number of them at once; more wait. Their futures hold their places.
-pub(crate) async fn accept<S: Future<Output = ()> + Send + 'static>(
-    listener: TcpListener,
-    mut logins: LoginQueue,
-    most: usize,
-    serve: impl Fn(Accepted, Place) -> S,
-) {
-    let places = Arc::new(Semaphore::new(most));
-    let (mut clients, mut warnings) = (JoinSet::new(), Budget::default());
-    loop {
-        // The semaphore is never closed.
-        let Ok(place) = places.clone().acquire_owned().await else { return };
-        tokio::select! {
-            accepted = logins.accept(&listener) => match accepted {
-                Ok(accepted) => {
-                    debug!(peer = %accepted.peer, "connected");
-                    clients.spawn(serve(accepted, place));
-                }
-                Err(error) => back_off(&error, &mut warnings).await,
-            },
-            Some(_) = clients.join_next() => {}
-        }
-    }
-}
-
-async fn listen_again(address: SocketAddr) -> Option<TcpListener> {
-    let listener = TcpListener::bind(address).await;
-    match listener {
-        Ok(listener) => Some(listener),
-        Err(error) => {
-            warn!(%error, %address, "cannot listen again");
-            tokio::time::sleep(BACK_OFF).await;
-            None
-        }
-    }
 }

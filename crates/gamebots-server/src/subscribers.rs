@@ -1,5 +1,7 @@
 //! Listeners of the world: logs, viewers, Foxglove, results.
 
+pub(crate) mod actors;
+pub(crate) mod board;
 pub(crate) mod cameras;
 pub(crate) mod foxglove;
 pub(crate) mod journal;

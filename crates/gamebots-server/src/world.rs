@@ -1,8 +1,11 @@
-//! The thread that owns the world, and what it needs.
+//! The thread that owns the world, and the requests to it.
 
 pub(crate) mod client;
+pub(crate) mod event;
 pub(crate) mod guests;
+pub(crate) mod inquiry;
 pub(crate) mod pace;
+pub(crate) mod question;
 pub(crate) mod restart;
 pub(crate) mod saved;
 pub(crate) mod thread;

@@ -10,11 +10,12 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt, copy, sink};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::JoinSet;
 use tokio::time::timeout;
-use tracing::info;
+use tracing::{debug, info};
 
 use crate::access::budget::Budgets;
-use crate::access::tokens::{Access, LOGIN_TIME, Refusal, Rights, Role, Tokens};
-use crate::access::waiting_room::WaitingRoom;
+use crate::access::rights::{Access, LOGIN_TIME, Refusal, Rights};
+use crate::access::tokens::{Role, Tokens};
+use crate::access::waiting_room::{Visitor, WaitingRoom};
 
 /// Longest time to send a refusal, and most bytes of the client that are read meanwhile.
 const FAREWELL: Duration = Duration::from_secs(1);
@@ -65,19 +66,13 @@ impl LoginQueue {
     pub(crate) async fn accept(&mut self, listener: &TcpListener) -> std::io::Result<Accepted> {
         if self.door.access.is_open() {
             let (stream, peer) = listener.accept().await?;
+            debug!(%peer, "connected");
             return Ok(Accepted { stream, peer, rights: Rights::all() });
         }
         let room = self.door.room.clone();
         loop {
-            let accept = async {
-                room.vacancy().await;
-                listener.accept().await
-            };
             tokio::select! {
-                accepted = accept => {
-                    let (stream, peer) = accepted?;
-                    self.start_login(stream, peer);
-                }
+                visitor = room.accept(listener) => self.start_login(visitor?),
                 Some(login) = self.waiting.join_next() => {
                     if let Ok(Some(accepted)) = login {
                         return Ok(accepted);
@@ -87,11 +82,9 @@ impl LoginQueue {
         }
     }
 
-    /// Lets a connection into the waiting room until it has logged in.
-    fn start_login(&mut self, mut stream: TcpStream, peer: SocketAddr) {
-        let (Door { access, room, budgets }, wanted, sends_reason) =
-            (self.door.clone(), self.wanted, self.sends_reason);
-        let stay = room.enter(peer.ip());
+    /// Has a connection log in. It stays in the waiting room meanwhile.
+    fn start_login(&mut self, Visitor { mut stream, peer, stay }: Visitor) {
+        let (Door { access, budgets, .. }, wanted, sends_reason) = (self.door.clone(), self.wanted, self.sends_reason);
         let log_in = async move {
             match access.log_in(&mut stream, wanted).await {
                 Ok(rights) => Some(Accepted { stream, peer, rights }),

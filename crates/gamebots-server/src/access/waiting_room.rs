@@ -4,12 +4,14 @@
 //! once is locked out by others who send nothing.
 
 use std::collections::BTreeMap;
-use std::net::IpAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Notify;
 use tokio::time::sleep;
+use tracing::debug;
 
 /// Time that a connection has at least before it can be dropped for another.
 const LEAST_STAY: Duration = Duration::from_millis(25);
@@ -39,6 +41,14 @@ pub(crate) struct Stay {
     dropped: Arc<Notify>,
 }
 
+/// A connection in the waiting room.
+pub(crate) struct Visitor {
+    pub(crate) stream: TcpStream,
+    /// Its address.
+    pub(crate) peer: SocketAddr,
+    pub(crate) stay: Stay,
+}
+
 impl WaitingRoom {
     pub(crate) fn new(limit: usize) -> Self {
         Self(Arc::new(Mutex::new(Room { limit, waiting: BTreeMap::new(), next: 0 })))
@@ -49,7 +59,7 @@ impl WaitingRoom {
     }
 
     /// Waits until one more connection may come in.
-    pub(crate) async fn vacancy(&self) {
+    async fn vacancy(&self) {
         loop {
             let wait = self.room().wait(Instant::now());
             match wait {
@@ -59,8 +69,19 @@ impl WaitingRoom {
         }
     }
 
+    /// Accepts a connection once there is a vacancy. The future can be dropped at any time.
+    ///
+    /// # Errors
+    /// The operating system's, when a connection cannot be accepted.
+    pub(crate) async fn accept(&self, listener: &TcpListener) -> std::io::Result<Visitor> {
+        self.vacancy().await;
+        let (stream, peer) = listener.accept().await?;
+        debug!(%peer, "connected");
+        Ok(Visitor { stay: self.enter(peer.ip()), stream, peer })
+    }
+
     /// Lets a connection in, and drops another one if the room is full.
-    pub(crate) fn enter(&self, address: IpAddr) -> Stay {
+    fn enter(&self, address: IpAddr) -> Stay {
         let mut room = self.room();
         if room.waiting.len() >= room.limit
             && let Some(number) = room.next_to_go()

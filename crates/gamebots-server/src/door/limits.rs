@@ -1,6 +1,6 @@
 //! Limits of connections. Together they need no more descriptors than the process may have, so that no service can lock out another.
 
-use crate::{Config, Service};
+use crate::config::{Config, Service};
 
 /// Descriptors for everything that is no client's connection: listeners, logs, saves, standard streams and the runtime.
 const RESERVED: u64 = 96;
@@ -134,7 +134,7 @@ fn raise() -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Listener;
+    use crate::config::Listener;
 
     fn config(max_connections: usize) -> Config {
         let services = [

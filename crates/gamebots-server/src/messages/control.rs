@@ -26,33 +26,6 @@ pub(crate) enum Control {
     Map(String),
 }
 
-/// Viewers that may control the world: pause, step, speed, reset, record, save, remove, map. Every other viewer can still watch, and drive
-/// its own robots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WorldControl {
-    /// Every page, and Foxglove.
-    Everyone,
-    /// Pages that are open on the server's own machine, also through a tunnel that ends there. Foxglove is excluded, because
-    /// its clients cannot be told apart.
-    Local,
-    /// Nobody.
-    Nobody,
-}
-
-impl WorldControl {
-    /// Returns the reason to refuse a page's requests, if any. `peer` is the page's address, `own` the server's in that
-    /// connection.
-    pub(crate) fn refusal(self, peer: IpAddr, own: IpAddr) -> Option<&'static str> {
-        let (peer, own) = (peer.to_canonical(), own.to_canonical());
-        match self {
-            Self::Everyone => None,
-            Self::Local if peer.is_loopback() || peer == own => None,
-            Self::Local => Some("only pages that are open on the server's own machine control this world"),
-            Self::Nobody => Some("no page controls this world"),
-        }
-    }
-}
-
 /// Most steps of one request.
 const MAX_STEPS: u32 = 100_000;
 /// Real-time factors that can be requested, beside 0 for as fast as possible. Below these, a step would take hours.
@@ -110,25 +83,6 @@ impl Actor {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_page_is_local_by_loopback_or_by_the_same_address_at_both_ends() {
-        for (peer, own, local) in [
-            ("127.0.0.1", "127.0.0.1", true),
-            ("127.0.0.2", "127.0.0.1", true),
-            ("::1", "::1", true),
-            ("::ffff:127.0.0.1", "::ffff:127.0.0.1", true),
-            ("192.168.1.7", "192.168.1.7", true),
-            ("::ffff:192.168.1.7", "192.168.1.7", true),
-            ("192.168.1.8", "192.168.1.7", false),
-            ("fe80::2", "fe80::1", false),
-        ] {
-            let [peer, own] = [peer, own].map(|it| it.parse().unwrap_or_else(|_| panic!("{it}")));
-            let controls = [WorldControl::Everyone, WorldControl::Local, WorldControl::Nobody];
-            let may = controls.map(|control| control.refusal(peer, own).is_none());
-            assert_eq!(may, [true, local, false], "{peer} at {own}");
-        }
-    }
 
     #[test]
     fn requests_are_read_and_limited() {

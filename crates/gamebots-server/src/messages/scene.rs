@@ -11,7 +11,7 @@ use scene::{
 };
 use serde::Serialize;
 
-use crate::subscribers::cameras::SIZE;
+use picture::SENSOR_SIZE;
 
 /// The server's settings that a page needs beside the world.
 #[derive(Debug, Clone)]
@@ -338,7 +338,7 @@ fn class(def: &RobotDef) -> RobotClass<'_> {
 }
 
 fn sensor<'a>(def: &RobotDef, sensor: &'a SensorDef) -> Sensor<'a> {
-    let [width, height] = SIZE;
+    let [width, height] = SENSOR_SIZE;
     let fan = |fan: scene::sensor::Fan| Fan { first: fan.first, resolution: fan.resolution, level: fan.level };
     Sensor {
         name: &sensor.name,

@@ -12,34 +12,11 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use tokio::time::timeout;
 
-use crate::page::site::Site;
-use crate::ports::truth::Question;
+use crate::page::shared::Site;
+use crate::world::question::{Health, Question};
 
 /// Longest wait for the world.
 const PATIENCE: Duration = Duration::from_secs(2);
-
-/// The state of a server in numbers.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Health {
-    /// Simulated time, s.
-    pub(crate) simulated: f64,
-    /// Simulated seconds per real second over the last half second.
-    pub(crate) real_time_factor: f64,
-    /// The factor that is asked for; 0 is as fast as possible.
-    pub(crate) speed: f64,
-    pub(crate) paused: bool,
-    /// Steps since the server started, and the real time that they took, s.
-    pub(crate) steps: u64,
-    pub(crate) step_seconds: f64,
-    /// Steps of this world whose contacts did not converge.
-    pub(crate) unsettled_steps: u64,
-    pub(crate) robots: usize,
-    pub(crate) clients: usize,
-    /// Periodic lines that were dropped because clients were too slow.
-    pub(crate) dropped_lines: u64,
-    /// Number of times that the world started over.
-    pub(crate) resets: u64,
-}
 
 /// Asks the world. `None` if it does not answer in time.
 async fn ask(site: &Site) -> Option<Health> {

@@ -12,19 +12,23 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use scene::{Options, Sensed, Snapshot, WorldDef};
+use tokio::net::TcpListener;
 use tokio::sync::oneshot;
+use tokio::task::JoinSet;
 
 use crate::access::login::Door;
+use crate::access::rights::WorldControl;
+use crate::config::{IfTaken, Listener, Service};
+use crate::door::accept::{self, Limit};
+use crate::error::ServeError;
 use crate::messages::scene::About;
 use crate::page::packed::Packed;
-use crate::page::site::{self, Framing, Site};
-use crate::ports::controllers::Event;
-use crate::ports::images::{Board, ImageKind};
-use crate::ports::truth::Inquiry;
-use crate::run;
+use crate::page::shared::{Framing, Site};
+use crate::page::site::Page;
+use crate::subscribers::board::Board;
 use crate::subscribers::live::{self, Broadcast, RobotStatus, Status};
-use crate::world::guests::Kind;
-use crate::{IfTaken, Listener, ServeError, Service, WorldControl};
+use crate::world::event::{Event, Kind};
+use crate::world::inquiry::Inquiry;
 
 /// Interval between two frames, and least time between two snapshots that are worth taking.
 const FRAME_INTERVAL: Duration = Duration::from_millis(33);
@@ -60,11 +64,10 @@ impl View {
         let host = Ipv4Addr::LOCALHOST.to_string();
         let listener = Listener { service: Service::Page, port, if_taken: IfTaken::Fail };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
-        let bound = runtime.block_on(run::listen(&host, listener))?.ok_or(ServeError::WorldStopped)?;
+        let bound = runtime.block_on(accept::listen(&host, listener))?.ok_or(ServeError::WorldStopped)?;
         let address = bound.local_addr().map_err(ServeError::Start)?;
         let about = About { seed: options.seed, time_step: options.time_step, port: 0, maps: Vec::new() };
-        let board = Board::new(ImageKind::default(), false);
-        let (live, channels) = live::broadcast(Instant::now(), def, Some(about), board);
+        let (live, channels) = live::broadcast(Instant::now(), def, Some(about), Board::default());
         let (events, requests) = channel();
         let Door { access, room, .. } = Door::new(None, MAX_CONNECTIONS);
         let site = Site {
@@ -76,7 +79,6 @@ impl View {
             stall_timeout: Duration::from_secs(30),
             world_control: WorldControl::Nobody,
             access,
-            room,
             limits: Vec::new(),
             packed: Packed::default(),
             pages: AtomicU64::new(0),
@@ -90,8 +92,10 @@ impl View {
         let showing = thread("view").spawn(show).map_err(ServeError::Start)?;
         let serve = move || {
             runtime.block_on(async {
+                let (mut clients, page) = (JoinSet::new(), Page::new(Arc::new(site), MAX_CONNECTIONS));
+                let next = async |listener: &TcpListener| room.accept(listener).await;
                 tokio::select! {
-                    () = site::serve(bound, MAX_CONNECTIONS, Arc::new(site)) => {}
+                    () = accept::accept(&mut clients, bound, Limit::Elsewhere, next, |visitor| page.clone().serve(visitor)) => {}
                     _ = stopped => {}
                 }
             });

@@ -16,14 +16,16 @@ use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
 
-use crate::access::tokens::{LOGIN_TIME, Role};
+use crate::access::rights::LOGIN_TIME;
+use crate::access::tokens::Role;
 use crate::messages::control::{Actor, Control};
 use crate::messages::fit::{Ask, Fit};
-use crate::page::site::{Peer, Site, Visit};
-use crate::ports::truth::{Inquiry, Question};
+use crate::page::shared::{Peer, Site, Visit};
 use crate::subscribers::cameras::Wish;
 use crate::subscribers::live::{Line, Measured};
-use crate::world::guests::Kind;
+use crate::world::event::Kind;
+use crate::world::inquiry::Inquiry;
+use crate::world::question::Question;
 
 /// Longest text that a viewer may send.
 const MAX_TEXT: usize = 1024;

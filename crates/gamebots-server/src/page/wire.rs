@@ -17,7 +17,7 @@ use tokio::net::tcp::{ReadHalf, WriteHalf};
 use tokio::time::timeout;
 
 use crate::access::tokens::Role;
-use crate::page::site::{Site, Visit};
+use crate::page::shared::{Site, Visit};
 
 /// Longest message from a browser.
 const MAX_MESSAGE: usize = 64 * 1024;

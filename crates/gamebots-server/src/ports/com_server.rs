@@ -10,17 +10,15 @@ use std::time::Duration;
 
 use gamebots_proto::ports::{ComAnswer, ComCommand, ComFraming, ComLink};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
 use tokio::net::tcp::{ReadHalf, WriteHalf};
-use tokio::net::{TcpListener, TcpStream};
 use tokio::time::{interval, timeout};
 use tracing::debug;
 
-use crate::access::login::LoginQueue;
+use crate::access::login::Accepted;
 use crate::access::shares::Shares;
-use crate::door::limits::Limits;
-use crate::ports::controllers::{FirstBytes, send};
+use crate::door::lines::Conversation;
 use crate::ports::wireless::{LOOK, Network};
-use crate::run::accept;
 
 /// Most robots. One more replaces the oldest.
 const MAX_ROBOTS: usize = 256;
@@ -35,7 +33,7 @@ const READ_BYTES: usize = 4096;
 
 /// The robots that are registered, and what joins them.
 #[derive(Clone)]
-struct Registry {
+pub(crate) struct Registry {
     robots: Arc<Mutex<VecDeque<Robot>>>,
     /// Places for joined connections.
     links: Shares,
@@ -53,40 +51,14 @@ struct Robot {
     ports: BTreeSet<u16>,
 }
 
-/// Serves the port until the future is dropped.
-pub(crate) async fn serve(
-    network: Network,
-    listener: TcpListener,
-    logins: LoginQueue,
-    limits: Limits,
-    stall_timeout: Duration,
-) {
-    let links = Shares::new(limits.links);
-    let registry = Registry { robots: Arc::default(), links, network, stall_timeout };
-    accept(listener, logins, limits.com_server, |accepted, place| {
-        let registry = registry.clone();
-        async move {
-            let _place = place;
-            converse(accepted.stream, accepted.peer.ip(), registry).await;
-        }
-    })
-    .await;
-}
-
 /// Answers a client until it leaves, speaks HTTP or does not read.
-async fn converse(mut stream: TcpStream, client: IpAddr, registry: Registry) {
-    let _ = stream.set_nodelay(true);
-    let mut framing = ComFraming::default();
-    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
-    while let Ok(count @ 1..) = stream.read(&mut buffer).await {
-        let bytes = buffer.get(..count).unwrap_or_default();
-        first_bytes.add(bytes);
-        if first_bytes.are_http() {
-            return;
-        }
-        for command in framing.push(bytes) {
+pub(crate) async fn converse(registry: Registry, accepted: Accepted) {
+    let client = accepted.peer.ip();
+    let mut conversation = Conversation::new(accepted.stream, ComFraming::default(), registry.stall_timeout);
+    while let Some(commands) = conversation.next().await {
+        for command in commands {
             let answer = registry.answer(&ComCommand::read(&command), client).await;
-            if !send(&mut stream, answer.as_bytes(), registry.stall_timeout).await {
+            if !conversation.send(answer.as_bytes()).await {
                 return;
             }
         }
@@ -94,6 +66,11 @@ async fn converse(mut stream: TcpStream, client: IpAddr, registry: Registry) {
 }
 
 impl Registry {
+    /// Creates an empty registry, with places for so many joined connections.
+    pub(crate) fn new(network: Network, links: usize, stall_timeout: Duration) -> Self {
+        Self { robots: Arc::default(), links: Shares::new(links), network, stall_timeout }
+    }
+
     fn robots(&self) -> MutexGuard<'_, VecDeque<Robot>> {
         self.robots.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -245,15 +222,15 @@ async fn pass_on(mut read: ReadHalf<'_>, mut write: WriteHalf<'_>, stall_timeout
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::access::tokens::Access;
-    use crate::{Config, Propagation};
+    use crate::access::rights::Access;
+    use crate::config::{Config, Propagation};
+    use crate::door::limits::limits;
 
     fn registry() -> Registry {
         let (events, _) = std::sync::mpsc::channel();
-        let (limits, _) = crate::door::limits::limits(&Config::new(scene::WorldDef::default()));
-        let (links, network) =
-            (Shares::new(4), Network::new(events, Access::new(None), "127.0.0.1", Propagation::Everywhere, limits));
-        Registry { robots: Arc::default(), links, network, stall_timeout: PATIENCE }
+        let (limits, _) = limits(&Config::new(scene::WorldDef::default()));
+        let network = Network::new(events, Access::new(None), "127.0.0.1", Propagation::Everywhere, limits);
+        Registry::new(network, 4, PATIENCE)
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! One client: bytes become commands to the world, and lines from its outbox become bytes.
 
-use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
@@ -8,68 +7,24 @@ use std::time::Duration;
 use gamebots_proto::ports::read_login;
 use gamebots_proto::{Dialect, Framing, Problem};
 use outbox::{Outbox, Taken};
-use sessions::Request;
-use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
-use tokio::net::TcpStream;
+use sessions::{Request, SessionId};
+use tokio::io::{AsyncWrite, AsyncWriteExt};
 use tokio::net::tcp::OwnedReadHalf;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::Semaphore;
 use tokio::time::{Instant, sleep_until, timeout};
 use tracing::info;
 
-use crate::WorldControl;
 use crate::access::budget::Budgets;
 use crate::access::login::Accepted;
-use crate::access::tokens::Access;
-use crate::ports::truth::Question;
-use crate::world::guests::Guest;
+use crate::access::rights::{Access, WorldControl};
+use crate::door::lines::{End, Reader};
+use crate::world::event::{Event, Opened};
 
-/// Bytes read at once.
-const READ_BYTES: usize = 16 * 1024;
 /// Least time between two lines sent in separate segments. A script that takes one `recv` for one line has read the first by
 /// then.
 const LINE_INTERVAL: Duration = Duration::from_millis(2);
 /// Most lines handed to the world at once. It bounds the lines that wait for one client, some 100 kB.
 const MAX_REQUESTS: usize = 256;
-
-/// First bytes of a connection that are checked for a method of HTTP: the longest method and a space.
-const FIRST_BYTES: usize = 8;
-
-/// Wait after which a fragment that ends with a whole block counts as a line: one known controller never ends its lines
-/// (tamsl/swe-thaf).
-pub(crate) const UNENDED_LINE: Duration = Duration::from_millis(500);
-
-/// Pause after an error of accept or bind, which would otherwise recur at once.
-pub(crate) const BACK_OFF: Duration = Duration::from_millis(100);
-
-/// Number of a connection, from 1.
-pub(crate) type ConnectionId = u64;
-
-/// An event for the world's thread.
-pub(crate) enum Event {
-    /// A client connected.
-    Opened(Opened),
-    /// Lines of one segment, handed over together so that the world can handle them before time goes on.
-    Requests(ConnectionId, Vec<Request>, Turn),
-    /// A client disconnected.
-    Closed(ConnectionId),
-    /// A request of somebody who does not drive.
-    Ask(Guest, Question, Turn),
-    /// The server stops.
-    Stop,
-}
-
-/// A new client.
-pub(crate) struct Opened {
-    pub(crate) id: ConnectionId,
-    pub(crate) address: SocketAddr,
-    /// The dialect of all its lines; if none, robots decide.
-    pub(crate) dialect: Option<Dialect>,
-    pub(crate) outbox: Arc<Outbox>,
-}
-
-/// A permit that is held while a request waits for the world. Each sender has one, so at most one segment of a client waits. No
-/// client can fill the queue for others.
-pub(crate) type Turn = OwnedSemaphorePermit;
 
 /// Rules of a controllers' port.
 #[derive(Clone)]
@@ -87,7 +42,7 @@ pub(crate) struct Rules {
 }
 
 /// Serves a client until it leaves, or is disconnected because it does not read.
-pub(crate) async fn serve(id: ConnectionId, accepted: Accepted, rules: Rules, events: Sender<Event>) {
+pub(crate) async fn serve(id: SessionId, accepted: Accepted, rules: Rules, events: Sender<Event>) {
     let Accepted { stream, peer: address, rights } = accepted;
     let host = address.ip();
     if rules.budgets.allow(host) {
@@ -132,48 +87,36 @@ pub(crate) async fn serve(id: ConnectionId, accepted: Accepted, rules: Rules, ev
     }
 }
 
-/// Reads until the client ends the stream; its last fragment counts as a line. `admit` makes a line a request, or leaves it out.
+/// Reads until the client ends the stream. `admit` makes a line a request, or leaves it out.
 async fn read_lines(
-    id: ConnectionId,
-    mut read: OwnedReadHalf,
+    id: SessionId,
+    read: OwnedReadHalf,
     admit: impl Fn(Result<String, Problem>) -> Option<Request>,
     outbox: &Outbox,
     events: &Sender<Event>,
 ) -> &'static str {
     let turns = Arc::new(Semaphore::new(1));
-    let mut framing = Framing::default();
-    let mut buffer = vec![0; READ_BYTES];
-    let mut first_bytes = FirstBytes::default();
+    let mut reader = Reader::new(read, Framing::default());
     loop {
         outbox.ready_for_answers().await;
-        let read = read.read(&mut buffer);
-        let result = if framing.ends_with_block() { timeout(UNENDED_LINE, read).await.ok() } else { Some(read.await) };
-        let (lines, end) = match result {
-            Some(Ok(count)) if count > 0 => {
-                let bytes = buffer.get(..count).unwrap_or_default();
-                first_bytes.add(bytes);
-                (framing.push(bytes), None)
-            }
-            Some(Ok(_)) => (framing.finish().into_iter().collect(), Some("closed by the client")),
-            Some(Err(_)) => (framing.finish().into_iter().collect(), Some("reset by the client")),
-            None => (framing.finish().into_iter().collect(), None),
-        };
-        if first_bytes.are_http() {
-            let request = Request { text: String::new(), command: None, problems: vec![Problem::Http] };
-            return match hand_over(id, vec![request], &turns, events).await {
-                Ok(()) => "it speaks HTTP",
-                Err(Stopped) => "the server stops",
-            };
-        }
-        let mut requests = lines.into_iter().filter_map(&admit).peekable();
+        let (lines, end) = reader.next().await;
+        let http = (end == Some(End::Http)).then(|| Request {
+            text: String::new(),
+            command: None,
+            problems: vec![Problem::Http],
+        });
+        let mut requests = lines.into_iter().filter_map(&admit).chain(http).peekable();
         while requests.peek().is_some() {
             let requests = requests.by_ref().take(MAX_REQUESTS).collect();
             if hand_over(id, requests, &turns, events).await.is_err() {
                 return "the server stops";
             }
         }
-        if let Some(end) = end {
-            return end;
+        match end {
+            None => {}
+            Some(End::Closed) => return "closed by the client",
+            Some(End::Reset) => return "reset by the client",
+            Some(End::Http) => return "it speaks HTTP",
         }
     }
 }
@@ -182,37 +125,13 @@ async fn read_lines(
 struct Stopped;
 
 async fn hand_over(
-    id: ConnectionId,
+    id: SessionId,
     requests: Vec<Request>,
     turns: &Arc<Semaphore>,
     events: &Sender<Event>,
 ) -> Result<(), Stopped> {
     let turn = turns.clone().acquire_owned().await.map_err(|_| Stopped)?;
     events.send(Event::Requests(id, requests, turn)).map_err(|_| Stopped)
-}
-
-/// The first bytes of a connection.
-#[derive(Default)]
-pub(crate) struct FirstBytes(Vec<u8>);
-
-impl FirstBytes {
-    /// Adds the next bytes of the connection.
-    pub(crate) fn add(&mut self, bytes: &[u8]) {
-        self.0.extend(bytes.iter().take(FIRST_BYTES - self.0.len()));
-    }
-
-    /// True if the connection begins with an HTTP request. Any web page can make a browser send one here, and its body would be read
-    /// line by line. No verb of the protocol is a method of HTTP, and the first bytes show it however long the line gets.
-    pub(crate) fn are_http(&self) -> bool {
-        const METHODS: [&[u8]; 9] =
-            [b"GET ", b"POST ", b"HEAD ", b"PUT ", b"DELETE ", b"OPTIONS ", b"PATCH ", b"CONNECT ", b"TRACE "];
-        METHODS.iter().any(|method| self.0.starts_with(method))
-    }
-}
-
-/// Sends an answer. Returns false if the client has left or does not take it in time.
-pub(crate) async fn send(stream: &mut TcpStream, answer: &[u8], stall_timeout: Duration) -> bool {
-    matches!(timeout(stall_timeout, stream.write_all(answer)).await, Ok(Ok(())))
 }
 
 /// Writes lines as they come. Paced lines leave in separate segments, [`LINE_INTERVAL`] apart.

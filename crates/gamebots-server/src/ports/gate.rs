@@ -13,19 +13,18 @@ use axum::http::uri::Uri;
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
 use recorder::Admitted;
 use tokio::io::{AsyncReadExt, AsyncWriteExt, copy_bidirectional};
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::TcpStream;
 use tokio::sync::Semaphore;
 use tokio::time::timeout;
 use tokio_io_timeout::TimeoutStream;
 use tracing::debug;
 
-use crate::access::budget::Budget;
 use crate::access::login::Door;
+use crate::access::origin;
 use crate::access::pass::Pass;
-use crate::access::tokens::{Access, Role};
-use crate::access::waiting_room::Stay;
-use crate::page::site;
-use crate::run::back_off;
+use crate::access::rights::Access;
+use crate::access::tokens::Role;
+use crate::access::waiting_room::{Stay, Visitor};
 
 /// Longest head of a request, bytes, and most headers in it.
 const MAX_HEAD: usize = 16 * 1024;
@@ -51,42 +50,43 @@ pub(crate) fn hidden_address() -> Ipv4Addr {
 /// A gate and the server behind it.
 pub(crate) struct Gate {
     /// Host name that the server was told to listen on.
-    pub(crate) own_name: String,
-    pub(crate) door: Door,
+    own_name: String,
+    door: Door,
     /// Address of the server behind.
-    pub(crate) behind: SocketAddr,
-    pub(crate) pass: Pass,
-    pub(crate) admitted: Admitted,
-}
-
-/// Passes a number of clients at once on to the server behind, until the runtime ends.
-pub(crate) async fn serve(listener: TcpListener, most: usize, gate: Gate) {
-    let (places, mut warnings) = (Arc::new(Semaphore::new(most)), Budget::default());
-    let gate = Arc::new(gate);
-    loop {
-        gate.door.room.vacancy().await;
-        match listener.accept().await {
-            Ok((client, peer)) => {
-                let (stay, gate, places) = (gate.door.room.enter(peer.ip()), gate.clone(), places.clone());
-                tokio::spawn(async move {
-                    if let Err(reason) = gate.admit(client, stay, &places).await {
-                        debug!(%peer, reason, "a client of Foxglove's protocol ended");
-                    }
-                });
-            }
-            Err(error) => back_off(&error, &mut warnings).await,
-        }
-    }
+    behind: SocketAddr,
+    pass: Pass,
+    admitted: Admitted,
+    /// Places for clients.
+    places: Semaphore,
 }
 
 impl Gate {
+    /// Creates a gate for so many clients at once.
+    pub(crate) fn new(
+        own_name: &str,
+        most: usize,
+        door: Door,
+        behind: SocketAddr,
+        pass: Pass,
+        admitted: Admitted,
+    ) -> Self {
+        Self { own_name: own_name.to_owned(), door, behind, pass, admitted, places: Semaphore::new(most) }
+    }
+
+    /// Passes a client on to the server behind, if it may come in, until it leaves.
+    pub(crate) async fn serve(self: Arc<Self>, Visitor { stream, peer, stay }: Visitor) {
+        if let Err(reason) = self.admit(stream, stay).await {
+            debug!(%peer, reason, "a client of Foxglove's protocol ended");
+        }
+    }
+
     /// Passes a client on once its head has shown that it may come in.
-    async fn admit(&self, mut client: TcpStream, stay: Stay, places: &Semaphore) -> Result<(), String> {
+    async fn admit(&self, mut client: TcpStream, stay: Stay) -> Result<(), String> {
         let head = tokio::select! {
             head = timeout(HEAD_TIMEOUT, read_head(&mut client)) => head.map_err(|_| "no request within 10 s")??,
             () = stay.dropped() => return Err("dropped for another connection".to_owned()),
         };
-        let (status, reason) = match (check(&head, &self.own_name, &self.door.access), places.try_acquire()) {
+        let (status, reason) = match (check(&head, &self.own_name, &self.door.access), self.places.try_acquire()) {
             (Ok(()), Ok(_place)) => {
                 drop(stay);
                 let (number, pass) = self.pass.frame();
@@ -150,9 +150,9 @@ fn check(head: &[u8], own_name: &str, access: &Access) -> Result<(), String> {
         let name = HeaderName::from_bytes(header.name.as_bytes()).map_err(|error| format!("{error}\n"))?;
         headers.append(name, HeaderValue::from_bytes(header.value).map_err(|error| format!("{error}\n"))?);
     }
-    site::check(&headers, own_name, is_welcome)?;
+    origin::check(&headers, own_name, is_welcome)?;
     let query = request.path.and_then(|path| path.split_once('?')).map_or("", |(_, query)| query);
-    let token = query.split('&').find_map(|pair| pair.strip_prefix("token=")).or(site::bearer(&headers));
+    let token = query.split('&').find_map(|pair| pair.strip_prefix("token=")).or(origin::bearer(&headers));
     let refused = |refusal| format!("{refusal}: expected ?token=.. in the address, of the role viewer\n");
     access.rights(token, &[Role::Viewer]).map(|_| ()).map_err(refused)
 }

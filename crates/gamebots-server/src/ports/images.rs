@@ -3,51 +3,26 @@
 //! A client asks for each picture. It gets one that it has not had yet, or the same again after a while, so that a client that asks without
 //! pause costs little. Cameras are drawn only while a client is connected.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::Bytes;
 use gamebots_proto::ports::{PictureRequest, PictureRequests, picture, raw};
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
-use picture::Image;
-use scene::PawnId;
-use sim_core::TILES;
-use tokio::io::AsyncReadExt;
-use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{Mutex, watch};
+use picture::SENSOR_SIZE;
+use tokio::sync::Mutex;
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
-use crate::access::login::LoginQueue;
-use crate::ports::controllers::{FirstBytes, send};
-use crate::run::accept;
-use crate::subscribers::cameras::SIZE;
+use crate::access::login::Accepted;
+use crate::config::ImageKind;
+use crate::door::lines::Conversation;
+use crate::subscribers::board::{Board, Tiles};
 
 /// Longest wait for a picture that the client has not had.
 const WAIT: Duration = Duration::from_millis(100);
 /// Longest wait for the first picture of all: cameras measure every 0.1 s of simulated time.
 const FIRST_WAIT: Duration = Duration::from_millis(500);
-/// Bytes read at once.
-const READ_BYTES: usize = 1024;
-
-/// Kinds of pictures, with the numbers of ImageServer.cpp.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ImageKind {
-    /// Blue, green and red of each pixel.
-    #[default]
-    Raw,
-    /// JPEG of quality 100.
-    Super,
-    /// JPEG of quality 75.
-    Good,
-    /// JPEG of quality 50.
-    Normal,
-    /// JPEG of quality 25.
-    Fair,
-    /// JPEG of quality 10.
-    Bad,
-}
 
 impl ImageKind {
     /// Returns the quality of JPEG; `None` for raw pixels.
@@ -63,33 +38,10 @@ impl ImageKind {
     }
 }
 
-/// The newest picture of each tile, with the robot that it is of.
-#[derive(Debug, Clone, Default)]
-struct Tiles {
-    /// Number of changes.
-    changes: u64,
-    /// Number of times that the world started over.
-    worlds: u64,
-    tiles: [Option<Tile>; TILES],
-    /// The tile that fills the whole picture, if one does.
-    single: Option<usize>,
-}
-
-/// A camera: a robot and the number of the sensor.
-type Camera = (PawnId, usize);
-
-/// A tile that a robot's camera has.
+/// Pictures of a board, encoded for clients.
 #[derive(Debug, Clone)]
-struct Tile {
-    camera: Camera,
-    /// Its newest picture; none before the first.
-    image: Option<Arc<Image>>,
-}
-
-/// A board that cameras' pictures are put on.
-#[derive(Debug, Clone)]
-pub(crate) struct Board {
-    tiles: watch::Sender<Tiles>,
+pub(crate) struct Pictures {
+    board: Board,
     kind: ImageKind,
     /// True to send the first picture unasked.
     is_legacy: bool,
@@ -97,68 +49,9 @@ pub(crate) struct Board {
     whole: Arc<Mutex<Option<(u64, Bytes)>>>,
 }
 
-impl Board {
-    pub(crate) fn new(kind: ImageKind, is_legacy: bool) -> Self {
-        Self { tiles: watch::Sender::default(), kind, is_legacy, whole: Arc::default() }
-    }
-
-    /// True if a client looks.
-    pub(crate) fn is_watched(&self) -> bool {
-        self.tiles.receiver_count() > 0
-    }
-
-    /// Returns the number of times that the world started over.
-    pub(crate) fn worlds(&self) -> u64 {
-        self.tiles.borrow().worlds
-    }
-
-    /// Gives the tiles to cameras. `single` is the tile that fills the whole picture, if one does. Other cameras' pictures go.
-    pub(crate) fn assign(&self, cameras: [Option<Camera>; TILES], single: Option<usize>) {
-        self.change_if(|board| {
-            let mut is_changed = std::mem::replace(&mut board.single, single) != single;
-            for (tile, camera) in board.tiles.iter_mut().zip(cameras) {
-                if tile.as_ref().map(|tile| tile.camera) != camera {
-                    let before = std::mem::replace(tile, camera.map(|camera| Tile { camera, image: None }));
-                    is_changed |= before.is_some_and(|tile| tile.image.is_some());
-                }
-            }
-            is_changed
-        });
-    }
-
-    /// Shows the picture of a camera in its tile, if it is of the present world and the camera still has one. Its robot may have left while
-    /// the picture was drawn.
-    pub(crate) fn show(&self, world: u64, camera: Camera, image: Image) {
-        self.change_if(|board| {
-            let owned = board.tiles.iter_mut().flatten().find(|tile| tile.camera == camera);
-            let shown = owned.filter(|_| board.worlds == world).map(|tile| tile.image = Some(Arc::new(image)));
-            shown.is_some()
-        });
-    }
-
-    /// Blackens the tiles of a robot that has left.
-    pub(crate) fn forget(&self, robot: PawnId) {
-        self.change_if(|board| {
-            let left = board.tiles.iter_mut().filter_map(|place| place.take_if(|tile| tile.camera.0 == robot));
-            left.filter(|tile| tile.image.is_some()).count() > 0
-        });
-    }
-
-    /// Blackens all tiles, as the world starts over.
-    pub(crate) fn start_over(&self) {
-        self.change_if(|board| {
-            *board = Tiles { worlds: board.worlds + 1, changes: board.changes, ..Tiles::default() };
-            true
-        });
-    }
-
-    /// Changes the board. Clients hear of it if `change` returns true: pictures are others.
-    fn change_if(&self, change: impl FnOnce(&mut Tiles) -> bool) {
-        self.tiles.send_if_modified(|board| {
-            let is_changed = change(board);
-            board.changes += u64::from(is_changed);
-            is_changed
-        });
+impl Pictures {
+    pub(crate) fn new(board: Board, kind: ImageKind, is_legacy: bool) -> Self {
+        Self { board, kind, is_legacy, whole: Arc::default() }
     }
 
     /// Returns the answer to a request. Pictures are encoded on another thread, and a whole one once for all clients.
@@ -171,7 +64,7 @@ impl Board {
                 if let Some((_, bytes)) = known.as_ref().filter(|(changes, _)| *changes == tiles.changes) {
                     return bytes.clone();
                 }
-                let [width, height] = SIZE.map(|size| 2 * size as u32);
+                let [width, height] = SENSOR_SIZE.map(|size| 2 * size as u32);
                 let changes = tiles.changes;
                 let bytes = Bytes::from(encoded(kind, tiles, [0, 0, width, height]).await);
                 *known = Some((changes, bytes.clone()));
@@ -189,7 +82,7 @@ async fn encoded(kind: ImageKind, tiles: Tiles, part: [u32; 4]) -> Vec<u8> {
 
 /// Returns the answer with a part of the board: x, y, width and height, pixels. It is cut at the board's edges.
 fn encode(kind: ImageKind, tiles: &Tiles, [x, y, width, height]: [u32; 4]) -> Vec<u8> {
-    let [most_width, most_height] = SIZE.map(|size| 2 * size);
+    let [most_width, most_height] = SENSOR_SIZE.map(|size| 2 * size);
     let [left, top] = [(x as usize).min(most_width), (y as usize).min(most_height)];
     let [width, height] = [(width as usize).min(most_width - left), (height as usize).min(most_height - top)];
     let rows: Vec<Vec<[u8; 3]>> = (top..top + height).map(|row| pixels(tiles, row, left..left + width)).collect();
@@ -212,7 +105,7 @@ fn encode(kind: ImageKind, tiles: &Tiles, [x, y, width, height]: [u32; 4]) -> Ve
 
 /// Returns the pixels of a row of the board, within some columns. Tiles without a picture are black. A single one is twice as large.
 fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8; 3]> {
-    let [width, height] = SIZE;
+    let [width, height] = SENSOR_SIZE;
     let row_of = |tile: usize, row: usize| {
         let image = tiles.tiles.get(tile).and_then(Option::as_ref).and_then(|tile| tile.image.as_ref());
         image.and_then(|image| image.pixels.chunks(width).nth(row)).filter(|source| source.len() == width)
@@ -233,34 +126,14 @@ fn pixels(tiles: &Tiles, row: usize, columns: std::ops::Range<usize>) -> Vec<[u8
     pixels.get(columns).map(<[_]>::to_vec).unwrap_or_default()
 }
 
-/// Serves the port to a number of clients at once until the future is dropped; more wait.
-pub(crate) async fn serve(
-    board: Board,
-    listener: TcpListener,
-    logins: LoginQueue,
-    most: usize,
-    stall_timeout: Duration,
-) {
-    accept(listener, logins, most, |accepted, place| {
-        let board = board.clone();
-        async move {
-            let _place = place;
-            converse(accepted.stream, &board, stall_timeout).await;
-        }
-    })
-    .await;
-}
-
-/// Answers a client until it leaves, speaks HTTP or does not read.
-async fn converse(mut stream: TcpStream, board: &Board, stall_timeout: Duration) {
-    let _ = stream.set_nodelay(true);
-    let mut shown = board.tiles.subscribe();
-    let (mut requests, mut sent) = (PictureRequests::default(), None);
-    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
+/// Sends a client the pictures that it asks for, until it leaves, speaks HTTP or does not read.
+pub(crate) async fn converse(pictures: Pictures, accepted: Accepted, stall_timeout: Duration) {
+    let mut shown = pictures.board.subscribe();
+    let (mut client, mut sent) = (Conversation::new(accepted.stream, PictureRequests::default(), stall_timeout), None);
     // As the server's LegacyMode: the client asks for the second picture when it has the first.
-    let mut asked = VecDeque::from_iter(board.is_legacy.then_some(PictureRequest::Whole));
+    let mut asked = Vec::from_iter(pictures.is_legacy.then_some(PictureRequest::Whole));
     loop {
-        while let Some(request) = asked.pop_front() {
+        for request in asked {
             let (changes, is_empty) = {
                 let tiles = shown.borrow_and_update();
                 (tiles.changes, tiles.tiles.iter().flatten().all(|tile| tile.image.is_none()))
@@ -273,29 +146,27 @@ async fn converse(mut stream: TcpStream, board: &Board, stall_timeout: Duration)
             }
             let tiles = shown.borrow_and_update().clone();
             sent = Some(tiles.changes);
-            let answer = board.answer(request, tiles).await;
-            if !send(&mut stream, &answer, stall_timeout).await {
+            let answer = pictures.answer(request, tiles).await;
+            if !client.send(&answer).await {
                 return;
             }
         }
-        let Ok(count) = stream.read(&mut buffer).await else { return };
-        let bytes = buffer.get(..count).unwrap_or_default();
-        first_bytes.add(bytes);
-        if bytes.is_empty() || first_bytes.are_http() {
-            return;
-        }
-        asked.extend(bytes.iter().filter_map(|&byte| requests.push(byte)));
+        let Some(requests) = client.next().await else { return };
+        asked = requests;
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use picture::Image;
+    use scene::PawnId;
+
     use super::*;
 
     /// Returns a board with a red picture in the second tile and a green one in the third.
     fn tiles() -> Tiles {
-        let [width, height] = SIZE;
-        let board = Board::new(ImageKind::Raw, false);
+        let [width, height] = SENSOR_SIZE;
+        let board = Board::default();
         let plain = |colour| Image { width, height, pixels: vec![colour; width * height] };
         let camera = |robot| (PawnId(robot), 0);
         board.assign([0, 1, 2, 3].map(|robot| Some(camera(robot)).filter(|_| robot < 3)), None);
@@ -303,7 +174,7 @@ mod tests {
         board.show(0, camera(2), plain([0, 200, 0]));
         board.show(0, camera(3), plain([1, 1, 1]));
         board.show(1, camera(0), plain([1, 1, 1]));
-        board.tiles.borrow().clone()
+        board.subscribe().borrow().clone()
     }
 
     fn check(part: [u32; 4], size: [u16; 2], first: [u8; 3]) {
@@ -318,28 +189,9 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_is_ready_after_its_robot_has_left_is_not_shown() {
-        let [width, height] = SIZE;
-        let board = Board::new(ImageKind::Raw, false);
-        let assign = |robot| board.assign([None, Some((PawnId(robot), 3)), None, None], None);
-        let show = |robot| {
-            board.show(0, (PawnId(robot), 3), Image { width, height, pixels: vec![[9; 3]; width * height] });
-            let shown = board.tiles.borrow().tiles[1].clone().filter(|tile| tile.image.is_some());
-            shown.map(|tile| tile.camera.0.0)
-        };
-        assign(5);
-        assert_eq!(show(5), Some(5));
-        board.forget(PawnId(5));
-        assert_eq!(show(5), None);
-        assign(6);
-        assert_eq!(show(5), None);
-        assert_eq!(show(6), Some(6));
-    }
-
-    #[test]
     fn a_single_tile_fills_the_picture() {
         let tiles = Tiles { single: Some(2), ..tiles() };
-        let [width, height] = SIZE.map(|size| 2 * size);
+        let [width, height] = SENSOR_SIZE.map(|size| 2 * size);
         let green = vec![[0, 200, 0]; width];
         assert!((0..height).all(|row| pixels(&tiles, row, 0..width) == green));
     }

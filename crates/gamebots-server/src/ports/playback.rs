@@ -8,11 +8,12 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
-use tracing::{info, warn};
+use tracing::info;
 
 use crate::access::login::{Accepted, Door, LoginQueue};
-use crate::access::tokens::Role;
-use crate::{ServeError, Tokens};
+use crate::access::tokens::{Role, Tokens};
+use crate::door::accept::{Limit, accept};
+use crate::error::ServeError;
 
 /// Most clients at once; more wait until one leaves.
 const MAX_CLIENTS: usize = 64;
@@ -52,41 +53,24 @@ pub fn play(
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(ServeError::Start)?;
     runtime.block_on(async {
         let Playback { host, port, real_time_factor, lines, tokens } = playback;
-        let logins = LoginQueue::new(Door::new(tokens, MAX_WAITING), &[Role::Viewer], false);
+        let mut logins = LoginQueue::new(Door::new(tokens, MAX_WAITING), &[Role::Viewer], false);
         let failed = |reason| ServeError::Listen { host: host.clone(), port, reason };
         let listener = TcpListener::bind((host.as_str(), port)).await.map_err(failed)?;
         ready(listener.local_addr().map_err(failed)?);
         let lines: Arc<[(f64, String)]> = lines.into();
+        let mut clients = JoinSet::new();
+        let next = async |listener: &TcpListener| logins.accept(listener).await;
+        let serve = |Accepted { stream, peer, .. }| {
+            info!(%peer, "plays");
+            let lines = lines.clone();
+            async move { send(stream, &lines, real_time_factor).await }
+        };
         tokio::select! {
-            () = accept(listener, logins, lines, real_time_factor) => {}
+            () = accept(&mut clients, listener, Limit::Waiting(MAX_CLIENTS), next, serve) => {}
             () = shutdown => {}
         }
         Ok(())
     })
-}
-
-async fn accept(listener: TcpListener, mut logins: LoginQueue, lines: Arc<[(f64, String)]>, real_time_factor: f64) {
-    let mut clients = JoinSet::new();
-    loop {
-        if clients.len() >= MAX_CLIENTS {
-            clients.join_next().await;
-            continue;
-        }
-        tokio::select! {
-            accepted = logins.accept(&listener) => match accepted {
-                Ok(Accepted { stream, peer, .. }) => {
-                    info!(%peer, "plays");
-                    let lines = Arc::clone(&lines);
-                    clients.spawn(async move { send(stream, &lines, real_time_factor).await });
-                }
-                Err(error) => {
-                    warn!(%error, "a client could not be accepted");
-                    tokio::time::sleep(Duration::from_millis(100)).await;
-                }
-            },
-            Some(_) = clients.join_next() => {}
-        }
-    }
 }
 
 /// Sends each line at its time, until the end or until the client leaves.

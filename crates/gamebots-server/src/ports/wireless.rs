@@ -12,7 +12,7 @@ use std::time::Duration;
 use gamebots_proto::Framing;
 use gamebots_proto::ports::{Strength, WirelessCommand, WirelessError, origin, registered, route, strength};
 use nalgebra::Point3;
-use tokio::io::{AsyncReadExt, AsyncWriteExt, copy, split};
+use tokio::io::{AsyncWriteExt, copy, split};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Notify, watch};
 use tokio::task::AbortHandle;
@@ -20,21 +20,21 @@ use tokio::time::{interval, timeout};
 use tokio_io_timeout::TimeoutStream;
 use tracing::{debug, warn};
 
-use crate::access::login::LoginQueue;
+use crate::access::login::Accepted;
+use crate::access::rights::Access;
 use crate::access::shares::{Share, Shares};
-use crate::access::tokens::Access;
+use crate::config::Propagation;
+use crate::door::accept::BACK_OFF;
 use crate::door::limits::Limits;
-use crate::ports::controllers::{BACK_OFF, Event, FirstBytes, send};
-use crate::ports::truth::{Inquiry, Question};
-use crate::run::accept;
-use crate::world::guests::Kind;
+use crate::door::lines::Conversation;
+use crate::world::event::{Event, Kind};
+use crate::world::inquiry::Inquiry;
+use crate::world::question::Question;
 
 /// Time between two looks at the links (WSS: 1 s).
 pub(crate) const LOOK: Duration = Duration::from_secs(1);
 /// Time for the second direction of a relayed connection after the end of the first.
 const LAST_WORDS: Duration = Duration::from_secs(10);
-/// Bytes read at once.
-const READ_BYTES: usize = 4096;
 
 /// Strength at the reference distance, dBm, and that distance, m (DefaultUSAR.ini, section ComServer).
 const AT_REFERENCE: f64 = -49.67;
@@ -45,18 +45,6 @@ const EXPONENT: f64 = 1.0;
 const CUTOFF: f64 = -93.0;
 /// Loss by a wall, dBm.
 const WALL: f64 = 6.325;
-
-/// Models of the propagation of radio.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Propagation {
-    /// Every link holds.
-    #[default]
-    Everywhere,
-    /// Signals weaken with the logarithm of the distance.
-    Distance,
-    /// Walls weaken them, too.
-    Walls,
-}
 
 impl Propagation {
     /// Returns the strength of a signal over a distance, m, through a number of walls, dBm.
@@ -78,7 +66,6 @@ impl Propagation {
 #[derive(Clone)]
 pub(crate) struct Network {
     shared: Arc<Mutex<State>>,
-    limits: Limits,
     /// Places for ports that robots are given, and for relayed connections.
     routes: Shares,
     relays: Shares,
@@ -125,7 +112,7 @@ type Places = BTreeMap<String, ([f64; 3], bool)>;
 impl Network {
     pub(crate) fn new(events: Sender<Event>, access: Access, host: &str, model: Propagation, limits: Limits) -> Self {
         let (routes, relays) = (Shares::new(limits.routes), Shares::new(limits.relays));
-        Self { shared: Arc::default(), limits, routes, relays, events, access, host: host.into(), model }
+        Self { shared: Arc::default(), routes, relays, events, access, host: host.into(), model }
     }
 
     /// Returns the strength of a signal between two robots, dBm, as [`Self::strength`] does.
@@ -145,7 +132,7 @@ impl Network {
     }
 
     /// Looks at the links once a second: breaks and restores them, and removes robots that have left the world. Never ends.
-    async fn watch(self) {
+    pub(crate) async fn watch(self) {
         let inquiry = Inquiry::new(Kind::Radio, self.events.clone());
         let mut looks = interval(LOOK);
         loop {
@@ -196,18 +183,6 @@ impl Network {
     }
 }
 
-/// Serves the port until the future is dropped.
-pub(crate) async fn serve(network: Network, listener: TcpListener, logins: LoginQueue, stall_timeout: Duration) {
-    let accepting = accept(listener, logins, network.limits.radio, |accepted, place| {
-        let network = network.clone();
-        async move {
-            let _place = place;
-            converse(accepted.stream, network, stall_timeout).await;
-        }
-    });
-    tokio::join!(accepting, network.clone().watch());
-}
-
 /// Asks the world for the places of its robots.
 async fn places(inquiry: &Inquiry) -> Option<Places> {
     let actors = inquiry.ask(Question::Actors).await?;
@@ -215,30 +190,23 @@ async fn places(inquiry: &Inquiry) -> Option<Places> {
 }
 
 /// Serves a robot's control connection until it leaves, is kicked or does not read.
-async fn converse(mut stream: TcpStream, network: Network, stall_timeout: Duration) {
-    let _ = stream.set_nodelay(true);
-    let Ok(peer) = stream.peer_addr() else { return };
-    let mut robot = Robot { network, stall_timeout, address: peer.ip(), name: None, kick: Arc::default() };
+pub(crate) async fn converse(network: Network, accepted: Accepted, stall_timeout: Duration) {
+    let mut client = Conversation::new(accepted.stream, Framing::default(), stall_timeout);
+    let mut robot = Robot { network, stall_timeout, address: accepted.peer.ip(), name: None, kick: Arc::default() };
     let kick = robot.kick.clone();
-    let mut framing = Framing::default();
-    let (mut buffer, mut first_bytes) = (vec![0; READ_BYTES], FirstBytes::default());
-    loop {
-        let read = tokio::select! {
-            read = stream.read(&mut buffer) => read,
-            () = kick.notified() => return,
-        };
-        let Ok(count @ 1..) = read else { return };
-        let bytes = buffer.get(..count).unwrap_or_default();
-        first_bytes.add(bytes);
-        if first_bytes.are_http() {
-            return;
-        }
-        for line in framing.push(bytes).into_iter().flatten() {
-            let Some(answer) = robot.answer(&line).await else { return };
-            if !send(&mut stream, answer.as_bytes(), stall_timeout).await {
-                return;
+    let answering = async {
+        while let Some(lines) = client.next().await {
+            for line in lines.into_iter().flatten() {
+                let Some(answer) = robot.answer(&line).await else { return };
+                if !client.send(answer.as_bytes()).await {
+                    return;
+                }
             }
         }
+    };
+    tokio::select! {
+        () = answering => {}
+        () = kick.notified() => {}
     }
 }
 

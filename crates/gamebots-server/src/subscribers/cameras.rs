@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use picture::{Image, Stage};
+use picture::{Image, SENSOR_SIZE, Stage};
 use recorder::PictureTaken;
 use scene::{Sensed, Snapshot};
 use sim_core::{CompiledScene, PawnId, World};
@@ -15,11 +15,9 @@ use tracing::warn;
 
 use crate::messages::pb::message::Content;
 use crate::messages::{frame, pb};
-use crate::ports::images::Board;
+use crate::subscribers::board::Board;
 use crate::subscribers::present::Present;
 
-/// Width and height of a picture, pixels.
-pub(crate) const SIZE: [usize; 2] = picture::SENSOR_SIZE;
 /// Simulated time between what a picture in a log shows and its record, s.
 const DELAY: f64 = 0.1;
 /// Most pictures for logs that are being drawn. Further ones are left out.
@@ -290,5 +288,5 @@ fn image_of(job: &Job, prepared: &mut Option<(CompiledScene, Stage)>) -> Option<
         *prepared = Some((job.scene.clone(), Stage::new(job.scene.def())));
     }
     let (_, stage) = prepared.as_ref()?;
-    picture::of_sensor(stage, job.scene.def(), &job.snapshot, &job.sensed, SIZE)
+    picture::of_sensor(stage, job.scene.def(), &job.snapshot, &job.sensed, SENSOR_SIZE)
 }

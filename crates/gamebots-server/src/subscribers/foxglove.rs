@@ -1,25 +1,17 @@
-//! The channels of a log, live, for Foxglove and Lichtblick. Their services control the world's time.
+//! The channels of a log, live, for Foxglove and Lichtblick.
 
-use std::net::SocketAddr;
+use std::net::Ipv4Addr;
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
-use foxglove::websocket::service::{Request, Service, ServiceSchema};
+use foxglove::websocket::service::Service;
 use foxglove::websocket::{Capability, ChannelView, Client, ClientChannel, ServerListener};
-use foxglove::{Context, Schema, WebSocketServerHandle};
+use foxglove::{Context, WebSocketServerHandle};
 use recorder::{Admitted, Latched, Live, Record, Recorder};
 use scene::{MapDef, Snapshot, WorldDef};
-use tokio::net::TcpListener;
 
-use crate::ServeError;
-use crate::access::login::Door;
 use crate::access::pass::Pass;
-use crate::messages::control::{Actor, Control};
-use crate::ports::controllers::Event;
-use crate::ports::gate::{self, Gate};
-use crate::ports::truth::{Inquiry, Question};
-use crate::world::guests;
+use crate::error::ServeError;
 
 /// Messages that can wait for one client; if the world is fast, a client misses the oldest.
 const BACKLOG: usize = 1024;
@@ -35,38 +27,26 @@ pub(crate) struct FoxgloveServer {
     next_time: Instant,
 }
 
-/// Starts serving a number of clients at once on a listener. Clients' requests go to `events`; without it, no services are offered.
+/// Starts the server on an address of this machine, with these services. Returns it and its port. It sends messages to those who show a
+/// pass.
 pub(crate) async fn start(
-    listener: TcpListener,
-    most: usize,
-    host: &str,
-    door: &Door,
+    host: Ipv4Addr,
     world: &WorldDef,
-    events: Option<Sender<Event>>,
-) -> Result<FoxgloveServer, ServeError> {
-    let (context, latched, admitted) = (Context::new(), Latched::default(), Admitted::default());
+    services: Vec<Service>,
+    pass: Pass,
+    admitted: Admitted,
+) -> Result<(FoxgloveServer, u16), ServeError> {
+    let (context, latched) = (Context::new(), Latched::default());
     let live = Live::new(world, context.clone(), latched.clone(), admitted.clone())?;
-    let pass = Pass::new();
-    let hidden = gate::hidden_address();
-    let server = context.websocket_server().name(format!("usarsim {}", world.map.name)).bind(hidden.to_string(), 0);
+    let server = context.websocket_server().name(format!("usarsim {}", world.map.name)).bind(host.to_string(), 0);
     let server = server.capabilities([Capability::Time, Capability::ClientPublish]).supported_encodings(["json"]);
-    let server = server.services(events.iter().flat_map(services)).message_backlog_size(BACKLOG);
-    let server = server.listener(Arc::new(Reception { pass: pass.clone(), admitted: admitted.clone(), latched }));
+    let server = server.services(services).message_backlog_size(BACKLOG);
+    let server = server.listener(Arc::new(Reception { pass, admitted, latched }));
     let started = server.start().await;
     let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;
-    tokio::spawn(gate::serve(
-        listener,
-        most,
-        Gate {
-            own_name: host.to_owned(),
-            door: door.clone(),
-            behind: SocketAddr::from((hidden, handle.port())),
-            pass,
-            admitted,
-        },
-    ));
+    let port = handle.port();
     let recorder = Recorder::new(live)?;
-    Ok(FoxgloveServer { handle, _context: context, recorder, next_time: Instant::now() })
+    Ok((FoxgloveServer { handle, _context: context, recorder, next_time: Instant::now() }, port))
 }
 
 impl FoxgloveServer {
@@ -120,47 +100,4 @@ impl ServerListener for Reception {
             self.latched.send(channel.topic(), client.sink_id());
         }
     }
-}
-
-/// Builds the services pause, step, speed and reset, with the page's requests.
-fn services(events: &Sender<Event>) -> Vec<Service> {
-    let inquiry = Inquiry::new(guests::Kind::Foxglove, events.clone());
-    let service = |name: &'static str, argument: &'static str| {
-        let request = format!("{{\"type\":\"object\",\"properties\":{{{argument}}}}}");
-        let response = "{\"type\":\"object\",\"properties\":{\"success\":{\"type\":\"boolean\"}}}";
-        let schema = |part: &str, schema: &str| {
-            Schema::new(format!("usarsim.{name}.{part}"), "jsonschema", schema.as_bytes().to_vec())
-        };
-        let schema = ServiceSchema::new(format!("usarsim.{name}"))
-            .with_request("json", schema("Request", &request))
-            .with_response("json", schema("Response", response));
-        let inquiry = inquiry.clone();
-        Service::builder(name, schema).async_handler_fn(move |request: Request| {
-            let control = read(name, request.payload());
-            answer(control, inquiry.clone())
-        })
-    };
-    vec![
-        service("pause", "\"pause\":{\"type\":\"boolean\"}"),
-        service("step", "\"step\":{\"type\":\"integer\"}"),
-        service("speed", "\"speed\":{\"type\":\"number\"}"),
-        service("reset", ""),
-    ]
-}
-
-/// Reads the request of a service: `{"pause":true}`, `{"step":1}`, `{"speed":2}`, or nothing.
-fn read(service: &str, payload: &[u8]) -> Result<Control, String> {
-    if service == "reset" {
-        return Ok(Control::Reset);
-    }
-    let control = Control::read(&String::from_utf8_lossy(payload))?;
-    match (service, &control) {
-        ("pause", Control::Pause(_)) | ("step", Control::Step(_)) | ("speed", Control::Speed(_)) => Ok(control),
-        _ => Err(format!("expected `{service}` in the request")),
-    }
-}
-
-async fn answer(control: Result<Control, String>, inquiry: Inquiry) -> Result<&'static [u8], String> {
-    let sent = inquiry.send(Question::Control(control?, Actor::foxglove())).await;
-    sent.map(|()| &b"{\"success\":true}"[..]).ok_or_else(|| "the server stops".to_owned())
 }

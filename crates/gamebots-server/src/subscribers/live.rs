@@ -16,7 +16,7 @@ use tokio::sync::{broadcast, watch};
 
 use crate::messages::frame;
 use crate::messages::scene::{About, objects_json, scene_json};
-use crate::ports::images::Board;
+use crate::subscribers::board::Board;
 use crate::subscribers::cameras::{Cameras, Demand, Picture, Wish};
 use crate::subscribers::present::Present;
 
@@ -451,7 +451,6 @@ mod tests {
     use sim_core::Options;
 
     use super::*;
-    use crate::ports::images::ImageKind;
 
     #[test]
     fn long_texts_are_cut_between_letters() {
@@ -469,8 +468,7 @@ mod tests {
     fn when_a_sensor_was_last_shown_is_known_only_while_it_is_there_and_somebody_looks() {
         let world = World::new(WorldDef::default(), Options::default());
         let about = About { seed: 0, time_step: 0.002, port: 0, maps: Vec::new() };
-        let (mut broadcast, channels) =
-            broadcast(Instant::now(), world.def(), Some(about), Board::new(ImageKind::Raw, false));
+        let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about), Board::default());
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::from(scene::sensor::sonar::Reading { range: 1.0 });
             let sensed = Sensed { robot: PawnId(robot), sensor: 0, reading };

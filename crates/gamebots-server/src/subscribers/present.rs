@@ -5,7 +5,7 @@ use std::sync::Arc;
 use scene::Snapshot;
 use sim_core::World;
 
-use crate::ports::truth::Actors;
+use crate::subscribers::actors::Actors;
 
 /// A snapshot and the poses of everything, made when first needed after a change.
 #[derive(Default)]

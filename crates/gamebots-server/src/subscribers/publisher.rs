@@ -7,10 +7,10 @@ use std::time::Instant;
 
 use recorder::{Record, RecordError, WireLine};
 use scene::{Reading, Score, Sensed, Standings};
+use sessions::SessionId;
 use sim_core::{PawnId, World};
 
-use crate::ports::controllers::ConnectionId;
-use crate::ports::truth::Actors;
+use crate::subscribers::actors::Actors;
 use crate::subscribers::cameras::{Shot, Shots};
 use crate::subscribers::journal::Journal;
 use crate::subscribers::live::{Broadcast, Line, Status};
@@ -34,7 +34,7 @@ impl Publisher {
     }
 
     /// Publishes a line that came from a client. `pawn` is the client's newest robot.
-    pub(crate) fn received(&mut self, world: &World, connection: ConnectionId, pawn: Option<PawnId>, line: &str) {
+    pub(crate) fn received(&mut self, world: &World, connection: SessionId, pawn: Option<PawnId>, line: &str) {
         self.present.forget();
         let robot = pawn.map(|robot| robot.0);
         self.keep(world, Record::In(WireLine { connection, robot, line: line.to_owned() }));
@@ -42,7 +42,7 @@ impl Publisher {
     }
 
     /// Publishes a line that goes to a client. `robot` is the robot that it is about, if any.
-    pub(crate) fn sent(&mut self, world: &World, connection: ConnectionId, robot: Option<PawnId>, line: &str) {
+    pub(crate) fn sent(&mut self, world: &World, connection: SessionId, robot: Option<PawnId>, line: &str) {
         let robot = robot.map(|robot| robot.0);
         if self.recording.is_wanted() {
             self.recording.record(world, Record::Out(WireLine { connection, robot, line: line.to_owned() }));
@@ -91,7 +91,7 @@ impl Publisher {
     }
 
     /// Publishes that a connection ended.
-    pub(crate) fn closed(&mut self, world: &World, connection: ConnectionId) {
+    pub(crate) fn closed(&mut self, world: &World, connection: SessionId) {
         self.keep(world, Record::Closed(WireLine { connection, robot: None, line: String::new() }));
         self.live.changed(Instant::now());
     }

@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use scene::Standings;
 use tracing::{info, warn};
 
-use crate::subscribers::log::{is_kept, numbered};
+use crate::files::{is_kept, numbered};
 
 /// Writer of results.
 #[derive(Default)]

@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 
 use gamebots_proto::{Command, Problem};
 use outbox::Outbox;
-use sessions::Request;
+use sessions::{Request, SessionId};
 use tracing::warn;
 
 use crate::access::budget::{Budgets, Spent};
-use crate::ports::controllers::{ConnectionId, Opened, Turn};
+use crate::world::event::{Opened, Turn};
 
 /// Most different problems of one connection whose repetitions are counted; all others are logged each time.
 const MAX_COUNTED: usize = 50;
@@ -20,7 +20,7 @@ const SHOWN_CHARS: usize = 200;
 
 /// One client.
 pub(crate) struct Client {
-    id: ConnectionId,
+    id: SessionId,
     address: SocketAddr,
     outbox: Arc<Outbox>,
     lines: u64,

@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use crate::ports::controllers::Turn;
-use crate::ports::truth::Question;
+use crate::world::event::{Guest, Kind, Turn};
+use crate::world::question::Question;
 
 /// Part of real time that guests may take while steps are due.
 pub(crate) const SHARE: f64 = 0.03;
@@ -18,24 +18,6 @@ pub(crate) const IDLE_SHARE: f64 = 0.25;
 const MAX_SAVED: f64 = 0.005;
 /// Price of an answer beside the world's time: about what a connection's thread and the system take to send it.
 const DELIVERY: Duration = Duration::from_micros(100);
-
-/// Kinds of guests, by the service that they use. Kinds share the world's time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Kind {
-    Page,
-    Http,
-    Foxglove,
-    Truth,
-    Positions,
-    Radio,
-}
-
-/// A guest: its kind and its number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Guest {
-    pub(crate) kind: Kind,
-    pub(crate) number: u64,
-}
 
 /// The requests of all guests that wait. Each guest has one at most.
 #[derive(Default)]

@@ -10,7 +10,7 @@ use scene::WorldDef;
 use serde::{Deserialize, Serialize};
 use sim_core::{CompiledScene, SavedWorld, World};
 
-use crate::subscribers::log::{is_kept, numbered};
+use crate::files::{is_kept, numbered};
 
 /// The newest format, which is written.
 const FORMAT: u32 = 1;

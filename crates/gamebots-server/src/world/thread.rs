@@ -10,28 +10,28 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use scene::{MapDef, PawnId, Standings};
-use sessions::{News, Sessions};
+use sessions::{News, SessionId, Sessions};
 use sim_core::World;
 use thread_pool::ThreadPool;
 use tokio::sync::oneshot;
 use tracing::{info, warn};
 
 use crate::access::budget::{Budget, Budgets, Spent};
+use crate::config::Config;
+use crate::error::ServeError;
 use crate::messages::control::{Actor, Control};
-use crate::page::metrics::Health;
-use crate::ports::controllers::{ConnectionId, Event};
-use crate::ports::truth::Question;
 use crate::subscribers::foxglove::FoxgloveServer;
 use crate::subscribers::live::{Broadcast, ClientStatus, LeagueStatus, RobotStatus, Status};
 use crate::subscribers::log::Recording;
 use crate::subscribers::publisher::Publisher;
 use crate::subscribers::results::Results;
 use crate::world::client::Client;
+use crate::world::event::Event;
 use crate::world::guests::{Credit, Guests, IDLE_SHARE, SHARE};
 use crate::world::pace::{self, Pace};
+use crate::world::question::{Health, Question};
 use crate::world::restart::{Restart, Restarts};
 use crate::world::saved::Saving;
-use crate::{Config, ServeError};
 
 /// Longest wait for an event, so that frames and logs are published in time even when simulated time crawls.
 const MAX_WAIT: Duration = Duration::from_millis(2);
@@ -171,7 +171,7 @@ struct Server {
 /// All that hear of the world: its clients, logs and viewers.
 struct Audience {
     publisher: Publisher,
-    clients: BTreeMap<ConnectionId, Client>,
+    clients: BTreeMap<SessionId, Client>,
     /// True if the time of a league is up, until the world is paused for it.
     is_time_up: bool,
 }
@@ -503,12 +503,12 @@ impl Server {
     }
 
     /// Returns the cheapest client that has requests and room for the answers.
-    fn next_client(&self) -> Option<ConnectionId> {
+    fn next_client(&self) -> Option<SessionId> {
         let ready = self.audience.clients.iter().filter(|(_, client)| client.is_ready());
         ready.min_by_key(|(_, client)| client.cost()).map(|(&id, _)| id)
     }
 
-    fn execute_slice(&mut self, id: ConnectionId) {
+    fn execute_slice(&mut self, id: SessionId) {
         let start = Instant::now();
         let mut count = 0;
         let Self { sessions, audience, restarts, .. } = self;
@@ -543,7 +543,7 @@ impl Server {
     }
 
     /// Ends a session after its last request is executed, if the client has left.
-    fn end_if_done(&mut self, id: ConnectionId) {
+    fn end_if_done(&mut self, id: SessionId) {
         let Self { sessions, audience, work, .. } = self;
         if !audience.clients.get(&id).is_some_and(Client::is_over) {
             return;
@@ -713,7 +713,7 @@ impl Server {
             connection: sessions.owner(id),
             battery: world.battery(id),
         };
-        let client = |(&connection, client): (&ConnectionId, &Client)| ClientStatus {
+        let client = |(&connection, client): (&SessionId, &Client)| ClientStatus {
             connection,
             peer: client.peer(),
             lines: client.lines(),
