@@ -34,6 +34,6 @@ fn use_log(log: &Log, folder: &Path) {
     let end = log.end.get("seconds").and_then(|seconds| seconds.parse().ok());
     let last = log.entries.iter().map(|entry| entry.time).chain(end).fold(0.0, f64::max);
     if last <= MAX_SECONDS {
-        let _ = replay::replay(log);
+        let _ = logbook::replay(log);
     }
 }

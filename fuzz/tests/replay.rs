@@ -169,7 +169,7 @@ fn a_good_log_is_replayed_in_both_spellings() {
     write_plain(&good, &plain);
     for path in [good, plain] {
         let log = recorder::read(&path).unwrap();
-        assert!(replay::replay(&log).unwrap().is_same(), "{}", path.display());
+        assert!(logbook::replay(&log).unwrap().is_same(), "{}", path.display());
         fuzz::run(fuzz::log, &std::fs::read(path).unwrap());
     }
 }

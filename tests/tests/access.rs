@@ -250,7 +250,7 @@ fn a_token_is_in_no_log_and_its_teams_robots_replay_without_it() {
         log.entries.iter().filter(|entry| has(&entry.record)).count()
     };
     assert_eq!([lines("LOGIN"), lines("Rover"), lines("Boss"), lines("blue")], [0, 2, 1, 0]);
-    assert!(replay::replay(&log).expect("a replay").is_same());
+    assert!(logbook::replay(&log).expect("a replay").is_same());
 }
 
 /// A page that has logged in.

@@ -207,5 +207,5 @@ fn an_avatar_is_in_truth_and_in_a_log_that_replays_and_leaves_with_its_connectio
     });
     server.stop().expect("a good end");
     let log = recorder::read(&path).expect("a log");
-    assert!(replay::replay(&log).expect("a replay").is_same());
+    assert!(logbook::replay(&log).expect("a replay").is_same());
 }

@@ -220,7 +220,7 @@ fn through_the_socket_the_poses_are_the_same() {
     drop(client);
     server.stop().unwrap_or_else(|error| panic!("{error}"));
     let log = recorder::read(&log).unwrap_or_else(|error| panic!("{error}"));
-    let replay = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    let replay = logbook::replay(&log).unwrap_or_else(|error| panic!("{error}"));
     assert!(replay.is_same() && replay.recorded.is_some() && replay.states > 50, "{replay:?}");
     let came =
         log.entries.iter().find(|entry| matches!(&entry.record, Record::In(line) if line.line.starts_with("DRIVE")));
@@ -247,7 +247,7 @@ fn a_changed_log_does_not_replay() {
     let file = tempfile::NamedTempFile::new().expect("a file");
     run::run(&plan, &plan.runs()[0], Some(file.path())).unwrap_or_else(|error| panic!("{error}"));
     let log = recorder::read(file.path()).unwrap_or_else(|error| panic!("{error}"));
-    let same = |log: &recorder::Log| replay::replay(log).unwrap_or_else(|error| panic!("{error}")).is_same();
+    let same = |log: &recorder::Log| logbook::replay(log).unwrap_or_else(|error| panic!("{error}")).is_same();
     assert!(same(&log));
     let mut changed = log.clone();
     for entry in &mut changed.entries {
@@ -258,10 +258,10 @@ fn a_changed_log_does_not_replay() {
     assert!(!same(&changed));
     let mut endless = log.clone();
     endless.end.insert("seconds".to_owned(), "1e300".to_owned());
-    assert!(replay::replay(&endless).is_err_and(|error| error.to_string().contains("expected at most 2678400")));
+    assert!(logbook::replay(&endless).is_err_and(|error| error.to_string().contains("expected at most 2678400")));
     let mut headless = log.clone();
     headless.run.remove("scene");
-    assert!(replay::replay(&headless).is_err());
+    assert!(logbook::replay(&headless).is_err());
 }
 
 /// Every file of the thesis can be read, every figure is used, and every claim finds its runs.

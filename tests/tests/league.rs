@@ -259,7 +259,7 @@ fn check_replay(log: &Path, result: &Standings) {
         _ => None,
     });
     assert_eq!(last.map(|it| it.teams), Some(result.teams.clone()));
-    let replay = replay::replay(&log).expect("a replay");
+    let replay = logbook::replay(&log).expect("a replay");
     assert!(replay.is_same(), "{replay:?}");
 }
 
@@ -279,13 +279,13 @@ fn a_replay_notices_changed_points() {
     client.finish();
     server.stop().expect("a good end");
     let mut log = recorder::read(&path).expect("a log");
-    assert!(replay::replay(&log).expect("a replay").is_same());
+    assert!(logbook::replay(&log).expect("a replay").is_same());
     let changed = log.entries.iter_mut().find_map(|entry| match &mut entry.record {
         recorder::Record::Scored(score) => Some(&mut score.points),
         _ => None,
     });
     *changed.expect("a score") += 1;
-    assert!(!replay::replay(&log).expect("a replay").is_same());
+    assert!(!logbook::replay(&log).expect("a replay").is_same());
 }
 
 #[test]

@@ -296,9 +296,9 @@ fn a_viewer_begins_and_ends_a_log_and_a_reset_begins_the_next() {
     viewer.said(&format!("recorded {}", folder.path().join("run-2.mcap").display()));
     viewer.status("no recording", |status| status["recording"].is_null());
     let read = |path: &std::path::Path| recorder::read(path).unwrap_or_else(|error| panic!("{error}"));
-    let refused = replay::replay(&read(&path)).unwrap_err().to_string();
+    let refused = logbook::replay(&read(&path)).unwrap_err().to_string();
     assert!(refused.contains("began in a running world"), "{refused}");
-    let second = replay::replay(&read(&folder.path().join("run-2.mcap"))).unwrap_or_else(|error| panic!("{error}"));
+    let second = logbook::replay(&read(&folder.path().join("run-2.mcap"))).unwrap_or_else(|error| panic!("{error}"));
     assert!(second.is_same() && second.states > 10 && second.recorded.is_some(), "{second:?}");
 }
 
@@ -415,7 +415,7 @@ fn pictures_of_cameras_are_in_the_log_and_replayed() {
         assert!((pair[1].0 - pair[1].1.moment - 0.1).abs() < 1e-6, "recorded late: {pair:?}");
         assert_ne!(pair[0].1.digest, pair[1].1.digest);
     }
-    let replay = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    let replay = logbook::replay(&log).unwrap_or_else(|error| panic!("{error}"));
     assert!(replay.is_same() && replay.recorded.is_some(), "{replay:?}");
     // One pixel would be another digest.
     for entry in &mut log.entries {
@@ -423,7 +423,7 @@ fn pictures_of_cameras_are_in_the_log_and_replayed() {
             taken.digest ^= 1;
         }
     }
-    let other = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    let other = logbook::replay(&log).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(other.first_difference, Some(taken[0].0));
 }
 
@@ -465,7 +465,7 @@ fn objects_of_a_world_controller_are_on_the_page_and_in_the_log() {
     assert_eq!(count(|it| matches!(it, Record::ObjectRemoved(_))), 2);
     let falls = |it: &Record| matches!(it, Record::Object(state) if state.name == "my_crate");
     assert!(count(falls) > 5);
-    let replay = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    let replay = logbook::replay(&log).unwrap_or_else(|error| panic!("{error}"));
     assert!(replay.is_same() && replay.recorded.is_some(), "{replay:?}");
 }
 
@@ -992,5 +992,5 @@ fn what_a_referee_does_in_a_round_is_in_its_log() {
         let is_it = |record: &Record| matches!(record, Record::Warning(text) if text.contains(done));
         assert!(log.entries.iter().any(|entry| is_it(&entry.record)), "{done}");
     }
-    assert!(replay::replay(&log).expect("a replay").is_same());
+    assert!(logbook::replay(&log).expect("a replay").is_same());
 }

@@ -12,7 +12,6 @@ pub mod claim;
 mod course;
 mod crowd;
 pub mod fit;
-mod logged;
 pub mod plan;
 pub mod plot;
 mod reference;
@@ -25,4 +24,3 @@ pub mod validation;
 
 pub use course::{Course, Moment, Motion, MotionError, Travel};
 pub use crowd::Crowd;
-pub use logged::LoggedSessions;

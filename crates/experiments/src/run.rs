@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use logbook::LoggedSessions;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use recorder::{LogWriter, RecordError};
@@ -12,7 +13,6 @@ use sessions::SessionId;
 use sim_core::{Options, World};
 
 use crate::course::in_words;
-use crate::logged::LoggedSessions;
 use crate::plan::{Plan, Run, Setup, Tolerances};
 
 /// Interval between two ground truth readings, s. Every n-th reading, from the first on, is a measured pose (thesis 7.2).

@@ -32,7 +32,7 @@ pub(crate) fn replay(py: Python, path: PathBuf) -> PyResult<String> {
     py.detach(|| {
         let failed = |text: &dyn std::fmt::Display| error::log(format_args!("{}: {text}", path.display()));
         let log = recorder::read(&path).map_err(error::log)?;
-        let replay = ::replay::replay(&log).map_err(|error| failed(&error))?;
+        let replay = logbook::replay(&log).map_err(|error| failed(&error))?;
         Ok(replay.to_json().to_string())
     })
 }

@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use ::scene::check::TIME_STEP;
 use ::scene::{ObjectId, Options, PawnId, Sensed};
-use experiments::LoggedSessions;
 use gamebots_server::{Moment, View};
+use logbook::LoggedSessions;
 use picture::Stage;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;

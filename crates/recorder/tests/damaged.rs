@@ -168,7 +168,7 @@ fn times_that_no_run_has_are_not_replayed() {
     let mut good = read(&bytes).expect("a log");
     good.end.insert("seconds".to_owned(), end.time.to_string());
     good.end.insert("digest".to_owned(), format!("{:016x}", end.digest.expect("a digest")));
-    let replayed = replay::replay(&good).unwrap_or_else(|error| panic!("{error}"));
+    let replayed = logbook::replay(&good).unwrap_or_else(|error| panic!("{error}"));
     assert!(replayed.is_same() && replayed.states > 20, "{replayed:?}");
     let last = good.entries.len() - 1;
     let half = good.entries.len() / 2;
@@ -176,7 +176,7 @@ fn times_that_no_run_has_are_not_replayed() {
     let check = |what: &str, expected: &str, change: &dyn Fn(&mut Log)| {
         let mut log = good.clone();
         change(&mut log);
-        let said = replay::replay(&log).map_or_else(|error| error.to_string(), |replay| format!("{replay:?}"));
+        let said = logbook::replay(&log).map_or_else(|error| error.to_string(), |replay| format!("{replay:?}"));
         assert!(said.contains(expected), "{what}: {said}");
     };
     check("a month", "expected at most 2678400", &|log| log.entries[half].time = 1e9);
@@ -233,7 +233,7 @@ fn comes_to_an_end(bytes: &[u8]) {
         assert!(text(&again) == text(&log), "{:?} but {:?}", again.damage, log.damage);
         assert!(recovered.messages >= log.entries.len() as u64 / 2, "{recovered:?}");
         assert!(log.entries.iter().all(|entry| entry.time.is_finite()));
-        let _ = replay::replay(&log);
+        let _ = logbook::replay(&log);
         let table = Table::of(&log, None);
         assert_eq!((table.to_csv().count(), table.to_tum().count()), (table.rows() + 1, table.rows()));
         let _ = export::ros2(&log, &ros2);

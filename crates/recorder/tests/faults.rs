@@ -226,7 +226,7 @@ fn what_waits_for_a_stalled_disk_is_bounded_and_what_is_lost_is_counted() {
     assert_eq!(log.entries.len() + dropped, count as usize);
     // 64 MiB of lines that are a little longer than 64 KiB.
     assert!((900..=1023).contains(&log.entries.len()), "{} kept", log.entries.len());
-    assert!(replay::replay(&log).is_err_and(|error| error.to_string().contains("records were dropped")));
+    assert!(logbook::replay(&log).is_err_and(|error| error.to_string().contains("records were dropped")));
 }
 
 #[test]

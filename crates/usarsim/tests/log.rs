@@ -281,7 +281,7 @@ fn a_server_killed_at_any_moment_loses_at_most_the_last_second() {
         let lost = readings.iter().find(|(_, time)| *time > last + 1e-3);
         let lost = lost.map_or(Duration::ZERO, |(first, _)| killed.saturating_duration_since(*first));
         assert!(lost <= Duration::from_secs(1), "{number}: {lost:?} lost of {lifetime:?}");
-        let replay = replay::replay(&log).unwrap_or_else(|error| panic!("{number}: {error}"));
+        let replay = logbook::replay(&log).unwrap_or_else(|error| panic!("{number}: {error}"));
         assert!(replay.is_same(), "{number}: {replay:?}");
         println!("killed after {lifetime:?}: {lost:?} lost, {:.1} simulated seconds kept", last.max(0.0));
     }

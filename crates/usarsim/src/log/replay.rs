@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use gamebots_server::{Playback, ServeError, play};
+use logbook::Replay;
 use recorder::Record;
-use replay::Replay;
 use serde_json::json;
 
 use crate::serve::{real_time_factor, stop_signal, tokens};
@@ -92,7 +92,7 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
 fn again(file: &Path) -> Result<Replay, Failure> {
     let log = super::read(file)?;
     let bad = |error| Failure::new(exit::BAD_DATA, format_args!("{}: {error}", file.display()));
-    replay::replay(&log).map_err(bad)
+    logbook::replay(&log).map_err(bad)
 }
 
 fn report(file: &Path, replay: &Replay, as_json: bool) {

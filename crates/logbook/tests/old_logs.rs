@@ -12,6 +12,6 @@ fn a_log_from_before_robots_were_trees_can_be_replayed() {
     let names = |class: &str| scene.robots[class].links.iter().map(|link| link.name.clone()).collect::<Vec<_>>();
     assert_eq!(names("KUKA_YouBot"), ["body", "FLWheel", "FRWheel", "BLWheel", "BRWheel"]);
     assert_eq!(scene.robots["CasterSkidRobot"].driven().count(), 2);
-    let replay = replay::replay(&log).unwrap_or_else(|error| panic!("{error}"));
+    let replay = logbook::replay(&log).unwrap_or_else(|error| panic!("{error}"));
     assert!(replay.states >= 100 && replay.seconds > 1.4 && replay.recorded.is_some(), "{replay:?}");
 }
