@@ -634,7 +634,7 @@ fn the_scene_of_a_log_is_answered_like_that_of_the_world() {
     let joints = answer["classes"]["YouBotArm"]["joints"].as_array().unwrap();
     assert!(joints.len() >= 5 && joints.iter().all(|joint| values.contains(&joint["name"])), "{values:?}");
     // A log from before robots were trees of links.
-    let old = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/replay/tests/logs/before-trees.mcap");
+    let old = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/logbook/tests/logs/before-trees.mcap");
     let (head, answer) = post_scene(&server, recorder::read(&old).unwrap().run["scene"].as_bytes());
     assert!(head.starts_with("HTTP/1.1 200"), "{head}\n{answer}");
     assert_eq!(scene(&answer)["classes"]["KUKA_YouBot"]["wheels"].as_array().map(Vec::len), Some(4));

@@ -13,7 +13,7 @@ const { module: logs } = await runnerImport(join(root, 'viewer/src/log/index.ts'
 const { module: lz4 } = await runnerImport(join(root, 'viewer/src/log/lz4.ts'));
 const { module: mcap } = await runnerImport(join(root, 'viewer/src/log/mcap.ts'));
 const { Source } = (await runnerImport(join(root, 'viewer/src/log/source.ts'))).module;
-const old = join(root, 'crates/replay/tests/logs/before-trees.mcap');
+const old = join(root, 'crates/logbook/tests/logs/before-trees.mcap');
 
 const folder = mkdtempSync(join(tmpdir(), 'usarsim-log-'));
 const MAP = `description = "A floor and two boxes"

@@ -9,8 +9,8 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use gamebots_proto::Framing;
 use gamebots_proto::ports::{Strength, WirelessCommand, WirelessError, origin, registered, route, strength};
+use gamebots_proto::{Framing, Problem};
 use nalgebra::Point3;
 use tokio::io::{AsyncWriteExt, copy, split};
 use tokio::net::{TcpListener, TcpStream};
@@ -26,7 +26,7 @@ use crate::access::shares::{Share, Shares};
 use crate::config::Propagation;
 use crate::door::accept::BACK_OFF;
 use crate::door::limits::Limits;
-use crate::door::lines::Conversation;
+use crate::door::lines::{Conversation, Requests};
 use crate::world::event::{Event, Kind};
 use crate::world::inquiry::Inquiry;
 use crate::world::question::Question;
@@ -191,7 +191,7 @@ async fn places(inquiry: &Inquiry) -> Option<Places> {
 
 /// Serves a robot's control connection until it leaves, is kicked or does not read.
 pub(crate) async fn converse(network: Network, accepted: Accepted, stall_timeout: Duration) {
-    let mut client = Conversation::new(accepted.stream, Framing::default(), stall_timeout);
+    let mut client = Conversation::new(accepted.stream, WholeLines(Framing::default()), stall_timeout);
     let mut robot = Robot { network, stall_timeout, address: accepted.peer.ip(), name: None, kick: Arc::default() };
     let kick = robot.kick.clone();
     let answering = async {
@@ -207,6 +207,17 @@ pub(crate) async fn converse(network: Network, accepted: Accepted, stall_timeout
     tokio::select! {
         () = answering => {}
         () = kick.notified() => {}
+    }
+}
+
+/// Lines with their ends. A last fragment is no request, so a client that is cut off registers nobody.
+struct WholeLines(Framing);
+
+impl Requests for WholeLines {
+    type Request = Result<String, Problem>;
+
+    fn push(&mut self, bytes: &[u8]) -> Vec<Self::Request> {
+        self.0.push(bytes)
     }
 }
 
