@@ -1,7 +1,11 @@
 //! Sessions of a world with a log of them, and the replay of that log.
+//!
+//! News of sessions become records here alone, so logs of the server, of experiments and of the Python package have the same contents.
 
 mod logged;
+mod records;
 mod replay;
 
 pub use logged::LoggedSessions;
+pub use records::{Mistakes, record, warning};
 pub use replay::{Replay, ReplayError, replay};

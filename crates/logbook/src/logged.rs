@@ -1,12 +1,15 @@
-//! Sessions of a world that are logged: what experiments and the Python package drive their worlds by.
+//! Sessions of a world that are logged. Experiments and the Python package drive their worlds by them.
 
+use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use gamebots_proto::{Dialect, Problem};
-use recorder::{End, LogWriter, Record, RecordError, StateTimer, WireLine};
+use recorder::{End, LogWriter, Record, RecordError, StateTimer};
 use scene::{PawnId, Sensed};
 use sessions::{Listener, News, Request, SessionId, Sessions};
 use sim_core::World;
+
+use crate::records::{Mistakes, record};
 
 /// A world with its sessions, and the log that they are written to, if any.
 pub struct LoggedSessions {
@@ -14,18 +17,24 @@ pub struct LoggedSessions {
     /// Never locked: it makes the type `Sync`, which the writer's LZ4 encoder is not.
     log: Option<Mutex<LogWriter>>,
     states: StateTimer,
+    /// Mistakes of each open session, for the log.
+    mistakes: BTreeMap<SessionId, Mistakes>,
 }
 
 impl LoggedSessions {
     /// Creates the sessions of a world. A log has to be of a world at time zero, or it does not replay.
     pub fn new(world: World, log: Option<LogWriter>) -> Self {
-        Self { sessions: Sessions::new(world), log: log.map(Mutex::new), states: StateTimer::default() }
+        Self { log: log.map(Mutex::new), ..Self::without_log(Sessions::new(world)) }
     }
 
     /// Returns a copy that continues as the original would, without a log.
     #[must_use]
     pub fn copy(&self) -> Self {
-        Self { sessions: self.sessions.clone(), log: None, states: StateTimer::default() }
+        Self::without_log(self.sessions.clone())
+    }
+
+    fn without_log(sessions: Sessions) -> Self {
+        Self { sessions, log: None, states: StateTimer::default(), mistakes: BTreeMap::new() }
     }
 
     /// Returns the world.
@@ -62,6 +71,7 @@ impl LoggedSessions {
             self.sessions.open_silent(id);
             return Ok(());
         }
+        self.mistakes.insert(id, Mistakes::new(id));
         self.record(&mut |_| {}, |sessions, hear| sessions.open(id, Some(Dialect::Udk), false, hear)).map(drop)
     }
 
@@ -75,7 +85,7 @@ impl LoggedSessions {
         line: &str,
         sensed: &mut dyn FnMut(&Sensed),
     ) -> Result<Vec<Problem>, RecordError> {
-        let request = Request::read(Ok(line.to_owned()));
+        let request = self.read(id, line);
         self.record(sensed, |sessions, hear| sessions.take(id, &request, hear))
     }
 
@@ -89,7 +99,7 @@ impl LoggedSessions {
         line: &str,
         sensed: &mut dyn FnMut(&Sensed),
     ) -> Result<(Vec<Problem>, Vec<String>), RecordError> {
-        let request = Request::read(Ok(line.to_owned()));
+        let request = self.read(id, line);
         let mut answers = Vec::new();
         let problems = self.record(sensed, |sessions, hear| {
             sessions.ask(id, &request, &mut |world, news| {
@@ -122,7 +132,17 @@ impl LoggedSessions {
     /// # Errors
     /// When the log cannot be written.
     pub fn close(&mut self, id: SessionId) -> Result<(), RecordError> {
+        if let (Some(log), Some(mut mistakes)) = (writer(&mut self.log), self.mistakes.remove(&id)) {
+            let time = self.sessions.world().time();
+            mistakes.repetitions().try_for_each(|text| log.write(time, &Record::Warning(text)))?;
+        }
         self.record(&mut |_| {}, |sessions, hear| sessions.close(id, hear)).map(drop)
+    }
+
+    /// Reads a line of a session.
+    fn read(&mut self, id: SessionId, line: &str) -> Request {
+        self.mistakes.get_mut(&id).into_iter().for_each(Mistakes::count_line);
+        Request::read(Ok(line.to_owned()))
     }
 
     /// Ends the log, if there is one. Nothing is logged from then on.
@@ -133,7 +153,12 @@ impl LoggedSessions {
         let Some(log) = self.log.take() else { return Ok(()) };
         let world = self.sessions.world();
         let (time, digest) = (world.time(), Some(world.digest()));
-        let log = log.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut log = log.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let repeated = std::mem::take(&mut self.mistakes).into_values();
+        let repeated: Vec<String> = repeated.flat_map(|mut it| it.repetitions().collect::<Vec<_>>()).collect();
+        let standings = self.sessions.standings().map(|standings| Record::Standings(Box::new(standings)));
+        let last = repeated.into_iter().map(Record::Warning).chain(standings);
+        last.into_iter().try_for_each(|record| log.write(time, &record))?;
         log.finish(End { time, digest, unsettled_steps: world.unsettled_steps(), dropped: 0 })
     }
 
@@ -144,17 +169,22 @@ impl LoggedSessions {
         act: impl FnOnce(&mut Sessions, Listener),
     ) -> Result<Vec<Problem>, RecordError> {
         let (mut found, mut written) = (Vec::new(), Ok(()));
-        let mut log = writer(&mut self.log);
-        act(&mut self.sessions, &mut |world, news| {
-            match &news {
-                News::Wrong { problems, .. } => found.extend_from_slice(problems),
-                News::Sensed(reading) => sensed(reading),
-                _ => {}
+        let Self { sessions, log, mistakes, .. } = self;
+        let mut log = writer(log);
+        act(sessions, &mut |world, news| {
+            let mut warnings = Vec::new();
+            if let News::Wrong { session, line, problems } = &news {
+                found.extend_from_slice(problems);
+                let told =
+                    mistakes.get_mut(session).map(|it| problems.iter().filter_map(|problem| it.warning(line, problem)));
+                warnings.extend(told.into_iter().flatten().map(Record::Warning));
             }
-            if let (Some(log), Ok(())) = (log.as_mut(), &written)
-                && let Some(record) = record(news)
-            {
-                written = log.write(world.time(), &record);
+            if let News::Sensed(reading) = &news {
+                sensed(reading);
+            }
+            if let (Some(log), Ok(())) = (log.as_mut(), &written) {
+                let records = warnings.into_iter().chain(record(&news));
+                written = records.into_iter().try_for_each(|record| log.write(world.time(), &record));
             }
         });
         written.map(|()| found)
@@ -163,19 +193,4 @@ impl LoggedSessions {
 
 fn writer(log: &mut Option<Mutex<LogWriter>>) -> Option<&mut LogWriter> {
     log.as_mut().map(|log| log.get_mut().unwrap_or_else(PoisonError::into_inner))
-}
-
-/// Returns the record of news; `None` for news that a log gets in another form.
-fn record(news: News) -> Option<Record> {
-    let line = |connection, pawn: Option<PawnId>, line| WireLine { connection, robot: pawn.map(|pawn| pawn.0), line };
-    match news {
-        News::Received { session, pawn, line: text } => Some(Record::In(line(session, pawn, text.to_owned()))),
-        News::Sent { session, pawn, line: text, .. } => Some(Record::Out(line(session, pawn, text))),
-        News::Sensed(sensed) => Some(Record::Sensed(sensed.clone())),
-        News::Left(pawn) => Some(Record::Left(pawn.0)),
-        News::Closed(session) => Some(Record::Closed(line(session, None, String::new()))),
-        News::Lost(lost) => Some(Record::Warning(lost.to_string())),
-        News::Scored(score) => Some(Record::Scored(score.clone())),
-        News::Wrong { .. } | News::Came(_) | News::Restored { .. } | News::TimeUp(_) => None,
-    }
 }

@@ -1,11 +1,12 @@
 //! One client in the world's thread: its requests, its outbox, its mistakes.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gamebots_proto::{Command, Problem};
+use logbook::Mistakes;
 use outbox::Outbox;
 use sessions::{Request, SessionId};
 use tracing::warn;
@@ -13,22 +14,15 @@ use tracing::warn;
 use crate::access::budget::{Budgets, Spent};
 use crate::world::event::{Opened, Turn};
 
-/// Most different problems of one connection whose repetitions are counted; all others are logged each time.
-const MAX_COUNTED: usize = 50;
-/// Characters of a bad line that are logged.
-const SHOWN_CHARS: usize = 200;
-
 /// One client.
 pub(crate) struct Client {
     id: SessionId,
     address: SocketAddr,
     outbox: Arc<Outbox>,
-    lines: u64,
     dropped: u64,
     /// Limits of what is logged.
     budgets: Budgets,
-    /// Problems that were logged, with their repetitions since the last report.
-    repeated: BTreeMap<String, u64>,
+    mistakes: Mistakes,
     /// Requests that are not executed yet. The turn is given back after the last one.
     requests: std::vec::IntoIter<Request>,
     turn: Option<Turn>,
@@ -47,10 +41,9 @@ impl Client {
             id,
             address,
             outbox,
-            lines: 0,
             dropped: 0,
             budgets,
-            repeated: BTreeMap::new(),
+            mistakes: Mistakes::new(id),
             requests: Vec::new().into_iter(),
             turn: None,
             put_back: VecDeque::new(),
@@ -124,7 +117,7 @@ impl Client {
 
     /// Returns the number of lines received so far.
     pub(crate) fn lines(&self) -> u64 {
-        self.lines
+        self.mistakes.lines()
     }
 
     /// Returns the number of dropped periodic lines, as of the last report.
@@ -138,7 +131,7 @@ impl Client {
 
     /// Counts a line.
     pub(crate) fn note_line(&mut self) {
-        self.lines += 1;
+        self.mistakes.count_line();
     }
 
     /// Logs the problems of a line. Returns the logged warnings.
@@ -153,28 +146,15 @@ impl Client {
         if dropped > 0 && self.budgets.allow(self.address.ip()) {
             warn!(connection = self.id, dropped, "the client reads too slowly: its oldest sensor lines are dropped");
         }
-        // A problem that did not recur is logged in full when it does.
-        self.repeated.retain(|_, times| *times > 0);
-        let (budgets, host) = (self.budgets.clone(), self.address.ip());
-        let again = self.repeated.iter_mut().map(|(problem, times)| (problem, std::mem::take(times)));
-        let again = again.take_while(|_| budgets.allow(host));
-        let more = |times| names::count(usize::try_from(times).unwrap_or(usize::MAX), "time");
-        let text = |(problem, times)| format!("connection {}: {problem} ({} more)", self.id, more(times));
-        let said: Vec<String> = again.map(text).collect();
-        said.iter().for_each(|text| warn!("{text}"));
-        said
+        let Self { budgets, address, mistakes, .. } = self;
+        let repeated: Vec<String> = mistakes.repetitions().take_while(|_| budgets.allow(address.ip())).collect();
+        repeated.iter().for_each(|text| warn!("{text}"));
+        repeated
     }
 
     /// Logs a problem and returns the text, unless it is a repetition or the budget of this second is spent.
     fn warn(&mut self, text: &str, problem: &Problem, now: Instant) -> Option<String> {
-        let shown = problem.to_string();
-        if let Some(times) = self.repeated.get_mut(&shown) {
-            *times += 1;
-            return None;
-        }
-        if self.repeated.len() < MAX_COUNTED {
-            self.repeated.insert(shown, 0);
-        }
+        let warning = self.mistakes.warning(text, problem)?;
         match self.budgets.spend(self.address.ip(), now) {
             Spent::Granted { suppressed: 0 } => {}
             Spent::Granted { suppressed } => {
@@ -182,8 +162,7 @@ impl Client {
             }
             Spent::Refused => return None,
         }
-        let shown: String = text.chars().take(SHOWN_CHARS).collect();
-        warn!(connection = self.id, line = self.lines, text = shown, "{problem}");
-        Some(format!("connection {}, line {}: {problem}: {shown}", self.id, self.lines))
+        warn!("{warning}");
+        Some(warning)
     }
 }
