@@ -8,6 +8,7 @@ use std::sync::mpsc::{self, Sender};
 use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
+use sim_core::World;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
@@ -31,7 +32,12 @@ use crate::ports::images::{self, Pictures};
 use crate::ports::wireless::{self, Network};
 use crate::ports::{foxglove, positions, truth};
 use crate::subscribers::board::Board;
+use crate::subscribers::foxglove::FoxgloveServer;
+use crate::subscribers::journal::Journal;
 use crate::subscribers::live::{self, Channels};
+use crate::subscribers::results::Results;
+use crate::subscribers::shots::Shots;
+use crate::subscribers::subscriber::Subscriber;
 use crate::world::event::{Event, Kind};
 use crate::world::inquiry::Inquiry;
 use crate::world::thread;
@@ -92,7 +98,12 @@ pub(crate) async fn serve(
         limits,
         door,
     };
-    let world = thread::spawn(config, server.door.budgets.clone(), receiver, live, foxglove, gone)?;
+    let world = match &config.saved {
+        Some(saved) => World::load(config.world.clone(), saved)?,
+        None => World::new(config.world.clone(), config.options),
+    };
+    let subscribers = subscribers(&config, &world, foxglove);
+    let world = thread::spawn(config, world, server.door.budgets.clone(), receiver, live, subscribers, gone)?;
     ready(addresses);
     let mut clients: Vec<(Service, JoinSet<()>)> =
         bound.iter().map(|(service, _)| (*service, JoinSet::new())).collect();
@@ -119,6 +130,19 @@ pub(crate) async fn serve(
         clients.shutdown().await;
     }
     world.join().map_err(|_| ServeError::WorldStopped)?
+}
+
+/// Lists the subscribers of the world, beside its log and its viewers.
+fn subscribers(config: &Config, world: &World, foxglove: Option<FoxgloveServer>) -> Vec<Box<dyn Subscriber>> {
+    let mut list: Vec<Box<dyn Subscriber>> =
+        vec![Box::new(Journal::of(world)), Box::new(Results::new(config.result.clone()))];
+    if config.pictures {
+        list.push(Box::new(Shots::default()));
+    }
+    if let Some(foxglove) = foxglove {
+        list.push(Box::new(foxglove));
+    }
+    list
 }
 
 /// Runs all ports, and never ends.

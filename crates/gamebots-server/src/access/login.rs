@@ -82,7 +82,7 @@ impl LoginQueue {
         }
     }
 
-    /// Has a connection log in. It stays in the waiting room meanwhile.
+    /// Asks a connection to log in. It stays in the waiting room meanwhile.
     fn start_login(&mut self, Visitor { mut stream, peer, stay }: Visitor) {
         let (Door { access, budgets, .. }, wanted, sends_reason) = (self.door.clone(), self.wanted, self.sends_reason);
         let log_in = async move {

@@ -146,7 +146,7 @@ fn show(mut live: Broadcast, def: &WorldDef, moments: &Receiver<Moment>, request
                 shown = Arc::new(snapshot);
                 for (time, sensed) in &readings {
                     let robot = shown.robots.iter().find(|robot| robot.id == sensed.robot);
-                    live.measured(*time, robot.and_then(|robot| def.robots.get(&robot.class)), sensed);
+                    live.measured(Instant::now(), *time, robot.and_then(|robot| def.robots.get(&robot.class)), sensed);
                 }
             }
             Err(RecvTimeoutError::Timeout) => {}

@@ -1,27 +1,22 @@
-//! Pictures of robots' cameras, for viewers and for logs. Threads draw them. No picture changes the world.
+//! Pictures of robots' cameras, for those who look now: viewers and clients of the port of images. A thread draws them.
 
-use std::collections::{BTreeMap, VecDeque};
-use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use picture::{Image, SENSOR_SIZE, Stage};
-use recorder::PictureTaken;
-use scene::{Sensed, Snapshot};
-use sim_core::{CompiledScene, PawnId, World};
+use scene::Sensed;
+use sim_core::{PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
 
 use crate::messages::pb::message::Content;
 use crate::messages::{frame, pb};
 use crate::subscribers::board::Board;
+use crate::subscribers::job::{Job, image_of};
 use crate::subscribers::present::Present;
 
-/// Simulated time between what a picture in a log shows and its record, s.
-const DELAY: f64 = 0.1;
-/// Most pictures for logs that are being drawn. Further ones are left out.
-const MAX_SHOTS: usize = 256;
 /// Least real time between two pictures of a camera.
 const INTERVAL: Duration = Duration::from_millis(90);
 /// Most pictures that wait to be drawn. A further one is left out.
@@ -94,20 +89,6 @@ impl Wish {
 impl Drop for Wish {
     fn drop(&mut self) {
         self.set(&[]);
-    }
-}
-
-/// A picture to draw.
-struct Job {
-    scene: CompiledScene,
-    snapshot: Arc<Snapshot>,
-    sensed: Sensed,
-}
-
-impl Job {
-    /// Creates the picture of a camera's reading in a snapshot of the same time.
-    fn new(world: &World, sensed: &Sensed, snapshot: Arc<Snapshot>) -> Self {
-        Self { scene: world.scene().clone(), snapshot, sensed: sensed.clone() }
     }
 }
 
@@ -199,70 +180,6 @@ impl Cameras {
     }
 }
 
-/// Pictures for logs. Each is recorded a fixed simulated time after what it shows, and the world waits for it if need be. So a log has the
-/// same pictures however fast the machine is.
-#[derive(Default)]
-pub(crate) struct Shots {
-    thread: Option<(Sender<Job>, Receiver<Option<Shot>>)>,
-    /// Simulated times at which the pictures being drawn are due, s.
-    due: VecDeque<f64>,
-}
-
-/// A picture for a log.
-pub(crate) struct Shot {
-    pub(crate) taken: PictureTaken,
-    pub(crate) png: Vec<u8>,
-}
-
-impl Shots {
-    /// Begins to draw what a camera sees now.
-    pub(crate) fn take(&mut self, world: &World, sensed: &Sensed, snapshot: Arc<Snapshot>) {
-        if self.due.len() >= MAX_SHOTS {
-            return;
-        }
-        if self.thread.is_none() {
-            self.thread = start_shots();
-        }
-        let Some((jobs, _)) = &self.thread else { return };
-        if jobs.send(Job::new(world, sensed, snapshot)).is_ok() {
-            self.due.push_back(world.time() + DELAY);
-        }
-    }
-
-    /// Returns the pictures that are due at a simulated time, s, and waits for them.
-    pub(crate) fn due(&mut self, time: f64) -> Vec<Shot> {
-        let count = self.due.iter().take_while(|due| **due <= time + 1e-9).count();
-        self.due.drain(..count);
-        let Some((_, done)) = &self.thread else { return Vec::new() };
-        // An error means that the thread has panicked: its pictures are missing.
-        let finished: Vec<_> = (0..count).map(|_| done.recv()).collect();
-        if finished.iter().any(Result::is_err) {
-            self.thread = None;
-            self.due.clear();
-        }
-        finished.into_iter().filter_map(|shot| shot.ok().flatten()).collect()
-    }
-}
-
-fn start_shots() -> Option<(Sender<Job>, Receiver<Option<Shot>>)> {
-    let ((jobs, waiting), (finished, done)) = (channel::<Job>(), channel());
-    let thread = std::thread::Builder::new().name("shots".to_owned());
-    let started = thread.spawn(move || {
-        let mut stage = None;
-        while let Ok(job) = waiting.recv() {
-            let png = image_of(&job, &mut stage).and_then(|image| image.to_png().ok());
-            let shot = png.map(|png| {
-                let taken = PictureTaken::new(&job.sensed, job.snapshot.time, &png);
-                Shot { taken, png }
-            });
-            if finished.send(shot).is_err() {
-                break;
-            }
-        }
-    });
-    started.map_err(|error| warn!("no pictures for logs: {error}")).ok().map(|_| (jobs, done))
-}
-
 /// Draws pictures until the world is gone.
 fn draw(waiting: &Receiver<Order>, pictures: &broadcast::Sender<Picture>, board: &Board) {
     let mut stage = None;
@@ -280,13 +197,4 @@ fn draw(waiting: &Receiver<Order>, pictures: &broadcast::Sender<Picture>, board:
             let _ = pictures.send(Picture { robot, message });
         }
     }
-}
-
-/// Draws a picture. `prepared` keeps the scene for the next one.
-fn image_of(job: &Job, prepared: &mut Option<(CompiledScene, Stage)>) -> Option<Image> {
-    if prepared.as_ref().is_none_or(|(scene, _)| !std::ptr::eq(scene.def(), job.scene.def())) {
-        *prepared = Some((job.scene.clone(), Stage::new(job.scene.def())));
-    }
-    let (_, stage) = prepared.as_ref()?;
-    picture::of_sensor(stage, job.scene.def(), &job.snapshot, &job.sensed, SENSOR_SIZE)
 }

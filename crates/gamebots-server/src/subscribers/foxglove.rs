@@ -7,11 +7,13 @@ use std::time::{Duration, Instant};
 use foxglove::websocket::service::Service;
 use foxglove::websocket::{Capability, ChannelView, Client, ClientChannel, ServerListener};
 use foxglove::{Context, WebSocketServerHandle};
-use recorder::{Admitted, Latched, Live, Record, Recorder};
-use scene::{MapDef, Snapshot, WorldDef};
+use recorder::{Admitted, Latched, Live, Record, Recorder, StateTimer};
+use scene::WorldDef;
+use sim_core::World;
 
 use crate::access::pass::Pass;
 use crate::error::ServeError;
+use crate::subscribers::subscriber::{Moment, Shot, Subscriber, Told};
 
 /// Messages that can wait for one client; if the world is fast, a client misses the oldest.
 const BACKLOG: usize = 1024;
@@ -24,6 +26,7 @@ pub(crate) struct FoxgloveServer {
     /// Keeps the channels alive.
     _context: Arc<Context>,
     recorder: Recorder,
+    states: StateTimer,
     next_time: Instant,
 }
 
@@ -46,34 +49,54 @@ pub(crate) async fn start(
     let handle = started.map_err(|error| ServeError::Start(std::io::Error::other(error.to_string())))?;
     let port = handle.port();
     let recorder = Recorder::new(live)?;
-    Ok((FoxgloveServer { handle, _context: context, recorder, next_time: Instant::now() }, port))
+    Ok((
+        FoxgloveServer {
+            handle,
+            _context: context,
+            recorder,
+            states: StateTimer::default(),
+            next_time: Instant::now(),
+        },
+        port,
+    ))
 }
 
-impl FoxgloveServer {
-    pub(crate) fn record(&mut self, time: f64, record: Record) {
-        self.recorder.record(time, record);
+impl Subscriber for FoxgloveServer {
+    fn hear(&mut self, moment: &mut Moment, event: &Told) {
+        event.record().into_iter().for_each(|record| self.recorder.record(moment.world.time(), record));
     }
 
-    pub(crate) fn record_states(&mut self, snapshot: Arc<Snapshot>) {
-        self.recorder.record_states(snapshot);
+    fn keeps_records(&self) -> bool {
+        true
     }
 
-    /// Publishes new records and the simulated time; to be called often.
-    pub(crate) fn publish(&mut self, now: Instant, time: f64) {
-        if now >= self.next_time {
-            self.next_time = now + TIME_INTERVAL;
-            self.recorder.hand_over();
-            self.handle.broadcast_time((time * 1e9).round() as u64);
+    fn stepped(&mut self, moment: &mut Moment) -> Vec<Shot> {
+        if self.states.is_due(moment.world.time()) {
+            self.recorder.record_states(moment.snapshot());
         }
+        Vec::new()
+    }
+
+    /// Publishes new records and the simulated time.
+    fn publish(&mut self, moment: &mut Moment) -> Vec<String> {
+        if moment.now >= self.next_time {
+            self.next_time = moment.now + TIME_INTERVAL;
+            self.recorder.hand_over();
+            self.handle.broadcast_time((moment.world.time() * 1e9).round() as u64);
+        }
+        Vec::new()
     }
 
     /// Starts a new session: time restarts, perhaps on another map.
-    pub(crate) fn start_over(&mut self, another_map: Option<&MapDef>) {
-        if let Some(map) = another_map {
+    fn start_over(&mut self, moment: &mut Moment, old: &World) -> Vec<String> {
+        self.states = StateTimer::default();
+        let map = &moment.world.def().map;
+        if map.name != old.def().map.name {
             self.recorder.record(0.0, Record::Map(Box::new(map.clone())));
         }
         self.recorder.hand_over();
         self.handle.clear_session(None);
+        Vec::new()
     }
 }
 

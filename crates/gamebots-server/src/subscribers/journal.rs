@@ -4,7 +4,10 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use recorder::{End, LogWriter, Record, RecordError};
+use sessions::News;
 use sim_core::World;
+
+use crate::subscribers::subscriber::{Moment, Subscriber, Told};
 
 /// Most memory of the journal, bytes: hours of a controller that sends fifty lines a second. Beyond it, the oldest entries are
 /// lost.
@@ -51,6 +54,23 @@ impl Journal {
         let (time, unsettled_steps) = (world.time() + world.time_step(), world.unsettled_steps());
         log.finish(End { time, digest: None, unsettled_steps, dropped: 0 })?;
         Ok(path)
+    }
+}
+
+impl Subscriber for Journal {
+    fn hear(&mut self, moment: &mut Moment, event: &Told) {
+        if let Told::News(News::Received { .. } | News::Left(_) | News::Closed(_)) = event {
+            event.record().into_iter().for_each(|record| self.add(moment.world.time(), record));
+        }
+    }
+
+    fn start_over(&mut self, moment: &mut Moment, _: &World) -> Vec<String> {
+        *self = Self::of(moment.world);
+        Vec::new()
+    }
+
+    fn end(&mut self, moment: &mut Moment, panic: Option<&str>) -> Option<Result<PathBuf, RecordError>> {
+        panic.map(|reason| self.write(Path::new(""), moment.world, reason))
     }
 }
 

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use axum::body::Bytes;
 use scene::{MapDef, ObjectSnapshot, Reading, RobotDef, Score, Sensed, Snapshot, Standing, Standings, WorldDef};
 use serde::Serialize;
+use sessions::News;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
@@ -18,7 +19,7 @@ use crate::messages::frame;
 use crate::messages::scene::{About, objects_json, scene_json};
 use crate::subscribers::board::Board;
 use crate::subscribers::cameras::{Cameras, Demand, Picture, Wish};
-use crate::subscribers::present::Present;
+use crate::subscribers::subscriber::{Moment, Subscriber, Told};
 
 /// Real time between two frames.
 const FRAME_INTERVAL: Duration = Duration::from_micros(33_333);
@@ -335,25 +336,14 @@ impl Broadcast {
         self.frames.receiver_count() > 1
     }
 
-    /// Forgets the scans of a robot that has left.
-    pub(crate) fn forget(&mut self, robot: PawnId) {
-        self.scanned.retain(|(scanned, _), _| *scanned != robot);
-        self.cameras.forget(robot);
-    }
-
-    /// Forgets the pictures of a world that another one has replaced.
-    pub(crate) fn start_over(&mut self) {
-        self.cameras.start_over();
-    }
-
     /// Publishes another map.
-    pub(crate) fn show(&mut self, world: &WorldDef) {
+    fn show(&mut self, world: &WorldDef) {
         self.scenes += 1;
         self.scene.send_replace(scene(world, self.about.as_ref()));
     }
 
     /// Makes the next status due at once: it has changed.
-    pub(crate) fn changed(&mut self, now: Instant) {
+    fn changed(&mut self, now: Instant) {
         self.next_status = now;
     }
 
@@ -399,24 +389,16 @@ impl Broadcast {
     }
 
     /// Publishes a line of the wire to viewers who want lines.
-    pub(crate) fn line(&self, line: impl FnOnce() -> Line) {
+    fn line(&self, line: impl FnOnce() -> Line) {
         if self.lines.receiver_count() > 0 {
             // The last listener may just have left.
             let _ = self.lines.send(Arc::new(line()));
         }
     }
 
-    /// Publishes a reading to viewers who want it. The ranges of lasers and sonars and the pictures of cameras go out no more often
-    /// than a viewer can follow.
-    pub(crate) fn sensed(&mut self, world: &World, sensed: &Sensed, present: &mut Present) {
-        if let Reading::Camera(_) = &sensed.reading {
-            self.cameras.look(world, sensed, present);
-        }
-        self.measured(world.time(), world.robot(sensed.robot), sensed);
-    }
-
-    /// Publishes the numbers of a reading. `def` is the class of its robot.
-    pub(crate) fn measured(&mut self, time: f64, def: Option<&RobotDef>, sensed: &Sensed) {
+    /// Publishes the numbers of a reading to viewers who want them, at a simulated time, s. The ranges of lasers and sonars go out no more
+    /// often than a viewer can follow. `def` is the class of its robot.
+    pub(crate) fn measured(&mut self, now: Instant, time: f64, def: Option<&RobotDef>, sensed: &Sensed) {
         if self.readings.receiver_count() > 0 {
             // The last listener may just have left.
             let _ = self.readings.send(Arc::new(Measured::new(time, sensed)));
@@ -430,7 +412,7 @@ impl Broadcast {
             self.scanned.clear();
             return;
         }
-        let (now, sensor) = (Instant::now(), (sensed.robot, sensed.sensor));
+        let sensor = (sensed.robot, sensed.sensor);
         if self.scanned.get(&sensor).is_some_and(|last| now.duration_since(*last) < SCAN_INTERVAL) {
             return;
         }
@@ -441,8 +423,63 @@ impl Broadcast {
     }
 
     /// Publishes a text.
-    pub(crate) fn say(&self, text: &str) {
+    fn say(&self, text: &str) {
         let _ = self.notices.send(Line::cut(text).into());
+    }
+}
+
+impl Subscriber for Broadcast {
+    fn hear(&mut self, moment: &mut Moment, event: &Told) {
+        let (world, now) = (moment.world, moment.now);
+        let line = |direction, connection, robot: Option<PawnId>, text: &str| Line {
+            time: world.time(),
+            direction,
+            connection,
+            robot: robot.map(|robot| robot.0),
+            text: Line::cut(text),
+        };
+        match event {
+            Told::News(news) => match news {
+                News::Received { session, pawn, line: text } => self.line(|| line("in", *session, *pawn, text)),
+                News::Sent { session, pawn, line: text, .. } => self.line(|| line("out", *session, *pawn, text)),
+                News::Sensed(sensed) => {
+                    if let Reading::Camera(_) = &sensed.reading {
+                        self.cameras.look(world, sensed, moment.present);
+                    }
+                    self.measured(now, world.time(), world.robot(sensed.robot), sensed);
+                }
+                News::Left(robot) => {
+                    self.scanned.retain(|(scanned, _), _| scanned != robot);
+                    self.cameras.forget(*robot);
+                }
+                News::Came(_) | News::Closed(_) => self.changed(now),
+                News::Lost(_) | News::Restored { .. } => {
+                    logbook::warning(news).iter().for_each(|text| self.say(text));
+                    self.changed(now);
+                }
+                News::Scored(score) => {
+                    self.say(&score.to_string());
+                    self.changed(now);
+                }
+                News::Wrong { .. } | News::TimeUp(_) => {}
+            },
+            Told::Warning(text) => self.say(text),
+            Told::Notice(text) => {
+                self.say(text);
+                self.changed(now);
+            }
+            Told::Changed => self.changed(now),
+            Told::Note(_) | Told::Standings(_) | Told::Result(_) | Told::Picture(..) => {}
+        }
+    }
+
+    fn start_over(&mut self, moment: &mut Moment, old: &World) -> Vec<String> {
+        self.cameras.start_over();
+        let def = moment.world.def();
+        if def.map.name != old.def().map.name {
+            self.show(def);
+        }
+        Vec::new()
     }
 }
 
@@ -451,6 +488,7 @@ mod tests {
     use sim_core::Options;
 
     use super::*;
+    use crate::subscribers::present::Present;
 
     #[test]
     fn long_texts_are_cut_between_letters() {
@@ -469,16 +507,20 @@ mod tests {
         let world = World::new(WorldDef::default(), Options::default());
         let about = About { seed: 0, time_step: 0.002, port: 0, maps: Vec::new() };
         let (mut broadcast, channels) = broadcast(Instant::now(), world.def(), Some(about), Board::default());
+        let tell = |broadcast: &mut Broadcast, told: &Told| {
+            let present = &mut Present::default();
+            broadcast.hear(&mut Moment { world: &world, now: Instant::now(), is_recorded: false, present }, told);
+        };
         let scan = |broadcast: &mut Broadcast, robot| {
             let reading = Reading::from(scene::sensor::sonar::Reading { range: 1.0 });
             let sensed = Sensed { robot: PawnId(robot), sensor: 0, reading };
-            broadcast.sensed(&world, &sensed, &mut Present::default());
+            tell(broadcast, &Told::News(&News::Sensed(&sensed)));
             broadcast.scanned.len()
         };
         assert_eq!(scan(&mut broadcast, 0), 0);
         let viewer = channels.frames();
         assert_eq!([scan(&mut broadcast, 0), scan(&mut broadcast, 0), scan(&mut broadcast, 1)], [1, 1, 2]);
-        broadcast.forget(PawnId(0));
+        tell(&mut broadcast, &Told::News(&News::Left(PawnId(0))));
         assert_eq!(broadcast.scanned.keys().map(|(robot, _)| robot.0).collect::<Vec<_>>(), [1]);
         drop(viewer);
         assert_eq!(scan(&mut broadcast, 1), 0);

@@ -1,23 +1,21 @@
-//! Recording of a served world: to logs, from the start or on request, and live to Foxglove.
+//! Logs of a served world, from the start or on request.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use recorder::{Closing, End, LogWriter, Record, RecordError, Recorder, StateTimer, Storage, ros2_path};
-use scene::Snapshot;
+use recorder::{Closing, End, LogWriter, RecordError, Recorder, StateTimer, Storage, ros2_path};
 use sim_core::{Options, World};
 
 use crate::files::{is_kept, numbered};
-use crate::subscribers::foxglove::FoxgloveServer;
+use crate::subscribers::subscriber::{Moment, Shot, Subscriber, Told};
 
 /// Least real time between the beginnings of two logs.
 const BEGIN_INTERVAL: Duration = Duration::from_secs(1);
 /// Most ended logs that wait for the disk when another starts; each may hold queued records.
 const MAX_CLOSING: usize = 4;
 
-/// Settings of logs, and the two destinations of records.
+/// Settings of logs, the one that is being written, and those that are being completed.
 pub(crate) struct Recording {
     options: Options,
     real_time_factor: f64,
@@ -32,7 +30,6 @@ pub(crate) struct Recording {
     /// Time when the last log was started on request, or because the world started over.
     begun: Option<Instant>,
     states: StateTimer,
-    foxglove: Option<FoxgloveServer>,
     storage: fn(&Path) -> std::io::Result<Box<dyn Storage>>,
 }
 
@@ -60,16 +57,10 @@ pub(crate) enum BeginError {
 
 impl Recording {
     /// Creates a recording without a log.
-    pub(crate) fn new(
-        options: Options,
-        real_time_factor: f64,
-        ros2: bool,
-        unnamed: PathBuf,
-        foxglove: Option<FoxgloveServer>,
-    ) -> Self {
+    pub(crate) fn new(options: Options, real_time_factor: f64, ros2: bool, unnamed: PathBuf) -> Self {
         let (open, closing, numbers, begun, storage) = (None, Vec::new(), BTreeMap::new(), None, recorder::storage);
         let states = StateTimer::default();
-        Self { options, real_time_factor, ros2, unnamed, open, closing, numbers, begun, states, foxglove, storage }
+        Self { options, real_time_factor, ros2, unnamed, open, closing, numbers, begun, states, storage }
     }
 
     /// Returns the file that is being written.
@@ -99,9 +90,9 @@ impl Recording {
         Ok(self.begin(path, &name, world)?)
     }
 
-    /// Ends the log properly. The world does not wait for the disk: [`Recording::news`] reports the end.
+    /// Ends the log properly. The world does not wait for the disk: a notice reports the end.
     pub(crate) fn stop(&mut self, world: &World) {
-        self.end(world);
+        self.close(world);
     }
 
     /// Checks if the world may start over now: an open log would be followed by another.
@@ -113,7 +104,7 @@ impl Recording {
     }
 
     /// Ends the log of a world that has panicked, with the step that panicked and without a digest.
-    pub(crate) fn stop_broken(&mut self, world: &World) {
+    fn stop_broken(&mut self, world: &World) {
         if let Some(Open { path, recorder, .. }) = self.open.take() {
             self.closing.push((path, recorder.finish(end_of(world, world.time() + world.time_step(), None))));
         }
@@ -123,20 +114,15 @@ impl Recording {
     ///
     /// # Errors
     /// When the next file cannot be written.
-    pub(crate) fn start_over(&mut self, now: Instant, old: &World, new: &World) -> Result<(), RecordError> {
-        self.states = StateTimer::default();
-        if let Some(foxglove) = &mut self.foxglove {
-            let (before, map) = (&old.def().map, &new.def().map);
-            foxglove.start_over(Some(map).filter(|map| map.name != before.name));
-        }
-        let Some(name) = self.end(old) else { return Ok(()) };
+    fn follow(&mut self, now: Instant, old: &World, new: &World) -> Result<(), RecordError> {
+        let Some(name) = self.close(old) else { return Ok(()) };
         self.begun = Some(now);
         let path = self.free(&name);
         self.begin(path, &name, new)
     }
 
     /// Returns what happened to logs since the last call: those that are complete, and the reason why one ended by itself.
-    pub(crate) fn news(&mut self) -> Vec<String> {
+    fn news(&mut self) -> Vec<String> {
         let mut news = Vec::new();
         if let Some(error) = self.open.as_mut().and_then(|open| open.recorder.failure()) {
             news.push(format!("the recording ended: {error}"));
@@ -151,46 +137,6 @@ impl Recording {
         news
     }
 
-    /// True if records are wanted.
-    pub(crate) fn is_wanted(&self) -> bool {
-        self.open.is_some() || self.foxglove.is_some()
-    }
-
-    /// Takes a record, if records are wanted.
-    pub(crate) fn record(&mut self, world: &World, record: Record) {
-        let Self { open, foxglove, .. } = self;
-        match (foxglove, open) {
-            (Some(foxglove), Some(open)) => {
-                foxglove.record(world.time(), record.clone());
-                open.recorder.record(world.time(), record);
-            }
-            (Some(foxglove), None) => foxglove.record(world.time(), record),
-            (None, Some(open)) => open.recorder.record(world.time(), record),
-            (None, None) => {}
-        }
-    }
-
-    /// Records the states of the world at a simulated time, s, if they are due; to be called after every step.
-    pub(crate) fn stepped(&mut self, time: f64, snapshot: impl FnOnce() -> Arc<Snapshot>) {
-        if !(self.is_wanted() && self.states.is_due(time)) {
-            return;
-        }
-        let snapshot = snapshot();
-        if let Some(foxglove) = &mut self.foxglove {
-            foxglove.record_states(snapshot.clone());
-        }
-        if let Some(open) = &mut self.open {
-            open.recorder.record_states(snapshot);
-        }
-    }
-
-    /// Publishes new records to Foxglove; to be called often. The simulated time is in s.
-    pub(crate) fn publish(&mut self, now: Instant, time: f64) {
-        if let Some(foxglove) = &mut self.foxglove {
-            foxglove.publish(now, time);
-        }
-    }
-
     fn may_begin(&self, now: Instant) -> Result<(), BeginError> {
         if self.begun.is_some_and(|begun| now.duration_since(begun) < BEGIN_INTERVAL) {
             return Err(BeginError::TooSoon);
@@ -200,7 +146,7 @@ impl Recording {
     }
 
     fn begin(&mut self, path: PathBuf, name: &Path, world: &World) -> Result<(), RecordError> {
-        self.end(world);
+        self.close(world);
         let mut description = vec![("real_time_factor".to_owned(), self.real_time_factor.to_string())];
         if !world.is_untouched() {
             description.push(("began".to_owned(), world.time().to_string()));
@@ -216,7 +162,7 @@ impl Recording {
     }
 
     /// Ends the open log, if any, and returns its name.
-    fn end(&mut self, world: &World) -> Option<PathBuf> {
+    fn close(&mut self, world: &World) -> Option<PathBuf> {
         let Open { path, name, recorder, .. } = self.open.take()?;
         self.closing.push((path, recorder.finish(end_of(world, world.time(), Some(world.digest())))));
         Some(name)
@@ -236,6 +182,46 @@ impl Recording {
     }
 }
 
+impl Subscriber for Recording {
+    fn hear(&mut self, moment: &mut Moment, event: &Told) {
+        if let Some(open) = &mut self.open
+            && let Some(record) = event.record()
+        {
+            open.recorder.record(moment.world.time(), record);
+        }
+    }
+
+    fn keeps_records(&self) -> bool {
+        self.open.is_some()
+    }
+
+    /// Records the states of the world, if they are due.
+    fn stepped(&mut self, moment: &mut Moment) -> Vec<Shot> {
+        if let Some(open) = &mut self.open
+            && self.states.is_due(moment.world.time())
+        {
+            open.recorder.record_states(moment.snapshot());
+        }
+        Vec::new()
+    }
+
+    fn publish(&mut self, _: &mut Moment) -> Vec<String> {
+        self.news()
+    }
+
+    fn start_over(&mut self, moment: &mut Moment, old: &World) -> Vec<String> {
+        self.follow(moment.now, old, moment.world).err().map(|error| error.to_string()).into_iter().collect()
+    }
+
+    fn end(&mut self, moment: &mut Moment, panic: Option<&str>) -> Option<Result<PathBuf, RecordError>> {
+        match panic {
+            None => self.stop(moment.world),
+            Some(_) => self.stop_broken(moment.world),
+        }
+        None
+    }
+}
+
 /// Describes a world's end at a time, with a digest if there is one.
 fn end_of(world: &World, time: f64, digest: Option<u64>) -> End {
     End { time, digest, unsettled_steps: world.unsettled_steps(), dropped: 0 }
@@ -249,13 +235,14 @@ mod tests {
     use scene::WorldDef;
 
     use super::*;
+    use crate::subscribers::present::Present;
 
     fn world() -> World {
         World::new(WorldDef::default(), Options::default())
     }
 
     fn recording(folder: &Path) -> Recording {
-        Recording::new(Options::default(), 1.0, false, folder.join("run.mcap"), None)
+        Recording::new(Options::default(), 1.0, false, folder.join("run.mcap"))
     }
 
     fn names(folder: &Path) -> Vec<String> {
@@ -263,6 +250,12 @@ mod tests {
         let mut names: Vec<String> = entries.map(|name| name.to_string_lossy().into_owned()).collect();
         names.sort();
         names
+    }
+
+    /// Records a warning.
+    fn warn(recording: &mut Recording, world: &World, text: &str) {
+        let present = &mut Present::default();
+        recording.hear(&mut Moment { world, now: Instant::now(), is_recorded: true, present }, &Told::Warning(text));
     }
 
     /// Waits until there is news.
@@ -288,7 +281,7 @@ mod tests {
         assert_eq!(begun(recording.start_unnamed(after(999), &world)), too_soon);
         assert_eq!(begun(recording.may_start_over(after(999))), too_soon);
         assert_eq!(begun(recording.may_start_over(after(1000))), Ok(()));
-        recording.start_over(after(1000), &world, &world).expect("a log");
+        recording.follow(after(1000), &world, &world).expect("a log");
         assert_eq!(begun(recording.start_unnamed(after(1999), &world)), too_soon);
         recording.stop(&world);
         assert_eq!(begun(recording.may_start_over(after(1001))), Ok(()), "nothing is written");
@@ -304,7 +297,7 @@ mod tests {
         std::fs::write(folder.path().join("mine-2.mcap"), "old").expect("a file");
         recording.start(&folder.path().join("mine.mcap"), &world).expect("a log");
         for _ in 0..3 {
-            recording.start_over(now, &world, &world).expect("a log");
+            recording.follow(now, &world, &world).expect("a log");
         }
         recording.start_unnamed(now + BEGIN_INTERVAL, &world).expect("a log");
         let path = recording.path().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
@@ -403,14 +396,14 @@ mod tests {
         while recording.path().is_some() {
             // LZ4 cannot compress these numbers.
             number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            recording.record(&world, Record::Warning(format!("{number:x}")));
+            warn(&mut recording, &world, &format!("{number:x}"));
             world.step();
         }
         let said = news(&mut recording);
         assert!(said.len() == 1 && said[0].starts_with("the recording ended: log "), "{said:?}");
         assert!(said[0].ends_with("run.mcap: no storage space"), "{said:?}");
         assert!(recording.news().is_empty(), "it is said once");
-        recording.record(&world, Record::Warning("nobody hears it".to_owned()));
+        warn(&mut recording, &world, "nobody hears it");
         recording.stop(&world);
         recording.storage = recorder::storage;
         recording.start_unnamed(Instant::now() + BEGIN_INTERVAL, &world).expect("another disk");
@@ -422,8 +415,8 @@ mod tests {
         let (mut recording, now) = (recording(folder.path()), Instant::now());
         recording.start_unnamed(now, &world).expect("a log");
         drop(folder);
-        recording.record(&world, Record::Warning("into nothing".to_owned()));
-        let refused = recording.start_over(now, &world, &world).expect_err("no folder").to_string();
+        warn(&mut recording, &world, "into nothing");
+        let refused = recording.follow(now, &world, &world).expect_err("no folder").to_string();
         assert!(refused.contains("run-2.mcap: No such file or directory"), "{refused}");
         assert_eq!(recording.path(), None);
     }
@@ -462,7 +455,7 @@ mod tests {
         let mut later = (0..).map(|second| now + Duration::from_secs(second));
         for _ in 0..MAX_CLOSING {
             recording.start_unnamed(later.next().unwrap_or(now), &world).expect("a log");
-            recording.record(&world, Record::Warning("it waits".to_owned()));
+            warn(&mut recording, &world, "it waits");
             recording.stop(&world);
             assert_eq!(recording.path(), None);
         }

@@ -3,10 +3,13 @@
 use std::path::PathBuf;
 use std::thread::JoinHandle;
 
+use recorder::RecordError;
 use scene::Standings;
+use sessions::News;
 use tracing::{info, warn};
 
 use crate::files::{is_kept, numbered};
+use crate::subscribers::subscriber::{Moment, Subscriber, Told};
 
 /// Writer of results.
 #[derive(Default)]
@@ -22,7 +25,7 @@ impl Results {
     }
 
     /// Begins to write the result of a round that has begun. No file is replaced.
-    pub(crate) fn write(&mut self, standings: &Standings) {
+    fn write(&mut self, standings: &Standings) {
         self.writing.retain(|thread| !thread.is_finished());
         let Some(name) = self.name.clone().filter(|_| standings.began.is_some()) else { return };
         // Results have only text and numbers, so serialization cannot fail.
@@ -39,10 +42,22 @@ impl Results {
             Err(error) => warn!("no result: {error}"),
         }
     }
+}
+
+impl Subscriber for Results {
+    /// Writes the result of a round whose time is up, or that the world's end cuts short.
+    fn hear(&mut self, _: &mut Moment, event: &Told) {
+        match event {
+            Told::News(News::TimeUp(standings)) => self.write(standings),
+            Told::Result(standings) if !standings.is_over => self.write(standings),
+            _ => {}
+        }
+    }
 
     /// Waits until everything is written.
-    pub(crate) fn finish(self) {
+    fn end(&mut self, _: &mut Moment, _: Option<&str>) -> Option<Result<PathBuf, RecordError>> {
         // A thread that panicked has said so.
-        self.writing.into_iter().for_each(|thread| _ = thread.join());
+        self.writing.drain(..).for_each(|thread| _ = thread.join());
+        None
     }
 }

@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use scene::{MapDef, PawnId, Standings};
+use scene::{MapDef, PawnId};
 use sessions::{News, SessionId, Sessions};
 use sim_core::World;
 use thread_pool::ThreadPool;
@@ -20,11 +20,10 @@ use crate::access::budget::{Budget, Budgets, Spent};
 use crate::config::Config;
 use crate::error::ServeError;
 use crate::messages::control::{Actor, Control};
-use crate::subscribers::foxglove::FoxgloveServer;
 use crate::subscribers::live::{Broadcast, ClientStatus, LeagueStatus, RobotStatus, Status};
 use crate::subscribers::log::Recording;
 use crate::subscribers::publisher::Publisher;
-use crate::subscribers::results::Results;
+use crate::subscribers::subscriber::{Subscriber, Told};
 use crate::world::client::Client;
 use crate::world::event::Event;
 use crate::world::guests::{Credit, Guests, IDLE_SHARE, SHARE};
@@ -60,36 +59,18 @@ const REPORT_INTERVAL: Duration = Duration::from_secs(5);
 /// by a panic.
 pub(crate) fn spawn(
     config: Config,
+    world: World,
     budgets: Budgets,
     events: Receiver<Event>,
     live: Broadcast,
-    foxglove: Option<FoxgloveServer>,
+    others: Vec<Box<dyn Subscriber>>,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<Result<(), ServeError>>, ServeError> {
-    let Config {
-        world,
-        maps,
-        options,
-        real_time_factor,
-        report_errors,
-        log,
-        ros2_log,
-        unnamed_log,
-        threads,
-        saved,
-        pictures,
-        result,
-        ..
-    } = config;
-    let world = match saved {
-        Some(saved) => World::load(world, &saved)?,
-        None => World::new(world, options),
-    };
+    let Config { maps, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } = config;
     let pool = Arc::new(threads.clone());
     let world = world.on_threads(pool.clone());
-    let options = world.options();
     let saved_as = unnamed_log.with_extension("json");
-    let mut recording = Recording::new(options, real_time_factor, ros2_log, unnamed_log, foxglove);
+    let mut recording = Recording::new(world.options(), real_time_factor, ros2_log, unnamed_log);
     if let Some(path) = log {
         recording.start(&path, &world)?;
         if let Some(numbered) = recording.path().filter(|it| *it != path) {
@@ -102,7 +83,7 @@ pub(crate) fn spawn(
         let now = Instant::now();
         let mut server = Server {
             audience: Audience {
-                publisher: Publisher::new(recording, live, &world, pictures),
+                publisher: Publisher::new(recording, live, others, now),
                 clients: BTreeMap::new(),
                 is_time_up: false,
             },
@@ -124,7 +105,6 @@ pub(crate) fn spawn(
             budgets,
             saving: Saving::default(),
             saved_as,
-            results: Results::new(result),
         };
         // After a panic the world is only read.
         let result = std::panic::catch_unwind(AssertUnwindSafe(|| server.run(&events)));
@@ -165,7 +145,6 @@ struct Server {
     saving: Saving,
     /// File of saves that a viewer starts; it gets a number if the file exists.
     saved_as: PathBuf,
-    results: Results,
 }
 
 /// All that hear of the world: its clients, logs and viewers.
@@ -180,36 +159,29 @@ impl Audience {
     /// Passes news on.
     fn hear(&mut self, world: &World, news: News) {
         let Self { publisher, clients, is_time_up } = self;
+        if let News::Wrong { session, line, problems } = news {
+            let client = clients.get_mut(&session);
+            let warnings = client.map(|client| client.warn_of(line, problems, Instant::now()));
+            warnings.iter().flatten().for_each(|warning| publisher.tell(world, &Told::Warning(warning)));
+        }
+        logbook::warning(&news).iter().for_each(|text| warn!("{text}"));
+        publisher.news(world, &news);
         match news {
-            News::Received { session, pawn, line } => publisher.received(world, session, pawn, line),
-            News::Wrong { session, line, problems } => {
-                let client = clients.get_mut(&session);
-                let warnings = client.map(|client| client.warn_of(line, problems, Instant::now()));
-                warnings.iter().flatten().for_each(|warning| publisher.warn(world, warning));
-            }
-            News::Came(_) => publisher.changed(Instant::now()),
-            News::Sensed(sensed) => publisher.sensed(world, sensed),
-            News::Sent { session, pawn, line, is_periodic } => {
-                publisher.sent(world, session, pawn, &line);
+            News::Sent { session, line, is_periodic, .. } => {
                 if let Some(client) = clients.get(&session) {
                     client.outbox().push(line, is_periodic);
                 }
             }
-            News::Left(pawn) => publisher.left(world, pawn),
-            News::Closed(session) => publisher.closed(world, session),
-            News::Lost(lost) => {
-                let text = lost.to_string();
-                warn!("{text}");
-                publisher.warn(world, &text);
-                publisher.changed(Instant::now());
-            }
-            News::Restored { name, fault } => {
-                let text = format!("object {name} is put back where the map has it: {fault}");
-                warn!("{text}");
-                publisher.warn(world, &text);
-            }
-            News::Scored(score) => publisher.scored(world, score),
             News::TimeUp(_) => *is_time_up = true,
+            News::Received { .. }
+            | News::Wrong { .. }
+            | News::Came(_)
+            | News::Sensed(_)
+            | News::Left(_)
+            | News::Closed(_)
+            | News::Lost(_)
+            | News::Restored { .. }
+            | News::Scored(_) => {}
         }
     }
 }
@@ -275,7 +247,8 @@ impl Server {
         // An error means that every sender is gone, or that the server must stop.
         while self.take_events(events).is_ok() {
             let now = Instant::now();
-            self.publish(now);
+            self.audience.publisher.set_now(now);
+            self.publish();
             self.forget(now);
             self.restart(now);
             self.save(now);
@@ -283,7 +256,7 @@ impl Server {
             if now.duration_since(report) >= REPORT_INTERVAL {
                 let Audience { publisher, clients, .. } = &mut self.audience;
                 let repeated: Vec<String> = clients.values_mut().flat_map(Client::report).collect();
-                repeated.iter().for_each(|text| publisher.warn(self.sessions.world(), text));
+                repeated.iter().for_each(|text| publisher.tell(self.sessions.world(), &Told::Warning(text)));
                 report = now;
             }
             let wait = self.wait(now);
@@ -311,18 +284,18 @@ impl Server {
     /// Ends logs and connections. After a panic, also writes a report of it.
     fn end(mut self, panic: Option<Box<dyn Any + Send>>) -> Result<(), ServeError> {
         self.conclude();
-        self.results.finish();
         let (Audience { publisher, clients, .. }, world) = (self.audience, self.sessions.world());
         clients.values().for_each(|client| client.outbox().close());
         let Some(panic) = panic else {
-            publisher.end(world);
+            publisher.end(world, None);
             return Ok(());
         };
         let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
         let reason = text.unwrap_or("without a message").to_owned();
-        let report = match publisher.end_broken(world, &reason) {
-            Ok(path) => format!("`usarsim log replay {}` reproduces it", path.display()),
-            Err(error) => format!("no report could be written: {error}"),
+        let report = match publisher.end(world, Some(&reason)) {
+            Some(Ok(path)) => format!("`usarsim log replay {}` reproduces it", path.display()),
+            Some(Err(error)) => format!("no report could be written: {error}"),
+            None => "no journal was kept".to_owned(),
         };
         Err(ServeError::WorldPanicked { time: world.time(), reason, report })
     }
@@ -342,26 +315,21 @@ impl Server {
 
     /// Pauses the world because the time of its league is up.
     fn end_round(&mut self) {
-        if let Some(standings) = self.record_standings() {
-            self.results.write(&standings);
-        }
         (self.timing.paused, self.timing.steps) = (true, 0);
-        self.audience.publisher.warn(self.sessions.world(), "the time is up: the world is paused");
-        self.audience.publisher.changed(Instant::now());
+        self.tell(&Told::Warning("the time is up: the world is paused"));
+        self.tell(&Told::Changed);
     }
 
-    /// Records every team's points in the log, if the world has a league, and returns them.
-    fn record_standings(&mut self) -> Option<Standings> {
-        let standings = self.sessions.standings()?;
-        self.audience.publisher.standings(self.sessions.world(), &standings);
-        Some(standings)
-    }
-
-    /// Records every team's points, and writes the result. That of a round whose time was up is written.
+    /// Tells every team's points at the end of the world, if it has a league.
     fn conclude(&mut self) {
-        if let Some(standings) = self.record_standings().filter(|standings| !standings.is_over) {
-            self.results.write(&standings);
+        if let Some(standings) = self.sessions.standings() {
+            self.tell(&Told::Result(&standings));
         }
+    }
+
+    /// Tells subscribers of an event.
+    fn tell(&mut self, event: &Told) {
+        self.audience.publisher.tell(self.sessions.world(), event);
     }
 
     /// Returns the wait before the next step. A paused world takes only the requested steps.
@@ -375,7 +343,7 @@ impl Server {
         if let Some(reached) = self.pace.lag_report(now, world.time()) {
             let text = pace::lag_text(reached, self.timing.speed);
             warn!("{text}");
-            self.audience.publisher.note(world, &text);
+            self.audience.publisher.tell(world, &Told::Note(&text));
         }
         self.pace.wait(now, world.time())
     }
@@ -404,7 +372,7 @@ impl Server {
                 client.add_cost(mean);
                 audience.clients.insert(id, client);
                 sessions.open(id, dialect, self.report_errors, &mut |world, news| audience.hear(world, news));
-                audience.publisher.changed(Instant::now());
+                audience.publisher.tell(sessions.world(), &Told::Changed);
             }
             Event::Requests(id, requests, turn) => {
                 if let Some(client) = self.audience.clients.get_mut(&id) {
@@ -549,7 +517,7 @@ impl Server {
             return;
         }
         if let Some(mut client) = audience.clients.remove(&id) {
-            client.report().iter().for_each(|text| audience.publisher.warn(sessions.world(), text));
+            client.report().iter().for_each(|text| audience.publisher.tell(sessions.world(), &Told::Warning(text)));
             client.outbox().close();
             work.dropped += client.dropped();
         }
@@ -584,7 +552,7 @@ impl Server {
             }
             Control::Map(_) | Control::Save if self.sessions.world().def().league.is_some() => {
                 let text = "not done: a league stays on its map, and its points cannot be saved";
-                self.audience.publisher.announce(now, text);
+                self.tell(&Told::Notice(text));
                 None
             }
             Control::Remove(robot) => self.remove(PawnId(robot)).map(|name| format!("removed robot {robot} ({name})")),
@@ -593,7 +561,7 @@ impl Server {
                 return;
             }
             Control::Map(name) => {
-                self.change_map(now, &name, actor);
+                self.change_map(&name, actor);
                 return;
             }
             Control::Save => {
@@ -601,26 +569,27 @@ impl Server {
                 None
             }
             Control::Record(on) => {
-                if !on {
-                    self.record_standings();
+                if !on && let Some(standings) = self.sessions.standings() {
+                    self.tell(&Told::Standings(&standings));
                 }
-                self.audience.publisher.record(now, self.sessions.world(), on);
+                self.audience.publisher.record(self.sessions.world(), on);
                 None
             }
         };
         if let Some(done) = done {
-            self.tell(now, &format!("{} {done}", actor.0));
+            self.tell_done(&actor, &done);
         }
         if self.timing != before {
             self.pace = Pace::new(self.timing.speed, now, self.sessions.world().time());
         }
-        self.audience.publisher.changed(now);
+        self.tell(&Told::Changed);
     }
 
     /// Tells everyone what somebody did.
-    fn tell(&mut self, now: Instant, text: &str) {
-        self.audience.publisher.note(self.sessions.world(), text);
-        self.audience.publisher.announce(now, text);
+    fn tell_done(&mut self, Actor(name): &Actor, done: &str) {
+        let text = format!("{name} {done}");
+        self.tell(&Told::Note(&text));
+        self.tell(&Told::Notice(&text));
     }
 
     /// Removes a robot from the world. Returns its class and name, or `None` if there is no such robot.
@@ -628,7 +597,8 @@ impl Server {
         let Self { sessions, audience, .. } = self;
         let named = sessions.world().robots().find(|(id, ..)| *id == robot);
         let Some(name) = named.map(|(_, class, name)| format!("{class} {name}").trim().to_owned()) else {
-            audience.publisher.announce(Instant::now(), &format!("not done: there is no robot {}", robot.0));
+            let text = format!("not done: there is no robot {}", robot.0);
+            self.tell(&Told::Notice(&text));
             return None;
         };
         sessions.remove(robot, &mut |world, news| audience.hear(world, news));
@@ -636,13 +606,13 @@ impl Server {
     }
 
     /// Requests a restart on another map, if one has that name.
-    fn change_map(&mut self, now: Instant, name: &str, actor: Actor) {
+    fn change_map(&mut self, name: &str, actor: Actor) {
         match self.maps.iter().find(|map| map.name == name) {
             Some(map) => self.restarts.ask(Restart { map: Some(map.clone()), actor }),
             None => {
                 let names: Vec<&str> = self.maps.iter().map(|map| map.name.as_str()).collect();
                 let text = format!("no map `{name}`: expected {}", names.join(", "));
-                self.audience.publisher.announce(now, &text);
+                self.tell(&Told::Notice(&text));
             }
         }
     }
@@ -652,7 +622,7 @@ impl Server {
         if self.saving.is_due(now)
             && let Err(error) = self.saving.start(now, &self.saved_as, self.sessions.world())
         {
-            self.audience.publisher.announce(now, &error);
+            self.tell(&Told::Notice(&error));
         }
     }
 
@@ -660,13 +630,13 @@ impl Server {
     fn restart(&mut self, now: Instant) {
         match self.restarts.poll(now, self.sessions.world()) {
             None => {}
-            Some(Err(error)) => self.audience.publisher.announce(now, &error),
+            Some(Err(error)) => self.tell(&Told::Notice(&error)),
             Some(Ok((Restart { map, actor }, fresh))) => {
                 if !self.start_over(now, fresh) {
                     return;
                 }
                 let done = map.map_or("reset the world".to_owned(), |map| format!("changed the map to {}", map.name));
-                self.tell(now, &format!("{} {done}", actor.0));
+                self.tell_done(&actor, &done);
                 self.pace = Pace::new(self.timing.speed, Instant::now(), self.sessions.world().time());
             }
         }
@@ -675,14 +645,14 @@ impl Server {
     /// Replaces the world with a fresh one. Connected clients get their robots back at their first poses, in the same order. Robots that
     /// take long wait for their client's turn. Returns false if a log does not allow it.
     fn start_over(&mut self, now: Instant, fresh: World) -> bool {
-        if let Err(error) = self.audience.publisher.may_start_over(now) {
-            self.audience.publisher.warn(self.sessions.world(), &format!("not reset: {error}"));
+        if let Err(error) = self.audience.publisher.may_start_over() {
+            self.tell(&Told::Warning(&format!("not reset: {error}")));
             return false;
         }
         self.conclude();
         let Self { sessions, audience, .. } = self;
         let (old, inits) = sessions.replace_world(fresh.on_threads(self.threads.clone()));
-        audience.publisher.start_over(now, &old, sessions.world());
+        audience.publisher.start_over(&old, sessions.world());
         self.resets += 1;
         let start = Instant::now();
         for (id, init) in inits {
@@ -698,11 +668,11 @@ impl Server {
     }
 
     /// Publishes what is due by the clock.
-    fn publish(&mut self, now: Instant) {
+    fn publish(&mut self) {
         if let Some(saved) = self.saving.news() {
             self.saves += u64::from(saved.is_ok());
             let (Ok(text) | Err(text)) = saved;
-            self.audience.publisher.announce(now, &text);
+            self.tell(&Told::Notice(&text));
         }
         let Self { audience, sessions, timing, work, resets, saves, .. } = self;
         let (Audience { publisher, clients, .. }, world) = (audience, sessions.world());
@@ -720,7 +690,7 @@ impl Server {
             dropped: client.dropped(),
             waiting_bytes: client.outbox().waiting_bytes(),
         };
-        publisher.publish(now, world, |recording| Status {
+        publisher.publish(world, |recording| Status {
             real_time_factor: work.real_time_factor,
             speed: timing.speed,
             paused: timing.paused,
