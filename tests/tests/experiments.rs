@@ -8,6 +8,7 @@ use experiments::plan::Plan;
 use experiments::plot::Quantity;
 use experiments::run::{self, Outcome, RunError, Step};
 use experiments::{report, thesis};
+use gamebots_proto::Command;
 use gamebots_proto::message::{Message, Reading, Sen};
 use recorder::Record;
 use scene::DriveModel;
@@ -199,7 +200,7 @@ fn through_the_socket_the_poses_are_the_same() {
         config.log = Some(log.clone());
     });
     let mut client = server.client();
-    client.send(&init);
+    client.send(&Command::Init(init).write().to_string());
     // All lines but the last, which stops the robot. It drives for at least three seconds.
     let (mut lines, mut start) = (lines.into_iter().rev().skip(1).rev().peekable(), None);
     loop {

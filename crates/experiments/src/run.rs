@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use gamebots_proto::Command;
+use gamebots_proto::command::Init;
 use logbook::LoggedSessions;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,7 +11,7 @@ use recorder::{LogWriter, RecordError};
 use scene::{MapDef, Pose, Reading, RobotDef, WorldDef};
 use scene_loader::LoadError;
 use serde::{Deserialize, Serialize};
-use sessions::SessionId;
+use sessions::{Request, SessionId};
 use sim_core::{Options, World};
 
 use crate::course::in_words;
@@ -90,8 +92,8 @@ pub struct Prepared {
     pub world: WorldDef,
     /// Run options.
     pub options: Options,
-    /// Line that spawns the robot.
-    pub init: String,
+    /// Spawn of the robot.
+    pub init: Init,
     /// Lines with their times after the first measured pose, s.
     pub lines: Vec<(f64, String)>,
 }
@@ -115,9 +117,9 @@ pub fn prepare(plan: &Plan, run: &Run) -> Result<Prepared, RunError> {
     draw.vary(&mut robot, plan.tolerances);
     let start = start(&run.setup, &map) * off;
     let (position, rotation) = scene::position_and_rotation(&start);
-    let text = |vector: [f64; 3]| vector.map(|number| format!("{number:.7}")).join(",");
-    let (class, location, rotation) = (&robot.class, text(position), text(rotation));
-    let init = format!("INIT {{ClassName USARBot.{class}}} {{Location {location}}} {{Rotation {rotation}}}");
+    // A tenth of a micrometre is finer than anybody draws.
+    let [location, rotation] = [position, rotation].map(|vector| vector.map(|number| (number * 1e7).round() / 1e7));
+    let init = Init { class_name: format!("USARBot.{}", robot.class), location, rotation, ..Init::default() };
     let options = Options { seed, time_step: plan.time_step, ..Options::default() };
     let robots = [(robot.class.clone(), robot)].into();
     Ok(Prepared { world: WorldDef { map, robots, ..WorldDef::default() }, options, init, lines: run.setup.lines() })
@@ -168,7 +170,7 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
     let log = log.map(|path| LogWriter::create(path, &world, options, &run.metadata(options.seed))).transpose()?;
     let mut sessions = LoggedSessions::new(World::new(world, options), log);
     sessions.open(SESSION)?;
-    let problems = sessions.take(SESSION, &init, &mut |_| {})?;
+    let problems = sessions.take(SESSION, &Request::order(Command::Init(init)), &mut |_| {})?;
     let Some(robot) = sessions.newest(SESSION) else { return Err(refuse(&in_words(&problems))) };
 
     let mut poses = Vec::new();
@@ -205,7 +207,7 @@ pub fn run(plan: &Plan, run: &Run, log: Option<&Path>) -> Result<Outcome, RunErr
             break;
         }
         while let Some((_, line)) = lines.next_if(|(at, _)| time - start >= at - 1e-9) {
-            let problems = sessions.take(SESSION, &line, &mut |_| {})?;
+            let problems = sessions.take(SESSION, &Request::read(Ok(line.clone())), &mut |_| {})?;
             if !problems.is_empty() {
                 return Err(refuse(&format!("{line}: {}", in_words(&problems))));
             }

@@ -67,6 +67,7 @@ pub use framing::Framing;
 pub use line::{Block, Line, MAX_BLOCKS};
 pub use message::Message;
 pub use problem::{Problem, expected_of, shown};
+pub use value::LIMIT;
 
 /// The examples of the README, as tests.
 #[cfg(doctest)]

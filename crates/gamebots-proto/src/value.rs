@@ -3,7 +3,7 @@
 use crate::{Block, Line, Problem, shown};
 
 /// Largest magnitude of a client's number; 32-bit physics has no use for more.
-const LIMIT: f64 = 1e6;
+pub const LIMIT: f64 = 1e6;
 
 /// Reads a scalar: the longest numeric prefix, as C's atof does. A comma may replace the point.
 pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f64 {
@@ -12,6 +12,15 @@ pub(crate) fn scalar_of(key: &str, text: &str, problems: &mut Vec<Problem>) -> f
         return 0.0;
     };
     limited(key, text, value, problems)
+}
+
+/// Checks a number that was never a text, as [`scalar_of`] checks one that it reads.
+pub(crate) fn checked(key: &str, number: f64, problems: &mut Vec<Problem>) -> f64 {
+    if !number.is_finite() {
+        problems.push(Problem::NotANumber { key: key.to_owned(), got: number.to_string(), read_as: 0.0 });
+        return 0.0;
+    }
+    limited(key, &number.to_string(), number, problems)
 }
 
 /// Reads an index, counted from 0.

@@ -75,34 +75,34 @@ impl LoggedSessions {
         self.record(&mut |_| {}, |sessions, hear| sessions.open(id, Some(Dialect::Udk), false, hear)).map(drop)
     }
 
-    /// Executes a line of a session, and returns its problems. Calls `sensed` with the readings that it causes.
+    /// Executes a request of a session, and returns its problems. Calls `sensed` with the readings that it causes.
     ///
     /// # Errors
     /// When the log cannot be written.
     pub fn take(
         &mut self,
         id: SessionId,
-        line: &str,
+        request: &Request,
         sensed: &mut dyn FnMut(&Sensed),
     ) -> Result<Vec<Problem>, RecordError> {
-        let request = self.read(id, line);
-        self.record(sensed, |sessions, hear| sessions.take(id, &request, hear))
+        self.mistakes.get_mut(&id).into_iter().for_each(Mistakes::count_line);
+        self.record(sensed, |sessions, hear| sessions.take(id, request, hear))
     }
 
-    /// Executes a line of a session as [`LoggedSessions::take`] does. Returns its problems, and the lines that answer it.
+    /// Executes a request of a session as [`LoggedSessions::take`] does. Returns its problems, and the lines that answer it.
     ///
     /// # Errors
     /// When the log cannot be written.
     pub fn ask(
         &mut self,
         id: SessionId,
-        line: &str,
+        request: &Request,
         sensed: &mut dyn FnMut(&Sensed),
     ) -> Result<(Vec<Problem>, Vec<String>), RecordError> {
-        let request = self.read(id, line);
+        self.mistakes.get_mut(&id).into_iter().for_each(Mistakes::count_line);
         let mut answers = Vec::new();
         let problems = self.record(sensed, |sessions, hear| {
-            sessions.ask(id, &request, &mut |world, news| {
+            sessions.ask(id, request, &mut |world, news| {
                 if let News::Sent { line, .. } = &news {
                     answers.push(line.clone());
                 }
@@ -137,12 +137,6 @@ impl LoggedSessions {
             mistakes.repetitions().try_for_each(|text| log.write(time, &Record::Warning(text)))?;
         }
         self.record(&mut |_| {}, |sessions, hear| sessions.close(id, hear)).map(drop)
-    }
-
-    /// Reads a line of a session.
-    fn read(&mut self, id: SessionId, line: &str) -> Request {
-        self.mistakes.get_mut(&id).into_iter().for_each(Mistakes::count_line);
-        Request::read(Ok(line.to_owned()))
     }
 
     /// Ends the log, if there is one. Nothing is logged from then on.

@@ -1,5 +1,6 @@
 //! Checks of arguments, and what they stand for.
 
+use gamebots_proto::LIMIT;
 use pyo3::prelude::*;
 use thread_pool::ThreadPool;
 
@@ -27,6 +28,24 @@ pub(crate) fn check_finite(name: &str, numbers: &[f64]) -> PyResult<()> {
         Some(number) => Err(error::command(format_args!("{name}: got {number}, expected finite numbers"))),
         None => Ok(()),
     }
+}
+
+/// Checks that numbers are finite and in the range of the protocol, as a log has them by its lines.
+pub(crate) fn check_numbers(name: &str, numbers: &[f64]) -> PyResult<()> {
+    check_finite(name, numbers)?;
+    match numbers.iter().find(|number| number.abs() > LIMIT) {
+        Some(number) => Err(error::command(format_args!("{name}: got {number}, expected -{LIMIT} to {LIMIT}"))),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a text is one word that can be the key of a block.
+pub(crate) fn check_key(name: &str, text: &str) -> PyResult<()> {
+    check_text(name, text)?;
+    if text.is_empty() || text.contains(char::is_whitespace) {
+        return Err(error::command(format_args!("{name}: got {text:?}, expected one word")));
+    }
+    Ok(())
 }
 
 /// Checks that a text fits into a block of a line.

@@ -1,17 +1,18 @@
 //! Robots in a world.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use ::picture::SENSOR_SIZE;
 use ::scene::{BodyState, JointState, PawnId, RobotDef, Sensed, Steering};
+use gamebots_proto::Command;
+use gamebots_proto::command::{Drive, MultiDrive};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sessions::SessionId;
+use sessions::{Request, SessionId};
 
-use crate::arguments::{busy, check_finite, check_line, check_size, check_text};
+use crate::arguments::{busy, check_key, check_line, check_numbers, check_size};
 use crate::error;
 use crate::picture::array;
 use crate::reading::{Reading, vector};
@@ -49,10 +50,10 @@ impl Robot {
         self.world(py)?.world().robot(self.id).map(read).ok_or_else(|| self.gone())
     }
 
-    fn take(&self, py: Python, line: &str) -> PyResult<()> {
+    fn order(&self, py: Python, command: Command) -> PyResult<()> {
         let mut world = self.world_mut(py)?;
         let session = self.session(&world)?;
-        let problems = world.take(session, line).map_err(error::log)?;
+        let problems = world.take(session, &Request::order(command)).map_err(error::log)?;
         if problems.is_empty() { Ok(()) } else { Err(error::command(problems.join("; "))) }
     }
 
@@ -249,55 +250,56 @@ impl Robot {
 
     /// Sets the speeds of the driven wheels, rad/s.
     fn drive_wheels(&self, py: Python, speeds: Vec<f64>) -> PyResult<()> {
-        check_finite("speeds", &speeds)?;
+        check_numbers("speeds", &speeds)?;
         self.check_steering(py, "speeds of single wheels", &[Steering::Omni])?;
         let names = self.with_def(py, |def| def.driven().count())?;
         if speeds.len() != names {
             return Err(error::command(format_args!("speeds: got {}, expected {names}, one a wheel", speeds.len())));
         }
-        let blocks =
-            speeds.iter().enumerate().map(|(number, speed)| format!("{{WheelNumber {number}}} {{WheelSpeed {speed}}}"));
-        self.take(py, &format!("DRIVE {}", blocks.collect::<Vec<_>>().join(" ")))
+        let drive = speeds.iter().enumerate().fold(Drive::default(), |drive, (number, speed)| {
+            drive.with("WheelNumber", number as f64).with("WheelSpeed", *speed)
+        });
+        self.order(py, Command::Drive(drive))
     }
 
     /// Sets the speeds of the wheels on the left and on the right, rad/s.
     fn drive_sides(&self, py: Python, left: f64, right: f64) -> PyResult<()> {
-        check_finite("left and right", &[left, right])?;
+        check_numbers("left and right", &[left, right])?;
         self.check_steering(py, "speeds of sides", &[Steering::Omni, Steering::Skid])?;
-        self.take(py, &format!("DRIVE {{Left {left}}} {{Right {right}}}"))
+        self.order(py, Command::Drive(Drive::default().with("Left", left).with("Right", right)))
     }
 
     /// Sets the velocities of a Mecanum base: forward and right, m/s, and clockwise, rad/s.
     #[pyo3(signature = (forward = 0.0, right = 0.0, clockwise = 0.0))]
     fn drive_twist(&self, py: Python, forward: f64, right: f64, clockwise: f64) -> PyResult<()> {
-        check_finite("the twist", &[forward, right, clockwise])?;
+        check_numbers("the twist", &[forward, right, clockwise])?;
         self.check_steering(py, "a twist", &[Steering::Omni, Steering::Aerial])?;
-        let line = format!(
-            "DRIVE {{LinearVelocity {forward}}} {{LateralVelocity {right}}} {{RotationalVelocity {clockwise}}}"
-        );
-        self.take(py, &line)
+        let drive = Drive::default().with("LinearVelocity", forward).with("LateralVelocity", right);
+        self.order(py, Command::Drive(drive.with("RotationalVelocity", clockwise)))
     }
 
-    /// Sends a DRIVE line with these keys and numbers, as its class takes them.
+    /// Sends a DRIVE with these keys and numbers, as its class takes them.
     fn drive(&self, py: Python, keys: BTreeMap<String, f64>) -> PyResult<()> {
-        let mut line = "DRIVE".to_owned();
+        let mut drive = Drive::default();
         for (key, number) in &keys {
-            check_text("key", key)?;
-            check_finite(key, &[*number])?;
-            write!(line, " {{{key} {number}}}").map_err(error::command)?;
+            check_key("key", key)?;
+            check_numbers(key, &[*number])?;
+            match key.to_ascii_lowercase().as_str() {
+                "normalized" => drive.normalized = Some(*number != 0.0),
+                "light" => drive.light = Some(*number != 0.0),
+                _ => drive = drive.with(key, *number),
+            }
         }
-        self.take(py, &line)
+        self.order(py, Command::Drive(drive))
     }
 
     /// Sets the targets of joints that are no wheels, rad or m, by name.
     fn move_joints(&self, py: Python, targets: BTreeMap<String, f64>) -> PyResult<()> {
-        let mut line = "MULTIDRIVE".to_owned();
         for (joint, target) in &targets {
-            check_text("joint", joint)?;
-            check_finite(joint, &[*target])?;
-            write!(line, " {{{joint} {target}}}").map_err(error::command)?;
+            check_key("joint", joint)?;
+            check_numbers(joint, &[*target])?;
         }
-        self.take(py, &line)
+        self.order(py, Command::MultiDrive(MultiDrive { targets: targets.into_iter().collect() }))
     }
 
     /// Sends a line of the Gamebots protocol as the robot's controller. Returns the lines that answer it.
@@ -305,7 +307,7 @@ impl Robot {
         check_line(line)?;
         let mut world = self.world_mut(py)?;
         let session = self.session(&world)?;
-        world.ask(session, line)
+        world.ask(session, &Request::read(Ok(line.to_owned())))
     }
 
     /// Removes the robot from the world.

@@ -1,16 +1,17 @@
 //! Worlds with their robots.
 //!
-//! Every robot has a session of its own, and orders are lines of the wire. So a log of a world in Python is like a log of a server, and
+//! Every robot has a session of its own, and logs have its orders as lines of the wire. So a log of a world in Python is like a log of a server, and
 //! `usarsim log replay` repeats it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ::scene::check::TIME_STEP;
 use ::scene::{ObjectId, Options, PawnId, Sensed};
+use gamebots_proto::Command;
+use gamebots_proto::command::{Control, Create, Init};
 use gamebots_server::{Moment, View};
 use logbook::LoggedSessions;
 use picture::Stage;
@@ -18,11 +19,11 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use recorder::{LogWriter, RecordError};
-use sessions::SessionId;
+use sessions::{Request, SessionId};
 use sim_core::{CompiledScene, SavedWorld};
 use thread_pool::ThreadPool;
 
-use crate::arguments::{busy, check_finite, check_line, check_size, check_text, pool, warn};
+use crate::arguments::{busy, check_finite, check_line, check_numbers, check_size, check_text, pool, warn};
 use crate::error;
 use crate::object::MovableObject;
 use crate::picture::{array, draw};
@@ -33,8 +34,6 @@ use crate::scene::Scene;
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(100);
 /// Time between two looks of a world that is shown, or that keeps to a pace.
 const SHOWN_INTERVAL: Duration = Duration::from_millis(15);
-/// Line by which the world's controller enters it.
-const CONTROLLER: &str = "INIT {ClassName USARBotAPI.WorldController} {Name Python}";
 /// Longest time that one call may step, simulated s.
 const MAX_SECONDS: f64 = 31.0 * 24.0 * 3600.0;
 
@@ -80,17 +79,17 @@ impl World {
         let mut loaded = Self::with(world, threads, None);
         let robots = loaded.world().robots().map(|(_, class, name)| (class.to_owned(), name.to_owned()));
         for (class, name) in robots.collect::<Vec<_>>() {
-            loaded.enter(&format!("INIT {{ClassName USARBot.{class}}} {{Name {name}}}"))?;
+            loaded.enter(Init { class_name: format!("USARBot.{class}"), name, ..Init::default() })?;
         }
         Ok(loaded)
     }
 
-    /// Executes a line of a new session. Returns its pawn and problems.
-    fn enter(&mut self, line: &str) -> Result<(Option<PawnId>, Vec<String>), RecordError> {
+    /// Opens a session with a pawn. Returns the pawn, if it came, and problems.
+    fn enter(&mut self, init: Init) -> Result<(Option<PawnId>, Vec<String>), RecordError> {
         let session = self.next_session;
         self.next_session += 1;
         self.sessions.open(session)?;
-        let problems = self.take(session, line)?;
+        let problems = self.take(session, &Request::order(Command::Init(init)))?;
         let pawn = self.sessions.newest(session);
         if pawn.is_none() {
             self.sessions.close(session)?;
@@ -98,21 +97,21 @@ impl World {
         Ok((pawn, problems))
     }
 
-    /// Executes a line of a session. Returns its problems.
-    pub(crate) fn take(&mut self, session: SessionId, line: &str) -> Result<Vec<String>, RecordError> {
+    /// Executes a request of a session. Returns its problems.
+    pub(crate) fn take(&mut self, session: SessionId, request: &Request) -> Result<Vec<String>, RecordError> {
         let Self { sessions, readings, .. } = self;
         let time = sessions.world().time();
         let mut keep = |sensed: &Sensed| _ = readings.insert((sensed.robot, sensed.sensor), (time, sensed.clone()));
-        let problems = sessions.take(session, line, &mut keep)?;
+        let problems = sessions.take(session, request, &mut keep)?;
         Ok(problems.iter().map(ToString::to_string).collect())
     }
 
-    /// Executes a line of a session. Returns the lines that answer it.
-    pub(crate) fn ask(&mut self, session: SessionId, line: &str) -> PyResult<Vec<String>> {
+    /// Executes a request of a session. Returns the lines that answer it.
+    pub(crate) fn ask(&mut self, session: SessionId, request: &Request) -> PyResult<Vec<String>> {
         let Self { sessions, readings, .. } = self;
         let time = sessions.world().time();
         let mut keep = |sensed: &Sensed| _ = readings.insert((sensed.robot, sensed.sensor), (time, sensed.clone()));
-        let (problems, answers) = sessions.ask(session, line, &mut keep).map_err(error::log)?;
+        let (problems, answers) = sessions.ask(session, request, &mut keep).map_err(error::log)?;
         if problems.is_empty() {
             return Ok(answers);
         }
@@ -125,7 +124,8 @@ impl World {
         if let Some(session) = self.controller.and_then(|pawn| self.sessions.owner(pawn)) {
             return Ok(session);
         }
-        let (pawn, problems) = self.enter(CONTROLLER).map_err(error::log)?;
+        let [class_name, name] = [Init::CONTROLLER[0], "Python"].map(str::to_owned);
+        let (pawn, problems) = self.enter(Init { class_name, name, ..Init::default() }).map_err(error::log)?;
         self.controller = pawn;
         let session = pawn.and_then(|pawn| self.sessions.owner(pawn));
         session.ok_or_else(|| error::command(problems.join("; ")))
@@ -222,10 +222,8 @@ impl World {
         check_text("class_name", class_name)?;
         check_text("name", name)?;
         let package = if class_name.contains('.') { "" } else { "USARBot." };
-        let mut line = format!("INIT {{ClassName {package}{class_name}}}");
-        if !name.is_empty() {
-            write!(line, " {{Name {name}}}").map_err(error::command)?;
-        }
+        let mut init =
+            Init { class_name: format!("{package}{class_name}"), name: name.trim().to_owned(), ..Init::default() };
         let mut world = slf.try_borrow_mut().map_err(|_| busy())?;
         let map = &world.world().def().map;
         match (start, position) {
@@ -239,7 +237,7 @@ impl World {
                     let known = names::listed(map.starts.iter().map(|start| start.name.as_str()));
                     return Err(error::command(format_args!("unknown start `{start}`: expected one of {known}")));
                 }
-                write!(line, " {{Start {start}}}")
+                start.trim().clone_into(&mut init.start);
             }
             (None, position) => {
                 let (position, rotation) = match (position, map.starts.first()) {
@@ -248,13 +246,11 @@ impl World {
                     (None, None) => ([0.0; 3], rotation.unwrap_or_default()),
                 };
                 check_finite("position", &position)?;
-                check_finite("rotation", &rotation)?;
-                let text = |vector: [f64; 3]| vector.map(|number| number.to_string()).join(",");
-                write!(line, " {{Location {}}} {{Rotation {}}}", text(position), text(rotation))
+                check_numbers("rotation", &rotation)?;
+                (init.location, init.rotation) = (position, rotation);
             }
         }
-        .map_err(error::command)?;
-        let (pawn, problems) = world.enter(&line).map_err(error::log)?;
+        let (pawn, problems) = world.enter(init).map_err(error::log)?;
         let Some(id) = pawn else { return Err(error::command(problems.join("; "))) };
         if world.world().robot(id).is_none() {
             let session = world.sessions.owner(id);
@@ -361,7 +357,7 @@ impl World {
     #[pyo3(signature = (name, position, rotation = [0.0; 3]))]
     fn put_object(&mut self, name: &str, position: [f64; 3], rotation: [f64; 3]) -> PyResult<()> {
         check_finite("position", &position)?;
-        check_finite("rotation", &rotation)?;
+        check_numbers("rotation", &rotation)?;
         if self.sessions.is_logged() {
             return Err(error::command(
                 "an object cannot be put in a world with a log, which would not replay: expected \
@@ -393,7 +389,7 @@ impl World {
             check_text(key, text)?;
         }
         for (key, vector) in [("position", position), ("rotation", rotation), ("scale", scale)] {
-            check_finite(key, &vector)?;
+            check_numbers(key, &vector)?;
         }
         if name.trim() != name || name.is_empty() {
             return Err(error::command(format_args!("name: got {name:?}, expected a name without space around it")));
@@ -401,13 +397,19 @@ impl World {
         if self.world().objects().any(|object| object.def.solid.name.eq_ignore_ascii_case(name)) {
             return Err(error::command(format_args!("name: the world has an object `{name}` already")));
         }
-        let text = |vector: [f64; 3]| vector.map(|number| number.to_string()).join(",");
-        let mut line = format!("CONTROL {{Type Create}} {{ClassName {class_name}}} {{Name {name}}}");
-        line += &format!(" {{Location {}}} {{Rotation {}}}", text(position), text(rotation));
-        line += &format!(" {{Scale {}}} {{Material {material}}}", text(scale));
-        line += if rigid { " {Physics RigidBody}" } else { "" };
+        let create = Create {
+            class_name: class_name.to_owned(),
+            name: name.to_owned(),
+            location: position,
+            rotation,
+            scale,
+            is_rigid: rigid,
+            material: material.to_owned(),
+            ..Create::default()
+        };
         let session = self.controller()?;
-        let problems = self.take(session, &line).map_err(error::log)?;
+        let problems =
+            self.take(session, &Request::order(Command::Control(Control::Create(create)))).map_err(error::log)?;
         let created = self.world().objects().find(|object| object.def.solid.name == name);
         let created = created.ok_or_else(|| error::command(problems.join("; ")))?;
         warn(py, &problems)?;
@@ -419,14 +421,15 @@ impl World {
         check_text("name", name)?;
         self.object(name)?;
         let session = self.controller()?;
-        self.ask(session, &format!("CONTROL {{Type Kill}} {{Name {name}}}")).map(drop)
+        let kill = Control::Kill { name: name.to_owned() };
+        self.ask(session, &Request::order(Command::Control(kill))).map(drop)
     }
 
     /// Sends a line of the Gamebots protocol as a world controller. Returns the lines that answer it.
     fn control(&mut self, line: &str) -> PyResult<Vec<String>> {
         check_line(line)?;
         let session = self.controller()?;
-        self.ask(session, line)
+        self.ask(session, &Request::read(Ok(line.to_owned())))
     }
 
     /// Hash of the bits of every body.

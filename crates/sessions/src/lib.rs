@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use gamebots_proto::command::Init;
 use gamebots_proto::message::{self, Message, Nfo, WrittenLine};
-use gamebots_proto::{Command, Dialect, Problem, shown};
+use gamebots_proto::{Command, Dialect, MAX_BLOCKS, Problem, shown};
 use scene::{PawnId, Score, Sensed, Standings};
 use sim_core::{Executed, Fault, LostRobot, Report, World};
 
@@ -43,6 +43,16 @@ impl Request {
             }
             Err(problem) => Self { text: String::new(), command: None, problems: vec![problem] },
         }
+    }
+
+    /// Creates the request of a program that has a command and no line. Its text is for logs and the other clients' news; nobody parses it.
+    pub fn order(command: Command) -> Self {
+        let line = command.write();
+        let (command, problems) = match line.blocks.len() {
+            ..=MAX_BLOCKS => (Some(command), Vec::new()),
+            _ => (None, vec![Problem::TooManyBlocks { limit: MAX_BLOCKS }]),
+        };
+        Self { text: line.to_string(), command, problems }
     }
 }
 

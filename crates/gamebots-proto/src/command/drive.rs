@@ -67,7 +67,10 @@ impl Given {
 impl Drive {
     /// Adds a number.
     pub fn with(mut self, key: &str, number: f64) -> Self {
-        self.given.push(Given::new(Block { key: key.to_owned(), value: number.to_string() }));
+        let mut problems = Vec::new();
+        let block = Block { key: key.to_owned(), value: number.to_string() };
+        let number = value::checked(key, number, &mut problems);
+        self.given.push(Given { block, number, problem: problems.pop() });
         self
     }
 
@@ -122,5 +125,28 @@ impl ReadWrite for Drive {
             line = flag.into_iter().fold(line, |line, flag| line.with(key, flag));
         }
         line
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Command;
+
+    #[test]
+    fn a_number_that_a_program_gives_is_as_one_that_is_read() {
+        for (number, problems_expected) in
+            [(0.1, 0), (-1e-300, 0), (1e6, 0), (1e7, 1), (f64::INFINITY, 1), (f64::NAN, 1)]
+        {
+            let given = Drive::default().with("Left", number);
+            let Some(Command::Drive(read)) = Command::parse(&given.write().to_string(), &mut Vec::new()) else {
+                panic!("no DRIVE: {number}");
+            };
+            let [given, read] = [given, read].map(|drive| {
+                let mut problems = Vec::new();
+                (drive.number("Left", &mut problems), problems.len())
+            });
+            assert_eq!((given, given.1), (read, problems_expected), "{number}");
+        }
     }
 }

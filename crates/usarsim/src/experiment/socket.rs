@@ -7,8 +7,8 @@ use std::time::Duration;
 use experiments::plan::{Plan, Run};
 use experiments::run::{Outcome, Prepared, RunError, measure, prepare};
 use gamebots_client::Client;
-use gamebots_proto::Dialect;
 use gamebots_proto::message::{Message, Reading, Sen};
+use gamebots_proto::{Command, Dialect};
 use gamebots_server::{Config, Listener, Ready, Service};
 use recorder::Record;
 use scene::{JointState, Pose};
@@ -40,7 +40,8 @@ pub(super) fn run(plan: &Plan, run: &Run, log: &Path, real_time_factor: f64) -> 
     });
     let driven = address.recv().ok().flatten().map(|address| {
         let mut client = Client::connect(address).map_err(|error| refuse(&error))?;
-        drive(plan, run, &mut client, &init, &lines).map_err(|reason| refuse(&reason))
+        drive(plan, run, &mut client, &Command::Init(init).write().to_string(), &lines)
+            .map_err(|reason| refuse(&reason))
     });
     drop(stop);
     let served = server.join().map_err(|_| refuse(&"the server panicked"))?;
