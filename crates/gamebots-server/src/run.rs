@@ -104,15 +104,22 @@ pub(crate) async fn serve(
     };
     let subscribers = subscribers(&config, &world, foxglove);
     let world = thread::spawn(config, world, server.door.budgets.clone(), receiver, live, subscribers, gone)?;
-    ready(addresses);
     let mut clients: Vec<(Service, JoinSet<()>)> =
         bound.iter().map(|(service, _)| (*service, JoinSet::new())).collect();
     let ports = clients.iter_mut().zip(bound);
     let ports = ports.map(|((_, clients), (service, listener))| server.serve_port(service, listener, clients));
+    let serve = async {
+        ready(addresses);
+        join_all(ports).await;
+        // Without a port it waits as well.
+        std::future::pending().await
+    };
     let is_gone = tokio::select! {
-        () = forever(ports) => false,
+        // The first poll of `shutdown` sets up its signal handlers, so it comes before others hear that the server is ready.
+        biased;
         () = shutdown => false,
         _ = &mut world_gone => true,
+        () = serve => false,
     };
     if !is_gone {
         // The world may have ended by now.
@@ -143,12 +150,6 @@ fn subscribers(config: &Config, world: &World, foxglove: Option<FoxgloveServer>)
         list.push(Box::new(foxglove));
     }
     list
-}
-
-/// Runs all ports, and never ends.
-async fn forever(ports: impl Iterator<Item = impl Future<Output = ()>>) {
-    join_all(ports).await;
-    std::future::pending().await
 }
 
 /// State that the ports share.

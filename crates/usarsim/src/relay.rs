@@ -52,10 +52,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     runtime.block_on(async {
         let listener = TcpListener::bind((host.as_str(), *port)).await.map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        print(ready_line(address, to, *json));
+        let relay = async {
+            print(ready_line(address, to, *json));
+            accept(listener, to, &login).await;
+        };
         tokio::select! {
-            () = accept(listener, to, &login) => {}
+            // Its first poll sets up the signal handlers, so it comes before the ready line.
+            biased;
             () = stop_signal() => {}
+            () = relay => {}
         }
         Ok(())
     })
