@@ -176,6 +176,9 @@ impl Failure {
     }
 }
 
+/// Most log lines that wait for the reader of stderr. The queue takes 32 bytes for each from the start.
+const MAX_WAITING_LINES: usize = 8192;
+
 /// Starts a thread that writes log lines, so a stopped reader of stderr does not stop the server. If the queue is full, lines are dropped.
 fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::WorkerGuard {
     use std::io::IsTerminal;
@@ -188,7 +191,8 @@ fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::Worke
         (false, _) => LevelFilter::TRACE,
     };
     let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let (writer, guard) = tracing_appender::non_blocking(std::io::stderr());
+    let queue = tracing_appender::non_blocking::NonBlockingBuilder::default().buffered_lines_limit(MAX_WAITING_LINES);
+    let (writer, guard) = queue.finish(std::io::stderr());
     // Foxglove's server says where it listens, which is behind our own port.
     let targets = Targets::new().with_default(level).with_target("foxglove", level.min(LevelFilter::WARN));
     let lines = tracing_subscriber::fmt::layer().with_writer(writer).with_ansi(colour).with_target(false);
