@@ -33,7 +33,7 @@ const LINES: [(usize, &str); 9] = [
 /// A scene and the state of a world in it, as JSON.
 static SAVED: LazyLock<(CompiledScene, Value)> = LazyLock::new(|| {
     let mut scene = scene_loader::load("hall", &[]).expect("a built-in map");
-    scene.robots.retain(|class, _| CLASSES.contains(&class.as_str()));
+    scene.robots.retain(|class| CLASSES.contains(&class));
     let scene = CompiledScene::from(scene);
     let mut world = World::new(scene.clone(), Options::default());
     let mut pawns: [Option<PawnId>; 4] = [None; 4];

@@ -101,7 +101,7 @@ fn the_committed_inputs_are_small() {
 /// A log of one robot that drives for a tenth of a second, as the program writes it.
 fn write_log(path: &Path) {
     let WorldDef { map, mut robots, .. } = scene_loader::load("rough", &[]).unwrap();
-    robots.retain(|class, _| class == "CasterSkidRobot");
+    robots.retain(|class| class == "CasterSkidRobot");
     let world = WorldDef { map, robots, ..WorldDef::default() };
     let mut log = LogWriter::create(path, &world, Options::default(), &[]).unwrap();
     let mut world = World::new(world, Options::default());

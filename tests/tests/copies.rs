@@ -70,6 +70,28 @@ fn a_copy_of_any_class_on_any_map_goes_on_with_the_same_bits() {
     }
 }
 
+/// Classes are compiled, and materials numbered, in the order in which worlds of a scene first need them.
+#[test]
+fn a_world_does_not_depend_on_what_others_of_its_scene_have_compiled() {
+    let enter_all = |world: &mut World, classes: &[&str]| {
+        for (number, class) in classes.iter().enumerate() {
+            enter(
+                world,
+                &format!("INIT {{ClassName USARBot.{class}}} {{Location {},0,-0.3}}", 0.7 * number as f64 - 2.0),
+            );
+        }
+    };
+    let mut first = world("hall", 3);
+    let mut earlier = world("factory", 3);
+    enter_all(&mut earlier, &["Kenaf", "KUKA_YouBot", "YouBotArm"]);
+    let scene = earlier.scene().on_map(first.def().map.clone());
+    let mut second = World::new(scene, first.options());
+    for world in [&mut first, &mut second] {
+        enter_all(world, &["YouBotArm", "P3AT", "KUKA_YouBot", "Kenaf"]);
+    }
+    (0..4).for_each(|_| check_alike(&mut first, &mut second, "hall"));
+}
+
 /// A controller's objects fall, are held, follow paths and turn; one of the map is gone.
 #[test]
 fn a_world_with_a_controller_goes_on_with_the_same_bits() {

@@ -300,7 +300,7 @@ fn a_platform_stays_where_it_is_and_what_has_legs_falls() {
 #[test]
 fn a_robot_of_every_class_is_driven_in_its_own_words() {
     let world = scene_loader::load("rough", &[]).expect("a map");
-    for (class, def) in &world.robots {
+    for (class, def) in world.robots.iter() {
         let mut world = World::new(world.clone(), Options::default());
         let robot = init(&mut world, &format!("INIT {{ClassName USARBot.{class}}} {{Location 0,0,-0.5}}"));
         run(&mut world, 1.0);

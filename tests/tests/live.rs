@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use gamebots_server::viewer_messages::{self, message::Content};
-use gamebots_server::{Config, Listener, Service, WorldControl};
+use gamebots_server::{AvailableMap, Config, Listener, Service, WorldControl};
 use prost::Message as _;
 use recorder::Record;
 use serde_json::Value;
@@ -220,7 +220,7 @@ fn after_a_reset_robots_are_back_and_their_clients_drive_on() {
 #[test]
 fn a_viewer_changes_the_map_and_everyone_is_told_who_did() {
     let other_maps = ["rough", "arena"].map(|name| scene_loader::map(name, &[]).unwrap());
-    let server = serve("rough", |config| config.maps = other_maps.to_vec());
+    let server = serve("rough", |config| config.maps = other_maps.iter().cloned().map(AvailableMap::from).collect());
     let mut viewers = [Viewer::open(&server, "/live"), Viewer::open(&server, "/live")];
     let mut peer = server.client();
     robot(&mut peer);

@@ -8,8 +8,6 @@ mod mecanum_wheels;
 mod plain_wheels;
 mod reason;
 
-use std::collections::BTreeMap;
-
 use gamebots_proto::command::{Command, Init};
 use nalgebra::Vector3;
 use scene::{DriveModel, MapDef, Material, MountedWheel, RobotDef, Shape, Solid, WorldDef};
@@ -146,7 +144,7 @@ fn world(subject: &Subject, rise: [f64; 2], solids: Vec<Solid>) -> World {
         ..MapDef::default()
     };
     let class = subject.robot.class.clone();
-    let def = WorldDef { map, robots: BTreeMap::from([(class, subject.robot.clone())]), ..WorldDef::default() };
+    let def = WorldDef { map, robots: [(class, subject.robot.clone())].into(), ..WorldDef::default() };
     World::new(def, subject.options)
 }
 

@@ -2,6 +2,7 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use gamebots_proto::Dialect;
@@ -20,7 +21,7 @@ pub struct Config {
     /// The state of that world to go on with; none for a new one. Its options replace those below.
     pub saved: Option<SavedWorld>,
     /// The maps that a viewer may change to.
-    pub maps: Vec<MapDef>,
+    pub maps: Vec<AvailableMap>,
     /// Seed and units.
     pub options: Options,
     /// Address to listen on.
@@ -57,6 +58,30 @@ pub struct Config {
     pub image_legacy: bool,
     /// Threads that move robots that do not touch, and compute sensor readings.
     pub threads: ThreadPool,
+}
+
+/// A map that a viewer may change to. It is read when somebody does.
+#[derive(Clone)]
+pub struct AvailableMap {
+    /// Its name.
+    pub name: String,
+    /// One sentence about it.
+    pub description: String,
+    /// Reads it. It fails with the reason in words.
+    pub read: Arc<dyn Fn() -> Result<MapDef, String> + Send + Sync>,
+}
+
+impl From<MapDef> for AvailableMap {
+    fn from(map: MapDef) -> Self {
+        let (name, description) = (map.name.clone(), map.description.clone());
+        Self { name, description, read: Arc::new(move || Ok(map.clone())) }
+    }
+}
+
+impl std::fmt::Debug for AvailableMap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.name)
+    }
 }
 
 impl Config {

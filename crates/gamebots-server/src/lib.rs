@@ -27,7 +27,7 @@ mod world;
 
 pub use access::rights::WorldControl;
 pub use access::tokens::{Tokens, TokensError};
-pub use config::{Config, IfTaken, ImageKind, Listener, Propagation, Ready, Service};
+pub use config::{AvailableMap, Config, IfTaken, ImageKind, Listener, Propagation, Ready, Service};
 pub use error::ServeError;
 pub use messages::control::check_real_time_factor;
 pub use messages::pb as viewer_messages;

@@ -1,6 +1,7 @@
 //! Triangles of a scene, made once and placed for each picture.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use scene::{Drawn, Geometry, Moves, ObjectSnapshot, PawnId, Pose, RobotDef, RobotSnapshot, Snapshot, WorldDef};
@@ -11,8 +12,8 @@ use crate::mesh::{Floor, Mesh, Triangle};
 pub struct Stage {
     /// Everything fixed, in the world frame.
     fixed: Mesh,
-    /// Pieces of each class.
-    classes: BTreeMap<String, Vec<Piece>>,
+    /// Pieces of each class, made for the first picture with a robot of it.
+    classes: BTreeMap<String, OnceLock<Vec<Piece>>>,
 }
 
 /// A piece of a robot that moves with a link.
@@ -37,14 +38,20 @@ impl Stage {
         let mut fixed = Mesh::default();
         let solids = def.map.solids.iter().chain(&def.map.markings);
         solids.for_each(|solid| fixed.add(&solid.shape, &solid.pose(), solid.material.colour));
-        let classes = def.robots.iter().map(|(name, robot)| (name.clone(), pieces(robot))).collect();
+        let classes = def.robots.keys().map(|name| (name.clone(), OnceLock::new())).collect();
         Self { fixed, classes }
+    }
+
+    /// Returns a class of a definition and its pieces.
+    fn class<'a>(&'a self, def: &'a WorldDef, name: &str) -> Option<(&'a RobotDef, &'a [Piece])> {
+        let (def, pieces_of) = (def.robots.get(name)?, self.classes.get(name)?);
+        Some((def, pieces_of.get_or_init(|| pieces(def))))
     }
 
     /// Returns the corners of everything that is drawn of a robot of a snapshot, in the world frame.
     pub fn corners_of(&self, def: &WorldDef, snapshot: &Snapshot, robot: &RobotSnapshot) -> Vec<Point3<f64>> {
         let mut triangles = Vec::new();
-        if let (Some(def), Some(pieces)) = (def.robots.get(&robot.class), self.classes.get(&robot.class)) {
+        if let Some((def, pieces)) = self.class(def, &robot.class) {
             place(pieces, def, robot, snapshot.time, None, &mut triangles);
         }
         triangles.iter().flat_map(|triangle| triangle.corners).collect()
@@ -64,7 +71,7 @@ impl Stage {
         let mut triangles = self.fixed.triangles.clone();
         triangles.append(&mut moving.triangles);
         for robot in &snapshot.robots {
-            if let (Some(def), Some(pieces)) = (def.robots.get(&robot.class), self.classes.get(&robot.class)) {
+            if let Some((def, pieces)) = self.class(def, &robot.class) {
                 let eye = own.filter(|(id, _)| *id == robot.id).map(|(_, eye)| eye);
                 place(pieces, def, robot, snapshot.time, eye, &mut triangles);
             }
@@ -164,8 +171,8 @@ mod tests {
     fn only_propellers_turn_with_the_time() {
         let (def, mut snapshot, stage) = spawned("AirRobot");
         let spinning = |moves: &Moves| matches!(moves, Moves::Spin(_));
-        let blades: usize =
-            stage.classes["AirRobot"].iter().filter(|it| spinning(&it.moves)).map(|it| it.triangles.len()).sum();
+        let (_, pieces) = stage.class(&def, "AirRobot").expect("a class");
+        let blades: usize = pieces.iter().filter(|it| spinning(&it.moves)).map(|it| it.triangles.len()).sum();
         let mut at = |time: f64| {
             snapshot.time = time;
             stage.corners_of(&def, &snapshot, &snapshot.robots[0])

@@ -56,7 +56,7 @@ impl Scene {
             let files: Vec<_> = robots.iter().map(PathBuf::as_path).collect();
             let changes = Changes { overrides: &overrides, equipment: &equipment };
             let mut def = scene_loader::load_equipped(map, &files, changes).map_err(error::scene)?;
-            def.robots.values_mut().for_each(|robot| robot.set_drive_model(model));
+            def.robots.change(move |robot| robot.set_drive_model(model));
             Ok(Self { compiled: def.into() })
         })
     }

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use include_dir::{Dir, include_dir};
 use names::{did_you_mean, listed};
-use scene::{MapDef, Object, RobotDef, WorldDef};
+use scene::{Classes, MapDef, Object, RobotDef, WorldDef};
 
 use crate::equipment::Changes;
 use crate::materials::{self, Materials};
@@ -22,6 +22,18 @@ static MAPS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../maps");
 /// Returns the names of the embedded maps.
 pub fn map_names() -> Vec<String> {
     folders(&MAPS)
+}
+
+/// Returns the description of an embedded map, without reading the rest of it. `None` if there is no map of that name.
+pub fn map_description(name: &str) -> Option<String> {
+    #[derive(serde::Deserialize)]
+    struct Head {
+        description: String,
+    }
+    let text = Source::BuiltIn(MAPS.get_dir(name)?).text("map.toml").ok()?;
+    // It stands before the tables.
+    let head = text.split("\n[").next()?;
+    toml::from_str(head).ok().map(|Head { description }| description)
 }
 
 /// Names of the embedded robot classes, each with its folder. A class may have several names.
@@ -133,12 +145,7 @@ pub fn load_with(map_name: &str, robot_files: &[&Path], overrides: &[Override]) 
 /// As [`load_with`], and a class of the equipment that does not exist.
 pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) -> Result<WorldDef, LoadError> {
     let overrides = changes.overrides;
-    let mut robots = BTreeMap::new();
-    // Classes that are like another one come last, so a mistake is reported of the class that has it.
-    let (like, own): (Vec<String>, Vec<String>) = robot_names().into_iter().partition(|name| is_like_another(name));
-    for name in own.into_iter().chain(like) {
-        robots.insert(name.clone(), robot_equipped(&name, changes)?);
-    }
+    let mut robots = shipped(changes)?;
     for file in robot_files {
         let definition = robot_equipped(&file.display().to_string(), changes)?;
         let text = crate::text(&in_folder(file, "robot.toml")).unwrap_or_default();
@@ -153,6 +160,32 @@ pub fn load_equipped(map_name: &str, robot_files: &[&Path], changes: Changes) ->
     let world = WorldDef { map, robots, objects: objects()?, league: None };
     world.check()?;
     Ok(world)
+}
+
+/// Returns the embedded robots. They are read when somebody first asks for them, unless they are changed: then mistakes of the changes are
+/// reported at once.
+fn shipped(changes: Changes) -> Result<Classes, LoadError> {
+    let mut robots = Classes::default();
+    if changes.is_none() {
+        for name in robot_names() {
+            let class = name.clone();
+            robots.insert_unread(name, move || checked(&class).map_err(|error| error.to_string()));
+        }
+        return Ok(robots);
+    }
+    // Classes that are like another one come last, so a mistake is reported of the class that has it.
+    let (like, own): (Vec<String>, Vec<String>) = robot_names().into_iter().partition(|name| is_like_another(name));
+    for name in own.into_iter().chain(like) {
+        robots.insert(name.clone(), robot_equipped(&name, changes)?);
+    }
+    Ok(robots)
+}
+
+/// Loads an embedded robot and checks its numbers.
+fn checked(class: &str) -> Result<RobotDef, LoadError> {
+    let robot = robot_equipped(class, Changes::of(&[]))?;
+    scene::check::check_robot(&robot)?;
+    Ok(robot)
 }
 
 /// Loads a map by its name, or by the path of its file.

@@ -61,6 +61,11 @@ impl<'a> Changes<'a> {
     pub(crate) fn of(overrides: &'a [crate::Override]) -> Self {
         Self { overrides, equipment: &NONE }
     }
+
+    /// True if nothing is changed.
+    pub(crate) fn is_none(&self) -> bool {
+        self.overrides.is_empty() && matches!(self.equipment.0, Kind::Shipped)
+    }
 }
 
 impl Equipment {

@@ -20,8 +20,8 @@ mod source;
 mod urdf;
 
 pub use catalogue::{
-    File, load, load_equipped, load_with, map, map_files, map_names, objects, robot, robot_equipped, robot_files,
-    robot_folders, robot_names,
+    File, load, load_equipped, load_with, map, map_description, map_files, map_names, objects, robot, robot_equipped,
+    robot_files, robot_folders, robot_names,
 };
 pub use equipment::{Changes, Equipment};
 pub use families::{FAMILIES, Family};

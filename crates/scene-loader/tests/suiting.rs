@@ -1,4 +1,4 @@
-//! Classes of robots that suit a map.
+//! Maps that are offered, and classes of robots that suit them.
 
 use std::fs;
 
@@ -14,6 +14,15 @@ fn robots_that_suit_a_shipped_map_are_shipped() {
         }
     }
     assert!(named > 0);
+}
+
+#[test]
+fn the_description_of_a_shipped_map_is_read_without_the_rest() {
+    for map in scene_loader::map_names() {
+        let description = scene_loader::map(&map, &[]).expect("a shipped map").description;
+        assert_eq!(scene_loader::map_description(&map), Some(description), "{map}");
+    }
+    assert_eq!(scene_loader::map_description("nowhere"), None);
 }
 
 #[test]

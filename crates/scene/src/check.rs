@@ -18,8 +18,8 @@ pub use league::{league, team, victim_rule, zone};
 pub use limits::*;
 pub use map::{conveyor, map, map_solid, material, named_pose, object, smoke, sound, spawned_object, tag, victim};
 pub use robot::{
-    actuator, aerial, battery, body_solid, gripper, link, part, robot, rollers, sensor, tool_changer, vacuum, visual,
-    wheel,
+    actuator, aerial, battery, body_solid, check_robot, gripper, link, part, robot, rollers, sensor, tool_changer,
+    vacuum, visual, wheel,
 };
 
 /// A closed range of numbers.
@@ -101,7 +101,8 @@ impl WorldDef {
         map::check_map(&self.map)?;
         map::check_classes(&self.objects)?;
         self.league.iter().try_for_each(|league| league::check_league(league, &self.robots))?;
-        self.robots.values().try_for_each(robot::check_robot)
+        // Those that are read later are checked by their readers.
+        self.robots.read().try_for_each(|(_, robot)| robot::check_robot(robot))
     }
 }
 
@@ -133,7 +134,7 @@ fn name(key: &str, got: &str) -> Vec<String> {
 }
 
 /// Checks a name that is sent on the wire.
-fn wire_name(key: &str, got: &str) -> Vec<String> {
+pub fn wire_name(key: &str, got: &str) -> Vec<String> {
     let length = got.chars().count();
     let apart = |c: char| c.is_whitespace() || c.is_control() || c == '{' || c == '}';
     let good = (1..=MAX_NAME).contains(&length) && !got.contains(apart);

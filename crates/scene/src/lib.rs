@@ -63,6 +63,7 @@ mod actuator;
 mod base;
 mod belt;
 pub mod check;
+mod classes;
 mod drawing;
 mod fnv;
 mod height_field;
@@ -94,6 +95,7 @@ use serde::{Deserialize, Serialize};
 pub use actuator::{Actuator, Gripper, Tool, ToolChanger, Vacuum};
 pub use base::{Aerial, Drivetrain, Footing};
 pub use belt::{Belt, Disc, LOADED, Pads};
+pub use classes::Classes;
 pub use drawing::{Drawn, Geometry, Moves, Visual};
 pub use fnv::Fnv;
 pub use height_field::HeightField;
@@ -133,7 +135,7 @@ pub struct WorldDef {
     /// The map.
     pub map: MapDef,
     /// Classes that clients can spawn, by name.
-    pub robots: BTreeMap<String, RobotDef>,
+    pub robots: Classes,
     /// Classes of objects that a world controller can create, by name. Their poses have no meaning.
     #[serde(default)]
     pub objects: BTreeMap<String, Object>,

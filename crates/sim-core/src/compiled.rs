@@ -1,36 +1,46 @@
 //! A scene prepared for worlds.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use scene::WorldDef;
+use scene::{MapDef, WorldDef};
 
 use crate::physics::{CompiledMap, CompiledRobot, Materials};
 
-/// A scene with the data that its worlds share: shapes, masses, joints. The data is computed once from a definition; copies share it.
+/// A scene with the data that its worlds share: shapes, masses, joints. The data is computed from a definition: that of the map at once, that
+/// of a class when a world first asks for it. Copies share it.
 #[derive(Clone)]
 pub struct CompiledScene(Arc<Parts>);
 
 struct Parts {
     def: WorldDef,
-    materials: Arc<Materials>,
     map: CompiledMap,
-    robots: BTreeMap<String, Arc<CompiledRobot>>,
+    materials: Materials,
+    robots: Arc<Robots>,
 }
+
+/// Compiled classes by name; none of those that cannot be read.
+type Robots = BTreeMap<String, OnceLock<Option<Arc<CompiledRobot>>>>;
 
 impl From<WorldDef> for CompiledScene {
     fn from(def: WorldDef) -> Self {
         let mut materials = Materials::default();
         let map = CompiledMap::new(&def.map, &mut materials);
-        let compiled = |(class, robot): (&String, &scene::RobotDef)| {
-            (class.clone(), Arc::new(CompiledRobot::new(robot.clone(), &mut materials)))
-        };
-        let robots = def.robots.iter().map(compiled).collect();
-        Self(Arc::new(Parts { def, map, robots, materials: Arc::new(materials) }))
+        let robots = def.robots.keys().map(|class| (class.clone(), OnceLock::new())).collect();
+        Self(Arc::new(Parts { def, map, materials, robots: Arc::new(robots) }))
     }
 }
 
 impl CompiledScene {
+    /// Returns the scene on another map. Both share the classes that are compiled.
+    #[must_use]
+    pub fn on_map(&self, map: MapDef) -> Self {
+        let Parts { def, materials, robots, .. } = &*self.0;
+        let (mut materials, robots) = (materials.clone(), robots.clone());
+        let compiled = CompiledMap::new(&map, &mut materials);
+        Self(Arc::new(Parts { def: WorldDef { map, ..def.clone() }, map: compiled, materials, robots }))
+    }
+
     /// Returns the definition that it was compiled from.
     pub fn def(&self) -> &WorldDef {
         &self.0.def
@@ -40,12 +50,17 @@ impl CompiledScene {
         &self.0.map
     }
 
-    pub(crate) fn materials(&self) -> Arc<Materials> {
-        self.0.materials.clone()
+    pub(crate) fn materials(&self) -> &Materials {
+        &self.0.materials
     }
 
-    /// Returns the robot classes that clients can spawn, by name.
-    pub(crate) fn robots(&self) -> &BTreeMap<String, Arc<CompiledRobot>> {
-        &self.0.robots
+    /// Returns a robot class by its name. `None` if there is none of that name, or it cannot be read.
+    pub(crate) fn class(&self, name: &str) -> Option<Arc<CompiledRobot>> {
+        let Parts { def, materials, robots, .. } = &*self.0;
+        let compile = || {
+            let robot = def.robots.get(name)?.clone();
+            Some(Arc::new(CompiledRobot::new(robot, &mut materials.clone())))
+        };
+        robots.get(name)?.get_or_init(compile).clone()
     }
 }

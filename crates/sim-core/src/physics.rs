@@ -47,7 +47,7 @@ use crate::site::Site;
 /// The bodies of the world and the engine that moves them.
 pub(crate) struct Physics {
     world: PhysicsWorld,
-    materials: Arc<Materials>,
+    materials: Materials,
     /// Movable objects, by their ids.
     objects: Vec<MovableObject>,
     /// Parts of the map that sensors perceive beside shapes.
@@ -122,8 +122,13 @@ fn engine_copy(world: &PhysicsWorld) -> PhysicsWorld {
 }
 
 impl Physics {
+    /// Meets the materials of classes that were compiled lately.
+    pub(crate) fn update_materials(&mut self) {
+        self.materials.update();
+    }
+
     /// Builds the bodies of a map, without robots.
-    pub(crate) fn new(map: &CompiledMap, materials: Arc<Materials>, time_step: f64) -> Self {
+    pub(crate) fn new(map: &CompiledMap, materials: Materials, time_step: f64) -> Self {
         let mut world = PhysicsWorld::new();
         world.narrow_phase.set_query_dispatcher(contact::RollerDispatcher);
         world.gravity = Vector::new(0.0, 0.0, map.gravity);

@@ -131,7 +131,7 @@ impl World {
     /// Returns a world at time zero without robots.
     pub fn new(scene: impl Into<CompiledScene>, options: Options) -> Self {
         let scene = scene.into();
-        let physics = Physics::new(scene.map(), scene.materials(), options.time_step);
+        let physics = Physics::new(scene.map(), scene.materials().clone(), options.time_step);
         let next_object = scene.def().map.objects.len() as u64;
         Self {
             scene,
@@ -285,7 +285,7 @@ impl World {
     /// # Errors
     /// If there is no free place, with the reason in words.
     pub fn fit(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Result<Room, String>> {
-        let class = self.scene.robots().get(class)?.clone();
+        let class = self.compiled(class)?;
         let class = match self.outfit(&class) {
             Ok((_, class)) => class,
             Err(why) => return Some(Err(why)),
@@ -297,7 +297,7 @@ impl World {
     /// Returns the pose of a robot of a class that is put at a place, if that is free. Unlike [`World::fit`] it searches no place beside,
     /// which takes far longer. `None` if it is not free or the class is unknown.
     pub fn free_pose(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Pose> {
-        let class = self.scene.robots().get(class)?.clone();
+        let class = self.compiled(class)?;
         let (_, class) = self.outfit(&class).ok()?;
         self.enter_shapes_for_question();
         self.physics.place_here(&class, &scene::pose(location, rotation))
@@ -379,7 +379,7 @@ impl World {
                 vec![Message::Nfo(Nfo::StartPoses(self.def().map.starts.iter().map(wire_pose).collect())).into()]
             }
             (Command::GetClasses(_), _) => {
-                vec![Message::Nfo(Nfo::Classes(self.scene.robots().keys().cloned().collect())).into()]
+                vec![Message::Nfo(Nfo::Classes(self.def().robots.keys().cloned().collect())).into()]
             }
             (Command::GetPathNodes(_), _) => {
                 vec![Message::Nfo(Nfo::PathNodes(self.def().map.path_nodes.iter().map(wire_pose).collect())).into()]
@@ -657,23 +657,34 @@ impl World {
         hash.value()
     }
 
+    /// Returns a class for the engine, which is compiled when a world of the scene first asks for it. `None` if there is none of that name, or
+    /// it cannot be read.
+    fn compiled(&mut self, class: &str) -> Option<Arc<CompiledRobot>> {
+        let class = self.scene.class(class)?;
+        self.physics.update_materials();
+        Some(class)
+    }
+
     /// Finds the class that INIT names, in any case. Its package is USARBot and may be left out.
-    fn class(&self, init: &Init, problems: &mut Vec<Problem>) -> Option<Arc<CompiledRobot>> {
+    fn class(&mut self, init: &Init, problems: &mut Vec<Problem>) -> Option<Arc<CompiledRobot>> {
         if init.class_name.is_empty() {
             problems.push(Problem::MissingKey { verb: "INIT", key: "ClassName" });
             return None;
         }
         let package = init.class_name.rsplit_once('.').map_or("USARBot", |(package, _)| package);
-        let known = self.scene.robots().iter().find(|(class, _)| class.eq_ignore_ascii_case(init.class()));
-        if let Some((_, robot)) = known.filter(|_| package.eq_ignore_ascii_case("USARBot")) {
-            return Some(robot.clone());
+        let known = self.def().robots.keys().find(|class| class.eq_ignore_ascii_case(init.class()));
+        if let Some(class) = known.filter(|_| package.eq_ignore_ascii_case("USARBot")).cloned() {
+            let compiled = self.compiled(&class);
+            let why = self.def().robots.problem(&class).map(|why| format!("the class cannot be read: {why}"));
+            problems.extend(why.map(|why| Problem::Ignored { what: format!("{{ClassName {class}}}"), why }));
+            return compiled;
         }
         let of_referees = Init::CONTROLLER[..1].iter().map(|class| (*class).to_owned());
         let avatars = Init::AVATARS.iter().map(|class| format!("USARAvatar.{class}"));
-        let robots = self.scene.robots().keys().map(|class| format!("USARBot.{class}"));
+        let robots = self.def().robots.keys().map(|class| format!("USARBot.{class}"));
         let classes: Vec<String> = robots.chain(of_referees).chain(avatars).collect();
         // Compared without the package, which is the same in all names and would make any two of them similar.
-        let meant = names::nearest(init.class(), self.scene.robots().keys().map(String::as_str));
+        let meant = names::nearest(init.class(), self.def().robots.keys().map(String::as_str));
         let (meant, expected) = match meant {
             Some(class) => (format!(" (did you mean `USARBot.{class}`?)"), "`usarsim robots` lists all".to_owned()),
             None => (String::new(), format!("expected one of {}", classes.join(", "))),

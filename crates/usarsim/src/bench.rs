@@ -1,6 +1,5 @@
 //! `usarsim bench`: measures the speed and, in the same run, the accuracy of the world.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -92,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let dt = arguments.dt.unwrap_or_else(|| default_step(&robot));
     let map_name = map.name.clone();
     let motions_of_robot = Motion::of_robot(&robot);
-    let def = WorldDef { map, robots: BTreeMap::from([(class.clone(), robot)]), ..WorldDef::default() };
+    let def = WorldDef { map, robots: [(class.clone(), robot)].into(), ..WorldDef::default() };
     let threads = ThreadPool::new(arguments.threads as usize).map_err(|error| Failure::new(exit::FAILURE, error))?;
     let options = Options { time_step: dt, ..Options::default() };
     let (mut simulated, mut wall, mut worst, mut digest, mut unsettled) = (0.0, 0.0, 0.0f64, 0u64, 0);

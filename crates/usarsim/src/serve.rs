@@ -3,12 +3,13 @@
 use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gamebots_proto::Dialect;
 use gamebots_server::{
-    Config, IfTaken, ImageKind, Listener, Propagation, Ready, ServeError, Service, Tokens, WorldControl,
+    AvailableMap, Config, IfTaken, ImageKind, Listener, Propagation, Ready, ServeError, Service, Tokens, WorldControl,
 };
 use scene::{DriveModel, MapDef};
 use scene_loader::{Changes, Communication, Controllers, LeagueFile, Override};
@@ -286,8 +287,12 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         let teams = league.teams.iter().map(|team| team.name.as_str()).collect::<Vec<_>>().join(", ");
         return Err(wrong(&format!("--token-file: no team `{unknown}` in the league: expected one of {teams}")));
     }
-    world.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
-    for robot in world.robots.values() {
+    let drive_model = arguments.drive_model;
+    if drive_model.is_some() {
+        world.robots.change(move |robot| robot.set_drive_model(drive_model));
+    }
+    // Shipped classes, which are read later, have no notes.
+    for (_, robot) in world.robots.read() {
         for assumption in &robot.assumptions {
             let text = format!("{}: note: {assumption}", robot.class);
             // The reader of stderr may be gone.
@@ -393,11 +398,18 @@ fn propagation(choice: Option<Propagation>, league: Option<&LeagueFile>) -> Prop
 }
 
 /// Returns the maps that the page offers: the first one, then the built-in ones with the same overrides.
-fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<MapDef> {
+fn other_maps(overrides: &[Override], first: &MapDef) -> Vec<AvailableMap> {
     let names = scene_loader::map_names().into_iter().filter(|name| *name != first.name);
-    // An override may apply to the first map alone, so maps that it does not fit are left out.
-    let maps = names.filter_map(|name| scene_loader::map(&name, overrides).ok());
-    std::iter::once(first.clone()).chain(maps).collect()
+    let available = |name: String| {
+        if !overrides.is_empty() {
+            // An override may apply to the first map alone, so maps that it does not fit are left out.
+            return scene_loader::map(&name, overrides).ok().map(AvailableMap::from);
+        }
+        let (description, of) = (scene_loader::map_description(&name)?, name.clone());
+        let read = Arc::new(move || scene_loader::map(&of, &[]).map_err(|error| error.to_string()));
+        Some(AvailableMap { name, description, read })
+    };
+    std::iter::once(first.clone().into()).chain(names.filter_map(available)).collect()
 }
 
 fn ready_line(ready: &Ready, map: &str, classes: &[String], json: bool) -> String {

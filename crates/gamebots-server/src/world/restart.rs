@@ -3,9 +3,9 @@
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-use scene::{MapDef, WorldDef};
 use sim_core::World;
 
+use crate::config::AvailableMap;
 use crate::messages::control::Actor;
 
 /// Least time between two restarts.
@@ -16,7 +16,7 @@ const REST: u32 = 25;
 
 /// A request to restart.
 pub(crate) struct Restart {
-    pub(crate) map: Option<MapDef>,
+    pub(crate) map: Option<AvailableMap>,
     pub(crate) actor: Actor,
 }
 
@@ -24,7 +24,7 @@ pub(crate) struct Restart {
 pub(crate) struct Restarts {
     /// The newest request; it replaces an older one.
     waiting: Option<Restart>,
-    making: Option<(Restart, Receiver<World>)>,
+    making: Option<(Restart, Receiver<Result<World, String>>)>,
     /// Earliest time of the next restart.
     next: Instant,
 }
@@ -54,7 +54,8 @@ impl Restarts {
         }
         let (restart, _) = self.making.take()?;
         self.next = now + INTERVAL;
-        Some(made.map(|fresh| (restart, fresh)).map_err(|_| "not reset: the fresh world could not be made".to_owned()))
+        let fresh = made.unwrap_or_else(|_| Err("not reset: the fresh world could not be made".to_owned()));
+        Some(fresh.map(|fresh| (restart, fresh)))
     }
 
     /// Counts time that the world's thread took for the last restart.
@@ -64,13 +65,16 @@ impl Restarts {
 }
 
 /// Starts to make a fresh world.
-fn make(map: Option<MapDef>, world: &World) -> Result<Receiver<World>, String> {
+fn make(map: Option<AvailableMap>, world: &World) -> Result<Receiver<Result<World, String>>, String> {
     let (done, made) = channel();
     let (scene, options) = (world.scene().clone(), world.options());
     let run = move || {
         let fresh = match map {
-            Some(map) => World::new(WorldDef { map, ..scene.def().clone() }, options),
-            None => World::new(scene, options),
+            Some(AvailableMap { name, read, .. }) => match read() {
+                Ok(map) => Ok(World::new(scene.on_map(map), options)),
+                Err(reason) => Err(format!("not changed to the map {name}: {reason}")),
+            },
+            None => Ok(World::new(scene, options)),
         };
         // The server may have ended.
         let _ = done.send(fresh);

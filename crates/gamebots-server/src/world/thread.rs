@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use scene::{MapDef, PawnId};
+use scene::PawnId;
 use sessions::{News, SessionId, Sessions};
 use sim_core::World;
 use thread_pool::ThreadPool;
@@ -17,7 +17,7 @@ use tokio::sync::oneshot;
 use tracing::{info, warn};
 
 use crate::access::budget::{Budget, Budgets, Spent};
-use crate::config::Config;
+use crate::config::{AvailableMap, Config};
 use crate::error::ServeError;
 use crate::messages::control::{Actor, Control};
 use crate::subscribers::live::{Broadcast, ClientStatus, LeagueStatus, RobotStatus, Status};
@@ -124,7 +124,7 @@ struct Server {
     guests_credits: [Credit; 2],
     restarts: Restarts,
     /// Maps that a viewer can change to.
-    maps: Vec<MapDef>,
+    maps: Vec<AvailableMap>,
     timing: Timing,
     pace: Pace,
     work: Work,

@@ -12,7 +12,7 @@ use sim_core::{Options, Report, World};
 /// The map `rough` and the class of one robot.
 pub(crate) fn world() -> WorldDef {
     let mut world = scene_loader::load("rough", &[]).expect("the map");
-    world.robots.retain(|class, _| class == "P3AT");
+    world.robots.retain(|class| class == "P3AT");
     world
 }
 

@@ -1,16 +1,16 @@
 //! Limits of a league.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use super::limits::{LEAGUE_TIME, MAP_REACH, MAP_SIZE, MAX_ROBOTS, MAX_STARTS, MAX_TEAMS, MAX_ZONES, POINTS, SIGHT};
 use super::{SceneProblem, count, first, name, named_pose, shown, wire_name};
-use crate::{League, NamedPose, RobotDef, Team, VictimRule, Zone};
+use crate::{Classes, League, NamedPose, Team, VictimRule, Zone};
 
-pub(super) fn check_league(def: &League, robots: &BTreeMap<String, RobotDef>) -> Result<(), SceneProblem> {
+pub(super) fn check_league(def: &League, robots: &Classes) -> Result<(), SceneProblem> {
     first("the league", league(def))?;
     for it in &def.teams {
         let starts = it.starts.iter().flat_map(named_pose);
-        let unknown = it.classes.iter().filter(|class| !robots.contains_key(*class));
+        let unknown = it.classes.iter().filter(|class| !robots.contains_key(class));
         let unknown = unknown.map(|class| format!("no class `{}`: expected one of `usarsim robots`", shown(class)));
         first(&format!("the league, team {}", shown(&it.name)), team(it).into_iter().chain(starts).chain(unknown))?;
     }

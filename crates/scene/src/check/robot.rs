@@ -12,7 +12,11 @@ use crate::{
     WHEEL_AXIS, Wheel,
 };
 
-pub(super) fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
+/// Checks a whole class.
+///
+/// # Errors
+/// The first number outside the limits, and its place.
+pub fn check_robot(def: &RobotDef) -> Result<(), SceneProblem> {
     let class = format!("robot {}", shown(&def.class));
     // Sums over parts come last, as they need valid numbers.
     first(&class, counts(def))?;

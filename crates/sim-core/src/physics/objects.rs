@@ -45,7 +45,7 @@ impl Physics {
     }
 
     fn insert_object(&mut self, id: ObjectId, def: Arc<Object>, pose: &Pose, is_held: bool) -> MovableObject {
-        let compiled = CompiledObject::new(def, Arc::make_mut(&mut self.materials));
+        let compiled = CompiledObject::new(def, &mut self.materials);
         let mut object = MovableObject::spawn(&mut self.world, &compiled, id, pose, false);
         if is_held {
             object.hold(&mut self.world, true);

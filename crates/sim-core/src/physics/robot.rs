@@ -124,7 +124,7 @@ impl Physics {
         if let Some(wrong) = check::robot(&fitted).into_iter().next() {
             return Err(format!("the robot cannot carry it: {wrong}"));
         }
-        Ok(Arc::new(CompiledRobot::new(fitted, Arc::make_mut(&mut self.materials))))
+        Ok(Arc::new(CompiledRobot::new(fitted, &mut self.materials)))
     }
 
     /// Replaces a robot's class by one that differs in its tools alone. Its motion stays. Returns false, and changes nothing, for a robot of

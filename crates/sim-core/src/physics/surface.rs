@@ -1,5 +1,7 @@
 //! Surfaces of contacts: shapes with a material, and the scene's table of materials.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use rapier3d::math::Pose as EnginePose;
 use rapier3d::prelude::*;
 use scene::{Material, Pose};
@@ -7,28 +9,44 @@ use scene::{Material, Pose};
 use super::convert;
 use super::identity::{Identity, Mark};
 
-/// Materials by number.
+/// Materials by number. Copies share the numbers, so what is compiled for one world fits all worlds of a scene.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Materials(Vec<Material>);
+pub(crate) struct Materials {
+    /// Those of all copies. A copy locks them when it meets a material for the first time.
+    all: Arc<Mutex<Arc<Vec<Material>>>>,
+    /// Those that this copy has met.
+    known: Arc<Vec<Material>>,
+}
 
 impl Materials {
     /// Returns the number of a material. Its first use adds it to the table.
     fn number(&mut self, material: &Material) -> u32 {
-        let known = self.0.iter().position(|known| known == material);
-        known.unwrap_or_else(|| {
-            self.0.push(material.clone());
-            self.0.len() - 1
-        }) as u32
+        let place = |all: &[Material]| all.iter().position(|known| known == material);
+        let number = place(&self.known).unwrap_or_else(|| {
+            let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+            let number = place(&all).unwrap_or_else(|| {
+                Arc::make_mut(&mut all).push(material.clone());
+                all.len() - 1
+            });
+            self.known = all.clone();
+            number
+        });
+        number as u32
+    }
+
+    /// Meets the materials that copies have added.
+    pub(crate) fn update(&mut self) {
+        self.known = self.all.lock().unwrap_or_else(PoisonError::into_inner).clone();
     }
 
     /// Returns a material by its number.
     pub(super) fn get(&self, number: u32) -> Option<&Material> {
-        self.0.get(number as usize)
+        self.known.get(number as usize)
     }
 
     /// Returns the material of a collider's surface.
     pub(super) fn of(&self, collider: &Collider) -> &Material {
-        &self.0[Mark::of(collider).material as usize]
+        &self.known[Mark::of(collider).material as usize]
     }
 }
 

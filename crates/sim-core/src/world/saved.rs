@@ -302,8 +302,8 @@ impl World {
             if world.robots.last_key_value().is_some_and(|(last, _)| *last >= id) {
                 return Err(LoadError::OutOfOrder { id });
             }
-            let Some(compiled) = world.scene.robots().get(&class).cloned() else {
-                let expected = world.scene.robots().keys().cloned().collect::<Vec<_>>().join(", ");
+            let Some(compiled) = world.compiled(&class) else {
+                let expected = world.def().robots.keys().cloned().collect::<Vec<_>>().join(", ");
                 return Err(LoadError::UnknownClass { id, class, expected });
             };
             let fitted = tools::fitted(&mut world.physics, &compiled, id, &saved.tools, &saved.stuck);

@@ -137,7 +137,7 @@ impl World {
     /// Gives a robot the class with the tools that it holds now, and what sticks to it.
     pub(super) fn refit(&mut self, id: PawnId) -> Result<(), String> {
         let name = self.robots.get(&id).map(|robot| robot.def().class.clone()).ok_or("the robot is gone")?;
-        let class = self.scene.robots().get(&name).cloned().ok_or("its class is gone")?;
+        let class = self.compiled(&name).ok_or("its class is gone")?;
         let fitted = fitted(&mut self.physics, &class, id, &self.tools, &self.stuck)?;
         let robot = self.robots.get_mut(&id).ok_or("the robot is gone")?;
         let is_refitted = self.physics.refit(robot.bodies_mut(), id, fitted);
