@@ -355,9 +355,9 @@ fn a_viewer_gets_pictures_of_the_cameras_that_it_asks_for() {
         peer.send(&format!("INIT {{ClassName USARBot.P3AT}} {{Location -3,{y},-0.2}}"));
         peer.next_of("GroundTruth");
     }
-    let (_, scene) = get(&server, "/scene.json", "Host: localhost\r\n");
-    let scene: Value = serde_json::from_str(&scene).unwrap();
-    let sensors = scene["classes"]["P3AT"]["sensors"].as_array().unwrap();
+    let (_, class) = get(&server, "/class/P3AT", "Host: localhost\r\n");
+    let class: Value = serde_json::from_str(&class).unwrap();
+    let sensors = class["sensors"].as_array().unwrap();
     let camera = sensors.iter().position(|sensor| sensor["camera"]["width"] == 320).unwrap();
     let mut viewer = Viewer::open(&server, "/live");
     viewer.send("{\"wire\":false,\"robots\":[],\"cameras\":[1,1,7]}");
@@ -512,7 +512,12 @@ fn get(server: &Server, path: &str, headers: &str) -> (String, String) {
     ask(server, &format!("GET {path} HTTP/1.1\r\nConnection: close\r\n{headers}\r\n"), &[])
 }
 
-/// Posts the scene of a log. Returns the answer's head and body.
+/// Returns the world of a log as pages send it: its scene, which has all classes in an old log.
+fn of_log(scene: &[u8]) -> Vec<u8> {
+    [b"{\"scene\":", scene, b"}"].concat()
+}
+
+/// Posts the world of a log. Returns the answer's head and body.
 fn post_scene(server: &Server, body: &[u8]) -> (String, String) {
     let head = "POST /scene.json HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\n";
     ask(server, &format!("{head}Content-Length: {}\r\n\r\n", body.len()), body)
@@ -530,11 +535,12 @@ fn ask(server: &Server, head: &str, body: &[u8]) -> (String, String) {
 
 /// Browsers take packed bodies.
 #[test]
-fn the_scene_is_packed_for_those_who_can_unpack_it() {
+fn the_scene_and_classes_are_packed_for_those_who_can_unpack_them() {
     let server = serve("rough", |_| {});
-    let (_, whole) = get(&server, "/scene.json", "Host: localhost\r\n");
-    let head = "GET /scene.json HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\nAccept-Encoding: br, gzip\r\n\r\n";
-    for _ in 0..2 {
+    for path in ["/scene.json", "/scene.json", "/class/KUKA_YouBot", "/class/KUKA_YouBot"] {
+        let (_, whole) = get(&server, path, "Host: localhost\r\n");
+        let head =
+            format!("GET {path} HTTP/1.1\r\nConnection: close\r\nHost: localhost\r\nAccept-Encoding: br, gzip\r\n\r\n");
         let mut stream = TcpStream::connect(page_of(&server)).unwrap();
         stream.write_all(head.as_bytes()).unwrap();
         let mut bytes = Vec::new();
@@ -545,7 +551,7 @@ fn the_scene_is_packed_for_those_who_can_unpack_it() {
         let mut text = String::new();
         flate2::read::GzDecoder::new(packed).read_to_string(&mut text).unwrap();
         assert!(text == whole);
-        assert!(3 * packed.len() < whole.len(), "{} of {} bytes", packed.len(), whole.len());
+        assert!(2 * packed.len() < whole.len(), "{} of {} bytes", packed.len(), whole.len());
     }
 }
 
@@ -606,7 +612,11 @@ fn the_scene_has_what_a_viewer_draws() {
     assert!(
         solids.iter().all(|solid| solid["pose"].as_array().unwrap().len() == 7 && solid["shape"].get("Hull").is_none())
     );
-    let wheels = scene["classes"]["KUKA_YouBot"]["wheels"].as_array().unwrap();
+    assert_eq!(scene["classes"], serde_json::json!({}));
+    assert!(scene["names"].as_array().unwrap().contains(&"KUKA_YouBot".into()));
+    let (_, body) = get(&server, "/class/KUKA_YouBot", "Host: localhost\r\n");
+    let class: Value = serde_json::from_str(&body).unwrap_or_else(|error| panic!("{error}"));
+    let wheels = class["wheels"].as_array().unwrap();
     assert_eq!(wheels.len(), 4);
     let rollers = &wheels[0]["rollers"];
     assert_eq!(rollers["poses"].as_array().unwrap().len(), 6);
@@ -616,26 +626,48 @@ fn the_scene_has_what_a_viewer_draws() {
 }
 
 #[test]
+fn a_class_that_the_world_lacks_or_cannot_read_is_refused_by_name() {
+    let server = serve("rough", |config| config.world.robots.insert_unread("Broken", || Err("no wheels".to_owned())));
+    for (path, status, text) in [
+        ("/class/Nobody", 404, "no class `Nobody`: expected one of "),
+        ("/class/%0a%F0%9F%92%A9", 404, "no class `\\n\u{1f4a9}`: expected one of "),
+        ("/class/P3AT/more", 404, ""),
+        ("/class/Broken", 422, "class Broken: no wheels"),
+    ] {
+        let (head, body) = get(&server, path, "Host: localhost\r\n");
+        assert!(head.starts_with(&format!("HTTP/1.1 {status}")) && body.starts_with(text), "{path}: {head}\n{body}");
+    }
+    let mut peer = server.client();
+    peer.send("REPORT {Errors true}");
+    peer.send("INIT {ClassName USARBot.Broken}");
+    peer.wait_for("the reason", |line| line.contains("no wheels"));
+}
+
+#[test]
 fn the_scene_of_a_log_is_answered_like_that_of_the_world() {
     let mut stored = String::new();
     let server = serve("arena", |config| stored = serde_json::to_string(&config.world).unwrap());
     let scene = |body: &str| serde_json::from_str::<Value>(body).unwrap_or_else(|error| panic!("{error}: {body:.200}"));
     let (_, own) = get(&server, "/scene.json", "Host: localhost\r\n");
-    let (head, answer) = post_scene(&server, stored.as_bytes());
+    let (head, answer) = post_scene(&server, &of_log(stored.as_bytes()));
     assert!(head.starts_with("HTTP/1.1 200") && head.contains("application/json"), "{head}");
     let (mut own, answer) = (scene(&own), scene(&answer));
+    let (_, class) = get(&server, "/class/YouBotArm", "Host: localhost\r\n");
+    assert!(scene(&class) == answer["classes"]["YouBotArm"]);
     // A log has its seed and time step beside the scene, and no server.
     for server in ["seed", "time_step", "port"] {
         own[server] = Value::Null;
     }
     own["maps"] = serde_json::json!([]);
+    // It has its classes beside the scene.
+    own["classes"] = answer["classes"].clone();
     assert!(own == answer, "{answer:.300}");
     let values = answer["classes"]["YouBotArm"]["values"].as_array().unwrap();
     let joints = answer["classes"]["YouBotArm"]["joints"].as_array().unwrap();
     assert!(joints.len() >= 5 && joints.iter().all(|joint| values.contains(&joint["name"])), "{values:?}");
     // A log from before robots were trees of links.
     let old = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/logbook/tests/logs/before-trees.mcap");
-    let (head, answer) = post_scene(&server, recorder::read(&old).unwrap().run["scene"].as_bytes());
+    let (head, answer) = post_scene(&server, &of_log(recorder::read(&old).unwrap().run["scene"].as_bytes()));
     assert!(head.starts_with("HTTP/1.1 200"), "{head}\n{answer}");
     assert_eq!(scene(&answer)["classes"]["KUKA_YouBot"]["wheels"].as_array().map(Vec::len), Some(4));
 }
@@ -647,9 +679,10 @@ fn a_scene_that_no_world_can_be_made_of_is_refused_by_name() {
     let changed = |change: fn(&mut scene::WorldDef)| {
         let mut world = world.clone();
         change(&mut world);
-        serde_json::to_vec(&world).unwrap()
+        of_log(&serde_json::to_vec(&world).unwrap())
     };
-    let stored = serde_json::to_vec(&world).unwrap();
+    let stored = of_log(&serde_json::to_vec(&world).unwrap());
+    let named = |names: &str| format!("{{\"scene\":{},\"names\":{names}}}", serde_json::to_string(&world).unwrap());
     for (body, status, what) in [
         (Vec::new(), 422, "EOF"),
         (b"hello".to_vec(), 422, "expected value"),
@@ -667,6 +700,12 @@ fn a_scene_that_no_world_can_be_made_of_is_refused_by_name() {
             }),
             422,
             "a triangle has the corner",
+        ),
+        (named("[\"a b\"]").into(), 422, "a class `a b`: expected a name without spaces"),
+        (
+            named(&format!("[{}\"\"]", "\"a\",".repeat(5000))).into(),
+            422,
+            "5001 classes of robots: expected at most 4096",
         ),
         (changed(|world| hull_of(world, vec![[0.0; 3]; 9_000])), 422, "in one plane"),
         (changed(|world| hull_of(world, vec![[1e308, -1e308, 1e-308]; 4])), 422, "corner"),

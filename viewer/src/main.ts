@@ -99,12 +99,23 @@ const drive = new DrivePanel(
     showSheet(null);
     if (playback.mode !== 'live') playback.goLive();
   },
+  (robotClass) => live.classOf(robotClass),
 );
 const board = new Board(state);
-const welcome = new Welcome(state, (robotClass) => drive.spawnAnywhere(robotClass));
+const welcome = new Welcome(
+  state,
+  (robotClass) => drive.spawnAnywhere(robotClass),
+  (robotClass) => void live.classOf(robotClass),
+);
 
 const live = new Live({
   scene: (scene) => playback.takeScene(scene),
+  classCame() {
+    // The next frame shows its robots; one of the past has come already.
+    if (state.frame && playback.mode === 'past') view.setFrame(state.frame);
+    welcome.update();
+    world.update();
+  },
   objects: (objects) => playback.takeObjects(objects),
   frame: (frame, bytes) => playback.takeFrame(frame, bytes),
   scan: (scan) => playback.takeScan(scan),

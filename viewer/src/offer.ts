@@ -27,8 +27,7 @@ export function startsOf({ map, league }: Scene, robotClass: string | null = nul
 }
 
 /** Returns the classes that can be spawned. */
-export function classesOf({ classes, league }: Scene): string[] {
-  const names = Object.keys(classes);
+export function classesOf({ names, league }: Scene): string[] {
   return league ? names.filter((name) => league.teams.some((team) => mayHave(team.classes, name))) : names;
 }
 

@@ -249,7 +249,9 @@ export class Playback {
       });
       this.player.wantLines = true;
       [this.name, this.mode] = [file.name, 'log'];
-      this.screen.scene({ ...log.scene, port: this.live.scene?.port ?? 0, maps: this.live.scene?.maps ?? [] });
+      // What can be spawned and loaded is the server's.
+      const { port = 0, maps = [], names = [] } = this.live.scene ?? {};
+      this.screen.scene({ ...log.scene, port, maps, names });
       this.screen.objects(new Map());
       this.showStatus([]);
       if (log.damage) this.screen.said(`${file.name}: ${log.damage}: it is shown up to there`);

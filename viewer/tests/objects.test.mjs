@@ -26,6 +26,7 @@ const solid = (name, x, shape = { Box: { size: [1, 1, 1] } }) => {
 const sceneOf = (...objects) => ({
   map: { name: 'test', description: '', solids: [], markings: [], objects, starts: [], path_nodes: [] },
   maps: [],
+  names: [],
   classes: {},
 });
 const statusOf = (resets) => ({ resets, robots: [], recording: null });
@@ -136,12 +137,12 @@ test('objects are fetched with the first status, when they change and after a sc
   };
   context.mock.timers.enable({ apis: ['setInterval'] });
   const seen = [];
-  context.mock.method(globalThis, 'fetch', async (name) => Response.json(name));
+  context.mock.method(globalThis, 'fetch', async (name) => Response.json({ name, names: [] }));
   const names = ['frame', 'scan', 'line', 'said', 'fit', 'lost'];
   new Live({
     ...Object.fromEntries(names.map((name) => [name, () => {}])),
-    scene: (answer) => seen.push(answer),
-    objects: (answer) => seen.push(answer),
+    scene: ({ name }) => seen.push(name),
+    objects: ({ name }) => seen.push(name),
     status: () => seen.push('status'),
   });
   await settled(() => sockets.length === 1);
@@ -155,7 +156,7 @@ test('objects are fetched with the first status, when they change and after a sc
     [1, 2, 1, 'status'],
   ]) {
     seen.length = 0;
-    sockets[0].onmessage({ data: JSON.stringify({ status: { scene, resets, objects } }) });
+    sockets[0].onmessage({ data: JSON.stringify({ status: { scene, resets, objects, robots: [] } }) });
     await settled(() => seen.join(' ') === expected);
     assert.equal(seen.join(' '), expected);
   }

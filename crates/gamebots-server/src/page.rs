@@ -1,5 +1,6 @@
 //! The page: its files, its requests and its two WebSockets.
 
+pub(crate) mod class;
 pub(crate) mod file;
 pub(crate) mod log_scene;
 pub(crate) mod metrics;

@@ -22,6 +22,7 @@ use crate::door::accept::{self, Limit, listen};
 use crate::door::limits::{Limits, limits};
 use crate::error::ServeError;
 use crate::messages::scene::About;
+use crate::page::class::ClassPages;
 use crate::page::packed::Packed;
 use crate::page::shared::{Framing, Site};
 use crate::page::site::Page;
@@ -266,6 +267,7 @@ fn site(
         access: door.access.clone(),
         limits: limits.named(),
         packed: Packed::default(),
+        classes: ClassPages::new(&config.world.robots),
         pages: AtomicU64::new(0),
         framing: Framing::Nobody,
     }

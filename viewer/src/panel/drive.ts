@@ -1,7 +1,7 @@
 /** The tab to spawn a robot and drive it by keyboard or by sticks. */
 
 import { Client, type Spawn, type Twist, initLine } from '../protocol/client';
-import type { Vector } from '../protocol/scene';
+import type { RobotClass, Vector } from '../protocol/scene';
 import type { State } from '../state';
 import { find, make, setText } from './dom';
 import { readGamepad } from './gamepad';
@@ -64,8 +64,14 @@ export class DrivePanel {
     private readonly say: (text: string) => void,
     private readonly select: (robot: number, isNew: boolean) => void,
     private readonly spawned: () => void,
+    private readonly classOf: (name: string) => Promise<RobotClass | null>,
   ) {
-    this.form = new SpawnForm(state, place, (spawn) => this.connect(spawn));
+    this.form = new SpawnForm(
+      state,
+      place,
+      (spawn) => this.connect(spawn),
+      (robotClass) => void classOf(robotClass),
+    );
     const stop = make('button', { type: 'button', id: 'stop' }, 'Stop');
     stop.onclick = () => this.release();
     const remove = make('button', { type: 'button', id: 'remove' }, 'Remove');
@@ -156,9 +162,18 @@ export class DrivePanel {
     this.connect({ robotClass, name, place: { location, yaw }, team: null });
   }
 
-  connect(spawn: Spawn): void {
-    const robotClass = this.state.scene?.classes[spawn.robotClass];
-    if (!robotClass) return;
+  private connect(spawn: Spawn): void {
+    const { robotClass: name } = spawn;
+    const known = this.state.scene?.classes[name];
+    // Keys that are pressed from now on drive the robot, so a class that is there is not waited for.
+    if (known) return this.enter(spawn, known);
+    void this.classOf(name).then((robotClass) => {
+      if (robotClass) this.enter(spawn, robotClass);
+      else this.say(`The server does not send the class ${name}: try again`);
+    });
+  }
+
+  private enter(spawn: Spawn, robotClass: RobotClass): void {
     const before = new Set(this.state.status?.robots.map(({ id }) => id));
     const client: Client = new Client(spawn, robotClass, (what) => this.remove(own, what));
     const own: Own = { client, connection: null, before, previous: this.driven };
@@ -195,7 +210,7 @@ export class DrivePanel {
     this.state.hasRobot = own !== null;
     this.driving.hidden = own === null;
     find('sticks').hidden = !this.state.driving;
-    const robotClass = own && this.state.scene?.classes[own.client.spawn.robotClass];
+    const robotClass = own?.client.robot;
     const flies = robotClass?.steering === 'Aerial';
     const sideways = flies || robotClass?.steering === 'OmniDrive';
     this.sticks.move.sideways = sideways;

@@ -39,6 +39,8 @@ export class SpawnForm {
     private readonly state: State,
     private readonly place: (placing: Placing) => void,
     private readonly spawn: (spawn: Spawn) => void,
+    /** Hears which class may be spawned next. */
+    private readonly chosen: (robotClass: string) => void,
   ) {
     const form = make(
       'form',
@@ -83,6 +85,7 @@ export class SpawnForm {
   private offerStarts(): void {
     const { scene } = this.state;
     if (!scene) return;
+    this.chosen(this.classes.value);
     const before = this.starts.value;
     this.offered = startsOf(scene, this.classes.value);
     setText(this.startsTitle, scene.league ? 'Team' : 'Start');

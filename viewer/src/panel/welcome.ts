@@ -14,30 +14,34 @@ export class Welcome {
   constructor(
     private readonly state: State,
     private readonly spawn: (robotClass: string) => void,
+    /** Asks for a class, whose description is shown when it has come. */
+    private readonly want: (robotClass: string) => void,
   ) {}
 
-  /** Robots or the scene are others. */
+  /** Updates the cards after the robots, the scene or its classes changed. */
   update(): void {
     const { status, scene, isPresent } = this.state;
     this.element.hidden = !isPresent || !status || status.robots.length > 0;
     if (!scene) return;
     const offered = firstClasses(scene);
-    const shown = JSON.stringify([offered, scene.port]);
+    const described = offered.map((name) => [name, scene.classes[name]?.description ?? '']);
+    const shown = JSON.stringify([described, scene.port]);
     if (shown === this.shown) return;
     this.shown = shown;
+    offered.forEach(this.want);
     this.element.replaceChildren(
       make('h2', {}, 'Spawn a robot'),
       make(
         'div',
         { class: 'row' },
-        ...offered.map((robotClass) => {
+        ...described.map(([robotClass = '', description = '']) => {
           const picture = PICTURES[`./robots/${robotClass}.png`];
           const button = make(
             'button',
             { class: 'card', 'data-spawn': robotClass },
             ...(picture ? [make('img', { src: picture, alt: '', width: '120', height: '84' })] : []),
             make('strong', {}, robotClass),
-            make('small', {}, scene.classes[robotClass]?.description ?? ''),
+            make('small', {}, description),
           );
           button.onclick = () => this.spawn(robotClass);
           return button;

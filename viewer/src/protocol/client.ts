@@ -46,7 +46,7 @@ export class Client {
 
   constructor(
     readonly spawn: Spawn,
-    private readonly robot: RobotClass,
+    readonly robot: RobotClass,
     private readonly ended: (what: string) => void,
   ) {
     this.socket = new WebSocket(socketUrl('wire'));

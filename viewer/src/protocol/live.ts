@@ -1,9 +1,10 @@
 /** The connection that shows the world and controls its time, its start and its log. It comes back by itself. */
 
 import { type Frame, type Picture, type Scan, readMessage } from './frame';
+import { ClassQuestions } from './classes';
 import { type Fit, type FitAnswer, FitQuestions } from './fit';
 import { ObjectQuestions } from './objects';
-import { type Scene, type Spawned, fetchScene } from './scene';
+import { type RobotClass, type Scene, type Spawned, fetchScene } from './scene';
 import type { Reading } from './sensors';
 import { Refused, token } from './token';
 
@@ -70,6 +71,8 @@ export type Control =
 /** What the page does with what comes. */
 export interface Listener {
   scene(scene: Scene): void;
+  /** The scene has another class of robots. */
+  classCame(): void;
   /** Takes the objects that the map does not have. */
   objects(objects: Spawned[]): void;
   frame(frame: Frame, bytes: ArrayBuffer): void;
@@ -110,6 +113,7 @@ export class Live {
     (text) => this.send(text),
     (answer) => this.listener.fit(answer),
   );
+  private readonly classes = new ClassQuestions(() => this.listener.classCame());
   private readonly objects = new ObjectQuestions(
     (objects) => this.listener.objects(objects),
     () => this.socket?.close(),
@@ -132,6 +136,11 @@ export class Live {
   /** Asks whether a robot could stand somewhere; a server that does not know that never answers. */
   askFit(fit: Fit): void {
     this.fits.ask(fit);
+  }
+
+  /** Returns a class of robots; null if the server has none of that name, or is lost. */
+  classOf(name: string): Promise<RobotClass | null> {
+    return this.classes.want(name);
   }
 
   /** Whether every line of the wire is to be sent. */
@@ -168,7 +177,9 @@ export class Live {
   async connect(): Promise<void> {
     try {
       // Anew each time: it may be another server now.
-      this.listener.scene(await fetchScene());
+      const scene = await fetchScene();
+      this.classes.restart(scene);
+      this.listener.scene(scene);
     } catch (error) {
       // Whoever has another token connects again.
       if (error instanceof Refused) this.listener.refused(token() !== null);
@@ -214,6 +225,7 @@ export class Live {
     if (before && status.scene !== before.scene) void this.fetchAnotherScene();
     if (this.isSceneStale) return;
     this.listener.status(status);
+    for (const robot of status.robots) void this.classes.want(robot.class);
     // A world that began anew gives the same numbers to other objects.
     if (status.resets !== before?.resets) this.objects.restart();
     if (status.resets !== before?.resets || status.objects !== before.objects) this.objects.ask();
@@ -224,7 +236,9 @@ export class Live {
     this.isSceneStale = true;
     this.objects.restart();
     try {
-      this.listener.scene(await fetchScene());
+      const scene = await fetchScene();
+      this.classes.keep(scene);
+      this.listener.scene(scene);
       this.isSceneStale = false;
       this.objects.ask();
     } catch {

@@ -14,7 +14,15 @@ port: number | null,
 /**
  * Maps that the server can change to.
  */
-maps: Array<OtherMap>, map: Map, classes: Record<string, RobotClass>, league: League | null, };
+maps: Array<OtherMap>, map: Map, 
+/**
+ * Names of all classes.
+ */
+names: Array<string>, 
+/**
+ * Classes of a log's world. A server has each at `/class/<name>`.
+ */
+classes: Record<string, RobotClass>, league: League | null, };
 
 export type League = { 
 /**

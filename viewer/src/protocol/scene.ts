@@ -1,6 +1,6 @@
 /** The scene as `/scene.json` gives it: SI units, z down. Those in scene.gen.ts and shape.gen.ts are generated from Rust. */
 
-import type { Scene, Spawned } from './scene.gen';
+import type { RobotClass, Scene, Spawned } from './scene.gen';
 import { fetchWithToken } from './token';
 
 export type {
@@ -25,6 +25,10 @@ export type Colour = [number, number, number];
 
 export async function fetchScene(): Promise<Scene> {
   return (await fetchJson('scene.json')) as Scene;
+}
+
+export async function fetchClass(name: string): Promise<RobotClass> {
+  return (await fetchJson(`class/${encodeURIComponent(name)}`)) as RobotClass;
 }
 
 export async function fetchObjects(): Promise<Spawned[]> {

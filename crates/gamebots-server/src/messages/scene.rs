@@ -60,6 +60,9 @@ page_types! {
         /// Maps that the server can change to.
         maps: Vec<OtherMap<'a>>,
         map: Map<'a>,
+        /// Names of all classes.
+        names: Vec<&'a str>,
+        /// Classes of a log's world. A server has each at `/class/<name>`.
         #[cfg_attr(test, ts(type = "Record<string, RobotClass>"))]
         classes: BTreeMap<&'a str, RobotClass<'a>>,
         league: Option<League<'a>>,
@@ -247,9 +250,11 @@ page_types! {
     }
 }
 
-/// Returns the map and every robot class as JSON. Without `about`, as for a log's world, it has no settings of a server.
+/// Returns the map and the names of all classes as JSON. Without `about`, as for a log's world, it has no settings of a server, but every
+/// class.
 pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
     let maps = about.iter().flat_map(|about| &about.maps);
+    let classes = about.is_none().then(|| world.robots.iter()).into_iter().flatten();
     let scene = Scene {
         version: env!("CARGO_PKG_VERSION"),
         seed: about.map(|about| about.seed),
@@ -257,11 +262,18 @@ pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
         port: about.map(|about| about.port),
         maps: maps.map(|(name, description)| OtherMap { name, description }).collect(),
         map: map(&world.map),
-        classes: world.robots.iter().map(|(name, def)| (name.as_str(), class(def))).collect(),
+        names: world.robots.keys().map(String::as_str).collect(),
+        classes: classes.map(|(name, def)| (name.as_str(), class(def))).collect(),
         league: world.league.as_ref().map(|rules| league(rules, &world.map)),
     };
     // Every key is a string, so serialization cannot fail.
     serde_json::to_string(&scene).unwrap_or_default()
+}
+
+/// Returns a robot class as JSON.
+pub(crate) fn class_json(def: &RobotDef) -> String {
+    // Every key is a string, so serialization cannot fail.
+    serde_json::to_string(&class(def)).unwrap_or_default()
 }
 
 /// Returns objects beside the map's as JSON.

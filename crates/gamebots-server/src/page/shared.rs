@@ -13,6 +13,7 @@ use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
 
 use crate::access::rights::{Access, WorldControl};
 use crate::access::waiting_room::Stay;
+use crate::page::class::ClassPages;
 use crate::page::packed::Packed;
 use crate::subscribers::live::Channels;
 use crate::world::event::Event;
@@ -54,6 +55,7 @@ pub(crate) struct Site {
     /// Most connections of each kind.
     pub(crate) limits: Vec<(&'static str, usize)>,
     pub(crate) packed: Packed,
+    pub(crate) classes: ClassPages,
     /// Number of pages opened so far; it numbers the pages.
     pub(crate) pages: AtomicU64,
     pub(crate) framing: Framing,

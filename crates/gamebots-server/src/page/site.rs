@@ -1,4 +1,4 @@
-//! The page: static files, the scene of the world or of a log as JSON, and two WebSockets. One shows the world; the other leads
+//! The page: static files, the scene of the world or of a log and classes of robots as JSON, and two WebSockets. One shows the world; the other leads
 //! to the protocol's own port.
 //!
 //! Requests of foreign pages are refused ([`crate::access::origin`]). No CORS header is ever sent, and the page cannot be framed.
@@ -23,7 +23,7 @@ use crate::access::origin::{bearer, check};
 use crate::access::tokens::Role;
 use crate::access::waiting_room::Visitor;
 use crate::page::shared::{Peer, Site, Visit, json};
-use crate::page::{file, log_scene, metrics, viewer, wire};
+use crate::page::{class, file, log_scene, metrics, viewer, wire};
 use crate::world::question::Question;
 
 /// Longest time for the head of a request, and for a client to read its response.
@@ -42,6 +42,7 @@ impl Page {
         let for_viewers = middleware::from_fn_with_state(site.clone(), admit_viewer);
         let router = Router::new()
             .route("/scene.json", get(scene).post(log_scene::answer))
+            .route("/class/{name}", get(class::class))
             .route("/objects.json", get(objects))
             .route("/league.json", get(league))
             .route_layer(for_viewers.clone())

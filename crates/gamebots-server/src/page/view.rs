@@ -22,6 +22,7 @@ use crate::config::{IfTaken, Listener, Service};
 use crate::door::accept::{self, Limit};
 use crate::error::ServeError;
 use crate::messages::scene::About;
+use crate::page::class::ClassPages;
 use crate::page::packed::Packed;
 use crate::page::shared::{Framing, Site};
 use crate::page::site::Page;
@@ -81,6 +82,7 @@ impl View {
             access,
             limits: Vec::new(),
             packed: Packed::default(),
+            classes: ClassPages::new(&def.robots),
             pages: AtomicU64::new(0),
             framing: Framing::Local,
         };
