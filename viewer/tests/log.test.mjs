@@ -319,8 +319,8 @@ test('a file that is no log is refused by name', async () => {
   await refused(magic, /expected the metadata `run`/);
   await refused(Buffer.concat([magic, Buffer.alloc(100, 255)]), /expected the metadata `run`/);
   const newer = (bytes) =>
-    Buffer.from(bytes.toString('latin1').replace('format\x01\0\0\x002', 'format\x01\0\0\x003'), 'latin1');
-  await assert.rejects(open(changed('newer.mcap', newer)), /of format 3, expected 1 to 2/);
+    Buffer.from(bytes.toString('latin1').replace('format\x01\0\0\x003', 'format\x01\0\0\x004'), 'latin1');
+  await assert.rejects(open(changed('newer.mcap', newer)), /of format 4, expected 1 to 3/);
   const broken = (bytes) => Buffer.from(bytes.toString('latin1').replace('"gravity":', '"gravitY":'), 'latin1');
   await assert.rejects(open(changed('broken.mcap', broken)), /missing field `gravity`/);
 });

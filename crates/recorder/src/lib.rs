@@ -2,13 +2,14 @@
 //!
 //! Simulated time is log time. Messages are protobuf: [`native`] has the channels, and `proto/usarsim.proto` our own messages.
 //! Foxglove's messages stand beside them, so that a log opens as a moving scene. The metadata `run` holds the scene with every
-//! number in effect, seed and time step. The metadata `end` holds the digest of the world. [`ros2`] writes the run as messages
+//! number in effect, seed and time step; the metadata `class/<name>` hold the classes that were used. The metadata `end` holds the digest of the world. [`ros2`] writes the run as messages
 //! of ROS 2 to a separate file.
 //!
 //! [`Live`] streams the messages to viewers. For a live world, a separate thread writes the file, so that a slow disk does not
 //! hold up the world. Records reach the file at least once a second. So a killed process leaves a file that can be read up to
 //! there.
 
+mod classes;
 mod drawing;
 pub mod export;
 mod file;
@@ -41,8 +42,8 @@ use mcap::McapResult;
 use scene::{MapDef, Score, Sensed, Standings};
 
 /// The newest format of logs, which is written; older ones are read, too. In format 1, which logs do not name, robots are
-/// bodies with wheels. In format 2, robots are trees of links.
-const FORMAT: u32 = 2;
+/// bodies with wheels. In format 2, robots are trees of links. In format 3, classes have metadata of their own.
+const FORMAT: u32 = 3;
 /// Name of the metadata that describes a run.
 const RUN: &str = "run";
 /// Name of the metadata that ends a log.

@@ -7,10 +7,12 @@ use std::path::Path;
 
 use foxglove::messages::{Log as LogMessage, log::Level};
 use gamebots_proto::framing::MAX_LINE_BYTES;
+use gamebots_proto::shown;
 use mcap::MAGIC;
 use prost::Message;
 use scene::WorldDef;
 
+use crate::classes::{CLASS, DEFINITION, Described};
 use crate::records::{self, Damage, Record as Raw};
 use crate::{
     END, FORMAT, LEAGUE, LEFT, LeagueScore, LeagueStandings, OBJECTS, ObjectRemoved, ObjectSpawned, ObjectState,
@@ -43,6 +45,8 @@ pub struct Entry {
 pub struct Log {
     /// Metadata that describe the run.
     pub run: BTreeMap<String, String>,
+    /// Definitions of the robot classes that it used, JSON, by name. In an old log they are in the scene.
+    pub classes: BTreeMap<String, String>,
     /// Metadata of its end: `seconds`, `digest`, `dropped`, `unsettled_steps`. Empty if the log was cut off.
     pub end: BTreeMap<String, String>,
     /// The records in order.
@@ -52,23 +56,35 @@ pub struct Log {
 }
 
 impl Log {
-    /// Returns the scene with every number in effect, if it makes a valid world.
+    /// Returns the scene with every number in effect, if it makes a valid world. A class that the log did not use cannot be read in it.
     ///
     /// # Errors
     /// Describes the problem.
     pub fn scene(&self) -> Result<WorldDef, String> {
-        scene(self.run.get("scene").ok_or("no `scene` in its metadata")?.as_bytes())
+        let read = |error: serde_json::Error| format!("its scene: {error}");
+        let scene = self.run.get("scene").ok_or("no `scene` in its metadata")?;
+        let names = self.run.get("classes").map_or("[]", String::as_str);
+        let class = |(name, definition): (&String, &String)| {
+            let def = serde_json::from_str(definition).map_err(|error| format!("its class {}: {error}", shown(name)));
+            def.map(|def| (name.clone(), def))
+        };
+        Described {
+            scene: serde_json::from_str(scene).map_err(read)?,
+            names: serde_json::from_str(names).map_err(read)?,
+            classes: self.classes.iter().map(class).collect::<Result<_, _>>()?,
+        }
+        .world()
     }
 }
 
-/// Reads the scene in the metadata `run` of a log, also of an old one, from JSON, if it makes a valid world.
+/// Reads the world of a log from JSON, if it is valid: an object with the `scene` in the metadata `run`, with `names`, which are the
+/// `classes` there, and with `classes`, which are the definitions in the metadata `class/<name>` by their names. An old log has the first alone.
 ///
 /// # Errors
 /// Describes the problem.
 pub fn scene(json: &[u8]) -> Result<WorldDef, String> {
-    let scene: WorldDef = serde_json::from_slice(json).map_err(|error| format!("its scene: {error}"))?;
-    scene.check().map_err(|problem| format!("its scene: {problem}"))?;
-    Ok(scene)
+    let described: Described = serde_json::from_slice(json).map_err(|error| format!("its scene: {error}"))?;
+    described.world()
 }
 
 /// A log that cannot be read at all.
@@ -91,6 +107,10 @@ pub fn read(path: &Path) -> Result<Log, ReadError> {
         match record {
             Raw::Metadata { name: RUN, entries } => log.run = entries,
             Raw::Metadata { name: END, entries } => log.end = entries,
+            Raw::Metadata { name, mut entries } => {
+                let class = name.strip_prefix(CLASS).zip(entries.remove(DEFINITION));
+                log.classes.extend(class.map(|(name, definition)| (name.to_owned(), definition)));
+            }
             Raw::Channel { id, topic, .. } => drop(topics.insert(id, Topic::of(topic))),
             Raw::Message { header, data } => {
                 let topic = topics.get(&header.channel_id).copied().unwrap_or(Topic::Other);
@@ -258,7 +278,7 @@ mod tests {
     fn a_log_reads_back_as_it_was_recorded() {
         let file = tempfile::NamedTempFile::new().unwrap();
         written(file.path());
-        let Log { run, end, entries, damage } = read(file.path()).unwrap();
+        let Log { run, end, entries, damage, .. } = read(file.path()).unwrap();
         assert_eq!(damage, None);
         assert_eq!((run["map"].as_str(), end["digest"].as_str()), ("none", "0000000000000abc"));
         assert_eq!(entries.len(), 1000);

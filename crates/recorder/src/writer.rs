@@ -6,8 +6,10 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use scene::{Options, Snapshot, WorldDef};
+use mcap::McapResult;
+use scene::{Classes, Options, RobotDef, Snapshot, WorldDef};
 
+use crate::classes::{CLASS, DEFINITION, Used};
 use crate::file::{LogFile, Storage, storage};
 use crate::native::Native;
 use crate::ros2::{self, Ros2};
@@ -35,6 +37,8 @@ pub struct LogWriter {
     file: LogFile,
     native: Native,
     states: States,
+    classes: Classes,
+    used: Used,
     ros2: Option<(LogFile, Ros2)>,
 }
 
@@ -65,6 +69,8 @@ impl LogWriter {
         description: &[(String, String)],
     ) -> Result<Self, RecordError> {
         let entry = |key: &str, value: &dyn std::fmt::Display| (key.to_owned(), value.to_string());
+        let without_classes = WorldDef { robots: Classes::default(), ..world.clone() };
+        let names: Vec<&String> = world.robots.keys().collect();
         let mut metadata: BTreeMap<String, String> = description.iter().cloned().collect();
         metadata.extend([
             entry("format", &FORMAT),
@@ -73,7 +79,8 @@ impl LogWriter {
             entry("time_step", &options.time_step),
             entry("speed_unit", &options.speed_unit),
             entry("keep_robots", &options.keep_robots),
-            entry("scene", &serde_json::to_string(world).unwrap_or_default()),
+            entry("scene", &serde_json::to_string(&without_classes).unwrap_or_default()),
+            entry("classes", &serde_json::to_string(&names).unwrap_or_default()),
             entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
         ]);
         metadata.extend(options.panic_at.map(|steps| entry("panic_at", &steps)));
@@ -84,7 +91,8 @@ impl LogWriter {
             file.flush()?;
             Ok(native)
         })?;
-        Ok(Self { file, native, states: States::default(), ros2: None })
+        let (classes, used) = (world.robots.clone(), Used::default());
+        Ok(Self { file, native, states: States::default(), classes, used, ros2: None })
     }
 
     /// Writes the messages of [`crate::ros2`] as well, to a separate storage: `run.ros2.mcap` for `run.mcap`.
@@ -107,6 +115,9 @@ impl LogWriter {
     /// # Errors
     /// When the disk takes no more.
     pub fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError> {
+        if let Some((name, class)) = self.used.first(&self.classes, record) {
+            self.file.with(|file| write_class(file, name, class))?;
+        }
         if let Some((file, ros2)) = &mut self.ros2 {
             file.with(|file| ros2.write(time, record, file))?;
         }
@@ -152,6 +163,11 @@ impl LogWriter {
         file.finish()?;
         ros2.map_or(Ok(()), |(file, _)| file.finish())
     }
+}
+
+fn write_class(file: &mut LogFile, name: &str, class: &RobotDef) -> McapResult<()> {
+    let definition = serde_json::to_string(class).map_err(std::io::Error::from)?;
+    file.metadata(&format!("{CLASS}{name}"), BTreeMap::from([(DEFINITION.to_owned(), definition)]))
 }
 
 impl RecordError {

@@ -72,15 +72,15 @@ fn log_of(records: &[(f64, Record)]) -> Vec<u8> {
 
 #[test]
 fn a_log_of_a_newer_format_is_refused() {
-    for (format, readable) in [("1", true), ("2", true), ("3", false), ("0", false), ("two", false), ("-1", false)] {
+    for (format, readable) in [("1", true), ("3", true), ("4", false), ("0", false), ("two", false), ("-1", false)] {
         let read = read(&beginning_with("format", format));
         assert_eq!(read.is_ok(), readable, "{format}: {read:?}");
         if let Err(error) = read {
-            assert!(error.contains(&format!("format {format}, expected 1 to 2; a newer usarsim")), "{error}");
+            assert!(error.contains(&format!("format {format}, expected 1 to 3; a newer usarsim")), "{error}");
         }
     }
     let written = read(&log_of(&[])).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(written.run["format"], "2");
+    assert_eq!(written.run["format"], "3");
 }
 
 #[test]
@@ -197,10 +197,13 @@ fn times_that_no_run_has_are_not_replayed() {
         log.end.clear();
         log.entries[0].time = 1.0;
     });
+    check("a class of another log", "its class P3AT: missing field", &|log| {
+        drop(log.classes.insert("P3AT".into(), "{}".into()))
+    });
     check("no scene", "no `scene` in its metadata", &|log| drop(log.run.remove("scene")));
     check("a wheel like a hair", "robot P3AT, wheel", &|log| {
-        let scene = log.run.get_mut("scene").expect("a scene");
-        *scene = scene.replace("\"radius\":0.098,", "\"radius\":0.000098,");
+        let class = log.classes.get_mut("P3AT").expect("a class");
+        *class = class.replace("\"radius\":0.098,", "\"radius\":0.000098,");
     });
     for (key, value) in [("speed_unit", "inf"), ("speed_unit", "1e300"), ("speed_unit", "NaN"), ("time_step", "1e-9")] {
         check(key, "expected 0.", &|log| drop(log.run.insert(key.into(), value.into())));

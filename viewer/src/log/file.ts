@@ -30,7 +30,9 @@ export interface Moment extends RobotsMoment {
 }
 
 /** The newest format of logs that is read, as in crates/recorder/src/lib.rs. */
-const FORMAT = 2;
+const FORMAT = 3;
+/** Name of the metadata of a class, before the class's own name. */
+const CLASS = 'class/';
 /** Robots are recorded every 20 ms or at the first step after, which takes 20 ms at most; ns. */
 const STATE_WINDOW = 50e6;
 /** Lines that are given at once, the newest; more are more than a page shows. */
@@ -74,8 +76,8 @@ export class LogFile {
     this.objects = new LogObjects(this.chunks, contents.topics, scene.map.objects);
   }
 
-  /** Opens a log. `askScene` makes the scene that the page draws of the one that the log has. */
-  static async open(file: Blob, askScene: (stored: string) => Promise<Scene> = postScene): Promise<LogFile> {
+  /** Opens a log. `askScene` makes the scene that the page draws of the world that the log describes, in JSON. */
+  static async open(file: Blob, askScene: (world: string) => Promise<Scene> = postScene): Promise<LogFile> {
     const source = new Source(file);
     const contents = await readContents(source);
     const run = contents.metadata.get('run');
@@ -84,10 +86,9 @@ export class LogFile {
     if (!(format >= 1 && format <= FORMAT)) {
       throw new Error(`it is of format ${run.format}, expected 1 to ${FORMAT}; a newer usarsim may read it`);
     }
-    if (run.scene === undefined) throw new Error('no `scene` in its metadata');
-    const scene = (await askScene(run.scene)) as Scene;
+    const scene = await askScene(worldOf(contents.metadata));
     // The text has several MB where a map has meshes.
-    const { scene: _, ...rest } = run;
+    const { scene: _, classes: __, ...rest } = run;
     const numbers = { seed: numberOf(run.seed) ?? 0, time_step: numberOf(run.time_step) ?? 0 };
     return new LogFile(source, contents, rest, { ...scene, ...numbers });
   }
@@ -205,9 +206,20 @@ export class LogFile {
   }
 }
 
-/** The scene that the page's own server makes of the one of a log. */
-export async function postScene(stored: string): Promise<Scene> {
-  return (await (await fetchWithToken('scene.json', { method: 'POST', body: stored })).json()) as Scene;
+/** Returns the world that a log describes, as JSON. Its texts are JSON already, and too long to be parsed here. */
+function worldOf(metadata: Contents['metadata']): string {
+  const { scene, classes = '[]' } = metadata.get('run') ?? {};
+  if (scene === undefined) throw new Error('no `scene` in its metadata');
+  const used = [...metadata].flatMap(([name, { definition }]) => {
+    const isClass = name.startsWith(CLASS) && definition !== undefined;
+    return isClass ? [`${JSON.stringify(name.slice(CLASS.length))}:${definition}`] : [];
+  });
+  return `{"scene":${scene},"names":${classes},"classes":{${used.join()}}}`;
+}
+
+/** Returns the scene that the page's own server makes of the world of a log. */
+export async function postScene(world: string): Promise<Scene> {
+  return (await (await fetchWithToken('scene.json', { method: 'POST', body: world })).json()) as Scene;
 }
 
 /** The topics of robots by their slots: the numbers in topics, which are given back. */

@@ -51,7 +51,8 @@ pub(super) fn run(Arguments { file, json }: &Arguments) -> Result<(), Failure> {
     let dropped = log.end.get("dropped").cloned().unwrap_or_default();
     if *json {
         let counts: BTreeMap<_, _> = counts.iter().map(|([_, many], count)| (many, count)).collect();
-        let run: BTreeMap<_, _> = log.run.iter().filter(|(key, _)| *key != "scene").collect();
+        let run: BTreeMap<_, _> =
+            log.run.iter().filter(|(key, _)| !["scene", "classes"].contains(&key.as_str())).collect();
         print(json!({
             "file": file.display().to_string(), "seconds": seconds, "complete": complete, "robots": robots,
             "counts": counts, "run": run, "end": log.end, "damage": log.damage,
