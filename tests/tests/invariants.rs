@@ -188,12 +188,16 @@ fn nothing_is_left_undone_in_the_code() {
 /// True if a line begins a doc comment with a word that leaves its noun or its verb for later.
 fn begins_obliquely(before: &str, line: &str) -> bool {
     let doc = |line: &str| line.starts_with("///") || line.starts_with("//!");
-    let (before, line) = (before.trim_start(), line.trim_start());
-    if !doc(line) || doc(before) {
-        return false;
-    }
-    let words = line[3..].trim_start();
-    ["Of ", "What ", "Who ", "Whose ", "Where ", "Whether ", "The same ", "By ", "Has "]
+    let (before, line) = (before.trim(), line.trim_start());
+    let words = match line.strip_prefix("/**") {
+        Some(words) => words,
+        // The first line of several, in TypeScript.
+        None if before == "/**" => line.trim_start_matches('*'),
+        None if doc(line) && !doc(before) => &line[3..],
+        None => return false,
+    };
+    let words = words.trim_start();
+    ["Of ", "What ", "Who ", "Whose ", "Where ", "Whether ", "The same ", "By ", "Has ", "How ", "Which ", "Those "]
         .iter()
         .any(|word| words.starts_with(word))
 }
@@ -201,8 +205,8 @@ fn begins_obliquely(before: &str, line: &str) -> bool {
 #[test]
 fn doc_comments_begin_with_a_noun_or_a_verb() {
     let mut oblique = Vec::new();
-    for folder in ["crates", "tests", "fuzz"] {
-        for path in files(&repository().join(folder), &["rs"]) {
+    for folder in ["crates", "tests", "fuzz", "viewer/src"] {
+        for path in files(&repository().join(folder), &["rs", "ts"]) {
             let text = text(&path);
             let lines: Vec<&str> = text.lines().collect();
             let numbered = lines.iter().enumerate();
@@ -228,6 +232,10 @@ fn a_doc_comment_is_judged_by_its_first_line() {
         ("", "/// Offers a service.", false),
         ("", "// Of a wheel.", false),
         ("", "/// The samples.", false),
+        ("", "  /** Whether it moves. */", true),
+        ("  /**", "   * Which moment is shown:", true),
+        ("   * A moment:", "   * Which is shown.", false),
+        ("", "/** True if it moves. */", false),
     ] {
         assert_eq!(begins_obliquely(before, line), is_oblique, "{before} / {line}");
     }

@@ -9,7 +9,7 @@ use system_tests::{apply, command, init, run, scene_with_test_robot};
 
 const CLOSE: &str = "SET {Type Gripper} {Name KR60gripper} {Opcode Close}";
 const OPEN: &str = "SET {Type Gripper} {Name KR60gripper} {Opcode Open}";
-/// How far the slide goes down, so that the mouth is 33 mm above a crate, m.
+/// Way of the slide down, so that the mouth is 33 mm above a crate, m.
 const DOWN: f64 = 0.22;
 
 /// A world with a robot whose vacuum is above something that a controller made.

@@ -7,7 +7,7 @@ export interface Action {
   /** `event.key`, and how the key is shown where that differs */
   key?: string;
   shown?: string;
-  /** true for what needs a server that robots are driven on */
+  /** True for an action that needs a server on which robots are driven. */
   drives?: boolean;
   run: () => void;
 }

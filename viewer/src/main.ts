@@ -29,7 +29,7 @@ import { State } from './state';
 import { QUALITIES, RUNGS } from './view/quality';
 import { View } from './view/view';
 
-/** Between two updates of numbers, and of plots, ms. */
+/** Intervals between two updates of numbers, and of plots, ms. */
 const PANEL_INTERVAL = 100;
 const PLOT_INTERVAL = 250;
 /** Moments of the past that a new plot begins with. */
@@ -219,7 +219,7 @@ function namesOf(connection: number): string | null {
   return robots.map(({ id }) => state.nameOf(id)).join(', ') || null;
 }
 
-/** What is wrong, or null when all is well again. */
+/** Shows a problem; null when it is over. */
 function showBanner(text: string | null): void {
   const banner = find('banner');
   const wasLost = !banner.hidden;

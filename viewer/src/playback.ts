@@ -1,4 +1,4 @@
-/** Which moment is shown: the server's present, the last minute, or one of a log. */
+/** Choice of the shown moment: the server's present, the last minute, or a log. */
 
 import { History } from './history';
 import { LogFile, Player } from './log';
@@ -10,7 +10,7 @@ import type { Reading } from './protocol/sensors';
 
 export type Mode = 'live' | 'past' | 'log';
 
-/** What the page does with what is shown, wherever it comes from. */
+/** Receiver of what is shown, from any source. */
 export interface Screen {
   scene(scene: Scene): void;
   /** Takes the objects that the map does not have, by their numbers: those of the frames that follow, and maybe more. */
@@ -35,7 +35,7 @@ export interface Screen {
   shownTime(): number;
 }
 
-/** Between two frames of the past that is played, ms. */
+/** Interval between two frames of the past, ms. */
 const INTERVAL = 33;
 /** Moments of a log that plots and marks are made from: so many a second, and at most. */
 const SAMPLES = { perSecond: 20, most: 600 };
@@ -44,7 +44,7 @@ const BEFORE = 0.5;
 /** Samples between two updates of plots. */
 const SAMPLES_SHOWN = 100;
 
-/** What stays of a status while a log is shown. */
+/** Status of a log, without robots. */
 const OF_LOG = {
   real_time_factor: 0,
   resets: 0,
@@ -77,7 +77,7 @@ export class Playback {
     status: null,
     frame: null,
   };
-  /** All that the server's world has had beside the map's objects, by their numbers: those that are gone are in the past. */
+  /** Spawned objects of the server's world by number. Removed ones are kept for the past. */
   private objects = new Map<number, Solid>();
 
   constructor(private readonly screen: Screen) {}
@@ -149,7 +149,7 @@ export class Playback {
     return this.player ? [this.player.log.start, this.player.log.end] : this.history.range;
   }
 
-  /** Whether what is shown stands still. */
+  /** True if the shown moment stands still. */
   get isPaused(): boolean {
     if (this.player) return !this.player.isPlaying;
     return this.mode === 'past' ? this.playing === null : (this.live.status?.paused ?? false);

@@ -1,4 +1,4 @@
-/** What the page knows of the world that it shows: the server's, or that of a log. */
+/** State of the world that the page shows: the server's, or a log's. */
 
 import type { Frame, RobotState } from './protocol/frame';
 import type { Status } from './protocol/live';
@@ -48,7 +48,7 @@ export class State {
     return this.frame?.robots.find((robot) => robot.id === id) ?? null;
   }
 
-  /** What a movable object is; null before the server has told it. */
+  /** Returns a movable object; null before the server has sent it. */
   object(number: number): Solid | null {
     return this.scene?.map.objects[number] ?? this.spawned.get(number) ?? null;
   }

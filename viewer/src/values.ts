@@ -1,16 +1,16 @@
-/** Every number that the page can show of a robot, and plot. */
+/** Numbers of a robot that the page can show and plot. */
 
 import { type RobotState, rollPitchYaw } from './protocol/frame';
 import type { Joint, RobotClass } from './protocol/scene';
 import type { SensorValues } from './protocol/sensors';
 
 export interface Value {
-  /** one of its own within a robot */
+  /** Key of the value, unique within a robot. */
   key: string;
   name: string;
   unit: string;
   digits: number;
-  /** true for a number of a sensor, which frames of the past do not have */
+  /** True for a number of a sensor: frames of the past do not have it. */
   isReading?: boolean;
   read: (robot: RobotState, sensors: SensorValues) => number | null;
 }

@@ -56,7 +56,7 @@ const LEAST_FADE_UNIT: f64 = 5.0;
 /// Half the width of a line of the grid, m.
 const GRID_LINE: f64 = 0.006;
 
-/// How finely a picture is drawn.
+/// Quality of a picture.
 struct Fineness {
     /// Samples along the edge of a pixel.
     samples: usize,

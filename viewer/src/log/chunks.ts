@@ -12,13 +12,13 @@ export class Chunks {
   private readonly channels: Map<string, number>;
   /** Places in `contents.chunks` by channel, where they are asked for. */
   private readonly holding = new Map<number, number[]>();
-  /** What `lastOf` found last, by channel, and before which time it is right. */
+  /** Last result of `lastOf` by channel, and the time before which it holds. */
   private readonly found = new Map<number, { message: Message; next: number }>();
 
   constructor(
     private readonly source: Source,
     private readonly contents: Contents,
-    /** What to do with each chunk that is read. */
+    /** Callback for each chunk that is read. */
     private readonly came: (chunk: Chunk) => void,
   ) {
     this.channels = new Map([...contents.topics].map(([channel, topic]) => [topic, channel]));

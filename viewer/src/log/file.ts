@@ -17,15 +17,15 @@ import { Source } from './source';
 
 export type LogRobots = Status['robots'];
 
-/** Where the robots were, and who was there. */
+/** Poses of the robots at one time, and their names. */
 export interface RobotsMoment {
   frame: Frame;
   robots: LogRobots;
 }
 
-/** Where everything was, and what was there. */
+/** Poses of robots and objects at one time, and the spawned objects. */
 export interface Moment extends RobotsMoment {
-  /** Those of the frame's objects that the map does not have, by their numbers. */
+  /** Objects of the frame that the map does not have, by number. */
   spawned: Map<number, Solid>;
 }
 
@@ -42,9 +42,9 @@ interface Slot {
   frame: string;
   state: number;
   transforms: number | undefined;
-  /** channels of readings */
+  /** Channels of readings. */
   readings: number[];
-  /** channels of the scans of level lasers, by the names of these */
+  /** Channels of the scans of level lasers, with the lasers' names. */
   scans: { name: string; channel: number }[];
 }
 
@@ -53,7 +53,7 @@ export class LogFile {
   readonly start: number;
   /** s */
   readonly end: number;
-  /** Why the rest of the file cannot be read; `null` for a log that is whole. */
+  /** Reason why the rest of the file cannot be read; `null` for a whole log. */
   readonly damage: string | null;
   private readonly chunks: Chunks;
   private readonly slots: Slot[];
@@ -63,7 +63,7 @@ export class LogFile {
   private constructor(
     source: Source,
     contents: Contents,
-    /** What describes the run: seed, time step, and what else it was begun with. */
+    /** Description of the run: seed, time step and options. */
     readonly run: Record<string, string>,
     readonly scene: Scene,
   ) {
@@ -93,12 +93,12 @@ export class LogFile {
     return new LogFile(source, contents, rest, { ...scene, ...numbers });
   }
 
-  /** Where everything was at a time, s. */
+  /** Returns the poses of robots and objects at a time, s. */
   async frameAt(time: number): Promise<Frame> {
     return (await this.momentAt(time)).frame;
   }
 
-  /** The same, and what was there. */
+  /** Returns a frame with its robots' names and spawned objects. */
   async momentAt(time: number): Promise<Moment> {
     const [{ frame, robots }, { objects, spawned }] = await Promise.all([
       this.robotsAt(time),
@@ -108,7 +108,7 @@ export class LogFile {
   }
 
   /**
-   * Where the robots were, without objects, and who was there. Nothing is between two states of a robot, which are 20 ms apart:
+   * Returns the poses and names of robots, without objects. Nothing is between two states of a robot, which are 20 ms apart:
    * the earlier one counts.
    */
   async robotsAt(time: number): Promise<RobotsMoment> {
@@ -130,7 +130,7 @@ export class LogFile {
     return { frame: { time, robots: found.map(({ robot }) => robot), objects: [] }, robots };
   }
 
-  /** What was said from after one time up to another, s; of very much the newest. */
+  /** Returns the lines after one time up to another, s; the newest if there are too many. */
   async linesBetween(after: number, until: number): Promise<WireLine[]> {
     const [to, chunks] = await this.chunksBetween(after, until);
     const of = (chunk: Chunk, direction: 'in' | 'out') => {
@@ -195,7 +195,7 @@ export class LogFile {
     return new Set([...left, ...closed]);
   }
 
-  /** Which connection each robot has. */
+  /** Learns the connection of each robot. */
   private learn(chunk: Chunk): void {
     for (const topic of ['/wire/in', '/wire/out']) {
       for (const { data } of chunk.messages.get(this.chunks.channel(topic) ?? -1) ?? []) {

@@ -3,7 +3,7 @@
 import { Bytes } from './bytes';
 
 const MAGIC = 0x184d2204;
-/** Of the flags: what stands beside the blocks. */
+/** Flags of the parts beside the blocks. */
 const [DICTIONARY, CONTENT_SIZE, BLOCK_CHECKSUM] = [0x01, 0x08, 0x10];
 /** A block that is not compressed. */
 const PLAIN = 0x80000000;

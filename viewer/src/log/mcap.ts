@@ -21,9 +21,9 @@ const FOOTER_BYTES = HEAD_BYTES + 20;
 const MAX_RECORD_BYTES = 256 << 20;
 /** LZ4 makes at most so many bytes of one. */
 const MAX_EXPANSION = 255;
-/** What a message takes in memory beside its data, about. */
+/** Memory of a message beside its data, bytes, approximately. */
 const MESSAGE_BYTES = 200;
-/** Of a chunk what stands before its data; `lz4` is the longest compression that is read. */
+/** Size of a chunk's head before its data, bytes; `lz4` is the longest name of a compression. */
 const CHUNK_HEAD_BYTES = 8 + 8 + 8 + 4 + 4 + 3 + 8;
 
 const Op = {
@@ -41,36 +41,36 @@ const Op = {
 export interface ChunkPlace {
   start: number;
   end: number;
-  /** in the file, of the whole record */
+  /** Position of the whole record in the file. */
   offset: number;
   length: number;
-  /** of the messages in it */
+  /** Channels of its messages. */
   channels: number[];
 }
 
 export interface Contents {
-  /** topics of channels */
+  /** Topics of channels. */
   topics: Map<number, string>;
   metadata: Map<string, Record<string, string>>;
-  /** by time */
+  /** Chunks by time. */
   chunks: ChunkPlace[];
-  /** why the rest of the file cannot be read */
+  /** Reason why the rest of the file cannot be read. */
   damage: string | null;
 }
 
 export interface Message {
   time: number;
-  /** its place in the chunk */
+  /** Place of the message in the chunk. */
   order: number;
   data: Uint8Array;
 }
 
 export interface Chunk {
-  /** topics of the channels that begin in it */
+  /** Topics of channels that begin in the chunk. */
   topics: Map<number, string>;
-  /** by channel, in the order of the file */
+  /** Messages by channel, in the order of the file. */
   messages: Map<number, Message[]>;
-  /** in memory */
+  /** Bytes in memory. */
   bytes: number;
 }
 
@@ -85,7 +85,7 @@ export async function readContents(source: Source): Promise<Contents> {
   return contents;
 }
 
-/** What the index at the end says; `null` for a file without one. */
+/** Reads the index at the end; `null` for a file without one. */
 async function readIndex(source: Source): Promise<Contents | null> {
   const end = source.size - MAGIC.length - FOOTER_BYTES;
   if (end < MAGIC.length) return null;
@@ -118,7 +118,7 @@ async function readIndex(source: Source): Promise<Contents | null> {
   return contents;
 }
 
-/** What the records before the first damage are, without what is in the chunks. */
+/** Reads the records before the first damage, without the contents of chunks. */
 async function readHeads(source: Source): Promise<Contents> {
   const contents: Contents = { topics: new Map(), metadata: new Map(), chunks: [], damage: 'it is cut off' };
   let chunk: ChunkPlace | null = null;

@@ -13,10 +13,10 @@ export interface StateMessage {
   class: string;
   name: string;
   pose: Pose;
-  /** m/s and rad/s, world axes */
+  /** Velocity in world axes, m/s and rad/s. */
   linear: Vector;
   angular: Vector;
-  /** in the order of the class's `values` */
+  /** Joints in the order of the class's `values`. */
   positions: number[];
   speeds: number[];
 }
@@ -100,7 +100,7 @@ export function readLine(bytes: Uint8Array): LineMessage {
   return line;
 }
 
-/** Which robot a line is of, and its connection, without the line. */
+/** Reads the robot and connection of a line, without its text. */
 export function readLineOwner(bytes: Uint8Array): { connection: number; robot: number | null } {
   const owner = { connection: 0, robot: null as number | null };
   eachField(bytes, {

@@ -14,7 +14,7 @@ interface Definition {
     name: string;
     shape: Shape;
     position: Vector;
-    /** roll, pitch, yaw */
+    /** Roll, pitch, yaw, rad. */
     rotation: Vector;
     material: { name: string; friction: number; colour: Solid['colour'] };
   };
@@ -27,9 +27,9 @@ export class LogObjects {
   private readonly telling: number[];
   private told = 0;
   private reading = Promise.resolve();
-  /** By their numbers, with when they came, ns. */
+  /** Spawned objects by number, with the time of their arrival, ns. */
   private readonly spawned = new Map<number, { time: number; solid: Solid }>();
-  /** When objects were removed, ns, by their numbers. */
+  /** Times at which objects were removed, ns, by number. */
   private readonly removed = new Map<number, number>();
 
   constructor(
@@ -43,7 +43,7 @@ export class LogObjects {
     this.telling = chunks.holdingAny(channels(/^\/objects\/(spawned|removed)$/));
   }
 
-  /** Where the objects were at a time, ns, and those of them that the map does not have. */
+  /** Returns the poses of objects at a time, ns, and the objects that the map does not have. */
   async at(until: number): Promise<{ objects: ObjectState[]; spawned: Map<number, Solid> }> {
     const [poses] = await Promise.all([this.posesAt(until), this.listen(until)]);
     const isThere = (number: number) => (this.removed.get(number) ?? Infinity) > until;

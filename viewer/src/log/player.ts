@@ -6,12 +6,12 @@ import type { Solid } from '../protocol/scene';
 import type { Reading } from '../protocol/sensors';
 import type { LogFile, LogRobots } from './file';
 
-/** What the page does with what a log has. */
+/** Receiver of a log's contents. */
 export interface LogListener {
   frame(frame: Frame): void;
   /** The objects that the map does not have, by their numbers, when that changes. The frame with them follows. */
   objects(objects: Map<number, Solid>): void;
-  /** Who is there, when that changes. */
+  /** Takes the robots when they change. */
   status(robots: LogRobots): void;
   scan(scan: Scan): void;
   line(line: WireLine): void;
@@ -24,13 +24,13 @@ export interface LogListener {
   failed(reason: string): void;
 }
 
-/** Between two frames, ms: as often as a live world gives them. */
+/** Interval between two frames, ms, as in a live world. */
 const INTERVAL = 33;
-/** Of a longer time between two frames only the end is read: lines, readings and scans, s. After a jump as much from before it. */
+/** Longest time whose lines, readings and scans are read for a frame, s. After a jump it is the time before it. */
 const LOOK_BACK = 1;
 
 export class Player {
-  /** Whether lines of the wire are read. */
+  /** True if lines of the wire are read. */
   wantLines = false;
   /** s */
   time: number;
@@ -38,7 +38,7 @@ export class Player {
   /** Wall clock, ms, at which the time was `since.time`. */
   private since = { wall: 0, time: 0 };
   private timer: ReturnType<typeof setTimeout> | undefined;
-  /** How often it began to play: what still goes on from before a pause is over. */
+  /** Number of starts of playing. Work of an earlier start is dropped. */
   private turn = 0;
   private showing: Promise<void> | null = null;
   private isDue = false;

@@ -3,7 +3,7 @@
 const decoder = new TextDecoder();
 
 export class Fields {
-  /** number of the field that was found */
+  /** Number of the field that was found. */
   field = 0;
   private kind = 0;
   private at = 0;

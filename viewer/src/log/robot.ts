@@ -7,7 +7,7 @@ import type { StateMessage } from './messages';
 type JointState = RobotState['joints'][number];
 
 /**
- * What a log has of a robot. It has no targets of wheels, which repeat their speeds, no angles of rollers, which are 0, and no
+ * Returns the state of a robot in a log. It has no targets of wheels, which repeat their speeds, no angles of rollers, which are 0, and no
  * contacts. `transforms` are poses of links in the robot frame by `FRAME/LINK`; old logs have none of casters.
  */
 export function robotState(

@@ -22,7 +22,7 @@ export class Source {
     }
   }
 
-  /** The same for small parts one after the other: what is there already is given at once. */
+  /** Reads small parts one after the other. Bytes that are there already are given at once. */
   ahead(offset: number, length: number): Uint8Array | Promise<Uint8Array> {
     const from = offset - this.blockStart;
     if (from >= 0 && from + length <= this.block.length) return this.block.subarray(from, from + length);

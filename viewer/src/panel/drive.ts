@@ -25,7 +25,7 @@ const KEYS: Record<string, Partial<Twist>> = {
   KeyF: { up: -1 },
 };
 
-/** The same for people. */
+/** Names of the keys for people. */
 export const DRIVING_KEYS = [
   { keys: ['W', 'S', '↑', '↓'], what: 'forward and back' },
   { keys: ['A', 'D'], what: 'sideways' },
@@ -36,11 +36,11 @@ export const DRIVING_KEYS = [
 /** A robot that was spawned by this page. */
 interface Own {
   client: Client;
-  /** the server's number of its connection, once it is in the world */
+  /** Number of its connection, once it is in the world. */
   connection: number | null;
-  /** numbers of the robots that were there before it */
+  /** Numbers of the robots that were there before it. */
   before: Set<number>;
-  /** the robot that was driven before it */
+  /** Robot that was driven before it. */
   previous: Own | null;
 }
 
@@ -110,7 +110,7 @@ export class DrivePanel {
     this.updateFrame();
   }
 
-  /** Another moment is shown: who looks at the past, or at a log, drives nobody. */
+  /** Releases the keys when another moment is shown. Nobody drives in the past or in a log. */
   updateMode(): void {
     this.release();
     find('sticks').hidden = !this.state.driving;

@@ -1,10 +1,10 @@
-/** Who gets a key: the control that has the focus, or the robot and the world. */
+/** Receiver of a key: the control with the focus, or the robot and the world. */
 
 import { find } from './dom';
 
 export const ARROWS = ['ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight'];
 
-/** Whether the control that has the focus needs a key for itself. While a robot is driven, space is not for buttons. */
+/** True if the control with the focus needs a key for itself. While a robot is driven, buttons do not get space. */
 export function isForControl({ key, target, defaultPrevented }: KeyboardEvent, driving: boolean): boolean {
   if (defaultPrevented) return true;
   if (!(target instanceof HTMLElement)) return false;

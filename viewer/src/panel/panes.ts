@@ -31,7 +31,7 @@ export function buildTabs(shown: (tab: string) => void): (tab: string) => void {
   return show;
 }
 
-/** On a phone one panel at a time lies over the view, or none. */
+/** Builds the sheets of a phone: one panel at a time lies over the view, or none. */
 export function buildSheets(
   showTab: (tab: string) => void,
   showPlots: (shown: boolean) => void,

@@ -6,7 +6,7 @@ import type { State } from '../state';
 import { fixed, make, setText } from './dom';
 
 export class Pictures {
-  /** By robot and sensor. */
+  /** Pictures by robot and sensor. */
   private readonly rows = new Map<string, PictureRow>();
 
   /** `wanted` hears the robots whose pictures can be seen now. */

@@ -21,7 +21,7 @@ export class PlayBar {
   private readonly fastest = make('option', { value: '0' }, 'fastest');
   private readonly past = find('past');
   private readonly timeline = new TimeLine((time) => this.playback.goTo(time));
-  /** What is asked of the server, and what the button says of itself. */
+  /** Request to the server, and the button's text. */
   private readonly controls = [this.pause, this.step, this.record, this.save, this.reset].map(
     (button) => [button, button.title] as const,
   );
@@ -51,7 +51,7 @@ export class PlayBar {
     this.buildOpening();
   }
 
-  /** Where the shown moment is in what can be shown; to be called a few times a second. */
+  /** Updates the place of the shown moment in the time that can be shown, a few times a second. */
   updateTime(): void {
     const { frame } = this.state;
     if (!frame) return;
@@ -92,7 +92,7 @@ export class PlayBar {
     if (document.activeElement !== this.speed) this.speed.value = speed;
   }
 
-  /** By the button, or by dropping a file anywhere. */
+  /** Opens logs by the button, or by dropping a file anywhere. */
   private buildOpening(): void {
     const input = find<HTMLInputElement>('log-file');
     const open = (files: FileList | null | undefined) => files?.[0] && void this.playback.open(files[0]);

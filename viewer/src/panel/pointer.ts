@@ -1,4 +1,4 @@
-/** What the pointer does in the view: a click chooses or places a robot, a drag of an own robot moves it while time stands still. */
+/** Pointer in the view: a click chooses or places a robot. A drag moves an own robot while time stands still. */
 
 import type { Fit, FitAnswer } from '../protocol/fit';
 import type { Vector } from '../protocol/scene';

@@ -28,7 +28,7 @@ export class SpawnForm {
     'aria-describedby': 'name-hint',
   });
   private readonly hint = make('p', { class: 'hint', id: 'name-hint', role: 'status' });
-  /** What a person has chosen or typed is not replaced. */
+  /** True if a person has chosen or typed it: then it is not replaced. */
   private classIsChosen = false;
   private startIsChosen = false;
   private nameIsTyped = false;
@@ -62,7 +62,7 @@ export class SpawnForm {
     find('drive').append(form);
   }
 
-  /** Another world: its classes and its places. */
+  /** Offers the classes and starts of another world. */
   updateScene(): void {
     const { scene } = this.state;
     if (!scene) return;
@@ -144,7 +144,7 @@ export class SpawnForm {
     if (!this.nameIsTyped) this.name.value = name;
   }
 
-  /** As if a person had chosen a class and pressed the button. */
+  /** Chooses a class and presses the button for a person. */
   choose(robotClass: string): void {
     this.setClass(robotClass);
     this.submit();

@@ -4,7 +4,7 @@ import { make } from './dom';
 
 export class Stick {
   readonly element: HTMLElement;
-  /** Whether it moves to the side, too. */
+  /** True if it moves to the side as well. */
   sideways = true;
   x = 0;
   y = 0;

@@ -49,7 +49,7 @@ export class TimeLine {
   }
 }
 
-/** As short as it can be read: 12.3 s, 4:05. */
+/** Formats a time shortly: 12.3 s, 4:05. */
 function seconds(time: number): string {
   if (time < 100) return `${time.toFixed(1)} s`;
   const whole = Math.floor(time);

@@ -2,7 +2,7 @@
 
 import { find, make, setText } from './dom';
 
-/** How long a message stays, ms, and how many do at a time. */
+/** Time for which a message stays, ms, and most messages at a time. */
 const SHOWN_TIME = 6000;
 const MAX_SHOWN = 4;
 

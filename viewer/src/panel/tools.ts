@@ -1,4 +1,4 @@
-/** What stands in the view: cameras and layers. */
+/** Tools in the view: cameras and layers. */
 
 import type { State } from '../state';
 import { FIRST_LAYERS, LAYERS } from '../view/overlay';

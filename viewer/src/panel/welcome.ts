@@ -1,4 +1,4 @@
-/** Where no robot is: a few to choose from. */
+/** Cards of a few robots for a world without any. */
 
 import { firstClasses } from '../offer';
 import type { State } from '../state';

@@ -8,7 +8,7 @@ import type { Pictures } from './pictures';
 /** Student2 is before Student10. */
 const BY_NAME = new Intl.Collator('en', { numeric: true });
 
-/** What a click in the tree does. */
+/** Actions of clicks in the tree. */
 export interface WorldActions {
   select: (robot: number) => void;
   lookAtObject: (number: number) => void;
@@ -85,7 +85,7 @@ export class WorldPanel {
     return robotClass ? valuesOf(robotClass, this.state.sensorsOf(robot)) : [];
   }
 
-  /** What decides the tree's shape, as a text. */
+  /** Returns the data that decide the tree's shape, as a text. */
   private signature(): string {
     const { status, scene, selected } = this.state;
     const robots = (status?.robots ?? []).map((robot) => {

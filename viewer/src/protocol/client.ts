@@ -10,7 +10,7 @@ export interface Twist {
   forward: number;
   right: number;
   clockwise: number;
-  /** in the air alone */
+  /** For robots in the air alone. */
   up: number;
 }
 
@@ -125,7 +125,7 @@ export class Client {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send(`${line}\r\n`);
   }
 
-  /** In percent of the limits, so the unit of wheel speeds does not matter. */
+  /** Writes a DRIVE line in percent of the limits, so the unit of wheel speeds does not matter. */
   private command({ forward, right, clockwise, up }: Twist): string {
     const percent = (part: number) => (100 * Math.max(-1, Math.min(1, part))).toFixed(1);
     const { steering, max_steer } = this.robot;

@@ -45,7 +45,7 @@ export class FitQuestions {
     this.next();
   }
 
-  /** Another server, which may know the question. */
+  /** Begins with another server, which may know the question. */
   restart(): void {
     [this.waiting, this.asked, this.isUnknown] = [null, null, false];
   }

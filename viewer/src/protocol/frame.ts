@@ -13,54 +13,54 @@ export interface WheelState {
   speed: number;
   /** rad/s */
   target: number;
-  /** rad, about the rollers' own axes */
+  /** Angles about the rollers' own axes, rad. */
   rollers: number[];
 }
 
 export interface RobotState {
   id: number;
   pose: Pose;
-  /** m/s along the robot's own axes */
+  /** Velocity along the robot's own axes, m/s. */
   linear: Vector;
-  /** rad/s about the robot's own axes */
+  /** Turn rates about the robot's own axes, rad/s. */
   angular: Vector;
   wheels: WheelState[];
-  /** the links that are no wheels, in the robot frame */
+  /** Poses of the links that are no wheels, in the robot frame. */
   links: Pose[];
-  /** those that go to positions: rad and rad/s, or m and m/s */
+  /** Joints that go to positions: rad and rad/s, or m and m/s. */
   joints: { position: number; speed: number }[];
   contacts: { point: Vector; /** N */ force: Vector }[];
 }
 
-/** Where a movable object is. */
+/** Pose of a movable object. */
 export interface ObjectState {
-  /** the map's objects come first, in its order */
+  /** Number of the object. The map's objects come first, in its order. */
   number: number;
   pose: Pose;
 }
 
 export interface Frame {
-  /** simulated s */
+  /** Simulated time, s. */
   time: number;
   robots: RobotState[];
-  /** all that are in the world; an object of the map that is not here was removed */
+  /** Objects in the world. An object of the map that is missing here was removed. */
   objects: ObjectState[];
 }
 
 export interface Scan {
   robot: number;
   sensor: number;
-  /** parts of the sensor's range */
+  /** Ranges as parts of the sensor's greatest range. */
   ranges: number[];
 }
 
-/** What a camera saw. */
+/** Picture of a camera. */
 export interface Picture {
   robot: number;
   sensor: number;
-  /** simulated s */
+  /** Simulated time, s. */
   time: number;
-  /** a PNG file */
+  /** A PNG file. */
   png: Uint8Array<ArrayBuffer>;
 }
 

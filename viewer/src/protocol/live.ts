@@ -15,9 +15,9 @@ export interface Status {
   resets: number;
   /** Times that the world was saved. */
   saves: number;
-  /** Another number than before means another map. */
+  /** Number of the scene. A new number means another map. */
   scene: number;
-  /** Another number than before means other objects beside the map's. */
+  /** Number of changes of the objects beside the map's. */
   objects: number;
   /** Pages that are open. */
   viewers: number;
@@ -68,7 +68,7 @@ export type Control =
   | { remove: number }
   | { map: string };
 
-/** What the page does with what comes. */
+/** Receiver of the server's messages. */
 export interface Listener {
   scene(scene: Scene): void;
   /** The scene has another class of robots. */
@@ -90,9 +90,9 @@ export interface Listener {
   refused(hadToken: boolean): void;
 }
 
-/** Between two attempts, ms. */
+/** Pause between two attempts, ms. */
 const RETRY = 1000;
-/** Nothing for so long means that the connection is dead, ms: frames come 30 times a second. */
+/** Silence after which the connection counts as lost, ms. Frames come 30 times a second. */
 const SILENCE = 5000;
 
 export class Live {
@@ -104,9 +104,9 @@ export class Live {
   private status: Status | null = null;
   private isSceneStale = false;
   private heard = 0;
-  /** How the server names this page to everyone. */
+  /** Name that the server gives this page. */
   private you = '';
-  /** Why the server lets this page not control the world. */
+  /** Reason why this page may not control the world. */
   refused: string | null = null;
 
   private readonly fits = new FitQuestions(
@@ -143,7 +143,7 @@ export class Live {
     return this.classes.want(name);
   }
 
-  /** Whether every line of the wire is to be sent. */
+  /** Asks for every line of the wire, or for none. */
   listenToWire(wanted: boolean): void {
     this.wire = wanted;
     this.listen();
@@ -214,7 +214,7 @@ export class Live {
     setTimeout(() => void this.connect(), RETRY);
   }
 
-  /** What this page did itself is said so. */
+  /** Marks this page's own actions. */
   private addressed(text: string): string {
     return this.you && text.startsWith(`${this.you} `) ? `You ${text.slice(this.you.length + 1)}` : text;
   }

@@ -19,7 +19,7 @@ export class ObjectQuestions {
     if (!this.isAsking) void this.askNow();
   }
 
-  /** Another world: answers to earlier questions are not about it. */
+  /** Begins with another world. Answers to earlier questions are dropped. */
   restart(): void {
     this.world += 1;
     [this.isStale, this.isAsking] = [false, false];

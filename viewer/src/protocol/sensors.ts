@@ -12,7 +12,7 @@ export interface Reading {
   /** s */
   time: number;
   robot: number;
-  /** place of the sensor in its class's list */
+  /** Number of the sensor in its class. */
   sensor: number;
   type: string;
   quantities: Quantity[];
@@ -23,7 +23,7 @@ export interface SensorValue {
   unit: string;
 }
 
-/** By `Type Name` of a sensor, the numbers of its last reading, by their names. */
+/** Numbers of each sensor's last reading by name; sensors by `Type Name`. */
 export type SensorValues = Map<string, Map<string, SensorValue>>;
 
 /** Longer lists of numbers, as those of a laser, are shown by their least. */

@@ -12,7 +12,7 @@ const CAPACITY = 2000;
 
 export class Arrows {
   readonly group = new THREE.Group();
-  /** From where they are seen; pixels of a metre that is a metre away. */
+  /** Eye that sees them, and pixels of a metre at a distance of one metre. */
   readonly eye = new THREE.Vector3();
   pixelsPerMetre = 500;
   private readonly material: THREE.MeshBasicMaterial;

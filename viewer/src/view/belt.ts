@@ -11,7 +11,7 @@ export function pad({ size, colour }: Belt): THREE.BufferGeometry {
   return coloured(new THREE.BoxGeometry(...size), () => colour);
 }
 
-/** Where the pads are in the wheel's frame when the sprocket is at an angle, rad. */
+/** Returns the poses of the pads in the wheel's frame at an angle of the sprocket, rad. */
 export function padPoses({ path, pads, radius }: Belt, angle: number): THREE.Matrix4[] {
   const edges = path.map((from, index) => {
     const to = path[(index + 1) % path.length] ?? from;

@@ -20,13 +20,13 @@ import {
 export const CAMERAS = ['orbit', 'follow', 'chase', 'top', 'robot'] as const;
 export type CameraMode = (typeof CAMERAS)[number];
 
-/** What the camera asks about the world; places are on the stage. */
+/** Questions of the camera about the world; places are on the stage. */
 export interface Surroundings {
-  /** What is at a point of the screen. */
+  /** Returns the place at a point of the screen. */
   surfaceAt(x: number, y: number): THREE.Vector3 | null;
-  /** Where the robot is that is looked at, and its direction over the ground. */
+  /** Returns the place of the selected robot, and its direction over the ground. */
   robot(): { place: THREE.Vector3; yaw: number; size: number } | null;
-  /** Where a robot's own camera is and how it looks, as a camera's own matrix. */
+  /** Returns the matrix of a robot's own camera. */
   robotsEye(): THREE.Matrix4 | null;
   hover(x: number, y: number): void;
   leave(): void;
@@ -35,15 +35,15 @@ export interface Surroundings {
 const FOV = 42;
 /** A flight takes so long, s. */
 const FLIGHT = 0.25;
-/** What is left of a movement of the hand fades with this, s; the camera behind a robot lags so much, s. */
+/** Time constants: of the fading of a hand's movement, and of the camera behind a robot, s. */
 const DAMPING = 0.055;
 const LAG = 0.32;
 /** A turn over the picture's whole height, rad. */
 const HAND_TURN = Math.PI;
-/** How the map is seen first, rad, and how much of the picture it fills. */
+/** First view of the map: angles, rad, and the part of the picture that it fills. */
 const FIRST = { yaw: 0.92, pitch: 0.66 };
 const FILL = 0.9;
-/** How the camera from above looks, rad. */
+/** Angles of the camera from above, rad. */
 const ABOVE = { yaw: Math.PI / 2, pitch: Math.PI / 2 };
 /** Until someone touches the picture it turns by a quarter in so long, s. */
 const TURNTABLE = 40;
@@ -56,10 +56,10 @@ export class Cameras {
   mode: CameraMode = 'orbit';
   private aim: Aim = { target: new THREE.Vector3(), ...FIRST, distance: 8 };
   private flight: { from: Aim; to: Aim; part: number } | null = null;
-  /** What the hand still moves: rad, and the logarithm of a distance's factor. */
+  /** Rest of the hand's movement: rad, and the logarithm of a distance's factor. */
   private readonly rest = { yaw: 0, pitch: 0, zoom: 0 };
   private about = new THREE.Vector3();
-  /** How much of the first quarter turn is left, rad. */
+  /** Rest of the first quarter turn, rad. */
   private turntable = 0;
   private lastRobot: THREE.Vector3 | null = null;
   private lagging = false;
@@ -92,7 +92,7 @@ export class Cameras {
     return this.aim.distance;
   }
 
-  /** Whether it moves by itself. */
+  /** True if it moves by itself. */
   get isMoving(): boolean {
     const { yaw, pitch, zoom: factor } = this.rest;
     const rest = Math.abs(yaw) + Math.abs(pitch) + Math.abs(factor) > STILL;
@@ -151,7 +151,7 @@ export class Cameras {
     this.fly(aim, jump);
   }
 
-  /** As at first, with all of a box in sight; the camera from above stays above. */
+  /** Shows all of a box as at first; the camera from above stays above. */
   home(box: THREE.Box3, jump = false): void {
     this.switchTo(this.mode === 'top' ? 'top' : 'orbit');
     const from = copyAim(this.aim);
@@ -180,7 +180,7 @@ export class Cameras {
     this.apply();
   }
 
-  /** Where it is or will soon be. */
+  /** Pose of the camera now, or soon. */
   private get goal(): Aim {
     return this.flight?.to ?? this.aim;
   }
@@ -267,7 +267,7 @@ export class Cameras {
     this.changed();
   }
 
-  /** Where the camera is on the stage. */
+  /** Place of the camera on the stage. */
   get eye(): THREE.Vector3 {
     return this.mode === 'robot' ? this.camera.position : eyeOf(this.aim);
   }

@@ -66,20 +66,20 @@ export function curveColours(curves: { robot: number; colour: string }[]): strin
 /** Colour of contact forces: no robot and no axis has it. */
 export const FORCE_COLOUR = '#ff10c0';
 
-/** Of the axes x, y and z. */
+/** Colours of the axes x, y and z. */
 export const AXIS_COLOURS = ['#e0525e', '#3fa66a', '#4a7fe0'] as const;
 
 export interface Theme {
-  /** where the sky meets the ground, and straight above */
+  /** Colours of the sky at the horizon, and straight above. */
   horizon: string;
   zenith: string;
-  /** light that comes from everywhere: from above, and back from the ground */
+  /** Ambient light: from above, and back from the ground. */
   fromSky: string;
   fromGround: string;
   ambient: number;
   key: string;
   keyStrength: number;
-  /** of the environment that shiny things reflect */
+  /** Strength of the environment that shiny things reflect. */
   reflection: number;
   line: string;
   lineStrength: number;

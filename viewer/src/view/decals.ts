@@ -1,21 +1,21 @@
-/** What lies on the floor under things: the shadow where they touch it, and the ring in the colour of a robot. */
+/** Decals on the floor under things: a contact shadow, and a ring in the colour of a robot. */
 
 import * as THREE from 'three';
 
-/** What one thing has under it. */
+/** Decal of one thing. */
 export interface Decal {
-  /** where its middle is and how it is turned, in the parent's frame */
+  /** Pose of its middle in the parent's frame. */
   matrix: THREE.Matrix4;
-  /** half its length and breadth, m */
+  /** Half its length and breadth, m. */
   size: [number, number];
-  /** of the shadow, 0 to 1 */
+  /** Strength of the shadow, 0 to 1. */
   shadow: number;
   colour?: THREE.Color;
-  /** of the ring, 0 to 1; above 1 it is broader */
+  /** Strength of the ring, 0 to 1; above 1 it is broader. */
   ring?: number;
 }
 
-/** So far beyond the thing it goes, m. */
+/** Margin around the thing, m. */
 const MARGIN = 0.2;
 /** Numbers of a decal beside its matrix: size, shadow, ring; colour. */
 const NUMBERS = 4;

@@ -1,8 +1,8 @@
-/** What shiny things reflect: a sky, a floor and three soft lamps, blurred for every roughness. */
+/** Environment that shiny things reflect: a sky, a floor and three soft lamps, blurred for each roughness. */
 
 import * as THREE from 'three';
 
-/** Where a lamp is, how large, and how bright; metres from the middle. */
+/** Place, size and brightness of a lamp; metres from the middle. */
 const LAMPS: [THREE.Vector3Tuple, [number, number], number][] = [
   [[-4, 3, 7], [5, 3], 9],
   [[6, -2, 5], [2, 5], 5],

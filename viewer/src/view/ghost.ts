@@ -6,7 +6,7 @@ import type { Pose, Vector } from '../protocol/scene';
 import { Decals } from './decals';
 import type { RobotFleet } from './robot';
 
-/** Of the robot itself, 0 to 1. */
+/** Opacity of the robot, 0 to 1. */
 const STRENGTH = 0.55;
 /** Colour where the robot cannot stand. */
 const REFUSED = '#e01b24';

@@ -10,7 +10,7 @@ const MIDDLE = 42;
 const LENGTH = 28;
 
 interface End {
-  /** on the stage, where y and z are turned over */
+  /** Direction on the stage, where y and z are turned over. */
   direction: THREE.Vector3;
   ball: SVGElement;
   line: SVGElement | null;

@@ -14,13 +14,13 @@ export type LabelKind = 'robot' | 'start' | 'node' | 'object' | 'metres';
 interface Label {
   element: HTMLElement;
   kind: LabelKind;
-  /** on the stage */
+  /** Place on the stage. */
   place: THREE.Vector3;
-  /** the direction of the line on which it is; it stands beside that line */
+  /** Direction of the line beside which it stands. */
   along: THREE.Vector3 | null;
   width: number;
   hidden: boolean;
-  /** When it was last looked for behind walls and robots. */
+  /** Time of its last test for walls and robots in front of it. */
   looked: number;
   behind: boolean;
   shown: number;
@@ -34,14 +34,14 @@ const RANGE: Record<LabelKind, [number, number]> = {
   object: [7, 11],
   metres: [60, 90],
 };
-/** Which comes first where there is room for one. */
+/** Priority of labels that overlap. */
 const ORDER: Record<LabelKind, number> = { robot: 0, object: 60, start: 80, node: 120, metres: 200 };
 const HEIGHT: Record<LabelKind, number> = { robot: 18, start: 16, node: 16, object: 16, metres: 14 };
-/** How far above its place a robot's name is, px. */
+/** Distance of a robot's name above its place, px. */
 const LEADER = 14;
 /** Distance of a number from its axis, px. */
 const ASIDE = 4;
-/** Between two looks behind walls and robots, ms, and how many labels are looked for in a frame. */
+/** Interval between two tests of a label for walls and robots, ms, and most labels tested in a frame. */
 const LOOK_INTERVAL = 250;
 const LOOKS = 8;
 

@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 import type { Theme } from './colours';
 
-/** Where the key light comes from. */
+/** Direction of the key light. */
 const DIRECTION = new THREE.Vector3(-0.42, 0.3, 0.86).normalize();
 const MAP_SIZE = 1024;
 /** The least and the greatest half edge of what has shadows, m. */
@@ -36,7 +36,7 @@ export class Lights {
     this.setEnvironment(false);
   }
 
-  /** With an environment a part of the light from everywhere comes from there. */
+  /** Sets the ambient light. An environment gives a part of it. */
   setEnvironment(has: boolean): void {
     this.ambient.intensity = (this.theme?.ambient ?? 1) * (has ? 0.6 : 1);
   }

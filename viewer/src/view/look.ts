@@ -6,7 +6,7 @@ import { setPose } from './pose';
 import { coloured, shapeGeometry } from './solid';
 import { surfaceOf, tileOf } from './surfaces';
 
-/** How much darker a side is where it stands on the floor. */
+/** Darkening of a side at the floor. */
 const FOOT = 0.3;
 /** Up to this height above its foot a side is darker, m. */
 const FOOT_HEIGHT = 1;

@@ -1,4 +1,4 @@
-/** What stands on the map, what can be pushed, and where robots start. */
+/** Map: solids, movable objects and starts. */
 
 import * as THREE from 'three';
 import { startsOf } from '../offer';
@@ -17,7 +17,7 @@ const START = 0x4a86c8;
 /** A solid that begins higher above the floor casts no contact shadow, m. */
 const TOUCHING = 0.03;
 
-/** What a movable object is, by its number; null while that is not known. */
+/** Lookup of a movable object by number; null while it is unknown. */
 export type Catalogue = (number: number) => Solid | null;
 
 /** The map's objects where it has them. */
@@ -27,12 +27,12 @@ export function objectsOf({ map }: Scene): ObjectState[] {
 
 export class MapView {
   readonly group = new THREE.Group();
-  /** What a robot can be put on. */
+  /** Meshes on which a robot can be put. */
   readonly ground = new THREE.Group();
   readonly starts = new THREE.Group();
-  /** Of all that has an end, on the stage; empty if nothing has. */
+  /** Bounding box of the finite parts, on the stage; empty if there are none. */
   readonly bounds = new THREE.Box3();
-  /** Those that are shown, by their numbers. */
+  /** Shown objects by number. */
   private readonly objects = new Map<number, { solid: Solid; mesh: THREE.Mesh }>();
   private readonly standing: Decals;
   private readonly moving: Decals;
@@ -60,7 +60,7 @@ export class MapView {
     this.measure();
   }
 
-  /** What lies on the floor. */
+  /** Decals on the floor. */
   get decals(): THREE.Object3D[] {
     return [this.standing.mesh, this.moving.mesh];
   }

@@ -1,4 +1,4 @@
-/** Whether anything that is seen differs between two frames. */
+/** Comparison of two frames: true if something visible differs. */
 
 import type { Frame, ObjectState, RobotState } from '../protocol/frame';
 

@@ -6,7 +6,7 @@ import { GTAOPass } from 'three/addons/postprocessing/GTAOPass.js';
 import { OutputPass } from 'three/addons/postprocessing/OutputPass.js';
 import { RenderPass } from 'three/addons/postprocessing/RenderPass.js';
 
-/** So far away things still keep light from each other, m. */
+/** Distance up to which things keep light from each other, m. */
 const REACH = 0.3;
 /** Samples of a pixel at the edges of things. */
 const SAMPLES = 4;

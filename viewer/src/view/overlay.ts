@@ -1,4 +1,4 @@
-/** What is drawn over the world: paths, what sensors measure, contact forces, frames. */
+/** Overlay of the world: paths, scans, contact forces, frames. */
 
 import * as THREE from 'three';
 import type { Frame, RobotState, Scan } from '../protocol/frame';
@@ -13,7 +13,7 @@ import { Rays, coneGeometry, fanGeometry } from './rays';
 
 export const LAYERS = ['paths', 'points', 'rays', 'forces', 'frames', 'names', 'grid'] as const;
 export type Layer = (typeof LAYERS)[number];
-/** Those that are shown if nobody says otherwise. */
+/** Layers that are shown by default. */
 export const FIRST_LAYERS: readonly Layer[] = ['paths', 'points', 'names', 'grid'];
 
 /** Length of the axes of a robot's and of a sensor's frame, m. */
@@ -160,7 +160,7 @@ export class Overlay {
   }
 }
 
-/** On the floor under a robot. */
+/** Returns the place on the floor under a robot. */
 function footOf({ pose }: RobotState, { wheels, wheel_radius }: RobotClass): [number, number, number] {
   const [x, y, z] = pose;
   const lowest = Math.max(0, ...wheels.filter(({ link }) => link === null).map(({ position }) => position[2]));
@@ -169,7 +169,7 @@ function footOf({ pose }: RobotState, { wheels, wheel_radius }: RobotClass): [nu
   return [x + down.x, y + down.y, z + down.z];
 }
 
-/** Where the beams of a sensor end, in the world. */
+/** Returns the ends of a sensor's beams in the world. */
 function beamEnds({ fan, max_range }: Sensor, ranges: number[], mount: THREE.Matrix4): Float32Array {
   // From the right to the left; z is down, so the right is positive.
   const axis = new THREE.Vector3(0, fan && !fan.level ? 1 : 0, fan && !fan.level ? 0 : 1);
@@ -186,7 +186,7 @@ function beamEnds({ fan, max_range }: Sensor, ranges: number[], mount: THREE.Mat
   return ends;
 }
 
-/** Where a sensor is in the world. */
+/** Returns the pose of a sensor in the world. */
 export function mountOf({ link, pose }: Pick<Sensor, 'link' | 'pose'>, robot: RobotState): THREE.Matrix4 {
   const mount = setPose(new THREE.Matrix4(), pose);
   const carrier = link === null ? undefined : robot.links[link];

@@ -37,7 +37,7 @@ const FRAGMENT = `
     #include <colorspace_fragment>
   }`;
 
-/** Of the picture and of the bands, px. */
+/** Sizes of the picture and of the bands, px. */
 export const pathUniforms = { screen: { value: new THREE.Vector2(1, 1) }, breadth: { value: 2 } };
 
 export class Path {
@@ -45,7 +45,7 @@ export class Path {
   private readonly buffer = new THREE.InterleavedBuffer(new Float32Array(PLACE * (PLACES + 2)), CORNER);
   private count = 0;
   private readonly last = new THREE.Vector3();
-  /** Where the last piece begins, and in which direction it went on from there. */
+  /** Start of the last piece, and its direction there. */
   private readonly corner = new THREE.Vector3();
   private readonly ahead = new THREE.Vector3();
 
@@ -106,7 +106,7 @@ export class Path {
     (this.mesh.material as THREE.Material).dispose();
   }
 
-  /** Whether the last piece can end here instead: of an arc's chord the middle is off by a quarter of its tangent's end. */
+  /** True if the last piece can end here instead. The middle of an arc's chord is off by a quarter of its tangent's end. */
   private continues(here: THREE.Vector3): boolean {
     const chord = here.clone().sub(this.corner);
     const aside = chord.clone().cross(this.ahead).length();

@@ -1,6 +1,6 @@
 /** Mouse and fingers on the picture, as turning, shifting and zooming. */
 
-/** What is done with it. Lengths are parts of the picture's height. */
+/** Actions of the pointer. Lengths are parts of the picture's height. */
 export interface Gestures {
   /** A press begins, with what is under it. */
   begin(x: number, y: number): void;
@@ -12,7 +12,7 @@ export interface Gestures {
   leave(): void;
 }
 
-/** Of a wheel's step of 100 px. */
+/** Zoom of a wheel's step of 100 px. */
 const WHEEL = 0.0014;
 /** Pixels of a line and of a page of a wheel. */
 const WHEEL_UNITS = [1, 18, 400];
@@ -20,7 +20,7 @@ const WHEEL_UNITS = [1, 18, 400];
 export class Pointer {
   /** While something else is dragged. */
   held = false;
-  /** Whether the picture is shifted where else it would turn: seen from above. */
+  /** True if a drag shifts the picture instead of turning it: seen from above. */
   pansFirst = false;
   private readonly pressed = new Map<number, { x: number; y: number; pans: boolean }>();
 

@@ -3,14 +3,14 @@
 import type { Shading } from './surfaces';
 
 export interface Rung {
-  /** for people */
+  /** Description for people. */
   what: string;
-  /** times the size of the canvas, at a screen's own ratio */
+  /** Scale of the canvas, at a screen's own ratio. */
   pixelRatio: (screen: number) => number;
   shadows: boolean;
-  /** of materials; what is standard has an environment to reflect */
+  /** Kind of materials. Standard ones reflect an environment. */
   shading: Shading;
-  /** ambient occlusion by a pass of its own */
+  /** True for ambient occlusion, a pass of its own. */
   occlusion: boolean;
 }
 
@@ -29,7 +29,7 @@ export const RUNGS: Record<Quality, Rung> = {
   5: { what: 'dark corners, too', pixelRatio: fine, shadows: true, shading: 'standard', occlusion: true },
 };
 
-/** What a frame may take before the ladder is descended, and below what it is climbed from a rung, ms. */
+/** Frame time above which the ladder is descended, and below which it is climbed from a rung, ms. */
 const LIMITS = {
   // The second rung costs little more than the first, the third is another world.
   software: { most: 48, least: (rung: Quality) => (rung === 1 ? 32 : 17) },
@@ -88,7 +88,7 @@ export class Ladder {
   }
 }
 
-/** Whether the browser draws without a graphics card. */
+/** True if the browser draws without a graphics card. */
 export function isSoftware(): boolean {
   const gl = document.createElement('canvas').getContext('webgl2');
   const info = gl?.getExtension('WEBGL_debug_renderer_info');

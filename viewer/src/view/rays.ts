@@ -1,4 +1,4 @@
-/** What the sensors of a robot sweep: a faint fan for a laser, a cone for a sonar. */
+/** Fields of view of a robot's sensors: a faint fan for a laser, a cone for a sonar. */
 
 import * as THREE from 'three';
 

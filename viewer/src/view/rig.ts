@@ -1,14 +1,14 @@
-/** Where a camera is, as what it looks at and from where: what turns, shifts and zooms it. Metres, rad, z up. */
+/** Pose of a camera by its target, angles and distance, and its turns, shifts and zooms. Metres, rad, z up. */
 
 import * as THREE from 'three';
 
 export interface Aim {
   target: THREE.Vector3;
-  /** direction of the look over the ground, 0 along x, counterclockwise */
+  /** Direction of the look over the ground, 0 along x, counterclockwise. */
   yaw: number;
-  /** how steeply it looks down, up to a quarter turn */
+  /** Angle at which it looks down, up to a quarter turn. */
   pitch: number;
-  /** from the target */
+  /** Distance from the target. */
   distance: number;
 }
 
@@ -83,7 +83,7 @@ export function keepAbove(aim: Aim): void {
   aim.target.z += Math.max(0, LEAST_HEIGHT - eyeOf(aim).z);
 }
 
-/** Between two aims, 0 to 1, the shorter way round. */
+/** Interpolates between two aims, 0 to 1, the shorter way round. */
 export function between(from: Aim, to: Aim, part: number): Aim {
   const way = Math.atan2(Math.sin(to.yaw - from.yaw), Math.cos(to.yaw - from.yaw));
   return {

@@ -1,4 +1,4 @@
-/** All robots of one class, drawn together: one instanced mesh for each part that looks different. */
+/** Robots of one class, drawn together: one instanced mesh for each part that looks different. */
 
 import * as THREE from 'three';
 import type { RobotState } from '../protocol/frame';
@@ -11,16 +11,16 @@ import type { Surfaces } from './surfaces';
 import { pad, padPoses } from './belt';
 import { roller, spoked } from './wheel';
 
-/** How far from the camera a robot's rollers are one piece with their wheels, and how far all is made simple, in robots. */
+/** Distances of the levels of detail, in robots: rollers become one piece with their wheels, and all parts become simple. */
 const FAR = 6;
 const AFAR = 11;
-/** What is smaller than this is left out afar, in robots. */
+/** Smallest part drawn at the level `afar`, as a share of the robot. */
 const SIMPLE = 1 / 24;
 
-/** How far joints give way under a robot, m: what lies under it is drawn above the ground. */
+/** Joint compliance under load, m. Parts this far below the ground are raised onto it. */
 const GIVING_WAY = 0.012;
 
-/** How much of a robot is drawn: all but its rollers, all, rollers that do not turn by themselves, or few triangles. */
+/** Levels of detail: without rollers, everything, rollers that do not turn by themselves, or few triangles. */
 type Level = 'plain' | 'near' | 'far' | 'afar';
 
 /** A piece that looks the same on every robot, for each level; one that is near has its rollers beside it. */
@@ -44,7 +44,7 @@ interface Belt {
 /** A piece that turns about its own z axis with the world's time, as a propeller. */
 interface Spinner {
   one: Instances;
-  /** its carrier among the links; null for the body */
+  /** Carrier among the links; null for the body. */
   link: number | null;
   pose: THREE.Matrix4;
   /** rad/s */
@@ -54,19 +54,19 @@ interface Spinner {
 /** A part of a robot and where it is. */
 export interface Placed {
   part: Instances;
-  /** in the world */
+  /** Matrix in the world. */
   matrix: THREE.Matrix4;
 }
 
 export class RobotFleet {
   readonly group = new THREE.Group();
-  /** Of the body and the wheels that it carries, down to what stands lowest, in the robot's frame. */
+  /** Bounding box of the body and its wheels, down to the lowest part, in the robot's frame. */
   readonly bounds = new THREE.Box3();
-  /** Of the bounds, from corner to corner, m. */
+  /** Diagonal of the bounds, m. */
   readonly size: number;
   private readonly body: Piece;
   private readonly links: Piece[];
-  /** For each wheel; wheels that look alike share theirs. A browser without a graphics card takes its time for each instance. */
+  /** Rollers of each wheel; wheels that look alike share theirs. A browser without a graphics card takes its time for each instance. */
   private readonly wheels: Piece[];
   private readonly rollers: (Rollers | null)[];
   private readonly belts: (Belt | null)[];
@@ -146,7 +146,7 @@ export class RobotFleet {
     this.all.forEach(({ mesh: { geometry } }) => geometry.hasAttribute('position') && geometry.computeBoundingBox());
   }
 
-  /** Whether it has pieces that turn with the world's time. */
+  /** True if it has pieces that turn with the world's time. */
   get spins(): boolean {
     return this.spinners.length > 0;
   }
@@ -199,7 +199,7 @@ export class RobotFleet {
     return placed;
   }
 
-  /** How high above its own place a robot reaches, m. */
+  /** Height of a robot above its own place, m. */
   height(state: RobotState): number {
     let top = 0;
     const box = new THREE.Box3();

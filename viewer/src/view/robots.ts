@@ -1,4 +1,4 @@
-/** All robots of the world: their classes' fleets, the rings under them, and which of them a ray meets. */
+/** Robots of the world: their classes' fleets, the rings under them, and the robot that a ray meets. */
 
 import * as THREE from 'three';
 import type { Frame, RobotState } from '../protocol/frame';
@@ -12,12 +12,12 @@ import type { Surfaces } from './surfaces';
 /** Class and name of a robot by its number. */
 export type Roster = (robot: number) => { name: string; class: string } | null;
 
-/** Of the shadow under a robot, 0 to 1; and how strong its ring is: as a rule, when hovered and when selected. */
+/** Strength of the shadow under a robot, 0 to 1, and of its ring: plain, hovered and selected. */
 const SHADOW = 0.5;
 const RING = { plain: 0.85, hovered: 1.35, selected: 1.8 };
 /** The shadow of what flies fades with its height, m. */
 const FADING = 2;
-/** What is so near to a robot counts as the robot when it is pointed at, m. */
+/** Distance from a robot within which a pointer counts as on it, m. */
 const GENEROUS = 0.02;
 
 export interface Known {
@@ -31,7 +31,7 @@ export class Robots {
   readonly group = new THREE.Group();
   selected: number | null = null;
   hovered: number | null = null;
-  /** Of the classes that have been seen: to build the shapes of all would hold up the first picture. */
+  /** Fleets of the classes that have been seen. Building all would delay the first picture. */
   private readonly fleets = new Map<string, RobotFleet>();
   private readonly decals: Decals;
   private known: Known[] = [];
@@ -48,12 +48,12 @@ export class Robots {
     return this.decals.mesh;
   }
 
-  /** All of which the class is known. */
+  /** Robots whose class is known. */
   get all(): readonly Known[] {
     return this.known;
   }
 
-  /** Whether a robot has propellers, which turn while nothing else moves. */
+  /** True if a robot has propellers, which turn while nothing else moves. */
   get spin(): boolean {
     return this.known.some(({ fleet }) => fleet.spins);
   }
@@ -76,7 +76,7 @@ export class Robots {
     return this.scene.classes[this.roster(id)?.class ?? ''] ?? null;
   }
 
-  /** As they are in a frame, seen from a place of the world. */
+  /** Places the robots of a frame, seen from a place of the world. */
   place(frame: Frame, eye: THREE.Vector3): void {
     this.known = frame.robots.flatMap((state) => {
       const entry = this.roster(state.id);

@@ -1,4 +1,4 @@
-/** What the labels say: names of robots, starts, nodes and objects, and metres along the axes. */
+/** Texts of the labels: names of robots, starts, nodes and objects, and metres along the axes. */
 
 import * as THREE from 'three';
 import { startsOf } from '../offer';
@@ -13,7 +13,7 @@ const STEPS = [0.5, 1, 2, 5, 10, 20, 50, 100];
 const LEAST_GAP = 110;
 /** Labels to each side of what is looked at. */
 const REACH = 7;
-/** On the stage. */
+/** Axes on the stage. */
 const X_AXIS = new THREE.Vector3(1, 0, 0);
 const Y_AXIS = new THREE.Vector3(0, -1, 0);
 
@@ -34,7 +34,7 @@ export function labelStarts(labels: Labels, scene: Scene, robots: Robots): void 
   labels.keep('start', new Set(free.map(({ label }) => `start ${label}`)));
 }
 
-/** Those that are known. */
+/** Labels the objects that are known. */
 export function labelObjects(labels: Labels, objects: ObjectState[], catalogue: Catalogue): void {
   const keys = new Set<string>();
   for (const { number, pose } of objects) {

@@ -13,7 +13,7 @@ import { Stopwatch } from './stopwatch';
 import { Surfaces } from './surfaces';
 import { setToneMapping } from './tone';
 
-/** Of a path, px, at low rungs and at high ones; and of the pixels that are drawn, so that it has no gaps. */
+/** Width of a path, px, at low rungs and at high ones, and least width in drawn pixels, so that it has no gaps. */
 const PATH_BREADTHS = [1.4, 2.6] as const;
 const LEAST_BREADTH = 1.2;
 
@@ -23,7 +23,7 @@ const SAVED: Rung = { ...RUNGS[5], pixelRatio: (screen) => screen };
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
   readonly scene = new THREE.Scene();
-  /** z down, as the wire has it. */
+  /** World with z down, as on the wire. */
   readonly world = new THREE.Group();
   readonly surfaces: Surfaces;
   readonly grid = new Grid();

@@ -1,6 +1,6 @@
-/** How long the graphics card, or what stands for it, works at a frame: drawing calls return before it is done. */
+/** Stopwatch of the graphics card's work at a frame. Drawing calls return before it is done. */
 
-/** Between two looks whether it is done, ms. */
+/** Interval between two looks whether it is done, ms. */
 const INTERVAL = 2;
 
 /** Returns the frames of a second; null at rest: mostly there was nothing new to draw, or nothing is drawn yet. */

@@ -1,11 +1,11 @@
-/** How materials look: one drawing material for all solids of a kind, plain, matte or standard by the rung of quality. */
+/** Looks of materials: one drawing material for all solids of a kind, plain, matte or standard by the rung of quality. */
 
 import * as THREE from 'three';
 import { plainMaterial } from './plain';
 import { PATTERNS, type PatternName, patternTexture } from './textures';
 
 interface Surface {
-  /** of the physical materials' names */
+  /** Patterns of the physical materials' names. */
   names: RegExp;
   pattern: PatternName | null;
   roughness: number;
@@ -38,7 +38,7 @@ export function surfaceOf(material: string): SurfaceName {
   return names.find((name) => SURFACES[name].names.test(material.toLowerCase())) ?? 'unknown';
 }
 
-/** How many metres of a surface its picture covers. */
+/** Returns the length of a surface that its picture covers, m. */
 export function tileOf(name: SurfaceName): number {
   const { pattern }: Surface = SURFACES[name];
   return pattern ? PATTERNS[pattern].tile : 1;
@@ -51,7 +51,7 @@ export class Surfaces {
 
   constructor(private readonly anisotropy: number) {}
 
-  /** Of all materials from now on. */
+  /** Sets the finish of all materials from now on. */
   setShading(shading: Shading): void {
     this.shading = shading;
   }

@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 
 export interface Pattern {
-  /** edge of what the picture covers, m */
+  /** Edge of the area that the picture covers, m. */
   tile: number;
   /** 0 to 1 at a place of the picture, u and v 0 to 1, u along the grain */
   shade: (u: number, v: number) => number;

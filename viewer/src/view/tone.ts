@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 
 const PLAIN = 'vec3 CustomToneMapping( vec3 color ) { return color; }';
-/** From 0.75 on, never quite to 1. */
+/** Compresses brightness from 0.75 on, never quite to 1. */
 export const BENT = `vec3 bent( vec3 color ) {
   vec3 over = max( color - 0.75, 0.0 );
   return min( color, 0.75 ) + over / ( 1.0 + 4.0 * over );

@@ -25,11 +25,11 @@ export type { Roster } from './robots';
 /** Half the edge of what is shown of a map without anything, m, and the room about a robot, in its lengths. */
 const EMPTY_REACH = 2.5;
 const ROOM = 0.6;
-/** Between two moves of words, ms, without a graphics card and while the camera stands: the browser paints them anew each time. */
+/** Interval between two moves of labels, ms, without a graphics card and while the camera stands. The browser paints them each time. */
 const LABEL_INTERVAL = 120;
 /** A picture is not started while so many are not done. */
 const MOST_BEHIND = 2;
-/** From a camera's axes (x right, y up, z back) to a sensor's (x ahead, y right, z down). */
+/** Rotation from a camera's axes (x right, y up, z back) to a sensor's (x ahead, y right, z down). */
 const CAMERA_IN_SENSOR = new THREE.Matrix4().makeBasis(
   new THREE.Vector3(0, 1, 0),
   new THREE.Vector3(0, 0, -1),
@@ -58,11 +58,11 @@ export class View {
   /** A robot that is framed as soon as it is there. */
   private fitting: number | null = null;
   private stale = true;
-  /** When frames were drawn, and when there was nothing new to draw, ms. */
+  /** Times of drawn frames, and of frames with nothing new, ms. */
   private drawn: number[] = [];
   private idle: number[] = [];
   private last = performance.now();
-  /** When the words were last moved, ms. */
+  /** Time of the labels' last move, ms. */
   private labelled = 0;
 
   constructor(
@@ -200,7 +200,7 @@ export class View {
   /** Tells which camera is on when that changes. */
   onCamera: (mode: CameraMode) => void = () => {};
 
-  /** All of the map as it was seen first; the camera from above stays there. */
+  /** Shows the whole map as at first; the camera from above stays there. */
   home(): void {
     this.cameras.wasTouched = true;
     this.cameras.home(this.extent());
@@ -234,7 +234,7 @@ export class View {
     this.stale = true;
   }
 
-  /** What is at a point of the screen: a robot by its number, or a place of the map in the wire's frame. */
+  /** Returns the robot at a point of the screen by its number, or the place of the map in the wire's frame. */
   pick(x: number, y: number): { robot: number } | { place: Vector } | null {
     const robot = this.robotAt(this.rayAt(x, y));
     if (robot !== null) return { robot };
@@ -411,7 +411,7 @@ export class View {
     return colourOf({ id, name: this.roster(id)?.name ?? '' });
   }
 
-  /** Where a robot is on the stage. */
+  /** Returns the place of a robot on the stage. */
   private placeOf(robot: number | null): THREE.Vector3 | null {
     const pose = this.frame?.robots.find(({ id }) => id === robot)?.pose;
     return pose ? new THREE.Vector3(pose[0], -pose[1], -pose[2]) : null;
@@ -426,7 +426,7 @@ export class View {
     return { place, yaw: Math.atan2(-ahead.y, ahead.x), size };
   }
 
-  /** From the robot's own camera, or from its front if it has none. */
+  /** Returns the view of the robot's own camera, or of its front if it has none. */
   private robotsEye(): THREE.Matrix4 | null {
     const known = this.world?.robots.find(this.looked);
     if (!known) return null;
@@ -437,7 +437,7 @@ export class View {
     return mount.multiply(CAMERA_IN_SENSOR).premultiply(this.stage.world.matrixWorld);
   }
 
-  /** All that has an end, with room about it. */
+  /** Returns the box of the finite parts, with a margin. */
   private extent(): THREE.Box3 {
     const box = this.world?.map.bounds.clone() ?? new THREE.Box3();
     for (const { id } of this.frame?.robots ?? []) box.union(this.extentOf(id) ?? new THREE.Box3());
