@@ -124,11 +124,9 @@ impl Ros2 {
         let topic = format!("/{}/sensor/{}", robot_frame(*slot), name(&sensor.name));
         let header = header(time, &sensor_frame(*slot, &sensor.name));
         match (&sensed.reading, &sensor.config) {
-            (Reading::RangeScanner(scan), config) => match config.fan() {
-                Some(fan) if fan.level => {
-                    file.publish(time, &topic, &laser(header, &scan.ranges, sensor.scan_interval, fan))
-                }
-                _ => Ok(()),
+            (Reading::RangeScanner(scan), config) => match config.fan().filter(|fan| fan.level) {
+                Some(fan) => file.publish(time, &topic, &laser(header, &scan.ranges, sensor.scan_interval, fan)),
+                None => Ok(()),
             },
             (Reading::Sonar(sonar), Config::Sonar(config)) => {
                 let message = ros::Range {
@@ -157,8 +155,35 @@ impl Ros2 {
                 message.twist.covariance[0][0] = NOT_MEASURED;
                 file.publish(time, &topic, &message)
             }
-            // ROS 2 has no message for the others, or gets their content from the state.
-            _ => Ok(()),
+            // The rest of the state has their content.
+            (Reading::GroundTruth(_) | Reading::Encoder(_) | Reading::Tachometer(_), _) => Ok(()),
+            // A sonar's reading is of a sonar. ROS 2 has no message for the others.
+            (
+                Reading::Sonar(_)
+                | Reading::Touch(_)
+                | Reading::Camera(_)
+                | Reading::Acceleration(_)
+                | Reading::Accelerometer(_)
+                | Reading::Altitude(_)
+                | Reading::Compass(_)
+                | Reading::MissionTime(_)
+                | Reading::Infrared(_)
+                | Reading::RangeScanner3D(_)
+                | Reading::KinectDepth(_)
+                | Reading::LineLaser(_)
+                | Reading::PointCloud(_)
+                | Reading::BumperArray(_)
+                | Reading::Gps(_)
+                | Reading::Acoustic(_)
+                | Reading::ObjectSensor(_)
+                | Reading::Rfid(_)
+                | Reading::Victim(_)
+                | Reading::HumanMotion(_)
+                | Reading::Sound(_)
+                | Reading::Co2(_)
+                | Reading::Inu(_),
+                _,
+            ) => Ok(()),
         }
     }
 }

@@ -235,6 +235,44 @@ readings! {
     "INU" => Inu(inu),
 }
 
+impl Reading {
+    /// Returns the distances that a viewer draws as beams, m: those of a laser or a sonar.
+    pub fn ranges(&self) -> Option<&[f64]> {
+        match self {
+            Self::RangeScanner(scan) => Some(&scan.ranges),
+            Self::Sonar(sonar) => Some(std::slice::from_ref(&sonar.range)),
+            Self::GroundTruth(_)
+            | Self::Ins(_)
+            | Self::Imu(_)
+            | Self::Odometry(_)
+            | Self::Encoder(_)
+            | Self::Tachometer(_)
+            | Self::Touch(_)
+            | Self::Camera(_)
+            | Self::Acceleration(_)
+            | Self::Accelerometer(_)
+            | Self::Altitude(_)
+            | Self::Compass(_)
+            | Self::MissionTime(_)
+            | Self::Infrared(_)
+            | Self::RangeScanner3D(_)
+            | Self::KinectDepth(_)
+            | Self::LineLaser(_)
+            | Self::PointCloud(_)
+            | Self::BumperArray(_)
+            | Self::Gps(_)
+            | Self::Acoustic(_)
+            | Self::ObjectSensor(_)
+            | Self::Rfid(_)
+            | Self::Victim(_)
+            | Self::HumanMotion(_)
+            | Self::Sound(_)
+            | Self::Co2(_)
+            | Self::Inu(_) => None,
+        }
+    }
+}
+
 /// Maximum number of beams of one sensor.
 const MAX_BEAMS: usize = 10_000;
 
@@ -262,10 +300,7 @@ impl Config {
 
     /// Returns the reading of a laser or a sonar without a hit, m, or `None` for every other sensor.
     pub fn max_range(&self) -> Option<f64> {
-        match self {
-            Self::Sonar(config) => Some(config.max_range),
-            _ => self.fan().map(|fan| fan.max_range),
-        }
+        if let Self::Sonar(config) = self { Some(config.max_range) } else { self.fan().map(|fan| fan.max_range) }
     }
 
     /// True for a camera.
@@ -273,7 +308,7 @@ impl Config {
         matches!(self, Self::Camera(_))
     }
 
-    /// Returns the number of rays that one reading casts.
+    /// Returns the number of rays that one reading casts. Those to victims and sounds are not counted: the map bounds them.
     pub fn rays(&self) -> usize {
         match self {
             Self::Sonar(config) => config.rays(),
@@ -287,7 +322,30 @@ impl Config {
             Self::BumperArray(_) => 140,
             Self::ObjectSensor(config) => config.rays(),
             Self::Gps(_) => 24,
-            _ => self.fan().map_or(0, |fan| fan.rays()),
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) | Self::IrScanner(config) => {
+                config.fan().rays()
+            }
+            Self::GroundTruth(_)
+            | Self::Ins(_)
+            | Self::Imu(_)
+            | Self::Odometry(_)
+            | Self::Encoder(_)
+            | Self::Tachometer(_)
+            | Self::Acoustic(_)
+            | Self::Rfid(_)
+            | Self::RfidReleaser(_)
+            | Self::Victim(_)
+            | Self::HumanMotion(_)
+            | Self::Sound(_)
+            | Self::Co2(_)
+            | Self::Inu(_)
+            | Self::Camera(_)
+            | Self::Acceleration(_)
+            | Self::Accelerometer(_)
+            | Self::Altitude(_)
+            | Self::Compass(_)
+            | Self::MissionTime(_)
+            | Self::Battery(_) => 0,
         }
     }
 
@@ -315,7 +373,22 @@ impl Config {
             Self::Rfid(config) => config.validate(),
             Self::Victim(config) | Self::HumanMotion(config) => config.validate(),
             Self::Co2(config) => config.validate(),
-            _ => self.laser().map_or(Ok(()), RangeScanner::validate),
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) | Self::IrScanner(config) => {
+                config.validate()
+            }
+            // They have no numbers.
+            Self::GroundTruth(_)
+            | Self::Imu(_)
+            | Self::Odometry(_)
+            | Self::Tachometer(_)
+            | Self::RfidReleaser(_)
+            | Self::Inu(_)
+            | Self::Acceleration(_)
+            | Self::Accelerometer(_)
+            | Self::Altitude(_)
+            | Self::Compass(_)
+            | Self::MissionTime(_)
+            | Self::Battery(_) => Ok(()),
         }
     }
 }

@@ -403,11 +403,7 @@ impl Broadcast {
             // The last listener may just have left.
             let _ = self.readings.send(Arc::new(Measured::new(time, sensed)));
         }
-        let ranges = match &sensed.reading {
-            Reading::RangeScanner(scan) => &*scan.ranges,
-            Reading::Sonar(sonar) => std::slice::from_ref(&sonar.range),
-            _ => return,
-        };
+        let Some(ranges) = sensed.reading.ranges() else { return };
         if !self.is_watched() {
             self.scanned.clear();
             return;

@@ -47,10 +47,13 @@ impl Results {
 impl Subscriber for Results {
     /// Writes the result of a round whose time is up, or that the world's end cuts short.
     fn hear(&mut self, _: &mut Moment, event: &Told) {
-        match event {
-            Told::News(News::TimeUp(standings)) => self.write(standings),
-            Told::Result(standings) if !standings.is_over => self.write(standings),
-            _ => {}
+        if let Told::News(News::TimeUp(standings)) = event {
+            self.write(standings);
+        }
+        if let Told::Result(standings) = event
+            && !standings.is_over
+        {
+            self.write(standings);
         }
     }
 
