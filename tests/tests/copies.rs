@@ -311,11 +311,6 @@ fn a_saved_world_that_does_not_fit_is_refused() {
             |it| matches!(it, LoadError::BadOption { .. }),
         ),
         (
-            "a step at which to panic",
-            |saved, _| saved["options"]["panic_at"] = 1000.into(),
-            |it| matches!(it, LoadError::BadOption { .. }),
-        ),
-        (
             "steps at the end of the counter",
             |saved, _| saved["steps"] = u64::MAX.into(),
             |it| matches!(it, LoadError::TooHigh { name: "steps", .. }),

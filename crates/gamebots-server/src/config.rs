@@ -56,6 +56,8 @@ pub struct Config {
     pub image_kind: ImageKind,
     /// True if the image server sends the first picture unasked.
     pub image_legacy: bool,
+    /// Simulated time at which the world's thread panics, s, to test the report of a defect.
+    pub panic_at: Option<f64>,
     /// Threads that move robots that do not touch, and compute sensor readings.
     pub threads: ThreadPool,
 }
@@ -90,6 +92,7 @@ impl Config {
         Self {
             saved: None,
             maps: Vec::new(),
+            panic_at: None,
             options: Options::default(),
             host: "127.0.0.1".to_owned(),
             listeners: vec![Listener::new(Service::Controllers { dialect: None }, 3000)],

@@ -85,9 +85,8 @@ pub fn replay(log: &Log) -> Result<Replay, ReplayError> {
     if last > MAX_SECONDS {
         return Err(ReplayError(format!("it goes to {last} s: expected at most {MAX_SECONDS}")));
     }
-    let panic_at = log.run.get("panic_at").and_then(|steps| steps.parse().ok());
     // The log says which robots leave, and when: `keep_robots` has no effect.
-    let world = World::new(def, Options { seed, speed_unit, time_step, panic_at, ..Options::default() });
+    let world = World::new(def, Options { seed, speed_unit, time_step, ..Options::default() });
     let mut sessions = Sessions::new(world);
     let (mut states, mut first_difference) = (0, None);
     let is_picture = |entry: &Entry| matches!(entry.record, Record::Picture(..));

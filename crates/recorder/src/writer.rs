@@ -83,7 +83,6 @@ impl LogWriter {
             entry("classes", &serde_json::to_string(&names).unwrap_or_default()),
             entry("frame", &"x forward, y right, z down; m, kg, s, rad"),
         ]);
-        metadata.extend(options.panic_at.map(|steps| entry("panic_at", &steps)));
         let mut file = LogFile::begin(storage, path, "")?;
         let native = file.with(|file| {
             file.metadata(RUN, metadata)?;

@@ -15,12 +15,10 @@ pub struct Options {
     /// True if only the newest robot of a connection leaves when it closes, as in USARSim (BotConnection.uc:765-787). Its other
     /// robots then stay for ever.
     pub keep_robots: bool,
-    /// Number of steps after which the world panics, to test a crash.
-    pub panic_at: Option<u64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 0, speed_unit: 1.0, time_step: TIME_STEP, keep_robots: false, panic_at: None }
+        Self { seed: 0, speed_unit: 1.0, time_step: TIME_STEP, keep_robots: false }
     }
 }

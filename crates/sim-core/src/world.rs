@@ -467,11 +467,7 @@ impl World {
     }
 
     /// Advances the world by one time step. Returns the reports that are due after it, robot by robot.
-    ///
-    /// # Panics
-    /// If the number of steps taken is [`Options::panic_at`].
     pub fn step(&mut self) -> Vec<(PawnId, Report)> {
-        assert!(self.options.panic_at != Some(self.steps), "asked to panic after {} steps", self.steps);
         let mut led = self.lead_objects();
         led.extend(self.lead_avatars());
         self.physics.lead_objects(&led);

@@ -196,9 +196,9 @@ pub(crate) struct Arguments {
     /// Print the ready line as JSON.
     #[arg(long, help_heading = "Log", hide_short_help = true)]
     json: bool,
-    /// Panic after this number of steps, to test the report of a defect.
-    #[arg(long, hide = true, value_name = "STEPS")]
-    panic_at: Option<u64>,
+    /// Panic at this simulated time, to test the report of a defect.
+    #[arg(long, hide = true, value_name = "SECONDS")]
+    panic_at: Option<f64>,
     /// Let only those watch, drive and control the world who have a token: from a tokens.toml with roles for each (viewer, driver, referee). The
     /// first line to every port is then `LOGIN {Token ..}`, and the page asks for one.
     #[arg(long, env = "USARSIM_TOKEN_FILE", value_name = "FILE.toml", help_heading = "Access")]
@@ -303,13 +303,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         WheelSpeeds::Rad => 1.0,
         WheelSpeeds::Rev => std::f64::consts::TAU,
     };
-    let options = Options {
-        seed: arguments.seed,
-        speed_unit,
-        time_step: arguments.dt,
-        keep_robots: arguments.keep_robots,
-        panic_at: arguments.panic_at,
-    };
+    let options =
+        Options { seed: arguments.seed, speed_unit, time_step: arguments.dt, keep_robots: arguments.keep_robots };
     let page = |port, if_taken| Listener { service: Service::Page, port, if_taken };
     let page =
         arguments.http.map_or_else(|| page(DEFAULT_HTTP_PORT, IfTaken::Another), |port| page(port, IfTaken::Fail));
@@ -328,6 +323,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(beside(arguments.positions, Service::Positions, POSITIONS_PORT));
     listeners.extend(beside(arguments.images, Service::Images, IMAGES_PORT));
     listeners.extend(beside(arguments.wireless, Service::Wireless, WIRELESS_PORT));
+        panic_at: arguments.panic_at,
     listeners.extend(beside(arguments.com_server, Service::ComServer, COM_SERVER_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {

@@ -66,7 +66,7 @@ pub(crate) fn spawn(
     others: Vec<Box<dyn Subscriber>>,
     gone: oneshot::Sender<()>,
 ) -> Result<JoinHandle<Result<(), ServeError>>, ServeError> {
-    let Config { maps, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } = config;
+    let Config { maps, panic_at, real_time_factor, report_errors, log, ros2_log, unnamed_log, threads, .. } = config;
     let pool = Arc::new(threads.clone());
     let world = world.on_threads(pool.clone());
     let saved_as = unnamed_log.with_extension("json");
@@ -96,6 +96,7 @@ pub(crate) fn spawn(
             guests_credits: [SHARE, IDLE_SHARE].map(|share| Credit::new(share, now)),
             restarts: Restarts::new(now),
             maps,
+            panic_at,
             resets: 0,
             saves: 0,
             report_errors,
@@ -123,6 +124,8 @@ struct Server {
     /// Time for guests while a step is due, and while none is.
     guests_credits: [Credit; 2],
     restarts: Restarts,
+    /// Simulated time at which it panics, s, to test the report of a defect.
+    panic_at: Option<f64>,
     /// Maps that a viewer can change to.
     maps: Vec<AvailableMap>,
     timing: Timing,
@@ -303,6 +306,7 @@ impl Server {
     fn step(&mut self) {
         let start = Instant::now();
         let Self { sessions, audience, .. } = self;
+        assert!(self.panic_at.is_none_or(|time| sessions.world().time() < time), "asked to panic");
         sessions.step(&mut |world, news| audience.hear(world, news));
         audience.publisher.stepped(sessions.world());
         if std::mem::take(&mut audience.is_time_up) {

@@ -59,13 +59,9 @@ impl SavedWorld {
 
     /// Checks options, counters and numbers of entries, which do not depend on the scene.
     fn check(&self) -> Result<(), LoadError> {
-        let Options { time_step, speed_unit, panic_at, .. } = self.options;
+        let Options { time_step, speed_unit, .. } = self.options;
         let ranges = [("time_step", check::TIME_STEP, time_step), ("speed_unit", check::SPEED_UNIT, speed_unit)];
         if let Some(problem) = ranges.into_iter().find_map(|(name, range, value)| range.problem(name, value)) {
-            return Err(LoadError::BadOption { problem });
-        }
-        if let Some(step) = panic_at {
-            let problem = format!("`panic_at` is {step}: expected none, as only tests panic on purpose");
             return Err(LoadError::BadOption { problem });
         }
         let counters = [
