@@ -1,12 +1,10 @@
 //! Motions of wheeled robots, measured in the world and compared with the exact travel for the angles that the wheels turned.
 
-use std::f64::consts::TAU;
-
 use gamebots_proto::command::{Drive, Init};
 use gamebots_proto::{Command, Problem};
 use kinematics::{FiniteRollers, Twist};
 use nalgebra::{UnitQuaternion, Vector3};
-use scene::{RobotDef, Steering};
+use scene::{RobotDef, Steering, wrapped};
 use sim_core::{BodyState, PawnId, WheelState, World};
 
 use crate::reference::Reference;
@@ -345,11 +343,6 @@ pub(crate) fn exact_step(kinematics: &FiniteRollers, before: [f64; 4], after: [f
 fn heading(body: &BodyState) -> f64 {
     let ahead = body.pose.rotation * Vector3::x();
     ahead.y.atan2(ahead.x)
-}
-
-/// Wraps an angle to the range from -pi to pi.
-pub(crate) fn wrapped(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
 }
 
 /// Returns a command for the four wheels, rad/s.

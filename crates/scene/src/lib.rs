@@ -89,6 +89,7 @@ mod wheel;
 
 use std::collections::BTreeMap;
 
+use std::f64::consts::TAU;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
@@ -120,6 +121,11 @@ pub type Pose = Isometry3<f64>;
 
 /// Builds a pose from a position in metres and roll, pitch, yaw in radians (yaw first, then pitch, then roll).
 pub fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
+/// Wraps an angle to -pi to pi, rad.
+pub fn wrapped(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
     Pose::from_parts(Translation3::from(position), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
 }
 

@@ -1,11 +1,11 @@
 //! Checks of robots on four Mecanum wheels.
 
 use nalgebra::UnitQuaternion;
-use scene::{Material, RobotDef, Shape, Solid, WheelGeometry};
+use scene::{Material, RobotDef, Shape, Solid, WheelGeometry, wrapped};
 use sim_core::{WheelState, mecanum};
 
 use super::{Finding, Scene, Subject, about, below, energy, halved, same_bits, slides, tolerance, turning_inertia};
-use crate::course::{MotionError, angles, drive_command, exact_step, wrapped};
+use crate::course::{MotionError, angles, drive_command, exact_step};
 
 /// Names of the checks.
 pub(super) const CHECKS: [&str; 12] = [

@@ -80,8 +80,7 @@ fn floats(vector: &Vector3<f64>) -> impl Iterator<Item = f32> {
 
 /// Returns a roller's angle within half a turn, in the unit of a frame.
 fn roller(angle: f64) -> i32 {
-    let turned = angle - 2.0 * PI * (angle / (2.0 * PI)).round();
-    (turned / PI * HALF_TURN).round().clamp(-HALF_TURN, HALF_TURN - 1.0) as i32
+    (scene::wrapped(angle) / PI * HALF_TURN).round().clamp(-HALF_TURN, HALF_TURN - 1.0) as i32
 }
 
 /// Returns a component of a force in the unit of a frame.

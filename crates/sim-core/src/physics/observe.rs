@@ -1,9 +1,7 @@
 //! Rollers and contacts of a robot, computed for viewers only.
 
-use std::f64::consts::TAU;
-
 use nalgebra::Vector3;
-use scene::Contact;
+use scene::{Contact, wrapped};
 
 use super::{Physics, RobotBodies};
 
@@ -34,9 +32,4 @@ fn share(contacts: &mut [Contact], force: Vector3<f64>) {
     for contact in contacts.iter_mut().filter(|_| total > 0.0) {
         contact.force += force * (contact.force.norm() / total);
     }
-}
-
-/// Wraps an angle to -pi to pi.
-fn wrapped(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
 }

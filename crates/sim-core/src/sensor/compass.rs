@@ -1,11 +1,9 @@
 //! Direction of a sensor against the map's north (MagneticCompass.uc:8-49). The original rounds the angle to nearly 0 twice; this is what it
 //! means.
 
-use std::f64::consts::TAU;
-
 use gamebots_proto::message::{ItemConf, MagneticCompass, PlainConf};
 use scene::sensor::compass::Reading;
-use scene::{Pose, SensorDef};
+use scene::{Pose, SensorDef, wrapped};
 
 use super::{Mount, Sensor, View};
 
@@ -31,8 +29,7 @@ impl Sensor for Mounted {
 
     fn sense(&mut self, view: &View) -> Option<super::Reading> {
         let (_, _, yaw) = (view.carrier.pose.rotation * self.pose.rotation).euler_angles();
-        let angle = view.physics.site().north - yaw;
-        Some(Reading { angle: angle - TAU * (angle / TAU).round() }.into())
+        Some(Reading { angle: wrapped(view.physics.site().north - yaw) }.into())
     }
 
     fn conf(&self) -> ItemConf {

@@ -1,12 +1,10 @@
 //! Accelerations and turn rates as differences between two readings (IMU.uc:25-65). The acceleration is along the sensor's axes with z
 //! up, without gravity. The turn rates are those of roll, pitch and yaw, which differ from the rates about the body's axes.
 
-use std::f64::consts::TAU;
-
 use gamebots_proto::message::{Imu, ItemConf, PlainConf};
 use nalgebra::Vector3;
 use scene::sensor::imu::Reading;
-use scene::{Pose, SensorDef, position_and_rotation};
+use scene::{Pose, SensorDef, position_and_rotation, wrapped};
 
 use super::{Mount, Sensor, State, View, floats};
 
@@ -58,10 +56,7 @@ impl Sensor for Mounted {
         let rate = |change: f64| if passed > 0.0 { change / passed } else { 0.0 };
         let changed = (carrier.linear - self.last.velocity).map(rate);
         let along = (carrier.pose.rotation * self.pose.rotation).inverse() * changed;
-        let rates: [f64; 3] = std::array::from_fn(|axis| {
-            let change: f64 = angles[axis] - self.last.angles[axis];
-            rate(change - TAU * (change / TAU).round())
-        });
+        let rates: [f64; 3] = std::array::from_fn(|axis| rate(wrapped(angles[axis] - self.last.angles[axis])));
         let changes = std::array::from_fn(|axis| rate(rates[axis] - self.last.rates[axis]));
         self.last = Last { time, velocity: carrier.linear, angles, rates };
         let reading = Reading {

@@ -15,7 +15,7 @@ use scene::rotation_units;
 
 use super::{Effect, Mount, Sensor, State, View, floats};
 use scene::sensor::ins::{Config, Reading};
-use scene::{Pose, SensorDef, position_and_rotation};
+use scene::{Pose, SensorDef, position_and_rotation, wrapped};
 
 #[derive(Clone)]
 pub(crate) struct Mounted {
@@ -61,8 +61,7 @@ impl Mounted {
         let turned: [f64; 3] = std::array::from_fn(|axis| {
             // In whole rotation units, like the angles of USARSim's engine, so that a resting robot does not turn at all.
             let change = rotation_units::from_radians(angles[axis]) - rotation_units::from_radians(last_angles[axis]);
-            let change = f64::from(rotation_units::to_radians(change));
-            change - TAU * (change / TAU).round()
+            wrapped(f64::from(rotation_units::to_radians(change)))
         });
         if self.integrating {
             for (axis, change) in turned.iter().enumerate() {
