@@ -1,5 +1,6 @@
 //! A TOML file, read piece by piece so that one mistake does not hide the next.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use names::{did_you_mean, listed};
@@ -9,7 +10,6 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 
-use crate::materials::Materials;
 use crate::problem::{Problems, Unread};
 
 /// Message for tables and arrays nested too deep: the parser takes 80 levels.
@@ -159,7 +159,12 @@ impl<'a> Document<'a> {
     }
 
     /// Looks up a material. An unknown one is reported and replaced by the default, so that its users can still be checked.
-    pub(crate) fn material(&mut self, span: &Range<usize>, name: &str, materials: &Materials) -> Material {
+    pub(crate) fn material(
+        &mut self,
+        span: &Range<usize>,
+        name: &str,
+        materials: &BTreeMap<String, Material>,
+    ) -> Material {
         materials.get(name).cloned().unwrap_or_else(|| {
             let known = || materials.keys().map(String::as_str);
             let (names, suggestion) = (listed(known()), did_you_mean(name, known()));

@@ -2,6 +2,7 @@
 
 mod classes;
 mod ini;
+mod put_on;
 mod usarsim;
 
 use std::collections::BTreeMap;
@@ -9,18 +10,19 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use names::did_you_mean;
-use scene::{Battery, RobotDef};
+use scene::Battery;
 
 use crate::LoadError;
-use crate::catalogue;
-use crate::document::{Document, Table};
+use crate::document::Document;
 use crate::problem::{FileProblem, Problems};
-use crate::robot::{Definition, mount, read_battery, read_sensors};
+use crate::shipped;
 use crate::source::Source;
 use usarsim::Inis;
 
 /// Name of the equipment that robots have by their own files.
 const SHIPPED: &str = "shipped";
+/// Most items of one class.
+pub(crate) const MAX_ITEMS: usize = 256;
 /// Largest file of equipment, bytes: DefaultUSAR.ini has 20 kB.
 const MAX_FILE: u64 = 1 << 20;
 
@@ -78,14 +80,14 @@ impl Equipment {
             return Ok(Self::default());
         }
         let path = Path::new(name);
-        let (source, file) = match catalogue::equipment_file(name) {
+        let (source, file) = match shipped::equipment_file(name) {
             Some((source, file)) => (source, file),
             None if path.is_file() => {
                 let file = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
                 (Source::of_file(path), file)
             }
             None => {
-                let known = || catalogue::equipment_names().into_iter().chain([SHIPPED.to_owned()]);
+                let known = || shipped::equipment_names().into_iter().chain([SHIPPED.to_owned()]);
                 let known: Vec<String> = known().collect();
                 let suggestion = did_you_mean(name, known.iter().map(String::as_str));
                 let (kind, got, expected) = ("equipment", name.to_owned(), known.join(", "));
@@ -174,26 +176,11 @@ impl Equipment {
             _ => &[],
         }
     }
-
-    /// Puts the items of the definition's class on a robot.
-    pub(crate) fn put_on(
-        &self,
-        definition: &Definition,
-        robot: &mut RobotDef,
-        complete: bool,
-        problems: &mut Problems,
-    ) {
-        match &self.0 {
-            Kind::Shipped => {}
-            Kind::Set(set) => set.put_on(definition, robot, complete, problems),
-            Kind::Inis(inis) => inis.put_on(definition, robot, problems),
-        }
-    }
 }
 
 /// Returns the names of the classes that may have items: robots and actuators.
 fn known_classes<'a>(robots: impl Iterator<Item = &'a str>) -> Vec<String> {
-    robots.map(str::to_owned).chain(catalogue::actuator_names()).collect()
+    robots.map(str::to_owned).chain(shipped::actuator_names()).collect()
 }
 
 impl Set {
@@ -215,22 +202,6 @@ impl Set {
             }
         }
         Some(classes)
-    }
-
-    fn put_on(&self, definition: &Definition, robot: &mut RobotDef, complete: bool, problems: &mut Problems) {
-        const KEYS: &str = "sensor, mount, battery";
-        let Some((class, _)) = self.classes.get(&definition.equipped_as.to_lowercase()) else { return };
-        let Some((mut document, mut root)) = Document::parse(&self.file, &self.text, problems) else { return };
-        let Some(mut table): Option<Table> = document.table(&mut root, class) else { return };
-        let wheels = robot.driven().count();
-        let settings = definition.changes.equipment;
-        robot.sensors = read_sensors(&mut document, &mut table, settings, &robot.links, Some(wheels), complete);
-        if let Some(battery) = read_battery(&mut document, &mut table) {
-            robot.battery = Some(battery);
-        }
-        let mounts = mount::read(definition, &mut document, &mut table);
-        document.finish(table, KEYS);
-        mount::mount(&mut document, robot, mounts, complete);
     }
 }
 

@@ -23,7 +23,7 @@ use crate::robot::of_urdf::extent::bounds;
 use crate::robot::of_urdf::{self, Change, Guessed};
 use crate::source::Source;
 use crate::urdf;
-use crate::{LoadError, catalogue};
+use crate::{LoadError, shipped};
 
 /// Name of the URDF in a robot's folder.
 const URDF: &str = "robot.urdf";
@@ -110,7 +110,7 @@ pub fn import(import: &Import) -> Result<Imported, LoadError> {
 /// Guesses the robot of a URDF in a folder that is not written yet.
 fn guess(import: &Import, source: &Source, robot: &urdf_rs::Robot) -> Result<Guessed, LoadError> {
     let shown = import.file.display().to_string();
-    let (text, materials) = (written(&shown, robot)?, catalogue::built_in_materials(&[])?);
+    let (text, materials) = (written(&shown, robot)?, shipped::built_in_materials(&[])?);
     let (mecanum, mut problems) = (urdf::hints_at_mecanum(import.text), Problems::default());
     let guessed = of_urdf::read(source, URDF, import.class, &text, &materials, mecanum, &mut problems);
     // The user does not have the file in which these problems have lines.

@@ -13,7 +13,7 @@ use scene::{Pose, Shape};
 use crate::mesh::{self, Piece};
 use crate::problem::Problems;
 use crate::source::Source;
-use crate::{LoadError, catalogue};
+use crate::{LoadError, shipped};
 
 /// Size below which two coordinates of a box are one, as a part of its longest edge.
 const FLAT: f64 = 1e-5;
@@ -124,7 +124,7 @@ pub fn import_map(import: &MapImport) -> Result<ImportedMap, LoadError> {
 }
 
 fn known_material(name: &str) -> Result<(), LoadError> {
-    let materials = catalogue::built_in_materials(&[])?;
+    let materials = shipped::built_in_materials(&[])?;
     let known = || materials.keys().map(String::as_str);
     let unknown = || LoadError::UnknownMaterial {
         got: name.to_owned(),

@@ -9,7 +9,7 @@ use crate::LoadError;
 use crate::document::{Document, Table, Vector};
 use crate::problem::Problems;
 use crate::source::Source;
-use crate::{catalogue, map as map_file};
+use crate::{catalogue, map as map_file, shipped};
 
 const KEYS: &str = "name, map, time_limit, control, communication, victims, start, team, zone";
 /// File of a map's league, in its folder.
@@ -103,7 +103,7 @@ struct ZoneTable {
 /// Reports an unreadable file, all problems of the file, or a map that cannot be loaded.
 pub fn league(path: &Path, map: Option<&str>) -> Result<LeagueFile, LoadError> {
     let mut problems = Problems::default();
-    let built_in = catalogue::league_of_map(&path.to_string_lossy()).filter(|_| !path.exists());
+    let built_in = shipped::league_of_map(&path.to_string_lossy()).filter(|_| !path.exists());
     let (source, name, folder) = match built_in {
         Some(source) => (source, LEAGUE.to_owned(), None),
         None => {

@@ -16,13 +16,11 @@ mod mesh;
 mod overrides;
 mod problem;
 mod robot;
+mod shipped;
 mod source;
 mod urdf;
 
-pub use catalogue::{
-    File, load, load_equipped, load_with, map, map_description, map_files, map_names, objects, robot, robot_equipped,
-    robot_files, robot_folders, robot_names,
-};
+pub use catalogue::{load, load_equipped, load_with, map, objects, robot, robot_equipped};
 pub use equipment::{Changes, Equipment};
 pub use families::{FAMILIES, Family};
 pub use import::{Content, Import, Imported, Packages, import};
@@ -30,6 +28,7 @@ pub use import_map::{ImportedMap, ImportedSolid, MapImport, import_map};
 pub use league::{Communication, Controllers, LeagueFile, league};
 pub use overrides::{Override, check_used};
 pub use problem::{FileProblem, LoadError};
+pub use shipped::{File, map_description, map_files, map_names, robot_files, robot_folders, robot_names};
 
 use std::path::Path;
 
@@ -116,7 +115,7 @@ fn check_toml(path: &Path) -> Result<Vec<String>, LoadError> {
     if is_equipment(name, &text) {
         return check_equipment(source, name);
     }
-    let materials = catalogue::built_in_materials(&[])?;
+    let materials = shipped::built_in_materials(&[])?;
     let mut problems = Problems::default();
     let mut assumptions = Vec::new();
     if name.starts_with("materials") {
@@ -133,6 +132,7 @@ fn check_toml(path: &Path) -> Result<Vec<String>, LoadError> {
             materials: &materials,
             changes: Changes::of(&[]),
             depth,
+            others: catalogue::OTHERS,
         };
         let robot = robot::read(&definition, &text, &mut problems);
         assumptions = robot.map_or(Vec::new(), |robot| robot.assumptions);

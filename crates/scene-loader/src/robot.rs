@@ -1,6 +1,7 @@
 //! `robot.toml`: parts, wheels, sensors and battery of a class of robots. `actuator.toml`: an actuator that robots carry.
 
 mod actuator;
+mod driven;
 mod joint;
 mod like;
 pub(crate) mod mount;
@@ -18,9 +19,11 @@ use scene::{Aerial, Battery, DriveModel, Footing, Link, Part, RobotDef, SensorDe
 use serde::Deserialize;
 
 use self::actuator::{read_actuators, read_grippers, read_tool_changers, read_vacuums};
+use self::driven::read_wheels;
 use self::joint::{Links, find_link};
 use self::visual::read_visuals;
-use self::wheel::{read_casters, read_wheels};
+use self::wheel::read_casters;
+use crate::LoadError;
 use crate::document::{Document, Table, Vector};
 use crate::equipment::{Changes, Equipment};
 use crate::materials::Materials;
@@ -60,6 +63,16 @@ pub(crate) struct Definition<'a> {
     pub(crate) changes: Changes<'a>,
     /// Number of actuators that it is mounted on, if it is an actuator. `None` for a robot.
     pub(crate) depth: Option<usize>,
+    pub(crate) others: Others,
+}
+
+/// Loaders of the classes and actuators that a definition names.
+#[derive(Clone, Copy)]
+pub(crate) struct Others {
+    /// Loads a shipped class by its name, with the equipment of that class or another.
+    pub(crate) class: fn(&str, Changes, Option<&str>) -> Result<RobotDef, LoadError>,
+    /// Loads an actuator beside a file, or a shipped one, that is mounted on a number of others.
+    pub(crate) actuator: fn(&Source, &str, Changes, usize) -> Result<RobotDef, LoadError>,
 }
 
 /// A part of the body: a solid box that sets its mass, and a colliding shape unless it is hidden.

@@ -4,7 +4,6 @@ use scene::RobotDef;
 
 use super::visual::read_visuals;
 use super::{Definition, mount, read_battery, read_dialect, read_reported_steering, read_sensors};
-use crate::catalogue;
 use crate::document::{Document, Table};
 
 /// Keys that may stand beside `like`.
@@ -23,7 +22,7 @@ pub(super) fn read<'a>(
     let replaced = equipment.replaces(definition.equipped_as);
     // What replaces the items of this class replaces those of the other class, too.
     let as_itself = replaced.then_some(definition.equipped_as);
-    let mut robot = match catalogue::built_in_as(&other, definition.changes, as_itself) {
+    let mut robot = match (definition.others.class)(&other, definition.changes, as_itself) {
         Ok(robot) => robot,
         Err(error) => {
             document.problem(&span, error);

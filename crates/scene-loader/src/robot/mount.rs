@@ -8,11 +8,9 @@ use serde::Deserialize;
 
 use super::Definition;
 use super::joint::find_link;
-use crate::catalogue;
 use crate::document::{Document, Table, Vector};
+use crate::equipment::MAX_ITEMS;
 
-/// Most mounts of one file.
-pub(crate) const MAX_MOUNTS: usize = 256;
 /// Largest number of actuators that carry each other. One of the industrial robots has two.
 const MOST_DEEP: usize = 4;
 
@@ -46,7 +44,7 @@ pub(crate) fn load(definition: &Definition, class: &str) -> Result<RobotDef, Str
     if depth > MOST_DEEP {
         return Err(format!("an actuator on {depth} others: expected at most {MOST_DEEP}"));
     }
-    catalogue::actuator(definition.source, class, definition.changes, depth).map_err(|error| error.to_string())
+    (definition.others.actuator)(definition.source, class, definition.changes, depth).map_err(|error| error.to_string())
 }
 
 /// Reads the mounts with their actuators. Those with a problem are left out.
@@ -55,9 +53,9 @@ pub(crate) fn load(definition: &Definition, class: &str) -> Result<RobotDef, Str
 pub(crate) fn read<'a>(definition: &Definition, document: &mut Document<'a>, root: &mut Table<'a>) -> Vec<Mount> {
     let (mut mounts, mut links) = (Vec::new(), 0);
     let mut entries = document.list::<MountEntry>(root, "mount");
-    if let Some((span, _)) = entries.get(MAX_MOUNTS) {
-        document.problem(span, format_args!("more mounts than {MAX_MOUNTS}: expected at most so many"));
-        entries.truncate(MAX_MOUNTS);
+    if let Some((span, _)) = entries.get(MAX_ITEMS) {
+        document.problem(span, format_args!("more mounts than {MAX_ITEMS}: expected at most so many"));
+        entries.truncate(MAX_ITEMS);
     }
     for (span, MountEntry { class, name, link, position, direction }) in entries {
         match load(definition, &class) {
