@@ -81,6 +81,7 @@ mod page_types;
 mod reading;
 mod robot;
 pub mod rotation_units;
+mod sensed;
 pub mod sensor;
 mod shape;
 mod state;
@@ -88,8 +89,8 @@ mod stored;
 mod wheel;
 
 use std::collections::BTreeMap;
-
 use std::f64::consts::TAU;
+
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
@@ -107,8 +108,9 @@ pub use map::{Conveyor, Geographic, MapDef, NamedPose, Object, RfidTag, Smoke, S
 pub use mass::Mass;
 pub use material::Material;
 pub use options::{Options, TIME_STEP};
-pub use reading::{Quantity, Sensed, Texts};
+pub use reading::{Quantity, Texts};
 pub use robot::{Battery, DriveModel, RobotDef, Side, Steering, WheelGeometry};
+pub use sensed::Sensed;
 pub use sensor::{Reading, SensorDef};
 pub use shape::{Shape, Solid};
 pub use state::{
@@ -119,13 +121,13 @@ pub use wheel::{Motor, MountedWheel, Rollers, Wheel};
 /// Position and orientation.
 pub type Pose = Isometry3<f64>;
 
-/// Builds a pose from a position in metres and roll, pitch, yaw in radians (yaw first, then pitch, then roll).
-pub fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
 /// Wraps an angle to -pi to pi, rad.
 pub fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
+/// Builds a pose from a position in metres and roll, pitch, yaw in radians (yaw first, then pitch, then roll).
+pub fn pose(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose {
     Pose::from_parts(Translation3::from(position), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
 }
 

@@ -7,19 +7,6 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::{PawnId, sensor::Reading};
-
-/// A reading of a robot's sensor.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sensed {
-    /// The robot.
-    pub robot: PawnId,
-    /// Number of the sensor in the robot's class.
-    pub sensor: usize,
-    /// The reading.
-    pub reading: Reading,
-}
-
 /// One quantity of a reading by its name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Quantity {

@@ -44,6 +44,9 @@ use scene::{ObjectId, RfidTag};
 
 use crate::site::Site;
 
+/// Distance from a change over which sleeping objects wake, m.
+const WAKING_REACH: f64 = 0.01;
+
 /// The bodies of the world and the engine that moves them.
 pub(crate) struct Physics {
     world: PhysicsWorld,
@@ -151,7 +154,7 @@ impl Physics {
             objects,
             site: map.site.clone(),
             tags: map.tags.clone(),
-            conveyors: Conveyor::of(map, &solids),
+            conveyors: Conveyor::all(&map.conveyors, &solids),
             robots_of_engine: 0,
             is_changed: false,
             landing: Landing::default(),

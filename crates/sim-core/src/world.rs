@@ -4,6 +4,7 @@ mod actors;
 mod answer;
 mod avatar;
 mod controller;
+mod held;
 mod item;
 mod report;
 mod robot;
@@ -32,6 +33,7 @@ use actors::EngineNames;
 pub use actors::{Actor, ActorKind};
 use avatar::Avatar;
 use controller::{Controller, Created};
+use held::{Stuck, Tool};
 use item::Motion;
 use item::{Hand, Hands};
 pub use report::Report;
@@ -42,8 +44,6 @@ use scene::{
     Snapshot, WheelState, WorldDef, check,
 };
 pub use tiles::{TILES, Tiles};
-use tools::Tool;
-use vacuum::Stuck;
 
 /// Maximum length of a robot's name, characters. Longer names are truncated.
 const MAX_NAME_CHARS: usize = 256;

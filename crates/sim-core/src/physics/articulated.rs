@@ -6,11 +6,13 @@ mod compile;
 mod contact;
 mod finding;
 mod following;
+mod form;
 mod itself;
 mod object;
 mod ring;
 mod saved;
 mod shape_contact;
+mod step_input;
 mod together;
 mod track;
 mod wheel;
@@ -38,7 +40,8 @@ use compile::{JointValue, Ring};
 use finding::{Found, Key, Placed};
 pub(super) use object::{MovableObject, uniform};
 pub(crate) use saved::{SavedObject, SavedTree};
-pub(super) use together::{Surroundings, solve};
+pub(super) use step_input::StepInput;
+pub(super) use together::solve;
 
 /// Time over which the end of a joint gives way, s. A joint beyond its end returns within it.
 const END_TIME: f64 = 0.02;

@@ -4,10 +4,7 @@
 use nalgebra::Vector3;
 use rapier3d::prelude::*;
 
-use super::Physics;
-use super::articulated::MovableObject;
-use super::compile::CompiledMap;
-use super::objects::WAKING_REACH;
+use super::{Physics, WAKING_REACH};
 
 /// A conveyor of a world.
 #[derive(Clone)]
@@ -20,13 +17,13 @@ pub(super) struct Conveyor {
 }
 
 impl Conveyor {
-    /// Builds the conveyors of a map. `solids` are the colliders of its solids, in order.
-    pub(super) fn of(map: &CompiledMap, solids: &[ColliderHandle]) -> Vec<Self> {
+    /// Builds the conveyors of a map from the numbers of their solids and their velocities. `solids` are the colliders of its solids, in order.
+    pub(super) fn all(conveyors: &[(usize, Vector3<f64>)], solids: &[ColliderHandle]) -> Vec<Self> {
         let conveyor = |&(solid, velocity): &(usize, Vector3<f64>)| {
             let collider = *solids.get(solid)?;
             Some(Self { collider, velocity, factor: 1.0 })
         };
-        map.conveyors.iter().filter_map(conveyor).collect()
+        conveyors.iter().filter_map(conveyor).collect()
     }
 
     /// Returns the velocity of the surface where it has a normal, m/s. No surface moves along its normal.
@@ -53,7 +50,9 @@ impl Physics {
         conveyor.factor = factor;
         let Some(collider) = self.world.colliders.get(conveyor.collider) else { return };
         let around = collider.compute_aabb().loosened(WAKING_REACH);
-        self.objects.iter_mut().filter(|object| object.is_near(&around)).for_each(MovableObject::wake);
+        for object in self.objects.iter_mut().filter(|object| object.is_near(&around)) {
+            object.wake();
+        }
         self.is_changed = true;
     }
 }

@@ -10,9 +10,6 @@ use serde::{Deserialize, Serialize};
 use super::articulated::{CompiledObject, MovableObject, SavedObject};
 use super::{Fault, Physics, convert, shape};
 
-/// Distance from a change over which sleeping objects wake, m.
-pub(super) const WAKING_REACH: f64 = 0.01;
-
 /// An object that was taken out of the world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lifted {

@@ -6,7 +6,7 @@ use rapier3d::prelude::*;
 use scene::{BodyState, JointState, Pose, WheelState, check};
 use serde::{Deserialize, Serialize};
 
-use super::articulated::{self, SavedTree, Surroundings};
+use super::articulated::{self, SavedTree, StepInput};
 use super::compile::{CompiledRobot, Held, with_held};
 use super::mechanism::Mechanism;
 use super::query::set_box;
@@ -180,8 +180,8 @@ impl Physics {
             is_changed,
             ..
         } = self;
-        let surroundings = Surroundings { materials, conveyors, robots_of_engine, is_changed, threads };
-        let cost = articulated::solve(world, surroundings, robots.collect(), objects);
+        let input = StepInput { materials, conveyors, robots_of_engine, is_changed, threads };
+        let cost = articulated::solve(world, input, robots.collect(), objects);
         self.unsettled += cost.unsettled;
         self.work = cost.work;
     }

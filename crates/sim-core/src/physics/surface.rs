@@ -12,9 +12,9 @@ use super::identity::{Identity, Mark};
 /// Materials by number. Copies share the numbers, so what is compiled for one world fits all worlds of a scene.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Materials {
-    /// Those of all copies. A copy locks them when it meets a material for the first time.
+    /// Materials of all copies. A copy locks them when it meets a material for the first time.
     all: Arc<Mutex<Arc<Vec<Material>>>>,
-    /// Those that this copy has met.
+    /// Materials that this copy has met.
     known: Arc<Vec<Material>>,
 }
 

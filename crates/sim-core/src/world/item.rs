@@ -14,9 +14,8 @@ use gamebots_proto::message::{ItemConf, ItemGeo, MountedGeo};
 use nalgebra::Vector3;
 use scene::{RobotDef, Sensed};
 
+use super::held::{Stuck, Tool};
 use super::seed;
-use super::tools::Tool;
-use super::vacuum::Stuck;
 use super::{Options, Report};
 use crate::drive::Order;
 use crate::kinds::kinds;

@@ -8,46 +8,14 @@ use std::sync::Arc;
 
 use gamebots_proto::Problem;
 use nalgebra::Vector3;
-use scene::{BodyState, Object, ObjectId, ObjectSnapshot, PawnId, Pose, ToolChanger, check};
-use serde::{Deserialize, Serialize};
+use scene::{ObjectId, ObjectSnapshot, PawnId, ToolChanger};
 
 use super::World;
-use super::vacuum::Stuck;
-use crate::physics::{CompiledRobot, Held, Identity, Light, Physics};
+use super::held::{Tool, fitted};
+use crate::physics::{CompiledRobot, Identity, Light};
 
 /// Tolerance of comparisons with the limits of a tool changer, m or rad.
 const ROUNDING: f64 = 1e-9;
-
-/// A tool in the world.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Tool {
-    pub(super) id: ObjectId,
-    /// Robot that holds it, or held it last.
-    pub(super) robot: PawnId,
-    /// Number of the tool changer that holds it; `None` if it lies about.
-    pub(super) changer: Option<usize>,
-    /// Type on the wire.
-    kind: String,
-    /// Name, shape and mass. The pose of the shape is in the frame of the changer.
-    object: Arc<Object>,
-}
-
-impl Tool {
-    /// Returns the type on the wire.
-    pub(super) fn kind(&self) -> &str {
-        &self.kind
-    }
-
-    /// Returns the name.
-    pub(super) fn name(&self) -> &str {
-        &self.object.solid.name
-    }
-
-    /// True if it is a tool that a robot can hold.
-    pub(super) fn is_sound(&self) -> bool {
-        check::spawned_object(&self.object).is_empty()
-    }
-}
 
 impl World {
     /// Returns the tools with which the next robot of a class is spawned, and the class with them. Fails with the reason in words.
@@ -97,12 +65,6 @@ impl World {
         Ok(())
     }
 
-    /// Gives an object that comes off a link at a pose the velocity of the link.
-    pub(super) fn leave_link(&mut self, id: ObjectId, carrier: &BodyState, pose: &Pose) {
-        let lever = pose.translation.vector - carrier.pose.translation.vector;
-        self.physics.push_off(id, &(carrier.linear + carrier.angular.cross(&lever)), &carrier.angular);
-    }
-
     /// Takes the first tool that a ray along the changer's z axis meets, if it is near enough and turned like the changer.
     fn take_tool(&mut self, robot: PawnId, number: usize, changer: &ToolChanger) -> Result<(), String> {
         self.enter_shapes();
@@ -134,22 +96,6 @@ impl World {
         Ok(())
     }
 
-    /// Gives a robot the class with the tools that it holds now, and what sticks to it.
-    pub(super) fn refit(&mut self, id: PawnId) -> Result<(), String> {
-        let name = self.robots.get(&id).map(|robot| robot.def().class.clone()).ok_or("the robot is gone")?;
-        let class = self.compiled(&name).ok_or("its class is gone")?;
-        let fitted = fitted(&mut self.physics, &class, id, &self.tools, &self.stuck)?;
-        let robot = self.robots.get_mut(&id).ok_or("the robot is gone")?;
-        let is_refitted = self.physics.refit(robot.bodies_mut(), id, fitted);
-        is_refitted.then_some(()).ok_or("the drive model `bodies` cannot change tools".to_owned())
-    }
-
-    /// Returns the robot frame as it moves with a link.
-    pub(super) fn carrier(&self, robot: PawnId, link: usize) -> Option<BodyState> {
-        let bodies = self.robots.get(&robot)?.bodies();
-        Some(self.physics.carrier(bodies, link).unwrap_or_else(|| self.physics.body(bodies)))
-    }
-
     /// Returns snapshots of the tools that robots hold.
     pub(super) fn held_tools(&self) -> impl Iterator<Item = ObjectSnapshot> {
         self.tools.iter().filter_map(|tool| {
@@ -165,24 +111,6 @@ impl World {
             self.physics.remove_object(tool.id);
         }
     }
-}
-
-/// Returns a class with the tools that a robot holds, and what sticks to it. Fails with the reason in words.
-pub(super) fn fitted(
-    physics: &mut Physics,
-    class: &Arc<CompiledRobot>,
-    robot: PawnId,
-    tools: &[Tool],
-    stuck: &[Stuck],
-) -> Result<Arc<CompiledRobot>, String> {
-    let of_tool = |tool: &'_ Tool| {
-        let changer = class.def.tool_changers.get(tool.changer?)?;
-        Some((changer.link, changer.pose() * tool.object.solid.pose()))
-    };
-    let own = tools.iter().filter(|tool| tool.robot == robot);
-    let tools = own.filter_map(|tool| of_tool(tool).map(|(link, at)| Held { link, at, object: &tool.object }));
-    let stuck = stuck.iter().filter(|stuck| stuck.robot == robot).filter_map(|stuck| stuck.held(&class.def));
-    physics.fitted(class, tools.chain(stuck))
 }
 
 /// Returns the place in a list of the tool that a tool changer holds.

@@ -8,43 +8,11 @@ use std::sync::Arc;
 
 use gamebots_proto::Problem;
 use nalgebra::Vector3;
-use scene::{Object, ObjectId, ObjectSnapshot, PawnId, Pose, RobotDef, Solid, Vacuum, check, position_and_rotation};
-use serde::{Deserialize, Serialize};
+use scene::{Object, ObjectId, ObjectSnapshot, PawnId, Pose, Solid, Vacuum, position_and_rotation};
 
 use super::World;
-use super::tools::Tool;
-use crate::physics::{Held, Identity, Lifted, Light};
-
-/// An object that sticks to a vacuum.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Stuck {
-    pub(super) id: ObjectId,
-    pub(super) robot: PawnId,
-    /// Number of the vacuum in the robot's class.
-    pub(super) vacuum: usize,
-    /// The object as it was in the world.
-    lifted: Lifted,
-    /// The object with the pose of its shape in the robot frame when every joint is at 0.
-    fixed: Arc<Object>,
-}
-
-impl Stuck {
-    /// Returns the object as part of its link.
-    pub(super) fn held<'a>(&'a self, robot: &RobotDef) -> Option<Held<'a>> {
-        let vacuum = robot.vacuums.get(self.vacuum)?;
-        Some(Held { link: vacuum.link, at: self.fixed.solid.pose(), object: &self.fixed })
-    }
-
-    /// True if it is an object that a world can have.
-    pub(super) fn is_sound(&self) -> bool {
-        [&self.lifted.def, &self.fixed].into_iter().all(|object| check::spawned_object(object).is_empty())
-    }
-
-    /// True if the map has the object.
-    pub(super) fn is_of_map(&self) -> bool {
-        self.lifted.is_of_map
-    }
-}
+use super::held::{Stuck, Tool};
+use crate::physics::{Identity, Light};
 
 impl World {
     /// Closes a vacuum, so that the object ahead of it sticks, or opens it, so that its own comes off.

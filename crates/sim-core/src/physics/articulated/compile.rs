@@ -4,16 +4,15 @@ use std::sync::Arc;
 
 use articulated::{Joint, Link, Mass, Tree};
 use nalgebra::Vector3;
-use rapier3d::math::Pose as EnginePose;
-use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::SharedShape;
 use scene::{Coupling, CouplingKind, DriveModel, Footing, JointKind, Material, MountedWheel, RobotDef, Rollers};
 
 use super::super::motor::Value;
 use super::super::rolling::Hub;
+use super::super::shape;
 use super::super::surface::{Materials, Surface as Seen};
-use super::super::{convert, shape};
 use super::following::Following;
+use super::form::{Form, Surface};
 use super::itself;
 use super::ring::RollerRing;
 use super::track::Track;
@@ -76,48 +75,6 @@ pub(super) struct Gear {
     pub(super) offset: f64,
 }
 
-/// A part of a link that makes contacts.
-pub(super) struct Surface {
-    pub(super) link: usize,
-    pub(super) form: Form,
-    pub(super) material: Material,
-    /// The engine's template of its collider.
-    pub(super) seen: Seen,
-    pub(super) shape: SharedShape,
-    /// Pose in the frame of the link.
-    pub(super) pose: EnginePose,
-    /// Bounding box in its own axes.
-    pub(super) around: Aabb,
-    /// Centre and half extents of its bounding box in the axes of the link, m.
-    pub(super) middle: Vector3<f64>,
-    pub(super) half: Vector3<f64>,
-    /// Number of the wheel that it belongs to.
-    pub(super) wheel: Option<usize>,
-}
-
-/// The geometry that finds its contacts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Form {
-    /// The engine's geometry.
-    Solid,
-    /// A wheel about the y axis of its link.
-    Wheel {
-        /// m.
-        radius: f64,
-        /// m.
-        half_width: f64,
-    },
-    /// The rollers of a wheel, by the number of their ring.
-    Rollers(usize),
-    /// A track, by its number.
-    Track(usize),
-    /// A ball about the origin of its link.
-    Ball {
-        /// m.
-        radius: f64,
-    },
-}
-
 impl Articulated {
     pub(in super::super) fn new(def: &RobotDef, shapes: &[SharedShape], materials: &mut Materials) -> Self {
         let mut made = Self {
@@ -151,7 +108,9 @@ impl Articulated {
                 made.add_coupling(def, number, coupling);
             }
         }
-        made.touching_itself = itself::pairs(&made);
+        let moved = made.joints.iter().filter(|joint| !joint.value.is_wheel);
+        let moved = moved.filter_map(|joint| Some((joint.dof, joint.value.limits?)));
+        made.touching_itself = itself::pairs(&made.tree, &made.surfaces, moved);
         made
     }
 
@@ -277,15 +236,6 @@ impl Articulated {
             }
             (CouplingKind::Target, ..) => {}
         }
-    }
-}
-
-impl Surface {
-    pub(super) fn new(link: usize, form: Form, material: &Material, seen: Seen, wheel: Option<usize>) -> Self {
-        let (shape, pose) = seen.placed();
-        let (around, on_link) = (shape.compute_local_aabb(), shape.compute_aabb(&pose));
-        let (middle, half) = (convert::from_vector(on_link.center()), convert::from_vector(on_link.half_extents()));
-        Self { link, form, material: material.clone(), seen, shape, pose, around, middle, half, wheel }
     }
 }
 

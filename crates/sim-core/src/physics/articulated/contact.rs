@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use super::super::identity::BodyId;
 use super::super::rolling::Load;
 use super::ArticulatedRobot;
-use super::compile::{Form, Surface};
 use super::finding::{Found, MARGIN, Second};
+use super::form::{Form, Surface};
 use super::wheel::{RollerTouch, SIDE, Touch};
 
 /// Stiffness of a contact, N/m. It shares the load between contacts.

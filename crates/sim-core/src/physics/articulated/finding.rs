@@ -14,10 +14,10 @@ use super::super::fault::Fault;
 use super::super::identity::BodyId;
 use super::super::surface::Materials;
 use super::ArticulatedRobot;
-use super::compile::{Form, Surface};
+use super::form::{Form, Surface};
 use super::link_pose;
 use super::shape_contact::touches;
-use super::together::Surroundings;
+use super::step_input::StepInput;
 use super::wheel::Touch;
 
 /// Distance over which contacts are found, beyond the distance that a surface moves in a step, m.
@@ -107,14 +107,14 @@ impl Key {
 
 impl ArticulatedRobot {
     /// Updates the bounds of the surfaces, the contacts with fixed bodies and the fault.
-    pub(super) fn look_around(&mut self, world: &PhysicsWorld, surroundings: Surroundings, time_step: f64) {
+    pub(super) fn look_around(&mut self, world: &PhysicsWorld, input: StepInput, time_step: f64) {
         self.standing.is_known = true;
         let is_finite = self.body.is_finite();
         self.standing.fault = if is_finite { Fault::of(&self.state()) } else { Some(Fault::NotFinite) };
         self.found.clear();
         if self.standing.fault.is_none() {
             self.place_surfaces(time_step);
-            self.touch_fixed(world, surroundings);
+            self.touch_fixed(world, input);
             self.touch_itself();
         }
     }
@@ -157,7 +157,7 @@ impl ArticulatedRobot {
         self.standing.around
     }
 
-    fn touch_fixed(&mut self, world: &PhysicsWorld, surroundings: Surroundings) {
+    fn touch_fixed(&mut self, world: &PhysicsWorld, input: StepInput) {
         let mut found = std::mem::take(&mut self.found);
         if let Some(whole) = self.standing.around {
             let near = match self.near.take() {
@@ -173,11 +173,11 @@ impl ArticulatedRobot {
             };
             for &handle in &near.1 {
                 if let Some(collider) = world.colliders.get(handle) {
-                    let material = surroundings.materials.of(collider);
+                    let material = input.materials.of(collider);
                     let other = Other { collider, material, peer: Peer::Fixed, handle, second: Second::Fixed };
                     let before = found.len();
                     self.touch_collider(&other, &mut found);
-                    if let Some(conveyor) = surroundings.conveyors.iter().find(|it| it.collider == handle) {
+                    if let Some(conveyor) = input.conveyors.iter().find(|it| it.collider == handle) {
                         found[before..].iter_mut().for_each(|it| it.drift = conveyor.drift(&it.touch.normal));
                     }
                 }

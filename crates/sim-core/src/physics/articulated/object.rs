@@ -11,13 +11,14 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 use scene::{BodyState, Object, ObjectId, ObjectSnapshot, Pose};
 
+use super::super::WAKING_REACH;
 use super::super::convert;
 use super::super::fault::Fault;
 use super::super::identity::{BodyId, Identity};
-use super::super::objects::WAKING_REACH;
 use super::super::surface::Surface as Seen;
 use super::ArticulatedRobot;
-use super::compile::{Articulated, CompiledObject, Form, Surface};
+use super::compile::{Articulated, CompiledObject};
+use super::form::{Form, Surface};
 
 /// Speed of the fastest point below which an object is at rest, m/s.
 const REST_SPEED: f64 = 1e-3;

@@ -10,7 +10,7 @@ use rapier3d::parry::shape::Shape;
 
 use super::super::contact::{RollerDispatcher, distance};
 use super::super::convert;
-use super::compile::{Form, Surface};
+use super::form::{Form, Surface};
 use super::wheel::{Touch, Wheel};
 
 /// Distance below which two contacts are one, m.

@@ -11,12 +11,11 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::*;
 
 use super::super::convert;
-use super::super::conveyor::Conveyor;
 use super::super::identity::BodyId;
-use super::super::surface::Materials;
 use super::ArticulatedRobot;
 use super::finding::{Found, OfEngine, Second, touch_each_other, touch_engine};
 use super::object::MovableObject;
+use super::step_input::StepInput;
 use crate::ObjectId;
 use crate::flight::Flight;
 use crate::threads::{Threads, in_parts};
@@ -68,17 +67,6 @@ struct Push {
     impulse: Vector3<f64>,
 }
 
-/// Inputs that all systems of a step share.
-#[derive(Clone, Copy)]
-pub(in super::super) struct Surroundings<'a> {
-    pub(in super::super) materials: &'a Materials,
-    pub(in super::super) conveyors: &'a [Conveyor],
-    pub(in super::super) robots_of_engine: usize,
-    /// True if a robot came or left since the last step.
-    pub(in super::super) is_changed: bool,
-    pub(in super::super) threads: &'a dyn Threads,
-}
-
 /// Two bodies, by number, whose boxes overlap, and their contacts, each with the body of its first surface.
 struct Pair {
     bodies: (usize, usize),
@@ -88,11 +76,11 @@ struct Pair {
 /// Advances robots and awake objects by one step.
 pub(in super::super) fn solve<'a>(
     world: &mut PhysicsWorld,
-    surroundings: Surroundings,
+    input: StepInput,
     mut robots: Vec<(&'a mut ArticulatedRobot, Option<&'a Flight>)>,
     objects: &'a mut [MovableObject],
 ) -> Cost {
-    let Surroundings { materials, robots_of_engine, is_changed, threads, .. } = surroundings;
+    let StepInput { materials, robots_of_engine, is_changed, threads, .. } = input;
     // A robot that left may have carried an object.
     let is_still = robots.is_empty() && robots_of_engine == 0 && !is_changed;
     if is_still && objects.iter().all(MovableObject::is_asleep) {
@@ -118,7 +106,7 @@ pub(in super::super) fn solve<'a>(
     let listening: Vec<ObjectId> = listening.map(MovableObject::id).collect();
     let mut robots: Vec<&mut ArticulatedRobot> = robots.into_iter().map(|(robot, _)| robot).collect();
     robots.extend(objects.iter_mut().map(|object| &mut *object.body));
-    look_around(robots.iter_mut().map(|robot| &mut **robot), world, surroundings);
+    look_around(robots.iter_mut().map(|robot| &mut **robot), world, input);
     let (mut of_engine, mut touching) = (Vec::new(), Vec::new());
     if robots_of_engine > 0 {
         let count = robots.len();
@@ -150,7 +138,7 @@ pub(in super::super) fn solve<'a>(
                 SCRATCH.with_borrow_mut(|scratch| step.solve(group, scratch, tally));
                 if group.len() <= SMALL {
                     let robots = group.iter_mut().filter_map(Member::robot);
-                    robots.for_each(|robot| robot.look_around(seen, surroundings, time_step));
+                    robots.for_each(|robot| robot.look_around(seen, input, time_step));
                 }
             }
         }
@@ -161,7 +149,7 @@ pub(in super::super) fn solve<'a>(
         cost.unsettled += tally.cost.unsettled;
         cost.work += tally.cost.work;
     }
-    look_around(members.iter_mut().filter_map(Member::robot), seen, surroundings);
+    look_around(members.iter_mut().filter_map(Member::robot), seen, input);
     for OfEngine { links, reactions, .. } in of_engine {
         for (link, point, impulse) in reactions {
             react(world, links[link], point, impulse);
@@ -173,15 +161,11 @@ pub(in super::super) fn solve<'a>(
 }
 
 /// Finds contacts of bodies that moved since the last search.
-fn look_around<'a>(
-    robots: impl Iterator<Item = &'a mut ArticulatedRobot>,
-    world: &PhysicsWorld,
-    surroundings: Surroundings,
-) {
+fn look_around<'a>(robots: impl Iterator<Item = &'a mut ArticulatedRobot>, world: &PhysicsWorld, input: StepInput) {
     let time_step = world.integration_parameters.dt;
     let mut moved: Vec<&mut ArticulatedRobot> = robots.filter(|robot| !robot.standing.is_known).collect();
-    in_parts(surroundings.threads, TOGETHER, &mut moved, &|robots| {
-        robots.iter_mut().for_each(|robot| robot.look_around(world, surroundings, time_step));
+    in_parts(input.threads, TOGETHER, &mut moved, &|robots| {
+        robots.iter_mut().for_each(|robot| robot.look_around(world, input, time_step));
     });
 }
 

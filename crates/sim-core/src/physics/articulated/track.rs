@@ -10,7 +10,7 @@ use rapier3d::parry::shape::Shape;
 use scene::{Belt, Disc, LOADED, MountedWheel};
 
 use super::super::convert;
-use super::compile::Surface;
+use super::form::Surface;
 use super::shape_contact::on_faces;
 use super::wheel::{LEANING, SIDE, Touch};
 
