@@ -106,3 +106,11 @@ pub(crate) fn distance([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
 pub(crate) fn draw(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
     low + (high - low) * rng.random::<f64>()
 }
+
+/// Checks that a range is ordered and within bounds.
+pub(crate) fn check_range(name: &str, [low, high]: [f64; 2], least: f64, most: f64) -> Result<(), String> {
+    if low >= least && high <= most && low <= high {
+        return Ok(());
+    }
+    Err(format!("{name}: got {low} to {high}, expected a range within {least} to {most}"))
+}

@@ -9,7 +9,7 @@ use scene_loader::Override;
 use serde::Deserialize;
 use sim_core::CompiledScene;
 
-use crate::goal::{explore, fetch, follow, push, reach};
+use crate::goal::{check_range, explore, fetch, follow, push, reach};
 
 static SHIPPED: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../assets/tasks");
 
@@ -300,14 +300,6 @@ impl TaskFile {
             _ => return Err("expected one table of [reach], [follow], [push], [fetch] and [explore]".to_owned()),
         })
     }
-}
-
-/// Checks that a range is ordered and within bounds.
-pub(crate) fn check_range(name: &str, [low, high]: [f64; 2], least: f64, most: f64) -> Result<(), String> {
-    if low >= least && high <= most && low <= high {
-        return Ok(());
-    }
-    Err(format!("{name}: got {low} to {high}, expected a range within {least} to {most}"))
 }
 
 impl Action {

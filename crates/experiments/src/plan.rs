@@ -9,7 +9,7 @@ use scene::check::TIME_STEP;
 use scene_loader::Override;
 use serde::Deserialize;
 
-use crate::plot::Plot;
+use crate::plot::{Plot, file_name};
 
 /// Maximum number of runs of one file.
 const MAX_RUNS: usize = 1_000_000;
@@ -353,7 +353,7 @@ impl Plan {
                 return Err(format!("two runs are called {id}: expected values with different names"));
             }
         }
-        self.plots.iter().try_for_each(|plot| plot.check(self))
+        self.plots.iter().try_for_each(|plot| plot.check(|name| self.values_of(name)))
     }
 }
 
@@ -516,9 +516,4 @@ impl Run {
     pub(crate) fn label(&self, name: &str) -> Option<&str> {
         self.labels.iter().find(|(label, _)| label == name).map(|(_, value)| value.as_str())
     }
-}
-
-/// Converts a value to a part of a file name.
-pub(crate) fn file_name(value: &str) -> String {
-    value.chars().map(|c| if c.is_alphanumeric() || "._".contains(c) { c } else { '_' }).collect()
 }

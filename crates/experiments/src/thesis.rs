@@ -32,7 +32,9 @@ pub fn keep_needed(plan: &mut Plan, claims: &[Claim]) {
     let plots = std::mem::take(&mut plan.plots);
     let name = plan.name.clone();
     let is_needed = |run: &Run| {
-        let of_plots = plots.iter().any(|plot| plot.shows(run) && (run.sample == 1 || plot.tells_samples_apart()));
+        let of_plots = plots
+            .iter()
+            .any(|plot| plot.shows(|name| run.label(name)) && (run.sample == 1 || plot.tells_samples_apart()));
         let mut of_claims = claims.iter().filter(|claim| claim.measures(&name, run));
         of_plots || of_claims.any(|claim| run.sample == 1 || claim.tells_samples_apart())
     };

@@ -65,8 +65,9 @@ mod sparse;
 mod sparse_newton;
 mod sparse_solver;
 
+pub use newton::Workspace;
 pub use problem::{Constraint, Problem, Residual};
-pub use solver::{Outcome, TOLERANCE, Workspace, solve};
+pub use solver::{Outcome, TOLERANCE, solve};
 pub use sparse::SparseProblem;
 pub use sparse_solver::{Effort, SparseOutcome, SparseWorkspace, solve_sparse};
 

@@ -1,13 +1,20 @@
 //! Newton's method for all impulses at once.
 
 use crate::problem::{Constraint, Problem, dot};
-use crate::solver::Workspace;
 
 /// Shares of Newton's step with the most steps of each try. Every try starts from the same impulses. From a good start two or three full
 /// steps are enough. Where full steps cycle, shorter ones seldom do.
 const TRIES: [(f64, usize); 3] = [(1.0, 20), (0.7, 40), (0.4, 40)];
 /// The one try from the last step's impulses. They are nearly right, or belong to another motion.
 const FIRST_TRY: [(f64, usize); 1] = [(1.0, 8)];
+
+/// Scratch buffers that one problem after the other reuses.
+#[derive(Debug, Clone, Default)]
+pub struct Workspace {
+    trial: Vec<f64>,
+    velocity: Vec<f64>,
+    equations: Equations,
+}
 
 /// Runs Newton's method on the conditions that hold at the present impulses (Alart and Curnier 1991): a contact pushes or not, and holds or
 /// slides. No line search: with one, the iteration stalls at points that are not solutions. Returns true if it converged; if not, the

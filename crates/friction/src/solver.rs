@@ -2,8 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::local;
+use crate::newton::{self, Workspace};
 use crate::problem::{Constraint, Problem, dot};
-use crate::{local, newton};
 
 /// Residual up to which an answer is converged, relative to the largest entry of the right-hand side.
 pub const TOLERANCE: f64 = 1e-6;
@@ -27,14 +28,6 @@ pub struct Outcome {
     pub newton_steps: usize,
     /// True if the residual is at most [`TOLERANCE`]. Otherwise the answer is that of the last sweep.
     pub is_settled: bool,
-}
-
-/// Scratch buffers that one problem after the other reuses.
-#[derive(Debug, Clone, Default)]
-pub struct Workspace {
-    pub(crate) trial: Vec<f64>,
-    pub(crate) velocity: Vec<f64>,
-    pub(crate) equations: newton::Equations,
 }
 
 /// Solves a problem. On entry `impulses` are those of the last step, or 0 if there was none. On return they are the impulse on every row, N

@@ -11,10 +11,10 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
+use crate::error::refused;
 use crate::file::storage;
 use crate::ros2::Ros2;
 use crate::table::Table;
-use crate::writer::refused;
 use crate::{Log, RecordError};
 
 /// Writes a table as Parquet, with every column as doubles.

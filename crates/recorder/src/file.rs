@@ -10,8 +10,8 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Compression, McapResult, WriteOptions, Writer};
 
+use crate::error::refused;
 use crate::records::MAX_RECORD_BYTES;
-use crate::writer::refused;
 use crate::{Publish, RecordError};
 
 /// Largest message or metadata, bytes. A chunk with it and the usual megabyte of a chunk can still be read.

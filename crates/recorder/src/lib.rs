@@ -11,6 +11,7 @@
 
 mod classes;
 mod drawing;
+mod error;
 pub mod export;
 mod file;
 mod live;
@@ -25,6 +26,7 @@ mod states;
 mod table;
 mod writer;
 
+pub use error::RecordError;
 pub use file::{Storage, storage};
 pub use live::{Admitted, Latched, Live};
 pub use messages::{
@@ -35,7 +37,7 @@ pub use reader::{Entry, Log, ReadError, read, scene};
 pub use recover::{RecoverError, Recovered, recover};
 pub use states::{STATE_INTERVAL, StateTimer};
 pub use table::{Column, Table};
-pub use writer::{Closing, LogWriter, RecordError, Recorder, Sink, ros2_path};
+pub use writer::{Closing, LogWriter, Recorder, Sink, ros2_path};
 
 use foxglove::Encode;
 use mcap::McapResult;

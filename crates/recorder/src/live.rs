@@ -7,10 +7,11 @@ use foxglove::{Context, Encode, PartialMetadata, RawChannel, SinkId};
 use mcap::McapResult;
 use scene::{Snapshot, WorldDef};
 
+use crate::error::refused;
 use crate::file::nanoseconds;
 use crate::native::Native;
 use crate::states::States;
-use crate::writer::{Sink, refused};
+use crate::writer::Sink;
 use crate::{End, LEFT, Publish, Record, RecordError};
 
 /// Topics whose last message says nothing about the present.

@@ -9,9 +9,9 @@ use mcap::records::Metadata;
 use mcap::{Compression, McapError, McapResult, WriteOptions, Writer};
 
 use crate::RecordError;
+use crate::error::refused;
 use crate::reader::{ReadError, open};
 use crate::records::{self, Damage, Record};
-use crate::writer::refused;
 
 /// The result of a recovery.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -10,6 +10,7 @@ use mcap::McapResult;
 use scene::{Classes, Options, RobotDef, Snapshot, WorldDef};
 
 use crate::classes::{CLASS, DEFINITION, Used};
+use crate::error::{RecordError, refused};
 use crate::file::{LogFile, Storage, storage};
 use crate::native::Native;
 use crate::ros2::{self, Ros2};
@@ -23,14 +24,6 @@ const BATCH: usize = 256;
 const MAX_QUEUED: usize = 64 << 20;
 /// Longest time that a record stays out of the file, on a clock that nobody can set.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
-
-/// A log that cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[error("log {file}: {reason}")]
-pub struct RecordError {
-    file: String,
-    reason: String,
-}
 
 /// Writes a log record by record, and waits for the disk.
 pub struct LogWriter {
@@ -169,23 +162,9 @@ fn write_class(file: &mut LogFile, name: &str, class: &RobotDef) -> McapResult<(
     file.metadata(&format!("{CLASS}{name}"), BTreeMap::from([(DEFINITION.to_owned(), definition)]))
 }
 
-impl RecordError {
-    /// Creates the error of a file that the operating system refuses.
-    pub fn new(file: &Path, reason: &std::io::Error) -> Self {
-        Self { file: file.display().to_string(), reason: reason.to_string() }
-    }
-}
-
 /// Returns the file of a log's ROS 2 messages: `run.ros2.mcap` beside `run.mcap`.
 pub fn ros2_path(log: &Path) -> PathBuf {
     log.with_extension("ros2.mcap")
-}
-
-/// Creates an error, with the operating system's reason if that is the cause.
-pub(crate) fn refused(file: impl AsRef<Path>, reason: impl Into<Box<dyn std::error::Error>>) -> RecordError {
-    let reason = reason.into();
-    let cause = reason.source().map(ToString::to_string);
-    RecordError { file: file.as_ref().display().to_string(), reason: cause.unwrap_or_else(|| reason.to_string()) }
 }
 
 /// A receiver of records.

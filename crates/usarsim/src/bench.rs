@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use experiments::{Course, Crowd, Moment, Motion};
-use scene::check::TIME_STEP;
 use scene::{DriveModel, MapDef, RobotDef, WorldDef};
 use scene_loader::Override;
 use serde_json::json;
@@ -13,7 +12,8 @@ use sim_core::{Options, World};
 use thread_pool::ThreadPool;
 
 use crate::output::{definition_files, keep_inputs};
-use crate::{Failure, exit, print, within};
+use crate::values::{time_step, within};
+use crate::{Failure, exit, print};
 
 /// Options of `bench`.
 #[derive(clap::Args)]
@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE", value_delimiter = ',')]
     robot: Vec<String>,
     /// Drive model: articulated, bodies, analytic or kinematic; by default the one in its robot.toml.
-    #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
+    #[arg(long, value_name = "MODEL", value_parser = crate::values::drive_model)]
     drive_model: Option<DriveModel>,
     /// Number of robots that drive side by side.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
@@ -60,10 +60,6 @@ pub(crate) struct Arguments {
 
 fn seconds(text: &str) -> Result<f64, String> {
     within(text, 0.1, 1000.0)
-}
-
-pub(crate) fn time_step(text: &str) -> Result<f64, String> {
-    within(text, TIME_STEP.least, TIME_STEP.most)
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {

@@ -19,7 +19,8 @@ use serde_json::json;
 
 use crate::output::keep_inputs;
 use crate::progress::Progress;
-use crate::{Failure, exit, print, within};
+use crate::values::within;
+use crate::{Failure, exit, print};
 
 /// Subcommands of `experiment`.
 #[derive(clap::Subcommand)]

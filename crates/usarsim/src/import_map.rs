@@ -10,7 +10,8 @@ use serde_json::json;
 use sim_core::{Options, World};
 
 use crate::output::{fill_new_folder, write};
-use crate::{Failure, exit, print, within};
+use crate::values::within;
+use crate::{Failure, exit, print};
 
 /// Options of `import-map`.
 #[derive(clap::Args)]

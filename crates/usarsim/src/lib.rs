@@ -18,11 +18,13 @@ mod progress;
 mod relay;
 mod serve;
 mod show;
+mod signal;
 mod snapshot;
 mod sweep;
 mod teleop;
 mod terminal;
 mod validate;
+mod values;
 
 use std::ffi::OsString;
 
@@ -198,12 +200,6 @@ fn start_logging(arguments: &Arguments) -> tracing_appender::non_blocking::Worke
     let lines = tracing_subscriber::fmt::layer().with_writer(writer).with_ansi(colour).with_target(false);
     tracing_subscriber::registry().with(lines.with_filter(targets)).init();
     guard
-}
-
-/// Parses a number from the command line, within bounds.
-fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    if (least..=most).contains(&value) { Ok(value) } else { Err(format!("expected {least} to {most}")) }
 }
 
 /// Reports an error on stderr, without waiting for a reader that is gone or has stopped.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::serve::stop_signal;
+use crate::signal::stop_signal;
 use crate::{Failure, complain, exit};
 
 /// Most tries to remove a folder.

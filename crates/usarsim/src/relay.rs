@@ -10,7 +10,7 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::Semaphore;
 
 use crate::connect::OwnToken;
-use crate::serve::stop_signal;
+use crate::signal::stop_signal;
 use crate::{Failure, exit, print};
 
 /// Options of `relay`.

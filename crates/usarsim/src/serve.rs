@@ -16,7 +16,9 @@ use scene_loader::{Changes, Communication, Controllers, LeagueFile, Override};
 use sim_core::{Options, SavedWorld};
 use thread_pool::ThreadPool;
 
+use crate::signal::stop_signal;
 use crate::terminal::printable;
+use crate::values::{drive_model, real_time_factor, time_step};
 use crate::{Failure, equipment, exit, print};
 
 /// Map of a server that is told none.
@@ -171,7 +173,7 @@ pub(crate) struct Arguments {
     #[arg(long, env = "USARSIM_RTF", default_value_t = 1.0, value_parser = real_time_factor, help_heading = "Time")]
     rtf: f64,
     /// Length of a time step, s. A longer step is faster; with `bodies` it is less accurate.
-    #[arg(long, env = "USARSIM_DT", value_name = "SECONDS", default_value_t = sim_core::TIME_STEP, value_parser = crate::bench::time_step, help_heading = "Time", hide_short_help = true)]
+    #[arg(long, env = "USARSIM_DT", value_name = "SECONDS", default_value_t = sim_core::TIME_STEP, value_parser = time_step, help_heading = "Time", hide_short_help = true)]
     dt: f64,
     /// Threads for the simulation; by default the number of cores. The results are bitwise identical for any number.
     #[arg(long, env = "USARSIM_THREADS", value_parser = clap::value_parser!(u32).range(1..=256), help_heading = "Time", hide_short_help = true)]
@@ -252,11 +254,6 @@ fn port_or_off(text: &str) -> Result<PortOrOff, String> {
     text.parse().map(|port| PortOrOff(Some(port))).map_err(|_| "expected a port from 0 to 65535, or off".to_owned())
 }
 
-pub(crate) fn real_time_factor(text: &str) -> Result<f64, String> {
-    let factor: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    gamebots_server::check_real_time_factor(factor)
-}
-
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     let wrong = |error: &dyn std::fmt::Display| Failure::new(exit::BAD_CONFIGURATION, error);
     let robots: Vec<&std::path::Path> = arguments.robot.iter().map(PathBuf::as_path).collect();
@@ -323,10 +320,10 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     listeners.extend(beside(arguments.positions, Service::Positions, POSITIONS_PORT));
     listeners.extend(beside(arguments.images, Service::Images, IMAGES_PORT));
     listeners.extend(beside(arguments.wireless, Service::Wireless, WIRELESS_PORT));
-        panic_at: arguments.panic_at,
     listeners.extend(beside(arguments.com_server, Service::ComServer, COM_SERVER_PORT));
     let threads = arguments.threads.map_or_else(ThreadPool::of_machine, |threads| ThreadPool::new(threads as usize));
     let config = Config {
+        panic_at: arguments.panic_at,
         maps: other_maps(&arguments.set, &world.map),
         options: saved.as_ref().map_or(options, SavedWorld::options),
         saved,
@@ -435,35 +432,4 @@ fn own_address() -> IpAddr {
     let socket = UdpSocket::bind("0.0.0.0:0");
     let routed = socket.and_then(|it| it.connect("192.0.2.1:9").and_then(|()| it.local_addr()));
     routed.map_or(local, |address| address.ip())
-}
-
-/// Completes at Ctrl-C or SIGTERM. A signal that cannot be watched keeps its default effect.
-pub(crate) async fn stop_signal() {
-    let terminated = async {
-        #[cfg(unix)]
-        if let Ok(mut signal) = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
-            signal.recv().await;
-            return;
-        }
-        std::future::pending().await
-    };
-    let interrupted = async {
-        if tokio::signal::ctrl_c().await.is_err() {
-            std::future::pending::<()>().await;
-        }
-    };
-    tokio::select! {
-        () = terminated => {}
-        () = interrupted => {}
-    }
-}
-
-/// Reads a drive model of the command line. That of the textbook is for experiments, which compare with it.
-pub(crate) fn drive_model(name: &str) -> Result<DriveModel, String> {
-    match name.parse()? {
-        DriveModel::KinematicTextbook => {
-            Err(format!("`{name}` is for experiments: expected articulated, bodies, analytic or kinematic"))
-        }
-        model => Ok(model),
-    }
 }

@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     equipment: equipment::Choice,
     /// Drive model of a Mecanum robot, instead of the one in its file.
-    #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
+    #[arg(long, value_name = "MODEL", value_parser = crate::values::drive_model)]
     drive_model: Option<DriveModel>,
     /// Print JSON.
     #[arg(long)]

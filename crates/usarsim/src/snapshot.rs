@@ -12,7 +12,8 @@ use scene_loader::Override;
 use sim_core::{Options, World};
 
 use crate::output::{definition_files, keep_inputs};
-use crate::{Failure, exit, print, within};
+use crate::values::within;
+use crate::{Failure, exit, print};
 
 /// Options of `snapshot`.
 #[derive(clap::Args)]
@@ -44,7 +45,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<Override>,
     /// Drive model, as for `serve`.
-    #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
+    #[arg(long, value_name = "MODEL", value_parser = crate::values::drive_model)]
     drive_model: Option<DriveModel>,
     /// Position of the camera.
     #[arg(long, default_value = "corner")]

@@ -7,7 +7,8 @@ use scene_loader::Override;
 use serde_json::json;
 use sim_core::Options;
 
-use crate::{Failure, exit, print, within};
+use crate::values::within;
+use crate::{Failure, exit, print};
 
 /// Options of `validate`.
 #[derive(clap::Args)]
@@ -19,7 +20,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "YouBotArm", value_name = "NAME|FILE")]
     robot: String,
     /// Drive model: articulated, bodies, analytic or kinematic; by default the one in its robot.toml.
-    #[arg(long, value_name = "MODEL", value_parser = crate::serve::drive_model)]
+    #[arg(long, value_name = "MODEL", value_parser = crate::values::drive_model)]
     drive_model: Option<DriveModel>,
     /// Run only this check: 1 to 12, or 1 to 9 for a robot without Mecanum wheels. May be given several times.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=12))]
@@ -28,7 +29,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 20.0, value_parser = seconds)]
     seconds: f64,
     /// Length of a time step, s.
-    #[arg(long, default_value_t = sim_core::TIME_STEP, value_parser = crate::bench::time_step)]
+    #[arg(long, default_value_t = sim_core::TIME_STEP, value_parser = crate::values::time_step)]
     dt: f64,
     /// Replace a number: robot.PATH, CLASS.PATH or material.PATH=VALUE. May be given several times.
     #[arg(long, value_name = "PATH=VALUE")]

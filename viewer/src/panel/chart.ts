@@ -3,8 +3,8 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { curveColours } from '../view/colours';
+import type { Value } from '../values';
 import { fixed, make, save, setText } from './dom';
-import type { Series } from './plots';
 
 /** Simulated seconds that are shown while the chart follows, and that are kept. */
 const WINDOW = 20;
@@ -27,6 +27,15 @@ const QUANTITIES: Record<string, string> = {
 const SAME = 0.015;
 
 const AXIS_TITLE = { labelSize: 15, labelGap: 0, labelFont: '11px system-ui, sans-serif' };
+
+/** Value of one robot, drawn as a curve. */
+export interface Series {
+  robot: number;
+  label: string;
+  /** Colour of the robot. */
+  colour: string;
+  value: Value;
+}
 
 export class Chart {
   readonly element = make('figure', { class: 'chart' });
@@ -266,7 +275,7 @@ function yRange(low: number | null, high: number | null): [number, number] {
   return [least - margin, most + margin];
 }
 
-/** As many digits as tell neighbours apart. */
+/** Formats a number with enough digits to tell neighbours apart. */
 function ticks(splits: number[]): string[] {
   const step = Math.abs((splits[1] ?? 1) - (splits[0] ?? 0)) || 1;
   const digits = Math.max(0, Math.min(6, Math.ceil(-Math.log10(step) - 1e-9)));

@@ -3,17 +3,8 @@
 import type { Frame } from '../protocol/frame';
 import type { State } from '../state';
 import { type Value, valuesOf } from '../values';
-import { Chart } from './chart';
+import { Chart, type Series } from './chart';
 import { find, make, save } from './dom';
-
-/** One value of one robot. */
-export interface Series {
-  robot: number;
-  label: string;
-  /** the robot's */
-  colour: string;
-  value: Value;
-}
 
 export class PlotsPanel {
   private readonly element = find('plots');
@@ -59,7 +50,7 @@ export class PlotsPanel {
     this.hint.hidden = this.byUnit.size > 0;
   }
 
-  /** What most people look at first, of the selected robot, unless something is plotted already. */
+  /** Plots position, speeds and slip of the selected robot, unless something is plotted already. */
   plotFirst(): void {
     const { selected } = this.state;
     const robotClass = this.state.classOf(selected);
@@ -82,7 +73,7 @@ export class PlotsPanel {
     this.byUnit.forEach((chart) => chart.push(frame.time, (series) => this.read(series, frame)));
   }
 
-  /** Another world is shown, or more of a log is known. */
+  /** Fills the plots anew: another world is shown, or more of a log is known. */
   refill(): void {
     const past = this.past();
     this.byUnit.forEach((chart) => chart.refill((series) => this.pastOf(series, past)));
@@ -138,7 +129,7 @@ export class PlotsPanel {
     [...this.byUnit.keys()].forEach((unit) => this.close(unit));
   }
 
-  /** All charts as one table, long form: a line a number. */
+  /** Writes all charts as one table with a line for each number. */
   private csv(): string {
     const rows = [...this.byUnit.values()].flatMap((chart) => chart.rows());
     const quoted = (text: string) => `"${text.replaceAll('"', '""')}"`;

@@ -11,8 +11,7 @@ use scene::RobotDef;
 use scene::sensor::{Config, Fan};
 use serde::Deserialize;
 
-use super::{Goal, RobotSight, Sight, Verdict};
-use crate::task::check_range;
+use super::{Goal, RobotSight, Sight, Verdict, check_range};
 
 /// Number of sectors of a scan that a robot observes.
 const SECTORS: usize = 36;

@@ -10,8 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use scene::{RobotDef, Shape};
 use serde::Deserialize;
 
-use super::{Goal, Place, RobotSight, Sight, Verdict, distance, draw};
-use crate::task::check_range;
+use super::{Goal, Place, RobotSight, Sight, Verdict, check_range, distance, draw};
 
 /// Reward of the arrival.
 const ARRIVAL: f64 = 1.0;

@@ -7,8 +7,7 @@
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use super::{Goal, Sight, Verdict, distance, draw};
-use crate::task::check_range;
+use super::{Goal, Sight, Verdict, check_range, distance, draw};
 
 /// Maximum number of points of a path.
 const MAX_POINTS: usize = 1000;

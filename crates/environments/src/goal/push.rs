@@ -7,8 +7,7 @@
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use super::{Goal, Place, Sight, Verdict, distance, draw};
-use crate::task::check_range;
+use super::{Goal, Place, Sight, Verdict, check_range, distance, draw};
 
 /// Reward for coming nearer to the object, of that for the object's coming nearer to the point.
 const APPROACH: f64 = 0.1;

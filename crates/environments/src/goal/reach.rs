@@ -6,8 +6,7 @@
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
-use super::{Goal, Sight, Verdict, distance, draw};
-use crate::task::check_range;
+use super::{Goal, Sight, Verdict, check_range, distance, draw};
 
 /// Penalty of time, 1/s.
 const HASTE: f64 = 0.2;

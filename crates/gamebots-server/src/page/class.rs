@@ -1,10 +1,8 @@
 //! Classes of robots for pages. Each is written and packed when a page first asks for it.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use axum::body::Bytes;
-use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use names::listed;
@@ -14,7 +12,6 @@ use tokio::task::spawn_blocking;
 
 use crate::messages::scene::class_json;
 use crate::page::packed::Packed;
-use crate::page::shared::{Site, json};
 
 /// Most letters of a wrong name that an answer repeats.
 const MAX_SHOWN: usize = 64;
@@ -38,6 +35,20 @@ impl ClassPages {
         Self { classes: classes.clone(), made }
     }
 
+    /// Answers with a class of robots.
+    pub(crate) async fn answer(&self, name: &str, headers: &HeaderMap) -> Response {
+        let Some(made) = self.made.get(name) else {
+            let got: String = name.chars().take(MAX_SHOWN).collect();
+            let known = listed(self.classes.keys().map(String::as_str));
+            let text = format!("no class `{}`: expected one of {known}\n", got.escape_debug());
+            return (StatusCode::NOT_FOUND, text).into_response();
+        };
+        match self.body(name, made).await {
+            Ok(body) => made.packed.answer(headers, body).await,
+            Err(reason) => (StatusCode::UNPROCESSABLE_ENTITY, format!("class {name}: {reason}\n")).into_response(),
+        }
+    }
+
     async fn body(&self, name: &str, made: &Made) -> Result<Bytes, String> {
         let make = async || {
             let (classes, name) = (self.classes.clone(), name.to_owned());
@@ -49,19 +60,5 @@ impl ClassPages {
             made.await.unwrap_or_else(|_| Err("a defect: the class cannot be drawn".to_owned()))
         };
         made.body.get_or_init(make).await.clone()
-    }
-}
-
-/// Answers with a class of robots.
-pub(crate) async fn class(State(site): State<Arc<Site>>, Path(name): Path<String>, headers: HeaderMap) -> Response {
-    let Some(made) = site.classes.made.get(&name) else {
-        let got: String = name.chars().take(MAX_SHOWN).collect();
-        let known = listed(site.classes.classes.keys().map(String::as_str));
-        let text = format!("no class `{}`: expected one of {known}\n", got.escape_debug());
-        return (StatusCode::NOT_FOUND, text).into_response();
-    };
-    match site.classes.body(&name, made).await {
-        Ok(body) => made.packed.answer(&headers, body, json).await,
-        Err(reason) => (StatusCode::UNPROCESSABLE_ENTITY, format!("class {name}: {reason}\n")).into_response(),
     }
 }

@@ -13,7 +13,7 @@ use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
 use crate::messages::scene::scene_json;
-use crate::page::shared::json;
+use crate::page::packed::json;
 
 /// Most bytes of a scene: a map of 500 000 triangles. The largest shipped map has 100 kB.
 const MAX_BYTES: usize = 32 << 20;

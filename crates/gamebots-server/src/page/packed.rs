@@ -1,8 +1,8 @@
-//! The scene, packed once for all pages: it is megabytes of numbers, of which a network carries a quarter.
+//! Answers of JSON, and long ones packed once for all pages: they are numbers, of which a network carries a quarter.
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, header};
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use std::io::Write;
@@ -26,14 +26,19 @@ impl Packed {
         Some(packed)
     }
 
-    /// Replaces the body of an answer by its packed form, if the client takes that.
-    pub(crate) async fn answer(&self, headers: &HeaderMap, body: Bytes, whole: impl Fn(Bytes) -> Response) -> Response {
+    /// Returns an answer of JSON, in its packed form if the client takes that.
+    pub(crate) async fn answer(&self, headers: &HeaderMap, body: Bytes) -> Response {
         let packed = if takes_gzip(headers) { self.of(body.clone()).await } else { None };
-        let Some(packed) = packed else { return whole(body) };
-        let mut answer = whole(packed);
+        let Some(packed) = packed else { return json(body) };
+        let mut answer = json(packed);
         answer.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
         answer
     }
+}
+
+/// Returns an answer of JSON, which is not kept.
+pub(crate) fn json(body: Bytes) -> Response {
+    ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], body).into_response()
 }
 
 fn pack(body: &[u8]) -> Option<Bytes> {

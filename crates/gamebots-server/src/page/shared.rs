@@ -6,9 +6,6 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use axum::body::Bytes;
-use axum::http::header;
-use axum::response::{IntoResponse, Response};
 use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
 
 use crate::access::rights::{Access, WorldControl};
@@ -102,9 +99,4 @@ pub(crate) struct Peer {
     pub(crate) address: IpAddr,
     /// The server's address.
     pub(crate) own: IpAddr,
-}
-
-/// Returns an answer of JSON, which is not kept.
-pub(crate) fn json(body: Bytes) -> Response {
-    ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], body).into_response()
 }

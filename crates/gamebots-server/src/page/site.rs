@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::{Request, State};
+use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
@@ -22,8 +22,9 @@ use tracing::debug;
 use crate::access::origin::{bearer, check};
 use crate::access::tokens::Role;
 use crate::access::waiting_room::Visitor;
-use crate::page::shared::{Peer, Site, Visit, json};
-use crate::page::{class, file, log_scene, metrics, viewer, wire};
+use crate::page::packed::json;
+use crate::page::shared::{Peer, Site, Visit};
+use crate::page::{file, log_scene, metrics, viewer, wire};
 use crate::world::question::Question;
 
 /// Longest time for the head of a request, and for a client to read its response.
@@ -42,7 +43,7 @@ impl Page {
         let for_viewers = middleware::from_fn_with_state(site.clone(), admit_viewer);
         let router = Router::new()
             .route("/scene.json", get(scene).post(log_scene::answer))
-            .route("/class/{name}", get(class::class))
+            .route("/class/{name}", get(class))
             .route("/objects.json", get(objects))
             .route("/league.json", get(league))
             .route_layer(for_viewers.clone())
@@ -85,7 +86,11 @@ async fn serve_connection(stream: TcpStream, router: Router) {
 }
 
 async fn scene(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
-    site.packed.answer(&headers, site.channels.scene(), json).await
+    site.packed.answer(&headers, site.channels.scene()).await
+}
+
+async fn class(State(site): State<Arc<Site>>, Path(name): Path<String>, headers: HeaderMap) -> Response {
+    site.classes.answer(&name, &headers).await
 }
 
 /// Answers with the objects beside the map's.

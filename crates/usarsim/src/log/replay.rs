@@ -7,7 +7,9 @@ use logbook::Replay;
 use recorder::Record;
 use serde_json::json;
 
-use crate::serve::{real_time_factor, stop_signal, tokens};
+use crate::serve::tokens;
+use crate::signal::stop_signal;
+use crate::values::real_time_factor;
 use crate::{Failure, exit, print};
 
 /// Options of `log replay`.
