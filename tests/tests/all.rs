@@ -5,6 +5,7 @@ mod arm;
 mod attack;
 mod avatars;
 mod captures;
+mod circles;
 mod com_server;
 mod conformance;
 mod contacts;

@@ -245,7 +245,7 @@ fn an_object_of_a_controller_that_no_order_gives_is_refused() {
 #[test]
 fn a_saved_world_that_does_not_fit_is_refused() {
     type Row = (&'static str, fn(&mut serde_json::Value, &mut WorldDef), fn(&LoadError) -> bool);
-    let changes: [Row; 21] = [
+    let changes: [Row; 20] = [
         (
             "a class is gone",
             |_, scene| drop(scene.robots.remove("Kenaf")),
