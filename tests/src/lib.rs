@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 use gamebots_proto::message::Message;
 use gamebots_proto::{Command, Dialect, Line};
 use scene::WorldDef;
-use sim_core::{Options, PawnId, Room, TIME_STEP, World};
+use sim_core::{FreePlace, Options, PawnId, TIME_STEP, World};
 
 /// Builds a world on a built-in map.
 ///
@@ -105,7 +105,7 @@ pub fn init(world: &mut World, text: &str) -> PawnId {
 /// If there is no free place up to 20 m above.
 pub fn init_on_top(world: &mut World, class: &str, [x, y]: [f64; 2], yaw: f64) -> PawnId {
     let mut is_free =
-        |up: f64| matches!(world.fit(class, [x, y, -up], [0.0, 0.0, yaw]), Some(Ok(Room { beside: None, .. })));
+        |up: f64| matches!(world.fit(class, [x, y, -up], [0.0, 0.0, yaw]), Some(Ok(FreePlace { beside: None, .. })));
     let coarse = (0..2_000).map(|number| 0.01 * f64::from(number)).find(|&up| is_free(up));
     let coarse = coarse.unwrap_or_else(|| panic!("no room for a {class} at {x}, {y}"));
     let fine = (0..20).map(|number| coarse - 5e-4 * f64::from(number));

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use experiments::fit::{Estimate, Fit, FitError, Found};
+use experiments::fit::{Estimate, Fit, FitError, FitResult};
 use experiments::plan::Plan;
 use experiments::{run, table};
 use scene::DriveModel;
@@ -70,7 +70,7 @@ fn folder(fit: &str, measured: &str, samples: u32) -> tempfile::TempDir {
     folder
 }
 
-fn found(fit: &str, measured: &str, samples: u32, jobs: usize) -> Found {
+fn found(fit: &str, measured: &str, samples: u32, jobs: usize) -> FitResult {
     let folder = folder(fit, measured, samples);
     let fit = Fit::read(&folder.path().join("fit.toml"), None).unwrap_or_else(|error| panic!("{error}"));
     fit.find(jobs, |_| ControlFlow::Continue(())).unwrap_or_else(|error| panic!("{error}"))

@@ -261,7 +261,7 @@ impl Workspace {
         self.entries.clear();
         self.compliance.clear();
         self.impulses.clear();
-        self.problem.missing.clear();
+        self.problem.right_side.clear();
         self.problem.constraints.clear();
         contacts.iter().for_each(|contact| self.add_contact(bodies, contact));
         joints.iter().for_each(|joint| self.add_joint(bodies, joint));
@@ -291,21 +291,21 @@ impl Workspace {
     fn solve_dense(&mut self, body: &Body) -> Outcome {
         let Self { blocks, entries, compliance, problem, impulses, friction, .. } = self;
         let count = impulses.len();
-        let response = &mut problem.response;
-        response.resize(count * count, 0.0);
+        let delassus = &mut problem.delassus;
+        delassus.resize(count * count, 0.0);
         for (number, block) in blocks.iter().enumerate() {
             for other in &blocks[..=number] {
                 let shared = shared(body, entries, block, other);
                 for (own, row) in shared.iter().enumerate().take(block.rows) {
                     for (its, &velocity) in row.iter().enumerate().take(other.rows) {
-                        response[(block.row + own) * count + other.row + its] = velocity;
-                        response[(other.row + its) * count + block.row + own] = velocity;
+                        delassus[(block.row + own) * count + other.row + its] = velocity;
+                        delassus[(other.row + its) * count + block.row + own] = velocity;
                     }
                 }
             }
         }
         for (row, &compliance) in compliance.iter().enumerate() {
-            let own = &mut response[row * (count + 1)];
+            let own = &mut delassus[row * (count + 1)];
             *own += if compliance > 0.0 { compliance } else { (*own * SOFTNESS).max(LEAST_COMPLIANCE) };
         }
         let friction::Outcome { sweeps, newton_steps, is_settled } = friction::solve(problem, impulses, friction);
@@ -318,7 +318,7 @@ impl Workspace {
         sparse.clear();
         sparse.bodies.extend_from_slice(places);
         sparse.constraints.append(&mut problem.constraints);
-        sparse.missing.append(&mut problem.missing);
+        sparse.right_side.append(&mut problem.right_side);
         for block in blocks {
             let start = sparse.entries.len();
             for part in block.parts.iter().flatten() {
@@ -338,8 +338,8 @@ impl Workspace {
             let softness = if second.is_some() && first != second { SOFTNESS_BETWEEN } else { SOFTNESS };
             for row in 0..block.rows {
                 let given = compliance[block.row + row];
-                let response: f64 = own.iter().map(|(_, entry)| entry[row] * entry[row]).sum();
-                sparse.compliance.push(if given > 0.0 { given } else { (response * softness).max(LEAST_COMPLIANCE) });
+                let delassus: f64 = own.iter().map(|(_, entry)| entry[row] * entry[row]).sum();
+                sparse.compliance.push(if given > 0.0 { given } else { (delassus * softness).max(LEAST_COMPLIANCE) });
             }
             sparse.ranges.push(start..sparse.entries.len());
         }
@@ -374,8 +374,8 @@ impl Workspace {
     /// their target speeds is used up by the change of the velocities. Impulses within a cone stay there.
     fn scale(&mut self, is_small: bool) {
         let Self { impulses, change, problem, sparse, .. } = self;
-        let missing = if is_small { &problem.missing } else { &sparse.missing };
-        let given: f64 = impulses.iter().zip(missing).map(|(impulse, missing)| impulse * missing).sum();
+        let right_side = if is_small { &problem.right_side } else { &sparse.right_side };
+        let given: f64 = impulses.iter().zip(right_side).map(|(impulse, right_side)| impulse * right_side).sum();
         let taken: f64 = change.iter().map(|change| change * change).sum();
         if given < taken {
             let share = (given / taken).max(0.0);
@@ -408,7 +408,7 @@ impl Workspace {
         self.blocks.push(Block { row, rows, parts });
         let targets = [contact.target, 0.0, 0.0];
         for (number, direction) in directions.iter().enumerate().take(rows) {
-            self.problem.missing.push(targets[number] + direction.dot(&contact.drift) - velocity[number]);
+            self.problem.right_side.push(targets[number] + direction.dot(&contact.drift) - velocity[number]);
             self.compliance.push(contact.compliance[number]);
             self.impulses.push(contact.impulse.dot(direction));
         }
@@ -475,7 +475,7 @@ impl Workspace {
             })
         };
         self.blocks.push(Block { row: self.impulses.len(), rows: 1, parts });
-        self.problem.missing.push(joint.target - velocity);
+        self.problem.right_side.push(joint.target - velocity);
         self.compliance.push(joint.compliance);
         self.impulses.push(joint.impulse);
         self.problem.constraints.push(joint.constraint);

@@ -304,7 +304,7 @@ impl WorldBatch {
         let order_width = robots.iter().map(|robot| robot.order_width(&orders)).sum();
         let mut width = 0;
         for robot in &mut robots {
-            let seen = Seen::of(&first.world, robot.id, &columns);
+            let seen = Observed::of(&first.world, robot.id, &columns);
             for group in 0..columns.len() {
                 let begin = width;
                 first.observe_group(robot, &seen, &columns, group, &mut |_| width += 1);
@@ -451,7 +451,7 @@ impl Member {
 
     fn write(&self, robots: &[Layout], columns: &[Column], row: &mut [f64]) {
         for robot in robots {
-            let seen = Seen::of(&self.world, robot.id, columns);
+            let seen = Observed::of(&self.world, robot.id, columns);
             for (group, range) in robot.columns.iter().enumerate() {
                 let mut places = row[range.clone()].iter_mut();
                 let push = &mut |number| places.next().into_iter().for_each(|place| *place = number);
@@ -466,7 +466,7 @@ impl Member {
     fn observe_group(
         &self,
         robot: &Layout,
-        Seen { body, wheels, joints }: &Seen,
+        Observed { body, wheels, joints }: &Observed,
         columns: &[Column],
         group: usize,
         push: &mut dyn FnMut(f64),
@@ -500,13 +500,13 @@ impl Member {
 }
 
 /// State of a robot, as far as it is observed.
-struct Seen {
+struct Observed {
     body: Option<BodyState>,
     wheels: Vec<WheelState>,
     joints: Vec<JointState>,
 }
 
-impl Seen {
+impl Observed {
     fn of(world: &World, robot: PawnId, columns: &[Column]) -> Self {
         let has_joints = columns.iter().any(|it| matches!(it, Column::JointPositions | Column::JointSpeeds));
         let joints = if has_joints { world.joints(robot).unwrap_or_default() } else { Vec::new() };

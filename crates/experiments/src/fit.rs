@@ -106,7 +106,7 @@ pub enum FitError {
 
 /// Result of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Found {
+pub struct FitResult {
     /// Root mean square distance at the start, m.
     pub distance_before: f64,
     /// Root mean square distance with the fitted values, m.
@@ -197,7 +197,7 @@ impl Fit {
     ///
     /// # Errors
     /// When a run fails, the optimiser does, or `progress` breaks the search off.
-    pub fn find(&self, jobs: usize, progress: impl Fn(f64) -> ControlFlow<()> + Sync) -> Result<Found, FitError> {
+    pub fn find(&self, jobs: usize, progress: impl Fn(f64) -> ControlFlow<()> + Sync) -> Result<FitResult, FitError> {
         let search = Search::new(self, jobs, &progress);
         let start: Vec<f64> = self.parameters.iter().map(Parameter::begin).collect();
         let before = search.predict(&start)?;
@@ -246,7 +246,7 @@ impl Fit {
                 1e3 * scatter
             )
         });
-        Ok(Found {
+        Ok(FitResult {
             distance_before: self.distance(&before),
             distance,
             caution: left,

@@ -24,7 +24,7 @@ fn cold(bencher: divan::Bencher, kind: Kind) {
     bencher.counter(divan::counter::ItemsCount::new(COUNT)).bench_local(|| {
         let mut workspace = Workspace::default();
         let unsettled =
-            |problem: &&Problem| !solve(problem, &mut vec![0.0; problem.missing.len()], &mut workspace).is_settled;
+            |problem: &&Problem| !solve(problem, &mut vec![0.0; problem.right_side.len()], &mut workspace).is_settled;
         problems.iter().filter(unsettled).count()
     });
 }

@@ -29,8 +29,8 @@
 //!     let (into, down) = (gravity * time_step * slope.cos(), gravity * time_step * slope.sin());
 //!     let problem = Problem {
 //!         // Rows: the normal, the tangent down the slope, the tangent across it.
-//!         response: vec![1.0 / mass, 0.0, 0.0, 0.0, 1.0 / mass, 0.0, 0.0, 0.0, 1.0 / mass],
-//!         missing: vec![into, -down, 0.0],
+//!         delassus: vec![1.0 / mass, 0.0, 0.0, 0.0, 1.0 / mass, 0.0, 0.0, 0.0, 1.0 / mass],
+//!         right_side: vec![into, -down, 0.0],
 //!         constraints: vec![Constraint::Contact { friction, tangents: 2 }],
 //!     };
 //!     let mut impulses = [0.0; 3];

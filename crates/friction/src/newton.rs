@@ -109,8 +109,8 @@ fn step(problem: &Problem, impulses: &[f64], velocity: &mut [f64], equations: &m
             for other in 0..2 {
                 let across = f64::from(u8::from(tangent == other)) - slip.direction[tangent] * slip.direction[other];
                 let share = across * slip.most / slip.length;
-                let response = problem.of_row(row + 1 + other);
-                whole.iter_mut().zip(response).for_each(|(to, from)| *to += share / slip.own * from);
+                let delassus = problem.of_row(row + 1 + other);
+                whole.iter_mut().zip(delassus).for_each(|(to, from)| *to += share / slip.own * from);
                 whole[row + 1 + other] -= share;
             }
             whole[row] -= friction * slip.direction[tangent];

@@ -61,10 +61,10 @@ impl Constraint {
 pub struct Problem {
     /// Delassus matrix, row after row: the velocity that an impulse of 1 N s on a row gives on each row, m/s. It is symmetric and positive
     /// definite. The compliance of a constraint, as of a servo or spring, is on the diagonal.
-    pub response: Vec<f64>,
+    pub delassus: Vec<f64>,
     /// Right-hand side of each row: target velocity minus free velocity, m/s. The target is the least permitted normal velocity, and no
     /// slip.
-    pub missing: Vec<f64>,
+    pub right_side: Vec<f64>,
     /// The constraints.
     pub constraints: Vec<Constraint>,
 }
@@ -98,31 +98,31 @@ impl Problem {
 
     /// Returns a row of the Delassus matrix, m/s for an impulse of 1 N s.
     pub(crate) fn of_row(&self, row: usize) -> &[f64] {
-        let count = self.missing.len();
-        &self.response[row * count..][..count]
+        let count = self.right_side.len();
+        &self.delassus[row * count..][..count]
     }
 
     /// Returns the diagonal entry of a row, m/s for an impulse of 1 N s.
     pub(crate) fn own(&self, row: usize) -> f64 {
-        self.response[row * (self.missing.len() + 1)]
+        self.delassus[row * (self.right_side.len() + 1)]
     }
 
     /// Returns the unit of velocity for residuals: the largest entry of the right-hand side, m/s.
     pub fn scale(&self) -> f64 {
-        self.missing.iter().fold(f64::MIN_POSITIVE, |most, missing| most.max(missing.abs()))
+        self.right_side.iter().fold(f64::MIN_POSITIVE, |most, right_side| most.max(right_side.abs()))
     }
 
     /// Stores in `velocity` the residual velocity of every row, m/s: the velocity with impulses minus its target.
     pub(crate) fn velocity(&self, impulses: &[f64], velocity: &mut Vec<f64>) {
-        let count = self.missing.len();
+        let count = self.right_side.len();
         velocity.clear();
-        velocity.extend(self.missing.iter().map(|missing| -missing));
+        velocity.extend(self.right_side.iter().map(|right_side| -right_side));
         // The matrix is symmetric, so its columns are its rows. Four sums at a time stay in registers.
         let (fours, rest) = velocity.as_chunks_mut::<4>();
         let first_of_rest = 4 * fours.len();
         for (number, sums) in fours.iter_mut().enumerate() {
             let mut sum = *sums;
-            for (column, impulse) in self.response.chunks_exact(count).zip(impulses) {
+            for (column, impulse) in self.delassus.chunks_exact(count).zip(impulses) {
                 let column = column.as_chunks::<4>().0[number];
                 (0..4).for_each(|lane| sum[lane] += column[lane] * impulse);
             }

@@ -44,7 +44,7 @@ pub fn solve(problem: &Problem, impulses: &mut [f64], workspace: &mut Workspace)
         if is_start && newton::solve(problem, impulses, sweeps == 0, TOLERANCE, &mut newton_steps, workspace) {
             return Outcome { sweeps, newton_steps, is_settled: true };
         }
-        let rows = problem.missing.len();
+        let rows = problem.right_side.len();
         let work = rows * rows * (sweeps + newton_steps * (rows / 3 + 1));
         if sweeps >= MAX_SWEEPS || work >= MAX_WORK {
             return Outcome { sweeps, newton_steps, is_settled: false };
@@ -59,7 +59,7 @@ pub fn solve(problem: &Problem, impulses: &mut [f64], workspace: &mut Workspace)
 /// Solves every constraint in turn, exactly, for the impulses of the others (nonsmooth Gauss-Seidel; Jean and Moreau 1992).
 fn sweep(problem: &Problem, impulses: &mut [f64]) {
     for (row, constraint) in problem.constraints() {
-        let left = |row: usize, impulses: &[f64]| problem.missing[row] - dot(problem.of_row(row), impulses);
+        let left = |row: usize, impulses: &[f64]| problem.right_side[row] - dot(problem.of_row(row), impulses);
         match constraint {
             Constraint::Within(most) => {
                 impulses[row] = (impulses[row] + left(row, impulses) / problem.own(row)).clamp(-most, most);

@@ -15,7 +15,7 @@ pub struct SparseProblem {
     /// Constraints; rows are ordered constraint by constraint.
     pub constraints: Vec<Constraint>,
     /// Right-hand side of each row: target velocity minus free velocity, m/s.
-    pub missing: Vec<f64>,
+    pub right_side: Vec<f64>,
     /// Compliance of each row: velocity per impulse of 1 N s, m/s. Positive.
     pub compliance: Vec<f64>,
     /// Ranges of the entries of each constraint. They belong to one body or to two, the lower number first.
@@ -27,10 +27,10 @@ pub struct SparseProblem {
 impl SparseProblem {
     /// Empties the problem and keeps its memory.
     pub fn clear(&mut self) {
-        let Self { bodies, constraints, missing, compliance, ranges, entries } = self;
+        let Self { bodies, constraints, right_side, compliance, ranges, entries } = self;
         bodies.clear();
         constraints.clear();
-        missing.clear();
+        right_side.clear();
         compliance.clear();
         ranges.clear();
         entries.clear();
@@ -72,7 +72,7 @@ pub(crate) struct Rows {
     /// Velocity that an impulse of 1 N s gives on its own row, with the compliance, m/s.
     pub(crate) own: [f64; 3],
     /// Target velocity minus free velocity, m/s.
-    pub(crate) missing: [f64; 3],
+    pub(crate) right_side: [f64; 3],
     /// Velocity per impulse of 1 N s by which the row gives way, m/s.
     pub(crate) compliance: [f64; 3],
     /// The two bodies of the constraint; equal if there is only one.
@@ -87,7 +87,7 @@ impl Rows {
         rows.extend(problem.constraints.iter().enumerate().map(|(number, &constraint)| {
             let count = constraint.rows();
             let of = |list: &[f64]| std::array::from_fn(|row| if row < count { list[first + row] } else { 0.0 });
-            let (missing, compliance): ([f64; 3], [f64; 3]) = (of(&problem.missing), of(&problem.compliance));
+            let (right_side, compliance): ([f64; 3], [f64; 3]) = (of(&problem.right_side), of(&problem.compliance));
             let entries = problem.entries_of(number);
             let mut own = compliance;
             for (_, entry) in entries {
@@ -96,9 +96,9 @@ impl Rows {
             let ends = [entries.first(), entries.last()].map(|entry| entry.map_or(0, |(coordinate, _)| *coordinate));
             let bodies = ends.map(|coordinate| problem.bodies.partition_point(|&start| start <= coordinate) - 1);
             first += count;
-            Self { constraint, first: first - count, count, own, missing, compliance, bodies }
+            Self { constraint, first: first - count, count, own, right_side, compliance, bodies }
         }));
-        problem.missing.iter().fold(f64::MIN_POSITIVE, |most, missing| most.max(missing.abs()))
+        problem.right_side.iter().fold(f64::MIN_POSITIVE, |most, right_side| most.max(right_side.abs()))
     }
 
     /// Returns the constraint's impulses out of all. They are 0 on missing rows.
@@ -108,7 +108,7 @@ impl Rows {
 
     /// Returns the residual velocity, m/s, with an impulse and the `velocity` of the coordinates.
     pub(crate) fn residual_velocity(&self, velocity: [f64; 3], impulse: &[f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|row| velocity[row] + self.compliance[row] * impulse[row] - self.missing[row])
+        std::array::from_fn(|row| velocity[row] + self.compliance[row] * impulse[row] - self.right_side[row])
     }
 
     /// Returns the larger response of the tangents, m/s for an impulse of 1 N s. With the smaller one a holding contact could be taken for

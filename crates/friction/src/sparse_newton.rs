@@ -84,11 +84,11 @@ impl Newton {
 
 /// Linearises the conditions of a constraint at its impulse and residual velocity (Alart and Curnier 1991).
 fn linearise(rows: &Rows, impulse: &[f64; 3], velocity: &[f64; 3]) -> Conditions {
-    let Rows { own, missing, compliance, .. } = rows;
+    let Rows { own, right_side, compliance, .. } = rows;
     let mut conditions = Conditions::default();
     let hold = |row: usize, Conditions { gain, start }: &mut Conditions| {
         gain[row][row] = 1.0 / compliance[row];
-        start[row] = missing[row] / compliance[row];
+        start[row] = right_side[row] / compliance[row];
     };
     let wanted = |row: usize, own: f64| impulse[row] - velocity[row] / own;
     match rows.constraint {
@@ -118,10 +118,10 @@ fn linearise(rows: &Rows, impulse: &[f64; 3], velocity: &[f64; 3]) -> Conditions
 
 /// Linearises the friction of a contact that slides along a direction. `share` is the limit of friction over the impulse that would hold.
 fn slide(rows: &Rows, friction: f64, direction: [f64; 2], share: f64, own: f64, conditions: &mut Conditions) {
-    let Rows { missing, compliance, count, .. } = rows;
+    let Rows { right_side, compliance, count, .. } = rows;
     let (tangents, Conditions { gain, start }) = (count - 1, conditions);
-    // `left` times the tangent impulses equals friction times the normal impulse along the direction, plus `turn` times the missing
-    // velocity: the direction follows the slip.
+    // `left` times the tangent impulses equals friction times the normal impulse along the direction, plus `turn` times the
+    // right-hand side: the direction follows the slip.
     let (mut left, mut turn) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
     for row in 0..2 {
         for column in 0..2 {
@@ -144,7 +144,7 @@ fn slide(rows: &Rows, friction: f64, direction: [f64; 2], share: f64, own: f64, 
         for column in 0..tangents {
             let turned: f64 = (0..tangents).map(|it| inverse[row][it] * turn[it][column]).sum();
             gain[1 + row][1 + column] = turned;
-            start[1 + row] += turned * missing[1 + column];
+            start[1 + row] += turned * right_side[1 + column];
         }
     }
 }

@@ -223,7 +223,7 @@ impl Search<'_> {
         let problem = self.problem;
         let SparseWorkspace { rows, impulses, coordinates, moves, responses, .. } = &mut *self.workspace;
         if responses.is_empty() {
-            responses.extend(rows.iter().enumerate().map(|(number, rows)| response(problem, number, rows)));
+            responses.extend(rows.iter().enumerate().map(|(number, rows)| delassus(problem, number, rows)));
         }
         for _ in 0..times {
             if self.outcome.work >= self.effort.budget {
@@ -244,13 +244,13 @@ impl Search<'_> {
                 let after: [f64; 3] = match rows.constraint {
                     Constraint::Within(most) => [(before[0] - velocity[0] / rows.own[0]).clamp(-most, most), 0.0, 0.0],
                     Constraint::Contact { friction, tangents } => {
-                        let response = &responses[number];
-                        let mut left = response * Vector3::from(before) - Vector3::from(velocity);
+                        let delassus = &responses[number];
+                        let mut left = delassus * Vector3::from(before) - Vector3::from(velocity);
                         // Missing rows have no right-hand side.
                         (rows.count..3).for_each(|row| left[row] = 0.0);
                         let own = rows.tangent_response();
                         let wanted = [1, 2].map(|row| before[row] - velocity[row] / own);
-                        local::approach(response, &left, friction, tangents, wanted, ACCURACY).into()
+                        local::approach(delassus, &left, friction, tangents, wanted, ACCURACY).into()
                     }
                 };
                 let change: [f64; 3] = std::array::from_fn(|row| after[row] - before[row]);
@@ -264,14 +264,14 @@ impl Search<'_> {
 }
 
 /// Computes a constraint's block of the Delassus matrix. Missing rows have a unit diagonal.
-fn response(problem: &SparseProblem, number: usize, rows: &Rows) -> Matrix3<f64> {
-    let mut response = Matrix3::zeros();
+fn delassus(problem: &SparseProblem, number: usize, rows: &Rows) -> Matrix3<f64> {
+    let mut delassus = Matrix3::zeros();
     for &(_, entry) in problem.entries_of(number) {
         let entry = Vector3::from(entry);
-        response += entry * entry.transpose();
+        delassus += entry * entry.transpose();
     }
     for row in 0..3 {
-        response[(row, row)] = if row < rows.count { rows.own[row] } else { 1.0 };
+        delassus[(row, row)] = if row < rows.count { rows.own[row] } else { 1.0 };
     }
-    response
+    delassus
 }

@@ -13,7 +13,7 @@ const COUNT: usize = 1000;
 
 /// Solves a problem without initial impulses.
 fn cold(problem: &Problem) -> (Vec<f64>, Outcome) {
-    let mut impulses = vec![0.0; problem.missing.len()];
+    let mut impulses = vec![0.0; problem.right_side.len()];
     let outcome = solve(problem, &mut impulses, &mut Workspace::default());
     (impulses, outcome)
 }
@@ -60,7 +60,7 @@ fn a_problem_that_comes_again_takes_no_sweep() {
         let again = solve(&problem, &mut impulses, &mut Workspace::default());
         assert_eq!((again.sweeps, again.newton_steps, &impulses), (0, 0, &first));
         same += 1;
-        problem.missing.iter_mut().for_each(|missing| *missing *= 1.0 + 1e-4);
+        problem.right_side.iter_mut().for_each(|right_side| *right_side *= 1.0 + 1e-4);
         near += usize::from(solve(&problem, &mut impulses, &mut Workspace::default()).sweeps == 0);
     }
     assert!(same > 990 && near * 100 >= same * 99, "{near} of {same}");
@@ -70,7 +70,7 @@ fn a_problem_that_comes_again_takes_no_sweep() {
 #[test]
 fn one_contact_holds_slides_or_lets_go() {
     let contact = |tangents| Constraint::Contact { friction: 0.5, tangents };
-    for (constraint, missing, expected) in [
+    for (constraint, right_side, expected) in [
         // The body moves down at 1 m/s and aside at 0.3, which half the normal impulse can stop.
         (contact(2), vec![1.0, 0.3, 0.0], vec![2.0, 0.6, 0.0]),
         // It moves aside at 1.0 along a diagonal, which friction cannot stop.
@@ -88,11 +88,11 @@ fn one_contact_holds_slides_or_lets_go() {
         (Constraint::Within(1.0), vec![-0.8], vec![-1.0]),
         (Constraint::Within(f64::INFINITY), vec![-0.8], vec![-1.6]),
     ] {
-        let count = missing.len();
-        let response = (0..count * count).map(|entry| if entry % (count + 1) == 0 { 0.5 } else { 0.0 }).collect();
-        let problem = Problem { response, missing: missing.clone(), constraints: vec![constraint] };
+        let count = right_side.len();
+        let delassus = (0..count * count).map(|entry| if entry % (count + 1) == 0 { 0.5 } else { 0.0 }).collect();
+        let problem = Problem { delassus, right_side: right_side.clone(), constraints: vec![constraint] };
         let (impulses, outcome) = cold(&problem);
         let off = impulses.iter().zip(&expected).map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max);
-        assert!(outcome.is_settled && off < 1e-9, "{constraint:?} {missing:?}: {impulses:?}, expected {expected:?}");
+        assert!(outcome.is_settled && off < 1e-9, "{constraint:?} {right_side:?}: {impulses:?}, expected {expected:?}");
     }
 }

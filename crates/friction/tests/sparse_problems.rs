@@ -39,7 +39,7 @@ fn add(problem: &mut SparseProblem, bodies: &[usize], rng: &mut ChaCha8Rng) {
     for row in 0..constraint.rows() {
         let own: f64 = problem.entries[start..].iter().map(|(_, entry)| entry[row] * entry[row]).sum();
         problem.compliance.push(own * if bodies.len() > 1 { 1e-2 } else { 1e-3 });
-        problem.missing.push(rng.random_range(if row == 0 { -0.1..0.5 } else { -0.3..0.3 }));
+        problem.right_side.push(rng.random_range(if row == 0 { -0.1..0.5 } else { -0.3..0.3 }));
     }
     problem.constraints.push(constraint);
     problem.ranges.push(start..problem.entries.len());
@@ -47,7 +47,7 @@ fn add(problem: &mut SparseProblem, bodies: &[usize], rng: &mut ChaCha8Rng) {
 
 /// Converts the problem to one with a Delassus matrix.
 fn dense(problem: &SparseProblem) -> Problem {
-    let count = problem.missing.len();
+    let count = problem.right_side.len();
     let mut columns = vec![vec![0.0; *problem.bodies.last().unwrap_or(&0)]; count];
     let mut first = 0;
     for (constraint, range) in problem.constraints.iter().zip(&problem.ranges) {
@@ -62,8 +62,8 @@ fn dense(problem: &SparseProblem) -> Problem {
         dot(&columns[row], &columns[column]) + compliance
     };
     Problem {
-        response: (0..count * count).map(|place| entry(place / count, place % count)).collect(),
-        missing: problem.missing.clone(),
+        delassus: (0..count * count).map(|place| entry(place / count, place % count)).collect(),
+        right_side: problem.right_side.clone(),
         constraints: problem.constraints.clone(),
     }
 }
@@ -74,7 +74,7 @@ fn what_settles_is_right_and_nearly_all_does() {
     let mut workspace = SparseWorkspace::default();
     for number in 0..300 {
         let problem = heap(2 + number % 12, &mut rng);
-        let mut impulses = vec![0.0; problem.missing.len()];
+        let mut impulses = vec![0.0; problem.right_side.len()];
         let outcome = solve_sparse(&problem, &mut impulses, PLENTY, &mut workspace);
         let residual = dense(&problem).residual(&impulses).worst();
         assert!((residual - outcome.residual).abs() < 1e-9, "{number}: {residual:e}, said {:e}", outcome.residual);
@@ -98,7 +98,7 @@ fn a_budget_ends_the_search() {
     let problem = heap(20, &mut rng);
     let mut last = f64::INFINITY;
     for budget in [0, 100_000, PLENTY.budget] {
-        let mut impulses = vec![0.0; problem.missing.len()];
+        let mut impulses = vec![0.0; problem.right_side.len()];
         let outcome =
             solve_sparse(&problem, &mut impulses, Effort { budget, ..PLENTY }, &mut SparseWorkspace::default());
         assert!(impulses.iter().all(|it| it.is_finite()));
@@ -115,7 +115,7 @@ fn work_grows_with_the_bodies() {
     let work = |count: usize| {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let problem = heap(count, &mut rng);
-        let mut impulses = vec![0.0; problem.missing.len()];
+        let mut impulses = vec![0.0; problem.right_side.len()];
         let outcome = solve_sparse(&problem, &mut impulses, PLENTY, &mut SparseWorkspace::default());
         outcome.work as f64 / (outcome.newton_steps + outcome.sweeps).max(1) as f64 / count as f64
     };

@@ -196,12 +196,12 @@ fn sensed(news: News) -> Option<Sensed> {
 #[derive(Default)]
 struct Album {
     is_wanted: bool,
-    seen: VecDeque<Seen>,
+    seen: VecDeque<CameraView>,
     stage: Option<Stage>,
 }
 
 /// The world when a camera looked.
-struct Seen {
+struct CameraView {
     sensed: Sensed,
     snapshot: Snapshot,
 }
@@ -213,8 +213,8 @@ impl Album {
             return;
         }
         let views = readings.iter().filter(|sensed| matches!(sensed.reading, Reading::Camera(_)));
-        self.seen.extend(views.map(|sensed| Seen { sensed: sensed.clone(), snapshot: world.snapshot() }));
-        let is_old = |seen: &Seen| seen.snapshot.time < world.time() - MAX_DELAY;
+        self.seen.extend(views.map(|sensed| CameraView { sensed: sensed.clone(), snapshot: world.snapshot() }));
+        let is_old = |seen: &CameraView| seen.snapshot.time < world.time() - MAX_DELAY;
         while self.seen.front().is_some_and(is_old) {
             self.seen.pop_front();
         }
@@ -223,10 +223,10 @@ impl Album {
     /// True if a camera saw the picture of a log.
     fn has(&mut self, world: &World, taken: &PictureTaken) -> bool {
         let stage = self.stage.get_or_insert_with(|| Stage::new(world.def()));
-        let is_it = |Seen { sensed, snapshot }: &&Seen| {
+        let is_it = |CameraView { sensed, snapshot }: &&CameraView| {
             sensed.robot.0 == taken.robot && sensed.sensor == taken.sensor as usize && snapshot.time == taken.moment
         };
-        let Some(Seen { sensed, snapshot }) = self.seen.iter().find(is_it) else { return false };
+        let Some(CameraView { sensed, snapshot }) = self.seen.iter().find(is_it) else { return false };
         let drawn = picture::of_sensor(stage, world.def(), snapshot, sensed, picture::SENSOR_SIZE);
         let png = drawn.and_then(|image| image.to_png().ok());
         png.is_some_and(|png| PictureTaken::new(sensed, taken.moment, &png) == *taken)

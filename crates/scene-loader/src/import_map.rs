@@ -64,7 +64,7 @@ pub struct ImportedMap {
 }
 
 /// An object of a file, in the world frame, z down.
-struct Found {
+struct FoundObject {
     name: String,
     pose: Pose,
     geometry: Geometry,
@@ -109,10 +109,10 @@ pub fn import_map(import: &MapImport) -> Result<ImportedMap, LoadError> {
         return Err(LoadError::Import(format!("{file} has {count} objects: expected 1 to {MAX_SOLIDS}")));
     }
     if import.floor {
-        let lowest = found.iter().flat_map(Found::depths).fold(f64::NEG_INFINITY, f64::max);
+        let lowest = found.iter().flat_map(FoundObject::depths).fold(f64::NEG_INFINITY, f64::max);
         let pose = Pose::translation(0.0, 0.0, if lowest.is_finite() { lowest } else { 0.0 });
         let geometry = Geometry::Plain(Shape::HalfSpace);
-        found.insert(0, Found { name: "floor".to_owned(), pose, geometry, colour: None, mass: None });
+        found.insert(0, FoundObject { name: "floor".to_owned(), pose, geometry, colour: None, mass: None });
     }
     let mut made = ImportedMap { text: String::new(), meshes: Vec::new(), solids: Vec::new(), notes };
     let _ = writeln!(made.text, "description = {}", quoted(&format!("From {file}")));
@@ -139,7 +139,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// Returns the object of a piece of a mesh. A closed box along the axes is a box, which costs less than its triangles.
-fn of_piece(mut piece: Piece, scale: f64, stem: &str) -> Found {
+fn of_piece(mut piece: Piece, scale: f64, stem: &str) -> FoundObject {
     piece.vertices.iter_mut().flatten().for_each(|part| *part = (f64::from(*part) * scale) as f32);
     let (name, colour) = (piece.name.clone().unwrap_or_else(|| stem.to_owned()), piece.colour);
     match as_box(&piece) {
@@ -147,9 +147,9 @@ fn of_piece(mut piece: Piece, scale: f64, stem: &str) -> Found {
             let [x, y, z] = centre;
             // The frame of a map is z down, and a box is alike after half a turn.
             let pose = Pose::translation(x, -y, -z);
-            Found { name, pose, geometry: Geometry::Plain(Shape::Box { size }), colour, mass: None }
+            FoundObject { name, pose, geometry: Geometry::Plain(Shape::Box { size }), colour, mass: None }
         }
-        None => Found { name, pose: Pose::identity(), geometry: Geometry::Mesh(piece), colour, mass: None },
+        None => FoundObject { name, pose: Pose::identity(), geometry: Geometry::Mesh(piece), colour, mass: None },
     }
 }
 
@@ -183,7 +183,7 @@ fn as_box(piece: &Piece) -> Option<([f64; 3], [f64; 3])> {
     (is_closed && size.iter().all(|&edge| edge >= THIN)).then_some((centre, size))
 }
 
-impl Found {
+impl FoundObject {
     /// Returns the heights (z) of its points, as far as they have an end.
     fn depths(&self) -> Vec<f64> {
         let down = |point: [f64; 3]| (self.pose * nalgebra::Point3::from(point)).z;
@@ -230,7 +230,7 @@ impl Names {
 }
 
 impl ImportedMap {
-    fn add(&mut self, found: Found, patterns: &[(String, String)], names: &mut Names) {
+    fn add(&mut self, found: FoundObject, patterns: &[(String, String)], names: &mut Names) {
         let is_bad = |c: char| c.is_whitespace() || c.is_control() || "{}".contains(c);
         let plain: String = found.name.trim().chars().take(MAX_NAME - 10).collect();
         let plain = plain.replace(is_bad, "_");

@@ -15,7 +15,7 @@
 //! | [`Executed`], [`Report`] | answers to a command of the wire, and what sensors and robots report after a step |
 //! | [`SavedWorld`] | the state of a world as plain data, from [`World::save`] to [`World::load`] |
 //! | [`Threads`], [`OneThread`] | the threads that steps run on, given by the caller |
-//! | [`Room`], [`LostRobot`], [`Fault`] | a free place for a robot; a robot whose state became invalid, and why |
+//! | [`FreePlace`], [`LostRobot`], [`Fault`] | a free place for a robot; a robot whose state became invalid, and why |
 //! | [`Actor`], [`Tiles`] | what referees and the image server ask for |
 //! | [`mecanum`] | kinematics of robots with Mecanum wheels |
 //!
@@ -73,7 +73,7 @@ pub use physics::Fault;
 pub use scene::{BodyState, ObjectId, Options, PawnId, TIME_STEP, WheelState};
 pub use threads::{OneThread, Threads, in_parts};
 pub use world::{
-    Actor, ActorKind, Executed, LoadError, LostRobot, Report, Room, SaveError, SavedWorld, TILES, Tiles, World,
+    Actor, ActorKind, Executed, FreePlace, LoadError, LostRobot, Report, SaveError, SavedWorld, TILES, Tiles, World,
 };
 
 /// The examples of the README, as tests.

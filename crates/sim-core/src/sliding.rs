@@ -27,11 +27,11 @@ const OFF_GROUND: f64 = 0.002;
 /// lowest run.
 pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
     let row = |[x, y]: [f64; 2]| Vector3::new(1.0, x, y);
-    let bottoms = robot.wheels().flat_map(|wheel| standing(&wheel, f64::NEG_INFINITY));
+    let bottoms = robot.wheels().flat_map(|wheel| supports(&wheel, f64::NEG_INFINITY));
     let lowest = bottoms.map(|contact| contact.bottom).fold(f64::NEG_INFINITY, f64::max);
-    let stands = |wheel: &MountedWheel| standing(wheel, lowest - OFF_GROUND);
-    let contacts: Vec<Standing> = robot.wheels().flat_map(|wheel| stands(&wheel)).collect();
-    let square = |it: &Standing| row(it.position) * row(it.position).transpose() * it.part;
+    let stands = |wheel: &MountedWheel| supports(wheel, lowest - OFF_GROUND);
+    let contacts: Vec<Support> = robot.wheels().flat_map(|wheel| stands(&wheel)).collect();
+    let square = |it: &Support| row(it.position) * row(it.position).transpose() * it.part;
     let squares: Matrix3<f64> = contacts.iter().map(square).sum();
     let middle = robot.total_mass().centre;
     let least_squares = squares.svd(true, true).solve(&Vector3::new(1.0, middle.x, middle.y), 1e-12);
@@ -49,7 +49,7 @@ pub(crate) fn places(robot: &RobotDef) -> Vec<Place> {
 }
 
 /// A possible contact with the ground.
-struct Standing {
+struct Support {
     /// m.
     position: [f64; 2],
     /// Height of the lowest point, downward, m.
@@ -59,12 +59,12 @@ struct Standing {
 }
 
 /// Returns the contacts of a wheel that reach below a height, downward, m.
-fn standing(wheel: &MountedWheel, height: f64) -> Vec<Standing> {
+fn supports(wheel: &MountedWheel, height: f64) -> Vec<Support> {
     let [x, y, z] = wheel.position;
     let mut contacts = match &wheel.belt {
-        None => vec![Standing { position: [x, y], bottom: z + wheel.radius, part: 1.0 }],
+        None => vec![Support { position: [x, y], bottom: z + wheel.radius, part: 1.0 }],
         Some(belt) => {
-            let of_disc = |Disc { middle: [x, z], radius, share }: Disc| Standing {
+            let of_disc = |Disc { middle: [x, z], radius, share }: Disc| Support {
                 position: [x, y],
                 bottom: z + radius,
                 part: share,

@@ -100,7 +100,7 @@ pub struct Executed {
 
 /// A free place for a robot.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Room {
+pub struct FreePlace {
     /// Pose of the robot frame.
     pub pose: Pose,
     /// The obstacle at the wanted place, in words, if the robot is put beside it.
@@ -230,9 +230,9 @@ impl World {
         };
         let wanted = self.start_pose(init, problems);
         self.enter_shapes();
-        let pose = match self.find_room(&class, &wanted, None) {
-            Ok(Room { pose, beside: None }) => pose,
-            Ok(Room { pose, beside: Some(why) }) => {
+        let pose = match self.find_place(&class, &wanted, None) {
+            Ok(FreePlace { pose, beside: None }) => pose,
+            Ok(FreePlace { pose, beside: Some(why) }) => {
                 problems.push(Problem::Beside { wanted: wire_place(init), why, got: numbers(&pose) });
                 pose
             }
@@ -266,7 +266,7 @@ impl World {
         self.enter_shapes();
         let robot = self.robots.get(&id).ok_or("it is gone")?;
         let class = robot.bodies().robot().clone();
-        let Room { pose, beside } = self.find_room(&class, wanted, Some(id))?;
+        let FreePlace { pose, beside } = self.find_place(&class, wanted, Some(id))?;
         if let Some(why) = beside {
             problems.push(Problem::Beside {
                 wanted: format!("{{Location {}}}", numbers(wanted)),
@@ -284,14 +284,14 @@ impl World {
     ///
     /// # Errors
     /// If there is no free place, with the reason in words.
-    pub fn fit(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Result<Room, String>> {
+    pub fn fit(&mut self, class: &str, location: [f64; 3], rotation: [f64; 3]) -> Option<Result<FreePlace, String>> {
         let class = self.compiled(class)?;
         let class = match self.outfit(&class) {
             Ok((_, class)) => class,
             Err(why) => return Some(Err(why)),
         };
         self.enter_shapes_for_question();
-        Some(self.find_room(&class, &scene::pose(location, rotation), None))
+        Some(self.find_place(&class, &scene::pose(location, rotation), None))
     }
 
     /// Returns the pose of a robot of a class that is put at a place, if that is free. Unlike [`World::fit`] it searches no place beside,
@@ -304,13 +304,13 @@ impl World {
     }
 
     /// Finds the place for a robot that is wanted at a pose. `moved` is the robot, if it is in the world. Fails with the reason in words.
-    fn find_room(&self, class: &CompiledRobot, wanted: &Pose, moved: Option<PawnId>) -> Result<Room, String> {
+    fn find_place(&self, class: &CompiledRobot, wanted: &Pose, moved: Option<PawnId>) -> Result<FreePlace, String> {
         if let Some(number) = wanted.translation.vector.iter().find(|&&number| !check::MAP_REACH.holds(number)) {
             return Err(format!("it is outside the map: got {number}, expected {}", check::MAP_REACH));
         }
         let takes_it = |obstacle: Identity| format!("{} takes it", self.describe(obstacle));
         let Placement { pose, obstacle } = self.physics.place(class, wanted, moved).map_err(takes_it)?;
-        Ok(Room { pose, beside: obstacle.map(takes_it) })
+        Ok(FreePlace { pose, beside: obstacle.map(takes_it) })
     }
 
     /// Describes a body in words, for an error message.

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use experiments::batch::{Batch, BatchError};
 use experiments::claim::{Claim, Claims};
-use experiments::fit::{Estimate, Fit, FitError, Found};
+use experiments::fit::{Estimate, Fit, FitError, FitResult};
 use experiments::plan::Plan;
 use experiments::run::{self, Outcome, RunError};
 use experiments::{report, thesis};
@@ -275,7 +275,7 @@ fn fit(arguments: &FitArguments, quiet: bool) -> Result<(), Failure> {
         print(text);
         return Ok(());
     }
-    let Found { distance_before, distance, scatter, caution, steps, simulated, resampled, parameters } = &found;
+    let FitResult { distance_before, distance, scatter, caution, steps, simulated, resampled, parameters } = &found;
     print(format_args!("{}: {steps} measured steps, {simulated} runs", fit.name));
     print(format_args!(
         "distance from the measured steps {:.3} mm, {:.3} mm at the start",

@@ -97,7 +97,7 @@ pub(crate) fn random(kind: Kind, rng: &mut ChaCha8Rng) -> Problem {
     let softness = 1e-3 / mass;
     let count = rows.len();
     let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
-    let response = pairs.map(|(a, b)| dot(a, b) + if a == b { softness + rows[a].3 } else { 0.0 }).collect();
-    let missing = rows.iter().map(|(axis, arm, rim, _)| rim - axis.dot(&velocity) - arm.dot(&turning)).collect();
-    Problem { response, missing, constraints }
+    let delassus = pairs.map(|(a, b)| dot(a, b) + if a == b { softness + rows[a].3 } else { 0.0 }).collect();
+    let right_side = rows.iter().map(|(axis, arm, rim, _)| rim - axis.dot(&velocity) - arm.dot(&turning)).collect();
+    Problem { delassus, right_side, constraints }
 }

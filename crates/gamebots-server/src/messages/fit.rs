@@ -1,7 +1,7 @@
 //! Room for a robot, which a page asks for before it spawns one.
 
 use serde::{Deserialize, Serialize};
-use sim_core::{Room, World};
+use sim_core::{FreePlace, World};
 
 /// A question, as in `{"fit":{"class":"P3AT","location":[1,0,0],"yaw":0.5}}`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -43,7 +43,7 @@ impl Ask {
         let Wanted { class, location, yaw } = &self.fit;
         let why = match world.fit(class, *location, [0.0, 0.0, *yaw]) {
             None => Some(format!("no class `{class}`")),
-            Some(Ok(Room { beside, .. })) => beside,
+            Some(Ok(FreePlace { beside, .. })) => beside,
             Some(Err(why)) => Some(why),
         };
         Fit { wanted: self.fit, stands: why.is_none(), why }

@@ -27,7 +27,7 @@ struct Written<'a> {
 }
 
 #[derive(Deserialize)]
-struct Found {
+struct SavedFile {
     format: u32,
     scene: WorldDef,
     state: SavedWorld,
@@ -62,7 +62,7 @@ pub fn read_saved(path: &Path) -> Result<(WorldDef, SavedWorld), SavedFileError>
     let file = path.display().to_string();
     let malformed = |reason: String| SavedFileError::Malformed { file: file.clone(), reason };
     let opened = File::open(path).map_err(|reason| SavedFileError::Unreadable { file: file.clone(), reason })?;
-    let found: Found = serde_json::from_reader(BufReader::new(opened.take(MAX_BYTES)))
+    let found: SavedFile = serde_json::from_reader(BufReader::new(opened.take(MAX_BYTES)))
         .map_err(|error| malformed(error.to_string()))?;
     if found.format != FORMAT {
         return Err(malformed(format!("its format is {}: expected {FORMAT}", found.format)));

@@ -7,7 +7,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use scene::check::MAX_SOLIDS;
 use scene::{Pose, Shape};
 
-use super::{Budget, Found, Geometry};
+use super::{Budget, FoundObject, Geometry};
 use crate::LoadError;
 use crate::mesh;
 use crate::problem::Problems;
@@ -55,7 +55,7 @@ pub(super) fn read(
     source: &Source,
     file: &str,
     problems: &mut Problems,
-) -> Result<(Vec<Found>, Vec<String>), LoadError> {
+) -> Result<(Vec<FoundObject>, Vec<String>), LoadError> {
     let (found, left_out, triangles) = (Vec::new(), BTreeMap::new(), Budget::default());
     let mut reader = Reader { problems, found, left_out, triangles, included: 0 };
     reader.file(source, file, &Isometry3::identity(), None, 0)?;
@@ -65,7 +65,7 @@ pub(super) fn read(
 
 struct Reader<'p> {
     problems: &'p mut Problems,
-    found: Vec<Found>,
+    found: Vec<FoundObject>,
     /// Counts of what is left out.
     left_out: BTreeMap<String, usize>,
     triangles: Budget,
@@ -230,7 +230,7 @@ impl Reader<'_> {
         let placed =
             |at: Isometry3<f64>| -> Pose { Isometry3::from_parts(Default::default(), z_down()) * at * z_down() };
         let add = |reader: &mut Self, pose: Pose, geometry: Geometry, mass: Option<f64>| {
-            reader.found.push(Found { name: name.clone(), pose, geometry, colour, mass });
+            reader.found.push(FoundObject { name: name.clone(), pose, geometry, colour, mass });
         };
         let length = |reader: &mut Self, key: &str| {
             let value = number_of(geometry, key);

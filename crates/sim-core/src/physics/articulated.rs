@@ -37,7 +37,7 @@ use crate::flight::Flight;
 
 pub(super) use compile::{Articulated, CompiledObject};
 use compile::{JointValue, Ring};
-use finding::{Found, Key, Placed};
+use finding::{CandidateContact, Key, Placed};
 pub(super) use object::{MovableObject, uniform};
 pub(crate) use saved::{SavedObject, SavedTree};
 pub(super) use step_input::StepInput;
@@ -70,7 +70,7 @@ const MAX_FLIGHT_ACCELERATION: f64 = 30.0;
 #[derive(Clone)]
 pub(crate) struct ArticulatedRobot {
     id: BodyId,
-    made_of: Arc<Articulated>,
+    compiled: Arc<Articulated>,
     body: Body,
     servos: Vec<Servo>,
     /// Targets of the joints that have a value, as they were set, before couplings.
@@ -88,11 +88,11 @@ pub(crate) struct ArticulatedRobot {
     contacts: Vec<(Option<usize>, Contact)>,
     /// Poses and bounds of the surfaces in the current step.
     placed: Vec<Placed>,
-    standing: Standing,
+    bounds: Bounds,
     /// True if the robot flies.
     flies: bool,
     /// Contacts of the current step that this robot holds, and impulses of those of the last step.
-    found: Vec<Found>,
+    found: Vec<CandidateContact>,
     known: Vec<(Key, Vector3<f64>)>,
     /// The engine's bodies of the links, with their colliders.
     in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
@@ -103,7 +103,7 @@ pub(crate) struct ArticulatedRobot {
 /// The state that a search over all robots needs. It fills one cache line, as other cores write it.
 #[derive(Clone)]
 #[repr(align(64))]
-struct Standing {
+struct Bounds {
     /// A box around all surfaces.
     around: Option<Aabb>,
     /// True if the box and the contacts with fixed bodies are up to date.
@@ -114,13 +114,13 @@ struct Standing {
 
 impl ArticulatedRobot {
     /// Spawns a robot at a pose of its frame, at rest.
-    pub(super) fn spawn(world: &mut PhysicsWorld, made_of: Arc<Articulated>, id: PawnId, pose: &Pose) -> Self {
-        let body = Body::new(made_of.tree.clone(), *pose);
+    pub(super) fn spawn(world: &mut PhysicsWorld, compiled: Arc<Articulated>, id: PawnId, pose: &Pose) -> Self {
+        let body = Body::new(compiled.tree.clone(), *pose);
         let mut in_engine = Vec::new();
-        for link in 0..made_of.tree.links().len() {
+        for link in 0..compiled.tree.links().len() {
             let place = link_pose(&body, link);
             let handle = world.insert_body(RigidBodyBuilder::kinematic_position_based().pose(convert::pose(&place)));
-            let own = made_of.surfaces.iter().enumerate().filter(|(_, surface)| surface.link == link);
+            let own = compiled.surfaces.iter().enumerate().filter(|(_, surface)| surface.link == link);
             let colliders = own.map(|(number, surface)| {
                 let identity = Identity::Link { robot: id, link: link as u32 };
                 (
@@ -133,42 +133,42 @@ impl ArticulatedRobot {
             });
             in_engine.push((handle, colliders.collect()));
         }
-        Self::at_rest(made_of, BodyId::Robot(id), pose, in_engine)
+        Self::at_rest(compiled, BodyId::Robot(id), pose, in_engine)
     }
 
     /// Creates a robot at rest, with bodies and colliders that the engine already has, by link.
     fn at_rest(
-        made_of: Arc<Articulated>,
+        compiled: Arc<Articulated>,
         id: BodyId,
         pose: &Pose,
         in_engine: Vec<(RigidBodyHandle, Vec<(ColliderHandle, usize)>)>,
     ) -> Self {
-        let (joints, wheels) = (made_of.joints.len(), made_of.wheels.len());
+        let (joints, wheels) = (compiled.joints.len(), compiled.wheels.len());
         Self {
             id,
-            body: Body::new(made_of.tree.clone(), *pose),
+            body: Body::new(compiled.tree.clone(), *pose),
             servos: vec![Servo::default(); joints],
             targets: vec![0.0; joints],
-            roller_angles: made_of.rings.iter().map(|ring| vec![0.0; ring.shape.len()]).collect(),
+            roller_angles: compiled.rings.iter().map(|ring| vec![0.0; ring.shape.len()]).collect(),
             joint_impulses: Vec::new(),
             loads: vec![Load::default(); wheels],
             resistances: vec![Vector3::zeros(); wheels],
             contacts: Vec::new(),
             placed: Vec::new(),
-            standing: Standing { around: None, is_known: false, fault: None },
+            bounds: Bounds { around: None, is_known: false, fault: None },
             flies: false,
             found: Vec::new(),
             known: Vec::new(),
             in_engine,
             near: None,
-            made_of,
+            compiled,
         }
     }
 
     /// Returns the robot to a pose of its frame, at rest, as if just spawned.
     fn return_to(&mut self, pose: &Pose) {
         let in_engine = std::mem::take(&mut self.in_engine);
-        *self = Self::at_rest(self.made_of.clone(), self.id, pose, in_engine);
+        *self = Self::at_rest(self.compiled.clone(), self.id, pose, in_engine);
     }
 
     /// Puts the robot at a pose of its frame, at rest. Its joints stay as they are.
@@ -186,12 +186,12 @@ impl ArticulatedRobot {
 
     /// Sets the targets of the wheels' servos, rad/s.
     pub(super) fn set_wheel_speeds(&mut self, speeds: &[f64]) {
-        motor::set_wheel_speeds(self.made_of.joints.iter().map(|joint| &joint.value), &mut self.servos, speeds);
+        motor::set_wheel_speeds(self.compiled.joints.iter().map(|joint| &joint.value), &mut self.servos, speeds);
     }
 
     /// Sets the target of a joint, by its number among the joints that have a value.
     pub(super) fn set_joint_target(&mut self, joint: usize, target: f64) {
-        let value = self.made_of.joints.get(joint).map(|joint| &joint.value);
+        let value = self.compiled.joints.get(joint).map(|joint| &joint.value);
         motor::set_target(value, joint, target, &mut self.targets, &mut self.servos);
     }
 
@@ -209,24 +209,24 @@ impl ArticulatedRobot {
             velocity[..3].copy_from_slice(angular.as_slice());
             velocity[3..6].copy_from_slice(linear.as_slice());
         }
-        let reach = self.made_of.surfaces.iter().map(|surface| surface.middle.norm() + surface.half.norm());
-        let most = self.made_of.mass * MAX_FLIGHT_ACCELERATION * reach.fold(0.0, f64::max);
+        let reach = self.compiled.surfaces.iter().map(|surface| surface.middle.norm() + surface.half.norm());
+        let most = self.compiled.mass * MAX_FLIGHT_ACCELERATION * reach.fold(0.0, f64::max);
         for axis in 0..3 {
             self.body.set_drive(axis, Drive { at_rest: STIFF * angular[axis], gain: STIFF, most });
         }
         self.body.place();
         self.flies = true;
-        self.standing.is_known = false;
+        self.bounds.is_known = false;
     }
 
     /// Applies servos, gravity and rolling resistance for the coming step.
     fn before_step(&mut self, gravity: Vector3<f64>, time_step: f64) {
-        let Self { made_of, body, servos, targets, loads, resistances, .. } = self;
+        let Self { compiled, body, servos, targets, loads, resistances, .. } = self;
         body.set_gravity(if self.flies { Vector3::zeros() } else { gravity });
-        motor::follow_targets(made_of.joints.iter().map(|joint| &joint.value), targets, servos);
-        for (number, joint) in made_of.joints.iter().enumerate() {
+        motor::follow_targets(compiled.joints.iter().map(|joint| &joint.value), targets, servos);
+        for (number, joint) in compiled.joints.iter().enumerate() {
             let Some(motor) = &joint.value.motor else { continue };
-            if made_of.following.is_some() && joint.value.is_wheel {
+            if compiled.following.is_some() && joint.value.is_wheel {
                 let target = servos[number].target();
                 body.set_drive(joint.dof, Drive { at_rest: STIFF * target, gain: STIFF, most: f64::INFINITY });
                 continue;
@@ -235,8 +235,8 @@ impl ArticulatedRobot {
             let Torque { at_rest, gain } = servos[number].torque(motor, position, speed, time_step);
             body.set_drive(joint.dof, Drive { at_rest, gain, most: motor.max_torque });
         }
-        let share = made_of.mass / made_of.wheels.len().max(1) as f64;
-        for ((hub, load), resistance) in made_of.wheels.iter().zip(loads).zip(resistances) {
+        let share = compiled.mass / compiled.wheels.len().max(1) as f64;
+        for ((hub, load), resistance) in compiled.wheels.iter().zip(loads).zip(resistances) {
             *resistance = Vector3::zeros();
             if load.resistance == 0.0 {
                 continue;
@@ -264,7 +264,7 @@ impl ArticulatedRobot {
             if beyond > 0.0 { (beyond / (time_step + END_TIME)).min(MAX_RETURN) } else { beyond / time_step }
         };
         let end = Constraint::Contact { friction: 0.0, tangents: 0 };
-        for joint in &self.made_of.joints {
+        for joint in &self.compiled.joints {
             if let Some([low, high]) = joint.value.limits {
                 let JointState { position, speed } = joint.state(&self.body);
                 // Only ends that the joint can reach in a few steps get a row.
@@ -280,7 +280,7 @@ impl ArticulatedRobot {
                 rows.push(row([Some((joint.dof, 1.0)), None], Constraint::Within(joint.friction * time_step), 0.0));
             }
         }
-        for gear in &self.made_of.gears {
+        for gear in &self.compiled.gears {
             let at = |link: usize| self.body.position(link);
             let off = gear.multiplier * at(gear.leader.0) + gear.offset - at(gear.follower.0);
             let terms = [Some((gear.follower.1, 1.0)), Some((gear.leader.1, -gear.multiplier))];
@@ -305,13 +305,13 @@ impl ArticulatedRobot {
 
     /// Returns the rows that make a base follow its commands, if it does. `gravity` is the weight of a kilogram, N.
     fn following_rows(&self, number: usize, gravity: f64, time_step: f64) -> Option<[JointRow; 3]> {
-        let following = self.made_of.following.as_ref()?;
-        let mut wheels = self.made_of.joints.iter().zip(&self.servos).filter(|(joint, _)| joint.value.is_wheel);
+        let following = self.compiled.following.as_ref()?;
+        let mut wheels = self.compiled.joints.iter().zip(&self.servos).filter(|(joint, _)| joint.value.is_wheel);
         let wheels: [(f64, f64); 4] = std::array::from_fn(|_| {
             let wheel = wheels.next();
             wheel.map_or((0.0, 0.0), |(joint, servo)| (servo.target(), self.body.position(joint.link)))
         });
-        let weight = gravity * self.made_of.mass;
+        let weight = gravity * self.compiled.mass;
         Some(following.rows(number, &self.body, [wheels.map(|it| it.0), wheels.map(|it| it.1)], weight, time_step))
     }
 
@@ -328,7 +328,7 @@ impl ArticulatedRobot {
                 |first| (first..first + angles.len()).map(|link| self.body.position(link)).collect(),
             )
         };
-        self.made_of.rings.iter().zip(&self.roller_angles).flat_map(of_ring).collect()
+        self.compiled.rings.iter().zip(&self.roller_angles).flat_map(of_ring).collect()
     }
 
     /// True if the robot turns or moves so fast that a step of the integrator may gain energy.
@@ -340,14 +340,14 @@ impl ArticulatedRobot {
     /// Computes the most work that the servos can have done in the last step, J. A servo drives no faster than its speed limit; it brakes
     /// a joint that turns faster.
     fn servo_work(&self, time_step: f64) -> f64 {
-        let joints = self.made_of.joints.iter().filter_map(|joint| Some((joint, joint.value.motor.as_ref()?)));
+        let joints = self.compiled.joints.iter().filter_map(|joint| Some((joint, joint.value.motor.as_ref()?)));
         let driven = |speed: f64, motor: &Motor| speed.abs().min(motor.max_speed);
         joints.map(|(joint, motor)| motor.max_torque * driven(self.body.velocity()[joint.dof], motor) * time_step).sum()
     }
 
     /// Moves the robot by a step. If a load turns a joint too fast, the robot's motion about its centre of mass is slowed.
     fn advance(&mut self, time_step: f64) {
-        let joints = self.made_of.joints.iter().filter(|joint| !joint.value.is_wheel);
+        let joints = self.compiled.joints.iter().filter(|joint| !joint.value.is_wheel);
         let of_motor = |motor: &Motor| f64::max(motor.max_speed * MAX_OVERSPEED, MAX_TURN / time_step);
         let most = |motor: Option<&Motor>| motor.map_or(MAX_SWING / time_step, of_motor);
         let velocity = self.body.velocity();
@@ -385,7 +385,7 @@ impl ArticulatedRobot {
             for &(handle, number) in colliders {
                 let PhysicsWorld { broad_phase, integration_parameters, colliders, .. } = world;
                 if let Some(collider) = colliders.get_mut(handle) {
-                    collider.set_position(place * self.made_of.surfaces[number].pose);
+                    collider.set_position(place * self.compiled.surfaces[number].pose);
                     set_box(broad_phase, integration_parameters, handle, collider);
                 }
             }
@@ -401,7 +401,7 @@ impl ArticulatedRobot {
     /// Returns the robot frame as it moves with a link of the definition. `origin` is the link's origin in the robot frame when every joint
     /// is at 0.
     pub(super) fn carrier(&self, link: usize, origin: Vector3<f64>) -> Option<BodyState> {
-        let &(own, offset) = self.made_of.places.get(link)?;
+        let &(own, offset) = self.compiled.places.get(link)?;
         let (frame, pose) = (&self.body.frames()[own], link_pose(&self.body, own));
         let pose = pose * nalgebra::Translation3::from(offset - origin);
         let lever = pose.translation.vector - (self.body.centre() + frame.origin);
@@ -410,7 +410,7 @@ impl ArticulatedRobot {
 
     /// Returns every joint that has a value, in the order of the links. The flag is true for wheels.
     pub(super) fn joints(&self) -> impl Iterator<Item = (bool, JointState)> {
-        self.made_of.joints.iter().map(|joint| (joint.value.is_wheel, joint.state(&self.body)))
+        self.compiled.joints.iter().map(|joint| (joint.value.is_wheel, joint.state(&self.body)))
     }
 
     /// Returns the contacts of the last step, each with the wheel that it pushed.
@@ -425,7 +425,7 @@ impl ArticulatedRobot {
 
     /// Returns the fault of the state, if it has one.
     pub(super) fn fault(&self) -> Option<Fault> {
-        self.standing.fault
+        self.bounds.fault
     }
 
     /// Returns pose and generalised velocity as numbers.

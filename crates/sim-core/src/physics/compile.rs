@@ -50,8 +50,8 @@ impl CompiledObject {
     pub(super) fn new(def: Arc<Object>, materials: &mut Materials) -> Self {
         let Solid { shape, material, .. } = &def.solid;
         let surface = Surface::new(shape::shared(shape), &Pose::identity(), material, materials);
-        let made_of = Arc::new(Articulated::of_object(surface.clone(), def.mass, material));
-        Self { def, surface, made_of }
+        let compiled = Arc::new(Articulated::of_object(surface.clone(), def.mass, material));
+        Self { def, surface, compiled }
     }
 }
 

@@ -10,7 +10,7 @@ use scene::{Coupling, CouplingKind, DriveModel, Footing, JointKind, Material, Mo
 use super::super::motor::Value;
 use super::super::rolling::Hub;
 use super::super::shape;
-use super::super::surface::{Materials, Surface as Seen};
+use super::super::surface::{Materials, Surface as ColliderSurface};
 use super::following::Following;
 use super::form::{Form, Surface};
 use super::itself;
@@ -41,8 +41,8 @@ pub(in super::super) struct Articulated {
 /// A movable object.
 pub(in super::super) struct CompiledObject {
     pub(in super::super) def: Arc<scene::Object>,
-    pub(in super::super) surface: Seen,
-    pub(in super::super) made_of: Arc<Articulated>,
+    pub(in super::super) surface: ColliderSurface,
+    pub(in super::super) compiled: Arc<Articulated>,
 }
 
 /// The rollers of a wheel.
@@ -197,7 +197,7 @@ impl Articulated {
             }
         };
         let number = self.wheels.len() - 1;
-        let seen = Seen::new(shape::outline(wheel), &scene::Pose::identity(), material, materials);
+        let seen = ColliderSurface::new(shape::outline(wheel), &scene::Pose::identity(), material, materials);
         self.add_surface(link, form, material, seen, Some(number));
     }
 
@@ -211,12 +211,19 @@ impl Articulated {
         for (number, solid) in link.solids.iter().enumerate() {
             let pose = nalgebra::Translation3::from(offset) * link.pose_of(solid);
             let shape = shapes.map_or_else(|| shape::shared(&solid.shape), |shapes| shapes[number].clone());
-            let seen = Seen::new(shape, &pose, &solid.material, materials);
+            let seen = ColliderSurface::new(shape, &pose, &solid.material, materials);
             self.add_surface(own, Form::Solid, &solid.material, seen, None);
         }
     }
 
-    fn add_surface(&mut self, link: usize, form: Form, material: &Material, seen: Seen, wheel: Option<usize>) {
+    fn add_surface(
+        &mut self,
+        link: usize,
+        form: Form,
+        material: &Material,
+        seen: ColliderSurface,
+        wheel: Option<usize>,
+    ) {
         self.surfaces.push(Surface::new(link, form, material, seen, wheel));
     }
 

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::super::identity::BodyId;
 use super::super::rolling::Load;
 use super::ArticulatedRobot;
-use super::finding::{Found, MARGIN, Second};
+use super::finding::{CandidateContact, Counterpart, MARGIN};
 use super::form::{Form, Surface};
 use super::wheel::{RollerTouch, SIDE, Touch};
 
@@ -38,7 +38,7 @@ impl ArticulatedRobot {
     /// the other body at the contact.
     pub(super) fn contact(
         &mut self,
-        found: &Found,
+        found: &CandidateContact,
         body: usize,
         second: Option<Side>,
         moves: Vector3<f64>,
@@ -47,10 +47,10 @@ impl ArticulatedRobot {
     ) -> Contact {
         let [of_ground, between] = STIFFNESS_TOGETHER;
         let is_object = matches!(self.id, BodyId::Object(_));
-        let stiffness = match found.second {
-            Second::Fixed if is_alone && !is_object => STIFFNESS,
-            Second::Fixed => of_ground,
-            Second::Itself(_) | Second::Robot(..) | Second::OfEngine(..) => between,
+        let stiffness = match found.counterpart {
+            Counterpart::Fixed if is_alone && !is_object => STIFFNESS,
+            Counterpart::Fixed => of_ground,
+            Counterpart::Itself(_) | Counterpart::Robot(..) | Counterpart::OfEngine(..) => between,
         };
         let first = Side { body, link: self.link_of(found) };
         let Touch { point, normal, gap, share, .. } = found.touch;
@@ -77,16 +77,16 @@ impl ArticulatedRobot {
     }
 
     /// Returns the link that a contact pushes.
-    fn link_of(&self, found: &Found) -> usize {
-        let surface = &self.made_of.surfaces[found.key.surface];
+    fn link_of(&self, found: &CandidateContact) -> usize {
+        let surface = &self.compiled.surfaces[found.key.surface];
         let (Form::Rollers(ring), Some(roller)) = (surface.form, found.touch.roller) else { return surface.link };
-        self.made_of.rings[ring].first_link.map_or(surface.link, |first| first + roller.index)
+        self.compiled.rings[ring].first_link.map_or(surface.link, |first| first + roller.index)
     }
 
     /// Returns the directions of friction: the way that a wheel rolls, or a roller's axis, and the direction across.
-    fn tangents(&self, found: &Found) -> [Option<Vector3<f64>>; 2] {
+    fn tangents(&self, found: &CandidateContact) -> [Option<Vector3<f64>>; 2] {
         let normal = found.touch.normal;
-        let surface = &self.made_of.surfaces[found.key.surface];
+        let surface = &self.compiled.surfaces[found.key.surface];
         let along = match (found.touch.roller, surface.form) {
             (Some(RollerTouch { axis, .. }), _) => (axis - normal * axis.dot(&normal)).try_normalize(1e-6),
             (None, Form::Wheel { .. } | Form::Track(_)) => {
@@ -103,21 +103,21 @@ impl ArticulatedRobot {
 
     /// Lets a roller without inertia turn: it carries force along its axis only, but for its bearing friction. A base that follows its
     /// commands gets no friction, as its wheels may slide.
-    fn free_roller(&mut self, found: &Found, contact: &mut Contact, velocity: Vector3<f64>, time_step: f64) {
-        let made_of = &self.made_of;
+    fn free_roller(&mut self, found: &CandidateContact, contact: &mut Contact, velocity: Vector3<f64>, time_step: f64) {
+        let compiled = &self.compiled;
         let (Some(RollerTouch { index, radius, .. }), Form::Rollers(ring)) =
-            (found.touch.roller, made_of.surfaces[found.key.surface].form)
+            (found.touch.roller, compiled.surfaces[found.key.surface].form)
         else {
             return;
         };
-        let ring_of = &made_of.rings[ring];
+        let ring_of = &compiled.rings[ring];
         let Some(across) = contact.tangents[1].filter(|_| ring_of.first_link.is_none()) else { return };
         let passing = across.dot(&velocity);
         // The roller's surface moves as fast as the ground passes.
         if found.touch.gap < MARGIN {
             self.roller_angles[ring][index] -= passing / radius * time_step;
         }
-        if made_of.following.is_some() {
+        if compiled.following.is_some() {
             contact.tangents = [None; 2];
             return;
         }
@@ -127,7 +127,7 @@ impl ArticulatedRobot {
         }
         // Torque d w of the bearing at the roller's speed w = v / rho is a force d v / rho².
         let free = radius.powi(2) / (ring_of.damping * time_step);
-        if free * made_of.mass < WEAK {
+        if free * compiled.mass < WEAK {
             contact.compliance[2] = free;
         } else {
             // A weak bearing is applied as a force, which saves a row of the solver.
@@ -147,7 +147,7 @@ impl ArticulatedRobot {
     pub(super) fn note_joints(&mut self, rows: &[JointRow], time_step: f64) {
         self.joint_impulses.clear();
         self.joint_impulses.extend(rows.iter().map(|row| row.impulse));
-        if self.made_of.following.is_some() {
+        if self.compiled.following.is_some() {
             // The rows of a base that follows its commands stand for ground forces on its wheels.
             let linear = |row: &JointRow| Vector3::from_column_slice(&row.root[3..]) * row.impulse;
             let force = rows.iter().map(linear).sum::<Vector3<f64>>();
@@ -157,12 +157,19 @@ impl ArticulatedRobot {
     }
 
     /// Records the impulse of a contact on one of the surfaces. `sign` is 1 for the first body and -1 for the second.
-    pub(super) fn note(&mut self, surface: usize, found: &Found, contact: &Contact, sign: f64, time_step: f64) {
+    pub(super) fn note(
+        &mut self,
+        surface: usize,
+        found: &CandidateContact,
+        contact: &Contact,
+        sign: f64,
+        time_step: f64,
+    ) {
         let push = contact.impulse.dot(&contact.normal);
         if push <= 0.0 {
             return;
         }
-        let wheel = self.made_of.surfaces[surface].wheel;
+        let wheel = self.compiled.surfaces[surface].wheel;
         let force = contact.impulse * (sign / time_step);
         self.contacts.push((wheel, scene::Contact { point: contact.point, force }));
         if let Some(load) = wheel.map(|wheel| &mut self.loads[wheel]) {

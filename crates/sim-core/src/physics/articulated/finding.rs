@@ -52,9 +52,9 @@ enum Peer {
 
 /// A contact of a robot's surface.
 #[derive(Clone)]
-pub(super) struct Found {
+pub(super) struct CandidateContact {
     pub(super) key: Key,
-    pub(super) second: Second,
+    pub(super) counterpart: Counterpart,
     pub(super) touch: Touch,
     /// Velocity of the other surface at the contact, m/s, if it is that of a conveyor or of a held body.
     pub(super) drift: Vector3<f64>,
@@ -68,7 +68,7 @@ pub(super) struct Found {
 
 /// The other side of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Second {
+pub(super) enum Counterpart {
     /// A fixed body.
     Fixed,
     /// Another surface of the same robot, by its number.
@@ -108,11 +108,11 @@ impl Key {
 impl ArticulatedRobot {
     /// Updates the bounds of the surfaces, the contacts with fixed bodies and the fault.
     pub(super) fn look_around(&mut self, world: &PhysicsWorld, input: StepInput, time_step: f64) {
-        self.standing.is_known = true;
+        self.bounds.is_known = true;
         let is_finite = self.body.is_finite();
-        self.standing.fault = if is_finite { Fault::of(&self.state()) } else { Some(Fault::NotFinite) };
+        self.bounds.fault = if is_finite { Fault::of(&self.state()) } else { Some(Fault::NotFinite) };
         self.found.clear();
-        if self.standing.fault.is_none() {
+        if self.bounds.fault.is_none() {
             self.place_surfaces(time_step);
             self.touch_fixed(world, input);
             self.touch_itself();
@@ -122,14 +122,14 @@ impl ArticulatedRobot {
     /// Drops the cached neighbours, as a robot came or left.
     pub(super) fn forget_near(&mut self) {
         self.near = None;
-        self.standing.is_known = false;
+        self.bounds.is_known = false;
     }
 
     fn place_surfaces(&mut self, time_step: f64) {
-        let Self { body, made_of, placed, .. } = self;
+        let Self { body, compiled, placed, .. } = self;
         let (frames, centre) = (body.frames(), body.centre());
         placed.clear();
-        placed.extend(made_of.surfaces.iter().map(|surface| {
+        placed.extend(compiled.surfaces.iter().map(|surface| {
             let frame = &frames[surface.link];
             let pose = convert::pose(&link_pose(body, surface.link)) * surface.pose;
             let arm = frame.rotation * surface.middle;
@@ -149,17 +149,17 @@ impl ArticulatedRobot {
             }
             Placed { pose, around, prediction, motion }
         }));
-        self.standing.around = placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other));
+        self.bounds.around = placed.iter().map(|placed| placed.around).reduce(|one, other| one.merged(&other));
     }
 
     /// Returns a box around all surfaces, or `None` without surfaces.
     pub(super) fn around(&self) -> Option<Aabb> {
-        self.standing.around
+        self.bounds.around
     }
 
     fn touch_fixed(&mut self, world: &PhysicsWorld, input: StepInput) {
         let mut found = std::mem::take(&mut self.found);
-        if let Some(whole) = self.standing.around {
+        if let Some(whole) = self.bounds.around {
             let near = match self.near.take() {
                 Some((around, near)) if around.contains(&whole) => (around, near),
                 _ => {
@@ -174,7 +174,8 @@ impl ArticulatedRobot {
             for &handle in &near.1 {
                 if let Some(collider) = world.colliders.get(handle) {
                     let material = input.materials.of(collider);
-                    let other = Other { collider, material, peer: Peer::Fixed, handle, second: Second::Fixed };
+                    let other =
+                        Other { collider, material, peer: Peer::Fixed, handle, counterpart: Counterpart::Fixed };
                     let before = found.len();
                     self.touch_collider(&other, &mut found);
                     if let Some(conveyor) = input.conveyors.iter().find(|it| it.collider == handle) {
@@ -189,22 +190,22 @@ impl ArticulatedRobot {
     }
 
     fn touch_itself(&mut self) {
-        if self.made_of.touching_itself.is_empty() {
+        if self.compiled.touching_itself.is_empty() {
             return;
         }
         let mut found = std::mem::take(&mut self.found);
         let (before, mut met) = (found.len(), Vec::new());
-        for &(one, other) in &self.made_of.touching_itself {
+        for &(one, other) in &self.compiled.touching_itself {
             let (at, its_at) = (&self.placed[one], &self.placed[other]);
             if !at.around.intersects(&its_at.around) {
                 continue;
             }
-            let (surface, its) = (&self.made_of.surfaces[one], &self.made_of.surfaces[other]);
+            let (surface, its) = (&self.compiled.surfaces[one], &self.compiled.surfaces[other]);
             let (prediction, motion) = (at.prediction + its_at.prediction, at.motion - its_at.motion);
             self.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
             let key = Key { surface: one, other: (Peer::Itself, other), number: 0 };
             let pair = Pair::of(surface, its);
-            add(&mut met, key, Second::Itself(other), &pair, &mut found);
+            add(&mut met, key, Counterpart::Itself(other), &pair, &mut found);
         }
         let mut own = found.split_off(before);
         keep_deepest(&mut own, MAX_CONTACTS[0], |it| it.touch.gap);
@@ -212,11 +213,11 @@ impl ArticulatedRobot {
         self.found = found;
     }
 
-    fn touch_collider(&self, other: &Other, found: &mut Vec<Found>) {
+    fn touch_collider(&self, other: &Other, found: &mut Vec<CandidateContact>) {
         let shape = other.collider.shape();
         let bounds = shape.as_halfspace().is_none().then(|| other.collider.compute_aabb());
         let mut met = Vec::with_capacity(4);
-        for (index, (surface, at)) in self.made_of.surfaces.iter().zip(&self.placed).enumerate() {
+        for (index, (surface, at)) in self.compiled.surfaces.iter().zip(&self.placed).enumerate() {
             if bounds.is_some_and(|bounds| !bounds.intersects(&at.around)) {
                 continue;
             }
@@ -225,7 +226,7 @@ impl ArticulatedRobot {
                 continue;
             }
             let key = Key { surface: index, other: (other.peer, other.handle.into_raw_parts().0 as usize), number: 0 };
-            add(&mut met, key, other.second, &Pair::with(surface, other.material), found);
+            add(&mut met, key, other.counterpart, &Pair::with(surface, other.material), found);
         }
     }
 
@@ -273,12 +274,12 @@ impl ArticulatedRobot {
     ) {
         let ring = match surface.form {
             Form::Rollers(ring) => ring,
-            Form::Track(track) => return self.made_of.tracks[track].touch(surface, at, shape, pose, prediction, met),
+            Form::Track(track) => return self.compiled.tracks[track].touch(surface, at, shape, pose, prediction, met),
             Form::Solid | Form::Wheel { .. } | Form::Ball { .. } => {
                 return touches(surface, at, shape, pose, prediction, met);
             }
         };
-        let ring = &self.made_of.rings[ring];
+        let ring = &self.compiled.rings[ring];
         let hub = convert::from_pose(at);
         ring.shape.touch(&hub, self.turned(ring), prediction, shape, pose, met);
     }
@@ -286,9 +287,9 @@ impl ArticulatedRobot {
     /// Drops the contacts of rollers that leave the load to the next roller. Two rollers share the load only while both press. The wheel's
     /// turning brings no roller nearer: the next one lands where the last leaves, on the same circle.
     pub(super) fn hand_over(&mut self, time_step: f64) {
-        let Self { found, made_of, body, .. } = self;
-        let leaves = |it: &Found| {
-            let nearer = |peer: &Found| {
+        let Self { found, compiled, body, .. } = self;
+        let leaves = |it: &CandidateContact| {
+            let nearer = |peer: &CandidateContact| {
                 peer.key.surface == it.key.surface
                     && peer.touch.gap < it.touch.gap
                     && peer.touch.normal.dot(&it.touch.normal) > SAME_SURFACE
@@ -296,7 +297,7 @@ impl ArticulatedRobot {
             if it.touch.roller.is_none() || !found.iter().any(nearer) {
                 return false;
             }
-            let wheel = made_of.surfaces[it.key.surface].link;
+            let wheel = compiled.surfaces[it.key.surface].link;
             let carrier = body.tree().links()[wheel].parent;
             let approach = it.touch.normal.dot(&body.velocity_at(carrier, it.touch.point));
             it.touch.gap + approach * time_step > MARGIN
@@ -337,8 +338,8 @@ pub(super) fn touch_engine(
             bodies.extend(OfEngine::new(world, parent));
         }
         let Some((index, link)) = known(bodies) else { continue };
-        let second = Second::OfEngine(index, link);
-        let other = Other { collider, material: materials.of(collider), peer: Peer::OfEngine, handle, second };
+        let counterpart = Counterpart::OfEngine(index, link);
+        let other = Other { collider, material: materials.of(collider), peer: Peer::OfEngine, handle, counterpart };
         let before = found.len();
         robot.touch_collider(&other, &mut found);
         if found.len() > before && !touched.contains(&index) {
@@ -363,7 +364,7 @@ struct Other<'a> {
     material: &'a Material,
     peer: Peer,
     handle: ColliderHandle,
-    second: Second,
+    counterpart: Counterpart,
 }
 
 /// Adds the contacts of two bodies, given by number, each with the body whose surface finds it. That body is never a sleeping one.
@@ -371,7 +372,7 @@ pub(super) fn touch_each_other(
     robots: &[&mut ArticulatedRobot],
     (one, other): (usize, usize),
     is_asleep: &[bool],
-    found: &mut Vec<(usize, Found)>,
+    found: &mut Vec<(usize, CandidateContact)>,
 ) {
     let (mut met, mut added) = (Vec::new(), Vec::new());
     for (own_index, own_at) in robots[one].placed.iter().enumerate() {
@@ -380,23 +381,23 @@ pub(super) fn touch_each_other(
                 continue;
             }
             // Wheels and balls have a geometry of their own, so their surfaces come first. Objects, which may sleep, have no such surfaces.
-            let rank = |robot: usize, index: usize| robots[robot].made_of.surfaces[index].form.rank();
+            let rank = |robot: usize, index: usize| robots[robot].compiled.surfaces[index].form.rank();
             let is_first = rank(one, own_index) >= rank(other, its_index) && !is_asleep[one];
             let ((first, index, at), (second, its_index, its_at)) = if is_first {
                 ((one, own_index, own_at), (other, its_index, its_at))
             } else {
                 ((other, its_index, its_at), (one, own_index, own_at))
             };
-            let (robot, surface) = (&*robots[first], &robots[first].made_of.surfaces[index]);
-            let its = &robots[second].made_of.surfaces[its_index];
+            let (robot, surface) = (&*robots[first], &robots[first].compiled.surfaces[index]);
+            let its = &robots[second].compiled.surfaces[its_index];
             let prediction = at.prediction + its_at.prediction;
             let motion = at.motion - its_at.motion;
             robot.meet(surface, at, its.shape.as_ref(), &its_at.pose, prediction, motion, &mut met);
             let key = Key { surface: index, other: (Peer::Body(robots[second].id), its_index), number: 0 };
             let pair = Pair::of(surface, its);
-            add(&mut met, key, Second::Robot(second, its_index), &pair, &mut added);
+            add(&mut met, key, Counterpart::Robot(second, its_index), &pair, &mut added);
             if is_asleep[second] {
-                let drift = |it: &mut Found| it.drift = robots[second].body.velocity_at(0, it.touch.point);
+                let drift = |it: &mut CandidateContact| it.drift = robots[second].body.velocity_at(0, it.touch.point);
                 added.iter_mut().for_each(drift);
             }
             found.extend(added.drain(..).map(|it| (first, it)));
@@ -440,12 +441,12 @@ impl Pair {
     }
 }
 
-/// Turns the contacts found for a pair into `Found` entries. Their keys differ from `key` in the contact's number.
-fn add(met: &mut Vec<Touch>, key: Key, second: Second, pair: &Pair, found: &mut Vec<Found>) {
+/// Turns the contacts found for a pair into `CandidateContact` entries. Their keys differ from `key` in the contact's number.
+fn add(met: &mut Vec<Touch>, key: Key, counterpart: Counterpart, pair: &Pair, found: &mut Vec<CandidateContact>) {
     let &Pair { friction, restitution, resistance, recovery } = pair;
-    found.extend(met.drain(..).enumerate().map(|(number, touch)| Found {
+    found.extend(met.drain(..).enumerate().map(|(number, touch)| CandidateContact {
         key: Key { number, ..key },
-        second,
+        counterpart,
         touch,
         drift: Vector3::zeros(),
         friction,

@@ -15,7 +15,7 @@ use super::super::WAKING_REACH;
 use super::super::convert;
 use super::super::fault::Fault;
 use super::super::identity::{BodyId, Identity};
-use super::super::surface::Surface as Seen;
+use super::super::surface::Surface as ColliderSurface;
 use super::ArticulatedRobot;
 use super::compile::{Articulated, CompiledObject};
 use super::form::{Form, Surface};
@@ -58,7 +58,7 @@ pub(super) struct Sleep {
 
 impl Articulated {
     /// Compiles a rigid free body.
-    pub(in super::super) fn of_object(seen: Seen, mass: f64, material: &scene::Material) -> Self {
+    pub(in super::super) fn of_object(seen: ColliderSurface, mass: f64, material: &scene::Material) -> Self {
         let own = uniform(&seen.placed().0, mass);
         let [linear_damping, damping] = material.damping(mass, &own.inertia);
         let root = Link::new(0, Joint::Free, Vector3::zeros(), own);
@@ -102,7 +102,7 @@ impl MovableObject {
         let surface = object.surface.collider(Identity::Object(id)).solver_groups(InteractionGroups::none());
         let collider = world.insert_collider(surface, Some(in_engine));
         let in_engine = vec![(in_engine, vec![(collider, 0)])];
-        let body = ArticulatedRobot::at_rest(object.made_of.clone(), BodyId::Object(id), pose, in_engine);
+        let body = ArticulatedRobot::at_rest(object.compiled.clone(), BodyId::Object(id), pose, in_engine);
         let (def, body) = (object.def.clone(), Box::new(body));
         Self { id, def, is_of_map, is_held: false, start: *pose, body, still: 0.0, sleep: None, is_entered: false }
     }
@@ -152,26 +152,26 @@ impl MovableObject {
         let now = self.pose();
         let turn = (pose.rotation * now.rotation.inverse()).scaled_axis() / time_step;
         // The generalised velocity is that of the centre of mass.
-        let centre = Point3::from(self.body.made_of.tree.links()[0].mass.centre);
+        let centre = Point3::from(self.body.compiled.tree.links()[0].mass.centre);
         let way = (pose * centre - now * centre) / time_step;
         let velocity = self.body.body.velocity_mut();
         velocity[..3].copy_from_slice(turn.as_slice());
         velocity[3..6].copy_from_slice(way.as_slice());
         self.body.body.place();
-        self.body.standing.is_known = false;
+        self.body.bounds.is_known = false;
         self.is_entered = false;
     }
 
     /// Moves a led object to a pose, with the velocity that it was led with.
     pub(in super::super) fn arrive(&mut self, pose: &Pose) {
         self.body.body.set_pose(*pose);
-        self.body.standing.is_known = false;
+        self.body.bounds.is_known = false;
     }
 
     /// Sets the velocity of the frame's origin, m/s, and the angular velocity, rad/s, in world axes.
     pub(in super::super) fn push_off(&mut self, linear: &Vector3<f64>, angular: &Vector3<f64>) {
         // The generalised velocity is that of the centre of mass.
-        let lever = self.pose().rotation * self.body.made_of.tree.links()[0].mass.centre;
+        let lever = self.pose().rotation * self.body.compiled.tree.links()[0].mass.centre;
         let velocity = self.body.body.velocity_mut();
         velocity[..3].copy_from_slice(angular.as_slice());
         velocity[3..6].copy_from_slice((linear + angular.cross(&lever)).as_slice());
@@ -198,7 +198,7 @@ impl MovableObject {
     /// Returns a box around the object.
     pub(in super::super) fn bounds(&self) -> Aabb {
         let pose = convert::pose(&self.pose());
-        let boxes = self.body.made_of.surfaces.iter().map(|it| it.shape.compute_aabb(&(pose * it.pose)));
+        let boxes = self.body.compiled.surfaces.iter().map(|it| it.shape.compute_aabb(&(pose * it.pose)));
         boxes.reduce(|one, other| one.merged(&other)).unwrap_or_else(Aabb::new_invalid)
     }
 
@@ -256,7 +256,7 @@ impl MovableObject {
     /// Updates the time at rest after a step, and lets the object fall asleep. `neighbours` are the impulses on it, N s.
     pub(super) fn note_rest(&mut self, neighbours: Vec<(BodyId, Vector3<f64>)>, time_step: f64) {
         let BodyState { linear, angular, .. } = self.body.state();
-        let surface = &self.body.made_of.surfaces[0];
+        let surface = &self.body.compiled.surfaces[0];
         let speed = linear.norm() + angular.norm() * (surface.middle.norm() + surface.half.norm());
         self.still = if speed < REST_SPEED { self.still + time_step } else { 0.0 };
         if self.still > REST_TIME {
@@ -279,6 +279,6 @@ impl MovableObject {
         let before: Vector3<f64> = awake.map(|(_, impulse)| impulse).sum();
         let now: Vector3<f64> = impulses.iter().map(|(_, impulse)| impulse).sum();
         let least = (WAKING_SHARE * gravity * time_step).max(WAKING_SPEED);
-        (now - before).norm() > least * self.body.made_of.mass
+        (now - before).norm() > least * self.body.compiled.mass
     }
 }

@@ -13,7 +13,7 @@ use rapier3d::prelude::*;
 use super::super::convert;
 use super::super::identity::BodyId;
 use super::ArticulatedRobot;
-use super::finding::{Found, OfEngine, Second, touch_each_other, touch_engine};
+use super::finding::{CandidateContact, Counterpart, OfEngine, touch_each_other, touch_engine};
 use super::object::MovableObject;
 use super::step_input::StepInput;
 use crate::ObjectId;
@@ -70,7 +70,7 @@ struct Push {
 /// Two bodies, by number, whose boxes overlap, and their contacts, each with the body of its first surface.
 struct Pair {
     bodies: (usize, usize),
-    found: Vec<(usize, Found)>,
+    found: Vec<(usize, CandidateContact)>,
 }
 
 /// Advances robots and awake objects by one step.
@@ -163,7 +163,7 @@ pub(in super::super) fn solve<'a>(
 /// Finds contacts of bodies that moved since the last search.
 fn look_around<'a>(robots: impl Iterator<Item = &'a mut ArticulatedRobot>, world: &PhysicsWorld, input: StepInput) {
     let time_step = world.integration_parameters.dt;
-    let mut moved: Vec<&mut ArticulatedRobot> = robots.filter(|robot| !robot.standing.is_known).collect();
+    let mut moved: Vec<&mut ArticulatedRobot> = robots.filter(|robot| !robot.bounds.is_known).collect();
     in_parts(input.threads, TOGETHER, &mut moved, &|robots| {
         robots.iter_mut().for_each(|robot| robot.look_around(world, input, time_step));
     });
@@ -291,7 +291,7 @@ fn members<'a>(
     members
 }
 
-impl Second {
+impl Counterpart {
     /// Returns the number of another body among all, robots first. `None` for a fixed body, and for the robot itself.
     fn number(self, robots: usize) -> Option<usize> {
         match self {
@@ -348,7 +348,7 @@ impl Step<'_> {
             // The other side of a contact may be another member.
             let found = std::mem::take(&mut robot.found);
             for it in &found {
-                let second = self.side(body, it.second, group);
+                let second = self.side(body, it.counterpart, group);
                 let moves =
                     second.map_or(it.drift, |Side { body, link }| group[body].body().velocity_at(link, it.touch.point));
                 let Some(robot) = group[body].robot() else { continue };
@@ -387,11 +387,11 @@ impl Step<'_> {
                     }
                 }
                 let Some(Side { body, .. }) = contact.second else { continue };
-                match (&mut group[body].is, it.second) {
-                    (Is::Robot(robot), Second::Robot(_, surface) | Second::Itself(surface)) => {
+                match (&mut group[body].is, it.counterpart) {
+                    (Is::Robot(robot), Counterpart::Robot(_, surface) | Counterpart::Itself(surface)) => {
                         robot.note(surface, it, contact, -1.0, self.time_step);
                     }
-                    (Is::OfEngine(of_engine), Second::OfEngine(_, link)) => {
+                    (Is::OfEngine(of_engine), Counterpart::OfEngine(_, link)) => {
                         of_engine.reactions.push((link, contact.point, -contact.impulse));
                     }
                     _ => {}
@@ -400,7 +400,7 @@ impl Step<'_> {
             if let Some(robot) = group[body].robot() {
                 robot.found = found;
                 robot.advance(self.time_step);
-                robot.standing.is_known = false;
+                robot.bounds.is_known = false;
             }
         }
         if let Some(before) = energy {
@@ -416,14 +416,14 @@ impl Step<'_> {
             return None;
         }
         let mut robots = group.iter_mut().filter_map(Member::robot);
-        let is_given = robots.any(|robot| robot.flies || robot.made_of.following.is_some());
+        let is_given = robots.any(|robot| robot.flies || robot.compiled.following.is_some());
         (!is_given).then(|| self.energy(group).iter().sum())
     }
 
     /// Computes the kinetic and the potential energy of a group, J.
     fn energy(self, group: &mut [Member]) -> [f64; 2] {
         group.iter_mut().filter_map(Member::robot).fold([0.0; 2], |[motion, height], robot| {
-            let weight = self.gravity * robot.made_of.mass;
+            let weight = self.gravity * robot.compiled.mass;
             [motion + robot.body.kinetic_energy(), height - weight.dot(&robot.body.centre())]
         })
     }
@@ -450,16 +450,16 @@ impl Step<'_> {
     }
 
     /// Returns the side of the member that a contact of another touches, or `None` for a fixed or sleeping body.
-    fn side(self, own: usize, second: Second, group: &[Member]) -> Option<Side> {
-        if let (Second::Itself(surface), Is::Robot(robot)) = (second, &group[own].is) {
-            return Some(Side { body: own, link: robot.made_of.surfaces[surface].link });
+    fn side(self, own: usize, counterpart: Counterpart, group: &[Member]) -> Option<Side> {
+        if let (Counterpart::Itself(surface), Is::Robot(robot)) = (counterpart, &group[own].is) {
+            return Some(Side { body: own, link: robot.compiled.surfaces[surface].link });
         }
-        let number = second.number(self.robots)?;
+        let number = counterpart.number(self.robots)?;
         // Members of a group are in the order of their numbers. Sleeping bodies are in no group.
         let body = group.binary_search_by_key(&number, |member| member.number).ok()?;
-        let link = match (&group[body].is, second) {
-            (Is::Robot(robot), Second::Robot(_, surface)) => robot.made_of.surfaces[surface].link,
-            (_, Second::OfEngine(_, link)) => link,
+        let link = match (&group[body].is, counterpart) {
+            (Is::Robot(robot), Counterpart::Robot(_, surface)) => robot.compiled.surfaces[surface].link,
+            (_, Counterpart::OfEngine(_, link)) => link,
             _ => return None,
         };
         Some(Side { body, link })
