@@ -54,6 +54,7 @@ const OF_LOG = {
   viewers: 0,
   unsettled_steps: 0,
   recording: null,
+  league: null,
   clients: [],
 };
 

@@ -80,23 +80,6 @@ pageTest('a ghost is red where the robot cannot stand, and says why', arena, asy
   assert.equal(questions[0].class, 'YouBotArm');
 });
 
-pageTest('a robot is placed also by a server that does not know where it fits', arena, async ({ page }) => {
-  await page.routeWebSocket(/\/live$/, (socket) => {
-    const server = socket.connectToServer();
-    socket.onMessage((message) => {
-      if (!JSON.parse(message).fit) return server.send(message);
-      socket.send(JSON.stringify({ said: 'not understood: unknown variant `fit`' }));
-    });
-  });
-  await page.reload();
-  await page.waitForFunction(() => document.documentElement.dataset.state === 'live');
-  await startPlacing(page, 'P3AT');
-  await page.hover('#canvas');
-  await page.click('#canvas');
-  await page.waitForSelector('[data-robot]');
-  assert.equal((await page.locator('#toasts').textContent()).includes('not understood'), false);
-});
-
 pageTest('the server says what is in the way of a robot', arena, async ({ page }) => {
   let [asked, answered] = [0, 0];
   await page.routeWebSocket(/\/live$/, (socket) => {

@@ -24,7 +24,6 @@ export class FitQuestions {
   private waiting: Fit | null = null;
   private asked: Fit | null = null;
   private askedAt = -Infinity;
-  private isUnknown = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -34,7 +33,6 @@ export class FitQuestions {
 
   /** Asks as soon as the server is free; of several questions meanwhile the last one counts. */
   ask(fit: Fit): void {
-    if (this.isUnknown) return;
     this.waiting = fit;
     this.next();
   }
@@ -45,17 +43,9 @@ export class FitQuestions {
     this.next();
   }
 
-  /** Begins with another server, which may know the question. */
+  /** Begins with another connection. */
   restart(): void {
-    [this.waiting, this.asked, this.isUnknown] = [null, null, false];
-  }
-
-  /** True for the words by which an older server answers; it is not asked again. */
-  isRefusal(said: string): boolean {
-    if (!this.asked || !said.startsWith('not understood')) return false;
-    this.restart();
-    this.isUnknown = true;
-    return true;
+    [this.waiting, this.asked] = [null, null];
   }
 
   private next(): void {

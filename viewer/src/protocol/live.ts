@@ -24,8 +24,8 @@ export interface Status {
   /** Steps of robots that ended before every contact did what it should. */
   unsettled_steps: number;
   recording: string | null;
-  /** The league that is played; servers from before there were any have none. */
-  league?: League | null;
+  /** The league that is played, if any. */
+  league: League | null;
   robots: { id: number; class: string; name: string; connection: number | null; battery: number | null }[];
   clients: { connection: number; peer: string; lines: number; dropped: number }[];
 }
@@ -133,7 +133,7 @@ export class Live {
     this.send(JSON.stringify(control));
   }
 
-  /** Asks whether a robot could stand somewhere; a server that does not know that never answers. */
+  /** Asks whether a robot could stand somewhere. */
   askFit(fit: Fit): void {
     this.fits.ask(fit);
   }
@@ -271,8 +271,7 @@ export class Live {
     if (message.line) this.listener.line(message.line);
     if (message.reading) this.listener.reading(message.reading);
     if (message.fit) this.fits.take(message.fit);
-    if (message.said !== undefined && !this.fits.isRefusal(message.said))
-      this.listener.said(this.addressed(message.said));
+    if (message.said !== undefined) this.listener.said(this.addressed(message.said));
     if (message.missed !== undefined)
       this.listener.said(`${message.missed} lines, readings and scans came too fast to be shown`);
   }
