@@ -44,8 +44,7 @@ pub mod fuzzing {
 
     use sim_core::World;
 
-    use crate::messages::control::Control;
-    use crate::messages::fit::Ask;
+    use crate::messages::live::{Control, Request};
     use crate::world::pace::Pace;
 
     /// Reads a request of a viewer or of Foxglove. For a speed, computes the wait for an hour of simulated time.
@@ -57,8 +56,8 @@ pub mod fuzzing {
 
     /// Answers a question about room for a robot. Returns true if the robot can stand there; `None` if the text is no such question.
     pub fn fit(text: &str, world: &mut World) -> Option<bool> {
-        let fit = Ask::read(text)?.answer(world);
-        serde_json::to_value(&fit).ok()?.get("stands")?.as_bool()
+        let Ok(Request::Fit(wanted)) = Request::read(text) else { return None };
+        serde_json::to_value(wanted.answer(world)).ok()?.get("stands")?.as_bool()
     }
 
     /// True if a client with these headers gets the page; false if one of them is not a valid header.

@@ -3,5 +3,6 @@
 pub(crate) mod control;
 pub(crate) mod fit;
 pub(crate) mod frame;
+pub(crate) mod live;
 pub mod pb;
 pub(crate) mod scene;

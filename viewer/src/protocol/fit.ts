@@ -1,19 +1,8 @@
 /** Asks the server whether a robot could stand somewhere: one question at a time, and not many a second. */
 
-import type { Vector } from './scene';
+import type { Fit, FitAnswer } from './live.gen';
 
-/** A robot of a class at a place of the map. */
-export interface Fit {
-  class: string;
-  location: Vector;
-  yaw: number;
-}
-
-export interface FitAnswer extends Fit {
-  stands: boolean;
-  /** The obstacle. */
-  why: string | null;
-}
+export type { Fit, FitAnswer } from './live.gen';
 
 /** Least time between two questions, ms. */
 const INTERVAL = 100;
@@ -27,7 +16,7 @@ export class FitQuestions {
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
-    private readonly send: (text: string) => void,
+    private readonly send: (fit: Fit) => void,
     private readonly answered: (answer: FitAnswer) => void,
   ) {}
 
@@ -58,6 +47,6 @@ export class FitQuestions {
       return;
     }
     [this.asked, this.waiting, this.askedAt] = [this.waiting, null, performance.now()];
-    this.send(JSON.stringify({ fit: this.asked }));
+    this.send(this.asked);
   }
 }

@@ -2,71 +2,13 @@
 
 import { type Frame, type Picture, type Scan, readMessage } from './frame';
 import { ClassQuestions } from './classes';
-import { type Fit, type FitAnswer, FitQuestions } from './fit';
+import { FitQuestions } from './fit';
+import type { Control, Fit, FitAnswer, Message, Reading, Request, Status, WireLine } from './live.gen';
 import { ObjectQuestions } from './objects';
 import { type RobotClass, type Scene, type Spawned, fetchScene } from './scene';
-import type { Reading } from './sensors';
 import { Refused, token } from './token';
 
-export interface Status {
-  real_time_factor: number;
-  speed: number;
-  paused: boolean;
-  resets: number;
-  /** Times that the world was saved. */
-  saves: number;
-  /** Number of the scene. A new number means another map. */
-  scene: number;
-  /** Number of changes of the objects beside the map's. */
-  objects: number;
-  /** Pages that are open. */
-  viewers: number;
-  /** Steps of robots that ended before every contact did what it should. */
-  unsettled_steps: number;
-  recording: string | null;
-  /** The league that is played, if any. */
-  league: League | null;
-  robots: { id: number; class: string; name: string; connection: number | null; battery: number | null }[];
-  clients: { connection: number; peer: string; lines: number; dropped: number }[];
-}
-
-/** A league and its teams, the best first. */
-export interface League {
-  name: string;
-  /** Simulated time that is left, s. */
-  time_left: number;
-  has_begun: boolean;
-  is_over: boolean;
-  teams: {
-    place: number;
-    name: string;
-    points: number;
-    /** Victims that it found. */
-    found: number;
-    /** The robots that entered for it. */
-    robots: number[];
-    /** The last changes of its points, newest first. */
-    scores: { time: number; robot: number; reason: string; points: number; total: number }[];
-  }[];
-}
-
-export interface WireLine {
-  time: number;
-  direction: 'in' | 'out';
-  connection: number;
-  robot: number | null;
-  text: string;
-}
-
-export type Control =
-  | { pause: boolean }
-  | { step: number }
-  | { speed: number }
-  | 'reset'
-  | 'save'
-  | { record: boolean }
-  | { remove: number }
-  | { map: string };
+export type { Control, League, Status, WireLine } from './live.gen';
 
 /** Receiver of the server's messages. */
 export interface Listener {
@@ -110,7 +52,7 @@ export class Live {
   refused: string | null = null;
 
   private readonly fits = new FitQuestions(
-    (text) => this.send(text),
+    (fit) => this.send({ fit }),
     (answer) => this.listener.fit(answer),
   );
   private readonly classes = new ClassQuestions(() => this.listener.classCame());
@@ -130,7 +72,7 @@ export class Live {
   }
 
   control(control: Control): void {
-    this.send(JSON.stringify(control));
+    this.send(control);
   }
 
   /** Asks whether a robot could stand somewhere. */
@@ -164,13 +106,11 @@ export class Live {
   }
 
   private listen(): void {
-    this.send(JSON.stringify({ wire: this.wire, robots: this.robots, cameras: this.cameras }));
+    this.send({ wire: this.wire, robots: this.robots, cameras: this.cameras });
   }
 
-  private send(text: string): void {
-    if (this.socket?.readyState === WebSocket.OPEN) {
-      this.socket.send(text);
-    }
+  private send(request: Request): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
   }
 
   /** Connects; to be called again with another token. */
@@ -195,7 +135,7 @@ export class Live {
     this.objects.restart();
     socket.onopen = () => {
       const own = token();
-      if (own !== null) this.send(JSON.stringify({ token: own }));
+      if (own !== null) this.send({ token: own });
       this.listen();
     };
     socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.take(event.data);
@@ -256,24 +196,14 @@ export class Live {
       else if (message) this.listener.picture(message.picture);
       return;
     }
-    const message = JSON.parse(data) as {
-      status?: Status;
-      line?: WireLine;
-      reading?: Reading;
-      said?: string;
-      missed?: number;
-      you?: string;
-      refused?: string | null;
-      fit?: FitAnswer;
-    };
-    if (message.you !== undefined) [this.you, this.refused] = [message.you, message.refused ?? null];
-    if (message.status) this.takeStatus(message.status);
-    if (message.line) this.listener.line(message.line);
-    if (message.reading) this.listener.reading(message.reading);
-    if (message.fit) this.fits.take(message.fit);
-    if (message.said !== undefined) this.listener.said(this.addressed(message.said));
-    if (message.missed !== undefined)
-      this.listener.said(`${message.missed} lines, readings and scans came too fast to be shown`);
+    const message = JSON.parse(data) as Message;
+    if ('you' in message) [this.you, this.refused] = [message.you, message.refused];
+    else if ('status' in message) this.takeStatus(message.status);
+    else if ('line' in message) this.listener.line(message.line);
+    else if ('reading' in message) this.listener.reading(message.reading);
+    else if ('fit' in message) this.fits.take(message.fit);
+    else if ('said' in message) this.listener.said(this.addressed(message.said));
+    else this.listener.said(`${message.missed} lines, readings and scans came too fast to be shown`);
   }
 }
 

@@ -1,22 +1,10 @@
 /** Readings of sensors, and their numbers by name. */
 
-export interface Quantity {
-  name: string;
-  /** SI unit; empty for numbers without one */
-  unit: string;
-  values: number[];
-}
+import type { Reading } from './live.gen';
 
-/** One measurement of a sensor. */
-export interface Reading {
-  /** s */
-  time: number;
-  robot: number;
-  /** Number of the sensor in its class. */
-  sensor: number;
-  type: string;
-  quantities: Quantity[];
-}
+export type { Reading } from './live.gen';
+
+export type Quantity = Reading['quantities'][number];
 
 export interface SensorValue {
   value: number;

@@ -21,13 +21,14 @@ use crate::access::rights::WorldControl;
 use crate::config::{IfTaken, Listener, Service};
 use crate::door::accept::{self, Limit};
 use crate::error::ServeError;
+use crate::messages::live::{RobotStatus, Status};
 use crate::messages::scene::About;
 use crate::page::class::ClassPages;
 use crate::page::packed::Packed;
 use crate::page::shared::{Framing, Site};
 use crate::page::site::Page;
 use crate::subscribers::board::Board;
-use crate::subscribers::live::{self, Broadcast, RobotStatus, Status};
+use crate::subscribers::live::{self, Broadcast};
 use crate::world::event::{Event, Kind};
 use crate::world::inquiry::Inquiry;
 

@@ -5,12 +5,9 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use axum::Extension;
-use axum::body::Bytes;
 use axum::extract::State;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
-use serde::Deserialize;
-use serde_json::json;
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::oneshot;
@@ -18,11 +15,10 @@ use tokio::time::timeout;
 
 use crate::access::rights::LOGIN_TIME;
 use crate::access::tokens::Role;
-use crate::messages::control::{Actor, Control};
-use crate::messages::fit::{Ask, Fit};
+use crate::messages::control::Actor;
+use crate::messages::live::{self, Fit, Line, Listen, Measured, Request, Wanted};
 use crate::page::shared::{Peer, Site, Visit};
 use crate::subscribers::cameras::Wish;
-use crate::subscribers::live::{Line, Measured};
 use crate::world::event::Kind;
 use crate::world::inquiry::Inquiry;
 use crate::world::question::Question;
@@ -39,27 +35,6 @@ const FIT_INTERVAL: Duration = Duration::from_millis(50);
 
 /// WebSocket close code: against the rules of the server.
 const NO_ENTRY: u16 = 1008;
-
-/// The token of a page. A server without tokens ignores it.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Login {
-    token: String,
-}
-
-/// Lines, readings and pictures that a viewer wants beside frames and status.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Listen {
-    /// True for every line of the wire.
-    wire: bool,
-    /// Numbers of the robots whose readings it wants.
-    #[serde(default)]
-    robots: Vec<u64>,
-    /// Numbers of the robots whose cameras' pictures it wants.
-    #[serde(default)]
-    cameras: Vec<u64>,
-}
 
 pub(crate) async fn upgrade(
     State(site): State<Arc<Site>>,
@@ -116,7 +91,7 @@ struct Viewer {
     /// Start of the current window, and lines and readings counted in it.
     shown: (Instant, u64),
     /// The question about room that waits. Until it is asked, no more messages are read.
-    wanted: Option<Ask>,
+    wanted: Option<Wanted>,
     /// The answer that the world owes.
     fit: Option<oneshot::Receiver<Fit>>,
     /// Earliest time of the next question about room.
@@ -135,7 +110,8 @@ impl Viewer {
         let mut notices = self.site.channels.notices();
         let mut scans = self.site.channels.scans();
         let mut pictures = self.site.channels.pictures();
-        self.send(text(&json!({ "you": &self.actor.0, "refused": self.refusal }))).await?;
+        let you = self.actor.0.clone();
+        self.tell(&live::Message::Greeting { you: &you, refused: self.refusal }).await?;
         loop {
             tokio::select! {
                 changed = statuses.changed() => {
@@ -150,7 +126,7 @@ impl Viewer {
                 }
                 notice = notices.recv() => match notice {
                     Ok(notice) => self.say(&notice).await?,
-                    Err(RecvError::Lagged(missed)) => self.send(text(&json!({ "missed": missed }))).await?,
+                    Err(RecvError::Lagged(missed)) => self.tell(&live::Message::Missed(missed)).await?,
                     Err(RecvError::Closed) => return Err(Gone),
                 },
                 scan = scans.recv() => match scan {
@@ -164,15 +140,15 @@ impl Viewer {
                     Ok(_) | Err(RecvError::Lagged(_)) => {}
                     Err(RecvError::Closed) => return Err(Gone),
                 },
-                line = next(&mut self.lines) => self.send_counted(line, |line| json!({ "line": line })).await?,
+                line = next(&mut self.lines) => self.send_counted(line, |line| live::Message::Line(line).text()).await?,
                 measured = next(&mut self.readings) => {
                     if !measured.as_ref().is_ok_and(|measured| !self.listen.robots.contains(&measured.robot)) {
-                        self.send_counted(measured, |measured| json!({ "reading": measured })).await?;
+                        self.send_counted(measured, |measured| live::Message::Reading(measured).text()).await?;
                     }
                 }
                 fit = answer(&mut self.fit) => {
                     self.fit = None;
-                    self.send(text(&json!({ "fit": fit.map_err(|_| Gone)? }))).await?;
+                    self.tell(&live::Message::Fit(fit.map_err(|_| Gone)?)).await?;
                 }
                 () = tokio::time::sleep_until(self.next_fit), if self.wanted.is_some() && self.fit.is_none() => {
                     self.ask_fit().await?;
@@ -192,7 +168,10 @@ impl Viewer {
                     () = self.visit.dropped() => return Err(Gone),
                 };
                 match received {
-                    Ok(Some(Ok(Message::Text(text)))) => serde_json::from_str(&text).ok().map(|Login { token }| token),
+                    Ok(Some(Ok(Message::Text(text)))) => match Request::read(&text) {
+                        Ok(Request::Token(token)) => Some(token),
+                        Ok(Request::Fit(_) | Request::Listen(_) | Request::Control(_)) | Err(_) => None,
+                    },
                     Ok(Some(Ok(_))) | Err(_) => None,
                     Ok(Some(Err(_)) | None) => return Err(Gone),
                 }
@@ -215,7 +194,7 @@ impl Viewer {
     async fn send_counted<T>(
         &mut self,
         news: Result<Arc<T>, RecvError>,
-        message: impl FnOnce(&T) -> serde_json::Value,
+        text: impl FnOnce(&T) -> String,
     ) -> Result<(), Gone> {
         let missed = match &news {
             Ok(_) => 0,
@@ -226,12 +205,12 @@ impl Viewer {
             let surplus = self.shown.1.saturating_sub(MAX_LINES);
             self.shown = (Instant::now(), 0);
             if surplus > 0 {
-                self.send(text(&json!({ "missed": surplus }))).await?;
+                self.tell(&live::Message::Missed(surplus)).await?;
             }
         }
         self.shown.1 += 1 + missed;
         match news {
-            Ok(news) if self.shown.1 <= MAX_LINES => self.send(text(&message(&news))).await,
+            Ok(news) if self.shown.1 <= MAX_LINES => self.send(Message::text(text(&news))).await,
             _ => Ok(()),
         }
     }
@@ -242,29 +221,24 @@ impl Viewer {
             Some(Ok(Message::Binary(_) | Message::Ping(_) | Message::Pong(_))) => return Ok(()),
             Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
         };
-        if serde_json::from_str::<Login>(&request).is_ok() {
-            return Ok(());
-        }
-        if let Ok(listen) = serde_json::from_str::<Listen>(&request) {
-            let channels = &self.site.channels;
-            self.lines = listen.wire.then(|| self.lines.take().unwrap_or_else(|| channels.lines()));
-            let are_wanted = !listen.robots.is_empty();
-            self.readings = are_wanted.then(|| self.readings.take().unwrap_or_else(|| channels.readings()));
-            self.wish.set(&listen.cameras);
-            self.listen = listen;
-            return Ok(());
-        }
-        if let Some(ask) = Ask::read(&request) {
-            self.wanted = Some(ask);
-            return Ok(());
-        }
-        match Control::read(&request) {
-            Err(reason) => self.say(&format!("not understood: {reason}")).await,
-            Ok(control) => match self.refusal {
-                Some(reason) => self.say(&format!("not done: {reason}")).await,
-                None => self.controls.send(Question::Control(control, self.actor.clone())).await.ok_or(Gone),
+        match Request::read(&request) {
+            Err(reason) => return self.say(&format!("not understood: {reason}")).await,
+            Ok(Request::Token(_)) => {}
+            Ok(Request::Listen(listen)) => {
+                let channels = &self.site.channels;
+                self.lines = listen.wire.then(|| self.lines.take().unwrap_or_else(|| channels.lines()));
+                let are_wanted = !listen.robots.is_empty();
+                self.readings = are_wanted.then(|| self.readings.take().unwrap_or_else(|| channels.readings()));
+                self.wish.set(&listen.cameras);
+                self.listen = listen;
+            }
+            Ok(Request::Fit(wanted)) => self.wanted = Some(wanted),
+            Ok(Request::Control(control)) => match self.refusal {
+                Some(reason) => return self.say(&format!("not done: {reason}")).await,
+                None => return self.controls.send(Question::Control(control, self.actor.clone())).await.ok_or(Gone),
             },
         }
+        Ok(())
     }
 
     /// Asks the world if a robot has room.
@@ -277,7 +251,11 @@ impl Viewer {
     }
 
     async fn say(&mut self, said: &str) -> Result<(), Gone> {
-        self.send(text(&json!({ "said": said }))).await
+        self.tell(&live::Message::Said(said)).await
+    }
+
+    async fn tell(&mut self, message: &live::Message<'_>) -> Result<(), Gone> {
+        self.send(Message::text(message.text())).await
     }
 
     async fn send(&mut self, message: Message) -> Result<(), Gone> {
@@ -306,8 +284,4 @@ async fn answer<T>(asked: &mut Option<oneshot::Receiver<T>>) -> Result<T, onesho
         Some(asked) => asked.await,
         None => std::future::pending().await,
     }
-}
-
-fn text(value: &serde_json::Value) -> Message {
-    Message::Text(Bytes::from(value.to_string()).try_into().unwrap_or_default())
 }

@@ -9,13 +9,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use scene::{MapDef, ObjectSnapshot, Reading, RobotDef, Score, Sensed, Snapshot, Standing, Standings, WorldDef};
-use serde::Serialize;
+use scene::{MapDef, ObjectSnapshot, Reading, RobotDef, Sensed, Snapshot, WorldDef};
 use sessions::News;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
 use crate::messages::frame;
+use crate::messages::live::{Line, Measured, Message, Status};
 use crate::messages::scene::{About, objects_json, scene_json};
 use crate::subscribers::board::Board;
 use crate::subscribers::cameras::{Cameras, Demand, Picture, Wish};
@@ -31,162 +31,6 @@ const SCAN_INTERVAL: Duration = Duration::from_millis(100);
 const MAX_BEHIND: usize = 1024;
 /// Most scans that a viewer can be behind. The next scan replaces a missed one.
 const MAX_SCANS: usize = 64;
-/// Longest text of a line for viewers, bytes. Longer ones are cut.
-const MAX_TEXT: usize = 4096;
-/// Most numbers of a quantity for viewers. Further ones are left out.
-const MAX_VALUES: usize = 1024;
-
-/// Most changes of points that a status has of each team.
-const MAX_SCORES: usize = 8;
-
-/// A line of the wire.
-#[derive(Debug, Serialize)]
-pub(crate) struct Line {
-    /// Simulated time, s.
-    pub(crate) time: f64,
-    /// `in` from a client, `out` to it.
-    pub(crate) direction: &'static str,
-    pub(crate) connection: u64,
-    pub(crate) robot: Option<u64>,
-    pub(crate) text: String,
-}
-
-/// A reading of a sensor, for viewers that show its numbers.
-#[derive(Debug, Serialize)]
-pub(crate) struct Measured {
-    /// Simulated time, s.
-    time: f64,
-    pub(crate) robot: u64,
-    /// Number of the sensor in the robot's class.
-    sensor: usize,
-    #[serde(rename = "type")]
-    type_name: &'static str,
-    quantities: Vec<scene::Quantity>,
-}
-
-impl Line {
-    /// Cuts a text that is too long for viewers.
-    pub(crate) fn cut(text: &str) -> String {
-        if text.len() <= MAX_TEXT {
-            return text.to_owned();
-        }
-        let start = text.char_indices().take_while(|(index, letter)| index + letter.len_utf8() <= MAX_TEXT);
-        let start: String = start.map(|(_, letter)| letter).collect();
-        format!("{start}.. ({} bytes in all)", text.len())
-    }
-}
-
-impl Measured {
-    fn new(time: f64, Sensed { robot, sensor, reading }: &Sensed) -> Self {
-        let (type_name, mut quantities) = (reading.type_name(), reading.quantities());
-        quantities.iter_mut().for_each(|quantity| quantity.values.truncate(MAX_VALUES));
-        Self { time, robot: robot.0, sensor: *sensor, type_name, quantities }
-    }
-}
-
-/// State that seldom changes.
-#[derive(Debug, Default, Serialize)]
-pub(crate) struct Status {
-    /// Simulated seconds per real second, over the last half second.
-    pub(crate) real_time_factor: f64,
-    /// Requested real-time factor; 0 is as fast as possible.
-    pub(crate) speed: f64,
-    pub(crate) paused: bool,
-    /// Number of the scene. When it changes, a page must fetch the scene again.
-    pub(crate) scene: u64,
-    /// Number of changes of the objects beside the map's. When it changes, a page must fetch them again.
-    pub(crate) objects: u64,
-    /// Open pages.
-    pub(crate) viewers: usize,
-    /// Number of times that the world started over.
-    pub(crate) resets: u64,
-    /// Number of times that the world was saved.
-    pub(crate) saves: u64,
-    /// Steps of robots whose contacts did not converge.
-    pub(crate) unsettled_steps: u64,
-    /// File of the log that is being written.
-    pub(crate) recording: Option<String>,
-    /// The league that is played, if any.
-    pub(crate) league: Option<LeagueStatus>,
-    pub(crate) robots: Vec<RobotStatus>,
-    pub(crate) clients: Vec<ClientStatus>,
-}
-
-/// A league.
-#[derive(Debug, Serialize)]
-pub(crate) struct LeagueStatus {
-    name: String,
-    /// Simulated time that is left, s.
-    time_left: f64,
-    /// True from the first robot's arrival.
-    has_begun: bool,
-    /// True if the time is up.
-    is_over: bool,
-    /// Teams, the best first.
-    teams: Vec<TeamStatus>,
-}
-
-/// A team of a league.
-#[derive(Debug, Serialize)]
-struct TeamStatus {
-    /// Place, from 1; equal points share one.
-    place: usize,
-    name: String,
-    points: i64,
-    /// Number of victims that it found.
-    found: usize,
-    /// Numbers of the robots that entered for it.
-    robots: Vec<u64>,
-    /// The last changes of its points, newest first.
-    scores: Vec<Score>,
-}
-
-impl LeagueStatus {
-    pub(crate) fn new(standings: Standings) -> Self {
-        let team = |(place, team): (usize, &Standing)| TeamStatus {
-            place,
-            name: team.team.clone(),
-            points: team.points,
-            found: team.scores.iter().filter(|score| score.is_found_victim()).count(),
-            robots: team.robots.iter().map(|entrant| entrant.robot).collect(),
-            scores: team.scores.iter().rev().take(MAX_SCORES).cloned().collect(),
-        };
-        Self {
-            time_left: standings.time_left(),
-            has_begun: standings.began.is_some(),
-            is_over: standings.is_over,
-            teams: standings.ranking().into_iter().map(team).collect(),
-            name: standings.league,
-        }
-    }
-}
-
-/// A robot in the world.
-#[derive(Debug, Serialize)]
-pub(crate) struct RobotStatus {
-    pub(crate) id: u64,
-    pub(crate) class: String,
-    pub(crate) name: String,
-    /// The connection that it reports to.
-    pub(crate) connection: Option<u64>,
-    /// Battery life left, whole s.
-    pub(crate) battery: Option<i32>,
-}
-
-/// A connected client.
-#[derive(Debug, Serialize)]
-pub(crate) struct ClientStatus {
-    pub(crate) connection: u64,
-    /// Its address.
-    pub(crate) peer: String,
-    /// Lines received from it.
-    pub(crate) lines: u64,
-    /// Periodic lines dropped because it was too slow.
-    pub(crate) dropped: u64,
-    /// Bytes that wait to be sent to it.
-    pub(crate) waiting_bytes: usize,
-}
-
 /// Messages that are due now, beside a frame.
 pub(crate) struct Due {
     pub(crate) status: bool,
@@ -369,7 +213,7 @@ impl Broadcast {
             let (scene, viewers) = (self.scenes, self.viewers.saturating_sub(1));
             let objects = self.spawned.1;
             let status = Status { scene, objects, viewers, ..status };
-            self.statuses.send_replace(serde_json::json!({ "status": status }).to_string().into());
+            self.statuses.send_replace(Message::Status(status).text().into());
         }
     }
 
@@ -485,18 +329,6 @@ mod tests {
 
     use super::*;
     use crate::subscribers::present::Present;
-
-    #[test]
-    fn long_texts_are_cut_between_letters() {
-        for (text, expected) in [
-            ("short".to_owned(), "short".to_owned()),
-            ("x".repeat(MAX_TEXT), "x".repeat(MAX_TEXT)),
-            ("ä".repeat(5000), format!("{}.. (10000 bytes in all)", "ä".repeat(MAX_TEXT / 2))),
-            (format!("x{}", "ä".repeat(5000)), format!("x{}.. (10001 bytes in all)", "ä".repeat(MAX_TEXT / 2 - 1))),
-        ] {
-            assert_eq!(Line::cut(&text), expected);
-        }
-    }
 
     #[test]
     fn when_a_sensor_was_last_shown_is_known_only_while_it_is_there_and_somebody_looks() {

@@ -8,8 +8,9 @@ use recorder::RecordError;
 use sessions::News;
 use sim_core::World;
 
+use crate::messages::live::Status;
 use crate::subscribers::actors::Actors;
-use crate::subscribers::live::{Broadcast, Status};
+use crate::subscribers::live::Broadcast;
 use crate::subscribers::log::{BeginError, Recording};
 use crate::subscribers::present::Present;
 use crate::subscribers::subscriber::{Moment, Shot, Subscriber, Told};

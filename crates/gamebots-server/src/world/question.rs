@@ -5,8 +5,8 @@ use std::sync::Arc;
 use scene::Standings;
 use tokio::sync::oneshot;
 
-use crate::messages::control::{self, Control};
-use crate::messages::fit::{Ask, Fit};
+use crate::messages::control::Actor;
+use crate::messages::live::{Control, Fit, Wanted};
 use crate::subscribers::actors::Actors;
 
 /// A guest's request to the world's thread, and the way of its answer.
@@ -20,9 +20,9 @@ pub(crate) enum Question {
     /// Every team's points; none without a league.
     Standings(oneshot::Sender<Option<Standings>>),
     /// Room for a robot.
-    Fit(Ask, oneshot::Sender<Fit>),
+    Fit(Wanted, oneshot::Sender<Fit>),
     /// A change of the world, by a viewer.
-    Control(Control, control::Actor),
+    Control(Control, Actor),
 }
 
 /// The state of a server in numbers.
