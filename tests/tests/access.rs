@@ -156,7 +156,7 @@ fn every_entrance_is_closed_without_the_right_token() {
     robot.send("INIT {ClassName USARBot.P3AT} {Name Rover} {Location 0,0,0}");
     robot.ground_truth();
     // Those who get in: without a token, with a wrong one, viewer, driver, referee.
-    let rows: [(Entrance, [bool; 5]); 17] = [
+    let rows: [(Entrance, [bool; 5]); 18] = [
         (Port("controllers", b"GETSTARTPOSES\r\n"), [false, false, false, true, true]),
         (Port("truth", b"\r\n"), [false, false, true, false, false]),
         (Port("positions", b"GETPOS\r\n"), [false, false, true, false, false]),
@@ -164,6 +164,7 @@ fn every_entrance_is_closed_without_the_right_token() {
         (Port("wireless", b"INIT {Robot Rover} {Port 4000}\r\n"), [false, false, false, true, false]),
         (Port("relay", b"REGISTER R 127.0.0.1;"), [false, false, false, true, false]),
         (Get("/scene.json"), [false, false, true, false, false]),
+        (Get("/class/P3AT"), [false, false, true, false, false]),
         (Get("/objects.json"), [false, false, true, false, false]),
         (Get("/league.json"), [false, false, true, false, false]),
         (PostScene, [false, false, true, false, false]),

@@ -24,6 +24,7 @@ import { WorldPanel } from './panel/world';
 import { Playback } from './playback';
 import type { Frame } from './protocol/frame';
 import { Live, type Status } from './protocol/live';
+import { network } from './protocol/network';
 import type { Scene } from './protocol/scene';
 import { State } from './state';
 import { QUALITIES, RUNGS } from './view/quality';
@@ -100,6 +101,7 @@ const drive = new DrivePanel(
     if (playback.mode !== 'live') playback.goLive();
   },
   (robotClass) => live.classOf(robotClass),
+  network,
 );
 const board = new Board(state);
 const welcome = new Welcome(

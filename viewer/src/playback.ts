@@ -5,6 +5,7 @@ import { LogFile, Player } from './log';
 import { type Mark, Marks } from './marks';
 import type { Frame, Picture, Scan } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
+import { network } from './protocol/network';
 import type { Scene, Solid, Spawned } from './protocol/scene';
 import type { Reading } from './protocol/sensors';
 
@@ -81,7 +82,11 @@ export class Playback {
   /** Spawned objects of the server's world by number. Removed ones are kept for the past. */
   private objects = new Map<number, Solid>();
 
-  constructor(private readonly screen: Screen) {}
+  constructor(
+    private readonly screen: Screen,
+    /** Returns the scene of a log's world, in JSON. */
+    private readonly askScene: (world: string) => Promise<Scene> = network.sceneOfLog,
+  ) {}
 
   takeScene(scene: Scene): void {
     this.live = { scene, status: null, frame: null };
@@ -232,7 +237,7 @@ export class Playback {
   /** Plays a log in place of the server's world, which goes on unseen. */
   async open(file: File): Promise<void> {
     try {
-      const log = await LogFile.open(file);
+      const log = await LogFile.open(file, this.askScene);
       this.leavePast();
       this.player?.close();
       this.samples = [];

@@ -66,7 +66,7 @@ test('the page says whose pictures it wants, when that changes and to each serve
     [5],
   );
   // A second for the attempt to connect again.
-  first.onclose();
+  first.onclose({ reason: '' });
   context.mock.timers.tick(1000);
   await settled(() => sockets.length === 2);
   const [, second] = sockets;

@@ -7,7 +7,6 @@ import type { Frame, Scan } from '../protocol/frame';
 import type { Status, WireLine } from '../protocol/live';
 import type { Pose, Scene, Solid } from '../protocol/scene';
 import type { Reading } from '../protocol/sensors';
-import { fetchWithToken } from '../protocol/token';
 import { Chunks, lastMessage, messagesBetween } from './chunks';
 import { type Chunk, type Contents, type Message, readContents } from './mcap';
 import { readLeft, readLine, readLineOwner, readRanges, readReading, readState, readTransforms } from './messages';
@@ -77,7 +76,7 @@ export class LogFile {
   }
 
   /** Opens a log. `askScene` makes the scene that the page draws of the world that the log describes, in JSON. */
-  static async open(file: Blob, askScene: (world: string) => Promise<Scene> = postScene): Promise<LogFile> {
+  static async open(file: Blob, askScene: (world: string) => Promise<Scene>): Promise<LogFile> {
     const source = new Source(file);
     const contents = await readContents(source);
     const run = contents.metadata.get('run');
@@ -215,11 +214,6 @@ function worldOf(metadata: Contents['metadata']): string {
     return isClass ? [`${JSON.stringify(name.slice(CLASS.length))}:${definition}`] : [];
   });
   return `{"scene":${scene},"names":${classes},"classes":{${used.join()}}}`;
-}
-
-/** Returns the scene that the page's own server makes of the world of a log. */
-export async function postScene(world: string): Promise<Scene> {
-  return (await (await fetchWithToken('scene.json', { method: 'POST', body: world })).json()) as Scene;
 }
 
 /** The topics of robots by their slots: the numbers in topics, which are given back. */

@@ -1,5 +1,5 @@
 /** Playing a log back in the page. */
 
-export { LogFile, type LogRobots, type Moment, type RobotsMoment, postScene } from './file';
+export { LogFile, type LogRobots, type Moment, type RobotsMoment } from './file';
 export { type LogListener, Player } from './player';
 export { jointStates } from './robot';

@@ -2,6 +2,7 @@
 
 import { Client, type Spawn, type Twist, initLine } from '../protocol/client';
 import type { RobotClass, Vector } from '../protocol/scene';
+import type { Transport } from '../protocol/transport';
 import type { State } from '../state';
 import { find, make, setText } from './dom';
 import { readGamepad } from './gamepad';
@@ -65,6 +66,7 @@ export class DrivePanel {
     private readonly select: (robot: number, isNew: boolean) => void,
     private readonly spawned: () => void,
     private readonly classOf: (name: string) => Promise<RobotClass | null>,
+    private readonly transport: Transport,
   ) {
     this.form = new SpawnForm(
       state,
@@ -175,7 +177,7 @@ export class DrivePanel {
 
   private enter(spawn: Spawn, robotClass: RobotClass): void {
     const before = new Set(this.state.status?.robots.map(({ id }) => id));
-    const client: Client = new Client(spawn, robotClass, (what) => this.remove(own, what));
+    const client: Client = new Client(spawn, robotClass, (what) => this.remove(own, what), this.transport);
     const own: Own = { client, connection: null, before, previous: this.driven };
     this.state.ownInits.add(initLine(spawn));
     this.robots.push(own);

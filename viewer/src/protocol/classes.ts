@@ -1,13 +1,17 @@
 /** Asks the server for classes of robots: its scene names them all, and has none. */
 
-import { type RobotClass, type Scene, fetchClass } from './scene';
+import { network } from './network';
+import type { RobotClass, Scene } from './scene';
 
 export class ClassQuestions {
   private scene: Scene | null = null;
   private readonly answers = new Map<string, Promise<RobotClass | null>>();
 
   /** `came` hears that the scene has another class. */
-  constructor(private readonly came: () => void) {}
+  constructor(
+    private readonly came: () => void,
+    private readonly fetch: (name: string) => Promise<RobotClass> = network.robotClass,
+  ) {}
 
   /** Begins with a scene, maybe of another server. */
   restart(scene: Scene): void {
@@ -26,7 +30,7 @@ export class ClassQuestions {
     const known = this.answers.get(name);
     if (known || !this.scene?.names.includes(name)) return known ?? Promise.resolve(null);
     const { classes } = this.scene;
-    const answer = fetchClass(name).then(
+    const answer = this.fetch(name).then(
       (robotClass) => {
         classes[name] = robotClass;
         if (classes === this.scene?.classes) this.came();

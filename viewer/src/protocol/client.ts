@@ -1,9 +1,9 @@
 /** A robot driven by hand: an ordinary client of the protocol, through the server's own port. */
 
-import { socketUrl } from './live';
 import { refusal } from './refusal';
 import type { RobotClass, Vector } from './scene';
 import { token } from './token';
+import type { Connection, Transport } from './transport';
 
 /** -1 to 1 of what the robot can do. */
 export interface Twist {
@@ -34,7 +34,8 @@ export function initLine({ robotClass, name, place, team }: Spawn): string {
 const INTERVAL = 50;
 
 export class Client {
-  private readonly socket: WebSocket;
+  private readonly connection: Connection;
+  private isEnded = false;
   private readonly decoder = new TextDecoder();
   private text = '';
   private isGreeted = false;
@@ -48,23 +49,24 @@ export class Client {
     readonly spawn: Spawn,
     readonly robot: RobotClass,
     private readonly ended: (what: string) => void,
+    transport: Transport,
   ) {
-    this.socket = new WebSocket(socketUrl('wire'));
-    this.socket.binaryType = 'arraybuffer';
-    this.socket.onopen = () => {
-      const own = token();
-      if (own !== null) this.send(`LOGIN {Token ${own}}`);
-    };
-    this.socket.onmessage = (event: MessageEvent<ArrayBuffer>) => {
-      this.text += this.decoder.decode(event.data, { stream: true });
-      const lines = this.text.split('\n');
-      this.text = lines.pop() ?? '';
-      for (const line of lines) this.receive(line.trimEnd());
-    };
-    this.socket.onclose = (event) => {
-      if (this.timer !== null) clearTimeout(this.timer);
-      ended(`has left: ${event.reason || 'its connection ended'}`);
-    };
+    this.connection = transport.open('wire', {
+      opened: () => {
+        const own = token();
+        if (own !== null) this.send(`LOGIN {Token ${own}}`);
+      },
+      received: (data) => {
+        this.text += typeof data === 'string' ? data : this.decoder.decode(data, { stream: true });
+        const lines = this.text.split('\n');
+        this.text = lines.pop() ?? '';
+        for (const line of lines) this.receive(line.trimEnd());
+      },
+      closed: (reason) => {
+        if (this.timer !== null) clearTimeout(this.timer);
+        if (!this.isEnded) ended(`has left: ${reason || 'its connection ended'}`);
+      },
+    });
   }
 
   /** Drives; of commands that come faster than lines are sent only the last one counts. */
@@ -85,8 +87,8 @@ export class Client {
 
   /** Ends the connection; the robot leaves with it. */
   end(): void {
-    this.socket.onclose = null;
-    this.socket.close();
+    this.isEnded = true;
+    this.connection.close();
   }
 
   private receive(line: string): void {
@@ -122,7 +124,7 @@ export class Client {
   }
 
   private send(line: string): void {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(`${line}\r\n`);
+    if (this.connection.isOpen) this.connection.send(`${line}\r\n`);
   }
 
   /** Writes a DRIVE line in percent of the limits, so the unit of wheel speeds does not matter. */

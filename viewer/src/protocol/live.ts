@@ -4,9 +4,11 @@ import { type Frame, type Picture, type Scan, readMessage } from './frame';
 import { ClassQuestions } from './classes';
 import { FitQuestions } from './fit';
 import type { Control, Fit, FitAnswer, Message, Reading, Request, Status, WireLine } from './live.gen';
+import { network } from './network';
 import { ObjectQuestions } from './objects';
-import { type RobotClass, type Scene, type Spawned, fetchScene } from './scene';
+import type { RobotClass, Scene, Spawned } from './scene';
 import { Refused, token } from './token';
+import type { Connection, Transport } from './transport';
 
 export type { Control, League, Status, WireLine } from './live.gen';
 
@@ -38,7 +40,7 @@ const RETRY = 1000;
 const SILENCE = 5000;
 
 export class Live {
-  private socket: WebSocket | null = null;
+  private connection: Connection | null = null;
   private wire = false;
   private robots: number[] = [];
   private cameras: number[] = [];
@@ -55,18 +57,25 @@ export class Live {
     (fit) => this.send({ fit }),
     (answer) => this.listener.fit(answer),
   );
-  private readonly classes = new ClassQuestions(() => this.listener.classCame());
+  private readonly classes = new ClassQuestions(
+    () => this.listener.classCame(),
+    (name) => this.transport.robotClass(name),
+  );
   private readonly objects = new ObjectQuestions(
     (objects) => this.listener.objects(objects),
-    () => this.socket?.close(),
+    () => this.connection?.close(),
+    () => this.transport.objects(),
   );
 
-  constructor(private readonly listener: Listener) {
+  constructor(
+    private readonly listener: Listener,
+    private readonly transport: Transport = network,
+  ) {
     void this.connect();
     setInterval(() => {
-      if (this.socket?.readyState === WebSocket.OPEN && performance.now() - this.heard > SILENCE) {
-        this.socket.close();
-        this.lose(this.socket);
+      if (this.connection?.isOpen && performance.now() - this.heard > SILENCE) {
+        this.connection.close();
+        this.lose(this.connection);
       }
     }, 1000);
   }
@@ -110,14 +119,14 @@ export class Live {
   }
 
   private send(request: Request): void {
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
+    if (this.connection?.isOpen) this.connection.send(JSON.stringify(request));
   }
 
   /** Connects; to be called again with another token. */
   async connect(): Promise<void> {
     try {
       // Anew each time: it may be another server now.
-      const scene = await fetchScene();
+      const scene = await this.transport.scene();
       this.classes.restart(scene);
       this.listener.scene(scene);
     } catch (error) {
@@ -127,24 +136,24 @@ export class Live {
       return;
     }
     [this.status, this.isSceneStale] = [null, false];
-    const socket = new WebSocket(socketUrl('live'));
-    socket.binaryType = 'arraybuffer';
-    this.socket = socket;
     this.heard = performance.now();
     this.fits.restart();
     this.objects.restart();
-    socket.onopen = () => {
-      const own = token();
-      if (own !== null) this.send({ token: own });
-      this.listen();
-    };
-    socket.onmessage = (event: MessageEvent<ArrayBuffer | string>) => this.take(event.data);
-    socket.onclose = () => this.lose(socket);
+    const connection = this.transport.open('live', {
+      opened: () => {
+        const own = token();
+        if (own !== null) this.send({ token: own });
+        this.listen();
+      },
+      received: (data) => this.take(data),
+      closed: () => this.lose(connection),
+    });
+    this.connection = connection;
   }
 
-  private lose(socket: WebSocket): void {
-    if (this.socket === socket) {
-      this.socket = null;
+  private lose(connection: Connection): void {
+    if (this.connection === connection) {
+      this.connection = null;
       this.listener.lost();
       this.retry();
     }
@@ -176,13 +185,13 @@ export class Live {
     this.isSceneStale = true;
     this.objects.restart();
     try {
-      const scene = await fetchScene();
+      const scene = await this.transport.scene();
       this.classes.keep(scene);
       this.listener.scene(scene);
       this.isSceneStale = false;
       this.objects.ask();
     } catch {
-      this.socket?.close();
+      this.connection?.close();
     }
   }
 
@@ -205,10 +214,4 @@ export class Live {
     else if ('said' in message) this.listener.said(this.addressed(message.said));
     else this.listener.said(`${message.missed} lines, readings and scans came too fast to be shown`);
   }
-}
-
-export function socketUrl(path: string): string {
-  const url = new URL(path, location.href);
-  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
-  return url.href;
 }

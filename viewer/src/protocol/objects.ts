@@ -1,6 +1,7 @@
 /** Asks the server for the objects that the map does not have, one question at a time: they may change with every frame. */
 
-import { type Spawned, fetchObjects } from './scene';
+import { network } from './network';
+import type { Spawned } from './scene';
 
 export class ObjectQuestions {
   private isStale = false;
@@ -11,6 +12,7 @@ export class ObjectQuestions {
   constructor(
     private readonly answered: (objects: Spawned[]) => void,
     private readonly failed: () => void,
+    private readonly fetch: () => Promise<Spawned[]> = network.objects,
   ) {}
 
   /** Asks as soon as the last question is answered. */
@@ -31,7 +33,7 @@ export class ObjectQuestions {
     try {
       while (this.isStale) {
         this.isStale = false;
-        const objects = await fetchObjects();
+        const objects = await this.fetch();
         if (world !== this.world) return;
         this.answered(objects);
       }

@@ -1,0 +1,32 @@
+/** Transport over HTTP and WebSockets, to the server that the page comes from. */
+
+import type { RobotClass, Scene, Spawned } from './scene';
+import { fetchWithToken } from './token';
+import type { Transport } from './transport';
+
+export const network: Transport = {
+  scene: async () => (await json('scene.json')) as Scene,
+  robotClass: async (name) => (await json(`class/${encodeURIComponent(name)}`)) as RobotClass,
+  objects: async () => (await json('objects.json')) as Spawned[],
+  sceneOfLog: async (world) => (await json('scene.json', { method: 'POST', body: world })) as Scene,
+  open(path, { opened, received, closed }) {
+    const url = new URL(path, location.href);
+    url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
+    const socket = new WebSocket(url.href);
+    socket.binaryType = 'arraybuffer';
+    socket.onopen = () => opened();
+    socket.onmessage = ({ data }: MessageEvent<ArrayBuffer | string>) => received(data);
+    socket.onclose = ({ reason }) => closed(reason);
+    return {
+      get isOpen() {
+        return socket.readyState === WebSocket.OPEN;
+      },
+      send: (text) => socket.send(text),
+      close: () => socket.close(),
+    };
+  },
+};
+
+async function json(name: string, init: RequestInit = { cache: 'no-store' }): Promise<unknown> {
+  return (await fetchWithToken(name, init)).json();
+}
