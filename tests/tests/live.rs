@@ -456,8 +456,9 @@ fn objects_of_a_world_controller_are_on_the_page_and_in_the_log() {
     controller.send("CONTROL {Type Create} {ClassName WCPallet} {Name lift} {Location -3,0,-0.5}");
     viewer.frame("a pallet", |frame| frame.objects.contains(&(created + 1)));
     controller.finish();
-    viewer.frame("no pallet", |frame| frame.objects == of_map);
-    peer.lines_for(0.2);
+    let removed = viewer.frame("no pallet", |frame| frame.objects == of_map).time;
+    // The log has states every 20 ms.
+    viewer.frame("a state in the log", |frame| frame.time > removed + 0.05);
     server.stop().unwrap();
     let log = recorder::read(&path).unwrap_or_else(|error| panic!("{error}"));
     let count = |is_it: fn(&Record) -> bool| log.entries.iter().filter(|entry| is_it(&entry.record)).count();
