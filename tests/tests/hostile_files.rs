@@ -137,7 +137,7 @@ fn what_no_world_can_be_made_with_is_refused_by_name() {
     check(p3at(|it| it.sensors = vec![it.sensors[0].clone(); 257]), "robot P3AT: 257 sensors: expected at most 256");
     check(
         p3at(|it| {
-            let Config::RangeScanner(sick) = &mut it.sensors[2].config else { panic!("no SICK") };
+            let Config::Sick(sick) = &mut it.sensors[2].config else { panic!("no SICK") };
             sick.resolution = 0.0005;
             it.sensors = vec![it.sensors[2].clone(); 4];
         }),

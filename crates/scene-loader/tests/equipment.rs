@@ -70,9 +70,7 @@ fn an_ini_replaces_the_items_of_its_classes() {
 
 #[test]
 fn settings_come_down_the_chain_of_classes() {
-    let Config::RangeScanner(own) = &sensor(&robot("P3AT", &Equipment::default()), "lms200").config.clone() else {
-        panic!()
-    };
+    let Config::Sick(own) = &sensor(&robot("P3AT", &Equipment::default()), "lms200").config.clone() else { panic!() };
     for (ini, expected) in [
         ("[USARSensor.SICK]\nMaxRange=8", (8.0, own.min_range)),
         ("[usarsensor.sick]\nmaxrange=8.5;", (8.5, own.min_range)),
@@ -84,7 +82,7 @@ fn settings_come_down_the_chain_of_classes() {
         ("[USARSensor.RangeSensor]\nMinRange=0.3", (own.max_range, own.min_range)),
         ("[USARSensor.SICK]\nMaxRange=8\n[USARSensor.SICK]\nMaxRange=9", (9.0, own.min_range)),
     ] {
-        let Config::RangeScanner(laser) = &sensor(&with("P3AT", ini), "lms200").config.clone() else { panic!() };
+        let Config::Sick(laser) = &sensor(&with("P3AT", ini), "lms200").config.clone() else { panic!() };
         assert_eq!((laser.max_range, laser.min_range), expected, "{ini}");
     }
     let interval = |ini, class, name| sensor(&with(class, ini), name).scan_interval;
@@ -96,7 +94,7 @@ fn settings_come_down_the_chain_of_classes() {
     assert_eq!([gps.max_noise, gps.min_noise, gps.latitude, gps.longitude], [1.0, 0.5, 47.5, -122.25]);
     // A number in robot.toml is that robot's own.
     let own = with("P2AT", "[USARSensor.SICK]\nScanFov=3.0");
-    let Config::RangeScanner(laser) = &sensor(&own, "Scanner1").config else { panic!() };
+    let Config::Sick(laser) = &sensor(&own, "Scanner1").config else { panic!() };
     assert_eq!((laser.field_of_view * 1e4).round(), 31416.0);
     let life = |class| with(class, "[USARSensor.Battery]\nbatteryLife=60").battery.unwrap().life;
     assert_eq!((life("P3AT"), life("pioneer3at_with_sensors")), (60.0, 3600.0));
@@ -119,7 +117,7 @@ fn later_files_come_after_earlier_ones() {
     }
     let equipment = inis(&[first.as_bytes(), b"[USARSensor.SICK]\nMaxRange=9"]);
     let scanner = robot("Kiva4Wheel", &equipment);
-    let Config::RangeScanner(laser) = &sensor(&scanner, "lms200").config else { panic!() };
+    let Config::Sick(laser) = &sensor(&scanner, "lms200").config else { panic!() };
     assert_eq!((laser.max_range, laser.min_range), (9.0, 0.2));
     // Items are added to those of the robot.toml, if no file replaces them.
     let added = with("P3AT", &format!("[USARBot.P3AT]\n+{}", item("C")));

@@ -61,24 +61,19 @@ pub struct SensorDef {
 }
 
 macro_rules! sensors {
-    ($(
-        $(#[doc = $about:literal])* $(#[serde($($serde:tt)*)])*
-        $class:literal, $interval:literal => $name:ident($config:path), $read:expr
-        // Classes that differ in their numbers alone.
-        $(, $(#[doc = $about_also:literal])* $also:literal, $interval_also:literal => $read_also:expr)*;
-    )*) => {
+    ($($(#[doc = $about:literal])* $class:literal, $interval:literal => $name:ident($config:path), $read:expr;)*) => {
         /// Settings of a sensor of any class.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-        pub enum Config { $($(#[doc = $about])* $(#[serde($($serde)*)])* $name($config),)* }
+        pub enum Config { $($(#[doc = $about])* $name($config),)* }
 
         /// Every class of sensor with its default scan interval, s.
-        pub const CLASSES: &[(&str, f64)] = &[$(($class, $interval), $(($also, $interval_also),)*)*];
+        pub const CLASSES: &[(&str, f64)] = &[$(($class, $interval)),*];
 
         /// The meaning of each class, in the same order.
-        pub const ABOUT: &[&str] = &[$(concat!($($about,)*), $(concat!($($about_also,)*),)*)*];
+        pub const ABOUT: &[&str] = &[$(concat!($($about,)*)),*];
 
         impl Config {
-            /// Returns the name of the class; of several that differ in their numbers alone, the first.
+            /// Returns the name of the class.
             pub fn class(&self) -> &'static str {
                 match self { $(Self::$name(_) => $class,)* }
             }
@@ -86,8 +81,7 @@ macro_rules! sensors {
             /// Reads the settings of a class; `None` for a class that is not in [`CLASSES`].
             pub fn read<'de, D: Deserializer<'de>>(class: &str, settings: D) -> Option<Result<Self, D::Error>> {
                 match class {
-                    $($class => Some($read(settings).map(Self::$name)),
-                    $($also => Some($read_also(settings).map(Self::$name)),)*)*
+                    $($class => Some($read(settings).map(Self::$name)),)*
                     _ => None,
                 }
             }
@@ -109,12 +103,11 @@ sensors! {
     /// Speeds of the wheels.
     "Tachometer", 0.2 => Tachometer(tachometer::Config), Deserialize::deserialize;
     /// A coarse laser.
-    #[serde(alias = "Sick", alias = "HokuyoUrg04Lx")]
-    "RangeScanner", 0.2 => RangeScanner(RangeScanner), |settings| range_scanner::PLAIN.changed(settings),
+    "RangeScanner", 0.2 => RangeScanner(RangeScanner), |settings| range_scanner::PLAIN.changed(settings);
     /// SICK LMS 200.
-    "SICK", 0.2 => |settings| range_scanner::SICK.changed(settings),
+    "SICK", 0.2 => Sick(RangeScanner), |settings| range_scanner::SICK.changed(settings);
     /// Hokuyo URG-04LX.
-    "HokuyoURG04LX", 0.3 => |settings| range_scanner::HOKUYO_URG_04LX.changed(settings);
+    "HokuyoURG04LX", 0.3 => HokuyoUrg04Lx(RangeScanner), |settings| range_scanner::HOKUYO_URG_04LX.changed(settings);
     /// A fan of infrared beams, which pass through glass.
     "IRScanner", 0.1 => IrScanner(RangeScanner), |settings| range_scanner::INFRARED.changed(settings);
     /// Rows of laser beams, of UT2004.
@@ -298,7 +291,9 @@ impl Config {
     /// Returns the settings of a laser, or `None` for every other sensor.
     pub fn laser(&self) -> Option<&RangeScanner> {
         match self {
-            Self::RangeScanner(config) | Self::IrScanner(config) => Some(config),
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) | Self::IrScanner(config) => {
+                Some(config)
+            }
             _ => None,
         }
     }
@@ -327,7 +322,9 @@ impl Config {
             Self::BumperArray(_) => 140,
             Self::ObjectSensor(config) => config.rays(),
             Self::Gps(_) => 24,
-            Self::RangeScanner(config) | Self::IrScanner(config) => config.fan().rays(),
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) | Self::IrScanner(config) => {
+                config.fan().rays()
+            }
             Self::GroundTruth(_)
             | Self::Ins(_)
             | Self::Imu(_)
@@ -376,7 +373,9 @@ impl Config {
             Self::Rfid(config) => config.validate(),
             Self::Victim(config) | Self::HumanMotion(config) => config.validate(),
             Self::Co2(config) => config.validate(),
-            Self::RangeScanner(config) | Self::IrScanner(config) => config.validate(),
+            Self::RangeScanner(config) | Self::Sick(config) | Self::HokuyoUrg04Lx(config) | Self::IrScanner(config) => {
+                config.validate()
+            }
             // They have no numbers.
             Self::GroundTruth(_)
             | Self::Imu(_)

@@ -235,9 +235,10 @@ pub(crate) fn mount(def: &SensorDef, rng: ChaCha8Rng, view: &View) -> Mounted {
         Config::Odometry(config) => Mounted::Odometry(odometry::build(config, mount)),
         Config::Encoder(config) => Mounted::Encoder(encoder::build(config, mount)),
         Config::Tachometer(_) => Mounted::Tachometer(tachometer::build(mount)),
-        Config::RangeScanner(config) | Config::IrScanner(config) => {
-            Mounted::RangeScanner(range_scanner::build(config, mount))
-        }
+        Config::RangeScanner(config)
+        | Config::Sick(config)
+        | Config::HokuyoUrg04Lx(config)
+        | Config::IrScanner(config) => Mounted::RangeScanner(range_scanner::build(config, mount)),
         Config::RangeScanner3D(config) => Mounted::RangeScanner3D(range_scanner_3d::build(config, mount)),
         Config::KinectDepth(config) => Mounted::KinectDepth(kinect_depth::build(config, mount)),
         Config::LineLaser(config) => Mounted::LineLaser(line_laser::build(config, mount)),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use rand_chacha::ChaCha8Rng;
 use scene::RobotDef;
-use scene::sensor::Fan;
+use scene::sensor::{Config, Fan};
 use serde::Deserialize;
 
 use super::{Goal, RobotSight, Sight, Verdict, check_range};
@@ -59,7 +59,11 @@ impl Explore {
         let Some(sensor) = known else {
             return Err(format!("explore.scanner: {} has no sensor `{scanner}`", robot.class));
         };
-        let Some(laser) = sensor.config.laser() else {
+        let (Config::RangeScanner(laser)
+        | Config::Sick(laser)
+        | Config::HokuyoUrg04Lx(laser)
+        | Config::IrScanner(laser)) = &sensor.config
+        else {
             return Err(format!(
                 "explore.scanner: `{scanner}` is of class {}, expected a laser",
                 sensor.config.class()
