@@ -1,64 +1,64 @@
-//! Classes of robots for pages. Each is written and packed when a page first asks for it.
+//! Classes of robots for pages. Each is written and packed once, when a page first asks for it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
+use gamebots_proto::shown;
 use names::listed;
 use scene::Classes;
-use tokio::sync::OnceCell;
+use tokio::sync::Mutex;
 use tokio::task::spawn_blocking;
 
 use crate::messages::scene::class_json;
-use crate::page::packed::Packed;
-
-/// Most letters of a wrong name that an answer repeats.
-const MAX_SHOWN: usize = 64;
+use crate::page::packed::{answer, pack};
 
 /// Classes of robots for pages.
 pub(crate) struct ClassPages {
     classes: Classes,
-    made: BTreeMap<String, Made>,
+    made: Arc<Mutex<BTreeMap<String, Made>>>,
 }
 
-/// A class as JSON, or the reason why it cannot be read, and its packed form.
-#[derive(Default)]
-struct Made {
-    body: OnceCell<Result<Bytes, String>>,
-    packed: Packed,
-}
+/// A class as JSON and its packed form, or the reason why it cannot be read.
+type Made = Result<(Bytes, Option<Bytes>), String>;
 
 impl ClassPages {
     pub(crate) fn new(classes: &Classes) -> Self {
-        let made = classes.keys().map(|name| (name.clone(), Made::default())).collect();
-        Self { classes: classes.clone(), made }
+        Self { classes: classes.clone(), made: Arc::default() }
     }
 
     /// Answers with a class of robots.
     pub(crate) async fn answer(&self, name: &str, headers: &HeaderMap) -> Response {
-        let Some(made) = self.made.get(name) else {
-            let got: String = name.chars().take(MAX_SHOWN).collect();
+        if !self.classes.contains_key(name) {
             let known = listed(self.classes.keys().map(String::as_str));
-            let text = format!("no class `{}`: expected one of {known}\n", got.escape_debug());
+            let text = format!("no class `{}`: expected one of {known}\n", shown(name).escape_debug());
             return (StatusCode::NOT_FOUND, text).into_response();
-        };
-        match self.body(name, made).await {
-            Ok(body) => made.packed.answer(headers, body).await,
+        }
+        match self.made(name).await {
+            Ok((body, packed)) => answer(headers, body, packed),
             Err(reason) => (StatusCode::UNPROCESSABLE_ENTITY, format!("class {name}: {reason}\n")).into_response(),
         }
     }
 
-    async fn body(&self, name: &str, made: &Made) -> Result<Bytes, String> {
-        let make = async || {
-            let (classes, name) = (self.classes.clone(), name.to_owned());
-            // Files are read and shapes written: the other connections do not wait for that.
-            let made = spawn_blocking(move || match classes.get(&name) {
-                Some(class) => Ok(class_json(class).into()),
-                None => Err(classes.problem(&name).unwrap_or("there is no such class").to_owned()),
-            });
-            made.await.unwrap_or_else(|_| Err("a defect: the class cannot be drawn".to_owned()))
-        };
-        made.body.get_or_init(make).await.clone()
+    /// Returns a class, and makes it on another thread if nobody has. That thread holds the lock: pages that ask for all classes at once use
+    /// one core, and a page that leaves loses no work.
+    async fn made(&self, name: &str) -> Made {
+        let mut made = self.made.clone().lock_owned().await;
+        if let Some(made) = made.get(name) {
+            return made.clone();
+        }
+        let (classes, name) = (self.classes.clone(), name.to_owned());
+        let make = move || made.entry(name).or_insert_with_key(|name| make(&classes, name)).clone();
+        spawn_blocking(make).await.unwrap_or_else(|_| Err("a defect: the class cannot be drawn".to_owned()))
     }
+}
+
+fn make(classes: &Classes, name: &str) -> Made {
+    let class =
+        classes.get(name).ok_or_else(|| classes.problem(name).unwrap_or("there is no such class").to_owned())?;
+    let body = Bytes::from(class_json(class));
+    let packed = pack(&body);
+    Ok((body, packed))
 }

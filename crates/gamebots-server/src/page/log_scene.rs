@@ -1,4 +1,4 @@
-//! The scene of a log as JSON. The page sends the world from the log's metadata `run` and gets back the scene to draw. So pages
+//! The scene of a log as JSON. The page sends the scene and the classes from the log's metadata and gets back the scene to draw. So pages
 //! draw old logs too, and no formula exists twice.
 
 use std::sync::Arc;

@@ -29,11 +29,16 @@ impl Packed {
     /// Returns an answer of JSON, in its packed form if the client takes that.
     pub(crate) async fn answer(&self, headers: &HeaderMap, body: Bytes) -> Response {
         let packed = if takes_gzip(headers) { self.of(body.clone()).await } else { None };
-        let Some(packed) = packed else { return json(body) };
-        let mut answer = json(packed);
-        answer.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
-        answer
+        answer(headers, body, packed)
     }
+}
+
+/// Returns an answer of JSON, in its packed form if there is one and the client takes that.
+pub(crate) fn answer(headers: &HeaderMap, body: Bytes, packed: Option<Bytes>) -> Response {
+    let Some(packed) = packed.filter(|_| takes_gzip(headers)) else { return json(body) };
+    let mut answer = json(packed);
+    answer.headers_mut().insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
+    answer
 }
 
 /// Returns an answer of JSON, which is not kept.
@@ -41,7 +46,7 @@ pub(crate) fn json(body: Bytes) -> Response {
     ([(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")], body).into_response()
 }
 
-fn pack(body: &[u8]) -> Option<Bytes> {
+pub(crate) fn pack(body: &[u8]) -> Option<Bytes> {
     let mut packer = GzEncoder::new(Vec::new(), Compression::fast());
     packer.write_all(body).ok()?;
     packer.finish().ok().map(Bytes::from)
