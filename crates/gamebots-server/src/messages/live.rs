@@ -284,9 +284,11 @@ impl Request {
         match serde_json::from_str(text) {
             Ok(Self::Control(control)) => control.checked().map(Self::Control),
             Ok(request) => Ok(request),
+            // The error of an untagged enum says only that nothing fits. Most requests are controls.
             Err(error) => Err(format!(
-                "{error}: expected {{\"pause\":bool}}, {{\"step\":n}}, {{\"speed\":x}}, \"reset\", {{\"record\":bool}}, \"save\", \
-                 {{\"remove\":robot}}, {{\"map\":name}}, {{\"fit\":{{..}}}} or {{\"wire\":bool}}"
+                "{}: expected {{\"pause\":bool}}, {{\"step\":n}}, {{\"speed\":x}}, \"reset\", {{\"record\":bool}}, \"save\", \
+                 {{\"remove\":robot}}, {{\"map\":name}}, {{\"fit\":{{..}}}} or {{\"wire\":bool}}",
+                serde_json::from_str::<Control>(text).err().unwrap_or(error)
             )),
         }
     }
@@ -346,6 +348,19 @@ mod tests {
             (format!("x{}", "ä".repeat(5000)), format!("x{}.. (10001 bytes in all)", "ä".repeat(MAX_TEXT / 2 - 1))),
         ] {
             assert_eq!(Line::cut(&text), expected);
+        }
+    }
+
+    #[test]
+    fn a_wrong_request_is_told_what_was_expected() {
+        for (text, expected) in [
+            ("{\"pause\":1}", "invalid type: integer `1`, expected a boolean"),
+            ("{\"drive\":1}", "unknown variant `drive`, expected one of `pause`, `step`"),
+            ("{\"step\":0}", "`step` is 0: expected 1 to 100000"),
+            ("{", "EOF while parsing"),
+        ] {
+            let error = Request::read(text).expect_err(text);
+            assert!(error.contains(expected), "{text}: {error}");
         }
     }
 
