@@ -81,9 +81,9 @@ impl Scene {
 
     /// Returns every number of a robot class as JSON.
     fn _robot_json(&self, class_name: &str) -> PyResult<String> {
-        let known = self.def().robots.iter().find(|(class, _)| class.eq_ignore_ascii_case(class_name));
-        let Some((_, robot)) = known else {
-            let meant = names::did_you_mean(class_name, self.def().robots.keys().map(String::as_str));
+        let robots = &self.def().robots;
+        let Some(robot) = robots.find(class_name).and_then(|class| robots.get(class)) else {
+            let meant = names::did_you_mean(class_name, robots.keys().map(String::as_str));
             return Err(error::scene(format_args!("unknown robot class `{class_name}`{meant}")));
         };
         serde_json::to_string(robot).map_err(error::scene)

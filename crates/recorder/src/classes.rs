@@ -59,7 +59,7 @@ pub(crate) struct Used(BTreeSet<String>);
 
 impl Used {
     /// Returns the class that a record is the first to use: a line that asks for a robot of it, or the state of one.
-    pub(crate) fn first<'a>(&mut self, classes: &'a Classes, record: &Record) -> Option<(&'a str, &'a RobotDef)> {
+    pub(crate) fn first<'a>(&mut self, classes: &'a Classes, record: &Record) -> Option<(String, &'a RobotDef)> {
         let name = match record {
             Record::In(line) => wanted(&line.line, classes)?,
             Record::State(state) => &state.class,
@@ -79,9 +79,9 @@ impl Used {
         if self.0.contains(name) {
             return None;
         }
-        let (name, def) = (classes.keys().find(|known| *known == name)?, classes.get(name)?);
+        let def = classes.get(name)?;
         self.0.insert(name.clone());
-        Some((name, def))
+        Some((name.clone(), def))
     }
 }
 
@@ -90,7 +90,7 @@ fn wanted<'a>(line: &str, classes: &'a Classes) -> Option<&'a String> {
     // Nearly all lines are others, and need not be parsed.
     line.trim_start().get(..4).filter(|verb| verb.eq_ignore_ascii_case("INIT"))?;
     let Command::Init(init) = Command::parse(line, &mut Vec::new())? else { return None };
-    classes.keys().find(|class| class.eq_ignore_ascii_case(init.class()))
+    classes.find(init.class())
 }
 
 #[cfg(test)]

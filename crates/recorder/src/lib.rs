@@ -2,8 +2,8 @@
 //!
 //! Simulated time is log time. Messages are protobuf: [`native`] has the channels, and `proto/usarsim.proto` our own messages.
 //! Foxglove's messages stand beside them, so that a log opens as a moving scene. The metadata `run` holds the scene with every
-//! number in effect, seed and time step; the metadata `class/<name>` hold the classes that were used. The metadata `end` holds the digest of the world. [`ros2`] writes the run as messages
-//! of ROS 2 to a separate file.
+//! number in effect, seed and time step; the metadata `class/<name>` hold the classes that were used. The metadata `end` holds
+//! the digest of the world. [`ros2`] writes the run as messages of ROS 2 to a separate file.
 //!
 //! [`Live`] streams the messages to viewers. For a live world, a separate thread writes the file, so that a slow disk does not
 //! hold up the world. Records reach the file at least once a second. So a killed process leaves a file that can be read up to

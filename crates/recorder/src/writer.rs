@@ -108,7 +108,7 @@ impl LogWriter {
     /// When the disk takes no more.
     pub fn write(&mut self, time: f64, record: &Record) -> Result<(), RecordError> {
         if let Some((name, class)) = self.used.first(&self.classes, record) {
-            self.file.with(|file| write_class(file, name, class))?;
+            self.file.with(|file| write_class(file, &name, class))?;
         }
         if let Some((file, ros2)) = &mut self.ros2 {
             file.with(|file| ros2.write(time, record, file))?;

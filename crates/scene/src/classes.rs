@@ -81,6 +81,11 @@ impl Classes {
         self.0.contains_key(name)
     }
 
+    /// Returns the name of a class that is given in any case. The class is not read.
+    pub fn find(&self, name: &str) -> Option<&String> {
+        self.0.keys().find(|known| known.eq_ignore_ascii_case(name))
+    }
+
     /// Returns the number of classes.
     pub fn len(&self) -> usize {
         self.0.len()

@@ -668,7 +668,7 @@ impl World {
             return None;
         }
         let package = init.class_name.rsplit_once('.').map_or("USARBot", |(package, _)| package);
-        let known = self.def().robots.keys().find(|class| class.eq_ignore_ascii_case(init.class()));
+        let known = self.def().robots.find(init.class());
         if let Some(class) = known.filter(|_| package.eq_ignore_ascii_case("USARBot")).cloned() {
             let compiled = self.compiled(&class);
             let why = self.def().robots.problem(&class).map(|why| format!("the class cannot be read: {why}"));

@@ -135,7 +135,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let files: Vec<&Path> = file.into_iter().map(Path::new).collect();
     let mut def = scene_loader::load_with(&arguments.map, &files, &arguments.set)
         .map_err(|error| configuration(error.to_string()))?;
-    def.robots.values_mut().for_each(|robot| robot.set_drive_model(arguments.drive_model));
+    let drive_model = arguments.drive_model;
+    def.robots.change(move |robot| robot.set_drive_model(drive_model));
     let mut world = World::new(def, Options::default());
     if let Some(robot) = &arguments.robot {
         let class = scene_loader::robot(robot, &[]).map_err(|error| configuration(error.to_string()))?.class;
