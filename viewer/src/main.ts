@@ -26,6 +26,7 @@ import type { Frame } from './protocol/frame';
 import { Live, type Status } from './protocol/live';
 import { network } from './protocol/network';
 import type { Scene } from './protocol/scene';
+import type { Transport } from './protocol/transport';
 import { State } from './state';
 import { QUALITIES, RUNGS } from './view/quality';
 import { View } from './view/view';
@@ -36,6 +37,8 @@ const PLOT_INTERVAL = 250;
 /** Moments of the past that a new plot begins with. */
 const PLOT_PAST = 600;
 
+/** Way to the server. */
+const transport: Transport = network;
 const state = new State();
 let connected = false;
 
@@ -45,7 +48,7 @@ const view = new View(
   (id) => state.robot(id),
   (number) => state.object(number),
 );
-const playback = new Playback({
+const playback = new Playback(transport.sceneOfLog, {
   scene: showScene,
   objects(objects) {
     state.spawned = objects;
@@ -101,7 +104,7 @@ const drive = new DrivePanel(
     if (playback.mode !== 'live') playback.goLive();
   },
   (robotClass) => live.classOf(robotClass),
-  network,
+  transport,
 );
 const board = new Board(state);
 const welcome = new Welcome(
@@ -110,7 +113,7 @@ const welcome = new Welcome(
   (robotClass) => void live.classOf(robotClass),
 );
 
-const live = new Live({
+const live = new Live(transport, {
   scene: (scene) => playback.takeScene(scene),
   classCame() {
     // The next frame shows its robots; one of the past has come already.

@@ -5,7 +5,6 @@ import { LogFile, Player } from './log';
 import { type Mark, Marks } from './marks';
 import type { Frame, Picture, Scan } from './protocol/frame';
 import type { Status, WireLine } from './protocol/live';
-import { network } from './protocol/network';
 import type { Scene, Solid, Spawned } from './protocol/scene';
 import type { Reading } from './protocol/sensors';
 
@@ -83,9 +82,9 @@ export class Playback {
   private objects = new Map<number, Solid>();
 
   constructor(
-    private readonly screen: Screen,
     /** Returns the scene of a log's world, in JSON. */
-    private readonly askScene: (world: string) => Promise<Scene> = network.sceneOfLog,
+    private readonly askScene: (world: string) => Promise<Scene>,
+    private readonly screen: Screen,
   ) {}
 
   takeScene(scene: Scene): void {

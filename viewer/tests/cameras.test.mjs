@@ -10,6 +10,7 @@ import { root } from './server.mjs';
 const module = async (name) => (await runnerImport(join(root, `viewer/src/${name}.ts`))).module;
 const { readMessage } = await module('protocol/frame');
 const { Live } = await module('protocol/live');
+const { network } = await module('protocol/network');
 const { Playback } = await module('playback');
 
 const PNG = [0x89, 0x50, 0x4e, 0x47];
@@ -47,7 +48,7 @@ test('the page says whose pictures it wants, when that changes and to each serve
   context.mock.method(globalThis, 'fetch', async () => Response.json({}));
   const pictures = [];
   const names = ['scene', 'objects', 'frame', 'scan', 'status', 'line', 'said', 'fit', 'lost'];
-  const live = new Live({ ...listenerOf(names, () => {}), picture: (picture) => pictures.push(picture) });
+  const live = new Live(network, { ...listenerOf(names, () => {}), picture: (picture) => pictures.push(picture) });
   await settled(() => sockets.length === 1);
   const [first] = sockets;
   const wishes = () => first.sent.splice(0);
@@ -79,7 +80,7 @@ test('the page says whose pictures it wants, when that changes and to each serve
 test('pictures are shown of the present only', () => {
   const seen = [];
   const names = ['scene', 'objects', 'frame', 'present', 'refilled', 'scan', 'status', 'line', 'jumped', 'changed'];
-  const playback = new Playback({
+  const playback = new Playback(network.sceneOfLog, {
     ...listenerOf([...names, 'said'], () => {}),
     picture: ({ time }) => seen.push(time),
     shownTime: () => 0,

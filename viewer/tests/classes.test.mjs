@@ -7,7 +7,9 @@ import { runnerImport } from 'vite';
 import { settled, standInForBrowser } from './messages.mjs';
 import { root } from './server.mjs';
 
-const { ClassQuestions } = (await runnerImport(join(root, 'viewer/src/protocol/classes.ts'))).module;
+const module = async (name) => (await runnerImport(join(root, `viewer/src/protocol/${name}.ts`))).module;
+const { ClassQuestions } = await module('classes');
+const { network } = await module('network');
 
 const sceneOf = (...names) => ({ names, classes: {} });
 
@@ -21,7 +23,7 @@ function server(context) {
     );
   });
   const came = [];
-  return { asked, came, questions: new ClassQuestions(() => came.push('came')) };
+  return { asked, came, questions: new ClassQuestions(() => came.push('came'), network.robotClass) };
 }
 
 test('a class is asked for once, and is in the scene when everyone hears of it', async (context) => {

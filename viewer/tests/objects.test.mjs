@@ -12,6 +12,7 @@ const module = async (name) => (await runnerImport(join(root, `viewer/src/${name
 const { readMessage } = await module('protocol/frame');
 const { ObjectQuestions } = await module('protocol/objects');
 const { Live } = await module('protocol/live');
+const { network } = await module('protocol/network');
 const { Playback } = await module('playback');
 const { LogFile, Player } = await module('log/index');
 const { MapView } = await module('view/map');
@@ -65,7 +66,7 @@ function screen() {
 
 test('an object that was removed is still known in the past', () => {
   const { seen, listener } = screen();
-  const playback = new Playback(listener);
+  const playback = new Playback(network.sceneOfLog, listener);
   const show = (time, ...numbers) => {
     const bytes = frameBytes(
       time,
@@ -109,6 +110,7 @@ test('the server is asked for objects once at a time, and of the world that is s
   const questions = new ObjectQuestions(
     (objects) => seen.push(...numbersOf(objects)),
     () => seen.push('failed'),
+    network.objects,
   );
   for (let change = 0; change < 3; change++) questions.ask();
   assert.deepEqual([asked.length, asked[0].name], [1, 'objects.json']);
@@ -139,7 +141,7 @@ test('objects are fetched with the first status, when they change and after a sc
   const seen = [];
   context.mock.method(globalThis, 'fetch', async (name) => Response.json({ name, names: [] }));
   const names = ['frame', 'scan', 'line', 'said', 'fit', 'lost'];
-  new Live({
+  new Live(network, {
     ...Object.fromEntries(names.map((name) => [name, () => {}])),
     scene: ({ name }) => seen.push(name),
     objects: ({ name }) => seen.push(name),

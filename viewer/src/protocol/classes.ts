@@ -1,6 +1,5 @@
 /** Asks the server for classes of robots: its scene names them all, and has none. */
 
-import { network } from './network';
 import type { RobotClass, Scene } from './scene';
 
 export class ClassQuestions {
@@ -10,7 +9,7 @@ export class ClassQuestions {
   /** `came` hears that the scene has another class. */
   constructor(
     private readonly came: () => void,
-    private readonly fetch: (name: string) => Promise<RobotClass> = network.robotClass,
+    private readonly fetch: (name: string) => Promise<RobotClass>,
   ) {}
 
   /** Begins with a scene, maybe of another server. */

@@ -4,7 +4,6 @@ import { type Frame, type Picture, type Scan, readMessage } from './frame';
 import { ClassQuestions } from './classes';
 import { FitQuestions } from './fit';
 import type { Control, Fit, FitAnswer, Message, Reading, Request, Status, WireLine } from './live.gen';
-import { network } from './network';
 import { ObjectQuestions } from './objects';
 import type { RobotClass, Scene, Spawned } from './scene';
 import { Refused, token } from './token';
@@ -68,8 +67,8 @@ export class Live {
   );
 
   constructor(
+    private readonly transport: Transport,
     private readonly listener: Listener,
-    private readonly transport: Transport = network,
   ) {
     void this.connect();
     setInterval(() => {

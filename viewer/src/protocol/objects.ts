@@ -1,6 +1,5 @@
 /** Asks the server for the objects that the map does not have, one question at a time: they may change with every frame. */
 
-import { network } from './network';
 import type { Spawned } from './scene';
 
 export class ObjectQuestions {
@@ -12,7 +11,7 @@ export class ObjectQuestions {
   constructor(
     private readonly answered: (objects: Spawned[]) => void,
     private readonly failed: () => void,
-    private readonly fetch: () => Promise<Spawned[]> = network.objects,
+    private readonly fetch: () => Promise<Spawned[]>,
   ) {}
 
   /** Asks as soon as the last question is answered. */
