@@ -4,13 +4,13 @@ import { writeFileSync } from 'node:fs';
 import { compileRaw } from 'pbf/compile';
 import schema from 'resolve-protobuf-schema';
 
-const PROTO = new URL('../crates/gamebots-server/proto/live.proto', import.meta.url).pathname;
+const PROTO = new URL('../crates/page-protocol/proto/live.proto', import.meta.url).pathname;
 const NUMBERS = ['double', 'float', 'uint32', 'sint32'];
 
 /** The files, by their paths in this folder. */
 export function generated() {
   const proto = schema.sync(PROTO);
-  const head = '// Generated from crates/gamebots-server/proto/live.proto by `npm run generate`.\n';
+  const head = '// Generated from crates/page-protocol/proto/live.proto by `npm run generate`.\n';
   const types = proto.messages.map(typesOf).join('\n');
   return {
     'src/protocol/live.pb.js': head + compileRaw(proto, { noWrite: true }),

@@ -6,7 +6,7 @@ import { PbfWriter } from 'pbf';
 import schema from 'resolve-protobuf-schema';
 import { root } from './server.mjs';
 
-const { writeMessage } = compile(schema.sync(join(root, 'crates/gamebots-server/proto/live.proto')));
+const { writeMessage } = compile(schema.sync(join(root, 'crates/page-protocol/proto/live.proto')));
 
 /** Returns a message: `{frame}`, `{scan}` or `{picture}`. */
 export function messageBytes(message) {

@@ -18,7 +18,6 @@ mod config;
 mod door;
 mod error;
 mod files;
-mod messages;
 mod page;
 mod ports;
 mod run;
@@ -29,9 +28,9 @@ pub use access::rights::WorldControl;
 pub use access::tokens::{Tokens, TokensError};
 pub use config::{AvailableMap, Config, IfTaken, ImageKind, Listener, Propagation, Ready, Service};
 pub use error::ServeError;
-pub use messages::control::check_real_time_factor;
-pub use messages::pb as viewer_messages;
 pub use page::view::{Moment, View};
+pub use page_protocol::check_real_time_factor;
+pub use page_protocol::pb as viewer_messages;
 pub use ports::playback::{Playback, play};
 pub use world::saved::{SavedFileError, read_saved};
 
@@ -42,9 +41,9 @@ pub mod fuzzing {
 
     use axum::http::{HeaderMap, HeaderValue, header};
 
+    use page_protocol::{Control, Request};
     use sim_core::World;
 
-    use crate::messages::live::{Control, Request};
     use crate::world::pace::Pace;
 
     /// Reads a request of a viewer or of Foxglove. For a speed, computes the wait for an hour of simulated time.
@@ -57,7 +56,7 @@ pub mod fuzzing {
     /// Answers a question about room for a robot. Returns true if the robot can stand there; `None` if the text is no such question.
     pub fn fit(text: &str, world: &mut World) -> Option<bool> {
         let Ok(Request::Fit(wanted)) = Request::read(text) else { return None };
-        serde_json::to_value(wanted.answer(world)).ok()?.get("stands")?.as_bool()
+        serde_json::to_value(crate::world::fit::fit(wanted, world)).ok()?.get("stands")?.as_bool()
     }
 
     /// True if a client with these headers gets the page; false if one of them is not a valid header.

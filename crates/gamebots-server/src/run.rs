@@ -8,6 +8,7 @@ use std::sync::mpsc::{self, Sender};
 use std::time::{Duration, Instant};
 
 use futures_util::future::join_all;
+use page_protocol::About;
 use sim_core::World;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -21,7 +22,6 @@ use crate::config::{Config, Ready, Service};
 use crate::door::accept::{self, Limit, listen};
 use crate::door::limits::{Limits, limits};
 use crate::error::ServeError;
-use crate::messages::scene::About;
 use crate::page::class::ClassPages;
 use crate::page::packed::Packed;
 use crate::page::shared::{Framing, Site};

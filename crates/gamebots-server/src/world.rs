@@ -2,6 +2,7 @@
 
 pub(crate) mod client;
 pub(crate) mod event;
+pub(crate) mod fit;
 pub(crate) mod guests;
 pub(crate) mod inquiry;
 pub(crate) mod pace;

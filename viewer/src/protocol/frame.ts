@@ -1,5 +1,5 @@
 /**
- * The binary messages of `/live`. crates/gamebots-server/proto/live.proto defines them, and `npm run generate` makes their reader.
+ * The binary messages of `/live`. crates/page-protocol/proto/live.proto defines them, and `npm run generate` makes their reader.
  */
 
 import { PbfReader } from 'pbf';

@@ -1,4 +1,4 @@
-// Generated from crates/gamebots-server/src/messages/live.rs by `make figures`.
+// Generated from crates/page-protocol/src/live.rs by `make figures`.
 
 export type Request = { "token": string } | { "fit": Fit } | Listen | Control;
 
@@ -18,7 +18,11 @@ cameras: Array<number>, };
 
 export type Control = { "pause": boolean } | { "step": number } | { "speed": number } | "reset" | { "record": boolean } | "save" | { "remove": number } | { "map": string };
 
-export type Fit = { class: string, 
+export type Fit = { 
+/**
+ * Its class.
+ */
+class: string, 
 /**
  * As in INIT, m.
  */
@@ -46,7 +50,11 @@ stands: boolean,
 /**
  * The obstacle, in words.
  */
-why: string | null, class: string, 
+why: string | null, 
+/**
+ * Its class.
+ */
+class: string, 
 /**
  * As in INIT, m.
  */
@@ -64,13 +72,29 @@ time: number,
 /**
  * `in` from a client, `out` to it.
  */
-direction: 'in' | 'out', connection: number, robot: number | null, text: string, };
+direction: 'in' | 'out', 
+/**
+ * The client's connection.
+ */
+connection: number, 
+/**
+ * The robot that it is for or about, if any.
+ */
+robot: number | null, 
+/**
+ * The line, cut if it is long.
+ */
+text: string, };
 
 export type Reading = { 
 /**
  * Simulated time, s.
  */
-time: number, robot: number, 
+time: number, 
+/**
+ * Number of its robot.
+ */
+robot: number, 
 /**
  * Number of the sensor in the robot's class.
  */
@@ -84,7 +108,11 @@ real_time_factor: number,
 /**
  * Requested real-time factor; 0 is as fast as possible.
  */
-speed: number, paused: boolean, 
+speed: number, 
+/**
+ * True while time stands still.
+ */
+paused: boolean, 
 /**
  * Number of the scene. When it changes, a page must fetch the scene again.
  */
@@ -116,7 +144,15 @@ recording: string | null,
 /**
  * The league that is played, if any.
  */
-league: League | null, robots: Array<RobotStatus>, clients: Array<ClientStatus>, };
+league: League | null, 
+/**
+ * All robots.
+ */
+robots: Array<RobotStatus>, 
+/**
+ * All clients.
+ */
+clients: Array<ClientStatus>, };
 
 export type League = { name: string, 
 /**
@@ -154,7 +190,19 @@ robots: Array<number>,
  */
 scores: { time: number, robot: number, reason: string, points: number, total: number }[], };
 
-export type RobotStatus = { id: number, class: string, name: string, 
+export type RobotStatus = { 
+/**
+ * Its number.
+ */
+id: number, 
+/**
+ * Its class.
+ */
+class: string, 
+/**
+ * Its name; empty if it has none.
+ */
+name: string, 
 /**
  * The connection that it reports to.
  */
@@ -164,7 +212,11 @@ connection: number | null,
  */
 battery: number | null, };
 
-export type ClientStatus = { connection: number, 
+export type ClientStatus = { 
+/**
+ * Its connection.
+ */
+connection: number, 
 /**
  * Its address.
  */

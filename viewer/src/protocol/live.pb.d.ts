@@ -1,4 +1,4 @@
-// Generated from crates/gamebots-server/proto/live.proto by `npm run generate`.
+// Generated from crates/page-protocol/proto/live.proto by `npm run generate`.
 
 import type { PbfReader } from 'pbf';
 

@@ -1,4 +1,4 @@
-// Generated from crates/gamebots-server/src/messages/scene.rs by `make figures`.
+// Generated from crates/page-protocol/src/page_scene.rs by `make figures`.
 
 import type { Shape } from './shape.gen';
 

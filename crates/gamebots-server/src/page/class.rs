@@ -8,11 +8,11 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use gamebots_proto::shown;
 use names::listed;
+use page_protocol::class_json;
 use scene::Classes;
 use tokio::sync::Mutex;
 use tokio::task::spawn_blocking;
 
-use crate::messages::scene::class_json;
 use crate::page::packed::{answer, pack};
 
 /// Classes of robots for pages.

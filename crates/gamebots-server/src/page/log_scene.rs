@@ -8,11 +8,11 @@ use axum::Extension;
 use axum::body::{Body, Bytes, to_bytes};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use page_protocol::scene_json;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
-use crate::messages::scene::scene_json;
 use crate::page::packed::json;
 
 /// Most bytes of a scene: a map of 500 000 triangles. The largest shipped map has 100 kB.

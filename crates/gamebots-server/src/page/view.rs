@@ -11,6 +11,7 @@ use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use page_protocol::{About, RobotStatus, Status};
 use scene::{Options, Sensed, Snapshot, WorldDef};
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -21,8 +22,6 @@ use crate::access::rights::WorldControl;
 use crate::config::{IfTaken, Listener, Service};
 use crate::door::accept::{self, Limit};
 use crate::error::ServeError;
-use crate::messages::live::{RobotStatus, Status};
-use crate::messages::scene::About;
 use crate::page::class::ClassPages;
 use crate::page::packed::Packed;
 use crate::page::shared::{Framing, Site};

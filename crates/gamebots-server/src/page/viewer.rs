@@ -8,6 +8,7 @@ use axum::Extension;
 use axum::extract::State;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
+use page_protocol::{Actor, Fit, Line, Listen, Measured, Request, Wanted};
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::oneshot;
@@ -15,8 +16,6 @@ use tokio::time::timeout;
 
 use crate::access::rights::LOGIN_TIME;
 use crate::access::tokens::Role;
-use crate::messages::control::Actor;
-use crate::messages::live::{self, Fit, Line, Listen, Measured, Request, Wanted};
 use crate::page::shared::{Peer, Site, Visit};
 use crate::subscribers::cameras::Wish;
 use crate::world::event::Kind;
@@ -111,7 +110,7 @@ impl Viewer {
         let mut scans = self.site.channels.scans();
         let mut pictures = self.site.channels.pictures();
         let you = self.actor.0.clone();
-        self.tell(&live::Message::Greeting { you: &you, refused: self.refusal }).await?;
+        self.tell(&page_protocol::Message::Greeting { you: &you, refused: self.refusal }).await?;
         loop {
             tokio::select! {
                 changed = statuses.changed() => {
@@ -126,7 +125,7 @@ impl Viewer {
                 }
                 notice = notices.recv() => match notice {
                     Ok(notice) => self.say(&notice).await?,
-                    Err(RecvError::Lagged(missed)) => self.tell(&live::Message::Missed(missed)).await?,
+                    Err(RecvError::Lagged(missed)) => self.tell(&page_protocol::Message::Missed(missed)).await?,
                     Err(RecvError::Closed) => return Err(Gone),
                 },
                 scan = scans.recv() => match scan {
@@ -140,15 +139,15 @@ impl Viewer {
                     Ok(_) | Err(RecvError::Lagged(_)) => {}
                     Err(RecvError::Closed) => return Err(Gone),
                 },
-                line = next(&mut self.lines) => self.send_counted(line, |line| live::Message::Line(line).text()).await?,
+                line = next(&mut self.lines) => self.send_counted(line, |line| page_protocol::Message::Line(line).text()).await?,
                 measured = next(&mut self.readings) => {
                     if !measured.as_ref().is_ok_and(|measured| !self.listen.robots.contains(&measured.robot)) {
-                        self.send_counted(measured, |measured| live::Message::Reading(measured).text()).await?;
+                        self.send_counted(measured, |measured| page_protocol::Message::Reading(measured).text()).await?;
                     }
                 }
                 fit = answer(&mut self.fit) => {
                     self.fit = None;
-                    self.tell(&live::Message::Fit(fit.map_err(|_| Gone)?)).await?;
+                    self.tell(&page_protocol::Message::Fit(fit.map_err(|_| Gone)?)).await?;
                 }
                 () = tokio::time::sleep_until(self.next_fit), if self.wanted.is_some() && self.fit.is_none() => {
                     self.ask_fit().await?;
@@ -205,7 +204,7 @@ impl Viewer {
             let surplus = self.shown.1.saturating_sub(MAX_LINES);
             self.shown = (Instant::now(), 0);
             if surplus > 0 {
-                self.tell(&live::Message::Missed(surplus)).await?;
+                self.tell(&page_protocol::Message::Missed(surplus)).await?;
             }
         }
         self.shown.1 += 1 + missed;
@@ -251,10 +250,10 @@ impl Viewer {
     }
 
     async fn say(&mut self, said: &str) -> Result<(), Gone> {
-        self.tell(&live::Message::Said(said)).await
+        self.tell(&page_protocol::Message::Said(said)).await
     }
 
-    async fn tell(&mut self, message: &live::Message<'_>) -> Result<(), Gone> {
+    async fn tell(&mut self, message: &page_protocol::Message<'_>) -> Result<(), Gone> {
         self.send(Message::text(message.text())).await
     }
 

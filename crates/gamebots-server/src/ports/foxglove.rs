@@ -5,14 +5,13 @@ use std::sync::mpsc::Sender;
 
 use foxglove::Schema;
 use foxglove::websocket::service::{Request, Service, ServiceSchema};
+use page_protocol::{Actor, Control};
 use recorder::Admitted;
 use scene::WorldDef;
 
 use crate::access::login::Door;
 use crate::access::pass::Pass;
 use crate::error::ServeError;
-use crate::messages::control::Actor;
-use crate::messages::live::Control;
 use crate::ports::gate::{Gate, hidden_address};
 use crate::subscribers::foxglove::{self as server, FoxgloveServer};
 use crate::world::event::{Event, Kind};

@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
+use page_protocol::pb;
+use page_protocol::pb::message::Content;
 use scene::Sensed;
 use sim_core::{PawnId, World};
 use tokio::sync::broadcast;
 use tracing::warn;
 
-use crate::messages::pb::message::Content;
-use crate::messages::{frame, pb};
 use crate::subscribers::board::Board;
 use crate::subscribers::job::{Job, image_of};
 use crate::subscribers::present::Present;
@@ -192,7 +192,7 @@ fn draw(waiting: &Receiver<Order>, pictures: &broadcast::Sender<Picture>, board:
         if let Some(png) = png {
             let (robot, sensor) = (job.sensed.robot.0, job.sensed.sensor as u32);
             let picture = pb::Picture { robot: robot as u32, sensor, time: job.snapshot.time, png };
-            let message = frame::encode(Content::Picture(picture)).into();
+            let message = page_protocol::encode(Content::Picture(picture)).into();
             // The last viewer may have left.
             let _ = pictures.send(Picture { robot, message });
         }

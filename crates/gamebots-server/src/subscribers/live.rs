@@ -1,6 +1,6 @@
 //! Live data for viewers. The world's thread makes each message once for all viewers, and no frames while nobody watches.
 //!
-//! The channels differ in what a slow viewer misses. It gets only the newest frame (see [`frame`]) and [`Status`]. It gets every text, and
+//! The channels differ in what a slow viewer misses. It gets only the newest frame (see [`page_protocol::frame`]) and [`Status`]. It gets every text, and
 //! every [`Line`] of the wire and the readings of robots ([`Measured`]) if it wants them. If it falls too far behind, it is told how many it
 //! missed. It misses scans and pictures silently. A viewer that takes nothing for half a minute is dropped.
 
@@ -9,14 +9,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
+use page_protocol::{About, Line, Measured, Message, Status, objects_json, scene_json};
 use scene::{MapDef, ObjectSnapshot, Reading, RobotDef, Sensed, Snapshot, WorldDef};
 use sessions::News;
 use sim_core::{PawnId, World};
 use tokio::sync::{broadcast, watch};
 
-use crate::messages::frame;
-use crate::messages::live::{Line, Measured, Message, Status};
-use crate::messages::scene::{About, objects_json, scene_json};
 use crate::subscribers::board::Board;
 use crate::subscribers::cameras::{Cameras, Demand, Picture, Wish};
 use crate::subscribers::subscriber::{Moment, Subscriber, Told};
@@ -43,7 +41,7 @@ pub(crate) struct Channels {
     statuses: watch::Receiver<Arc<str>>,
     /// Events and problems, in words.
     notices: broadcast::Sender<Arc<str>>,
-    /// Ranges of lasers and sonars, see [`frame`].
+    /// Ranges of lasers and sonars, see [`page_protocol::frame`].
     scans: broadcast::Sender<Bytes>,
     lines: broadcast::Sender<Arc<Line>>,
     readings: broadcast::Sender<Arc<Measured>>,
@@ -104,7 +102,7 @@ pub(crate) struct Broadcast {
     statuses: watch::Sender<Arc<str>>,
     /// Events and problems, in words.
     notices: broadcast::Sender<Arc<str>>,
-    /// Ranges of lasers and sonars, see [`frame`].
+    /// Ranges of lasers and sonars, see [`page_protocol::frame`].
     scans: broadcast::Sender<Bytes>,
     lines: broadcast::Sender<Arc<Line>>,
     readings: broadcast::Sender<Arc<Measured>>,
@@ -207,7 +205,7 @@ impl Broadcast {
     pub(crate) fn publish(&mut self, now: Instant, scene: &WorldDef, snapshot: &Snapshot, status: Option<Status>) {
         self.next_frame = now + FRAME_INTERVAL;
         self.show_objects(now, &scene.map, &snapshot.objects);
-        self.frames.send_replace(frame::frame(scene, snapshot).into());
+        self.frames.send_replace(page_protocol::frame(scene, snapshot).into());
         if let Some(status) = status {
             self.next_status = now + STATUS_INTERVAL;
             let (scene, viewers) = (self.scenes, self.viewers.saturating_sub(1));
@@ -257,7 +255,7 @@ impl Broadcast {
             return;
         }
         self.scanned.insert(sensor, now);
-        if let Some(scan) = def.and_then(|def| frame::scan(def, sensed.robot.0, sensed.sensor, ranges)) {
+        if let Some(scan) = def.and_then(|def| page_protocol::scan(def, sensed.robot.0, sensed.sensor, ranges)) {
             let _ = self.scans.send(scan.into());
         }
     }

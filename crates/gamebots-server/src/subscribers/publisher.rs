@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use page_protocol::Status;
 use recorder::RecordError;
 use sessions::News;
 use sim_core::World;
 
-use crate::messages::live::Status;
 use crate::subscribers::actors::Actors;
 use crate::subscribers::live::Broadcast;
 use crate::subscribers::log::{BeginError, Recording};

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
+use page_protocol::{Actor, Control, Fit, Wanted};
 use scene::Standings;
 use tokio::sync::oneshot;
 
-use crate::messages::control::Actor;
-use crate::messages::live::{Control, Fit, Wanted};
 use crate::subscribers::actors::Actors;
 
 /// A guest's request to the world's thread, and the way of its answer.

@@ -3,10 +3,10 @@
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
+use page_protocol::Actor;
 use sim_core::World;
 
 use crate::config::AvailableMap;
-use crate::messages::control::Actor;
 
 /// Least time between two restarts.
 const INTERVAL: Duration = Duration::from_secs(1);

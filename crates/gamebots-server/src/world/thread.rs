@@ -9,6 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use page_protocol::{Actor, ClientStatus, Control, LeagueStatus, RobotStatus, Status};
 use scene::PawnId;
 use sessions::{News, SessionId, Sessions};
 use sim_core::World;
@@ -19,14 +20,13 @@ use tracing::{info, warn};
 use crate::access::budget::{Budget, Budgets, Spent};
 use crate::config::{AvailableMap, Config};
 use crate::error::ServeError;
-use crate::messages::control::Actor;
-use crate::messages::live::{ClientStatus, Control, LeagueStatus, RobotStatus, Status};
 use crate::subscribers::live::Broadcast;
 use crate::subscribers::log::Recording;
 use crate::subscribers::publisher::Publisher;
 use crate::subscribers::subscriber::{Subscriber, Told};
 use crate::world::client::Client;
 use crate::world::event::Event;
+use crate::world::fit::fit;
 use crate::world::guests::{Credit, Guests, IDLE_SHARE, SHARE};
 use crate::world::pace::{self, Pace};
 use crate::world::question::{Health, Question};
@@ -421,7 +421,7 @@ impl Server {
             Question::Obstacles([from, to], answer) => _ = answer.send(sessions.world_mut().obstacles(from, to)),
             Question::Health(answer) => _ = answer.send(self.health()),
             Question::Standings(answer) => _ = answer.send(sessions.standings()),
-            Question::Fit(ask, answer) => _ = answer.send(ask.answer(sessions.world_mut())),
+            Question::Fit(wanted, answer) => _ = answer.send(fit(wanted, sessions.world_mut())),
             Question::Control(control, actor) => self.control(control, actor),
         }
     }

@@ -15,7 +15,7 @@ const MAX_SCORES: usize = 8;
 #[derive(Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub(crate) enum Request {
+pub enum Request {
     /// The page's token, as in `{"token":".."}`. It comes first; a server without tokens ignores it.
     Token(String),
     /// A question, as in `{"fit":{"class":"P3AT","location":[1,0,0],"yaw":0.5}}`.
@@ -32,22 +32,22 @@ pub(crate) enum Request {
 #[derive(Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub(crate) struct Listen {
+pub struct Listen {
     /// True for every line of the wire.
-    pub(crate) wire: bool,
+    pub wire: bool,
     /// Numbers of the robots whose readings it wants.
     #[serde(default)]
-    pub(crate) robots: Vec<u64>,
+    pub robots: Vec<u64>,
     /// Numbers of the robots whose cameras' pictures it wants.
     #[serde(default)]
-    pub(crate) cameras: Vec<u64>,
+    pub cameras: Vec<u64>,
 }
 
 /// A request to the world's thread.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub(crate) enum Control {
+pub enum Control {
     /// Stops or resumes time.
     Pause(bool),
     /// A number of steps, after which time stops.
@@ -71,27 +71,33 @@ pub(crate) enum Control {
 #[serde(deny_unknown_fields)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[cfg_attr(test, ts(rename = "Fit"))]
-pub(crate) struct Wanted {
-    pub(crate) class: String,
+pub struct Wanted {
+    /// Its class.
+    pub class: String,
     /// As in INIT, m.
-    pub(crate) location: [f64; 3],
+    pub location: [f64; 3],
     /// Heading, rad.
-    pub(crate) yaw: f64,
+    pub yaw: f64,
 }
 
 /// A text to a page.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub(crate) enum Message<'a> {
+pub enum Message<'a> {
+    /// State that seldom changes.
     Status(Status),
+    /// A line of the wire, for those who listen.
     Line(&'a Line),
+    /// A reading of a sensor, for those who listen.
     Reading(&'a Measured),
     /// A notice, in words.
     Said(&'a str),
     /// Number of lines, readings and notices that came too fast.
     Missed(u64),
+    /// An answer about room for a robot.
     Fit(Fit),
+    /// The first text to a page.
     #[serde(untagged)]
     Greeting {
         /// Name of the page, as shown to everyone.
@@ -105,38 +111,43 @@ pub(crate) enum Message<'a> {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[cfg_attr(test, ts(rename = "FitAnswer"))]
-pub(crate) struct Fit {
+pub struct Fit {
+    /// The question.
     #[serde(flatten)]
-    pub(crate) wanted: Wanted,
+    pub wanted: Wanted,
     /// True if the robot can stand right there.
-    pub(crate) stands: bool,
+    pub stands: bool,
     /// The obstacle, in words.
-    pub(crate) why: Option<String>,
+    pub why: Option<String>,
 }
 
 /// A line of the wire.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[cfg_attr(test, ts(rename = "WireLine"))]
-pub(crate) struct Line {
+pub struct Line {
     /// Simulated time, s.
-    pub(crate) time: f64,
+    pub time: f64,
     /// `in` from a client, `out` to it.
     #[cfg_attr(test, ts(type = "'in' | 'out'"))]
-    pub(crate) direction: &'static str,
-    pub(crate) connection: u64,
-    pub(crate) robot: Option<u64>,
-    pub(crate) text: String,
+    pub direction: &'static str,
+    /// The client's connection.
+    pub connection: u64,
+    /// The robot that it is for or about, if any.
+    pub robot: Option<u64>,
+    /// The line, cut if it is long.
+    pub text: String,
 }
 
 /// A reading of a sensor, for viewers that show its numbers.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[cfg_attr(test, ts(rename = "Reading"))]
-pub(crate) struct Measured {
+pub struct Measured {
     /// Simulated time, s.
     time: f64,
-    pub(crate) robot: u64,
+    /// Number of its robot.
+    pub robot: u64,
     /// Number of the sensor in the robot's class.
     sensor: usize,
     #[serde(rename = "type")]
@@ -147,7 +158,7 @@ pub(crate) struct Measured {
 
 impl Line {
     /// Cuts a text that is too long for viewers.
-    pub(crate) fn cut(text: &str) -> String {
+    pub fn cut(text: &str) -> String {
         if text.len() <= MAX_TEXT {
             return text.to_owned();
         }
@@ -158,7 +169,8 @@ impl Line {
 }
 
 impl Measured {
-    pub(crate) fn new(time: f64, Sensed { robot, sensor, reading }: &Sensed) -> Self {
+    /// Creates the text of a reading at a simulated time, s.
+    pub fn new(time: f64, Sensed { robot, sensor, reading }: &Sensed) -> Self {
         let (type_name, mut quantities) = (reading.type_name(), reading.quantities());
         quantities.iter_mut().for_each(|quantity| quantity.values.truncate(MAX_VALUES));
         Self { time, robot: robot.0, sensor: *sensor, type_name, quantities }
@@ -168,37 +180,40 @@ impl Measured {
 /// State that seldom changes.
 #[derive(Debug, Default, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub(crate) struct Status {
+pub struct Status {
     /// Simulated seconds per real second, over the last half second.
-    pub(crate) real_time_factor: f64,
+    pub real_time_factor: f64,
     /// Requested real-time factor; 0 is as fast as possible.
-    pub(crate) speed: f64,
-    pub(crate) paused: bool,
+    pub speed: f64,
+    /// True while time stands still.
+    pub paused: bool,
     /// Number of the scene. When it changes, a page must fetch the scene again.
-    pub(crate) scene: u64,
+    pub scene: u64,
     /// Number of changes of the objects beside the map's. When it changes, a page must fetch them again.
-    pub(crate) objects: u64,
+    pub objects: u64,
     /// Open pages.
-    pub(crate) viewers: usize,
+    pub viewers: usize,
     /// Number of times that the world started over.
-    pub(crate) resets: u64,
+    pub resets: u64,
     /// Number of times that the world was saved.
-    pub(crate) saves: u64,
+    pub saves: u64,
     /// Steps of robots whose contacts did not converge.
-    pub(crate) unsettled_steps: u64,
+    pub unsettled_steps: u64,
     /// File of the log that is being written.
-    pub(crate) recording: Option<String>,
+    pub recording: Option<String>,
     /// The league that is played, if any.
-    pub(crate) league: Option<LeagueStatus>,
-    pub(crate) robots: Vec<RobotStatus>,
-    pub(crate) clients: Vec<ClientStatus>,
+    pub league: Option<LeagueStatus>,
+    /// All robots.
+    pub robots: Vec<RobotStatus>,
+    /// All clients.
+    pub clients: Vec<ClientStatus>,
 }
 
 /// A league.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[cfg_attr(test, ts(rename = "League"))]
-pub(crate) struct LeagueStatus {
+pub struct LeagueStatus {
     name: String,
     /// Simulated time that is left, s.
     time_left: f64,
@@ -228,7 +243,8 @@ struct TeamStatus {
 }
 
 impl LeagueStatus {
-    pub(crate) fn new(standings: Standings) -> Self {
+    /// Creates the status of a league.
+    pub fn new(standings: Standings) -> Self {
         let team = |(place, team): (usize, &Standing)| TeamStatus {
             place,
             name: team.team.clone(),
@@ -250,29 +266,33 @@ impl LeagueStatus {
 /// A robot in the world.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub(crate) struct RobotStatus {
-    pub(crate) id: u64,
-    pub(crate) class: String,
-    pub(crate) name: String,
+pub struct RobotStatus {
+    /// Its number.
+    pub id: u64,
+    /// Its class.
+    pub class: String,
+    /// Its name; empty if it has none.
+    pub name: String,
     /// The connection that it reports to.
-    pub(crate) connection: Option<u64>,
+    pub connection: Option<u64>,
     /// Battery life left, whole s.
-    pub(crate) battery: Option<i32>,
+    pub battery: Option<i32>,
 }
 
 /// A connected client.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub(crate) struct ClientStatus {
-    pub(crate) connection: u64,
+pub struct ClientStatus {
+    /// Its connection.
+    pub connection: u64,
     /// Its address.
-    pub(crate) peer: String,
+    pub peer: String,
     /// Lines received from it.
-    pub(crate) lines: u64,
+    pub lines: u64,
     /// Periodic lines dropped because it was too slow.
-    pub(crate) dropped: u64,
+    pub dropped: u64,
     /// Bytes that wait to be sent to it.
-    pub(crate) waiting_bytes: usize,
+    pub waiting_bytes: usize,
 }
 
 impl Request {
@@ -280,7 +300,7 @@ impl Request {
     ///
     /// # Errors
     /// Describes the problem.
-    pub(crate) fn read(text: &str) -> Result<Self, String> {
+    pub fn read(text: &str) -> Result<Self, String> {
         match serde_json::from_str(text) {
             Ok(Self::Control(control)) => control.checked().map(Self::Control),
             Ok(request) => Ok(request),
@@ -296,7 +316,7 @@ impl Request {
 
 impl Message<'_> {
     /// Returns the text.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         // Every key is a string, so serialization cannot fail.
         serde_json::to_string(self).unwrap_or_default()
     }
@@ -330,7 +350,7 @@ mod tests {
             ClientStatus::decl(&config),
         ];
         let types: String = declarations.iter().map(|it| format!("\nexport {it}\n")).collect();
-        let text = format!("// Generated from crates/gamebots-server/src/messages/live.rs by `make figures`.\n{types}");
+        let text = format!("// Generated from crates/page-protocol/src/live.rs by `make figures`.\n{types}");
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../viewer/src/protocol/live.gen.ts");
         if std::env::var_os("UPDATE_FIGURES").is_some() {
             std::fs::write(&path, &text).expect("a file");

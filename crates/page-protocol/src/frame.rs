@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use prost::Message as _;
 use scene::{Contact, Pose, RobotDef, RobotSnapshot, Snapshot, WorldDef};
 
-use crate::messages::pb::message::Content;
-use crate::messages::pb::{Frame, Message, Placed, Robot, Scan, Wheel};
+use crate::pb::message::Content;
+use crate::pb::{Frame, Message, Placed, Robot, Scan, Wheel};
 
 /// Most contacts of one robot that are published, the strongest first.
 const MAX_CONTACTS: usize = 64;
@@ -19,12 +19,12 @@ const HALF_TURN: f64 = 32768.0;
 const FULL_RANGE: f64 = 65535.0;
 
 /// Encodes a message.
-pub(crate) fn encode(content: Content) -> Vec<u8> {
+pub fn encode(content: Content) -> Vec<u8> {
     Message { content: Some(content) }.encode_to_vec()
 }
 
 /// Encodes a snapshot as a frame.
-pub(crate) fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
+pub fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
     let of_class = |it: &RobotSnapshot| Some(robot(scene.robots.get(&it.class)?, it));
     let robots = snapshot.robots.iter().filter_map(of_class).collect();
     let objects = snapshot.objects.iter();
@@ -33,7 +33,7 @@ pub(crate) fn frame(scene: &WorldDef, snapshot: &Snapshot) -> Vec<u8> {
 }
 
 /// Encodes a sensor's ranges as a scan; `None` if the robot's class has no such sensor.
-pub(crate) fn scan(def: &RobotDef, robot: u64, sensor: usize, ranges: &[f64]) -> Option<Vec<u8>> {
+pub fn scan(def: &RobotDef, robot: u64, sensor: usize, ranges: &[f64]) -> Option<Vec<u8>> {
     let unit = def.sensors.get(sensor)?.config.max_range()? / FULL_RANGE;
     let ranges = ranges.iter().map(|range| (range / unit).round().clamp(0.0, FULL_RANGE) as u32).collect();
     Some(encode(Content::Scan(Scan { robot: robot as u32, sensor: sensor as u32, ranges })))

@@ -15,14 +15,15 @@ use picture::SENSOR_SIZE;
 
 /// The server's settings that a page needs beside the world.
 #[derive(Debug, Clone)]
-pub(crate) struct About {
-    pub(crate) seed: u64,
+pub struct About {
+    /// Seed of the world.
+    pub seed: u64,
     /// Time step, s.
-    pub(crate) time_step: f64,
+    pub time_step: f64,
     /// Port for controllers.
-    pub(crate) port: u16,
+    pub port: u16,
     /// Maps that it can change to, with their descriptions.
-    pub(crate) maps: Vec<(String, String)>,
+    pub maps: Vec<(String, String)>,
 }
 
 /// Position x y z, m, and quaternion x y z w, in the frame of the parent.
@@ -252,7 +253,7 @@ page_types! {
 
 /// Returns the map and the names of all classes as JSON. Without `about`, as for a log's world, it has no settings of a server, but every
 /// class.
-pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
+pub fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
     let maps = about.iter().flat_map(|about| &about.maps);
     let classes = about.is_none().then(|| world.robots.iter()).into_iter().flatten();
     let scene = Scene {
@@ -271,13 +272,13 @@ pub(crate) fn scene_json(world: &WorldDef, about: Option<&About>) -> String {
 }
 
 /// Returns a robot class as JSON.
-pub(crate) fn class_json(def: &RobotDef) -> String {
+pub fn class_json(def: &RobotDef) -> String {
     // Every key is a string, so serialization cannot fail.
     serde_json::to_string(&class(def)).unwrap_or_default()
 }
 
 /// Returns objects beside the map's as JSON.
-pub(crate) fn objects_json(objects: &[ObjectSnapshot]) -> String {
+pub fn objects_json(objects: &[ObjectSnapshot]) -> String {
     let objects = objects.iter().map(|object| Spawned { number: object.id.0, solid: solid(&object.def.solid) });
     serde_json::to_string(&objects.collect::<Vec<_>>()).unwrap_or_default()
 }
@@ -450,7 +451,7 @@ mod tests {
     fn the_page_has_the_types_of_the_scene() {
         let types: String = declarations().iter().map(|it| format!("\nexport {it}\n")).collect();
         let text = format!(
-            "// Generated from crates/gamebots-server/src/messages/scene.rs by `make figures`.\n\n\
+            "// Generated from crates/page-protocol/src/page_scene.rs by `make figures`.\n\n\
              import type {{ Shape }} from './shape.gen';\n{types}"
         );
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../viewer/src/protocol/scene.gen.ts");

@@ -2,7 +2,7 @@
 
 use std::net::IpAddr;
 
-use crate::messages::live::{Control, Request};
+use crate::live::{Control, Request};
 
 /// Most steps of one request.
 const MAX_STEPS: u32 = 100_000;
@@ -25,7 +25,7 @@ impl Control {
     ///
     /// # Errors
     /// Describes the problem.
-    pub(crate) fn read(text: &str) -> Result<Self, String> {
+    pub fn read(text: &str) -> Result<Self, String> {
         match Request::read(text)? {
             Request::Control(control) => Ok(control),
             Request::Token(_) | Request::Fit(_) | Request::Listen(_) => {
@@ -38,7 +38,7 @@ impl Control {
     ///
     /// # Errors
     /// Describes the problem.
-    pub(crate) fn checked(self) -> Result<Self, String> {
+    pub fn checked(self) -> Result<Self, String> {
         match self {
             Self::Step(steps) if !(1..=MAX_STEPS).contains(&steps) => {
                 Err(format!("`step` is {steps}: expected 1 to {MAX_STEPS}"))
@@ -60,16 +60,16 @@ impl Control {
 
 /// A viewer that controls the world, as shown to everyone.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Actor(pub(crate) String);
+pub struct Actor(pub String);
 
 impl Actor {
     /// Names a page by its number and address.
-    pub(crate) fn page(number: u64, address: IpAddr) -> Self {
+    pub fn page(number: u64, address: IpAddr) -> Self {
         Self(format!("page {number} ({address})"))
     }
 
     /// Names a client of Foxglove, whose protocol does not identify clients.
-    pub(crate) fn foxglove() -> Self {
+    pub fn foxglove() -> Self {
         Self("Foxglove".to_owned())
     }
 }
