@@ -7,5 +7,5 @@ mod records;
 mod replay;
 
 pub use logged::LoggedSessions;
-pub use records::{Mistakes, record, warning};
+pub use records::record;
 pub use replay::{Replay, ReplayError, replay};

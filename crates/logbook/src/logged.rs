@@ -6,10 +6,10 @@ use std::sync::{Mutex, PoisonError};
 use gamebots_proto::{Dialect, Problem};
 use recorder::{End, LogWriter, Record, RecordError, StateTimer};
 use scene::{PawnId, Sensed};
-use sessions::{Listener, News, Request, SessionId, Sessions};
+use sessions::{Listener, Mistakes, News, Request, SessionId, Sessions};
 use sim_core::World;
 
-use crate::records::{Mistakes, record};
+use crate::records::record;
 
 /// A world with its sessions, and the log that they are written to, if any.
 pub struct LoggedSessions {

@@ -4,6 +4,7 @@
 //! lines and steps in the order in which it is told of them, and returns everything that happens as [`News`]. The server, experiments,
 //! replays and the fuzzer drive their worlds by it, so they agree.
 
+mod mistakes;
 mod owners;
 mod round;
 
@@ -15,6 +16,7 @@ use gamebots_proto::{Command, Dialect, MAX_BLOCKS, Problem, shown};
 use scene::{PawnId, Score, Sensed, Standings};
 use sim_core::{Executed, Fault, LostRobot, Report, World};
 
+pub use mistakes::Mistakes;
 use owners::Owners;
 use round::{Admission, Round};
 
@@ -109,6 +111,25 @@ pub enum News<'a> {
     Scored(&'a Score),
     /// The time of the league is up.
     TimeUp(&'a Standings),
+}
+
+impl News<'_> {
+    /// Returns the warning of news about a fault of the world, in words; `None` for other news.
+    pub fn warning(&self) -> Option<String> {
+        match self {
+            Self::Lost(lost) => Some(lost.to_string()),
+            Self::Restored { name, fault } => Some(format!("object {name} is put back where the map has it: {fault}")),
+            Self::Received { .. }
+            | Self::Wrong { .. }
+            | Self::Came(_)
+            | Self::Sensed(_)
+            | Self::Sent { .. }
+            | Self::Left(_)
+            | Self::Closed(_)
+            | Self::Scored(_)
+            | Self::TimeUp(_) => None,
+        }
+    }
 }
 
 /// A world and its sessions. A copy is independent and continues as the original would.

@@ -292,7 +292,7 @@ impl Subscriber for Broadcast {
                 }
                 News::Came(_) | News::Closed(_) => self.changed(now),
                 News::Lost(_) | News::Restored { .. } => {
-                    logbook::warning(news).iter().for_each(|text| self.say(text));
+                    news.warning().iter().for_each(|text| self.say(text));
                     self.changed(now);
                 }
                 News::Scored(score) => {

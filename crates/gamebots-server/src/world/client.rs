@@ -6,9 +6,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gamebots_proto::{Command, Problem};
-use logbook::Mistakes;
 use outbox::Outbox;
-use sessions::{Request, SessionId};
+use sessions::{Mistakes, Request, SessionId};
 use tracing::warn;
 
 use crate::access::budget::{Budgets, Spent};

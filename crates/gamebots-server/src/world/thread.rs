@@ -168,7 +168,7 @@ impl Audience {
             let warnings = client.map(|client| client.warn_of(line, problems, Instant::now()));
             warnings.iter().flatten().for_each(|warning| publisher.tell(world, &Told::Warning(warning)));
         }
-        logbook::warning(&news).iter().for_each(|text| warn!("{text}"));
+        news.warning().iter().for_each(|text| warn!("{text}"));
         publisher.news(world, &news);
         match news {
             News::Sent { session, line, is_periodic, .. } => {
